@@ -1,0 +1,60 @@
+//! Where the OpenXR half and the Vulkan half meet: a versioned C table.
+//!
+//! The halves may be loaded from different paths, or as two copies with separate globals (containers), so
+//! the OpenXR half never looks into the Vulkan half's memory. It asks the application's own Vulkan loader,
+//! `vkGetDeviceProcAddr(device, "parafovea_vkGetLink")`, which only our Vulkan layer answers, and gets a
+//! [`LinkTable`] of whichever copy sits in that device's chain.
+
+use ash::vk;
+use std::ffi::{CStr, c_char, c_void};
+
+/// The name that the Vulkan half's `vkGetDeviceProcAddr` answers with a [`GetLink`].
+pub const GET_LINK_NAME: &CStr = c"parafovea_vkGetLink";
+
+/// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
+pub const LINK_VERSION: u32 = 1;
+
+/// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
+pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
+
+/// What the Vulkan half offers to the OpenXR half.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct LinkTable {
+    /// [`LINK_VERSION`] of the library that made this table.
+    pub version: u32,
+    /// `size_of::<LinkTable>()` of that library.
+    pub size: u32,
+    /// Writes what is known of a live device to `record`; returns 1, or 0 when the device is not tracked.
+    pub device: unsafe extern "C" fn(device: vk::Device, record: *mut DeviceRecord) -> u32,
+    /// Marks the device active (1: an OpenXR session is bound to it) or armed again (0).
+    pub set_active: unsafe extern "C" fn(device: vk::Device, active: u32),
+    /// Enters (1) or leaves (0) a section of this thread whose submits are the runtime's or ours, not the
+    /// application's. Sections nest.
+    pub runtime_section: unsafe extern "C" fn(enter: u32),
+}
+
+/// One device as the Vulkan half tracked it.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct DeviceRecord {
+    /// The instance that the device belongs to.
+    pub instance: vk::Instance,
+    /// The physical device that it was made from.
+    pub physical_device: vk::PhysicalDevice,
+    /// The device itself, as the application knows it.
+    pub device: vk::Device,
+    /// The Vulkan version both the application asked for and the device has (`vk::make_api_version`).
+    pub api_version: u32,
+    /// The next layer's (or driver's) `vkGetInstanceProcAddr`: calls through it bypass the layers above us.
+    pub next_get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+    /// The next layer's (or driver's) `vkGetDeviceProcAddr`.
+    pub next_get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
+    /// The Vulkan loader's callback that must initialise every dispatchable object that we create
+    /// (command buffers, queues) before it is used with the next layer's functions.
+    pub set_device_loader_data: unsafe extern "system" fn(device: vk::Device, object: *mut c_void) -> vk::Result,
+}
+
+/// `vkGetDeviceProcAddr` as the application's Vulkan loader exports it.
+pub type LoaderGetDeviceProcAddr =
+    unsafe extern "system" fn(device: vk::Device, name: *const c_char) -> vk::PFN_vkVoidFunction;
