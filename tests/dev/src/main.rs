@@ -1,2 +1,48 @@
-//! Placeholder.
-fn main() {}
+//! `cargo dev <task>`: the one tool for everyone who works on Parafovea. `cargo dev help` lists the tasks.
+//!
+//! Only the standard library is used here, so that the tool itself is built within a second or two; whatever
+//! needs more (the demo, the benches) is a program of the `parafovea-tests` package that a task builds and
+//! runs. Everything is written below the target folder.
+
+mod packages;
+mod setup;
+mod steps;
+mod tasks;
+
+use std::process::ExitCode;
+
+const HELP: &str = "\
+cargo dev <task>, run anywhere in the repository:
+
+  setup                 install what is missing (Debian and Ubuntu; elsewhere: name it). Implied by every task
+  demo [--json]         hello_xr and our scene through the layer, off and on; pictures in target/demo/
+  test                  formatting, clippy, build, all tests, docs: what CI runs
+  run [--runtime mock|system] [--config FILE] -- CMD...
+                        any OpenXR program with the layer (default: the mock runtime on lavapipe)
+  bench NAME [--json]   a bench: overhead
+  help                  this text
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let rest = arguments.get(1..).unwrap_or_default();
+    let outcome = match arguments.first().map(String::as_str) {
+        Some("setup") => setup::setup(setup::Voice::Asked),
+        Some("demo") => tasks::demo(rest),
+        Some("test") => tasks::test(rest),
+        Some("run") => tasks::run(rest),
+        Some("bench") => tasks::bench(rest),
+        Some("help" | "--help" | "-h") | None => {
+            print!("{HELP}");
+            Ok(())
+        }
+        Some(other) => Err(format!("there is no task `{other}`; cargo dev help lists the tasks")),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("cargo dev: failed: {reason}");
+            ExitCode::FAILURE
+        }
+    }
+}

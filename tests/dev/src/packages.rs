@@ -1,0 +1,169 @@
+//! What the tasks need from the system: how to see that it is there, and the package that brings it.
+
+use std::path::{Path, PathBuf};
+
+/// A package manager that we know package names for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Manager {
+    Apt,
+    Dnf,
+    Pacman,
+}
+
+impl Manager {
+    /// All of them, in the order in which a machine is searched for one.
+    pub const ALL: [Manager; 3] = [Manager::Apt, Manager::Dnf, Manager::Pacman];
+
+    /// The program that is looked for in `PATH`.
+    pub fn program(self) -> &'static str {
+        match self {
+            Manager::Apt => "apt-get",
+            Manager::Dnf => "dnf",
+            Manager::Pacman => "pacman",
+        }
+    }
+
+    /// The command line that installs `packages`, to be run as root.
+    pub fn install_command(self, packages: &[&str]) -> String {
+        let verb = match self {
+            Manager::Apt => "apt-get install",
+            Manager::Dnf => "dnf install",
+            Manager::Pacman => "pacman -S --needed",
+        };
+        format!("{verb} {}", packages.join(" "))
+    }
+}
+
+/// Something that the tasks use and that cargo cannot bring.
+pub struct Need {
+    /// What it is, for people.
+    pub what: &'static str,
+    /// What is lost without it.
+    pub without: &'static str,
+    /// The file whose presence proves it.
+    pub proof: Proof,
+    /// Package names for [`Manager::ALL`], in that order.
+    packages: [&'static str; 3],
+}
+
+impl Need {
+    /// The package that brings it with `manager`.
+    pub fn package(&self, manager: Manager) -> &'static str {
+        self.packages[manager as usize]
+    }
+}
+
+/// A file that proves that something is installed; looking is much faster than asking a package manager.
+pub enum Proof {
+    /// A program in `PATH`.
+    Program(&'static str),
+    /// A shared library in one of the usual folders, or in `LD_LIBRARY_PATH`.
+    Library(&'static str),
+    /// A file in a folder below the data or configuration folders (`/usr/share`, `/etc`, ...), by prefix.
+    Data { folder: &'static str, prefix: &'static str },
+}
+
+impl Proof {
+    /// Whether the file is there.
+    pub fn holds(&self) -> bool {
+        match self {
+            Proof::Program(name) => program_in_path(name),
+            Proof::Library(name) => library_folders().iter().any(|folder| folder.join(name).exists()),
+            Proof::Data { folder, prefix } => {
+                data_folders().iter().any(|data| has_file_with_prefix(&data.join(folder), prefix))
+            }
+        }
+    }
+}
+
+/// Everything that the tasks look for. None is needed to build.
+pub const NEEDS: [Need; 6] = [
+    Need {
+        what: "lavapipe, the Vulkan driver that runs on any CPU",
+        without: "the first Vulkan driver of this machine is used, and figures differ from the README's",
+        proof: Proof::Data { folder: "vulkan/icd.d", prefix: "lvp_icd" },
+        packages: ["mesa-vulkan-drivers", "mesa-vulkan-drivers", "vulkan-swrast"],
+    },
+    Need {
+        what: "the Vulkan loader",
+        without: "nothing can be rendered: demo, benches and end-to-end tests fail",
+        proof: Proof::Library("libvulkan.so.1"),
+        packages: ["libvulkan1", "vulkan-loader", "vulkan-icd-loader"],
+    },
+    Need {
+        what: "the Vulkan validation layer",
+        without: "tests that judge our Vulkan calls fail",
+        proof: Proof::Data { folder: "vulkan/explicit_layer.d", prefix: "VkLayer_khronos_validation" },
+        packages: ["vulkan-validationlayers", "vulkan-validation-layers", "vulkan-validation-layers"],
+    },
+    Need {
+        what: "the OpenXR loader",
+        without: "nothing can be rendered: demo, benches and end-to-end tests fail",
+        proof: Proof::Library("libopenxr_loader.so.1"),
+        packages: ["libopenxr-loader1", "openxr-libs", "openxr"],
+    },
+    Need {
+        what: "hello_xr, the unmodified application",
+        without: "the demo shows our own scene only, and tests with hello_xr fail",
+        proof: Proof::Program("hello_xr"),
+        packages: ["libopenxr-utils", "openxr", "openxr"],
+    },
+    Need {
+        what: "the OpenXR core validation layer",
+        without: "tests that judge our OpenXR calls fail",
+        proof: Proof::Data { folder: "openxr/1/api_layers/explicit.d", prefix: "XrApiLayer_core_validation" },
+        packages: ["openxr-layer-corevalidation", "openxr", "openxr"],
+    },
+];
+
+/// Whether a program of that name is in a folder of `PATH`.
+pub fn program_in_path(name: &str) -> bool {
+    std::env::var_os("PATH")
+        .is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(name).is_file()))
+}
+
+fn library_folders() -> Vec<PathBuf> {
+    let mut folders: Vec<PathBuf> =
+        ["/usr/lib64", "/usr/lib", "/usr/local/lib", "/usr/local/lib64", "/lib64", "/lib"]
+            .map(PathBuf::from)
+            .into();
+    // Debian's multiarch folders: /usr/lib/x86_64-linux-gnu and its like.
+    let multiarch = std::fs::read_dir("/usr/lib").into_iter().flatten().flatten().map(|entry| entry.path());
+    folders.extend(multiarch.filter(|path| path.to_string_lossy().ends_with("-linux-gnu")));
+    folders.extend(std::env::var_os("LD_LIBRARY_PATH").iter().flat_map(std::env::split_paths));
+    folders
+}
+
+fn data_folders() -> Vec<PathBuf> {
+    let mut folders: Vec<PathBuf> = ["/usr/share", "/usr/local/share", "/etc"].map(PathBuf::from).into();
+    folders.extend(std::env::var_os("XDG_DATA_DIRS").iter().flat_map(std::env::split_paths));
+    folders
+}
+
+fn has_file_with_prefix(folder: &Path, prefix: &str) -> bool {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.into_iter().any(|entry| entry.file_name().to_string_lossy().starts_with(prefix))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_manager_has_a_command_for_every_need() {
+        for manager in Manager::ALL {
+            let packages: Vec<&str> = NEEDS.iter().map(|need| need.package(manager)).collect();
+            let command = manager.install_command(&packages);
+            assert!(command.starts_with(manager.program().split('-').next().unwrap()), "{command}");
+            assert!(packages.iter().all(|package| command.contains(package)), "{command}");
+        }
+    }
+
+    #[test]
+    fn proofs_look_at_files() {
+        assert!(Proof::Program("sh").holds());
+        assert!(!Proof::Program("no-such-program-as-this").holds());
+        assert!(Proof::Library("libc.so.6").holds());
+        assert!(!Proof::Data { folder: "no/such/folder", prefix: "" }.holds());
+    }
+}

@@ -1,0 +1,71 @@
+//! The tasks beyond `setup`: each builds what it needs with the one profile that they all share.
+
+use crate::setup::{Voice, setup};
+use crate::steps::{Steps, cargo, profile_folder};
+use std::path::Path;
+use std::process::Command;
+
+const BENCHES: [&str; 1] = ["overhead"];
+
+/// The unmodified application and our scene, off and on.
+pub fn demo(arguments: &[String]) -> Result<(), String> {
+    setup(Voice::Implied)?;
+    let mut steps = Steps::default();
+    build(&mut steps)?;
+    steps.run("demo", Command::new(profile_folder()?.join("parafovea-demo")).args(arguments))
+}
+
+/// What CI runs.
+pub fn test(arguments: &[String]) -> Result<(), String> {
+    if let Some(extra) = arguments.first() {
+        return Err(format!("`test` takes no arguments, and got `{extra}`; `cargo test` takes filters"));
+    }
+    let mut steps = Steps::default();
+    let outcome = setup(Voice::Implied).and_then(|()| checks(&mut steps));
+    steps.summary();
+    outcome
+}
+
+fn checks(steps: &mut Steps) -> Result<(), String> {
+    steps.run("cargo fmt", in_root(cargo().args(["fmt", "--all", "--check"])))?;
+    let clippy = ["clippy", "--locked", "--workspace", "--all-targets", "--", "-D", "warnings"];
+    steps.run("cargo clippy", in_root(cargo().args(clippy)))?;
+    build(steps)?;
+    steps.run("cargo test", in_root(cargo().args(["test", "--locked", "--workspace"])))?;
+    let doc = ["doc", "--locked", "--workspace", "--no-deps"];
+    steps.run("cargo doc", in_root(cargo().args(doc)).env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+/// Any OpenXR program with the layer.
+pub fn run(arguments: &[String]) -> Result<(), String> {
+    setup(Voice::Implied)?;
+    let mut steps = Steps::default();
+    build(&mut steps)?;
+    steps.run("run", Command::new(profile_folder()?.join("parafovea-run")).args(arguments))
+}
+
+/// One bench, by name.
+pub fn bench(arguments: &[String]) -> Result<(), String> {
+    let Some((name, rest)) = arguments.split_first() else {
+        return Err(format!("bench needs a name: {}", BENCHES.join(", ")));
+    };
+    if !BENCHES.contains(&name.as_str()) {
+        return Err(format!("there is no bench `{name}`; there is: {}", BENCHES.join(", ")));
+    }
+    setup(Voice::Implied)?;
+    let mut steps = Steps::default();
+    build(&mut steps)?;
+    // The dev profile, as for everything else: what is measured are the libraries that were just built.
+    let bench =
+        ["bench", "--locked", "--quiet", "--profile", "dev", "--package", "parafovea-tests", "--bench"];
+    steps.run(&format!("bench {name}"), in_root(cargo().args(bench).arg(name).arg("--").args(rest)))
+}
+
+/// Every library and program, so that the end-to-end programs find them beside themselves.
+fn build(steps: &mut Steps) -> Result<(), String> {
+    steps.run("cargo build", in_root(cargo().args(["build", "--locked", "--workspace"])))
+}
+
+fn in_root(command: &mut Command) -> &mut Command {
+    command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))
+}
