@@ -1,1 +1,4 @@
-//! Placeholder.
+//! The passes, in the order in which a frame goes through them. Each has one stem in three places: the
+//! shader in `layer/shaders`, the CPU reference in `parafovea_core::kernels`, and the pass here.
+
+pub mod compose;
