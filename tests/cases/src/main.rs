@@ -1,0 +1,63 @@
+//! A plain OpenXR and Vulkan application: each run does one small, exactly known thing with swapchains,
+//! sessions or actions, and prints what it observed.
+//!
+//! It knows nothing of any API layer. A run straight on a runtime is the reference; a run with a layer in
+//! between has to observe the same.
+
+mod app;
+mod cases;
+mod failure;
+mod functions;
+mod options;
+mod paint;
+mod session;
+mod swapchain;
+mod vulkan;
+mod xr;
+
+use app::App;
+use cases::{CASES, Case};
+use clap::Parser;
+use failure::Failure;
+use options::Options;
+use parafovea_cases::report::Report;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let options = Options::parse();
+    let Some(name) = options.case.as_deref().filter(|_| !options.list) else {
+        for case in CASES {
+            println!("{}", case.name);
+        }
+        return ExitCode::SUCCESS;
+    };
+    let Some(case) = CASES.iter().find(|case| case.name == name) else {
+        eprintln!("no case {name}: --list prints the names");
+        return ExitCode::from(2);
+    };
+    let report = run(case, &options);
+    match serde_json::to_string(&report) {
+        Ok(line) => println!("{line}"),
+        Err(error) => {
+            eprintln!("the report does not serialise: {error}");
+            return ExitCode::FAILURE;
+        }
+    }
+    if report.unexpected.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn run(case: &Case, options: &Options) -> Report {
+    let mut report = Report::default();
+    if let Err(failure) = run_into(case, options, &mut report) {
+        report.unexpected.push(failure.to_string());
+    }
+    report.case = case.name.to_owned();
+    report
+}
+
+fn run_into(case: &Case, options: &Options, report: &mut Report) -> Result<(), Failure> {
+    let app = App::start(options, case.extensions)?;
+    let result = (case.run)(&app);
+    *report = app.into_report();
+    result
+}

@@ -1,0 +1,61 @@
+//! The command line.
+
+use clap::{Parser, ValueEnum};
+
+/// Runs one case and prints what it observed as one JSON object. Exits with 0 when that is what the OpenXR
+/// specification says, else with 1.
+#[derive(Parser)]
+#[command(name = "parafovea-cases", version)]
+pub struct Options {
+    /// Name of the case
+    #[arg(required_unless_present = "list")]
+    pub case: Option<String>,
+    /// Print the names of the cases, one a line
+    #[arg(long)]
+    pub list: bool,
+    /// Which extension connects OpenXR and Vulkan: XR_KHR_vulkan_enable (1) or XR_KHR_vulkan_enable2 (2)
+    #[arg(long, value_enum, default_value = "2")]
+    pub enable: Enable,
+    /// The Vulkan version that the application asks for
+    #[arg(long, value_enum, default_value = "1.1")]
+    pub vulkan: VulkanVersion,
+    /// Create VkInstance and VkDevice before the XrInstance (needs --enable 1)
+    #[arg(long)]
+    pub vulkan_first: bool,
+}
+
+/// The graphics extension.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Enable {
+    /// XR_KHR_vulkan_enable
+    #[value(name = "1")]
+    One,
+    /// XR_KHR_vulkan_enable2
+    #[value(name = "2")]
+    Two,
+}
+
+/// The version in VkApplicationInfo.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum VulkanVersion {
+    /// Vulkan 1.0
+    #[value(name = "1.0")]
+    V1_0,
+    /// Vulkan 1.1
+    #[value(name = "1.1")]
+    V1_1,
+    /// Vulkan 1.3
+    #[value(name = "1.3")]
+    V1_3,
+}
+
+impl VulkanVersion {
+    /// As Vulkan encodes it.
+    pub fn encoded(self) -> u32 {
+        match self {
+            Self::V1_0 => ash::vk::API_VERSION_1_0,
+            Self::V1_1 => ash::vk::API_VERSION_1_1,
+            Self::V1_3 => ash::vk::API_VERSION_1_3,
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! What a run of the application observed: the one JSON object that it prints.
+
+use crate::pattern::Figure;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A run of one case.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Report {
+    /// Name of the case.
+    pub case: String,
+    /// Frames that xrEndFrame accepted.
+    pub frames: u32,
+    /// The calls that the case is about, in order.
+    pub calls: Vec<Call>,
+    /// Images of each swapchain, in order of creation.
+    pub image_counts: Vec<u32>,
+    /// Names of the events that the application received, in order.
+    pub events: Vec<String>,
+    /// What else the case looked at, by name.
+    pub facts: BTreeMap<String, String>,
+    /// What differs from the specification; empty in a good run.
+    pub unexpected: Vec<String>,
+    /// What xrEndFrame was given, as drawn.
+    pub pictures: Vec<Picture>,
+}
+
+/// One call and its result.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Call {
+    /// What was called, and in which situation.
+    pub what: String,
+    /// The result's name, such as `XR_ERROR_CALL_ORDER_INVALID`.
+    pub result: String,
+}
+
+/// One sub-image of a frame that xrEndFrame accepted.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Picture {
+    /// Number of the frame among those accepted, from 0.
+    pub frame: u32,
+    /// Number of the composition layer in the frame.
+    pub layer: u32,
+    /// Number of the view in the layer; 0 for a quad.
+    pub view: u32,
+    /// What the application drew there.
+    pub figure: Figure,
+}
+
+impl Report {
+    /// Notes a call's result, and that it is unexpected unless it is one of `expected`.
+    pub fn call(&mut self, what: &str, result: &str, expected: &[&str]) {
+        self.calls.push(Call { what: what.to_owned(), result: result.to_owned() });
+        if !expected.contains(&result) {
+            let expected = expected.join(" or ");
+            self.unexpected.push(format!("{what}: {result} instead of {expected}"));
+        }
+    }
+
+    /// Notes what was seen, and that it is unexpected unless it equals `expected`.
+    pub fn fact(&mut self, name: &str, value: impl ToString, expected: impl ToString) {
+        let (value, expected) = (value.to_string(), expected.to_string());
+        if value != expected {
+            self.unexpected.push(format!("{name}: {value} instead of {expected}"));
+        }
+        self.note(name, value);
+    }
+
+    /// Notes what was seen, where the specification leaves it open.
+    pub fn note(&mut self, name: &str, value: impl ToString) {
+        self.facts.insert(name.to_owned(), value.to_string());
+    }
+}
