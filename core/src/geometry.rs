@@ -2,6 +2,9 @@
 //!
 //! View space is OpenXR's: +x right, +y up, -z forward. Angles are radians unless a name says otherwise.
 
+mod tile;
+
+pub use tile::{EccentricityRange, PixelRect, tile_eccentricity};
 
 use glam::{Vec2, Vec3};
 
@@ -95,3 +98,5 @@ fn scaled_to_one(v: Vec3) -> Vec3 {
     if v.is_finite() && largest > 0.0 { v / largest } else { Vec3::ZERO }
 }
 
+#[cfg(test)]
+mod tests;

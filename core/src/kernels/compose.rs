@@ -1,31 +1,154 @@
-//! Reference of the kernel `compose`.
+//! Reference of the kernel `compose`: what happens to the pixels of one region, a rectangle of an image that
+//! shows one eye's view, after the whole image was copied.
+//!
+//! The region is divided into tiles of [`TILE_SIZE`] pixels; tiles without work are not drawn, and pixels
+//! inside the plateau of full colour are not written.
 
-use crate::chroma::ChromaSettings;
-use crate::geometry::Fov;
+mod image;
+
+pub use image::{PixelFormat, compose_image};
+
+use crate::chroma::{ChromaSettings, Curves, Gamut, Mode, attenuate};
+use crate::geometry::{Fov, ImagePlane, PixelRect, eccentricity, tile_eccentricity};
 use crate::layout::uniform;
-use glam::Vec3;
+use glam::{UVec2, Vec2, Vec3};
+
+/// Side of a tile in pixels. The shader has the same constant.
+pub const TILE_SIZE: u32 = 16;
 
 uniform! {
-    /// Parameters of one region.
+    /// Parameters of one region, the shader's uniform of the same name.
     pub struct ComposeParams {
         /// First pixel of the region.
         pub rect_offset: [u32; 2],
-        /// Size of the region in pixels.
+        /// Size of the region, pixels.
         pub rect_extent: [u32; 2],
+        /// [`ImagePlane::origin`] of the region.
+        pub plane_origin: [f32; 2],
+        /// [`ImagePlane::step`] of the region.
+        pub plane_step: [f32; 2],
+        /// Direction of the gaze in view space, of unit length; all 0 when there is none, and then no work.
+        pub gaze: [f32; 3],
+        /// [`Curves::plateau`], radians.
+        pub plateau: f32,
+        /// Kr, see [`crate::color::Matrix::weights`].
+        pub red_weight: f32,
+        /// Kb; Kg is the rest to 1.
+        pub blue_weight: f32,
+        /// [`Curves::range_scale`], per radian.
+        pub range_scale: f32,
+        /// [`Curves::cb_bound`].
+        pub cb_bound: f32,
+        /// [`Curves::cr_bound`].
+        pub cr_bound: f32,
+        /// [`Curves::rim_scale`].
+        pub rim_scale: f32,
+        /// [`Gamut::floor`].
+        pub gamut_floor: f32,
+        /// [`Gamut::ceiling`].
+        pub gamut_ceiling: f32,
     }
 }
 
 impl ComposeParams {
-    /// Parameters of one region: a rectangle of an image that shows `fov`, seen with `gaze` (a direction in that
-    /// eye's view space: +x right, +y up, -z forward). `clamp_to_unit` says that the image stores 0..=1 only.
+    /// Parameters of the rectangle of `rect_extent` pixels at `rect_offset`, which shows `fov` as seen with
+    /// `gaze`: a direction in that eye's view space, +x right, +y up, -z forward. Without a usable gaze
+    /// (zero, not finite) there is no work. `clamp_to_unit`: the image stores 0..=1 only.
     pub fn new(
         rect_offset: [u32; 2],
         rect_extent: [u32; 2],
-        _fov: Fov,
-        _gaze: Vec3,
-        _settings: &ChromaSettings,
-        _clamp_to_unit: bool,
+        fov: Fov,
+        gaze: Vec3,
+        settings: &ChromaSettings,
+        clamp_to_unit: bool,
     ) -> Self {
-        Self { rect_offset, rect_extent }
+        let plane = fov.tangents().plane(rect_extent);
+        let curves = Curves::new(settings);
+        let gamut = match (settings.mode, clamp_to_unit) {
+            (Mode::Paper, _) => Gamut::UNBOUNDED,
+            (Mode::Default, true) => Gamut::UNIT,
+            (Mode::Default, false) => Gamut::POSITIVE,
+        };
+        let weights = settings.matrix.weights();
+        Self {
+            rect_offset,
+            rect_extent,
+            plane_origin: plane.origin.into(),
+            plane_step: plane.step.into(),
+            gaze: gaze.try_normalize().unwrap_or(Vec3::ZERO).into(),
+            plateau: curves.plateau,
+            red_weight: weights.x,
+            blue_weight: weights.z,
+            range_scale: curves.range_scale,
+            cb_bound: curves.cb_bound,
+            cr_bound: curves.cr_bound,
+            rim_scale: curves.rim_scale,
+            gamut_floor: gamut.floor,
+            gamut_ceiling: gamut.ceiling,
+        }
+    }
+
+    /// The part of the region inside an image of `extent` pixels, if any. What its pixels show is unchanged.
+    pub fn clipped(mut self, extent: [u32; 2]) -> Option<Self> {
+        let room = UVec2::from(extent).saturating_sub(self.rect_offset.into());
+        self.rect_extent = room.min(self.rect_extent.into()).into();
+        (self.rect_extent[0] > 0 && self.rect_extent[1] > 0).then_some(self)
+    }
+
+    /// Columns and rows of tiles.
+    pub fn tile_grid(&self) -> [u32; 2] {
+        self.rect_extent.map(|side| side.div_ceil(TILE_SIZE))
+    }
+
+    /// Whether any pixel of a tile lies outside of the plateau.
+    pub fn tile_has_work(&self, tile: [u32; 2]) -> bool {
+        let min = UVec2::from(tile) * TILE_SIZE;
+        let max = (min + TILE_SIZE).min(self.rect_extent.into());
+        self.rect_has_work(min.as_vec2(), max.as_vec2())
+    }
+
+    /// Whether any pixel of the region lies outside of the plateau.
+    pub fn has_work(&self) -> bool {
+        self.rect_has_work(Vec2::ZERO, UVec2::from(self.rect_extent).as_vec2())
+    }
+
+    fn rect_has_work(&self, min: Vec2, max: Vec2) -> bool {
+        tile_eccentricity(&self.plane(), PixelRect { min, max }, self.gaze.into()).max > self.plateau
+    }
+
+    /// What the pixel at (`x`, `y`) of the region becomes, given its colour in linear light; nothing inside
+    /// the plateau.
+    pub fn pixel(&self, x: u32, y: u32, rgb: Vec3) -> Option<Vec3> {
+        let direction = self.plane().direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
+        let angle = eccentricity(direction, self.gaze.into());
+        if angle <= self.plateau {
+            return None;
+        }
+        Some(attenuate(rgb, self.curves().gains(angle), self.weights(), self.gamut()))
+    }
+
+    fn plane(&self) -> ImagePlane {
+        ImagePlane { origin: self.plane_origin.into(), step: self.plane_step.into() }
+    }
+
+    fn curves(&self) -> Curves {
+        Curves {
+            plateau: self.plateau,
+            range_scale: self.range_scale,
+            cb_bound: self.cb_bound,
+            cr_bound: self.cr_bound,
+            rim_scale: self.rim_scale,
+        }
+    }
+
+    fn weights(&self) -> Vec3 {
+        Vec3::new(self.red_weight, 1.0 - self.red_weight - self.blue_weight, self.blue_weight)
+    }
+
+    fn gamut(&self) -> Gamut {
+        Gamut { floor: self.gamut_floor, ceiling: self.gamut_ceiling }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,166 @@
+use super::*;
+use glam::Vec3;
+use proptest::prelude::*;
+
+/// Eq. 1 and 2 of paper C in double precision: E, Cb at Z = .70 and .85, Cr at Z = .35, .45 and .55.
+const VECTORS: [[f64; 6]; 8] = [
+    [0.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+    [0.05, 0.998_249_343, 0.997_874_601, 0.726_350_021, 0.842_572_752, 0.911_319_163],
+    [0.1, 0.992_989_454, 0.991_493_600, 0.583_358_159, 0.720_232_784, 0.816_481_771],
+    [0.25, 0.955_828_319, 0.946_619_802, 0.322_422_068, 0.443_748_596, 0.552_498_821],
+    [0.5, 0.817_603_768, 0.783_072_683, 0.110_193_599, 0.166_943_863, 0.228_093_224],
+    [0.75, 0.560_640_723, 0.495_257_828, 0.022_467_776_2, 0.035_941_922_8, 0.051_917_896_6],
+    [0.9, 0.312_699_740, 0.243_747_719, 3.230_706_18e-3, 5.281_350_62e-3, 7.800_874_28e-3],
+    [0.99, 0.064_446_176_1, 0.035_811_714_6, 3.042_323_23e-5, 5.024_064_84e-5, 7.497_489_94e-5],
+];
+
+#[test]
+fn curves_match_the_paper() {
+    for [e, cb70, cb85, cr35, cr45, cr55] in VECTORS {
+        let e32 = e as f32;
+        for (z, expected) in [(0.70, cb70), (0.85, cb85)] {
+            let gain = f64::from(cb_gain(e32, z));
+            assert!((gain / expected - 1.0).abs() < 1e-5, "Cb({e}; {z}) = {gain}, not {expected}");
+        }
+        for (z, expected) in [(0.35, cr35), (0.45, cr45), (0.55, cr55)] {
+            let gain = f64::from(cr_gain(e32, z));
+            // 1e-4: at E = .99 the rounding of E itself to f32 is 5e-6 of what is left of 1 - E.
+            assert!((gain / expected - 1.0).abs() < 1e-4, "Cr({e}; {z}) = {gain}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn no_colour_from_the_end_on() {
+    for e in [1.0, 1.5, f32::INFINITY] {
+        assert_eq!(cb_gain(e, 0.7), 0.0);
+        assert!(cr_gain(e, 0.35) < 1e-14);
+    }
+}
+
+/// Mean over a disc, the integral of 2 E f(E): 1 / (Z + 1) for Cb. The mean of both channels spans the
+/// paper's "31-37 %" over its bounds.
+#[test]
+fn disc_means_match() {
+    let disc_mean = |gain: &dyn Fn(f32) -> f32| {
+        let n = 20_000;
+        (0..n)
+            .map(|i| (i as f32 + 0.5) / n as f32)
+            .map(|e| f64::from(2.0 * e * gain(e)) / f64::from(n))
+            .sum::<f64>()
+    };
+    for (z, expected) in [(0.70, 0.588_235), (0.85, 0.540_541)] {
+        assert!((disc_mean(&|e| cb_gain(e, z)) - expected).abs() < 1e-4, "Cb {z}");
+    }
+    for (z, expected) in [(0.35, 0.084_992), (0.45, 0.120_629), (0.55, 0.156_095)] {
+        assert!((disc_mean(&|e| cr_gain(e, z)) - expected).abs() < 1e-4, "Cr {z}");
+    }
+}
+
+#[test]
+fn plateau_keeps_everything_and_the_paper_has_none() {
+    let settings = ChromaSettings::default();
+    let at = |curves: Curves, degrees: f32| curves.gains(degrees.to_radians());
+    let default = Curves::new(&settings);
+    assert_eq!(at(default, 6.29), Gains { cb: 1.0, cr: 1.0 });
+    assert!(at(default, 7.0).cr < 1.0);
+    let paper = Curves::new(&ChromaSettings { mode: Mode::Paper, ..settings });
+    assert!((at(paper, 5.5).cr - 0.816_482).abs() < 1e-4, "E = .1");
+    assert!((at(paper, 54.45).cb - 0.064_446).abs() < 1e-3, "E = .99, no rim fade");
+    assert!(at(default, 54.9).cb < 0.001, "rim fade");
+}
+
+#[test]
+fn settings_out_of_range_are_limited() {
+    let wild = ChromaSettings {
+        cb_bound: f32::NAN,
+        cr_bound: -3.0,
+        plateau_deg: 1e9,
+        max_eccentricity_deg: f32::NEG_INFINITY,
+        rim_fade: f32::INFINITY,
+        ..ChromaSettings::default()
+    };
+    let curves = Curves::new(&wild);
+    assert_eq!((curves.cb_bound, curves.cr_bound), (0.70, 0.35));
+    assert!((curves.plateau - 30f32.to_radians()).abs() < 1e-6);
+    assert!(curves.range_scale > 0.0 && curves.range_scale.is_finite());
+}
+
+/// Without the guard green leaves the gamut by up to .0105 with BT.709; with it, by rounding only.
+#[test]
+fn guard_is_needed_and_works() {
+    let curves = Curves::new(&ChromaSettings { mode: Mode::Paper, ..ChromaSettings::default() });
+    let weights = Matrix::Bt709.weights();
+    let blue = Vec3::new(0.0, 0.0, 1.0);
+    let lowest = |gamut| {
+        (0..100)
+            .map(|i| attenuate(blue, curves.gains(i as f32 / 100.0), weights, gamut).min_element())
+            .fold(0.0, f32::min)
+    };
+    assert!(lowest(Gamut::UNBOUNDED) < -0.005, "{}", lowest(Gamut::UNBOUNDED));
+    assert!(lowest(Gamut::UNIT) > -1e-6, "{}", lowest(Gamut::UNIT));
+}
+
+fn bounds() -> impl Strategy<Value = ChromaSettings> {
+    let matrix = prop_oneof![Just(Matrix::Bt709), Just(Matrix::Bt601), Just(Matrix::Bt2020)];
+    (0.70f32..=0.85, 0.35f32..=0.55, 1.1f32..30.0, 20.0f32..110.0, 0.0f32..0.5, matrix).prop_map(
+        |(cb_bound, cr_bound, plateau_deg, max_eccentricity_deg, rim_fade, matrix)| ChromaSettings {
+            mode: Mode::Default,
+            cb_bound,
+            cr_bound,
+            plateau_deg,
+            max_eccentricity_deg,
+            rim_fade,
+            matrix,
+        },
+    )
+}
+
+proptest! {
+    #[test]
+    fn gains_stay_in_range_and_fall(settings in bounds(), a in 0.0f32..3.2, b in 0.0f32..3.2) {
+        let curves = Curves::new(&settings);
+        let (near, far) = (curves.gains(a.min(b)), curves.gains(a.max(b)));
+        for gains in [near, far] {
+            prop_assert!((0.0..=1.0).contains(&gains.cb) && (0.0..=1.0).contains(&gains.cr), "{gains:?}");
+            prop_assert!(gains.cb >= gains.cr, "{gains:?}");
+        }
+        // 1e-6: rounding of the powers.
+        prop_assert!(far.cb <= near.cb + 1e-6 && far.cr <= near.cr + 1e-6, "{near:?} to {far:?}");
+    }
+
+    #[test]
+    fn gains_are_finite_for_any_eccentricity(settings in bounds(), e in proptest::num::f32::ANY) {
+        let gains = Curves::new(&settings).gains(e);
+        prop_assert!((0.0..=1.0).contains(&gains.cb) && (0.0..=1.0).contains(&gains.cr), "{gains:?}");
+    }
+
+    #[test]
+    fn luminance_is_kept_in_gamut(
+        settings in bounds(), e in 0.0f32..2.0, r in 0.0f32..=1.0, g in 0.0f32..=1.0, b in 0.0f32..=1.0,
+    ) {
+        let (weights, rgb) = (settings.matrix.weights(), Vec3::new(r, g, b));
+        let out = attenuate(rgb, Curves::new(&settings).gains(e), weights, Gamut::UNIT);
+        let (before, after) = (weights.dot(rgb), weights.dot(out));
+        prop_assert!((after - before).abs() <= 1e-3 * before + 1e-7, "{before} became {after}");
+        prop_assert!(out.min_element() >= -1e-6 && out.max_element() <= 1.0 + 1e-6, "{out}");
+    }
+
+    #[test]
+    fn full_gain_changes_nothing(r in -1.0f32..4.0, g in -1.0f32..4.0, b in -1.0f32..4.0) {
+        let rgb = Vec3::new(r, g, b);
+        let out = attenuate(rgb, Gains { cb: 1.0, cr: 1.0 }, Matrix::Bt709.weights(), Gamut::POSITIVE);
+        prop_assert_eq!(out, rgb);
+    }
+
+    #[test]
+    fn any_light_stays_finite(
+        settings in bounds(), e in 0.0f32..2.0,
+        r in -65504.0f32..65504.0, g in -65504.0f32..65504.0, b in -65504.0f32..65504.0,
+    ) {
+        let gains = Curves::new(&settings).gains(e);
+        for gamut in [Gamut::POSITIVE, Gamut::UNBOUNDED] {
+            prop_assert!(attenuate(Vec3::new(r, g, b), gains, settings.matrix.weights(), gamut).is_finite());
+        }
+    }
+}
