@@ -1,1 +1,8 @@
-//! Placeholder.
+//! What surrounds the layer: its configuration, the two loader manifests, where files are, and the
+//! installation. Makes no Vulkan or OpenXR call.
+
+#![forbid(unsafe_code)]
+
+pub mod config;
+pub mod options;
+pub mod paths;

@@ -1,0 +1,31 @@
+//! The configuration: which file holds it, and what is in it.
+//!
+//! The first file of the look-up order is the configuration; what it does not set keeps its default. A file
+//! with an error is rejected as a whole, with a line for each error, so that a configuration is never half of
+//! what the user wrote.
+
+mod error;
+mod lookup;
+mod parse;
+mod read;
+mod watch;
+
+use std::path::Path;
+
+pub use crate::options::Config;
+pub use error::{ConfigError, ConfigErrors};
+pub use lookup::Places;
+pub use parse::parse;
+pub use read::MAX_BYTES;
+pub use watch::Watch;
+
+/// Reads and parses the file at `path`.
+///
+/// # Errors
+///
+/// The file cannot be read, or holds something that is not allowed: a line for each error, which names the
+/// file.
+pub fn load(path: &Path) -> Result<Config, ConfigErrors> {
+    let text = read::read(path).map_err(|error| ConfigErrors::new(path, vec![error]))?;
+    parse(path, &text)
+}

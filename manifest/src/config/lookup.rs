@@ -1,0 +1,127 @@
+//! Which file is the configuration.
+
+use std::path::{Path, PathBuf};
+
+use crate::paths::{Environment, file_stem};
+
+/// The configuration for all users of the machine.
+const SYSTEM_FILE: &str = "/etc/parafovea/config.toml";
+
+/// The places where the configuration of one application may be, first choice first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Places {
+    files: Vec<PathBuf>,
+    /// The one file was asked for by name.
+    named: bool,
+}
+
+impl Places {
+    /// `$PARAFOVEA_CONFIG` and nothing else, if it is set; otherwise `apps/<application name>.toml`,
+    /// `apps/<executable>.toml` and `config.toml` in `$XDG_CONFIG_HOME/parafovea`, then
+    /// `/etc/parafovea/config.toml`.
+    ///
+    /// `application` is the name that the application gives to OpenXR, once it is known; `executable` the
+    /// path or name of its program. [`file_stem`] makes both fit for a file name.
+    pub fn new(environment: &Environment, application: Option<&str>, executable: &Path) -> Self {
+        if let Some(file) = environment.config_file() {
+            return Self { files: vec![file.to_owned()], named: true };
+        }
+        let mut files = Vec::new();
+        if let Some(home) = environment.config_home() {
+            let folder = home.join("parafovea");
+            let stems = [application.and_then(file_stem), executable.file_name().and_then(file_stem)];
+            for stem in stems.into_iter().flatten() {
+                let file = folder.join("apps").join(format!("{stem}.toml"));
+                if !files.contains(&file) {
+                    files.push(file);
+                }
+            }
+            files.push(folder.join("config.toml"));
+        }
+        files.push(PathBuf::from(SYSTEM_FILE));
+        Self { files, named: false }
+    }
+
+    /// All of them.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
+    /// The first that `exists`; `None` if none does: the defaults hold. A file that `PARAFOVEA_CONFIG` names
+    /// is found in any case: where it is missing, [`load`](super::load) says so, rather than that the
+    /// defaults silently took its place.
+    pub fn find(&self, exists: impl Fn(&Path) -> bool) -> Option<&Path> {
+        self.files.iter().map(PathBuf::as_path).find(|file| self.named || exists(file))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ffi::OsString;
+
+    fn environment(elevated: bool, variables: &[(&str, &str)]) -> Environment {
+        Environment::new(elevated, |name| {
+            variables.iter().find(|(known, _)| *known == name).map(|(_, value)| OsString::from(value))
+        })
+    }
+
+    fn files(elevated: bool, variables: &[(&str, &str)], application: Option<&str>) -> Vec<String> {
+        Places::new(&environment(elevated, variables), application, Path::new("/opt/game/bin.x86_64"))
+            .files()
+            .iter()
+            .map(|file| file.display().to_string())
+            .collect()
+    }
+
+    #[test]
+    fn the_order_is_application_executable_user_system() {
+        assert_eq!(
+            files(false, &[("HOME", "/home/u"), ("XDG_CONFIG_HOME", "/c")], Some("My Game")),
+            [
+                "/c/parafovea/apps/My Game.toml",
+                "/c/parafovea/apps/bin.x86_64.toml",
+                "/c/parafovea/config.toml",
+                "/etc/parafovea/config.toml",
+            ]
+        );
+        assert_eq!(
+            files(false, &[("HOME", "/home/u")], None),
+            [
+                "/home/u/.config/parafovea/apps/bin.x86_64.toml",
+                "/home/u/.config/parafovea/config.toml",
+                "/etc/parafovea/config.toml",
+            ]
+        );
+        assert_eq!(files(false, &[], Some("My Game")), ["/etc/parafovea/config.toml"]);
+    }
+
+    #[test]
+    fn an_application_cannot_leave_the_folder_by_its_name() {
+        let listed = files(false, &[("HOME", "/h")], Some("../../etc/passwd"));
+        assert_eq!(listed[0], "/h/.config/parafovea/apps/___.._etc_passwd.toml");
+    }
+
+    #[test]
+    fn a_file_asked_for_by_name_is_found_even_where_it_is_missing() {
+        let variables = [("HOME", "/h"), ("PARAFOVEA_CONFIG", "/missing.toml")];
+        let places = Places::new(&environment(false, &variables), Some("app"), Path::new("exe"));
+        assert_eq!(places.find(|_| false), Some(Path::new("/missing.toml")));
+        assert_eq!(places.files().len(), 1);
+    }
+
+    #[test]
+    fn the_first_that_exists_is_found() {
+        let places = Places::new(&environment(false, &[("HOME", "/h")]), Some("app"), Path::new("exe"));
+        let global = Path::new("/h/.config/parafovea/config.toml");
+        assert_eq!(places.find(|file| file == global || file.starts_with("/etc")), Some(global));
+        assert_eq!(places.find(|_| true), Some(Path::new("/h/.config/parafovea/apps/app.toml")));
+        assert_eq!(places.find(|_| false), None);
+    }
+
+    #[test]
+    fn with_elevated_rights_only_the_system_file_counts() {
+        let variables = [("HOME", "/h"), ("XDG_CONFIG_HOME", "/c"), ("PARAFOVEA_CONFIG", "/p.toml")];
+        assert_eq!(files(true, &variables, Some("app")), ["/etc/parafovea/config.toml"]);
+    }
+}

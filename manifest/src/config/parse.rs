@@ -1,0 +1,171 @@
+//! TOML text to [`Config`].
+
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::{DeString, DeTable, DeValue};
+
+use super::error::{ConfigError, ConfigErrors, one_line};
+use crate::options::{Config, OPTIONS, OptionSpec};
+
+/// The most errors that are told of one file.
+const MAX_ERRORS: usize = 10;
+
+/// The longest unknown key for which a near one is sought, in bytes.
+const MAX_MISSPELT: usize = 64;
+
+/// The configuration that `text` states; what it does not set keeps its default. `path` is for the errors.
+///
+/// # Errors
+///
+/// The text is not TOML (the first error of it is told), or has keys or values that are not allowed (all are
+/// told, ten at most).
+pub fn parse(path: &Path, text: &str) -> Result<Config, ConfigErrors> {
+    // Editors on Windows put a byte-order mark first.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let errors = match DeTable::parse(text) {
+        Err(error) => vec![syntax_error(text, &error)],
+        Ok(table) => match read(table.get_ref()) {
+            Err(findings) => errors(text, findings),
+            Ok(config) => match misordered(&config, table.get_ref()) {
+                Some(offset) => vec![ConfigError::Misordered {
+                    line: line_of(text, offset),
+                    plateau: config.chroma.plateau_deg,
+                    max: config.chroma.max_eccentricity_deg,
+                }],
+                None => return Ok(config),
+            },
+        },
+    };
+    Err(ConfigErrors::new(path, errors))
+}
+
+/// Something that is not allowed. Cheap to make, since a file can be full of them.
+struct Finding<'a> {
+    section: &'static str,
+    key: &'a Spanned<DeString<'a>>,
+    /// `None` where the key is unknown.
+    wrong: Option<WrongValue<'a>>,
+}
+
+struct WrongValue<'a> {
+    value: &'a Spanned<DeValue<'a>>,
+    /// `None` where the key is a section's.
+    option: Option<&'static OptionSpec>,
+}
+
+fn read<'a>(root: &'a DeTable<'a>) -> Result<Config, Vec<Finding<'a>>> {
+    let mut config = Config::default();
+    let mut findings = Vec::new();
+    for (key, value) in root {
+        match OPTIONS.iter().map(|option| option.section).find(|section| *section == key.get_ref().as_ref()) {
+            None | Some("") => read_option("", key, value, &mut config, &mut findings),
+            Some(section) => match value.get_ref() {
+                DeValue::Table(table) => {
+                    for (key, value) in table {
+                        read_option(section, key, value, &mut config, &mut findings);
+                    }
+                }
+                _ => findings.push(Finding {
+                    section: "",
+                    key,
+                    wrong: Some(WrongValue { value, option: None }),
+                }),
+            },
+        }
+    }
+    if findings.is_empty() { Ok(config) } else { Err(findings) }
+}
+
+fn read_option<'a>(
+    section: &'static str,
+    key: &'a Spanned<DeString<'a>>,
+    value: &'a Spanned<DeValue<'a>>,
+    config: &mut Config,
+    findings: &mut Vec<Finding<'a>>,
+) {
+    let option =
+        OPTIONS.iter().find(|option| option.section == section && option.name == key.get_ref().as_ref());
+    let wrong = match option {
+        None => None,
+        Some(option) => match (option.write)(config, value.get_ref()) {
+            Ok(()) => return,
+            Err(_) => Some(WrongValue { value, option: Some(option) }),
+        },
+    };
+    findings.push(Finding { section, key, wrong });
+}
+
+/// Where the plateau reaches beyond the angle at which the curves end, the offset of the key to blame.
+fn misordered(config: &Config, root: &DeTable<'_>) -> Option<usize> {
+    if config.chroma.plateau_deg < config.chroma.max_eccentricity_deg {
+        return None;
+    }
+    let set = root.get("chroma")?.get_ref().as_table()?;
+    set.iter()
+        .filter(|(key, _)| matches!(key.get_ref().as_ref(), "plateau_deg" | "max_eccentricity_deg"))
+        .map(|(key, _)| key.span().start)
+        .max()
+}
+
+fn errors(text: &str, mut findings: Vec<Finding<'_>>) -> Vec<ConfigError> {
+    findings.sort_by_key(|finding| finding.key.span().start);
+    let omitted = findings.len().saturating_sub(MAX_ERRORS);
+    findings.truncate(MAX_ERRORS);
+    let mut errors: Vec<_> = findings.iter().map(|finding| error(text, finding)).collect();
+    if omitted > 0 {
+        errors.push(ConfigError::More { count: omitted });
+    }
+    errors
+}
+
+fn error(text: &str, finding: &Finding<'_>) -> ConfigError {
+    let line = line_of(text, finding.key.span().start);
+    let name = finding.key.get_ref();
+    let key =
+        if finding.section.is_empty() { name.to_string() } else { format!("{}.{name}", finding.section) };
+    match &finding.wrong {
+        None => {
+            ConfigError::UnknownKey { line, suggestion: nearest(finding.section, &key), key: one_line(&key) }
+        }
+        Some(wrong) => ConfigError::NotAllowed {
+            line,
+            value: one_line(text.get(wrong.value.span()).unwrap_or_default()),
+            allowed: match wrong.option {
+                Some(option) => option.allowed_with_unit(),
+                None => format!("a section [{key}]"),
+            },
+            key,
+        },
+    }
+}
+
+fn syntax_error(text: &str, error: &toml::de::Error) -> ConfigError {
+    let span = error.span().unwrap_or_default();
+    let line = line_of(text, span.start);
+    let found = text.get(span).map(str::trim).filter(|found| !found.is_empty());
+    let message = one_line(error.message());
+    ConfigError::Syntax { line, message, found: found.map(one_line) }
+}
+
+/// The line, from 1, of the byte at `offset`.
+fn line_of(text: &str, offset: usize) -> usize {
+    1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
+}
+
+/// The option whose key is most like `key`, if any is like it. One of the right name in another section is.
+fn nearest(section: &str, key: &str) -> Option<String> {
+    if key.len() > MAX_MISSPELT {
+        return None;
+    }
+    let misplaced = OPTIONS.iter().find(|option| section.is_empty() && option.name == key);
+    let near = || {
+        OPTIONS
+            .iter()
+            .map(|option| (strsim::osa_distance(&option.key(), key), option))
+            .filter(|(distance, option)| *distance <= 1 + option.key().len() / 4)
+            .min_by_key(|(distance, _)| *distance)
+            .map(|(_, option)| option)
+    };
+    misplaced.or_else(near).map(OptionSpec::key)
+}

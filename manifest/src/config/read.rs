@@ -1,0 +1,36 @@
+//! Reading a file without ever hanging or reading too much.
+
+use std::fs::OpenOptions;
+use std::io::Read;
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::Path;
+
+use super::ConfigError;
+
+/// The largest file that is read: 1 MiB.
+pub const MAX_BYTES: u64 = 1 << 20;
+
+/// The text of the file at `path`.
+pub(super) fn read(path: &Path) -> Result<String, ConfigError> {
+    // O_NONBLOCK: opening a FIFO would else wait for somebody to write to it.
+    let file = OpenOptions::new().read(true).custom_flags(libc::O_NONBLOCK).open(path)?;
+    let metadata = file.metadata()?;
+    if !metadata.is_file() {
+        return Err(ConfigError::NotAFile);
+    }
+    let too_large = ConfigError::TooLarge { limit: MAX_BYTES };
+    if metadata.len() > MAX_BYTES {
+        return Err(too_large);
+    }
+    // The file may grow while it is read, and files of /proc state no length.
+    let mut bytes = Vec::new();
+    file.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(too_large);
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let newlines = error.as_bytes()[..valid].iter().filter(|&&byte| byte == b'\n').count();
+        ConfigError::NotText { line: newlines + 1 }
+    })
+}

@@ -1,0 +1,102 @@
+//! The options, each stated once: the table below makes the typed [`Config`], its defaults, what is
+//! allowed, the error texts and the commented default file.
+
+mod choice;
+mod default_file;
+mod table;
+
+pub use default_file::default_file;
+pub use table::{Allowed, OptionSpec, Setting};
+
+use choice::choice;
+use table::options;
+
+choice! {
+    /// How much goes to the log.
+    LogLevel {
+        /// what failed, and what was turned off because of it
+        Error = "error",
+        /// also what works only in part
+        Warn = "warn",
+        /// also what was found and decided
+        Info = "info",
+        /// also every step, for a bug report
+        Debug = "debug",
+    }
+}
+
+choice! {
+    /// Where the gaze comes from.
+    GazeSource {
+        /// the eye tracker; without one nothing is done that depends on gaze
+        Auto = "auto",
+        /// the eye tracker only
+        Eyes = "eyes",
+        /// straight ahead, always: for headsets without an eye tracker
+        Centre = "centre",
+    }
+}
+
+choice! {
+    /// Whether and how colour is removed.
+    ChromaMode {
+        /// colour is left alone
+        Off = "off",
+        /// the published curves, with full colour up to `plateau_deg` and a fade at `max_eccentricity_deg`
+        Default = "default",
+        /// the published curves as they are, for comparison: no plateau, no fade
+        Paper = "paper",
+    }
+}
+
+choice! {
+    /// How luma and chroma are split (the standard's number is its name).
+    ChromaMatrix {
+        /// ITU-R BT.709, the primaries of sRGB
+        Bt709 = "bt709",
+        /// ITU-R BT.601
+        Bt601 = "bt601",
+        /// ITU-R BT.2020
+        Bt2020 = "bt2020",
+    }
+}
+
+options! {
+    /// What the user can set. `Default` is what holds without any file.
+    Config {
+        /// Whether anything is done at all; false leaves the application as it is.
+        enabled: bool = true;
+    }
+
+    /// What is written down.
+    log: Log {
+        /// How much goes to the log file.
+        level: LogLevel = LogLevel::Info;
+    }
+
+    /// Where the user looks.
+    gaze: Gaze {
+        /// Where the gaze comes from.
+        source: GazeSource = GazeSource::Auto;
+        /// For how long the last gaze is kept when the tracker loses the eyes, as in a blink.
+        hold_ms: u32 = 500, 0..=500 "milliseconds";
+    }
+
+    /// Colour, removed where the eye does not resolve it.
+    chroma: Chroma {
+        /// Whether and how colour is removed.
+        mode: ChromaMode = ChromaMode::Off;
+        /// How much of blue-yellow (Cb) is removed at the rim: the Z of its curve.
+        cb_bound: f32 = 0.70, 0.70..=0.85 "";
+        /// How much of red-green (Cr) is removed at the rim: the Z of its curve.
+        cr_bound: f32 = 0.55, 0.35..=0.55 "";
+        /// Colour is left alone up to this angle from the gaze; not less than the tracker's error.
+        plateau_deg: f32 = 6.3, 1.1..=30.0 "degrees";
+        /// The angle from the gaze at which the curves end.
+        max_eccentricity_deg: f32 = 55.0, 20.0..=110.0 "degrees";
+        /// The last share of the way to `max_eccentricity_deg` over which the curves level off.
+        rim_fade: f32 = 0.05, 0.0..=0.5 "";
+        /// How luma and chroma are split.
+        matrix: ChromaMatrix = ChromaMatrix::Bt709;
+    }
+}

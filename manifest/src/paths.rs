@@ -1,0 +1,90 @@
+//! Where files are: the XDG base directories, from an environment that the caller hands in.
+//!
+//! Source: XDG Base Directory Specification 0.8.
+
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+
+/// What of a process's environment says where files are, taken once.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Environment {
+    config_file: Option<PathBuf>,
+    config_home: Option<PathBuf>,
+    data_home: Option<PathBuf>,
+    state_home: Option<PathBuf>,
+}
+
+impl Environment {
+    /// Takes what matters from `variable`, which looks a variable up (`|name| std::env::var_os(name)`).
+    ///
+    /// A process with `elevated` rights must not follow paths that the user chose: nothing is taken then,
+    /// and only `/etc` is left. As the XDG specification demands, a base directory that is not absolute is
+    /// ignored, and so is an empty variable.
+    pub fn new(elevated: bool, variable: impl Fn(&str) -> Option<OsString>) -> Self {
+        if elevated {
+            return Self::default();
+        }
+        let set = |name| variable(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+        let absolute = |name| set(name).filter(|path| path.is_absolute());
+        let home = absolute("HOME");
+        let base = |name, below_home| absolute(name).or_else(|| Some(home.as_ref()?.join(below_home)));
+        Self {
+            config_file: set("PARAFOVEA_CONFIG"),
+            config_home: base("XDG_CONFIG_HOME", ".config"),
+            data_home: base("XDG_DATA_HOME", ".local/share"),
+            state_home: base("XDG_STATE_HOME", ".local/state"),
+        }
+    }
+
+    /// The environment of this process.
+    pub fn of_process(elevated: bool) -> Self {
+        Self::new(elevated, |name| std::env::var_os(name))
+    }
+
+    /// The file that `PARAFOVEA_CONFIG` names.
+    pub fn config_file(&self) -> Option<&Path> {
+        self.config_file.as_deref()
+    }
+
+    /// `$XDG_CONFIG_HOME`, or `~/.config`; `None` without a home.
+    pub fn config_home(&self) -> Option<&Path> {
+        self.config_home.as_deref()
+    }
+
+    /// `$XDG_DATA_HOME`, or `~/.local/share`.
+    pub fn data_home(&self) -> Option<&Path> {
+        self.data_home.as_deref()
+    }
+
+    /// `$XDG_STATE_HOME`, or `~/.local/state`.
+    pub fn state_home(&self) -> Option<&Path> {
+        self.state_home.as_deref()
+    }
+
+    /// Where the log of `executable` (its path or its name) goes: `$XDG_STATE_HOME/parafovea/<name>.log`.
+    pub fn log_file(&self, executable: &Path) -> Option<PathBuf> {
+        let name = executable.file_name().and_then(file_stem)?;
+        Some(self.state_home()?.join("parafovea").join(format!("{name}.log")))
+    }
+}
+
+/// The longest name before an extension: file systems allow 255 bytes in all.
+const STEM_BYTES: usize = 200;
+
+/// `name`, which an application chose, as the stem of a file name: `/`, control characters, what is not
+/// UTF-8 and leading dots become `_`, and it is cut to 200 bytes; `None` if it is empty.
+pub fn file_stem(name: impl AsRef<OsStr>) -> Option<String> {
+    let mut stem = String::new();
+    let mut leading = true;
+    for character in name.as_ref().to_string_lossy().chars() {
+        leading &= character == '.';
+        let unfit =
+            leading || character == '/' || character.is_control() || character == char::REPLACEMENT_CHARACTER;
+        let character = if unfit { '_' } else { character };
+        if stem.len() + character.len_utf8() > STEM_BYTES {
+            break;
+        }
+        stem.push(character);
+    }
+    (!stem.is_empty()).then_some(stem)
+}
