@@ -1,1 +1,33 @@
-//! Placeholder.
+//! The Vulkan half: a Vulkan layer (loader interface version 2) that tracks instances and devices.
+//!
+//! [`negotiate`] is what the Vulkan loader calls first; it hands out the functions of `proc_addr`, through
+//! which everything else is reached. Only the functions in `dispatch` are hooked. Everything that is recorded
+//! into command buffers gets the next layer's pointer, so that it costs nothing.
+//!
+//! States: *inert*, see [`Enablement`]: calls pass, nothing is offered to the OpenXR half. *Armed*, from
+//! vkCreateDevice: the device is offered through [`crate::link`]. *Active*: an OpenXR session is bound to it.
+
+use std::ffi::CStr;
+
+mod chain;
+mod device;
+mod dispatch;
+mod enablement;
+mod instance;
+mod link_table;
+mod negotiate;
+mod proc_addr;
+mod properties;
+mod registry;
+mod runtime_section;
+
+pub use chain::NegotiateLayerInterface;
+pub use enablement::Enablement;
+pub use negotiate::negotiate;
+pub use runtime_section::in_runtime_section;
+
+/// The layer's name, as its manifest gives it to the Vulkan loader.
+pub const LAYER_NAME: &CStr = c"VK_LAYER_PARAFOVEA_foveation";
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,183 @@
+//! The Vulkan loader's side of the layer interface: the structures of `vk_layer.h`, which ash leaves out.
+//!
+//! Source: `vulkan/vk_layer.h` and "Layer Interface" of the Vulkan loader's documentation
+//! (LoaderLayerInterface.md).
+
+use ash::vk;
+use std::ffi::{c_char, c_void};
+
+/// `VK_LAYER_LINK_INFO`: the structure carries the list of the layers below.
+pub const LINK_INFO: i32 = 0;
+
+/// `VK_LOADER_DATA_CALLBACK`: the structure carries a callback that initialises dispatchable objects.
+pub const LOADER_DATA_CALLBACK: i32 = 1;
+
+/// `LAYER_NEGOTIATE_INTERFACE_STRUCT`.
+pub const NEGOTIATE_INTERFACE_STRUCT: i32 = 1;
+
+/// The interface version that this layer speaks.
+pub const INTERFACE_VERSION: u32 = 2;
+
+/// `PFN_GetPhysicalDeviceProcAddr`: it has the shape of `vkGetInstanceProcAddr`.
+pub type GetPhysicalDeviceProcAddr =
+    unsafe extern "system" fn(vk::Instance, *const c_char) -> vk::PFN_vkVoidFunction;
+
+/// `PFN_vkSetDeviceLoaderData`.
+pub type SetDeviceLoaderData = unsafe extern "system" fn(vk::Device, *mut c_void) -> vk::Result;
+
+/// `VkNegotiateLayerInterface`: what the loader and a layer tell each other first.
+#[repr(C)]
+pub struct NegotiateLayerInterface {
+    /// Always 1, `LAYER_NEGOTIATE_INTERFACE_STRUCT`.
+    pub s_type: i32,
+    /// Always null.
+    pub p_next: *mut c_void,
+    /// In: the newest version that the loader speaks. Out: the version that both speak.
+    pub loader_layer_interface_version: u32,
+    /// Out: the layer's `vkGetInstanceProcAddr`.
+    pub get_instance_proc_addr: Option<vk::PFN_vkGetInstanceProcAddr>,
+    /// Out: the layer's `vkGetDeviceProcAddr`.
+    pub get_device_proc_addr: Option<vk::PFN_vkGetDeviceProcAddr>,
+    /// Out: the layer's `vk_layerGetPhysicalDeviceProcAddr`.
+    pub get_physical_device_proc_addr: Option<GetPhysicalDeviceProcAddr>,
+}
+
+/// `VkLayerInstanceLink`: one layer of an instance's chain.
+#[repr(C)]
+pub struct InstanceLink {
+    pub next: *mut InstanceLink,
+    pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+    pub get_physical_device_proc_addr: Option<GetPhysicalDeviceProcAddr>,
+}
+
+/// `VkLayerDeviceLink`: one layer of a device's chain.
+#[repr(C)]
+pub struct DeviceLink {
+    pub next: *mut DeviceLink,
+    pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+    pub get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
+}
+
+/// `VkLayerInstanceCreateInfo`, in the pNext chain of `VkInstanceCreateInfo`.
+#[repr(C)]
+pub struct LayerInstanceCreateInfo {
+    pub s_type: vk::StructureType,
+    pub p_next: *const c_void,
+    pub function: i32,
+    pub payload: InstancePayload,
+}
+
+/// What [`LayerInstanceCreateInfo`] carries, chosen by `function`.
+#[repr(C)]
+pub union InstancePayload {
+    pub link: *mut InstanceLink,
+    pub other: *mut c_void,
+}
+
+/// `VkLayerDeviceCreateInfo`, in the pNext chain of `VkDeviceCreateInfo`.
+#[repr(C)]
+pub struct LayerDeviceCreateInfo {
+    pub s_type: vk::StructureType,
+    pub p_next: *const c_void,
+    pub function: i32,
+    pub payload: DevicePayload,
+}
+
+/// What [`LayerDeviceCreateInfo`] carries, chosen by `function`.
+#[repr(C)]
+pub union DevicePayload {
+    pub link: *mut DeviceLink,
+    pub set_device_loader_data: Option<SetDeviceLoaderData>,
+}
+
+/// The next layer of an instance's chain.
+#[derive(Clone, Copy)]
+pub struct NextInstance {
+    pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+    pub get_physical_device_proc_addr: Option<GetPhysicalDeviceProcAddr>,
+}
+
+/// The next layer of a device's chain.
+#[derive(Clone, Copy)]
+pub struct NextDevice {
+    pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+    pub get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
+    pub set_device_loader_data: Option<SetDeviceLoaderData>,
+}
+
+/// Finds the next layer, and moves the loader's structure on to it, so that it finds its own next layer.
+/// `None` without a link, which means that the caller is not a Vulkan loader.
+///
+/// # Safety
+///
+/// `info` is null or points to a valid structure whose pNext chain is valid; the loader's structures in it
+/// are the loader's to be written by layers, as its interface says.
+pub unsafe fn advance_instance(info: *const vk::InstanceCreateInfo<'_>) -> Option<NextInstance> {
+    // SAFETY: the caller vouches for `info` and its chain; a loader structure has the layout of
+    // LayerInstanceCreateInfo, its `function` says which member of the union is set.
+    unsafe {
+        let layer_info = structures(info.as_ref()?.p_next, vk::StructureType::LOADER_INSTANCE_CREATE_INFO)
+            .map(|found| found.cast::<LayerInstanceCreateInfo>())
+            .find(|found| (**found).function == LINK_INFO)?;
+        let link = (*layer_info).payload.link.as_ref()?;
+        (*layer_info).payload.link = link.next;
+        Some(NextInstance {
+            get_instance_proc_addr: link.get_instance_proc_addr,
+            get_physical_device_proc_addr: link.get_physical_device_proc_addr,
+        })
+    }
+}
+
+/// As [`advance_instance`], for a device.
+///
+/// # Safety
+///
+/// As for [`advance_instance`].
+pub unsafe fn advance_device(info: *const vk::DeviceCreateInfo<'_>) -> Option<NextDevice> {
+    // SAFETY: as in advance_instance, with LayerDeviceCreateInfo.
+    unsafe {
+        let p_next = info.as_ref()?.p_next;
+        let layer_infos = || {
+            structures(p_next, vk::StructureType::LOADER_DEVICE_CREATE_INFO)
+                .map(|found| found.cast::<LayerDeviceCreateInfo>())
+        };
+        let layer_info = layer_infos().find(|found| (**found).function == LINK_INFO)?;
+        let set_device_loader_data = layer_infos()
+            .find(|found| (**found).function == LOADER_DATA_CALLBACK)
+            .and_then(|found| (*found).payload.set_device_loader_data);
+        let link = (*layer_info).payload.link.as_ref()?;
+        (*layer_info).payload.link = link.next;
+        Some(NextDevice {
+            get_instance_proc_addr: link.get_instance_proc_addr,
+            get_device_proc_addr: link.get_device_proc_addr,
+            set_device_loader_data,
+        })
+    }
+}
+
+/// The structures of one type in a pNext chain, in its order, as pointers that may be written through.
+///
+/// # Safety
+///
+/// `p_next` is null or starts a valid pNext chain, which outlives the iterator.
+unsafe fn structures(
+    p_next: *const c_void,
+    wanted: vk::StructureType,
+) -> impl Iterator<Item = *mut vk::BaseOutStructure<'static>> {
+    let mut at = p_next.cast_mut().cast::<vk::BaseOutStructure<'static>>();
+    std::iter::from_fn(move || {
+        while !at.is_null() {
+            let found = at;
+            // SAFETY: `found` is a structure of the chain, which the caller vouches for; each starts with
+            // a type and a pointer to the next.
+            let s_type = unsafe {
+                at = (*found).p_next;
+                (*found).s_type
+            };
+            if s_type == wanted {
+                return Some(found);
+            }
+        }
+        None
+    })
+}

@@ -1,0 +1,169 @@
+//! Devices: creation, tracking, destruction.
+
+use super::chain::{self, NextDevice, SetDeviceLoaderData};
+use super::dispatch::DeviceTable;
+use super::instance::{self, Instance};
+use super::registry::{DispatchKey, Registry};
+use crate::abi::guard;
+use crate::link::DeviceRecord;
+use ash::vk;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// One live device.
+pub struct Device {
+    /// What the OpenXR half may know; `None` for an inert device.
+    pub record: Option<DeviceRecord>,
+    pub next: DeviceTable,
+    pub get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
+    active: AtomicBool,
+}
+
+impl Device {
+    /// Marks the device active (an OpenXR session is bound to it) or armed again.
+    pub fn set_active(&self, active: bool) {
+        if self.active.swap(active, Ordering::Relaxed) != active {
+            tracing::info!("Vulkan device {}", if active { "active" } else { "armed again" });
+        }
+    }
+
+    /// Whether an OpenXR session is bound to the device.
+    #[cfg(test)]
+    pub fn is_active(&self) -> bool {
+        self.active.load(Ordering::Relaxed)
+    }
+}
+
+static DEVICES: Registry<Device> = Registry::new();
+
+/// The device that a device, queue or command buffer belongs to.
+///
+/// # Safety
+///
+/// `object` is null, or a live object of one of these kinds.
+pub unsafe fn of<H: vk::Handle>(object: H) -> Option<Arc<Device>> {
+    // SAFETY: the caller vouches for the handle.
+    DEVICES.get(unsafe { DispatchKey::of(object) }?)
+}
+
+/// `vkCreateDevice`. Fails with `ERROR_INITIALIZATION_FAILED` when the caller is not a Vulkan loader.
+pub unsafe extern "system" fn create(
+    physical_device: vk::PhysicalDevice,
+    info: *const vk::DeviceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    device: *mut vk::Device,
+) -> vk::Result {
+    const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
+    // Without the next layer, which the hook finds, there is nothing to pass the call to.
+    guard(
+        "vkCreateDevice",
+        || FAILED,
+        |answer| {
+            // SAFETY: the application vouches for the handle and `info` (valid usage of vkCreateDevice), the
+            // loader for what it put into the chain.
+            let found = unsafe { instance::of(physical_device).zip(chain::advance_device(info)) };
+            let Some((instance, next)) = found else { return FAILED };
+            let name = c"vkCreateDevice".as_ptr();
+            // SAFETY: the loader gave the pointer, the instance is live, and the name gives the type.
+            let create = unsafe {
+                std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkCreateDevice>>((next
+                    .get_instance_proc_addr)(
+                    instance.handle,
+                    name,
+                ))
+            };
+            let Some(create) = create else { return FAILED };
+            // SAFETY: the application's own arguments, unchanged but for the loader's structure, which is
+            // advanced.
+            let result = unsafe { create(physical_device, info, allocator, device) };
+            if result != vk::Result::SUCCESS {
+                return result;
+            }
+            // SAFETY: the call succeeded, so `device` points to a live device of the next layer.
+            let Some(state) = (unsafe { track(&instance, physical_device, *device, next) }) else {
+                return FAILED;
+            };
+            let result = answer.record(result);
+            tracing::info!("Vulkan device: {state}");
+            result
+        },
+    )
+}
+
+/// Begins to track a device, and says in which state.
+///
+/// # Safety
+///
+/// The handles are live and belong together, and `next` is the layer that made the device.
+unsafe fn track(
+    instance: &Instance,
+    physical_device: vk::PhysicalDevice,
+    device: vk::Device,
+    next: NextDevice,
+) -> Option<&'static str> {
+    // SAFETY: the caller vouches for the handles and the pointer.
+    unsafe {
+        let key = DispatchKey::of(device)?;
+        let table = DeviceTable::load(|name| (next.get_device_proc_addr)(device, name.as_ptr()))?;
+        let set_device_loader_data = next.set_device_loader_data.filter(|_| instance.enabled);
+        let record =
+            set_device_loader_data.map(|callback| record(instance, physical_device, device, next, callback));
+        let state = match (&record, instance.enabled) {
+            (Some(_), _) => "armed",
+            (None, false) => "inert",
+            (None, true) => "inert: the Vulkan loader gave no vkSetDeviceLoaderData",
+        };
+        DEVICES.insert(
+            key,
+            Device {
+                record,
+                next: table,
+                get_device_proc_addr: next.get_device_proc_addr,
+                active: AtomicBool::new(false),
+            },
+        );
+        Some(state)
+    }
+}
+
+/// What the OpenXR half needs to work on a device.
+///
+/// # Safety
+///
+/// `physical_device` is a live one of `instance`.
+unsafe fn record(
+    instance: &Instance,
+    physical_device: vk::PhysicalDevice,
+    device: vk::Device,
+    next: NextDevice,
+    set_device_loader_data: SetDeviceLoaderData,
+) -> DeviceRecord {
+    let mut properties = vk::PhysicalDeviceProperties::default();
+    // SAFETY: the next layer's function, a live physical device and a structure to write to.
+    unsafe { (instance.next.physical_device_properties)(physical_device, &mut properties) };
+    DeviceRecord {
+        instance: instance.handle,
+        physical_device,
+        device,
+        api_version: instance.api_version.min(properties.api_version),
+        next_get_instance_proc_addr: instance.get_instance_proc_addr,
+        next_get_device_proc_addr: next.get_device_proc_addr,
+        set_device_loader_data,
+    }
+}
+
+/// `vkDestroyDevice`.
+pub unsafe extern "system" fn destroy(device: vk::Device, allocator: *const vk::AllocationCallbacks<'_>) {
+    guard(
+        "vkDestroyDevice",
+        || (),
+        |_| {
+            // SAFETY: the application vouches that the device is null or live until the call down.
+            let key = unsafe { DispatchKey::of(device) };
+            if let Some(known) = key.and_then(|key| DEVICES.remove(key)) {
+                // SAFETY: the next layer's function with the application's own arguments.
+                unsafe { (known.next.destroy_device)(device, allocator) }
+            }
+        },
+    );
+}

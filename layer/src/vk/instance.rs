@@ -1,0 +1,123 @@
+//! Instances: creation, tracking, destruction.
+
+use super::chain::{self, GetPhysicalDeviceProcAddr, NextInstance};
+use super::dispatch::InstanceTable;
+use super::enablement::Enablement;
+use super::registry::{DispatchKey, Registry};
+use crate::abi::guard;
+use ash::vk;
+use std::sync::Arc;
+
+/// One live instance.
+pub struct Instance {
+    pub handle: vk::Instance,
+    /// Whether its devices are armed.
+    pub enabled: bool,
+    /// The version that the application asked for.
+    pub api_version: u32,
+    pub next: InstanceTable,
+    pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+    pub get_physical_device_proc_addr: Option<GetPhysicalDeviceProcAddr>,
+}
+
+static INSTANCES: Registry<Instance> = Registry::new();
+
+/// The instance that an instance or physical device handle belongs to.
+///
+/// # Safety
+///
+/// `object` is null, or a live instance or physical device.
+pub unsafe fn of<H: vk::Handle>(object: H) -> Option<Arc<Instance>> {
+    // SAFETY: the caller vouches for the handle.
+    INSTANCES.get(unsafe { DispatchKey::of(object) }?)
+}
+
+/// `vkCreateInstance`. Fails with `ERROR_INITIALIZATION_FAILED` when the caller is not a Vulkan loader or
+/// the layer below lacks functions of Vulkan 1.0.
+pub unsafe extern "system" fn create(
+    info: *const vk::InstanceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    instance: *mut vk::Instance,
+) -> vk::Result {
+    const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
+    // Without the next layer, which the hook finds, there is nothing to pass the call to.
+    guard(
+        "vkCreateInstance",
+        || FAILED,
+        |answer| {
+            // SAFETY: the application vouches for `info` (valid usage of vkCreateInstance), the loader for what
+            // it put into the chain.
+            let Some(next) = (unsafe { chain::advance_instance(info) }) else { return FAILED };
+            let name = c"vkCreateInstance".as_ptr();
+            // SAFETY: the loader gave the pointer; a null instance is right for this name, which gives the type.
+            let create = unsafe {
+                std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkCreateInstance>>((next
+                    .get_instance_proc_addr)(
+                    vk::Instance::null(),
+                    name,
+                ))
+            };
+            let Some(create) = create else { return FAILED };
+            // SAFETY: the application's own arguments, unchanged but for the loader's structure, which is
+            // advanced.
+            let result = unsafe { create(info, allocator, instance) };
+            // SAFETY: where the call succeeded, `instance` points to a live instance of the next layer.
+            if result == vk::Result::SUCCESS && unsafe { track(info, *instance, next) }.is_none() {
+                return FAILED;
+            }
+            let result = answer.record(result);
+            tracing::info!("Vulkan instance: {}", Enablement::of_process());
+            result
+        },
+    )
+}
+
+/// Begins to track an instance.
+///
+/// # Safety
+///
+/// `info` is valid, and `handle` a live instance of the layer that `next` names.
+unsafe fn track(
+    info: *const vk::InstanceCreateInfo<'_>,
+    handle: vk::Instance,
+    next: NextInstance,
+) -> Option<()> {
+    // SAFETY: the caller vouches for `info`, the handle and the pointer.
+    unsafe {
+        let key = DispatchKey::of(handle)?;
+        let table = InstanceTable::load(|name| (next.get_instance_proc_addr)(handle, name.as_ptr()))?;
+        INSTANCES.insert(
+            key,
+            Instance {
+                handle,
+                enabled: Enablement::of_process() == Enablement::Enabled,
+                api_version: requested_version((*info).p_application_info.as_ref()),
+                next: table,
+                get_instance_proc_addr: next.get_instance_proc_addr,
+                get_physical_device_proc_addr: next.get_physical_device_proc_addr,
+            },
+        );
+        Some(())
+    }
+}
+
+/// The version that an application asked for: without an answer it is 1.0 (VkApplicationInfo::apiVersion).
+fn requested_version(application: Option<&vk::ApplicationInfo<'_>>) -> u32 {
+    application.map_or(0, |application| application.api_version).max(vk::API_VERSION_1_0)
+}
+
+/// `vkDestroyInstance`.
+pub unsafe extern "system" fn destroy(instance: vk::Instance, allocator: *const vk::AllocationCallbacks<'_>) {
+    guard(
+        "vkDestroyInstance",
+        || (),
+        |_| {
+            // SAFETY: the application vouches that the instance is null or live until the call down.
+            let key = unsafe { DispatchKey::of(instance) };
+            if let Some(known) = key.and_then(|key| INSTANCES.remove(key)) {
+                // SAFETY: the next layer's function with the application's own arguments.
+                unsafe { (known.next.destroy_instance)(instance, allocator) }
+            }
+        },
+    );
+}

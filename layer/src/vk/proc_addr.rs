@@ -1,0 +1,78 @@
+//! How the loader and the layers above find our functions and, through us, those below.
+//!
+//! A hook of ours is given out only where the next layer has the function too: what the driver lacks stays
+//! missing.
+
+use super::dispatch::{device_hook, global_hook, instance_hook, physical_device_hook};
+use super::{device, instance, link_table};
+use crate::abi::guard;
+use crate::link::GET_LINK_NAME;
+use ash::vk;
+use std::ffi::{CStr, c_char};
+
+/// `vkGetInstanceProcAddr`.
+pub unsafe extern "system" fn instance(handle: vk::Instance, name: *const c_char) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the caller passes a null-terminated name, and an instance that is null or live.
+    guard(
+        "vkGetInstanceProcAddr",
+        || None,
+        |_| unsafe {
+            let name = text(&name)?;
+            // Before any look-up: the instance may be null, or not tracked yet.
+            if let Some(own) = global_hook(name) {
+                return Some(own);
+            }
+            let known = instance::of(handle)?;
+            let next = (known.get_instance_proc_addr)(handle, name.as_ptr())?;
+            instance_hook(name)
+                .or_else(|| physical_device_hook(name))
+                .or_else(|| device_hook(name))
+                .or(Some(next))
+        },
+    )
+}
+
+/// `vkGetDeviceProcAddr`. Answers the OpenXR half's question for the link, for an armed device.
+pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the caller passes a null-terminated name and a live device.
+    guard(
+        "vkGetDeviceProcAddr",
+        || None,
+        |_| unsafe {
+            let name = text(&name)?;
+            let known = device::of(handle)?;
+            if name == GET_LINK_NAME {
+                return known.record.is_some().then(link_table::get_link);
+            }
+            let next = (known.get_device_proc_addr)(handle, name.as_ptr())?;
+            device_hook(name).or(Some(next))
+        },
+    )
+}
+
+/// `vk_layerGetPhysicalDeviceProcAddr`: functions of physical devices, and nothing else.
+pub unsafe extern "system" fn physical_device(
+    handle: vk::Instance,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the caller passes a null-terminated name and a live instance.
+    guard(
+        "vk_layerGetPhysicalDeviceProcAddr",
+        || None,
+        |_| unsafe {
+            let name = text(&name)?;
+            let known = instance::of(handle)?;
+            physical_device_hook(name).or_else(|| known.get_physical_device_proc_addr?(handle, name.as_ptr()))
+        },
+    )
+}
+
+/// A name given by a caller.
+///
+/// # Safety
+///
+/// `name` is null or a null-terminated string.
+unsafe fn text(name: &*const c_char) -> Option<&CStr> {
+    // SAFETY: the caller vouches for the string, which lives as long as the call.
+    (!name.is_null()).then(|| unsafe { CStr::from_ptr(*name) })
+}

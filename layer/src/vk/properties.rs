@@ -1,0 +1,111 @@
+//! What the layer says of itself. It adds no extension, to an instance or a device.
+
+use super::{LAYER_NAME, instance};
+use crate::abi::guard;
+use ash::vk;
+use std::ffi::{CStr, c_char};
+
+/// `vkEnumerateInstanceLayerProperties`, of this layer alone.
+pub unsafe extern "system" fn enumerate_instance_layers(
+    count: *mut u32,
+    properties: *mut vk::LayerProperties,
+) -> vk::Result {
+    // SAFETY: the caller passes a count, and null or as many structures as the count says.
+    guard(
+        "vkEnumerateInstanceLayerProperties",
+        || vk::Result::ERROR_OUT_OF_HOST_MEMORY,
+        |_| unsafe {
+            let Some(count) = count.as_mut() else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+            let Some(first) = properties.as_mut() else {
+                *count = 1;
+                return vk::Result::SUCCESS;
+            };
+            if *count == 0 {
+                return vk::Result::INCOMPLETE;
+            }
+            *count = 1;
+            *first = own_properties();
+            vk::Result::SUCCESS
+        },
+    )
+}
+
+/// `vkEnumerateDeviceLayerProperties`: the same, as the specification deprecates layers of devices.
+pub unsafe extern "system" fn enumerate_device_layers(
+    _physical_device: vk::PhysicalDevice,
+    count: *mut u32,
+    properties: *mut vk::LayerProperties,
+) -> vk::Result {
+    // SAFETY: the caller's arguments, with the same meaning.
+    unsafe { enumerate_instance_layers(count, properties) }
+}
+
+/// `vkEnumerateInstanceExtensionProperties`: none of ours, and no answer for anybody else.
+pub unsafe extern "system" fn enumerate_instance_extensions(
+    layer: *const c_char,
+    count: *mut u32,
+    _properties: *mut vk::ExtensionProperties,
+) -> vk::Result {
+    // SAFETY: the caller passes null or a null-terminated name, and a count.
+    unsafe { no_extensions(layer, count).unwrap_or(vk::Result::ERROR_LAYER_NOT_PRESENT) }
+}
+
+/// `vkEnumerateDeviceExtensionProperties`: none of ours; every other question goes on to the next layer.
+pub unsafe extern "system" fn enumerate_device_extensions(
+    physical_device: vk::PhysicalDevice,
+    layer: *const c_char,
+    count: *mut u32,
+    properties: *mut vk::ExtensionProperties,
+) -> vk::Result {
+    const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
+    guard(
+        "vkEnumerateDeviceExtensionProperties",
+        || FAILED,
+        |_| {
+            // SAFETY: the caller passes null or a null-terminated name, a count, and a live physical device; what
+            // is not ours to answer goes to the next layer's function with the same arguments.
+            unsafe {
+                if let Some(result) = no_extensions(layer, count) {
+                    return result;
+                }
+                let Some(known) = instance::of(physical_device) else { return FAILED };
+                (known.next.enumerate_device_extensions)(physical_device, layer, count, properties)
+            }
+        },
+    )
+}
+
+/// Answers with no extension where `layer` names this one.
+///
+/// # Safety
+///
+/// `layer` is null or a null-terminated string; `count` is null or valid.
+unsafe fn no_extensions(layer: *const c_char, count: *mut u32) -> Option<vk::Result> {
+    // SAFETY: the caller vouches for both.
+    unsafe {
+        if layer.is_null() || CStr::from_ptr(layer) != LAYER_NAME {
+            return None;
+        }
+        *count.as_mut()? = 0;
+    }
+    Some(vk::Result::SUCCESS)
+}
+
+fn own_properties() -> vk::LayerProperties {
+    let mut properties = vk::LayerProperties {
+        spec_version: vk::API_VERSION_1_3,
+        implementation_version: 1,
+        ..Default::default()
+    };
+    copy_text(&mut properties.layer_name, LAYER_NAME);
+    copy_text(&mut properties.description, c"Renders less where the eye does not see it");
+    properties
+}
+
+/// Copies `from` with its terminator; what does not fit is cut.
+fn copy_text(to: &mut [c_char], from: &CStr) {
+    let room = to.len().saturating_sub(1);
+    for (to, from) in to.iter_mut().zip(from.to_bytes().iter().take(room)) {
+        *to = from.cast_signed();
+    }
+}

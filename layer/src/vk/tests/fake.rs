@@ -1,0 +1,223 @@
+//! A stand-in for the layer below and the driver: it records what reaches it.
+
+use super::super::chain::{
+    DeviceLink, DevicePayload, InstanceLink, InstancePayload, LINK_INFO, LOADER_DATA_CALLBACK,
+    LayerDeviceCreateInfo, LayerInstanceCreateInfo,
+};
+use ash::vk::{self, Handle};
+use std::cell::RefCell;
+use std::ffi::{CStr, c_char, c_void};
+use std::ptr::{null, null_mut};
+
+thread_local! {
+    static CALLS: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+}
+
+/// What reached the stand-in on this thread since the last time.
+pub fn calls() -> Vec<String> {
+    CALLS.take()
+}
+
+fn called(what: impl Into<String>) {
+    CALLS.with_borrow_mut(|calls| calls.push(what.into()));
+}
+
+/// A dispatchable object: its first word is its key, which here is the address of a block of its own.
+#[repr(C)]
+struct Object {
+    key: *mut u64,
+}
+
+fn object_with_key(key: *mut u64) -> u64 {
+    Box::into_raw(Box::new(Object { key })) as u64
+}
+
+fn new_object() -> u64 {
+    object_with_key(Box::into_raw(Box::new(0)))
+}
+
+/// A physical device of that instance: another object with the same key.
+pub fn physical_device_of(instance: vk::Instance) -> vk::PhysicalDevice {
+    // SAFETY: the instance is an Object made by `new_object`.
+    let key = unsafe { (*(instance.as_raw() as *const Object)).key };
+    vk::PhysicalDevice::from_raw(object_with_key(key))
+}
+
+/// The Vulkan version of the stand-in's devices.
+pub const DEVICE_VERSION: u32 = vk::make_api_version(0, 1, 2, 5);
+
+/// What vkCreateDevice fails with, for a queue count of 99.
+pub const DEVICE_FAILURE: vk::Result = vk::Result::ERROR_TOO_MANY_OBJECTS;
+
+/// The structure types of a chain, in its order.
+fn types(mut at: *const c_void) -> Vec<i32> {
+    let mut found = Vec::new();
+    while !at.is_null() {
+        // SAFETY: the tests build valid chains.
+        unsafe {
+            let header = &*at.cast::<vk::BaseInStructure<'_>>();
+            found.push(header.s_type.as_raw());
+            at = header.p_next.cast();
+        }
+    }
+    found
+}
+
+/// The link that the loader's structure in a chain names now.
+fn link_at(mut at: *const c_void, loader: vk::StructureType) -> *const c_void {
+    while !at.is_null() {
+        // SAFETY: the tests build valid chains; both loader structures have their link at the same place.
+        unsafe {
+            let header = &*at.cast::<vk::BaseInStructure<'_>>();
+            let info = &*at.cast::<LayerInstanceCreateInfo>();
+            if header.s_type == loader && info.function == LINK_INFO {
+                return info.payload.other;
+            }
+            at = header.p_next.cast();
+        }
+    }
+    null()
+}
+
+unsafe extern "system" fn create_instance(
+    info: *const vk::InstanceCreateInfo<'_>,
+    _: *const vk::AllocationCallbacks<'_>,
+    instance: *mut vk::Instance,
+) -> vk::Result {
+    // SAFETY: the tests pass valid structures.
+    unsafe {
+        let chain = (*info).p_next;
+        let link = link_at(chain, vk::StructureType::LOADER_INSTANCE_CREATE_INFO);
+        called(format!("vkCreateInstance chain {:?} link {link:?}", types(chain)));
+        *instance = vk::Instance::from_raw(new_object());
+    }
+    vk::Result::SUCCESS
+}
+
+unsafe extern "system" fn create_device(
+    _: vk::PhysicalDevice,
+    info: *const vk::DeviceCreateInfo<'_>,
+    _: *const vk::AllocationCallbacks<'_>,
+    device: *mut vk::Device,
+) -> vk::Result {
+    // SAFETY: the tests pass valid structures.
+    unsafe {
+        let chain = (*info).p_next;
+        let link = link_at(chain, vk::StructureType::LOADER_DEVICE_CREATE_INFO);
+        called(format!("vkCreateDevice chain {:?} link {link:?}", types(chain)));
+        if (*info).queue_create_info_count == 99 {
+            return DEVICE_FAILURE;
+        }
+        *device = vk::Device::from_raw(new_object());
+    }
+    vk::Result::SUCCESS
+}
+
+unsafe extern "system" fn destroy_instance(instance: vk::Instance, _: *const vk::AllocationCallbacks<'_>) {
+    called(format!("vkDestroyInstance {:x}", instance.as_raw()));
+}
+
+unsafe extern "system" fn destroy_device(device: vk::Device, _: *const vk::AllocationCallbacks<'_>) {
+    called(format!("vkDestroyDevice {:x}", device.as_raw()));
+}
+
+unsafe extern "system" fn physical_device_properties(
+    _: vk::PhysicalDevice,
+    properties: *mut vk::PhysicalDeviceProperties,
+) {
+    // SAFETY: the caller passes a structure to write to.
+    unsafe { (*properties).api_version = DEVICE_VERSION };
+}
+
+unsafe extern "system" fn enumerate_device_extensions(
+    _: vk::PhysicalDevice,
+    _: *const c_char,
+    count: *mut u32,
+    _: *mut vk::ExtensionProperties,
+) -> vk::Result {
+    // SAFETY: the caller passes a count.
+    unsafe { *count = 3 };
+    vk::Result::SUCCESS
+}
+
+/// What the stand-in answers for `vkCmdDraw`, which this layer does not hook.
+pub unsafe extern "system" fn draw() {}
+
+fn function(name: &CStr) -> vk::PFN_vkVoidFunction {
+    macro_rules! answer {
+        ($($known:literal: $pfn:ident = $function:ident;)*) => {
+            $(if name == $known {
+                let function: vk::$pfn = $function;
+                // SAFETY: carried as PFN_vkVoidFunction, cast back by its name.
+                return Some(unsafe {
+                    std::mem::transmute::<vk::$pfn, unsafe extern "system" fn()>(function)
+                });
+            })*
+        };
+    }
+    answer! {
+        c"vkCreateInstance": PFN_vkCreateInstance = create_instance;
+        c"vkDestroyInstance": PFN_vkDestroyInstance = destroy_instance;
+        c"vkCreateDevice": PFN_vkCreateDevice = create_device;
+        c"vkDestroyDevice": PFN_vkDestroyDevice = destroy_device;
+        c"vkGetPhysicalDeviceProperties": PFN_vkGetPhysicalDeviceProperties = physical_device_properties;
+        c"vkEnumerateDeviceExtensionProperties":
+            PFN_vkEnumerateDeviceExtensionProperties = enumerate_device_extensions;
+        c"vkGetDeviceProcAddr": PFN_vkGetDeviceProcAddr = get_device_proc_addr;
+    }
+    (name == c"vkCmdDraw").then_some(draw)
+}
+
+pub unsafe extern "system" fn get_instance_proc_addr(
+    _: vk::Instance,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the caller passes a name.
+    function(unsafe { CStr::from_ptr(name) })
+}
+
+pub unsafe extern "system" fn get_device_proc_addr(
+    _: vk::Device,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the caller passes a name.
+    function(unsafe { CStr::from_ptr(name) })
+}
+
+unsafe extern "system" fn set_device_loader_data(_: vk::Device, _: *mut c_void) -> vk::Result {
+    vk::Result::SUCCESS
+}
+
+/// The chain that a loader gives to the first of two layers of an instance, with `then` behind it.
+pub fn instance_chain(then: *const c_void) -> (*const c_void, *const c_void) {
+    let link = |next| InstanceLink {
+        next,
+        get_instance_proc_addr,
+        get_physical_device_proc_addr: Some(get_instance_proc_addr),
+    };
+    let last = Box::into_raw(Box::new(link(null_mut())));
+    let first = Box::into_raw(Box::new(link(last)));
+    let info = LayerInstanceCreateInfo {
+        s_type: vk::StructureType::LOADER_INSTANCE_CREATE_INFO,
+        p_next: then,
+        function: LINK_INFO,
+        payload: InstancePayload { link: first },
+    };
+    (Box::into_raw(Box::new(info)).cast(), last.cast())
+}
+
+/// As [`instance_chain`], for a device; without `callback` the loader gives no vkSetDeviceLoaderData.
+pub fn device_chain(then: *const c_void, callback: bool) -> (*const c_void, *const c_void) {
+    let link = |next| DeviceLink { next, get_instance_proc_addr, get_device_proc_addr };
+    let last = Box::into_raw(Box::new(link(null_mut())));
+    let first = Box::into_raw(Box::new(link(last)));
+    let info = |p_next, function, payload| {
+        let s_type = vk::StructureType::LOADER_DEVICE_CREATE_INFO;
+        Box::into_raw(Box::new(LayerDeviceCreateInfo { s_type, p_next, function, payload }))
+            .cast_const()
+            .cast::<c_void>()
+    };
+    let set_device_loader_data = DevicePayload { set_device_loader_data: Some(set_device_loader_data) };
+    let then = if callback { info(then, LOADER_DATA_CALLBACK, set_device_loader_data) } else { then };
+    (info(then, LINK_INFO, DevicePayload { link: first }), last.cast())
+}
