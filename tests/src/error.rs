@@ -1,0 +1,70 @@
+//! What can go wrong in the harness itself, as opposed to in the application that it runs.
+
+use std::path::{Path, PathBuf};
+
+/// A failure of the harness, or of the machine that it runs on.
+#[derive(Debug, thiserror::Error)]
+pub enum HarnessError {
+    /// A library or program of this workspace is not there: only a build of the whole workspace makes them all.
+    #[error(
+        "{name} is not built in {folder}; `cargo build --workspace` builds it, `cargo dev` does so by itself"
+    )]
+    NotBuilt {
+        /// File name.
+        name: String,
+        /// Where it was looked for.
+        folder: PathBuf,
+    },
+    /// A program of the system is not in `PATH`.
+    #[error("{name} is not in PATH; `cargo dev setup` installs it, or says how")]
+    NotInstalled {
+        /// The program.
+        name: String,
+    },
+    /// Reading or writing a file failed.
+    #[error("{path}: {source}")]
+    File {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A program could not be started.
+    #[error("cannot start {program}: {source}")]
+    Start {
+        /// The program.
+        program: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A picture, record or result is not what its format says.
+    #[error("{path}: {reason}")]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The application did not do what the measurement needs; its output says more.
+    #[error("{application}: {reason}\n{output}")]
+    Application {
+        /// Which one.
+        application: String,
+        /// What was expected of it.
+        reason: String,
+        /// The last of what it printed.
+        output: String,
+    },
+}
+
+impl HarnessError {
+    /// For `map_err` on file operations.
+    pub(crate) fn file(path: &Path) -> impl FnOnce(std::io::Error) -> Self + '_ {
+        move |source| Self::File { path: path.to_owned(), source }
+    }
+
+    /// A file with unexpected content.
+    pub(crate) fn format(path: &Path, reason: impl std::fmt::Display) -> Self {
+        Self::Format { path: path.to_owned(), reason: reason.to_string() }
+    }
+}

@@ -1,0 +1,211 @@
+//! A folder in which everything is installed as on a user's machine, and the environment that leads to it.
+//!
+//! The loaders find layers through `XDG_DATA_HOME`, configuration and logs through `XDG_CONFIG_HOME` and
+//! `XDG_STATE_HOME`, the runtime through `XR_RUNTIME_JSON`. Nothing of the surrounding environment is passed on
+//! that could change what they do.
+
+use crate::HarnessError;
+use crate::artifacts::Library;
+use serde_json::json;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// The Vulkan layers of `parafovea-test-layers`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum TestLayer {
+    /// Passes every call on.
+    PassThrough,
+    /// Counts fragment shader invocations.
+    Count,
+    /// Leaves out chosen barriers.
+    DropBarrier,
+}
+
+impl TestLayer {
+    const ALL: [TestLayer; 3] = [TestLayer::PassThrough, TestLayer::Count, TestLayer::DropBarrier];
+
+    fn stem(self) -> &'static str {
+        match self {
+            TestLayer::PassThrough => "pass_through",
+            TestLayer::Count => "count",
+            TestLayer::DropBarrier => "drop_barrier",
+        }
+    }
+
+    /// Its name for the Vulkan loader.
+    pub fn name(self) -> String {
+        format!("VK_LAYER_PARAFOVEA_TEST_{}", self.stem())
+    }
+}
+
+/// Which halves of the layer are installed, and from which files.
+#[derive(Clone, Default, Debug)]
+pub struct Halves {
+    /// The library that the OpenXR manifest names.
+    pub openxr: Option<PathBuf>,
+    /// The library that the Vulkan manifest names.
+    pub vulkan: Option<PathBuf>,
+}
+
+/// A folder with everything installed below it.
+pub struct Installation {
+    folder: PathBuf,
+}
+
+impl Installation {
+    /// Installs the halves of the layer, the mock runtime and the test layers below `folder`.
+    ///
+    /// # Errors
+    /// [`HarnessError::NotBuilt`], [`HarnessError::File`].
+    pub fn new(folder: &Path, halves: &Halves) -> Result<Self, HarnessError> {
+        let installation = Self { folder: folder.to_owned() };
+        for part in ["home", "config/parafovea", "state", "cache", "runtime"] {
+            let path = folder.join(part);
+            std::fs::create_dir_all(&path).map_err(HarnessError::file(&path))?;
+        }
+        installation.install_halves(halves)?;
+        installation.install_test_layers()?;
+        let runtime = json!({
+            "file_format_version": "1.0.0",
+            "runtime": { "name": "Parafovea mock runtime", "library_path": Library::MockRuntime.path()? },
+        });
+        write(&installation.runtime_manifest(), &runtime.to_string())?;
+        Ok(installation)
+    }
+
+    fn install_halves(&self, halves: &Halves) -> Result<(), HarnessError> {
+        if let Some(library) = &halves.openxr {
+            let manifest = json!({
+                "file_format_version": "1.0.0",
+                "api_layer": {
+                    "name": "XR_APILAYER_PARAFOVEA_foveation",
+                    "library_path": library,
+                    "api_version": "1.0",
+                    "implementation_version": "1",
+                    "description": "Parafovea",
+                    "functions": { "xrNegotiateLoaderApiLayerInterface": "parafovea_xrNegotiateLoaderApiLayerInterface" },
+                    "enable_environment": "PARAFOVEA",
+                    "disable_environment": "DISABLE_PARAFOVEA",
+                },
+            });
+            write(
+                &self.folder.join("data/openxr/1/api_layers/implicit.d/parafovea.json"),
+                &manifest.to_string(),
+            )?;
+        }
+        if let Some(library) = &halves.vulkan {
+            let manifest = json!({
+                "file_format_version": "1.1.2",
+                "layer": {
+                    "name": "VK_LAYER_PARAFOVEA_foveation",
+                    "type": "GLOBAL",
+                    "library_path": library,
+                    "api_version": "1.3.0",
+                    "implementation_version": "1",
+                    "description": "Parafovea",
+                    "functions": { "vkNegotiateLoaderLayerInterfaceVersion": "parafovea_vkNegotiateLoaderLayerInterfaceVersion" },
+                    "enable_environment": { "PARAFOVEA": "1" },
+                    "disable_environment": { "DISABLE_PARAFOVEA": "1" },
+                },
+            });
+            write(&self.folder.join("data/vulkan/implicit_layer.d/parafovea.json"), &manifest.to_string())?;
+        }
+        Ok(())
+    }
+
+    fn install_test_layers(&self) -> Result<(), HarnessError> {
+        for layer in TestLayer::ALL {
+            let manifest = json!({
+                "file_format_version": "1.1.2",
+                "layer": {
+                    "name": layer.name(),
+                    "type": "GLOBAL",
+                    "library_path": Library::TestLayers.path()?,
+                    "api_version": "1.3.0",
+                    "implementation_version": "1",
+                    "description": "For Parafovea's own tests and benches",
+                    "functions": {
+                        "vkNegotiateLoaderLayerInterfaceVersion":
+                            format!("{}_vkNegotiateLoaderLayerInterfaceVersion", layer.stem()),
+                    },
+                },
+            });
+            let path = self.folder.join(format!("data/vulkan/explicit_layer.d/{}.json", layer.stem()));
+            write(&path, &manifest.to_string())?;
+        }
+        Ok(())
+    }
+
+    /// The file that `XR_RUNTIME_JSON` names for the mock runtime.
+    pub fn runtime_manifest(&self) -> PathBuf {
+        self.folder.join("mock_runtime.json")
+    }
+
+    /// The configuration file that every application reads unless it has one of its own.
+    pub fn config_file(&self) -> PathBuf {
+        self.folder.join("config/parafovea/config.toml")
+    }
+
+    /// The folder with the layer's logs, one for each executable.
+    pub fn log_folder(&self) -> PathBuf {
+        self.folder.join("state/parafovea")
+    }
+
+    /// The variable that makes the loaders look here too, besides where they would look anyway.
+    pub fn search_path(&self) -> (&'static str, OsString) {
+        let mut path = self.folder.join("data").into_os_string();
+        path.push(":");
+        // The default is the XDG base directory specification's.
+        path.push(std::env::var_os("XDG_DATA_DIRS").unwrap_or_else(|| "/usr/local/share:/usr/share".into()));
+        ("XDG_DATA_DIRS", path)
+    }
+
+    /// A whole environment for an application that is to run on the mock runtime and lavapipe, and find nothing
+    /// of the user who runs it.
+    pub fn private_environment(&self) -> Vec<(&'static str, OsString)> {
+        let folder = |part: &str| self.folder.join(part).into_os_string();
+        let mut variables = vec![
+            ("HOME", folder("home")),
+            ("XDG_DATA_HOME", folder("data")),
+            ("XDG_CONFIG_HOME", folder("config")),
+            ("XDG_STATE_HOME", folder("state")),
+            ("XDG_CACHE_HOME", folder("cache")),
+            ("XDG_RUNTIME_DIR", folder("runtime")),
+        ];
+        // Both are how programs and libraries themselves are found.
+        variables.extend(
+            ["PATH", "LD_LIBRARY_PATH"].into_iter().filter_map(|name| Some((name, std::env::var_os(name)?))),
+        );
+        variables.extend(self.mock_environment());
+        variables
+    }
+
+    /// The variables that choose the mock runtime and, where there is one, lavapipe.
+    pub fn mock_environment(&self) -> Vec<(&'static str, OsString)> {
+        let mut variables = vec![("XR_RUNTIME_JSON", self.runtime_manifest().into_os_string())];
+        if let Some(driver) = lavapipe() {
+            // The first is the loader's name for it since 1.3.207, the second is the one before.
+            variables.push(("VK_DRIVER_FILES", driver.clone().into_os_string()));
+            variables.push(("VK_ICD_FILENAMES", driver.into_os_string()));
+        }
+        variables
+    }
+}
+
+/// The driver manifest of lavapipe, where it is installed.
+fn lavapipe() -> Option<PathBuf> {
+    let folders = ["/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d", "/etc/vulkan/icd.d"];
+    let files = folders.iter().filter_map(|folder| std::fs::read_dir(folder).ok()).flatten().flatten();
+    let is_native = |name: &str| name.starts_with("lvp_icd") && !name.contains("i686");
+    files
+        .map(|file| file.path())
+        .find(|path| path.file_name().is_some_and(|name| is_native(&name.to_string_lossy())))
+}
+
+/// Writes a file and the folders above it.
+pub(crate) fn write(path: &Path, text: &str) -> Result<(), HarnessError> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(HarnessError::file(folder))?;
+    }
+    std::fs::write(path, text).map_err(HarnessError::file(path))
+}

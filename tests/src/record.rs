@@ -1,0 +1,134 @@
+//! What the mock runtime recorded of a run, as far as the harness asks about it.
+
+use crate::HarnessError;
+use serde::Deserialize;
+use std::path::Path;
+
+/// The record of one run.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// The frames that were ended, in order.
+    pub frames: Vec<Frame>,
+    /// What the application, or the layer on its behalf, did wrong in the runtime's eyes.
+    pub errors: Vec<RuntimeError>,
+    /// The swapchains as the runtime was asked for them.
+    pub swapchains: Vec<serde_json::Value>,
+}
+
+/// One `xrEndFrame`.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Frame {
+    /// From 0.
+    pub index: u64,
+    /// When it was to be shown, in nanoseconds of the runtime's clock.
+    pub display_time_ns: i64,
+    /// CPU time of the whole process until then, in nanoseconds.
+    pub process_cpu_ns: u64,
+    /// The composition layers that were submitted.
+    #[serde(default)]
+    pub layers: Vec<serde_json::Value>,
+}
+
+/// A call that the runtime answered with an error of the specification.
+#[derive(Clone, Debug, Deserialize)]
+pub struct RuntimeError {
+    /// The function.
+    pub call: String,
+    /// Its result.
+    pub result: String,
+    /// What was wrong.
+    pub message: String,
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum Line {
+    Frame(Frame),
+    Error(RuntimeError),
+    SwapchainCreated(serde_json::Value),
+    #[serde(other)]
+    Other,
+}
+
+impl Record {
+    /// Reads a record; one that was never begun is empty.
+    ///
+    /// # Errors
+    /// [`HarnessError::File`], or [`HarnessError::Format`] with the line's number.
+    pub fn load(path: &Path) -> Result<Self, HarnessError> {
+        let text = match std::fs::read_to_string(path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(HarnessError::file(path)(error)),
+        };
+        let mut record = Self::default();
+        for (number, line) in (1..).zip(text.lines()) {
+            let line = serde_json::from_str(line)
+                .map_err(|error| HarnessError::format(path, format!("line {number}: {error}")))?;
+            match line {
+                Line::Frame(frame) => record.frames.push(frame),
+                Line::Error(error) => record.errors.push(error),
+                Line::SwapchainCreated(swapchain) => record.swapchains.push(swapchain),
+                Line::Other => {}
+            }
+        }
+        Ok(record)
+    }
+
+    /// CPU time that the process spent from one `xrEndFrame` to the next, in milliseconds. The first tenth of the
+    /// frames is left out: shaders are compiled and caches filled there.
+    pub fn cpu_ms_of_frames(&self) -> Vec<f64> {
+        let steady = self.frames.get(self.frames.len() / 10..).unwrap_or_default();
+        let spent =
+            |pair: &[Frame]| pair[1].process_cpu_ns.saturating_sub(pair[0].process_cpu_ns) as f64 / 1e6;
+        steady.windows(2).map(spent).collect()
+    }
+}
+
+/// The median of `values`; of an even number the mean of the middle two. None without any.
+pub fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    match values.len() {
+        0 => None,
+        n if n % 2 == 1 => Some(values[middle]),
+        _ => Some((values[middle - 1] + values[middle]) / 2.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_errors_and_unknown_lines_are_told_apart() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("record.jsonl");
+        let lines = [
+            r#"{"kind":"frame","index":0,"display_time_ns":1,"process_cpu_ns":1000000,"layers":[]}"#,
+            r#"{"kind":"frame","index":1,"display_time_ns":2,"process_cpu_ns":3000000}"#,
+            r#"{"kind":"error","call":"xrEndFrame","result":"XR_ERROR_TIME_INVALID","message":"zero"}"#,
+            r#"{"kind":"something","else":1}"#,
+        ];
+        std::fs::write(&path, lines.join("\n")).unwrap();
+        let record = Record::load(&path).unwrap();
+        assert_eq!((record.frames.len(), record.errors.len()), (2, 1));
+        assert_eq!(record.cpu_ms_of_frames(), [2.0]);
+    }
+
+    #[test]
+    fn a_broken_line_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("record.jsonl");
+        std::fs::write(&path, "{\"kind\":\"other\"}\n{\n").unwrap();
+        assert!(Record::load(&path).unwrap_err().to_string().contains("line 2"));
+        assert!(Record::load(&folder.path().join("none")).unwrap().frames.is_empty());
+    }
+
+    #[test]
+    fn median_of_both_parities() {
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), Some(2.5));
+        assert_eq!(median(vec![]), None);
+    }
+}

@@ -1,0 +1,243 @@
+//! One application, run once.
+
+mod child;
+mod outcome;
+mod validation;
+
+pub use outcome::Outcome;
+pub use validation::Message;
+
+use crate::artifacts::{Library, program, system_program};
+use crate::installation::{Halves, Installation, TestLayer, write};
+use crate::scenario::Scenario;
+use crate::{HarnessError, artifacts};
+use child::Child;
+use outcome::Folder;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+/// What is run.
+#[derive(Clone, Debug)]
+pub struct Application {
+    name: String,
+    program: PathBuf,
+    arguments: Vec<String>,
+}
+
+impl Application {
+    /// Khronos' hello_xr as the system's packages have it, with the graphics plug-in `Vulkan` or `Vulkan2`.
+    ///
+    /// # Errors
+    /// [`HarnessError::NotInstalled`].
+    pub fn hello_xr(graphics: &str) -> Result<Self, HarnessError> {
+        let arguments = vec!["--graphics".to_owned(), graphics.to_owned()];
+        Ok(Self { name: "hello_xr".to_owned(), program: system_program("hello_xr")?, arguments })
+    }
+
+    /// A program of this workspace.
+    ///
+    /// # Errors
+    /// [`HarnessError::NotBuilt`].
+    pub fn ours(name: &str, arguments: &[&str]) -> Result<Self, HarnessError> {
+        let arguments = arguments.iter().map(|argument| (*argument).to_owned()).collect();
+        Ok(Self { name: name.to_owned(), program: program(name)?, arguments })
+    }
+
+    /// What it is called in tables and results.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+/// How the layer is there.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum LayerMode {
+    /// Not installed.
+    Absent,
+    /// Installed; nothing enables it.
+    Off,
+    /// Enabled, and disabled by `DISABLE_PARAFOVEA=1`.
+    Disabled,
+    /// Enabled, with this configuration file; empty: the defaults.
+    On(String),
+    /// Enabled, but only the Vulkan half is installed.
+    VulkanHalf,
+    /// Enabled, but only the OpenXR half is installed.
+    OpenXrHalf,
+}
+
+/// A run to be started.
+#[derive(Clone, Debug)]
+pub struct Run {
+    application: Application,
+    scenario: Scenario,
+    layer: LayerMode,
+    copies: bool,
+    validation: bool,
+    test_layers: Vec<TestLayer>,
+    environment: Vec<(String, OsString)>,
+    timeout: Duration,
+}
+
+impl Run {
+    /// A run of `application` without the layer.
+    pub fn new(application: &Application, scenario: &Scenario) -> Self {
+        Self {
+            application: application.clone(),
+            scenario: scenario.clone(),
+            layer: LayerMode::Absent,
+            copies: false,
+            validation: false,
+            test_layers: Vec::new(),
+            environment: Vec::new(),
+            timeout: Duration::from_secs(240),
+        }
+    }
+
+    /// Sets how the layer is there.
+    pub fn layer(mut self, mode: LayerMode) -> Self {
+        self.layer = mode;
+        self
+    }
+
+    /// Enables the layer with this configuration.
+    pub fn on(self, config: &str) -> Self {
+        self.layer(LayerMode::On(config.to_owned()))
+    }
+
+    /// Installs the two halves from two copies of the library, at different paths.
+    pub fn from_copies(mut self) -> Self {
+        self.copies = true;
+        self
+    }
+
+    /// Puts the Khronos Vulkan validation layer, with synchronization validation across submits, and the OpenXR core
+    /// validation layer below ours.
+    pub fn validated(mut self) -> Self {
+        self.validation = true;
+        self
+    }
+
+    /// Adds a test layer below ours, and above validation.
+    pub fn test_layer(mut self, layer: TestLayer) -> Self {
+        self.test_layers.push(layer);
+        self
+    }
+
+    /// Sets a variable of the application's environment.
+    pub fn env(mut self, name: &str, value: impl Into<OsString>) -> Self {
+        self.environment.push((name.to_owned(), value.into()));
+        self
+    }
+
+    /// Kills the application when it takes longer; otherwise after four minutes.
+    pub fn timeout(mut self, timeout: Duration) -> Self {
+        self.timeout = timeout;
+        self
+    }
+
+    /// Runs it to its end.
+    ///
+    /// # Errors
+    /// Those of the harness only; what the application did is in the outcome.
+    pub fn finish(self) -> Result<Outcome, HarnessError> {
+        self.start()?.finish()
+    }
+
+    /// Starts it.
+    ///
+    /// # Errors
+    /// As for [`Self::finish`].
+    pub fn start(self) -> Result<Running, HarnessError> {
+        let folder = Folder::new(&artifacts::target_folder()?.join("tmp"))?;
+        let installation = Installation::new(folder.path(), &self.halves(folder.path())?)?;
+        if let LayerMode::On(config) = &self.layer {
+            write(&installation.config_file(), config)?;
+        }
+        let scenario = folder.path().join("scenario.toml");
+        let text = toml::to_string(&self.scenario).map_err(|error| HarnessError::format(&scenario, error))?;
+        write(&scenario, &text)?;
+
+        let mut command = Command::new(&self.application.program);
+        command.args(&self.application.arguments).current_dir(folder.path()).env_clear();
+        command.envs(installation.private_environment()).env("PARAFOVEA_MOCK_SCENARIO", scenario);
+        command.envs(self.layer_variables());
+        let mut vulkan_layers: Vec<String> = self.test_layers.iter().map(|layer| layer.name()).collect();
+        if self.validation {
+            vulkan_layers.push(validation::VULKAN_LAYER.to_owned());
+            command.envs(validation::environment(folder.path())?);
+        }
+        command.env("VK_INSTANCE_LAYERS", vulkan_layers.join(":"));
+        command.env(COUNT_FILE_VARIABLE, folder.path().join(COUNT_FILE));
+        command.envs(self.environment.iter().map(|(name, value)| (name, value)));
+        let child = Child::start(command, folder.path(), self.timeout)?;
+        Ok(Running { run: self, folder, installation, child })
+    }
+
+    fn halves(&self, folder: &Path) -> Result<Halves, HarnessError> {
+        let library = Library::Parafovea.path()?;
+        let mut halves = Halves { openxr: Some(library.clone()), vulkan: Some(library.clone()) };
+        if self.copies {
+            for (name, half) in
+                [("copy_openxr.so", &mut halves.openxr), ("copy_vulkan.so", &mut halves.vulkan)]
+            {
+                let copy = folder.join(name);
+                std::fs::copy(&library, &copy).map_err(HarnessError::file(&copy))?;
+                *half = Some(copy);
+            }
+        }
+        if matches!(self.layer, LayerMode::Absent | LayerMode::VulkanHalf) {
+            halves.openxr = None;
+        }
+        if matches!(self.layer, LayerMode::Absent | LayerMode::OpenXrHalf) {
+            halves.vulkan = None;
+        }
+        Ok(halves)
+    }
+
+    fn layer_variables(&self) -> Vec<(&'static str, &'static str)> {
+        match self.layer {
+            LayerMode::Absent | LayerMode::Off => vec![],
+            LayerMode::Disabled => vec![("PARAFOVEA", "1"), ("DISABLE_PARAFOVEA", "1")],
+            LayerMode::On(_) | LayerMode::VulkanHalf | LayerMode::OpenXrHalf => vec![("PARAFOVEA", "1")],
+        }
+    }
+}
+
+/// Where the counting layer writes, and the variable that tells it.
+const COUNT_FILE: &str = "count.json";
+const COUNT_FILE_VARIABLE: &str = "PARAFOVEA_TEST_COUNT_FILE";
+
+/// A run that goes on.
+pub struct Running {
+    run: Run,
+    folder: Folder,
+    installation: Installation,
+    child: Child,
+}
+
+impl Running {
+    /// The configuration file that the application reads.
+    pub fn config_file(&self) -> PathBuf {
+        self.installation.config_file()
+    }
+
+    /// What it has recorded so far.
+    ///
+    /// # Errors
+    /// Those of [`crate::record::Record::load`].
+    pub fn log(&self) -> String {
+        outcome::read_logs(&self.installation.log_folder())
+    }
+
+    /// Waits for its end, or kills it when its time is over.
+    ///
+    /// # Errors
+    /// As for [`Run::finish`].
+    pub fn finish(self) -> Result<Outcome, HarnessError> {
+        let exit = self.child.finish()?;
+        Outcome::collect(self.run.application.name, self.folder, &self.installation, &self.run.scenario, exit)
+    }
+}

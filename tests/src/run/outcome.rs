@@ -1,0 +1,139 @@
+//! What a run left behind.
+
+use super::COUNT_FILE;
+use super::child::Exit;
+use super::validation::Findings;
+use crate::HarnessError;
+use crate::installation::Installation;
+use crate::picture::Picture;
+use crate::record::Record;
+use crate::scenario::Scenario;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// An application's end, and everything that it left. Its folder goes with it, unless a test fails.
+pub struct Outcome {
+    /// The application's name.
+    pub application: String,
+    /// Its exit code; none when it was killed, by a signal or because its time was over.
+    pub exit_code: Option<i32>,
+    /// Whether it was killed because its time was over.
+    pub timed_out: bool,
+    /// What it printed.
+    pub output: String,
+    /// The runtime's record.
+    pub record: Record,
+    /// What validation found.
+    pub findings: Findings,
+    /// The layer's log, of all executables.
+    pub log: String,
+    folder: Folder,
+    pictures: PathBuf,
+}
+
+/// What the counting layer counted.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Count {
+    /// Fragment shader invocations, of the application and of everything below it.
+    pub fragment_invocations: u64,
+}
+
+impl Outcome {
+    pub(super) fn collect(
+        application: String,
+        folder: Folder,
+        installation: &Installation,
+        scenario: &Scenario,
+        exit: Exit,
+    ) -> Result<Self, HarnessError> {
+        let pictures = folder.path().join(&scenario.output.dir);
+        Ok(Self {
+            application,
+            exit_code: exit.status.and_then(|status| status.code()),
+            timed_out: exit.status.is_none(),
+            output: exit.output,
+            record: Record::load(&pictures.join("record.jsonl"))?,
+            findings: Findings::read(folder.path()),
+            log: read_logs(&installation.log_folder()),
+            folder,
+            pictures,
+        })
+    }
+
+    /// The sub-image that the application submitted for a view of its first composition layer, as stored.
+    ///
+    /// # Errors
+    /// [`HarnessError::File`] where that frame was not saved.
+    pub fn submitted(&self, view: usize, frame: u64) -> Result<Picture, HarnessError> {
+        Picture::load(&self.pictures.join(format!("submitted_0_{view}_{frame}.png")))
+    }
+
+    /// What the counting layer counted.
+    ///
+    /// # Errors
+    /// [`HarnessError::File`] where it was not there.
+    pub fn count(&self) -> Result<Count, HarnessError> {
+        let path = self.folder.path().join(COUNT_FILE);
+        let text = std::fs::read_to_string(&path).map_err(HarnessError::file(&path))?;
+        serde_json::from_str(&text).map_err(|error| HarnessError::format(&path, error))
+    }
+
+    /// Fails unless the application ended by itself with code 0 after so many frames.
+    ///
+    /// # Errors
+    /// [`HarnessError::Application`], with the last of what it printed and of the layer's log.
+    pub fn expect_frames(self, frames: u64) -> Result<Self, HarnessError> {
+        let done = self.record.frames.len() as u64;
+        if self.exit_code == Some(0) && done == frames {
+            return Ok(self);
+        }
+        let end = match (self.timed_out, self.exit_code) {
+            (true, _) => "its time was over".to_owned(),
+            (false, Some(code)) => format!("exit code {code}"),
+            (false, None) => "killed by a signal".to_owned(),
+        };
+        Err(HarnessError::Application {
+            application: self.application.clone(),
+            reason: format!("{done} of {frames} frames, {end}"),
+            output: format!("{}{}", last_lines(&self.output, 30), last_lines(&self.log, 10)),
+        })
+    }
+}
+
+fn last_lines(text: &str, count: usize) -> String {
+    let lines: Vec<&str> = text.lines().collect();
+    lines[lines.len().saturating_sub(count)..].iter().map(|line| format!("  {line}\n")).collect()
+}
+
+/// All logs in a folder, one after the other; nothing where there is none.
+pub(super) fn read_logs(folder: &Path) -> String {
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    files.filter_map(|file| std::fs::read_to_string(file.path()).ok()).collect()
+}
+
+/// A run's folder: removed at its end, kept for a look when the test that it belongs to fails.
+pub(super) struct Folder(Option<tempfile::TempDir>, PathBuf);
+
+impl Folder {
+    pub(super) fn new(parent: &Path) -> Result<Self, HarnessError> {
+        std::fs::create_dir_all(parent).map_err(HarnessError::file(parent))?;
+        let folder =
+            tempfile::Builder::new().prefix("run-").tempdir_in(parent).map_err(HarnessError::file(parent))?;
+        let path = folder.path().to_owned();
+        Ok(Self(Some(folder), path))
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.1
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        if std::thread::panicking()
+            && let Some(folder) = self.0.take()
+        {
+            eprintln!("kept: {}", folder.keep().display());
+        }
+    }
+}

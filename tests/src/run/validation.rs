@@ -1,0 +1,133 @@
+//! The validation layers below ours: how they are told what to check, and what they found.
+
+use crate::HarnessError;
+use crate::installation::write;
+use std::ffi::OsString;
+use std::path::Path;
+
+pub(super) const VULKAN_LAYER: &str = "VK_LAYER_KHRONOS_validation";
+const OPENXR_LAYER: &str = "XR_APILAYER_LUNARG_core_validation";
+const VULKAN_LOG: &str = "vulkan_validation.txt";
+const OPENXR_LOG: &str = "openxr_validation.txt";
+
+/// One finding of a validation layer.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Message {
+    /// The rule, such as `VUID-vkQueueSubmit-pCommandBuffers-00070` or `SYNC-HAZARD-WRITE-AFTER-READ`.
+    pub rule: String,
+    /// The finding, in the layer's words.
+    pub text: String,
+}
+
+/// The variables that switch both layers on, logging into `folder`.
+pub(super) fn environment(folder: &Path) -> Result<Vec<(&'static str, OsString)>, HarnessError> {
+    let settings = folder.join("vk_layer_settings.txt");
+    let log = folder.join(VULKAN_LOG);
+    // Twice the same: the names until 1.3.28x, and those since. Each version ignores the other's. The queue-submit
+    // check finds hazards between submits; it is off by default.
+    let text = format!(
+        "khronos_validation.debug_action = VK_DBG_LAYER_ACTION_LOG_MSG\n\
+         khronos_validation.report_flags = error,warn,perf,info\n\
+         khronos_validation.log_filename = {log}\n\
+         khronos_validation.enable_message_limit = false\n\
+         khronos_validation.enables = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT,\
+         VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT\n\
+         khronos_validation.validate_sync = true\n\
+         khronos_validation.syncval_submit_time_validation = true\n",
+        log = log.display(),
+    );
+    write(&settings, &text)?;
+    Ok(vec![
+        ("VK_LAYER_SETTINGS_PATH", settings.into_os_string()),
+        ("XR_ENABLE_API_LAYERS", OPENXR_LAYER.into()),
+        ("XR_CORE_VALIDATION_EXPORT_TYPE", "text".into()),
+        ("XR_CORE_VALIDATION_FILE_NAME", folder.join(OPENXR_LOG).into_os_string()),
+    ])
+}
+
+/// What the validation layers wrote during one run.
+#[derive(Clone, Default, Debug)]
+pub struct Findings {
+    /// Of the Vulkan layer.
+    pub vulkan: Vec<Message>,
+    /// Of the OpenXR layer.
+    pub openxr: Vec<Message>,
+    /// Whether the Vulkan layer was there at all: then it says so itself.
+    pub vulkan_was_active: bool,
+}
+
+impl Findings {
+    /// Reads what is in `folder`; without validation there is nothing.
+    pub(super) fn read(folder: &Path) -> Self {
+        let text = |name| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
+        let (vulkan, openxr) = (text(VULKAN_LOG), text(OPENXR_LOG));
+        Self {
+            vulkan_was_active: vulkan.contains("Khronos Validation Layer Active"),
+            vulkan: vulkan.lines().filter_map(vulkan_message).collect(),
+            openxr: openxr.lines().filter_map(openxr_message).collect(),
+        }
+    }
+
+    /// Findings that `baseline` has not got, compared by rule: texts name handles, which differ in every run.
+    pub fn beyond(&self, baseline: &Findings) -> Vec<&Message> {
+        let count =
+            |messages: &[Message], rule: &str| messages.iter().filter(|other| other.rule == rule).count();
+        let is_new = |own: &[Message], old: &[Message], message: &Message| {
+            count(own, &message.rule) > count(old, &message.rule)
+        };
+        let vulkan = self.vulkan.iter().filter(|message| is_new(&self.vulkan, &baseline.vulkan, message));
+        vulkan
+            .chain(self.openxr.iter().filter(|message| is_new(&self.openxr, &baseline.openxr, message)))
+            .collect()
+    }
+}
+
+/// `..Validation Error: [ RULE ] Object 0: .. | MessageID = .. | text`; information is no finding.
+fn vulkan_message(line: &str) -> Option<Message> {
+    let severities = ["Validation Error: [ ", "Validation Warning: [ ", "Validation Performance Warning: [ "];
+    let rest = severities.iter().find_map(|severity| line.split_once(severity))?.1;
+    let (rule, text) = rest.split_once(" ]")?;
+    Some(Message { rule: rule.to_owned(), text: text.to_owned() })
+}
+
+/// `[VALID_ERROR | RULE | function]: text`.
+fn openxr_message(line: &str) -> Option<Message> {
+    let rest =
+        ["[VALID_ERROR | ", "[VALID_WARNING | "].iter().find_map(|severity| line.strip_prefix(severity))?;
+    let (rule, text) = rest.split_once(" | ")?;
+    Some(Message { rule: rule.to_owned(), text: text.to_owned() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VULKAN: &str = "UNASSIGNED-status(INFO / SPEC): msgNum: 1 - Validation Information: [ UNASSIGNED-status ] \
+        Object 0: x; | MessageID = 0x1 | Khronos Validation Layer Active:\n\
+        SYNC-HAZARD-WRITE-AFTER-WRITE(ERROR / SPEC): msgNum: 1 - Validation Error: [ SYNC-HAZARD-WRITE-AFTER-WRITE ] \
+        Object 0: handle = 0x1 | MessageID = 0x1 | vkQueueSubmit(): hazard\n    Objects: 1\n";
+
+    #[test]
+    fn findings_are_errors_and_warnings_only() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(VULKAN_LOG), VULKAN).unwrap();
+        let openxr = "[VALID_INFO | a | b]: c\n[VALID_ERROR | VUID-xrEndFrame-x | xrEndFrame]: wrong\n";
+        std::fs::write(folder.path().join(OPENXR_LOG), openxr).unwrap();
+        let findings = Findings::read(folder.path());
+        assert!(findings.vulkan_was_active);
+        assert_eq!(findings.vulkan.len(), 1);
+        assert_eq!(findings.vulkan[0].rule, "SYNC-HAZARD-WRITE-AFTER-WRITE");
+        assert_eq!(findings.openxr[0].rule, "VUID-xrEndFrame-x");
+        assert_eq!(findings.beyond(&Findings::default()).len(), 2);
+        assert!(findings.beyond(&findings).is_empty());
+    }
+
+    #[test]
+    fn more_of_the_same_rule_is_beyond_the_baseline() {
+        let message = |text: &str| Message { rule: "R".to_owned(), text: text.to_owned() };
+        let one = Findings { vulkan: vec![message("a")], ..Findings::default() };
+        let two = Findings { vulkan: vec![message("b"), message("c")], ..Findings::default() };
+        assert_eq!(two.beyond(&one).len(), 2);
+        assert!(one.beyond(&two).is_empty());
+    }
+}
