@@ -15,6 +15,8 @@ pub struct Scenario {
     pub session: Session,
     /// What the headset can do.
     pub system: System,
+    /// How swapchains behave.
+    pub swapchain: Swapchain,
     /// The views; two.
     #[serde(rename = "view")]
     pub views: Vec<View>,
@@ -24,6 +26,8 @@ pub struct Scenario {
     /// Gaze directions over time, relative to the head, interpolated linearly.
     #[serde(rename = "gaze")]
     pub gaze: Vec<Gaze>,
+    /// States of buttons over time.
+    pub input: Vec<Input>,
 }
 
 /// `[output]`.
@@ -55,6 +59,8 @@ pub struct Clock {
 pub struct Session {
     /// Frames until the session is asked to end.
     pub frames: u64,
+    /// Frames that the application is told not to render.
+    pub should_render_off: Vec<u64>,
 }
 
 /// `[system]`.
@@ -64,6 +70,13 @@ pub struct System {
     pub eye_gaze: bool,
     /// Extensions that the runtime does not offer.
     pub extensions_off: Vec<String>,
+}
+
+/// `[swapchain]`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Swapchain {
+    /// Calls of `xrWaitSwapchainImage` that time out, counted from 0 in each swapchain.
+    pub wait_timeouts: Vec<u64>,
 }
 
 /// A `[[view]]`.
@@ -119,6 +132,17 @@ pub struct Gaze {
     pub tracked: bool,
 }
 
+/// An `[[input]]` keyframe.
+#[derive(Clone, Debug, Serialize)]
+pub struct Input {
+    /// Seconds since the start.
+    pub t: f64,
+    /// The button, such as `/user/hand/left/input/select/click`.
+    pub path: String,
+    /// Whether it is down from then on.
+    pub value: bool,
+}
+
 impl Scenario {
     /// So many frames of two upright eyes of 90 by 90 degrees and 1024 by 1024 pixels, a still head that looks
     /// ahead and a gaze that rests straight ahead; simulated time, a record, no pictures.
@@ -140,11 +164,13 @@ impl Scenario {
                 composite: false,
             },
             clock: Clock { mode: "simulated", refresh_hz: 90.0 },
-            session: Session { frames },
+            session: Session { frames, should_render_off: Vec::new() },
             system: System { eye_gaze: true, extensions_off: Vec::new() },
+            swapchain: Swapchain { wait_timeouts: Vec::new() },
             views: vec![eye(-0.032), eye(0.032)],
             head: vec![Head { t: 0.0, position: [0.0; 3], yaw_deg: 0.0, pitch_deg: 0.0, roll_deg: 0.0 }],
             gaze: vec![Gaze { t: 0.0, yaw_deg: 0.0, pitch_deg: 0.0, tracked: true }],
+            input: Vec::new(),
         }
     }
 
