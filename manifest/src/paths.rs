@@ -88,3 +88,63 @@ pub fn file_stem(name: impl AsRef<OsStr>) -> Option<String> {
     }
     (!stem.is_empty()).then_some(stem)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn environment(elevated: bool, variables: &[(&str, &str)]) -> Environment {
+        Environment::new(elevated, |name| {
+            variables.iter().find(|(known, _)| *known == name).map(|(_, value)| OsString::from(value))
+        })
+    }
+
+    #[test]
+    fn base_directories_are_the_variables_or_below_home() {
+        let home = environment(false, &[("HOME", "/home/u")]);
+        assert_eq!(home.config_home(), Some(Path::new("/home/u/.config")));
+        assert_eq!(home.data_home(), Some(Path::new("/home/u/.local/share")));
+        assert_eq!(home.state_home(), Some(Path::new("/home/u/.local/state")));
+        let set =
+            environment(false, &[("HOME", "/home/u"), ("XDG_DATA_HOME", "/d"), ("XDG_STATE_HOME", "/s")]);
+        assert_eq!(set.data_home(), Some(Path::new("/d")));
+        assert_eq!(set.log_file(Path::new("/bin/game")), Some(PathBuf::from("/s/parafovea/game.log")));
+    }
+
+    #[test]
+    fn empty_and_relative_base_directories_are_ignored() {
+        let variables =
+            [("HOME", "/h"), ("XDG_DATA_HOME", ""), ("XDG_CONFIG_HOME", "here"), ("PARAFOVEA_CONFIG", "")];
+        let odd = environment(false, &variables);
+        assert_eq!(odd.data_home(), Some(Path::new("/h/.local/share")));
+        assert_eq!(odd.config_home(), Some(Path::new("/h/.config")));
+        assert_eq!(odd.config_file(), None);
+        assert_eq!(environment(false, &[("HOME", "")]), Environment::default());
+    }
+
+    #[test]
+    fn elevated_rights_leave_nothing_of_the_environment() {
+        let all = ["HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_STATE_HOME", "PARAFOVEA_CONFIG"];
+        let elevated = Environment::new(true, |name| all.contains(&name).then(|| OsString::from("/x")));
+        assert_eq!(elevated, Environment::default());
+        assert_eq!(elevated.log_file(Path::new("game")), None);
+    }
+
+    #[test]
+    fn a_stem_is_one_file_name() {
+        for (name, stem) in [
+            ("Beat Saber", "Beat Saber"),
+            ("a/b", "a_b"),
+            ("..", "__"),
+            (".hidden", "_hidden"),
+            ("v1.2", "v1.2"),
+            ("tab\tnul\0", "tab_nul_"),
+            ("ゲーム", "ゲーム"),
+        ] {
+            assert_eq!(file_stem(name).as_deref(), Some(stem));
+        }
+        assert_eq!(file_stem(""), None);
+        let long = file_stem("é".repeat(500)).unwrap();
+        assert_eq!(long, "é".repeat(100));
+    }
+}

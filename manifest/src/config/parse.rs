@@ -169,3 +169,6 @@ fn nearest(section: &str, key: &str) -> Option<String> {
     };
     misplaced.or_else(near).map(OptionSpec::key)
 }
+
+#[cfg(test)]
+mod tests;

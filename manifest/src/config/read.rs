@@ -34,3 +34,6 @@ pub(super) fn read(path: &Path) -> Result<String, ConfigError> {
         ConfigError::NotText { line: newlines + 1 }
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,16 +3,18 @@
 use std::fs::{self, Metadata};
 use std::io::ErrorKind;
 use std::os::unix::fs::MetadataExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{Config, ConfigErrors, Places, load};
+use crate::paths::Environment;
 
 /// Watches the places of one application's configuration. Looking costs one `stat` for each place down to
 /// the first that has a file; how often to look is the caller's business.
 #[derive(Debug)]
 pub struct Watch {
     places: Places,
-    seen: Option<Seen>,
+    /// The last look: `None` before the first, `Some(None)` where no place has a file.
+    seen: Option<Option<Seen>>,
 }
 
 /// The configuration file when last looked at.
@@ -48,31 +50,28 @@ impl From<Metadata> for Fingerprint {
 }
 
 impl Watch {
-    /// Starts to watch, and takes the first look.
-    pub fn new(places: Places) -> Self {
-        let seen = look(&places);
-        Self { places, seen }
+    /// Will watch the places of [`Places::new`]; nothing is looked at yet.
+    pub fn new(environment: &Environment, application: Option<&str>, executable: &Path) -> Self {
+        Self { places: Places::new(environment, application, executable), seen: None }
     }
 
-    /// Whether the configuration may be another one than at the last look: its file was changed, replaced or
-    /// removed, or one of higher precedence appeared.
-    pub fn changed(&mut self) -> bool {
+    /// Reads the configuration, if it may be another one than at the last look: its file was changed,
+    /// replaced or removed, or one of higher precedence appeared. Always reads at the first look. Without a
+    /// file, the defaults are the configuration.
+    ///
+    /// The errors of a file are those of [`load`]. An edit after the look is seen by the next one.
+    pub fn poll(&mut self) -> Option<Result<Config, ConfigErrors>> {
         let now = look(&self.places);
-        std::mem::replace(&mut self.seen, now) != now
+        if self.seen.replace(now) == Some(now) {
+            return None;
+        }
+        Some(self.file().map_or_else(|| Ok(Config::default()), load))
     }
 
     /// The configuration file at the last look; `None` where the defaults hold.
     pub fn file(&self) -> Option<&Path> {
-        self.seen.map(|seen| self.places.files()[seen.place].as_path())
-    }
-
-    /// Reads the configuration. An edit after the last look is seen by the next one, so nothing is missed.
-    ///
-    /// # Errors
-    ///
-    /// As [`load`].
-    pub fn load(&self) -> Result<Config, ConfigErrors> {
-        self.file().map_or_else(|| Ok(Config::default()), load)
+        let seen = self.seen.flatten()?;
+        self.places.files().get(seen.place).map(PathBuf::as_path)
     }
 }
 
@@ -87,3 +86,6 @@ fn look(places: &Places) -> Option<Seen> {
     let place = places.files().iter().position(|candidate| candidate == file)?;
     Some(Seen { place, fingerprint: fs::metadata(file).ok().map(Fingerprint::from) })
 }
+
+#[cfg(test)]
+mod tests;

@@ -33,3 +33,37 @@ pub fn default_file() -> String {
     }
     text
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::parse;
+    use std::path::Path;
+
+    /// The default file with its settings in force.
+    fn uncommented() -> String {
+        let setting = |line: &str| {
+            line.strip_prefix('#').filter(|rest| !rest.starts_with(' ')).unwrap_or(line).to_owned() + "\n"
+        };
+        default_file().lines().map(setting).collect()
+    }
+
+    #[test]
+    fn it_changes_nothing_with_its_settings_commented_out_or_not() {
+        for text in [default_file(), uncommented()] {
+            assert_eq!(parse(Path::new("default.toml"), &text).unwrap(), Config::default(), "{text}");
+        }
+    }
+
+    #[test]
+    fn it_sets_every_option_once() {
+        let table: toml::Table = uncommented().parse().unwrap();
+        let count: usize = table.values().map(|value| value.as_table().map_or(1, toml::Table::len)).sum();
+        assert_eq!(count, OPTIONS.len());
+        for option in OPTIONS {
+            let section =
+                if option.section.is_empty() { &table } else { table[option.section].as_table().unwrap() };
+            assert!(section.contains_key(option.name), "{}", option.key());
+        }
+    }
+}
