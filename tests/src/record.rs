@@ -30,7 +30,7 @@ pub struct Frame {
 }
 
 /// A call that the runtime answered with an error of the specification.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, PartialEq, Eq, Debug, Deserialize)]
 pub struct RuntimeError {
     /// The function.
     pub call: String,
@@ -73,6 +73,16 @@ impl Record {
             }
         }
         Ok(record)
+    }
+
+    /// What the runtime was asked for when swapchains were created, in order, without handles, which differ in every
+    /// run.
+    pub fn created(&self) -> Vec<serde_json::Value> {
+        let mut swapchains = self.swapchains.clone();
+        for swapchain in swapchains.iter_mut().filter_map(serde_json::Value::as_object_mut) {
+            swapchain.retain(|name, _| name != "session" && name != "swapchain");
+        }
+        swapchains
     }
 
     /// CPU time that the process spent from one `xrEndFrame` to the next, in milliseconds. The first tenth of the

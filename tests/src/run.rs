@@ -58,14 +58,21 @@ pub enum LayerMode {
     Absent,
     /// Installed; nothing enables it.
     Off,
-    /// Enabled, and disabled by `DISABLE_PARAFOVEA=1`.
-    Disabled,
     /// Enabled, with this configuration file; empty: the defaults.
     On(String),
-    /// Enabled, but only the Vulkan half is installed.
-    VulkanHalf,
-    /// Enabled, but only the OpenXR half is installed.
-    OpenXrHalf,
+    /// As [`Self::On`], but only the Vulkan half is installed.
+    VulkanHalf(String),
+    /// As [`Self::On`], but only the OpenXR half is installed.
+    OpenXrHalf(String),
+}
+
+impl LayerMode {
+    fn config(&self) -> Option<&str> {
+        match self {
+            LayerMode::Absent | LayerMode::Off => None,
+            LayerMode::On(config) | LayerMode::VulkanHalf(config) | LayerMode::OpenXrHalf(config) => Some(config),
+        }
+    }
 }
 
 /// A run to be started.
@@ -153,7 +160,7 @@ impl Run {
     pub fn start(self) -> Result<Running, HarnessError> {
         let folder = Folder::new(&artifacts::target_folder()?.join("tmp"))?;
         let installation = Installation::new(folder.path(), &self.halves(folder.path())?)?;
-        if let LayerMode::On(config) = &self.layer {
+        if let Some(config) = self.layer.config() {
             write(&installation.config_file(), config)?;
         }
         let scenario = folder.path().join("scenario.toml");
@@ -163,7 +170,7 @@ impl Run {
         let mut command = Command::new(&self.application.program);
         command.args(&self.application.arguments).current_dir(folder.path()).env_clear();
         command.envs(installation.private_environment()).env("PARAFOVEA_MOCK_SCENARIO", scenario);
-        command.envs(self.layer_variables());
+        command.envs(self.layer.config().map(|_| ("PARAFOVEA", "1")));
         let mut vulkan_layers: Vec<String> = self.test_layers.iter().map(|layer| layer.name()).collect();
         if self.validation {
             vulkan_layers.push(validation::VULKAN_LAYER.to_owned());
@@ -188,21 +195,13 @@ impl Run {
                 *half = Some(copy);
             }
         }
-        if matches!(self.layer, LayerMode::Absent | LayerMode::VulkanHalf) {
+        if matches!(self.layer, LayerMode::Absent | LayerMode::VulkanHalf(_)) {
             halves.openxr = None;
         }
-        if matches!(self.layer, LayerMode::Absent | LayerMode::OpenXrHalf) {
+        if matches!(self.layer, LayerMode::Absent | LayerMode::OpenXrHalf(_)) {
             halves.vulkan = None;
         }
         Ok(halves)
-    }
-
-    fn layer_variables(&self) -> Vec<(&'static str, &'static str)> {
-        match self.layer {
-            LayerMode::Absent | LayerMode::Off => vec![],
-            LayerMode::Disabled => vec![("PARAFOVEA", "1"), ("DISABLE_PARAFOVEA", "1")],
-            LayerMode::On(_) | LayerMode::VulkanHalf | LayerMode::OpenXrHalf => vec![("PARAFOVEA", "1")],
-        }
     }
 }
 
@@ -224,10 +223,13 @@ impl Running {
         self.installation.config_file()
     }
 
-    /// What it has recorded so far.
-    ///
-    /// # Errors
-    /// Those of [`crate::record::Record::load`].
+    /// Whether the runtime has saved that picture already ([`Outcome::submitted`]).
+    pub fn has_submitted(&self, view: usize, frame: u64) -> bool {
+        let pictures = self.folder.path().join(&self.run.scenario.output.dir);
+        outcome::submitted_path(&pictures, view, frame).exists()
+    }
+
+    /// What the layer has logged so far.
     pub fn log(&self) -> String {
         outcome::read_logs(&self.installation.log_folder())
     }

@@ -1,1 +1,7 @@
-//! End-to-end tests.
+//! End-to-end tests: real applications, the real loaders, lavapipe.
+
+mod configuration;
+mod enabling;
+mod hello_xr;
+mod pictures;
+mod swapchain_cases;

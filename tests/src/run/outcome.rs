@@ -65,7 +65,7 @@ impl Outcome {
     /// # Errors
     /// [`HarnessError::File`] where that frame was not saved.
     pub fn submitted(&self, view: usize, frame: u64) -> Result<Picture, HarnessError> {
-        Picture::load(&self.pictures.join(format!("submitted_0_{view}_{frame}.png")))
+        Picture::load(&submitted_path(&self.pictures, view, frame))
     }
 
     /// What the counting layer counted.
@@ -98,6 +98,11 @@ impl Outcome {
             output: format!("{}{}", last_lines(&self.output, 30), last_lines(&self.log, 10)),
         })
     }
+}
+
+/// Where the runtime saves that sub-image of the first composition layer.
+pub(super) fn submitted_path(folder: &Path, view: usize, frame: u64) -> PathBuf {
+    folder.join(format!("submitted_0_{view}_{frame}.png"))
 }
 
 fn last_lines(text: &str, count: usize) -> String {

@@ -54,6 +54,8 @@ pub struct Findings {
     pub openxr: Vec<Message>,
     /// Whether the Vulkan layer was there at all: then it says so itself.
     pub vulkan_was_active: bool,
+    /// Whether the OpenXR layer was there at all: then its file is.
+    pub openxr_was_active: bool,
 }
 
 impl Findings {
@@ -63,6 +65,7 @@ impl Findings {
         let (vulkan, openxr) = (text(VULKAN_LOG), text(OPENXR_LOG));
         Self {
             vulkan_was_active: vulkan.contains("Khronos Validation Layer Active"),
+            openxr_was_active: folder.join(OPENXR_LOG).exists(),
             vulkan: vulkan.lines().filter_map(vulkan_message).collect(),
             openxr: openxr.lines().filter_map(openxr_message).collect(),
         }
@@ -114,7 +117,7 @@ mod tests {
         let openxr = "[VALID_INFO | a | b]: c\n[VALID_ERROR | VUID-xrEndFrame-x | xrEndFrame]: wrong\n";
         std::fs::write(folder.path().join(OPENXR_LOG), openxr).unwrap();
         let findings = Findings::read(folder.path());
-        assert!(findings.vulkan_was_active);
+        assert!(findings.vulkan_was_active && findings.openxr_was_active);
         assert_eq!(findings.vulkan.len(), 1);
         assert_eq!(findings.vulkan[0].rule, "SYNC-HAZARD-WRITE-AFTER-WRITE");
         assert_eq!(findings.openxr[0].rule, "VUID-xrEndFrame-x");

@@ -1,0 +1,68 @@
+//! When the layer is there, when it is not, and that its absence is complete.
+
+use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
+use parafovea_tests::scenario::Scenario;
+
+const CHROMA: &str = "[chroma]\nmode = \"default\"\n";
+const FRAMES: u64 = 30;
+const SAVED: u64 = 25;
+
+fn run(change: impl FnOnce(Run) -> Run) -> Outcome {
+    let scenario = Scenario::new(FRAMES).sized(256, 256).gazing(-20.0, 0.0).saving(&[SAVED]);
+    let run = Run::new(&Application::hello_xr("Vulkan2").unwrap(), &scenario);
+    change(run).finish().unwrap().expect_frames(FRAMES).unwrap()
+}
+
+fn assert_untouched(outcome: &Outcome) {
+    let reference = run(|run| run);
+    for view in 0..2 {
+        assert_eq!(reference.submitted(view, SAVED).unwrap(), outcome.submitted(view, SAVED).unwrap());
+    }
+    assert_eq!(reference.record.created(), outcome.record.created());
+}
+
+fn assert_attenuated(outcome: &Outcome) {
+    let reference = run(|run| run);
+    assert_ne!(reference.submitted(0, SAVED).unwrap(), outcome.submitted(0, SAVED).unwrap(), "{}", outcome.log);
+}
+
+#[test]
+fn chroma_attenuation_is_seen_where_it_is_enabled() {
+    assert_attenuated(&run(|run| run.on(CHROMA)));
+}
+
+#[test]
+fn nothing_happens_unless_enabled() {
+    let outcome = run(|run| run.layer(LayerMode::Off));
+    assert_untouched(&outcome);
+    assert_eq!(outcome.log, "");
+}
+
+#[test]
+fn the_variable_that_disables_wins() {
+    let outcome = run(|run| run.on(CHROMA).env("DISABLE_PARAFOVEA", "1"));
+    assert_untouched(&outcome);
+    assert_eq!(outcome.log, "");
+}
+
+#[test]
+fn the_configuration_disables() {
+    assert_untouched(&run(|run| run.on(&format!("enabled = false\n{CHROMA}"))));
+}
+
+#[test]
+fn the_vulkan_half_alone_is_inert() {
+    assert_untouched(&run(|run| run.layer(LayerMode::VulkanHalf(CHROMA.to_owned()))));
+}
+
+#[test]
+fn the_openxr_half_alone_is_inert_and_says_so() {
+    let outcome = run(|run| run.layer(LayerMode::OpenXrHalf(CHROMA.to_owned())));
+    assert_untouched(&outcome);
+    assert!(outcome.log.contains("Vulkan"), "{}", outcome.log);
+}
+
+#[test]
+fn halves_loaded_from_two_copies_of_the_library_meet() {
+    assert_attenuated(&run(|run| run.on(CHROMA).from_copies()));
+}
