@@ -4,5 +4,7 @@
 #![forbid(unsafe_code)]
 
 pub mod config;
+pub mod install;
+pub mod json;
 pub mod options;
 pub mod paths;

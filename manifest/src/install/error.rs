@@ -1,0 +1,32 @@
+//! Why an installation fails.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why an installation fails. `Display` is one line that names the file.
+#[derive(Debug, thiserror::Error)]
+pub enum InstallError {
+    /// A file cannot be read, written or removed.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The file to install is something else.
+    #[error("{}: is not the library of Parafovea", .0.display())]
+    NotTheLayer(PathBuf),
+    /// In our place is something that this program did not write. It is left alone.
+    #[error("{}: was not installed by Parafovea and is left alone; move it away first", .0.display())]
+    NotOurs(PathBuf),
+    /// A manifest is text and cannot name this path.
+    #[error("{}: the path is not UTF-8, which a manifest must be", .0.display())]
+    NotText(PathBuf),
+}
+
+impl InstallError {
+    pub(super) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        move |source| Self::File { path: path.to_owned(), source }
+    }
+}

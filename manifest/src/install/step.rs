@@ -1,0 +1,81 @@
+//! The steps of an installation.
+
+use super::InstallError;
+use std::fmt;
+use std::fs::{self, Permissions};
+use std::io::{self, Write};
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+
+/// One change to the file system. `Display` says what [`Step::apply`] does.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Puts a copy of a file in place, and makes the folders above it.
+    Copy {
+        /// The file.
+        from: PathBuf,
+        /// Where its copy goes.
+        to: PathBuf,
+    },
+    /// Puts a text file in place, and makes the folders above it.
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// All of its content.
+        text: String,
+    },
+    /// Removes a file, and the folder `parafovea` if that leaves it empty.
+    Remove(PathBuf),
+}
+
+impl Step {
+    /// Does it. A file appears whole or not at all, and a process that has the former one open keeps that.
+    ///
+    /// # Errors
+    ///
+    /// The file system refuses.
+    pub fn apply(&self) -> Result<(), InstallError> {
+        match self {
+            Self::Copy { from, to } => {
+                let content = fs::read(from).map_err(InstallError::io(from))?;
+                replace(to, &content, 0o755).map_err(InstallError::io(to))
+            }
+            Self::Write { path, text } => {
+                replace(path, text.as_bytes(), 0o644).map_err(InstallError::io(path))
+            }
+            Self::Remove(path) => {
+                fs::remove_file(path).map_err(InstallError::io(path))?;
+                if let Some(folder) = path.parent().filter(|folder| folder.ends_with("parafovea")) {
+                    // Only removes an empty folder; one that holds something else stays.
+                    let _ = fs::remove_dir(folder);
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Copy { from, to } => write!(f, "copy {} to {}", from.display(), to.display()),
+            Self::Write { path, .. } => write!(f, "write {}", path.display()),
+            Self::Remove(path) => write!(f, "remove {}", path.display()),
+        }
+    }
+}
+
+/// Writes to a temporary file beside `path` and renames that. Its name does not end in `.json`, so that no
+/// loader reads it half written.
+fn replace(path: &Path, content: &[u8], mode: u32) -> io::Result<()> {
+    let folder = path.parent().ok_or(io::ErrorKind::InvalidInput)?;
+    fs::create_dir_all(folder)?;
+    let mut file = tempfile::Builder::new()
+        .prefix(".parafovea-")
+        .permissions(Permissions::from_mode(mode))
+        .tempfile_in(folder)?;
+    file.write_all(content)?;
+    file.as_file().sync_all()?;
+    file.persist(path)?;
+    Ok(())
+}

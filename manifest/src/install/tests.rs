@@ -1,0 +1,184 @@
+use super::*;
+use serde_json::Value;
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
+use tempfile::TempDir;
+
+/// A folder with a library as a build leaves it, and an empty data home.
+struct Machine {
+    folder: TempDir,
+}
+
+impl Machine {
+    fn new() -> Self {
+        let machine = Self { folder: TempDir::new().unwrap() };
+        fs::write(machine.built(), library("1")).unwrap();
+        machine
+    }
+
+    fn built(&self) -> PathBuf {
+        self.folder.path().join("built.so")
+    }
+
+    fn data(&self) -> PathBuf {
+        self.folder.path().join("share")
+    }
+
+    fn install(&self) -> Vec<Step> {
+        apply(plan_install(&self.data(), &self.built()).unwrap())
+    }
+
+    fn uninstall(&self) -> Vec<Step> {
+        apply(plan_uninstall(&self.data()).unwrap())
+    }
+
+    fn put(&self, path: &Path, content: &str) {
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, content).unwrap();
+    }
+}
+
+fn apply(steps: Vec<Step>) -> Vec<Step> {
+    steps.iter().for_each(|step| step.apply().unwrap());
+    steps
+}
+
+fn library(version: &str) -> String {
+    let [openxr, vulkan] = Half::BOTH.map(Half::negotiate);
+    format!("\u{7f}ELF {version} {openxr}\0{vulkan}\0")
+}
+
+/// All files below `folder`.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let mut found: Vec<_> = entries
+        .flat_map(|entry| {
+            let path = entry.unwrap().path();
+            if path.is_dir() { files(&path) } else { vec![path] }
+        })
+        .collect();
+    found.sort();
+    found
+}
+
+#[test]
+fn both_manifests_name_the_one_copy_of_the_library() {
+    let machine = Machine::new();
+    machine.install();
+    let data = machine.data();
+    let installed = library_path(&data);
+    let mut expected =
+        [installed.clone(), Half::OpenXr.manifest_path(&data), Half::Vulkan.manifest_path(&data)];
+    expected.sort();
+    assert_eq!(files(&data), expected);
+    for (half, section) in [(Half::OpenXr, "api_layer"), (Half::Vulkan, "layer")] {
+        let path = half.manifest_path(&data);
+        let manifest: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+        assert_eq!(manifest[section]["library_path"], installed.to_str().unwrap());
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o644);
+    }
+    assert_eq!(fs::read(&installed).unwrap(), fs::read(machine.built()).unwrap());
+}
+
+#[test]
+fn installing_again_changes_nothing_and_an_update_changes_what_is_new() {
+    let machine = Machine::new();
+    assert_eq!(machine.install().len(), 3);
+    assert_eq!(machine.install(), []);
+
+    let inode = || fs::metadata(library_path(&machine.data())).unwrap().ino();
+    let before = inode();
+    fs::write(machine.built(), library("2")).unwrap();
+    assert_eq!(machine.install(), [Step::Copy { from: machine.built(), to: library_path(&machine.data()) }]);
+    // A running game has the former file mapped: it must not change under it.
+    assert_ne!(inode(), before);
+
+    let manifest = Half::Vulkan.manifest_path(&machine.data());
+    machine.put(&manifest, &Half::Vulkan.manifest("/elsewhere.so", Activation::Implicit));
+    assert_eq!(machine.install().len(), 1);
+    assert_eq!(machine.install(), []);
+}
+
+#[test]
+fn uninstalling_leaves_everything_else() {
+    let machine = Machine::new();
+    let others = ["openxr/1/api_layers/implicit.d/other.json", "vulkan/implicit_layer.d/other.json"];
+    others.iter().for_each(|other| machine.put(&machine.data().join(other), "{}"));
+    machine.install();
+    assert_eq!(machine.uninstall().len(), 3);
+    assert_eq!(files(&machine.data()), others.map(|other| machine.data().join(other)));
+    assert!(!machine.data().join("parafovea").exists());
+    assert_eq!(machine.uninstall(), []);
+
+    machine.install();
+    machine.put(&machine.data().join("parafovea/notes.txt"), "mine");
+    machine.uninstall();
+    assert!(machine.data().join("parafovea/notes.txt").exists());
+}
+
+#[test]
+fn a_plan_alone_changes_nothing() {
+    let machine = Machine::new();
+    let steps = plan_install(&machine.data(), &machine.built()).unwrap();
+    assert!(!machine.data().exists());
+    let said: Vec<_> = steps.iter().map(Step::to_string).collect();
+    let data = machine.data().display().to_string();
+    assert_eq!(said[0], format!("copy {} to {data}/parafovea/libparafovea.so", machine.built().display()));
+    assert_eq!(said[1], format!("write {data}/openxr/1/api_layers/implicit.d/parafovea.json"));
+    assert_eq!(said[2], format!("write {data}/vulkan/implicit_layer.d/parafovea.json"));
+}
+
+#[test]
+fn what_is_not_ours_is_neither_replaced_nor_removed() {
+    for half in Half::BOTH {
+        for content in ["", "{\"layer\": {\"name\": \"VK_LAYER_other\"}}"] {
+            let machine = Machine::new();
+            let path = half.manifest_path(&machine.data());
+            machine.put(&path, content);
+            for plan in [plan_install(&machine.data(), &machine.built()), plan_uninstall(&machine.data())] {
+                assert!(matches!(plan, Err(InstallError::NotOurs(named)) if named == path));
+            }
+            assert_eq!(fs::read_to_string(&path).unwrap(), content);
+        }
+    }
+    let machine = Machine::new();
+    machine.put(&library_path(&machine.data()), "something else");
+    assert!(matches!(plan_uninstall(&machine.data()), Err(InstallError::NotOurs(_))));
+    let machine = Machine::new();
+    fs::create_dir_all(Half::Vulkan.manifest_path(&machine.data())).unwrap();
+    assert!(matches!(plan_uninstall(&machine.data()), Err(InstallError::NotOurs(_))));
+}
+
+#[test]
+fn a_link_in_our_place_is_not_followed() {
+    let machine = Machine::new();
+    machine.install();
+    let (manifest, elsewhere) =
+        (Half::Vulkan.manifest_path(&machine.data()), machine.folder.path().join("kept"));
+    fs::rename(&manifest, &elsewhere).unwrap();
+    std::os::unix::fs::symlink(&elsewhere, &manifest).unwrap();
+    assert!(matches!(plan_uninstall(&machine.data()), Err(InstallError::NotOurs(_))));
+}
+
+#[test]
+fn only_the_layer_is_installed() {
+    let machine = Machine::new();
+    let missing = machine.folder.path().join("missing.so");
+    let message = plan_install(&machine.data(), &missing).unwrap_err().to_string();
+    assert_eq!(message, format!("{}: No such file or directory (os error 2)", missing.display()));
+    for content in ["", "text", "\u{7f}ELF but of something else"] {
+        fs::write(machine.built(), content).unwrap();
+        let message = plan_install(&machine.data(), &machine.built()).unwrap_err().to_string();
+        assert_eq!(message, format!("{}: is not the library of Parafovea", machine.built().display()));
+    }
+    assert!(!machine.data().exists());
+}
+
+#[test]
+fn a_stage_has_the_halves_that_were_asked_for() {
+    let machine = Machine::new();
+    stage(&machine.data(), Half::Vulkan, Path::new("/build/libparafovea.so")).unwrap();
+    let path = Half::Vulkan.manifest_path(&machine.data());
+    assert_eq!(files(&machine.data()), std::slice::from_ref(&path));
+    let text = fs::read_to_string(path).unwrap();
+    assert_eq!(text, Half::Vulkan.manifest("/build/libparafovea.so", Activation::Implicit));
+}
