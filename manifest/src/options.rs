@@ -42,9 +42,9 @@ choice! {
     ChromaMode {
         /// colour is left alone
         Off = "off",
-        /// the published curves, with full colour up to `plateau_deg` and a fade at `max_eccentricity_deg`
+        /// the published curves, outside a plateau of full colour and with a softened end
         Default = "default",
-        /// the published curves as they are, for comparison: no plateau, no fade
+        /// the published curves as they are, for comparison: no plateau, no softened end
         Paper = "paper",
     }
 }
@@ -86,15 +86,15 @@ options! {
     chroma: Chroma {
         /// Whether and how colour is removed.
         mode: ChromaMode = ChromaMode::Off;
-        /// How much of blue-yellow (Cb) is removed at the rim: the Z of its curve.
+        /// How fast blue-yellow (Cb) falls off, the Z of its curve: more removes more.
         cb_bound: f32 = 0.70, 0.70..=0.85 "";
-        /// How much of red-green (Cr) is removed at the rim: the Z of its curve.
+        /// How fast red-green (Cr) falls off, the Z of its curve: more removes less.
         cr_bound: f32 = 0.55, 0.35..=0.55 "";
         /// Colour is left alone up to this angle from the gaze; not less than the tracker's error.
         plateau_deg: f32 = 6.3, 1.1..=30.0 "degrees";
-        /// The angle from the gaze at which the curves end.
+        /// The angle from the gaze at which no colour is left.
         max_eccentricity_deg: f32 = 55.0, 20.0..=110.0 "degrees";
-        /// The last share of the way to `max_eccentricity_deg` over which the curves level off.
+        /// The last share of the way to max_eccentricity_deg over which the steep end of the Cb curve is softened.
         rim_fade: f32 = 0.05, 0.0..=0.5 "";
         /// How luma and chroma are split.
         matrix: ChromaMatrix = ChromaMatrix::Bt709;

@@ -14,6 +14,9 @@ const MAX_ERRORS: usize = 10;
 /// The longest unknown key for which a near one is sought, in bytes.
 const MAX_MISSPELT: usize = 64;
 
+/// How similar a key must be to be proposed (Jaro-Winkler, 0..=1): admits a slip or two, and beginnings.
+const MIN_SIMILARITY: f64 = 0.8;
+
 /// The configuration that `text` states; what it does not set keeps its default. `path` is for the errors.
 ///
 /// # Errors
@@ -126,7 +129,7 @@ fn error(text: &str, finding: &Finding<'_>) -> ConfigError {
         if finding.section.is_empty() { name.to_string() } else { format!("{}.{name}", finding.section) };
     match &finding.wrong {
         None => {
-            ConfigError::UnknownKey { line, suggestion: nearest(finding.section, &key), key: one_line(&key) }
+            ConfigError::UnknownKey { line, suggestion: nearest(finding.section, name), key: one_line(&key) }
         }
         Some(wrong) => ConfigError::NotAllowed {
             line,
@@ -153,21 +156,23 @@ fn line_of(text: &str, offset: usize) -> usize {
     1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
 }
 
-/// The option whose key is most like `key`, if any is like it. One of the right name in another section is.
-fn nearest(section: &str, key: &str) -> Option<String> {
-    if key.len() > MAX_MISSPELT {
+/// The key that was probably meant: this name in another section, or the most similar one in this section.
+fn nearest(section: &str, name: &str) -> Option<String> {
+    if name.len() > MAX_MISSPELT {
         return None;
     }
-    let misplaced = OPTIONS.iter().find(|option| section.is_empty() && option.name == key);
-    let near = || {
-        OPTIONS
-            .iter()
-            .map(|option| (strsim::osa_distance(&option.key(), key), option))
-            .filter(|(distance, option)| *distance <= 1 + option.key().len() / 4)
-            .min_by_key(|(distance, _)| *distance)
-            .map(|(_, option)| option)
-    };
-    misplaced.or_else(near).map(OptionSpec::key)
+    if let Some(option) = OPTIONS.iter().find(|option| option.name == name) {
+        return Some(option.key());
+    }
+    let options = OPTIONS.iter().filter(|option| option.section == section);
+    let sections = OPTIONS.iter().map(|option| option.section).filter(|_| section.is_empty());
+    options
+        .map(|option| (option.name, option.key()))
+        .chain(sections.map(|section| (section, section.to_owned())))
+        .map(|(candidate, key)| (strsim::jaro_winkler(candidate, name), key))
+        .filter(|(similarity, _)| *similarity >= MIN_SIMILARITY)
+        .max_by(|(one, _), (other, _)| one.total_cmp(other))
+        .map(|(_, key)| key)
 }
 
 #[cfg(test)]

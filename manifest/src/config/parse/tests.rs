@@ -89,13 +89,15 @@ fn an_unknown_key_is_told_with_the_nearest_one() {
             "[chroma]\nplatau_deg = 6",
             "game.toml: line 2: unknown key chroma.platau_deg; did you mean chroma.plateau_deg?",
         ),
-        ("[chrome]\nmode = 'off'", "game.toml: line 1: unknown key chrome"),
+        ("[chrome]\nmode = 'off'", "game.toml: line 1: unknown key chrome; did you mean chroma?"),
         ("hold_ms = 5", "game.toml: line 1: unknown key hold_ms; did you mean gaze.hold_ms?"),
         ("enable = true", "game.toml: line 1: unknown key enable; did you mean enabled?"),
         (
             "[log.level]\nx = 1",
             "game.toml: line 1: log.level = [log.level] is not allowed; allowed: \"error\", \"warn\", \"info\" or \"debug\"",
         ),
+        ("[log]\nsource = 'eyes'", "game.toml: line 2: unknown key log.source; did you mean gaze.source?"),
+        ("[chroma]\nstrength = 1", "game.toml: line 2: unknown key chroma.strength"),
         ("'line\\nbreak' = 1", r"game.toml: line 1: unknown key line\nbreak"),
         ("\"line\\nbreak\" = 1", r"game.toml: line 1: unknown key line\nbreak"),
     ] {
