@@ -1,1 +1,6 @@
-//! Placeholder.
+//! The C side of both halves: what must hold at every function that a loader or an application calls.
+
+pub mod guard;
+pub mod pnext;
+
+pub use guard::{Answer, guard};

@@ -1,1 +1,76 @@
-//! Placeholder.
+//! The configuration that holds at this moment, and noticing that its file changed.
+
+mod executable;
+
+pub use executable::executable;
+pub use parafovea_manifest::config::Config;
+pub use parafovea_manifest::options::{ChromaMatrix, ChromaMode, GazeSource, LogLevel};
+pub use parafovea_manifest::paths::Environment;
+
+use arc_swap::ArcSwap;
+use parafovea_manifest::config::{ConfigErrors, Watch};
+use std::sync::{Arc, Mutex, TryLockError};
+use std::time::{Duration, Instant};
+
+/// Edits apply within a second: twice as often is looked.
+const LOOK_EVERY: Duration = Duration::from_millis(500);
+
+/// One application's configuration, kept current by [`LiveConfig::poll`].
+#[derive(Debug)]
+pub struct LiveConfig {
+    current: ArcSwap<Config>,
+    watched: Mutex<Watched>,
+}
+
+#[derive(Debug)]
+struct Watched {
+    watch: Watch,
+    looked: Instant,
+}
+
+impl LiveConfig {
+    /// Reads the configuration of `application`, the name that it gives to OpenXR. Where the file has an
+    /// error, that is logged, and the defaults hold.
+    pub fn new(environment: &Environment, application: Option<&str>, now: Instant) -> Self {
+        let mut watch = Watch::new(environment, application, &executable());
+        let config = watch.poll().and_then(accept).unwrap_or_default();
+        crate::log::set_level(config.log.level);
+        Self { current: ArcSwap::from_pointee(config), watched: Mutex::new(Watched { watch, looked: now }) }
+    }
+
+    /// What holds now.
+    pub fn get(&self) -> Config {
+        **self.current.load()
+    }
+
+    /// Looks for an edit, if it is time to. A file with an error changes nothing.
+    pub fn poll(&self, now: Instant) {
+        let mut watched = match self.watched.try_lock() {
+            Ok(watched) => watched,
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+            Err(TryLockError::WouldBlock) => return,
+        };
+        if now.saturating_duration_since(watched.looked) < LOOK_EVERY {
+            return;
+        }
+        watched.looked = now;
+        if let Some(config) = watched.watch.poll().and_then(accept) {
+            crate::log::set_level(config.log.level);
+            tracing::info!("configuration changed");
+            self.current.store(Arc::new(config));
+        }
+    }
+}
+
+/// Logs what is wrong with a file.
+fn accept(read: Result<Config, ConfigErrors>) -> Option<Config> {
+    read.inspect_err(|errors| {
+        for line in errors.lines() {
+            tracing::error!("configuration not used: {line}");
+        }
+    })
+    .ok()
+}
+
+#[cfg(test)]
+mod tests;

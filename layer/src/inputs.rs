@@ -1,1 +1,3 @@
-//! Placeholder.
+//! What the user does, as the latest values that a frame needs.
+
+pub mod gaze;

@@ -1,1 +1,128 @@
-//! Placeholder.
+//! The log of this process: one line for each event, in `$XDG_STATE_HOME/parafovea/<executable>.log`.
+//!
+//! A file, because Proton sends standard error to nowhere. Whatever fails here is dropped: logging never stops
+//! the application, and never panics. Gaze directions are never logged.
+
+mod file;
+
+use crate::config::{Environment, LogLevel, executable};
+use crate::vk::Enablement;
+use file::BoundedFile;
+use std::fmt::{self, Write};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, Once, PoisonError};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use tracing::field::{Field, Visit};
+use tracing::metadata::LevelFilter;
+use tracing::span::{Attributes, Id, Record};
+use tracing::{Event, Level, Metadata, Subscriber};
+
+/// [`LogLevel`] as a number, for [`set_level`].
+static LEVEL: AtomicU8 = AtomicU8::new(LogLevel::Info as u8);
+
+/// Opens the log, the first time it is called in a process; each half calls it first. A process with elevated
+/// rights gets none: its environment is not to be trusted with a place for files.
+pub fn start() {
+    static STARTED: Once = Once::new();
+    STARTED.call_once(|| {
+        let environment = Environment::of_process(Enablement::of_process() == Enablement::Elevated);
+        let Some(file) = environment.log_file(&executable()).and_then(|path| BoundedFile::open(&path)) else {
+            return;
+        };
+        // Fails where this process has a subscriber already: a test that links us as a Rust library.
+        let _ = tracing::subscriber::set_global_default(Log { file: Mutex::new(file) });
+    });
+}
+
+/// From now on, events up to this level are written.
+pub fn set_level(level: LogLevel) {
+    if LEVEL.swap(level as u8, Ordering::Relaxed) != level as u8 {
+        tracing::callsite::rebuild_interest_cache();
+    }
+}
+
+fn max_level() -> LevelFilter {
+    let level = LEVEL.load(Ordering::Relaxed);
+    match level {
+        _ if level == LogLevel::Error as u8 => LevelFilter::ERROR,
+        _ if level == LogLevel::Warn as u8 => LevelFilter::WARN,
+        _ if level == LogLevel::Debug as u8 => LevelFilter::DEBUG,
+        _ => LevelFilter::INFO,
+    }
+}
+
+/// Writes events to the file; spans are not used in this library.
+struct Log {
+    file: Mutex<BoundedFile>,
+}
+
+impl Subscriber for Log {
+    fn enabled(&self, metadata: &Metadata<'_>) -> bool {
+        metadata.is_event() && *metadata.level() <= max_level()
+    }
+
+    fn max_level_hint(&self) -> Option<LevelFilter> {
+        Some(max_level())
+    }
+
+    fn event(&self, event: &Event<'_>) {
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let mut line = Line::new(now, *event.metadata().level());
+        event.record(&mut line);
+        self.file.lock().unwrap_or_else(PoisonError::into_inner).append(&line.finish());
+    }
+
+    fn new_span(&self, _: &Attributes<'_>) -> Id {
+        Id::from_u64(1)
+    }
+
+    fn record(&self, _: &Id, _: &Record<'_>) {}
+
+    fn record_follows_from(&self, _: &Id, _: &Id) {}
+
+    fn enter(&self, _: &Id) {}
+
+    fn exit(&self, _: &Id) {}
+}
+
+/// One line as it is put together: seconds since 1970, process, level, message, other fields.
+struct Line(String);
+
+impl Line {
+    fn new(now: Duration, level: Level) -> Self {
+        let mut line = String::with_capacity(128);
+        // Writing to a string cannot fail.
+        let _ =
+            write!(line, "{}.{:03} {} {level:5} ", now.as_secs(), now.subsec_millis(), std::process::id());
+        Self(line)
+    }
+
+    fn finish(self) -> String {
+        // Names that an application chose may hold anything; an event is one line.
+        let mut line = self.0.replace(|character: char| character.is_control(), " ");
+        line.push('\n');
+        line
+    }
+}
+
+impl Visit for Line {
+    fn record_debug(&mut self, field: &Field, value: &dyn fmt::Debug) {
+        let _ = match field.name() {
+            "message" => write!(self.0, "{value:?}"),
+            name => write!(self.0, " {name}={value:?}"),
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_event_is_one_line_with_time_and_level() {
+        let mut line = Line::new(Duration::from_millis(1_500), Level::WARN);
+        line.0.push_str("a\nb");
+        let text = line.finish();
+        assert_eq!(text, format!("1.500 {} WARN  a b\n", std::process::id()));
+    }
+}

@@ -1,1 +1,28 @@
-//! Placeholder.
+//! The OpenXR half: an OpenXR API layer that tracks instances, sessions and swapchains, and works on frames.
+//!
+//! [`negotiate`] is what the OpenXR loader calls first. Only the functions in [`dispatch`] are hooked; for all
+//! others, `xrGetInstanceProcAddr` gives the next layer's, so that they cost nothing.
+//!
+//! An instance is *inert* where Parafovea is not wanted (`DISABLE_PARAFOVEA`, elevated rights, `enabled = false`)
+//! and then has no hooks. A session is *active* when its device is Vulkan, has our Vulkan half and takes our
+//! work, else inert. Whatever fails later is given up for the session, never for the application.
+
+use std::ffi::CStr;
+
+mod actions;
+mod dispatch;
+mod frame;
+mod instance;
+mod negotiate;
+mod proc_addr;
+mod registry;
+mod session;
+mod structures;
+mod swapchain;
+mod vulkan_activation;
+mod vulkan_device;
+
+pub use negotiate::negotiate;
+
+/// The layer's name, as its manifest gives it to the OpenXR loader.
+pub const LAYER_NAME: &CStr = c"XR_APILAYER_PARAFOVEA_foveation";

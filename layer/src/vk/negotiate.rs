@@ -21,6 +21,7 @@ pub unsafe extern "system" fn negotiate(interface: *mut NegotiateLayerInterface)
         "vkNegotiateLoaderLayerInterfaceVersion",
         || FAILED,
         |_| {
+            crate::log::start();
             // SAFETY: the caller vouches for the pointer, and for nobody else using it during the call.
             let Some(interface) = (unsafe { interface.as_mut() }) else { return FAILED };
             if interface.s_type != NEGOTIATE_INTERFACE_STRUCT

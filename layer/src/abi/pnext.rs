@@ -1,0 +1,111 @@
+//! Chains of extending structures, which OpenXR (`next`) and Vulkan (`pNext`) lay out alike.
+
+use std::ffi::c_void;
+use std::marker::PhantomData;
+
+/// How every structure of a chain begins: `XrBaseInStructure`, `VkBaseInStructure`.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Header {
+    /// The structure's type, as the C enumeration's number.
+    pub ty: i32,
+    /// The next structure, or null.
+    pub next: *const Header,
+}
+
+/// A type that may stand in a chain.
+///
+/// # Safety
+///
+/// The type is `repr(C)` and starts as [`Header`] does; a structure whose type is [`Structure::number`] is one.
+pub unsafe trait Structure {
+    /// The number that says so.
+    fn number() -> i32;
+}
+
+/// Longest chain that is followed. The longest real ones, of Vulkan's device creation, have some dozens of
+/// structures; a chain that goes on for longer is taken to run in a circle.
+pub const MAX_LENGTH: usize = 256;
+
+/// Iterates over a chain; ends after [`MAX_LENGTH`] structures.
+#[derive(Debug)]
+pub struct Chain<'a> {
+    next: *const Header,
+    left: usize,
+    borrowed: PhantomData<&'a Header>,
+}
+
+/// The structures from `first` on.
+///
+/// # Safety
+///
+/// `first` is null or begins a chain of structures which start as [`Header`] does, and which stay valid and
+/// unchanged for `'a`.
+pub unsafe fn chain<'a>(first: *const c_void) -> Chain<'a> {
+    Chain { next: first.cast(), left: MAX_LENGTH, borrowed: PhantomData }
+}
+
+impl<'a> Iterator for Chain<'a> {
+    type Item = &'a Header;
+
+    fn next(&mut self) -> Option<&'a Header> {
+        if self.left == 0 {
+            return None;
+        }
+        // SAFETY: null, or a structure of the chain that `chain`'s caller vouched for.
+        let found = unsafe { self.next.as_ref() }?;
+        self.next = found.next;
+        self.left -= 1;
+        Some(found)
+    }
+}
+
+impl<'a> Chain<'a> {
+    /// The first structure of type `T`.
+    pub fn find<T: Structure>(mut self) -> Option<&'a T> {
+        let found = Iterator::find(&mut self, |header| header.ty == T::number())?;
+        // SAFETY: `Structure` says that a structure of this number is a T; it is valid for 'a, as all of
+        // the chain is.
+        Some(unsafe { &*std::ptr::from_ref(found).cast::<T>() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[repr(C)]
+    struct Number {
+        ty: i32,
+        next: *const Header,
+        value: u32,
+    }
+
+    // SAFETY: repr(C), and begins with a number and a pointer.
+    unsafe impl Structure for Number {
+        fn number() -> i32 {
+            5
+        }
+    }
+
+    #[test]
+    fn finds_by_type_and_ends_at_null() {
+        let number = Number { ty: 5, next: std::ptr::null(), value: 9 };
+        let first = Header { ty: 1, next: (&raw const number).cast() };
+        let first = (&raw const first).cast();
+        // SAFETY: two valid structures, alive to the end of the test.
+        unsafe {
+            assert_eq!(chain(first).count(), 2);
+            assert_eq!(chain(first).find::<Number>().map(|found| found.value), Some(9));
+            assert!(chain(std::ptr::null()).find::<Number>().is_none());
+        }
+    }
+
+    #[test]
+    fn a_circle_ends() {
+        let mut first = Header { ty: 1, next: std::ptr::null() };
+        first.next = &raw const first;
+        // SAFETY: one valid structure, which names itself as the next.
+        assert_eq!(unsafe { chain((&raw const first).cast()) }.count(), MAX_LENGTH);
+    }
+}

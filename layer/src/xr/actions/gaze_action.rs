@@ -1,0 +1,147 @@
+//! Our action set, with one action: the pose of the gaze.
+
+use crate::xr::dispatch::Next;
+use openxr_sys as xr;
+use std::ffi::{CStr, c_char};
+use std::ptr;
+
+/// Source: XR_EXT_eye_gaze_interaction, "Interaction Profile".
+const PROFILE: &CStr = c"/interaction_profiles/ext/eye_gaze_interaction";
+const GAZE_POSE: &CStr = c"/user/eyes_ext/input/gaze_ext/pose";
+
+/// The action set and what belongs to it; all of it goes with its instance.
+#[derive(Debug, Clone, Copy)]
+pub struct GazeAction {
+    /// The action set.
+    pub set: xr::ActionSet,
+    action: xr::Action,
+    binding: xr::Path,
+    profile: xr::Path,
+}
+
+impl GazeAction {
+    /// Makes the action set.
+    ///
+    /// # Errors
+    ///
+    /// Those of the calls that it takes.
+    pub fn create(next: &Next, instance: xr::Instance) -> Result<Self, xr::Result> {
+        let profile = profile(next, instance)?;
+        let binding = path(next, instance, GAZE_POSE)?;
+        let set_info = xr::ActionSetCreateInfo {
+            ty: xr::ActionSetCreateInfo::TYPE,
+            next: ptr::null(),
+            action_set_name: name(c"parafovea_gaze"),
+            localized_action_set_name: name(c"Parafovea: where you look"),
+            // The lowest: a set of ours never keeps an input from one of the application's.
+            priority: 0,
+        };
+        let mut set = xr::ActionSet::default();
+        let mut action = xr::Action::default();
+        // SAFETY: the next layer's functions, a live instance, valid structures and places for the handles.
+        unsafe {
+            succeeded((next.create_action_set)(instance, &set_info, &mut set))?;
+            let action_info = xr::ActionCreateInfo {
+                ty: xr::ActionCreateInfo::TYPE,
+                next: ptr::null(),
+                action_name: name(c"gaze"),
+                action_type: xr::ActionType::POSE_INPUT,
+                count_subaction_paths: 0,
+                subaction_paths: ptr::null(),
+                localized_action_name: name(c"Gaze"),
+            };
+            succeeded((next.create_action)(set, &action_info, &mut action))
+                .inspect_err(|_| destroy(next, set))?;
+        }
+        Ok(Self { set, action, binding, profile })
+    }
+
+    /// Destroys the action set, which is of no use.
+    pub fn destroy(self, next: &Next) {
+        destroy(next, self.set);
+    }
+
+    /// Suggests the binding for the gaze, besides those of the application: each suggestion for a profile
+    /// replaces the one before.
+    ///
+    /// # Errors
+    ///
+    /// Those of `xrSuggestInteractionProfileBindings`.
+    pub fn suggest(
+        &self,
+        next: &Next,
+        instance: xr::Instance,
+        applications: &[xr::ActionSuggestedBinding],
+    ) -> Result<(), xr::Result> {
+        let mut bindings = applications.to_vec();
+        bindings.push(xr::ActionSuggestedBinding { action: self.action, binding: self.binding });
+        let suggestion = xr::InteractionProfileSuggestedBinding {
+            ty: xr::InteractionProfileSuggestedBinding::TYPE,
+            next: ptr::null(),
+            interaction_profile: self.profile,
+            count_suggested_bindings: bindings.len() as u32,
+            suggested_bindings: bindings.as_ptr(),
+        };
+        // SAFETY: the next layer's function, a live instance and a valid structure.
+        succeeded(unsafe { (next.suggest_interaction_profile_bindings)(instance, &suggestion) })
+    }
+
+    /// The space of the gaze: it looks along -z. The action set must be attached to the session: one runtime
+    /// refuses spaces before that (peers: VDXR).
+    ///
+    /// # Errors
+    ///
+    /// Those of `xrCreateActionSpace`.
+    pub fn space(&self, next: &Next, session: xr::Session) -> Result<xr::Space, xr::Result> {
+        let info = xr::ActionSpaceCreateInfo {
+            ty: xr::ActionSpaceCreateInfo::TYPE,
+            next: ptr::null(),
+            action: self.action,
+            subaction_path: xr::Path::NULL,
+            pose_in_action_space: xr::Posef::IDENTITY,
+        };
+        let mut space = xr::Space::default();
+        // SAFETY: the next layer's function, a live session, a valid structure and a place for the handle.
+        succeeded(unsafe { (next.create_action_space)(session, &info, &mut space) })?;
+        Ok(space)
+    }
+
+    /// As it is synchronised.
+    pub fn active(&self) -> xr::ActiveActionSet {
+        xr::ActiveActionSet { action_set: self.set, subaction_path: xr::Path::NULL }
+    }
+}
+
+fn destroy(next: &Next, set: xr::ActionSet) {
+    // SAFETY: the next layer's function and an action set of ours, which nothing uses. Should it fail, the set
+    // goes with its instance.
+    let _ = unsafe { (next.destroy_action_set)(set) };
+}
+
+/// The path of the interaction profile.
+///
+/// # Errors
+///
+/// Those of `xrStringToPath`.
+pub fn profile(next: &Next, instance: xr::Instance) -> Result<xr::Path, xr::Result> {
+    path(next, instance, PROFILE)
+}
+
+fn path(next: &Next, instance: xr::Instance, text: &CStr) -> Result<xr::Path, xr::Result> {
+    let mut path = xr::Path::NULL;
+    // SAFETY: the next layer's function, a live instance, a C string and a place for the path.
+    succeeded(unsafe { (next.string_to_path)(instance, text.as_ptr(), &mut path) })?;
+    Ok(path)
+}
+
+fn name<const N: usize>(text: &CStr) -> [c_char; N] {
+    let mut name = [0; N];
+    for (to, &from) in name.iter_mut().zip(text.to_bytes()) {
+        *to = from as c_char;
+    }
+    name
+}
+
+fn succeeded(result: xr::Result) -> Result<(), xr::Result> {
+    if result.into_raw() < 0 { Err(result) } else { Ok(()) }
+}

@@ -1,0 +1,80 @@
+//! Every OpenXR function that this layer calls below, and every one that it hooks: one list.
+//!
+//! A line `c"xrName" field: Type => hook` gives the field of [`Next`], its loader and the answer of
+//! `xrGetInstanceProcAddr`; a line without `=> hook` is only called. All are OpenXR 1.0 core.
+
+use super::{actions, frame, instance, session, swapchain};
+use openxr_sys::pfn;
+use std::ffi::CStr;
+
+macro_rules! functions {
+    ($($name:literal $field:ident: $pfn:ident $(=> $hook:path)?;)*) => {
+        /// The functions of the layer (or runtime) below, for one instance.
+        #[derive(Clone, Copy)]
+        pub struct Next {
+            $(pub $field: pfn::$pfn,)*
+        }
+
+        impl Next {
+            /// Resolves every function beforehand, or gives the name of one that is missing.
+            ///
+            /// # Safety
+            ///
+            /// For a name, `get` returns the function of that name, or `None`.
+            #[allow(clippy::missing_transmute_annotations, reason = "the field gives the type")]
+            pub unsafe fn load(get: impl Fn(&CStr) -> Option<pfn::VoidFunction>) -> Result<Self, &'static CStr> {
+                // SAFETY: the caller vouches that each pointer is the function of that name, and the list
+                // gives each name its type.
+                unsafe { Ok(Self { $($field: std::mem::transmute(get($name).ok_or($name)?),)* }) }
+            }
+        }
+
+        /// Our hook for a function.
+        pub fn hook(name: &CStr) -> Option<pfn::VoidFunction> {
+            $($(
+                if name == $name {
+                    let hook: pfn::$pfn = $hook;
+                    // SAFETY: any function pointer may be carried as PFN_xrVoidFunction; the receiver casts
+                    // it back by its name.
+                    return Some(unsafe { std::mem::transmute::<pfn::$pfn, pfn::VoidFunction>(hook) });
+                }
+            )?)*
+            None
+        }
+    };
+}
+
+functions! {
+    c"xrDestroyInstance" destroy_instance: DestroyInstance => instance::destroy;
+    c"xrPollEvent" poll_event: PollEvent => actions::poll_event;
+    c"xrGetSystemProperties" get_system_properties: GetSystemProperties;
+    c"xrStringToPath" string_to_path: StringToPath;
+
+    c"xrCreateSession" create_session: CreateSession => session::create;
+    c"xrDestroySession" destroy_session: DestroySession => session::destroy;
+
+    c"xrCreateSwapchain" create_swapchain: CreateSwapchain => swapchain::create;
+    c"xrDestroySwapchain" destroy_swapchain: DestroySwapchain => swapchain::destroy;
+    c"xrEnumerateSwapchainImages" enumerate_swapchain_images:
+        EnumerateSwapchainImages => swapchain::enumerate_images;
+    c"xrAcquireSwapchainImage" acquire_swapchain_image:
+        AcquireSwapchainImage => swapchain::acquire_image;
+    c"xrWaitSwapchainImage" wait_swapchain_image: WaitSwapchainImage => swapchain::wait_image;
+    c"xrReleaseSwapchainImage" release_swapchain_image:
+        ReleaseSwapchainImage => swapchain::release_image;
+
+    c"xrWaitFrame" wait_frame: WaitFrame => frame::wait;
+    c"xrBeginFrame" begin_frame: BeginFrame => frame::begin;
+    c"xrEndFrame" end_frame: EndFrame => frame::end;
+
+    c"xrCreateActionSet" create_action_set: CreateActionSet => actions::create_action_set;
+    c"xrDestroyActionSet" destroy_action_set: DestroyActionSet;
+    c"xrCreateAction" create_action: CreateAction;
+    c"xrSuggestInteractionProfileBindings" suggest_interaction_profile_bindings:
+        SuggestInteractionProfileBindings => actions::suggest_bindings;
+    c"xrAttachSessionActionSets" attach_session_action_sets:
+        AttachSessionActionSets => actions::attach;
+    c"xrSyncActions" sync_actions: SyncActions => actions::sync;
+    c"xrCreateActionSpace" create_action_space: CreateActionSpace;
+    c"xrLocateSpace" locate_space: LocateSpace;
+}

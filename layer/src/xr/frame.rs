@@ -1,0 +1,199 @@
+//! Frames. What happens at `xrEndFrame`, from top to bottom, is [`deliver`].
+
+mod chroma;
+mod layers;
+mod regions;
+mod work;
+
+use super::instance::next_of_any;
+use super::session::{self, Active, Health, Session};
+use super::swapchain;
+use crate::abi::guard;
+use crate::config::{Config, GazeSource};
+use crate::gpu::GpuError;
+use crate::inputs::gaze;
+use crate::passes::compose::ComposeJob;
+use chroma::chroma_settings;
+use glam::Vec3;
+use layers::{Projection, Shown};
+use openxr_sys as xr;
+use smallvec::SmallVec;
+use std::time::Instant;
+use work::Work;
+
+/// `xrWaitFrame`: the time of a frame in which nothing is urgent, so here the configuration is looked at.
+pub unsafe extern "system" fn wait(
+    handle: xr::Session,
+    info: *const xr::FrameWaitInfo,
+    state: *mut xr::FrameState,
+) -> xr::Result {
+    let known = session::find(handle);
+    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+        return xr::Result::ERROR_HANDLE_INVALID;
+    };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.wait_frame)(handle, info, state) };
+    guard("xrWaitFrame", below, |answer| {
+        if let Some(known) = &known {
+            known.instance.config.poll(Instant::now());
+        }
+        answer.record(below())
+    })
+}
+
+/// `xrBeginFrame`.
+pub unsafe extern "system" fn begin(handle: xr::Session, info: *const xr::FrameBeginInfo) -> xr::Result {
+    let known = session::find(handle);
+    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+        return xr::Result::ERROR_HANDLE_INVALID;
+    };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.begin_frame)(handle, info) };
+    guard("xrBeginFrame", below, |answer| {
+        let _section = known.as_ref().and_then(|known| known.runtime_section());
+        answer.record(below())
+    })
+}
+
+/// `xrEndFrame`: what the application submits goes to the runtime unchanged, after the runtime's images were
+/// written from the application's.
+pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEndInfo) -> xr::Result {
+    let known = session::find(handle);
+    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+        return xr::Result::ERROR_HANDLE_INVALID;
+    };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.end_frame)(handle, info) };
+    guard("xrEndFrame", below, |answer| {
+        let _section = known.as_ref().and_then(|known| known.runtime_section());
+        if let Some((known, active)) = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)))
+        {
+            // SAFETY: valid usage: `info` and what it points to are valid.
+            if let Some(info) = unsafe { info.as_ref() } {
+                known.actions.frame_ended(known);
+                // SAFETY: as above.
+                unsafe { deliver(known, active, info) };
+            }
+        }
+        answer.record(below())
+    })
+}
+
+/// A frame's work, without allocation for up to eight virtual swapchains.
+type Works<'a> = SmallVec<[Work<'a>; 8]>;
+
+/// Writes the runtime's images from the application's, where the application released something new, or the
+/// picture depends on the gaze and that changed.
+///
+/// # Safety
+///
+/// `info` and what it points to are valid, as `xrEndFrame` demands.
+unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
+    let swapchains = swapchain::virtual_ones(session.handle);
+    if swapchains.is_empty() || active.health() == Health::Stopped {
+        return;
+    }
+    let _give_up = GiveUpOnPanic(active);
+    let next = &session.instance.next;
+
+    let mut works: Works = swapchains.iter().filter_map(|swapchain| Work::begin(swapchain)).collect();
+    // SAFETY: the caller vouches for `info`.
+    unsafe { plan(session, active, info, &mut works) };
+    works.retain(|work| work.is_due());
+    works.retain(|work| work.take_image(next));
+    if works.is_empty() {
+        return;
+    }
+    if let Err(error) = submit(active, &mut works) {
+        tracing::error!("pictures are not delivered any more: {error}");
+        active.worsen_to(Health::Stopped);
+        // A runtime with nothing at all to show would refuse the frame.
+        works.retain(|work| !work.has_picture());
+    }
+    for work in &mut works {
+        work.return_image(next);
+    }
+}
+
+/// Decides which rectangles of which swapchains are processed, and how.
+///
+/// # Safety
+///
+/// As for [`deliver`].
+unsafe fn plan(session: &Session, active: &Active, info: &xr::FrameEndInfo, works: &mut Works) {
+    let config = session.instance.config.get();
+    let chroma = chroma_settings(&config).filter(|_| active.health() == Health::Works);
+    let mut flat: SmallVec<[&xr::SwapchainSubImage; 16]> = SmallVec::new();
+    // SAFETY: the caller vouches for `info`.
+    for shown in unsafe { layers::of(info) } {
+        match shown {
+            Shown::Flat(image) => flat.push(image),
+            Shown::Projection(layer) => {
+                let mut is_virtual = false;
+                for work in works.iter_mut().filter(|work| layer.shows(work.swapchain.handle)) {
+                    work.is_projected = true;
+                    is_virtual = true;
+                }
+                let Some(chroma) = chroma.as_ref().filter(|_| is_virtual) else { continue };
+                let Some(gaze) = gaze_of(session, active, &config, &layer, info.display_time) else {
+                    continue;
+                };
+                for view in layer.views {
+                    let shows = |work: &&mut Work| work.swapchain.handle == view.sub_image.swapchain;
+                    if let Some(work) = works.iter_mut().find(shows) {
+                        work.process(view, gaze, chroma);
+                    }
+                }
+            }
+        }
+    }
+    for work in works {
+        let flat = flat.iter().filter(|image| image.swapchain == work.swapchain.handle);
+        regions::drop_contested(&mut work.target.regions, flat.copied());
+    }
+}
+
+/// The gaze, in the space of a projection layer.
+fn gaze_of(
+    session: &Session,
+    active: &Active,
+    config: &Config,
+    layer: &Projection<'_>,
+    time: xr::Time,
+) -> Option<Vec3> {
+    let mut orientations = layer.views.iter().filter_map(regions::orientation);
+    if config.gaze.source == GazeSource::Centre {
+        return gaze::straight_ahead(orientations);
+    }
+    let tracked = session.actions.locate(session, layer.space, time);
+    let hold_nanos = i64::from(config.gaze.hold_ms) * 1_000_000;
+    active.hold().update(tracked, orientations.next()?, time.as_nanos(), hold_nanos)
+}
+
+/// Submits a frame's work. When that fails with processing, it is tried without, from then on.
+fn submit(active: &Active, works: &mut Works) -> Result<(), GpuError> {
+    let submit = |works: &Works| {
+        let jobs: SmallVec<[ComposeJob; 8]> = works.iter().filter_map(Work::job).collect();
+        active.compose().submit(&jobs)
+    };
+    submit(works).or_else(|error| {
+        tracing::error!("processing is off for this session: {error}");
+        active.worsen_to(Health::CopyOnly);
+        works.iter_mut().for_each(|work| work.target.regions.clear());
+        submit(works)
+    })
+}
+
+/// Gives up what panics, so that it does not do so in every frame.
+struct GiveUpOnPanic<'a>(&'a Active);
+
+impl Drop for GiveUpOnPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.worsen_to(match self.0.health() {
+                Health::Works => Health::CopyOnly,
+                Health::CopyOnly | Health::Stopped => Health::Stopped,
+            });
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! One virtual swapchain in one frame.
+
+use super::regions::{Images, region};
+use crate::passes::compose::ComposeJob;
+use crate::xr::dispatch::Next;
+use crate::xr::swapchain::{Newest, Substitute, Swapchain, Target};
+use glam::Vec3;
+use openxr_sys as xr;
+use parafovea_core::chroma::ChromaSettings;
+use std::sync::MutexGuard;
+
+/// What is to be done for a virtual swapchain.
+pub struct Work<'a> {
+    /// The swapchain.
+    pub swapchain: &'a Swapchain,
+    /// The runtime's side of it, locked for the frame.
+    pub target: MutexGuard<'a, Target>,
+    /// Whether a projection layer of this frame shows it.
+    pub is_projected: bool,
+    substitute: &'a Substitute,
+    newest: Newest,
+    runtime_index: u32,
+}
+
+impl<'a> Work<'a> {
+    /// Begins with nothing to process; `None` where the application has released nothing yet.
+    pub fn begin(swapchain: &'a Swapchain) -> Option<Self> {
+        let substitute = swapchain.substitute.as_ref()?;
+        let newest = substitute.ring().newest()?;
+        let mut target = substitute.target();
+        target.regions.clear();
+        Some(Self { swapchain, target, is_projected: false, substitute, newest, runtime_index: 0 })
+    }
+
+    /// Adds the rectangle that `view` shows.
+    pub fn process(
+        &mut self,
+        view: &xr::CompositionLayerProjectionView,
+        gaze: Vec3,
+        chroma: &ChromaSettings,
+    ) {
+        let Substitute { extent, array_layers, is_unit_range, .. } = *self.substitute;
+        let images = Images { extent, array_layers, is_unit_range };
+        self.target.regions.extend(region(view, &images, gaze, chroma));
+    }
+
+    /// Whether the runtime's picture is not the one to show. What the application released is written even if
+    /// no layer shows it that we know of; a picture of before only if a projection layer shows it again,
+    /// and it is still there.
+    pub fn is_due(&self) -> bool {
+        self.newest.fresh || (self.is_projected && self.newest.intact && self.target.is_outdated())
+    }
+
+    /// Takes an image of the runtime to write to; false when there is none now. Errors are the session's
+    /// end, of which the application learns from its own calls.
+    pub fn take_image(&mut self, next: &Next) -> bool {
+        let taken = self.target.take(next, self.swapchain.handle);
+        match taken {
+            Ok(index) => {
+                self.runtime_index = index.unwrap_or_default();
+                index.is_some()
+            }
+            Err(result) => {
+                tracing::debug!("no image of the runtime: {result:?}");
+                false
+            }
+        }
+    }
+
+    /// The job for the GPU.
+    pub fn job(&self) -> Option<ComposeJob<'_>> {
+        Some(ComposeJob {
+            app: &self.substitute.app,
+            app_index: self.newest.index,
+            runtime: self.target.images()?,
+            runtime_index: self.runtime_index,
+            regions: &self.target.regions,
+        })
+    }
+
+    /// Whether the runtime has a picture to show.
+    pub fn has_picture(&self) -> bool {
+        self.target.has_picture()
+    }
+
+    /// Gives the written image back to the runtime, to be shown.
+    pub fn return_image(&mut self, next: &Next) {
+        match self.target.release(next, self.swapchain.handle) {
+            Ok(()) => self.substitute.ring().mark_shown(self.newest.release),
+            Err(result) => tracing::debug!("an image was not returned to the runtime: {result:?}"),
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! Instances: creation, tracking, destruction.
+
+mod extensions;
+
+use super::actions::InstanceActions;
+use super::dispatch::Next;
+use super::registry::Registry;
+use super::{session, vulkan_activation};
+use crate::abi::guard;
+use crate::config::{Environment, LiveConfig};
+use crate::vk::Enablement;
+use extensions::EyeGaze;
+use openxr_sys as xr;
+use openxr_sys::pfn;
+use std::ffi::{CStr, c_char};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Proton asks a runtime what it can do with an instance of this name, and destroys it at once (peers: Proton,
+/// wineopenxr).
+const WINE_TEST_INSTANCE: &str = "wineopenxr test instance";
+
+/// An instance, as far as every call needs it.
+pub struct Known {
+    /// The next layer's `xrGetInstanceProcAddr`.
+    pub next_get_instance_proc_addr: pfn::GetInstanceProcAddr,
+    /// What our hooks need; `None` for an inert instance, which gets no hooks at all.
+    pub hooked: Option<Arc<Instance>>,
+}
+
+/// An instance that is not inert.
+pub struct Instance {
+    /// Its handle.
+    pub handle: xr::Instance,
+    /// The functions below.
+    pub next: Next,
+    /// Its configuration.
+    pub config: LiveConfig,
+    /// Whether `XR_EXT_eye_gaze_interaction` is on, whoever asked for it.
+    pub eye_gaze: bool,
+    /// Its action sets, and ours.
+    pub actions: InstanceActions,
+}
+
+static INSTANCES: Registry<Known> = Registry::new();
+
+/// The instance of that handle.
+pub fn find(handle: xr::Instance) -> Option<Arc<Known>> {
+    INSTANCES.get(handle)
+}
+
+/// The instance of that handle if it is not inert.
+pub fn hooked(handle: xr::Instance) -> Option<Arc<Instance>> {
+    find(handle)?.hooked.clone()
+}
+
+/// The functions below for a handle that is not known, so that the runtime says what is wrong with it.
+/// Loaders allow one instance at a time.
+pub fn next_of_any() -> Option<Next> {
+    INSTANCES.find_map(|known| Some(known.hooked.as_ref()?.next))
+}
+
+/// The layer below, from the loader's list.
+#[derive(Clone, Copy)]
+struct Below {
+    create: pfn::CreateApiLayerInstance,
+    get_instance_proc_addr: pfn::GetInstanceProcAddr,
+    list: xr::ApiLayerCreateInfo,
+}
+
+impl Below {
+    /// Takes the next layer's functions, and a copy of the list that begins after us.
+    ///
+    /// # Safety
+    ///
+    /// `info` is null or the loader's valid list.
+    unsafe fn read(info: *const xr::ApiLayerCreateInfo) -> Option<Self> {
+        // SAFETY: the caller vouches for the list.
+        unsafe {
+            let info = info.as_ref().filter(|info| info.struct_type == xr::ApiLayerCreateInfo::TYPE)?;
+            let next =
+                info.next_info.as_ref().filter(|next| next.struct_type == xr::ApiLayerNextInfo::TYPE)?;
+            Some(Self {
+                create: next.next_create_api_layer_instance?,
+                get_instance_proc_addr: next.next_get_instance_proc_addr?,
+                list: xr::ApiLayerCreateInfo { next_info: next.next, ..*info },
+            })
+        }
+    }
+
+    /// Creates the instance below.
+    ///
+    /// # Safety
+    ///
+    /// As for `xrCreateInstance`.
+    unsafe fn create(&self, info: *const xr::InstanceCreateInfo, instance: *mut xr::Instance) -> xr::Result {
+        // SAFETY: the loader gave the function, and its list is valid during the call.
+        unsafe { (self.create)(info, &self.list, instance) }
+    }
+}
+
+/// `xrCreateApiLayerInstance`.
+pub unsafe extern "system" fn create(
+    info: *const xr::InstanceCreateInfo,
+    layer_info: *const xr::ApiLayerCreateInfo,
+    instance: *mut xr::Instance,
+) -> xr::Result {
+    // SAFETY: the loader vouches for its list.
+    let Some(below) = (unsafe { Below::read(layer_info) }) else {
+        return xr::Result::ERROR_INITIALIZATION_FAILED;
+    };
+    // SAFETY: the application's own arguments.
+    let as_asked = || unsafe { below.create(info, instance) };
+    guard("xrCreateInstance", as_asked, |answer| {
+        // SAFETY: the loader checked that `info` and `instance` are not null; both are valid, as
+        // xrCreateInstance demands.
+        let (Some(info), Some(handle)) = (unsafe { (info.as_ref(), instance.as_mut()) }) else {
+            return as_asked();
+        };
+        let name = text(&info.application_info.application_name);
+        let wanted = wanted(&name);
+        let (result, eye_gaze) = match &wanted {
+            Some(_) => {
+                vulkan_activation::activate();
+                // SAFETY: as above.
+                unsafe { create_with_eye_gaze(&below, info, handle) }
+            }
+            None => (as_asked(), false),
+        };
+        if answer.record(result) == xr::Result::SUCCESS {
+            track(&below, *handle, wanted, eye_gaze);
+        }
+        result
+    })
+}
+
+/// The configuration, unless this instance stays inert; the reason goes to the log.
+fn wanted(name: &str) -> Option<LiveConfig> {
+    let enablement = Enablement::of_process();
+    let environment = Environment::of_process(enablement == Enablement::Elevated);
+    if enablement != Enablement::Enabled {
+        tracing::info!("OpenXR instance of \"{name}\" inert: {enablement}");
+        return None;
+    }
+    if name == WINE_TEST_INSTANCE {
+        return None;
+    }
+    let config = LiveConfig::new(&environment, Some(name), Instant::now());
+    if !config.get().enabled {
+        tracing::info!("OpenXR instance of \"{name}\" inert: enabled = false");
+        return None;
+    }
+    tracing::info!("OpenXR instance of \"{name}\"");
+    Some(config)
+}
+
+/// Creates the instance with eye gaze added, and says whether it has it. Whatever that fails with may be our
+/// doing, so the application gets the result of the call as it made it.
+///
+/// # Safety
+///
+/// As for `xrCreateInstance`.
+unsafe fn create_with_eye_gaze(
+    below: &Below,
+    info: &xr::InstanceCreateInfo,
+    handle: &mut xr::Instance,
+) -> (xr::Result, bool) {
+    // SAFETY: the caller vouches for `info`; the extended copy lives as long as the call.
+    unsafe {
+        match EyeGaze::of(info) {
+            EyeGaze::AskedFor => (below.create(info, handle), true),
+            EyeGaze::Unreadable => (below.create(info, handle), false),
+            EyeGaze::Added(names) => {
+                let extended = xr::InstanceCreateInfo {
+                    enabled_extension_count: names.len() as u32,
+                    enabled_extension_names: names.as_ptr(),
+                    ..*info
+                };
+                let result = below.create(&extended, handle);
+                if result.into_raw() >= 0 {
+                    return (result, true);
+                }
+                tracing::info!("no eye gaze from this runtime: xrCreateInstance returned {result:?}");
+                (below.create(info, handle), false)
+            }
+        }
+    }
+}
+
+/// Begins to track an instance, with hooks where `config` says that it is wanted.
+fn track(below: &Below, handle: xr::Instance, config: Option<LiveConfig>, eye_gaze: bool) {
+    let get = |name: &CStr| {
+        let mut function = None;
+        // SAFETY: the next layer's function, a live instance of it, a name and a place for the result.
+        let result = unsafe { (below.get_instance_proc_addr)(handle, name.as_ptr(), &mut function) };
+        function.filter(|_| result == xr::Result::SUCCESS)
+    };
+    let hooked = config.and_then(|config| {
+        // SAFETY: xrGetInstanceProcAddr returns the function of the name that it is given.
+        let next = unsafe { Next::load(get) }
+            .inspect_err(|missing| tracing::error!("inert: the runtime has no {missing:?}"))
+            .ok()?;
+        Some(Arc::new(Instance { handle, next, config, eye_gaze, actions: InstanceActions::default() }))
+    });
+    let known = Known { next_get_instance_proc_addr: below.get_instance_proc_addr, hooked };
+    INSTANCES.insert(handle, Arc::new(known));
+}
+
+/// `xrDestroyInstance`.
+pub unsafe extern "system" fn destroy(handle: xr::Instance) -> xr::Result {
+    let Some(next) = hooked(handle).map(|instance| instance.next).or_else(next_of_any) else {
+        return xr::Result::ERROR_HANDLE_INVALID;
+    };
+    // SAFETY: the next layer's function with the application's own argument.
+    let below = || unsafe { (next.destroy_instance)(handle) };
+    guard("xrDestroyInstance", below, |answer| {
+        session::forget_all_of(handle);
+        let result = answer.record(below());
+        if result == xr::Result::SUCCESS {
+            INSTANCES.remove(handle);
+        }
+        result
+    })
+}
+
+/// A fixed-size string of OpenXR, up to its end.
+fn text(characters: &[c_char]) -> String {
+    let bytes: Vec<u8> =
+        characters.iter().map(|&character| character as u8).take_while(|&byte| byte != 0).collect();
+    String::from_utf8_lossy(&bytes).into_owned()
+}

@@ -1,0 +1,152 @@
+//! Sessions: creation, tracking, destruction.
+
+mod active;
+
+pub use active::{Active, Health};
+
+use super::actions::SessionActions;
+use super::instance::{self, Instance, next_of_any};
+use super::registry::Registry;
+use super::structures::{VulkanBinding, extending};
+use super::swapchain;
+use super::vulkan_device::{RuntimeSection, VulkanDevice};
+use crate::abi::guard;
+use crate::config::{ChromaMode, GazeSource};
+use openxr_sys as xr;
+use std::sync::Arc;
+
+/// A session of an instance that is not inert.
+pub struct Session {
+    /// Its handle.
+    pub handle: xr::Session,
+    /// Its instance.
+    pub instance: Arc<Instance>,
+    /// What work on its device needs; `None` for an inert session.
+    pub active: Option<Active>,
+    /// What is known of its actions, and ours.
+    pub actions: SessionActions,
+}
+
+impl Session {
+    /// Whether the configuration could give `compose` work: only then are swapchains substituted.
+    pub fn may_have_work(&self) -> bool {
+        let config = self.instance.config.get();
+        let has_gaze = config.gaze.source == GazeSource::Centre || self.actions.may_have_gaze();
+        config.enabled && config.chroma.mode != ChromaMode::Off && has_gaze
+    }
+
+    /// Marks what this thread submits as the runtime's, while it is in a call down.
+    pub fn runtime_section(&self) -> Option<RuntimeSection> {
+        Some(self.active.as_ref()?.device.runtime_section())
+    }
+}
+
+static SESSIONS: Registry<Session> = Registry::new();
+
+/// The session of that handle.
+pub fn find(handle: xr::Session) -> Option<Arc<Session>> {
+    SESSIONS.get(handle)
+}
+
+/// Whether a session of that instance fulfils `condition`.
+pub fn any_of(instance: xr::Instance, condition: impl Fn(&Session) -> bool) -> bool {
+    let fulfils = |session: &Session| session.instance.handle == instance && condition(session);
+    SESSIONS.find_map(|session| fulfils(session).then_some(())).is_some()
+}
+
+/// Forgets the sessions of an instance, before it is destroyed: they go with it.
+pub fn forget_all_of(instance: xr::Instance) {
+    for session in SESSIONS.remove_where(|session| session.instance.handle == instance) {
+        end(&session);
+    }
+}
+
+/// `xrCreateSession`.
+pub unsafe extern "system" fn create(
+    instance: xr::Instance,
+    info: *const xr::SessionCreateInfo,
+    session: *mut xr::Session,
+) -> xr::Result {
+    let known = instance::hooked(instance);
+    let Some(next) = known.as_ref().map(|known| known.next).or_else(next_of_any) else {
+        return xr::Result::ERROR_HANDLE_INVALID;
+    };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.create_session)(instance, info, session) };
+    guard("xrCreateSession", below, |answer| {
+        // SAFETY: valid usage: `info` is valid, and its chain and the device in it are.
+        let device = unsafe { info.as_ref().map(|info| vulkan_device(info)) };
+        let device = device.flatten();
+        let section = device.as_ref().map(VulkanDevice::runtime_section);
+        let result = answer.record(below());
+        drop(section);
+        if let (true, Some(known)) = (result.into_raw() >= 0, known) {
+            // SAFETY: the call succeeded: `info` is valid, and `session` points to the new handle.
+            unsafe { track(known, (*info).system_id, *session, device) };
+        }
+        result
+    })
+}
+
+/// The device of the session's graphics binding, if both it and its Vulkan half are there; else the log says
+/// why not.
+///
+/// # Safety
+///
+/// `info` is valid, and its chain and the device in it are.
+unsafe fn vulkan_device(info: &xr::SessionCreateInfo) -> Option<VulkanDevice> {
+    // SAFETY: the caller vouches for the chain and the device.
+    unsafe {
+        let Some(binding) = extending(info.next).find::<VulkanBinding>() else {
+            tracing::info!("session inert: its graphics API is not Vulkan");
+            return None;
+        };
+        VulkanDevice::find(binding).inspect_err(|reason| tracing::info!("session inert: {reason}")).ok()
+    }
+}
+
+/// Begins to track a session, active where work on its device is possible.
+///
+/// # Safety
+///
+/// The device is live, and outlives the session, as `XrGraphicsBindingVulkanKHR` demands.
+unsafe fn track(
+    instance: Arc<Instance>,
+    system: xr::SystemId,
+    handle: xr::Session,
+    device: Option<VulkanDevice>,
+) {
+    // SAFETY: the caller vouches for the device.
+    let active = device.and_then(|device| unsafe { Active::new(device) });
+    let actions = SessionActions::new(active.is_some() && instance.reports_eye_gaze(system));
+    if let Some(active) = &active {
+        active.device.set_active(true);
+        tracing::info!("session active, eye tracker: {}", actions.may_have_gaze());
+    }
+    SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, actions }));
+}
+
+/// `xrDestroySession`.
+pub unsafe extern "system" fn destroy(handle: xr::Session) -> xr::Result {
+    let known = find(handle);
+    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+        return xr::Result::ERROR_HANDLE_INVALID;
+    };
+    // SAFETY: the next layer's function with the application's own argument.
+    let below = || unsafe { (next.destroy_session)(handle) };
+    guard("xrDestroySession", below, |answer| {
+        let _section = known.as_ref().and_then(|known| known.runtime_section());
+        if let Some(known) = SESSIONS.remove(handle) {
+            end(&known);
+        }
+        answer.record(below())
+    })
+}
+
+/// Ends our part in a session that is about to be destroyed.
+fn end(session: &Session) {
+    swapchain::forget_all_of(session.handle);
+    if let Some(active) = &session.active {
+        active.device.set_active(false);
+    }
+}

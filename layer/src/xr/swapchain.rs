@@ -1,0 +1,70 @@
+//! Swapchains: passed through, or *virtual* (substituted).
+//!
+//! A virtual swapchain's handle is the runtime's, but its images are ours. Acquire, wait and release run on
+//! our own ring; the runtime's images are taken and returned in [`super::frame`].
+
+mod create;
+mod eligibility;
+mod images;
+mod ring;
+mod substitute;
+mod target;
+
+pub use create::create;
+pub use images::{acquire_image, enumerate_images, release_image, wait_image};
+pub use ring::Newest;
+pub use substitute::Substitute;
+pub use target::Target;
+
+use super::dispatch::Next;
+use super::instance::next_of_any;
+use super::registry::Registry;
+use super::session::Session;
+use crate::abi::guard;
+use openxr_sys as xr;
+use ring::Ring;
+use smallvec::SmallVec;
+use std::sync::Arc;
+
+/// A swapchain of a session that is not inert.
+pub struct Swapchain {
+    /// Its handle, for the application and for the runtime.
+    pub handle: xr::Swapchain,
+    session: Arc<Session>,
+    /// Our images, if it is virtual.
+    pub substitute: Option<Substitute>,
+}
+
+static SWAPCHAINS: Registry<Swapchain> = Registry::new();
+
+/// The virtual swapchains of a session. Allocates nothing for up to eight.
+pub fn virtual_ones(session: xr::Session) -> SmallVec<[Arc<Swapchain>; 8]> {
+    SWAPCHAINS.filter(|swapchain| swapchain.session.handle == session && swapchain.substitute.is_some())
+}
+
+/// Forgets the swapchains of a session, before it is destroyed: they go with it.
+pub fn forget_all_of(session: xr::Session) {
+    drop(SWAPCHAINS.remove_where(|swapchain| swapchain.session.handle == session));
+}
+
+/// The swapchain of that handle, if it is tracked, and the functions below.
+fn find(handle: xr::Swapchain) -> Option<(Option<Arc<Swapchain>>, Next)> {
+    let known = SWAPCHAINS.get(handle);
+    let next = known.as_ref().map(|known| known.session.instance.next).or_else(next_of_any)?;
+    Some((known, next))
+}
+
+/// `xrDestroySwapchain`. Our images go first: nothing of ours may still use the runtime's.
+pub unsafe extern "system" fn destroy(handle: xr::Swapchain) -> xr::Result {
+    let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
+    // SAFETY: the next layer's function with the application's own argument.
+    let below = || unsafe { (next.destroy_swapchain)(handle) };
+    guard("xrDestroySwapchain", below, |answer| {
+        let _section = known.as_ref().and_then(|known| known.session.runtime_section());
+        SWAPCHAINS.remove(handle);
+        if let Some(substitute) = known.as_ref().and_then(|known| known.substitute.as_ref()) {
+            substitute.target().let_go();
+        }
+        answer.record(below())
+    })
+}

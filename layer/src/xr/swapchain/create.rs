@@ -1,0 +1,155 @@
+//! `xrCreateSwapchain`.
+
+use super::eligibility::{NotSubstituted, runtime_usage, shape};
+use super::{SWAPCHAINS, Substitute, Swapchain};
+use crate::abi::guard;
+use crate::passes::compose::SwapchainShape;
+use crate::xr::instance::next_of_any;
+use crate::xr::session::{self, Active, Session};
+use ash::vk;
+use ash::vk::Handle;
+use openxr_sys as xr;
+use std::ptr;
+use std::sync::Arc;
+
+/// `xrCreateSwapchain`: for a virtual one, the runtime is asked for more usage. If it refuses, the call is
+/// made as the application made it, so that the runtime's own result is what the application gets.
+pub unsafe extern "system" fn create(
+    session: xr::Session,
+    info: *const xr::SwapchainCreateInfo,
+    swapchain: *mut xr::Swapchain,
+) -> xr::Result {
+    let known = session::find(session);
+    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+        return xr::Result::ERROR_HANDLE_INVALID;
+    };
+    // SAFETY: the next layer's function; `info` is the application's, or our copy of it.
+    let below = |info| unsafe { (next.create_swapchain)(session, info, swapchain) };
+    guard(
+        "xrCreateSwapchain",
+        || below(info),
+        |answer| {
+            let Some((known, active)) =
+                known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)))
+            else {
+                return answer.record(below(info));
+            };
+            let _section = active.device.runtime_section();
+            // SAFETY: valid usage: `info` is valid, and its chain is.
+            let asked = unsafe { info.as_ref() };
+            let mut planned = match asked {
+                // SAFETY: as above.
+                Some(asked) => unsafe { plan(known, active, asked) },
+                None => Err(NotSubstituted::NoWork),
+            };
+            let mut result = xr::Result::ERROR_RUNTIME_FAILURE;
+            if let (Some(asked), Ok(_)) = (asked, &planned) {
+                let extended =
+                    xr::SwapchainCreateInfo { usage_flags: runtime_usage(asked.usage_flags), ..*asked };
+                result = below(&extended);
+                if result.into_raw() < 0 {
+                    planned = Err(NotSubstituted::Usage(result));
+                }
+            }
+            if planned.is_err() {
+                result = below(info);
+            }
+            if answer.record(result).into_raw() >= 0 {
+                // SAFETY: the call succeeded, so `swapchain` points to the new handle.
+                track(known, active, unsafe { *swapchain }, planned);
+            }
+            result
+        },
+    )
+}
+
+/// What our images are to be like, if the swapchain is to be virtual.
+///
+/// # Safety
+///
+/// `info` is valid, and its chain is.
+unsafe fn plan(
+    session: &Session,
+    active: &Active,
+    info: &xr::SwapchainCreateInfo,
+) -> Result<SwapchainShape, NotSubstituted> {
+    if !session.may_have_work() {
+        return Err(NotSubstituted::NoWork);
+    }
+    let mut compose = active.compose();
+    // SAFETY: the caller vouches for `info`.
+    let shape = unsafe { shape(info, |format| compose.supports(format)) }?;
+    compose.prepare(shape.format).map_err(|error| {
+        tracing::error!("swapchains of format {:?} stay as they are: {error}", shape.format);
+        NotSubstituted::Format(shape.format)
+    })?;
+    Ok(shape)
+}
+
+/// Begins to track a swapchain, virtual if that was planned and our images can be made.
+fn track(
+    session: &Arc<Session>,
+    active: &Active,
+    handle: xr::Swapchain,
+    planned: Result<SwapchainShape, NotSubstituted>,
+) {
+    let substitute = match planned {
+        Ok(shape) => substitute(session, active, handle, &shape)
+            .inspect_err(|reason| tracing::error!("swapchain stays as it is: {reason}"))
+            .ok(),
+        Err(NotSubstituted::NoWork) => None,
+        Err(reason) => {
+            tracing::info!("swapchain stays as it is: {reason}");
+            None
+        }
+    };
+    SWAPCHAINS.insert(handle, Arc::new(Swapchain { handle, session: Arc::clone(session), substitute }));
+}
+
+fn substitute(
+    session: &Session,
+    active: &Active,
+    handle: xr::Swapchain,
+    shape: &SwapchainShape,
+) -> Result<Substitute, String> {
+    let images = runtime_images(session, handle)
+        .map_err(|result| format!("xrEnumerateSwapchainImages returned {result:?}"))?;
+    let substitute = Substitute::new(&active.gpu, shape, images).map_err(|error| error.to_string())?;
+    let vk::Extent2D { width, height } = shape.extent;
+    tracing::info!(
+        "swapchain of {width}x{height}x{} {:?} is virtual, {} images",
+        shape.array_layers,
+        shape.format,
+        substitute.app.images().len(),
+    );
+    Ok(substitute)
+}
+
+/// The images of the runtime's swapchain.
+fn runtime_images(session: &Session, handle: xr::Swapchain) -> Result<Vec<vk::Image>, xr::Result> {
+    let enumerate = |images: &mut [xr::SwapchainImageVulkanKHR]| {
+        let mut count = 0;
+        // SAFETY: the next layer's function with a live handle and an array of as many structures as said,
+        // which begin as the base header does.
+        let result = unsafe {
+            (session.instance.next.enumerate_swapchain_images)(
+                handle,
+                images.len() as u32,
+                &mut count,
+                images.as_mut_ptr().cast(),
+            )
+        };
+        if result.into_raw() < 0 { Err(result) } else { Ok(count as usize) }
+    };
+    let empty = xr::SwapchainImageVulkanKHR {
+        ty: xr::SwapchainImageVulkanKHR::TYPE,
+        next: ptr::null_mut(),
+        image: 0,
+    };
+    let mut images = vec![empty; enumerate(&mut [])?];
+    let count = enumerate(&mut images)?.min(images.len());
+    if count == 0 {
+        return Err(xr::Result::ERROR_RUNTIME_FAILURE);
+    }
+    Ok(images[..count].iter().map(|image| vk::Image::from_raw(image.image)).collect())
+}

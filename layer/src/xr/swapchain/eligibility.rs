@@ -1,0 +1,125 @@
+//! Which swapchains may be substituted, and what their images are like.
+
+use super::super::structures::extending;
+use crate::abi::pnext::{MAX_LENGTH, Structure};
+use crate::passes::compose::{RUNTIME_USAGE, SwapchainShape};
+use ash::vk;
+use openxr_sys as xr;
+use std::fmt;
+
+/// Why a swapchain is left as the application asked for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NotSubstituted {
+    /// Nothing in the configuration gives `compose` work.
+    NoWork,
+    /// A flag such as static image or protected content.
+    CreateFlags(xr::SwapchainCreateFlags),
+    /// More than one sample, mip level or face.
+    Kind {
+        /// `sampleCount`.
+        samples: u32,
+        /// `mipCount`.
+        mips: u32,
+        /// `faceCount`.
+        faces: u32,
+    },
+    /// A depth format, or one that `compose` cannot read and draw.
+    Format(vk::Format),
+    /// An extending structure that this layer does not know.
+    Chain(xr::StructureType),
+    /// The runtime did not grant the usage that our copy needs.
+    Usage(xr::Result),
+}
+
+impl fmt::Display for NotSubstituted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoWork => f.write_str("nothing to do"),
+            Self::CreateFlags(flags) => write!(f, "create flags {flags:?}"),
+            Self::Kind { samples, mips, faces } => {
+                write!(f, "{samples} samples, {mips} mip levels, {faces} faces")
+            }
+            Self::Format(format) => write!(f, "format {format:?}"),
+            Self::Chain(structure) => write!(f, "unknown structure {structure:?}"),
+            Self::Usage(result) => write!(f, "the runtime refused more usage flags: {result:?}"),
+        }
+    }
+}
+
+/// What the images of a swapchain are like, if it may be substituted. `supports` says which formats `compose`
+/// works with.
+///
+/// # Safety
+///
+/// `info` is valid, and its chain is.
+pub unsafe fn shape(
+    info: &xr::SwapchainCreateInfo,
+    supports: impl Fn(vk::Format) -> bool,
+) -> Result<SwapchainShape, NotSubstituted> {
+    if !info.create_flags.is_empty() {
+        return Err(NotSubstituted::CreateFlags(info.create_flags));
+    }
+    let (samples, mips, faces) = (info.sample_count, info.mip_count, info.face_count);
+    if (samples, mips, faces) != (1, 1, 1) {
+        return Err(NotSubstituted::Kind { samples, mips, faces });
+    }
+    let format = i32::try_from(info.format).map_or(vk::Format::UNDEFINED, vk::Format::from_raw);
+    if !supports(format) || info.usage_flags.contains(xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT) {
+        return Err(NotSubstituted::Format(format));
+    }
+    // SAFETY: the caller vouches for the chain.
+    let view_formats = unsafe { view_formats(info) }?;
+    Ok(SwapchainShape {
+        format,
+        extent: vk::Extent2D { width: info.width, height: info.height },
+        array_layers: info.array_size,
+        usage: vulkan_usage(info.usage_flags),
+        mutable: info.usage_flags.contains(xr::SwapchainUsageFlags::MUTABLE_FORMAT),
+        view_formats,
+    })
+}
+
+/// The formats of views that the application names in the chain, which may hold nothing else.
+///
+/// # Safety
+///
+/// `info` is valid, and its chain is.
+unsafe fn view_formats(info: &xr::SwapchainCreateInfo) -> Result<Vec<vk::Format>, NotSubstituted> {
+    type FormatList = xr::VulkanSwapchainFormatListCreateInfoKHR;
+    // SAFETY: the caller vouches for the chain.
+    let chain = || unsafe { extending(info.next) };
+    let unknown = chain().find_map(|header| (header.ty != FormatList::number()).then_some(header.ty));
+    if let Some(ty) = unknown.or((chain().count() == MAX_LENGTH).then_some(0)) {
+        return Err(NotSubstituted::Chain(xr::StructureType::from_raw(ty)));
+    }
+    let Some(list) = chain().find::<FormatList>().filter(|list| !list.view_formats.is_null()) else {
+        return Ok(Vec::new());
+    };
+    // SAFETY: the structure's valid usage: an array of that many formats.
+    let formats = unsafe { std::slice::from_raw_parts(list.view_formats, list.view_format_count as usize) };
+    Ok(formats.iter().map(|&format| vk::Format::from_raw(format as i32)).collect())
+}
+
+const USAGES: [(xr::SwapchainUsageFlags, vk::ImageUsageFlags); 6] = [
+    (xr::SwapchainUsageFlags::COLOR_ATTACHMENT, vk::ImageUsageFlags::COLOR_ATTACHMENT),
+    (xr::SwapchainUsageFlags::UNORDERED_ACCESS, vk::ImageUsageFlags::STORAGE),
+    (xr::SwapchainUsageFlags::TRANSFER_SRC, vk::ImageUsageFlags::TRANSFER_SRC),
+    (xr::SwapchainUsageFlags::TRANSFER_DST, vk::ImageUsageFlags::TRANSFER_DST),
+    (xr::SwapchainUsageFlags::SAMPLED, vk::ImageUsageFlags::SAMPLED),
+    (xr::SwapchainUsageFlags::INPUT_ATTACHMENT, vk::ImageUsageFlags::INPUT_ATTACHMENT),
+];
+
+/// Usage in Vulkan's terms ("XR_KHR_vulkan_enable", table of usage flags).
+fn vulkan_usage(usage: xr::SwapchainUsageFlags) -> vk::ImageUsageFlags {
+    let pairs = USAGES.into_iter().filter(|(openxr, _)| usage.contains(*openxr));
+    pairs.fold(vk::ImageUsageFlags::empty(), |all, (_, vulkan)| all | vulkan)
+}
+
+/// What the runtime's swapchain is created with: what the application asks for, and what our copy needs.
+pub fn runtime_usage(asked: xr::SwapchainUsageFlags) -> xr::SwapchainUsageFlags {
+    let pairs = USAGES.into_iter().filter(|(_, vulkan)| RUNTIME_USAGE.contains(*vulkan));
+    pairs.fold(asked, |all, (openxr, _)| all | openxr)
+}
+
+#[cfg(test)]
+mod tests;

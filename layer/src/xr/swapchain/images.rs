@@ -1,0 +1,126 @@
+//! The hooks for a swapchain's images: of a virtual one, they are ours.
+
+use super::ring::CallOrderInvalid;
+use super::{Substitute, Swapchain, find};
+use crate::abi::guard;
+use ash::vk::Handle;
+use openxr_sys as xr;
+use std::sync::Arc;
+
+fn substitute_of(known: &Option<Arc<Swapchain>>) -> Option<&Substitute> {
+    known.as_ref()?.substitute.as_ref()
+}
+
+/// `xrEnumerateSwapchainImages`: of a virtual swapchain, our images.
+pub unsafe extern "system" fn enumerate_images(
+    handle: xr::Swapchain,
+    capacity: u32,
+    count: *mut u32,
+    images: *mut xr::SwapchainImageBaseHeader,
+) -> xr::Result {
+    let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.enumerate_swapchain_images)(handle, capacity, count, images) };
+    guard("xrEnumerateSwapchainImages", below, |answer| {
+        let Some(substitute) = substitute_of(&known) else {
+            return answer.record(below());
+        };
+        let ours = substitute.app.images();
+        // SAFETY: valid usage of the function: `count` is valid, `images` an array of `capacity`
+        // structures; in a Vulkan session each is an XrSwapchainImageVulkanKHR, which its type confirms.
+        unsafe {
+            let Some(count) = count.as_mut() else { return xr::Result::ERROR_VALIDATION_FAILURE };
+            *count = ours.len() as u32;
+            if capacity == 0 {
+                return xr::Result::SUCCESS;
+            }
+            if (capacity as usize) < ours.len() {
+                return xr::Result::ERROR_SIZE_INSUFFICIENT;
+            }
+            if images.is_null() {
+                return xr::Result::ERROR_VALIDATION_FAILURE;
+            }
+            let images = images.cast::<xr::SwapchainImageVulkanKHR>();
+            let is_vulkan = |at| (*images.add(at)).ty == xr::SwapchainImageVulkanKHR::TYPE;
+            if !(0..ours.len()).all(is_vulkan) {
+                return xr::Result::ERROR_VALIDATION_FAILURE;
+            }
+            for (at, image) in ours.iter().enumerate() {
+                (*images.add(at)).image = image.as_raw();
+            }
+        }
+        xr::Result::SUCCESS
+    })
+}
+
+/// `xrAcquireSwapchainImage`.
+pub unsafe extern "system" fn acquire_image(
+    handle: xr::Swapchain,
+    info: *const xr::SwapchainImageAcquireInfo,
+    index: *mut u32,
+) -> xr::Result {
+    let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.acquire_swapchain_image)(handle, info, index) };
+    guard("xrAcquireSwapchainImage", below, |answer| {
+        let _section = known.as_ref().and_then(|known| known.session.runtime_section());
+        let Some(substitute) = substitute_of(&known) else {
+            return answer.record(below());
+        };
+        // SAFETY: valid usage: `info` is null or valid, `index` is valid.
+        let (info, index) = unsafe { (info.as_ref(), index.as_mut()) };
+        let is_valid = info.is_none_or(|info| info.ty == xr::SwapchainImageAcquireInfo::TYPE);
+        let Some(index) = index.filter(|_| is_valid) else { return xr::Result::ERROR_VALIDATION_FAILURE };
+        result_of(substitute.ring().acquire().map(|image| *index = image))
+    })
+}
+
+/// `xrWaitSwapchainImage`.
+pub unsafe extern "system" fn wait_image(
+    handle: xr::Swapchain,
+    info: *const xr::SwapchainImageWaitInfo,
+) -> xr::Result {
+    let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.wait_swapchain_image)(handle, info) };
+    guard("xrWaitSwapchainImage", below, |answer| {
+        let Some(substitute) = substitute_of(&known) else {
+            return answer.record(below());
+        };
+        // SAFETY: valid usage: `info` is valid.
+        match unsafe { info.as_ref() } {
+            Some(info) if info.ty == xr::SwapchainImageWaitInfo::TYPE => result_of(substitute.ring().wait()),
+            _ => xr::Result::ERROR_VALIDATION_FAILURE,
+        }
+    })
+}
+
+/// `xrReleaseSwapchainImage`.
+pub unsafe extern "system" fn release_image(
+    handle: xr::Swapchain,
+    info: *const xr::SwapchainImageReleaseInfo,
+) -> xr::Result {
+    let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.release_swapchain_image)(handle, info) };
+    guard("xrReleaseSwapchainImage", below, |answer| {
+        let _section = known.as_ref().and_then(|known| known.session.runtime_section());
+        let Some(substitute) = substitute_of(&known) else {
+            return answer.record(below());
+        };
+        // SAFETY: valid usage: `info` is null or valid.
+        match unsafe { info.as_ref() } {
+            Some(info) if info.ty != xr::SwapchainImageReleaseInfo::TYPE => {
+                xr::Result::ERROR_VALIDATION_FAILURE
+            }
+            _ => result_of(substitute.ring().release()),
+        }
+    })
+}
+
+fn result_of(done: Result<(), CallOrderInvalid>) -> xr::Result {
+    match done {
+        Ok(()) => xr::Result::SUCCESS,
+        Err(CallOrderInvalid) => xr::Result::ERROR_CALL_ORDER_INVALID,
+    }
+}

@@ -1,0 +1,91 @@
+//! The images of a virtual swapchain as the application takes and returns them.
+//!
+//! Source: "Swapchain Image Management" of the OpenXR specification. Images are acquired, waited for and
+//! released in one order, so three counts say everything: an image's turn `n` is that of image `n % count`.
+
+/// The call is not allowed in this state: `XR_ERROR_CALL_ORDER_INVALID`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CallOrderInvalid;
+
+/// The state of a ring of images.
+#[derive(Debug, Clone, Copy)]
+pub struct Ring {
+    count: u64,
+    acquired: u64,
+    waited: u64,
+    released: u64,
+    shown: u64,
+}
+
+/// The image that the application released last: what a frame shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Newest {
+    /// Which image.
+    pub index: u32,
+    /// The number of releases until now, for [`Ring::mark_shown`].
+    pub release: u64,
+    /// Whether it was not shown yet.
+    pub fresh: bool,
+    /// Whether it still holds what was released; the application may have begun to draw the next picture
+    /// into it.
+    pub intact: bool,
+}
+
+impl Ring {
+    /// A ring of `count` images, at least one, none of them acquired.
+    pub fn new(count: u32) -> Self {
+        Self { count: u64::from(count.max(1)), acquired: 0, waited: 0, released: 0, shown: 0 }
+    }
+
+    /// `xrAcquireSwapchainImage`: the index of the next image, unless the application has all of them.
+    pub fn acquire(&mut self) -> Result<u32, CallOrderInvalid> {
+        if self.acquired - self.released == self.count {
+            return Err(CallOrderInvalid);
+        }
+        self.acquired += 1;
+        Ok(self.image_of(self.acquired))
+    }
+
+    /// `xrWaitSwapchainImage`: for the oldest acquired image, unless none is acquired, or the one that was
+    /// waited for last is not released yet. There is never anything to wait for: what reads an image is
+    /// submitted to the queue before the application can submit what draws to it again.
+    pub fn wait(&mut self) -> Result<(), CallOrderInvalid> {
+        if self.waited == self.acquired || self.waited > self.released {
+            return Err(CallOrderInvalid);
+        }
+        self.waited += 1;
+        Ok(())
+    }
+
+    /// `xrReleaseSwapchainImage`: of the image that was waited for.
+    pub fn release(&mut self) -> Result<(), CallOrderInvalid> {
+        if self.waited == self.released {
+            return Err(CallOrderInvalid);
+        }
+        self.released += 1;
+        Ok(())
+    }
+
+    /// The image that the application released last, if it ever did.
+    pub fn newest(&self) -> Option<Newest> {
+        (self.released > 0).then(|| Newest {
+            index: self.image_of(self.released),
+            release: self.released,
+            fresh: self.shown < self.released,
+            // Its next turn is `count` later; what it holds is lost once that turn was waited for.
+            intact: self.waited < self.released + self.count,
+        })
+    }
+
+    /// Notes that the image of that release was written to the runtime's image.
+    pub fn mark_shown(&mut self, release: u64) {
+        self.shown = self.shown.max(release);
+    }
+
+    fn image_of(&self, turn: u64) -> u32 {
+        ((turn - 1) % self.count) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests;

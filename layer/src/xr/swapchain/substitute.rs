@@ -1,0 +1,67 @@
+//! What a virtual swapchain consists of: our images for the application, and the runtime's images.
+
+use super::{Ring, Target};
+use crate::gpu::{Gpu, GpuError};
+use crate::passes::compose::{AppImages, RuntimeImages, SwapchainShape};
+use ash::vk;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Both sides of a virtual swapchain.
+pub struct Substitute {
+    /// The images that the application draws to.
+    pub app: AppImages,
+    /// Size of an image, pixels.
+    pub extent: vk::Extent2D,
+    /// Array layers of an image.
+    pub array_layers: u32,
+    /// Whether an image stores values from 0 to 1 only.
+    pub is_unit_range: bool,
+    ring: Mutex<Ring>,
+    target: Mutex<Target>,
+}
+
+impl Substitute {
+    /// Makes as many images as the runtime has.
+    ///
+    /// # Errors
+    ///
+    /// Images cannot be made, or the runtime's not be drawn to.
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        shape: &SwapchainShape,
+        runtime_images: Vec<vk::Image>,
+    ) -> Result<Self, GpuError> {
+        let count = runtime_images.len() as u32;
+        Ok(Self {
+            app: AppImages::new(gpu, shape, count)?,
+            extent: shape.extent,
+            array_layers: shape.array_layers,
+            is_unit_range: is_unit_range(shape.format),
+            ring: Mutex::new(Ring::new(count)),
+            target: Mutex::new(Target::new(RuntimeImages::new(gpu, shape, runtime_images)?)),
+        })
+    }
+
+    /// The application's side.
+    pub fn ring(&self) -> MutexGuard<'_, Ring> {
+        self.ring.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The runtime's side.
+    pub fn target(&self) -> MutexGuard<'_, Target> {
+        self.target.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Whether a colour format stores values from 0 to 1 only, rather than floating point.
+fn is_unit_range(format: vk::Format) -> bool {
+    !matches!(
+        format,
+        vk::Format::R16G16B16A16_SFLOAT
+            | vk::Format::R16G16B16_SFLOAT
+            | vk::Format::R32G32B32A32_SFLOAT
+            | vk::Format::R32G32B32_SFLOAT
+            | vk::Format::B10G11R11_UFLOAT_PACK32
+            | vk::Format::E5B9G9R9_UFLOAT_PACK32
+    )
+}

@@ -1,0 +1,127 @@
+//! The runtime's side of a virtual swapchain: its images, of which one at a time is ours to write to.
+
+use crate::passes::compose::{ComposeRegion, RuntimeImages};
+use crate::xr::dispatch::Next;
+use openxr_sys as xr;
+use std::ptr;
+
+/// How long a frame waits for the runtime to have done with an image, in nanoseconds: 2 ms, a fifth of a frame
+/// at 90 Hz. After that the last image is submitted again.
+const PATIENCE_NANOS: i64 = 2_000_000;
+
+/// Room for regions without allocation: four views of two projection layers.
+const REGIONS: usize = 8;
+
+/// How far one of the runtime's images is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Held {
+    Nothing,
+    /// Acquired; waiting for it has timed out so far.
+    Acquired(u32),
+    /// Waited for: it may be written to.
+    Ready(u32),
+}
+
+/// The runtime's images, and what was written to the one that it shows.
+pub struct Target {
+    images: Option<RuntimeImages>,
+    /// What this frame is to be processed with.
+    pub regions: Vec<ComposeRegion>,
+    shown: Vec<ComposeRegion>,
+    held: Held,
+    has_picture: bool,
+}
+
+impl Target {
+    /// Of images of which none was ever acquired.
+    pub fn new(images: RuntimeImages) -> Self {
+        Self {
+            images: Some(images),
+            regions: Vec::with_capacity(REGIONS),
+            shown: Vec::with_capacity(REGIONS),
+            held: Held::Nothing,
+            has_picture: false,
+        }
+    }
+
+    /// The images, until they are let go.
+    pub fn images(&self) -> Option<&RuntimeImages> {
+        self.images.as_ref()
+    }
+
+    /// Lets the images go, after the work of ours that uses them.
+    pub fn let_go(&mut self) {
+        self.images = None;
+    }
+
+    /// Whether the runtime has a picture to show.
+    pub fn has_picture(&self) -> bool {
+        self.has_picture
+    }
+
+    /// Whether [`Self::regions`] differ from what the runtime's picture was processed with.
+    pub fn is_outdated(&self) -> bool {
+        let is_same = |a: &ComposeRegion, b: &ComposeRegion| {
+            a.array_layer == b.array_layer
+                && a.rect == b.rect
+                && bytemuck::bytes_of(&a.params) == bytemuck::bytes_of(&b.params)
+        };
+        self.regions.len() != self.shown.len()
+            || !self.regions.iter().zip(&self.shown).all(|(a, b)| is_same(a, b))
+    }
+
+    /// An image to write to; `None` when the runtime still reads it. It stays ours until [`Self::release`].
+    ///
+    /// The first picture is waited for as long as it takes, as the application would have: without one, the
+    /// runtime refuses the frame.
+    ///
+    /// # Errors
+    ///
+    /// Those of `xrAcquireSwapchainImage` and `xrWaitSwapchainImage`.
+    pub fn take(&mut self, next: &Next, swapchain: xr::Swapchain) -> Result<Option<u32>, xr::Result> {
+        if self.held == Held::Nothing {
+            let mut index = 0;
+            // SAFETY: the next layer's function, a live swapchain and a place for the index.
+            succeeded(unsafe { (next.acquire_swapchain_image)(swapchain, ptr::null(), &mut index) })?;
+            self.held = Held::Acquired(index);
+        }
+        if let Held::Acquired(index) = self.held {
+            let timeout = match self.has_picture {
+                true => xr::Duration::from_nanos(PATIENCE_NANOS),
+                false => xr::Duration::INFINITE,
+            };
+            let info = xr::SwapchainImageWaitInfo {
+                ty: xr::SwapchainImageWaitInfo::TYPE,
+                next: ptr::null(),
+                timeout,
+            };
+            // SAFETY: the next layer's function, a live swapchain and a valid structure.
+            let waited = succeeded(unsafe { (next.wait_swapchain_image)(swapchain, &info) })?;
+            if waited != xr::Result::TIMEOUT_EXPIRED {
+                self.held = Held::Ready(index);
+            }
+        }
+        Ok(match self.held {
+            Held::Ready(index) => Some(index),
+            Held::Nothing | Held::Acquired(_) => None,
+        })
+    }
+
+    /// Returns the image of [`Self::take`], written with [`Self::regions`].
+    ///
+    /// # Errors
+    ///
+    /// Those of `xrReleaseSwapchainImage`.
+    pub fn release(&mut self, next: &Next, swapchain: xr::Swapchain) -> Result<(), xr::Result> {
+        // SAFETY: the next layer's function and a live swapchain.
+        succeeded(unsafe { (next.release_swapchain_image)(swapchain, ptr::null()) })?;
+        self.held = Held::Nothing;
+        self.has_picture = true;
+        self.shown.clone_from(&self.regions);
+        Ok(())
+    }
+}
+
+fn succeeded(result: xr::Result) -> Result<xr::Result, xr::Result> {
+    if result.into_raw() < 0 { Err(result) } else { Ok(result) }
+}

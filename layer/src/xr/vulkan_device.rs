@@ -1,0 +1,100 @@
+//! The Vulkan half's end of an OpenXR session: finding the device's record, whichever copy of this library
+//! holds it (see [`crate::link`]).
+
+use super::structures::VulkanBinding;
+use crate::link::{DeviceRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr};
+use ash::vk;
+use ash::vk::Handle;
+use std::mem::MaybeUninit;
+
+/// A device that the Vulkan half tracks.
+#[derive(Clone, Copy)]
+pub struct VulkanDevice {
+    table: LinkTable,
+    /// What the Vulkan half knows of it.
+    pub record: DeviceRecord,
+    /// Family and index of the queue of the session's graphics binding.
+    pub queue: (u32, u32),
+}
+
+/// Why a session's device is out of reach, so that the session stays inert.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NotLinked {
+    /// The process has no libvulkan.so.1 loaded.
+    #[error("no Vulkan loader in this process")]
+    NoLoader,
+    /// Our Vulkan layer is not in the device's chain.
+    #[error("the Vulkan half of this layer is not on the device")]
+    NoVulkanHalf,
+    /// The Vulkan half comes from another version of this library.
+    #[error("the Vulkan half speaks version {0} of the link, this half {LINK_VERSION}")]
+    OtherVersion(u32),
+    /// The Vulkan half is there, but keeps this device inert.
+    #[error("the Vulkan half keeps this device inert")]
+    Inert,
+}
+
+impl VulkanDevice {
+    /// Asks the Vulkan loader for the Vulkan half of the device in `binding`.
+    ///
+    /// # Safety
+    ///
+    /// The device is live, as `XrGraphicsBindingVulkanKHR` demands.
+    pub unsafe fn find(binding: &VulkanBinding) -> Result<Self, NotLinked> {
+        let device = vk::Device::from_raw(binding.device as u64);
+        // SAFETY: dlopen with RTLD_NOLOAD only looks for a library that is there, and dlsym for its
+        // function, which has the type that Vulkan gives it. The reference is kept: never unloaded.
+        let get_device_proc_addr = unsafe {
+            let loader = libc::dlopen(c"libvulkan.so.1".as_ptr(), libc::RTLD_NOW | libc::RTLD_NOLOAD);
+            if loader.is_null() {
+                return Err(NotLinked::NoLoader);
+            }
+            let function = libc::dlsym(loader, c"vkGetDeviceProcAddr".as_ptr());
+            std::mem::transmute::<*mut libc::c_void, Option<LoaderGetDeviceProcAddr>>(function)
+                .ok_or(NotLinked::NoLoader)?
+        };
+        // SAFETY: the device is live; only our Vulkan half answers this name, with a GetLink. Its table
+        // is valid for the life of the process, and `version` comes first in every version of it.
+        unsafe {
+            let get_link =
+                get_device_proc_addr(device, GET_LINK_NAME.as_ptr()).ok_or(NotLinked::NoVulkanHalf)?;
+            let get_link = std::mem::transmute::<unsafe extern "system" fn(), GetLink>(get_link);
+            let table = get_link();
+            let version = (&raw const (*table).version).read();
+            if version != LINK_VERSION || (*table).size as usize != size_of::<LinkTable>() {
+                return Err(NotLinked::OtherVersion(version));
+            }
+            let table = *table;
+            let mut record = MaybeUninit::uninit();
+            if (table.device)(device, record.as_mut_ptr()) != 1 {
+                return Err(NotLinked::Inert);
+            }
+            let queue = (binding.queue_family_index, binding.queue_index);
+            Ok(Self { table, record: record.assume_init(), queue })
+        }
+    }
+
+    /// Tells the Vulkan half whether a session is bound to the device.
+    pub fn set_active(&self, active: bool) {
+        // SAFETY: the session that holds this says that the device is live: it outlives its session.
+        unsafe { (self.table.set_active)(self.record.device, u32::from(active)) }
+    }
+
+    /// Marks this thread's submits as the runtime's or ours until the result is dropped.
+    pub fn runtime_section(&self) -> RuntimeSection {
+        // SAFETY: the function takes any thread at any time.
+        unsafe { (self.table.runtime_section)(1) };
+        RuntimeSection(self.table.runtime_section)
+    }
+}
+
+/// A section of a thread in which what is submitted is not the application's.
+#[must_use]
+pub struct RuntimeSection(unsafe extern "C" fn(u32));
+
+impl Drop for RuntimeSection {
+    fn drop(&mut self) {
+        // SAFETY: as on entering it.
+        unsafe { (self.0)(0) }
+    }
+}
