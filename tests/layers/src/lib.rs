@@ -1,1 +1,71 @@
-//! Placeholder.
+//! Three Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
+//! own ([`TestLayer::manifest`]), which maps the loader's entry point to that layer's.
+//!
+//! - `VK_LAYER_PARAFOVEA_TEST_pass_through` does nothing: the baseline for what any layer costs.
+//! - `VK_LAYER_PARAFOVEA_TEST_count` counts fragment shader invocations, draws and submits ([`Count`]).
+//! - `VK_LAYER_PARAFOVEA_TEST_drop_barrier` leaves out chosen image barriers, to see that their absence is
+//!   noticed.
+//!
+//! # Order
+//!
+//! The Vulkan loader (as of 1.3.239) puts implicit layers nearest to the application, in the order in which
+//! it finds their manifests, then those of `VK_INSTANCE_LAYERS`, in its order. Parafovea is implicit, so a
+//! layer named in `VK_INSTANCE_LAYERS` is below it, and `drop_barrier:VK_LAYER_KHRONOS_validation` puts the
+//! former above the latter. To have a layer above Parafovea, name Parafovea in `VK_INSTANCE_LAYERS` too, behind
+//! that layer, and leave its implicit manifest out; or make that layer implicit ([`TestLayer::implicit_manifest`])
+//! and put its manifest into `XDG_CONFIG_HOME`, which is searched before `XDG_DATA_HOME`.
+
+mod count;
+mod drop_barrier;
+mod interface;
+mod layer;
+mod manifest;
+mod pass_through;
+mod report;
+pub mod validation;
+
+pub use count::{COUNT_FILE_VARIABLE, Count};
+pub use drop_barrier::{DROP_BARRIER_VARIABLE, DROP_FILE_VARIABLE, Dropped};
+pub use manifest::TestLayer;
+
+use ash::vk;
+use interface::NegotiateLayerInterface;
+
+/// The Vulkan loader's first call to the layer `pass_through`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn pass_through_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<pass_through::PassThrough>(interface) }
+}
+
+/// The Vulkan loader's first call to the layer `count`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn count_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<count::Counter>(interface) }
+}
+
+/// The Vulkan loader's first call to the layer `drop_barrier`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn drop_barrier_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<drop_barrier::DropBarrier>(interface) }
+}

@@ -1,0 +1,125 @@
+//! The features that counting needs, added to what the application asks for.
+
+use crate::layer::{Instance, NextDevice};
+use ash::vk;
+
+/// What the device has.
+pub(super) struct Features {
+    statistics: bool,
+    pub inherited_queries: bool,
+}
+
+impl Features {
+    /// # Safety
+    ///
+    /// The physical device is a live one of the instance.
+    pub unsafe fn of(instance: &Instance, physical_device: vk::PhysicalDevice) -> Self {
+        let mut features = vk::PhysicalDeviceFeatures::default();
+        if let Some(get) = instance.function(c"vkGetPhysicalDeviceFeatures") {
+            // SAFETY: the name gives the type; the caller vouches for the handle.
+            unsafe {
+                let get = std::mem::transmute::<
+                    unsafe extern "system" fn(),
+                    vk::PFN_vkGetPhysicalDeviceFeatures,
+                >(get);
+                get(physical_device, &mut features);
+            }
+        }
+        Self {
+            statistics: features.pipeline_statistics_query == vk::TRUE,
+            inherited_queries: features.inherited_queries == vk::TRUE,
+        }
+    }
+
+    /// Creates the device with the features on; returns also why counting is not possible, if so.
+    ///
+    /// Features that the application chains are amended in place, because there must be only one such
+    /// structure, and put back after the call.
+    ///
+    /// # Safety
+    ///
+    /// `info` is a valid structure, whose chain nobody else uses during the call.
+    pub unsafe fn amend(
+        &self,
+        mut info: vk::DeviceCreateInfo<'_>,
+        create: &mut dyn FnMut(&vk::DeviceCreateInfo<'_>) -> Result<NextDevice, vk::Result>,
+    ) -> Result<(NextDevice, Option<&'static str>), vk::Result> {
+        // SAFETY: the caller vouches for `info` and its chain.
+        unsafe {
+            let chained = chained_features(&info);
+            let asked = chained.as_deref().or(info.p_enabled_features.as_ref());
+            let missing = if !self.statistics {
+                Some("the device has no pipelineStatisticsQuery")
+            } else if asked.is_some_and(|asked| asked.pipeline_statistics_query == vk::TRUE) {
+                Some("the application uses pipeline statistics itself")
+            } else {
+                None
+            };
+            if missing.is_some() {
+                return create(&info).map(|next| (next, missing));
+            }
+            let before = asked.copied().unwrap_or_default();
+            let amended = vk::PhysicalDeviceFeatures {
+                pipeline_statistics_query: vk::TRUE,
+                inherited_queries: before.inherited_queries | vk::Bool32::from(self.inherited_queries),
+                ..before
+            };
+            let created = if let Some(chained) = chained {
+                *chained = amended;
+                let created = create(&info);
+                *chained = before;
+                created
+            } else {
+                info.p_enabled_features = &amended;
+                create(&info)
+            };
+            created.map(|next| (next, None))
+        }
+    }
+}
+
+/// The features in the application's VkPhysicalDeviceFeatures2, if it chains one.
+///
+/// # Safety
+///
+/// `info` is a valid structure, whose chain nobody else uses while the result lives.
+unsafe fn chained_features<'a>(
+    info: &vk::DeviceCreateInfo<'_>,
+) -> Option<&'a mut vk::PhysicalDeviceFeatures> {
+    let mut at = info.p_next.cast_mut().cast::<vk::BaseOutStructure<'_>>();
+    while !at.is_null() {
+        // SAFETY: the caller vouches for the chain; the type says which structure it is.
+        unsafe {
+            if (*at).s_type == vk::StructureType::PHYSICAL_DEVICE_FEATURES_2 {
+                return Some(&mut (*at.cast::<vk::PhysicalDeviceFeatures2<'_>>()).features);
+            }
+            at = (*at).p_next;
+        }
+    }
+    None
+}
+
+/// Which queue families can draw: the others can have no such query.
+///
+/// # Safety
+///
+/// The physical device is a live one of the instance.
+pub(super) unsafe fn graphics_families(
+    instance: &Instance,
+    physical_device: vk::PhysicalDevice,
+) -> Vec<bool> {
+    let Some(get) = instance.function(c"vkGetPhysicalDeviceQueueFamilyProperties") else { return Vec::new() };
+    // SAFETY: the name gives the type; the caller vouches for the handle; the second call has the room
+    // that the first asked for.
+    unsafe {
+        let get = std::mem::transmute::<
+            unsafe extern "system" fn(),
+            vk::PFN_vkGetPhysicalDeviceQueueFamilyProperties,
+        >(get);
+        let mut count = 0;
+        get(physical_device, &mut count, std::ptr::null_mut());
+        let mut families = vec![vk::QueueFamilyProperties::default(); count as usize];
+        get(physical_device, &mut count, families.as_mut_ptr());
+        families.iter().map(|family| family.queue_flags.contains(vk::QueueFlags::GRAPHICS)).collect()
+    }
+}

@@ -1,0 +1,280 @@
+//! What every layer here has: creation and destruction of instances and devices, and the way to the next
+//! layer's functions. A layer adds hooks, and what it keeps for a device.
+//!
+//! A panic ends the process: these layers are for tests, which are to notice.
+
+use crate::interface::{
+    DeviceLink, GetPhysicalDeviceProcAddr, InstanceLink, NegotiateLayerInterface, advance_device,
+    advance_instance,
+};
+use ash::vk;
+use std::collections::BTreeMap;
+use std::ffi::{CStr, c_char};
+use std::sync::{Arc, PoisonError, RwLock};
+
+/// One of the layers.
+pub(crate) trait Layer: Sized + Send + Sync + 'static {
+    /// The objects that it tracks.
+    fn tracked() -> &'static Tracked<Self>;
+
+    /// Calls `create`, perhaps with changes to `info`, and makes what is kept for the device.
+    ///
+    /// # Safety
+    ///
+    /// `create` is called once, with a valid structure; the handles are live.
+    unsafe fn create_device(
+        instance: &Instance,
+        physical_device: vk::PhysicalDevice,
+        info: vk::DeviceCreateInfo<'_>,
+        create: &mut dyn FnMut(&vk::DeviceCreateInfo<'_>) -> Result<NextDevice, vk::Result>,
+    ) -> Result<Self, vk::Result>;
+
+    /// Its hook for a function of a device.
+    fn hook(name: &CStr) -> vk::PFN_vkVoidFunction;
+
+    /// The next layer's functions.
+    fn next(&self) -> &NextDevice;
+
+    /// The application is about to destroy the device.
+    fn device_destroyed(&self) {}
+}
+
+/// The next layer of an instance.
+#[derive(Clone, Copy)]
+pub(crate) struct Instance {
+    handle: vk::Instance,
+    link: InstanceLink,
+}
+
+// SAFETY: the link's `next`, the one pointer in it, is the loader's and is not followed any more.
+unsafe impl Send for Instance {}
+// SAFETY: as above.
+unsafe impl Sync for Instance {}
+
+impl Instance {
+    /// The next layer's function of that name.
+    pub fn function(&self, name: &CStr) -> vk::PFN_vkVoidFunction {
+        // SAFETY: the loader gave the function; the instance is live while it is tracked.
+        unsafe { (self.link.get_instance_proc_addr)(self.handle, name.as_ptr()) }
+    }
+}
+
+/// The next layer of a device.
+pub(crate) struct NextDevice {
+    get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
+    /// Its functions. ash's stand-in for one that is missing panics: hooks call only what the next layer has.
+    pub functions: ash::Device,
+}
+
+impl NextDevice {
+    /// The next layer's function of that name.
+    pub fn function(&self, name: &CStr) -> vk::PFN_vkVoidFunction {
+        // SAFETY: the loader gave the function; the device is live while it is tracked.
+        unsafe { (self.get_device_proc_addr)(self.functions.handle(), name.as_ptr()) }
+    }
+}
+
+/// A layer's live objects, by dispatch key: the first word of a dispatchable object, which a physical device
+/// shares with its instance, a queue and a command buffer with their device.
+pub(crate) struct Tracked<L> {
+    instances: RwLock<BTreeMap<usize, Instance>>,
+    devices: RwLock<BTreeMap<usize, Arc<L>>>,
+}
+
+impl<L> Tracked<L> {
+    pub const fn new() -> Self {
+        Self { instances: RwLock::new(BTreeMap::new()), devices: RwLock::new(BTreeMap::new()) }
+    }
+}
+
+/// # Safety
+///
+/// `object` is a live dispatchable object.
+unsafe fn key<H: vk::Handle>(object: H) -> usize {
+    // SAFETY: the loader's contract with drivers.
+    unsafe { *(object.as_raw() as *const usize) }
+}
+
+/// # Safety
+///
+/// `object` is a live instance or physical device of one that the layer tracks.
+unsafe fn instance_of<L: Layer>(object: impl vk::Handle) -> Option<Instance> {
+    // SAFETY: the caller vouches for it.
+    let key = unsafe { key(object) };
+    L::tracked().instances.read().unwrap_or_else(PoisonError::into_inner).get(&key).copied()
+}
+
+/// What the layer keeps for the device of a device, queue or command buffer.
+///
+/// # Safety
+///
+/// `object` is a live one.
+pub(crate) unsafe fn device_of<L: Layer>(object: impl vk::Handle) -> Option<Arc<L>> {
+    // SAFETY: the caller vouches for it.
+    let key = unsafe { key(object) };
+    L::tracked().devices.read().unwrap_or_else(PoisonError::into_inner).get(&key).cloned()
+}
+
+/// A hook as an answer to a question by name.
+macro_rules! hooks {
+    ($asked:expr; $($name:literal: $pfn:ident = $hook:path;)*) => {{
+        let asked: &std::ffi::CStr = $asked;
+        $(if asked == $name {
+            let hook: ash::vk::$pfn = $hook;
+            // SAFETY: PFN_vkVoidFunction may carry any function; the receiver casts it back by its name.
+            return Some(unsafe { std::mem::transmute::<ash::vk::$pfn, unsafe extern "system" fn()>(hook) });
+        })*
+    }};
+}
+pub(crate) use hooks;
+
+/// # Safety
+///
+/// The loader calls it with a valid structure.
+pub(crate) unsafe fn negotiate<L: Layer>(interface: *mut NegotiateLayerInterface) -> vk::Result {
+    // SAFETY: the caller vouches for it.
+    let interface = unsafe { &mut *interface };
+    interface.version = interface.version.min(2);
+    interface.get_instance_proc_addr = Some(get_instance_proc_addr::<L>);
+    interface.get_device_proc_addr = Some(get_device_proc_addr::<L>);
+    interface.get_physical_device_proc_addr = Some(get_physical_device_proc_addr::<L>);
+    vk::Result::SUCCESS
+}
+
+fn common_hook<L: Layer>(name: &CStr) -> vk::PFN_vkVoidFunction {
+    hooks! { name;
+        c"vkGetInstanceProcAddr": PFN_vkGetInstanceProcAddr = get_instance_proc_addr::<L>;
+        c"vkGetDeviceProcAddr": PFN_vkGetDeviceProcAddr = get_device_proc_addr::<L>;
+        c"vkCreateInstance": PFN_vkCreateInstance = create_instance::<L>;
+        c"vkDestroyInstance": PFN_vkDestroyInstance = destroy_instance::<L>;
+        c"vkCreateDevice": PFN_vkCreateDevice = create_device::<L>;
+        c"vkDestroyDevice": PFN_vkDestroyDevice = destroy_device::<L>;
+    }
+    None
+}
+
+unsafe extern "system" fn get_instance_proc_addr<L: Layer>(
+    instance: vk::Instance,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the caller passes a name, and an instance that is null or live.
+    unsafe {
+        let name = CStr::from_ptr(name);
+        if let Some(own) = common_hook::<L>(name) {
+            return Some(own);
+        }
+        if instance == vk::Instance::null() {
+            return None;
+        }
+        let next = instance_of::<L>(instance)?.function(name)?;
+        L::hook(name).or(Some(next))
+    }
+}
+
+unsafe extern "system" fn get_device_proc_addr<L: Layer>(
+    device: vk::Device,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the caller passes a name and a live device.
+    unsafe {
+        let name = CStr::from_ptr(name);
+        let next = device_of::<L>(device)?.next().function(name)?;
+        common_hook::<L>(name).or_else(|| L::hook(name)).or(Some(next))
+    }
+}
+
+unsafe extern "system" fn get_physical_device_proc_addr<L: Layer>(
+    instance: vk::Instance,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the caller passes a name and a live instance.
+    unsafe {
+        if CStr::from_ptr(name) == c"vkCreateDevice" {
+            return common_hook::<L>(c"vkCreateDevice");
+        }
+        let next: GetPhysicalDeviceProcAddr =
+            instance_of::<L>(instance)?.link.get_physical_device_proc_addr?;
+        next(instance, name)
+    }
+}
+
+unsafe extern "system" fn create_instance<L: Layer>(
+    info: *const vk::InstanceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    instance: *mut vk::Instance,
+) -> vk::Result {
+    // SAFETY: the loader calls with valid arguments; the name gives the function's type.
+    unsafe {
+        let link = advance_instance((*info).p_next);
+        let create = (link.get_instance_proc_addr)(vk::Instance::null(), c"vkCreateInstance".as_ptr());
+        let create: vk::PFN_vkCreateInstance = std::mem::transmute(create);
+        let result = create(info, allocator, instance);
+        if result == vk::Result::SUCCESS {
+            let handle = *instance;
+            let mut instances = L::tracked().instances.write().unwrap_or_else(PoisonError::into_inner);
+            instances.insert(key(handle), Instance { handle, link });
+        }
+        result
+    }
+}
+
+unsafe extern "system" fn destroy_instance<L: Layer>(
+    instance: vk::Instance,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    // SAFETY: the loader passes on only live instances; the name gives the function's type.
+    unsafe {
+        let known =
+            L::tracked().instances.write().unwrap_or_else(PoisonError::into_inner).remove(&key(instance));
+        if let Some(destroy) = known.and_then(|known| known.function(c"vkDestroyInstance")) {
+            let destroy: vk::PFN_vkDestroyInstance = std::mem::transmute(destroy);
+            destroy(instance, allocator);
+        }
+    }
+}
+
+unsafe extern "system" fn create_device<L: Layer>(
+    physical_device: vk::PhysicalDevice,
+    info: *const vk::DeviceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    device: *mut vk::Device,
+) -> vk::Result {
+    // SAFETY: the loader calls with valid arguments; the name gives the function's type.
+    unsafe {
+        let Some(instance) = instance_of::<L>(physical_device) else {
+            return vk::Result::ERROR_INITIALIZATION_FAILED;
+        };
+        let link: DeviceLink = advance_device((*info).p_next);
+        let create = (link.get_instance_proc_addr)(instance.handle, c"vkCreateDevice".as_ptr());
+        let create: vk::PFN_vkCreateDevice = std::mem::transmute(create);
+        let mut create_next = |info: &vk::DeviceCreateInfo<'_>| {
+            create(physical_device, info, allocator, device).result()?;
+            let get_device_proc_addr = link.get_device_proc_addr;
+            let load = |name: &CStr| get_device_proc_addr(*device, name.as_ptr());
+            let load = |name: &CStr| load(name).map_or(std::ptr::null(), |function| function as *const _);
+            Ok(NextDevice { get_device_proc_addr, functions: ash::Device::load_with(load, *device) })
+        };
+        match L::create_device(&instance, physical_device, *info, &mut create_next) {
+            Ok(own) => {
+                let mut devices = L::tracked().devices.write().unwrap_or_else(PoisonError::into_inner);
+                devices.insert(key(*device), Arc::new(own));
+                vk::Result::SUCCESS
+            }
+            Err(result) => result,
+        }
+    }
+}
+
+unsafe extern "system" fn destroy_device<L: Layer>(
+    device: vk::Device,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    // SAFETY: the loader passes on only live devices.
+    unsafe {
+        let known = L::tracked().devices.write().unwrap_or_else(PoisonError::into_inner).remove(&key(device));
+        if let Some(known) = known {
+            known.device_destroyed();
+            (known.next().functions.fp_v1_0().destroy_device)(device, allocator);
+        }
+    }
+}
