@@ -1,50 +1,168 @@
-//! Everything that records or owns Vulkan objects of ours on the application's device.
+//! Vulkan objects of ours on the application's device, and the recording and submitting of our work.
+//!
+//! All calls go to the *next* layer's functions. The types here are safe to use from [`crate::passes`]: an
+//! object lives until it is dropped, and whoever owns objects that command buffers use also owns a [`Uses`],
+//! dropped before them, which waits for the last of those command buffers.
+
+pub mod barrier;
+mod buffer;
+mod commands;
+mod descriptor;
+mod draw;
+mod error;
+mod functions;
+mod image;
+mod memory;
+mod owned;
+mod pipeline;
+mod recorder;
+
+pub(crate) use buffer::UniformRing;
+pub(crate) use commands::Uses;
+pub(crate) use descriptor::{TextureSets, UniformSet};
+pub(crate) use draw::{ColorTarget, color_pass};
+pub use error::GpuError;
+pub(crate) use image::{ImageDescription, OwnedImage, color_view};
+pub(crate) use owned::Owned;
+pub(crate) use pipeline::{TilePipeline, tile_pipeline};
+pub(crate) use recorder::Recorder;
 
 use crate::link::DeviceRecord;
 use ash::vk;
-use std::ffi::CStr;
-use std::sync::Arc;
+use commands::CommandRing;
+use functions::Functions;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// Why our GPU work is not possible. The application is unaffected: the caller passes its frames through.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum GpuError {
-    /// A Vulkan function that we need is not there.
-    #[error("the device has no function {0:?}")]
-    Missing(&'static CStr),
-    /// The queue, a format or a size is not one that we can work with.
-    #[error("not supported here: {0}")]
-    Unsupported(&'static str),
-    /// A fence of ours was not signalled in time: the device hangs, or is very busy.
-    #[error("waited too long for work of ours to finish")]
-    Timeout,
-    /// A Vulkan call failed.
-    #[error("{call} returned {result}")]
-    Call {
-        /// The call.
-        call: &'static str,
-        /// What it returned.
-        result: vk::Result,
-    },
-}
+/// How many submits of ours may be under way before the next one waits.
+pub(crate) const SUBMITS_IN_FLIGHT: usize = 3;
 
 /// One device of the application, with the queue that our work goes to.
 pub struct Gpu {
-    _queue: vk::Queue,
+    instance: ash::Instance,
+    device: ash::Device,
+    physical_device: vk::PhysicalDevice,
+    api_version: u32,
+    limits: vk::PhysicalDeviceLimits,
+    memory: vk::PhysicalDeviceMemoryProperties,
+    queue: vk::Queue,
+    commands: Mutex<CommandRing>,
+    abandoned: AtomicBool,
 }
 
 impl Gpu {
     /// Prepares work on queue `queue_index` of family `queue_family`.
     ///
     /// # Safety
-    /// `record` is of a live device that outlives the result and everything made with it (or
-    /// [`Gpu::abandon`] is called before it dies), and the caller synchronises the queue during every call.
+    /// - `record` is of a live device that outlives the result and everything made with it; where it cannot,
+    ///   [`Gpu::abandon`] is called before the device dies.
+    /// - The device was created with that queue, and during every call to the result, or to what is made with
+    ///   it, nobody else uses the queue.
+    /// - Every image handle passed to what is made with the result is a live image of this device.
     ///
     /// # Errors
-    /// [`GpuError::Missing`], [`GpuError::Unsupported`], or a failed call.
-    pub unsafe fn new(_record: &DeviceRecord, _queue_family: u32, _queue_index: u32) -> Result<Arc<Self>, GpuError> {
-        Err(GpuError::Unsupported("not built yet"))
+    /// [`GpuError::Missing`]; [`GpuError::Unsupported`] when the queue cannot draw and compute; a failed call.
+    pub unsafe fn new(
+        record: &DeviceRecord,
+        queue_family: u32,
+        queue_index: u32,
+    ) -> Result<Arc<Self>, GpuError> {
+        // SAFETY: the caller vouches for the record.
+        let Functions { instance, device } = unsafe { Functions::load(record) }?;
+        let physical_device = record.physical_device;
+        // SAFETY: the physical device is one of this instance, both live; these only fill structures.
+        let (families, limits, memory) = unsafe {
+            (
+                instance.get_physical_device_queue_family_properties(physical_device),
+                instance.get_physical_device_properties(physical_device).limits,
+                instance.get_physical_device_memory_properties(physical_device),
+            )
+        };
+        // The barriers name the stages of both.
+        let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
+        if !families.get(queue_family as usize).is_some_and(|family| family.queue_flags.contains(needed)) {
+            return Err(GpuError::Unsupported("a queue that cannot draw and compute"));
+        }
+        // SAFETY: the caller says that the device was created with this queue, which the loader's callback
+        // may see again: it writes the same pointer.
+        let queue = unsafe {
+            let queue = device.get_device_queue(queue_family, queue_index);
+            functions::init_dispatch(record, queue)?;
+            queue
+        };
+        // SAFETY: the device is live and made of this record.
+        let commands = unsafe { CommandRing::new(&device, record, queue_family) }?;
+        Ok(Arc::new(Self {
+            instance,
+            device,
+            physical_device,
+            api_version: record.api_version,
+            limits,
+            memory,
+            queue,
+            commands: Mutex::new(commands),
+            abandoned: AtomicBool::new(false),
+        }))
     }
 
-    /// The device is lost or about to be destroyed: from now on nothing is waited for and nothing destroyed.
-    pub fn abandon(&self) {}
+    /// Says that the device is lost, hangs, or is about to be destroyed: from now on nothing of ours is waited
+    /// for or destroyed, and nothing can be submitted.
+    pub fn abandon(&self) {
+        self.abandoned.store(true, Ordering::Relaxed);
+    }
+
+    fn is_abandoned(&self) -> bool {
+        self.abandoned.load(Ordering::Relaxed)
+    }
+
+    /// Records with `record` and submits; returns the number of the submit, for [`Uses::mark`].
+    ///
+    /// Waits only while [`SUBMITS_IN_FLIGHT`] submits are under way.
+    pub(crate) fn submit(
+        &self,
+        record: impl FnOnce(&Recorder) -> Result<(), GpuError>,
+    ) -> Result<u64, GpuError> {
+        if self.is_abandoned() {
+            return Err(GpuError::Abandoned);
+        }
+        let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
+        self.abandon_if_stuck(commands.submit(&self.device, self.queue, record))
+    }
+
+    /// Waits until a submit has finished on the GPU.
+    fn wait(&self, submit: u64) -> Result<(), GpuError> {
+        if self.is_abandoned() {
+            return Ok(());
+        }
+        let commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
+        self.abandon_if_stuck(commands.wait(&self.device, submit))
+    }
+
+    /// After a wait that failed, what the GPU still uses is unknown.
+    fn abandon_if_stuck<T>(&self, result: Result<T, GpuError>) -> Result<T, GpuError> {
+        if let Err(GpuError::Timeout | GpuError::Call { result: vk::Result::ERROR_DEVICE_LOST, .. }) = result
+        {
+            self.abandon();
+        }
+        result
+    }
+
+    /// Whether images of this format can be sampled, drawn to and copied.
+    pub(crate) fn can_compose(&self, format: vk::Format) -> bool {
+        let needed = vk::FormatFeatureFlags::SAMPLED_IMAGE | vk::FormatFeatureFlags::COLOR_ATTACHMENT;
+        // SAFETY: the physical device is one of this live instance.
+        let properties =
+            unsafe { self.instance.get_physical_device_format_properties(self.physical_device, format) };
+        properties.optimal_tiling_features.contains(needed)
+    }
+}
+
+impl Drop for Gpu {
+    fn drop(&mut self) {
+        if !self.is_abandoned() {
+            let commands = self.commands.get_mut().unwrap_or_else(PoisonError::into_inner);
+            // SAFETY: the device is live, as it was not abandoned, and nothing else uses the ring.
+            unsafe { commands.destroy(&self.device) };
+        }
+    }
 }

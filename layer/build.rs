@@ -1,0 +1,131 @@
+//! Compiles `shaders/<stem>.wgsl` to SPIR-V for Vulkan 1.0, and fails where a kernel is incomplete.
+//!
+//! A kernel is three files of one stem: shader, CPU reference and pass. Its parameters are declared twice,
+//! in Rust and in WGSL; both declarations must lay them out alike.
+
+use naga::back::spv;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use parafovea_core::kernels::compose::ComposeParams;
+use parafovea_core::layout::{Field, Uniform};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::{env, fs, process};
+
+/// A parameter struct on the Rust side.
+struct Declared {
+    name: &'static str,
+    size: usize,
+    fields: &'static [Field],
+}
+
+fn declared<T: Uniform>() -> Declared {
+    Declared { name: T::NAME, size: size_of::<T>(), fields: T::FIELDS }
+}
+
+fn main() {
+    let uniforms = [declared::<ComposeParams>()];
+    if let Err(message) = build(&uniforms) {
+        eprintln!("error: {message}");
+        process::exit(1);
+    }
+}
+
+fn build(uniforms: &[Declared]) -> Result<(), String> {
+    let layer = PathBuf::from(env::var("CARGO_MANIFEST_DIR").map_err(|error| error.to_string())?);
+    let out = PathBuf::from(env::var("OUT_DIR").map_err(|error| error.to_string())?);
+    let repository = layer.parent().ok_or("the package has no parent folder")?;
+    for stem in complete_kernels(repository)? {
+        let path = layer.join("shaders").join(format!("{stem}.wgsl"));
+        let words = compile(&path, uniforms).map_err(|error| format!("{}: {error}", path.display()))?;
+        let bytes: Vec<u8> = words.into_iter().flat_map(u32::to_ne_bytes).collect();
+        let target = out.join(format!("{stem}.spv"));
+        fs::write(&target, bytes).map_err(|error| format!("{}: {error}", target.display()))?;
+    }
+    Ok(())
+}
+
+/// Where a kernel's three files are.
+const PLACES: [(&str, &str); 3] =
+    [("layer/shaders", "wgsl"), ("core/src/kernels", "rs"), ("layer/src/passes", "rs")];
+
+/// The stems, each of which must be there in all [`PLACES`].
+fn complete_kernels(repository: &Path) -> Result<BTreeSet<String>, String> {
+    let mut found = Vec::new();
+    for (folder, extension) in PLACES {
+        let path = repository.join(folder);
+        println!("cargo::rerun-if-changed={}", path.display());
+        found.push(stems(&path, extension)?);
+    }
+    let all: BTreeSet<String> = found.iter().flatten().cloned().collect();
+    for ((folder, extension), stems) in PLACES.iter().zip(&found) {
+        if let Some(stem) = all.difference(stems).next() {
+            return Err(format!("kernel `{stem}` is incomplete: {folder}/{stem}.{extension} is missing"));
+        }
+    }
+    Ok(all)
+}
+
+fn stems(folder: &Path, extension: &str) -> Result<BTreeSet<String>, String> {
+    let entries = fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let paths = entries.filter_map(|entry| entry.ok().map(|entry| entry.path()));
+    Ok(paths
+        .filter(|path| path.extension().is_some_and(|found| found == extension))
+        .filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()))
+        .collect())
+}
+
+fn compile(path: &Path, uniforms: &[Declared]) -> Result<Vec<u32>, String> {
+    let source = fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let module = naga::front::wgsl::parse_str(&source).map_err(|error| error.emit_to_string(&source))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .map_err(|error| error.emit_to_string(&source))?;
+    check_uniforms(&module, uniforms)?;
+    let options = spv::Options {
+        lang_version: (1, 0),
+        // Without ADJUST_COORDINATE_SPACE: positions are Vulkan's own, y pointing down.
+        flags: spv::WriterFlags::empty(),
+        // What every Vulkan 1.0 device has, with no feature enabled.
+        capabilities: Some([spv::Capability::Shader].into_iter().collect()),
+        ..spv::Options::default()
+    };
+    spv::write_vec(&module, &info, &options, None).map_err(|error| error.to_string())
+}
+
+/// Compares each uniform buffer of the shader with the Rust struct of the same name.
+fn check_uniforms(module: &naga::Module, uniforms: &[Declared]) -> Result<(), String> {
+    let buffers = module.global_variables.iter().map(|(_, variable)| variable);
+    for buffer in buffers.filter(|variable| variable.space == naga::AddressSpace::Uniform) {
+        let ty = &module.types[buffer.ty];
+        let naga::TypeInner::Struct { members, span } = &ty.inner else {
+            return Err("a uniform buffer that is not a struct has no counterpart in Rust".to_owned());
+        };
+        let name = ty.name.as_deref().unwrap_or("(unnamed)");
+        let rust = uniforms
+            .iter()
+            .find(|declared| declared.name == name)
+            .ok_or_else(|| format!("no Rust struct was declared for the uniform `{name}`"))?;
+        let wgsl: Vec<(&str, usize, usize)> = members
+            .iter()
+            .map(|member| {
+                let size = module.types[member.ty].inner.size(module.to_ctx()) as usize;
+                (member.name.as_deref().unwrap_or("(unnamed)"), member.offset as usize, size)
+            })
+            .collect();
+        let expected: Vec<_> =
+            rust.fields.iter().map(|field| (field.name, field.offset, field.size)).collect();
+        if let Some((ours, theirs)) = expected.iter().zip(&wgsl).find(|(ours, theirs)| ours != theirs) {
+            return Err(format!(
+                "`{name}` differs: (field, offset, size) is {ours:?} in Rust, {theirs:?} here"
+            ));
+        }
+        if expected.len() != wgsl.len() || rust.size != *span as usize {
+            let (fields, size) = (rust.fields.len(), rust.size);
+            let theirs = wgsl.len();
+            return Err(format!(
+                "`{name}` has {fields} fields in {size} bytes in Rust, {theirs} in {span} here"
+            ));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,148 @@
+//! Every image barrier that we record, by name, so that tests can leave out each one and expect to be told.
+//!
+//! The images of both sides are COLOR_ATTACHMENT_OPTIMAL outside of our work, as OpenXR has it
+//! (XR_KHR_vulkan_enable, "Swapchain Image Layout"): written by what came earlier on the same queue, read by
+//! what comes later. No two barriers have the same layouts and stages.
+
+use ash::vk;
+use vk::{AccessFlags as Access, ImageLayout as Layout, PipelineStageFlags as Stage};
+
+/// A layout transition of all layers of a colour image, with the accesses that it orders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImageBarrier {
+    /// Name in tests and messages.
+    pub name: &'static str,
+    /// Layout before.
+    pub old_layout: Layout,
+    /// Layout after.
+    pub new_layout: Layout,
+    /// Stages waited for.
+    pub src_stage: Stage,
+    /// Stages that wait.
+    pub dst_stage: Stage,
+    /// Writes made available.
+    pub src_access: Access,
+    /// Accesses they are made visible to.
+    pub dst_access: Access,
+}
+
+const COLOR_READ_WRITE: Access =
+    Access::from_raw(Access::COLOR_ATTACHMENT_READ.as_raw() | Access::COLOR_ATTACHMENT_WRITE.as_raw());
+
+/// Stages in which an application writes a swapchain image: as attachment, by copies, or as storage image.
+const APP_WRITE_STAGES: Stage = Stage::from_raw(
+    Stage::COLOR_ATTACHMENT_OUTPUT.as_raw()
+        | Stage::TRANSFER.as_raw()
+        | Stage::COMPUTE_SHADER.as_raw()
+        | Stage::FRAGMENT_SHADER.as_raw(),
+);
+
+/// The writes of [`APP_WRITE_STAGES`].
+const APP_WRITES: Access = Access::from_raw(
+    Access::COLOR_ATTACHMENT_WRITE.as_raw() | Access::TRANSFER_WRITE.as_raw() | Access::SHADER_WRITE.as_raw(),
+);
+
+/// A new image of ours, before the application first gets it.
+pub const APP_CREATED: ImageBarrier = ImageBarrier {
+    name: "app_created",
+    old_layout: Layout::UNDEFINED,
+    new_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
+    src_stage: Stage::TOP_OF_PIPE,
+    dst_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+    src_access: Access::empty(),
+    dst_access: COLOR_READ_WRITE,
+};
+
+/// What the application wrote, before we copy it.
+pub const APP_RENDERED_TO_COPIED: ImageBarrier = ImageBarrier {
+    name: "app_rendered_to_copied",
+    old_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
+    new_layout: Layout::TRANSFER_SRC_OPTIMAL,
+    src_stage: APP_WRITE_STAGES,
+    dst_stage: Stage::TRANSFER,
+    src_access: APP_WRITES,
+    dst_access: Access::TRANSFER_READ,
+};
+
+/// Between copying and sampling the application's image.
+pub const APP_COPIED_TO_SAMPLED: ImageBarrier = ImageBarrier {
+    name: "app_copied_to_sampled",
+    old_layout: Layout::TRANSFER_SRC_OPTIMAL,
+    new_layout: Layout::SHADER_READ_ONLY_OPTIMAL,
+    src_stage: Stage::TRANSFER,
+    dst_stage: Stage::FRAGMENT_SHADER,
+    src_access: Access::empty(),
+    dst_access: Access::SHADER_READ,
+};
+
+/// Our last read of an image that was sampled, before the application writes it again.
+pub const APP_SAMPLED_TO_RENDERED: ImageBarrier = ImageBarrier {
+    name: "app_sampled_to_rendered",
+    old_layout: Layout::SHADER_READ_ONLY_OPTIMAL,
+    new_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
+    src_stage: Stage::FRAGMENT_SHADER,
+    dst_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+    src_access: Access::empty(),
+    dst_access: COLOR_READ_WRITE,
+};
+
+/// Our last read of an image that was only copied, before the application writes it again.
+pub const APP_COPIED_TO_RENDERED: ImageBarrier = ImageBarrier {
+    name: "app_copied_to_rendered",
+    old_layout: Layout::TRANSFER_SRC_OPTIMAL,
+    new_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
+    src_stage: Stage::TRANSFER,
+    dst_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+    src_access: Access::empty(),
+    dst_access: COLOR_READ_WRITE,
+};
+
+/// The runtime's image, whose old content is not needed, before we copy to it. The runtime hands it over for
+/// use as a colour attachment; our own last draw to it may not have been made available by anybody.
+pub const RUNTIME_ACQUIRED_TO_COPIED: ImageBarrier = ImageBarrier {
+    name: "runtime_acquired_to_copied",
+    old_layout: Layout::UNDEFINED,
+    new_layout: Layout::TRANSFER_DST_OPTIMAL,
+    src_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+    dst_stage: Stage::TRANSFER,
+    src_access: Access::COLOR_ATTACHMENT_WRITE,
+    dst_access: Access::TRANSFER_WRITE,
+};
+
+/// The copy, before we draw over it, or before the runtime takes the image as it would the application's.
+pub const RUNTIME_COPIED_TO_DRAWN: ImageBarrier = ImageBarrier {
+    name: "runtime_copied_to_drawn",
+    old_layout: Layout::TRANSFER_DST_OPTIMAL,
+    new_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
+    src_stage: Stage::TRANSFER,
+    dst_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+    src_access: Access::TRANSFER_WRITE,
+    dst_access: COLOR_READ_WRITE,
+};
+
+/// All of them.
+pub const ALL: [ImageBarrier; 7] = [
+    APP_CREATED,
+    APP_RENDERED_TO_COPIED,
+    APP_COPIED_TO_SAMPLED,
+    APP_SAMPLED_TO_RENDERED,
+    APP_COPIED_TO_RENDERED,
+    RUNTIME_ACQUIRED_TO_COPIED,
+    RUNTIME_COPIED_TO_DRAWN,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_signatures_are_distinct() {
+        for (index, a) in ALL.iter().enumerate() {
+            for b in &ALL[..index] {
+                let signature = |x: &ImageBarrier| (x.old_layout, x.new_layout, x.src_stage, x.dst_stage);
+                assert!(signature(a) != signature(b), "{} and {}", a.name, b.name);
+                assert_ne!(a.name, b.name);
+            }
+        }
+    }
+}

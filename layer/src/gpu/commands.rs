@@ -1,0 +1,175 @@
+//! A ring of command buffers, each with a fence, so that a submit seldom waits and allocates nothing.
+
+use super::{Gpu, GpuError, Recorder, SUBMITS_IN_FLIGHT, functions};
+use crate::link::DeviceRecord;
+use ash::vk;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+/// How long a fence of ours may take. A frame takes milliseconds; much longer means a hanging device, and the
+/// application must not hang with it.
+const FENCE_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// One command buffer.
+#[derive(Clone, Copy, Default)]
+struct Slot {
+    commands: vk::CommandBuffer,
+    fence: vk::Fence,
+    /// Number of the submit that it was last used for; 0 for none.
+    submit: u64,
+}
+
+/// The ring.
+pub(super) struct CommandRing {
+    pool: vk::CommandPool,
+    slots: [Slot; SUBMITS_IN_FLIGHT],
+    /// Number of the last submit; they count from 1.
+    last_submit: u64,
+}
+
+impl CommandRing {
+    /// # Safety
+    /// `device` is live and made of `record`, and has a queue of that family.
+    pub(super) unsafe fn new(
+        device: &ash::Device,
+        record: &DeviceRecord,
+        queue_family: u32,
+    ) -> Result<Self, GpuError> {
+        let pool_info = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER | vk::CommandPoolCreateFlags::TRANSIENT)
+            .queue_family_index(queue_family);
+        // SAFETY: the device is live and has that family.
+        let pool = unsafe { device.create_command_pool(&pool_info, None) }
+            .map_err(GpuError::from_call("vkCreateCommandPool"))?;
+        let mut ring = Self { pool, slots: [Slot::default(); SUBMITS_IN_FLIGHT], last_submit: 0 };
+        // SAFETY: as above; the pool is new.
+        let filled = unsafe { ring.fill(device, record) };
+        if filled.is_err() {
+            // SAFETY: nothing was submitted, and what was not created is null, which destroying ignores.
+            unsafe { ring.destroy(device) };
+        }
+        filled.map(|()| ring)
+    }
+
+    unsafe fn fill(&mut self, device: &ash::Device, record: &DeviceRecord) -> Result<(), GpuError> {
+        let info = vk::CommandBufferAllocateInfo::default()
+            .command_pool(self.pool)
+            .level(vk::CommandBufferLevel::PRIMARY)
+            .command_buffer_count(self.slots.len() as u32);
+        // SAFETY: the pool is one of this live device.
+        let buffers = unsafe { device.allocate_command_buffers(&info) }
+            .map_err(GpuError::from_call("vkAllocateCommandBuffers"))?;
+        for (slot, commands) in self.slots.iter_mut().zip(buffers) {
+            slot.commands = commands;
+            // SAFETY: the command buffer was just allocated from this device.
+            unsafe { functions::init_dispatch(record, commands) }?;
+            // SAFETY: the device is live.
+            slot.fence = unsafe { device.create_fence(&vk::FenceCreateInfo::default(), None) }
+                .map_err(GpuError::from_call("vkCreateFence"))?;
+        }
+        Ok(())
+    }
+
+    /// Records and submits; returns the number of the submit. See [`Gpu::submit`].
+    pub(super) fn submit(
+        &mut self,
+        device: &ash::Device,
+        queue: vk::Queue,
+        record: impl FnOnce(&Recorder) -> Result<(), GpuError>,
+    ) -> Result<u64, GpuError> {
+        let number = self.last_submit + 1;
+        let index = (number % SUBMITS_IN_FLIGHT as u64) as usize;
+        let slot = self.slots[index];
+        if slot.submit != 0 {
+            wait_fence(device, slot.fence)?;
+        }
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the command buffer is not pending: its fence was waited for. Beginning resets it.
+        unsafe { device.begin_command_buffer(slot.commands, &begin) }
+            .map_err(GpuError::from_call("vkBeginCommandBuffer"))?;
+        if let Err(error) = record(&Recorder::new(device, slot.commands, index)) {
+            // SAFETY: the command buffer is not pending; nobody else uses the pool.
+            unsafe { device.reset_command_buffer(slot.commands, vk::CommandBufferResetFlags::empty()) }
+                .map_err(GpuError::from_call("vkResetCommandBuffer"))?;
+            return Err(error);
+        }
+        // SAFETY: the command buffer is being recorded, outside of a render pass: `Recorder` ends those.
+        unsafe { device.end_command_buffer(slot.commands) }
+            .map_err(GpuError::from_call("vkEndCommandBuffer"))?;
+        // Until the submit succeeds, nobody may wait for the fence: it would never be signalled.
+        self.slots[index].submit = 0;
+        // SAFETY: the fence is not in use: it was waited for, or never submitted.
+        unsafe { device.reset_fences(&[slot.fence]) }.map_err(GpuError::from_call("vkResetFences"))?;
+        let commands = [slot.commands];
+        let info = vk::SubmitInfo::default().command_buffers(&commands);
+        // SAFETY: command buffer and fence are ready, and the queue is ours to use, as `Gpu::new` demands.
+        unsafe { device.queue_submit(queue, &[info], slot.fence) }
+            .map_err(GpuError::from_call("vkQueueSubmit"))?;
+        self.slots[index].submit = number;
+        self.last_submit = number;
+        Ok(number)
+    }
+
+    /// Waits for a submit, and with it for all earlier ones: a fence is signalled in submission order.
+    pub(super) fn wait(&self, device: &ash::Device, submit: u64) -> Result<(), GpuError> {
+        // A submit that is in no slot was waited for when its slot was used again.
+        match self.slots.iter().find(|slot| slot.submit == submit && submit != 0) {
+            Some(slot) => wait_fence(device, slot.fence),
+            None => Ok(()),
+        }
+    }
+
+    /// Waits for what is under way, and destroys everything, unless the wait fails.
+    ///
+    /// # Safety
+    /// `device` is live, and the ring is not used afterwards.
+    pub(super) unsafe fn destroy(&mut self, device: &ash::Device) {
+        if self.wait(device, self.last_submit).is_err() {
+            return;
+        }
+        // SAFETY: all work has finished, and nobody else has these handles.
+        unsafe {
+            for slot in &self.slots {
+                device.destroy_fence(slot.fence, None);
+            }
+            device.destroy_command_pool(self.pool, None);
+        }
+    }
+}
+
+fn wait_fence(device: &ash::Device, fence: vk::Fence) -> Result<(), GpuError> {
+    // SAFETY: the fence belongs to the ring of this live device.
+    match unsafe { device.wait_for_fences(&[fence], true, FENCE_TIMEOUT.as_nanos() as u64) } {
+        Ok(()) => Ok(()),
+        Err(vk::Result::TIMEOUT) => Err(GpuError::Timeout),
+        Err(result) => Err(GpuError::Call { call: "vkWaitForFences", result }),
+    }
+}
+
+/// The last submit that used a group of objects. Belongs in front of the objects among a struct's fields:
+/// dropping it waits for that submit, and fields are dropped in order.
+pub(crate) struct Uses {
+    gpu: Arc<Gpu>,
+    last: AtomicU64,
+}
+
+impl Uses {
+    /// Not used yet.
+    pub(crate) fn new(gpu: &Arc<Gpu>) -> Self {
+        Self { gpu: Arc::clone(gpu), last: AtomicU64::new(0) }
+    }
+
+    /// Notes that the submit of this number uses the objects.
+    pub(crate) fn mark(&self, submit: u64) {
+        self.last.fetch_max(submit, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Uses {
+    fn drop(&mut self) {
+        if let Err(error) = self.gpu.wait(*self.last.get_mut()) {
+            tracing::warn!("images in use are not destroyed: {error}");
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! The functions that we call, from the next layer down.
+
+use super::GpuError;
+use crate::link::DeviceRecord;
+use ash::vk::{self, Handle};
+use std::ffi::{CStr, c_void};
+
+/// Functions of the instance that this crate's `gpu` calls.
+const INSTANCE: [&CStr; 5] = [
+    c"vkGetPhysicalDeviceFormatProperties",
+    c"vkGetPhysicalDeviceImageFormatProperties",
+    c"vkGetPhysicalDeviceMemoryProperties",
+    c"vkGetPhysicalDeviceProperties",
+    c"vkGetPhysicalDeviceQueueFamilyProperties",
+];
+
+/// Functions of the device that this crate's `gpu` calls.
+const DEVICE: [&CStr; 51] = [
+    c"vkAllocateCommandBuffers",
+    c"vkAllocateDescriptorSets",
+    c"vkAllocateMemory",
+    c"vkBeginCommandBuffer",
+    c"vkBindBufferMemory",
+    c"vkBindImageMemory",
+    c"vkCmdBeginRenderPass",
+    c"vkCmdBindDescriptorSets",
+    c"vkCmdBindPipeline",
+    c"vkCmdCopyImage",
+    c"vkCmdDraw",
+    c"vkCmdEndRenderPass",
+    c"vkCmdPipelineBarrier",
+    c"vkCmdSetScissor",
+    c"vkCmdSetViewport",
+    c"vkCreateBuffer",
+    c"vkCreateCommandPool",
+    c"vkCreateDescriptorPool",
+    c"vkCreateDescriptorSetLayout",
+    c"vkCreateFence",
+    c"vkCreateFramebuffer",
+    c"vkCreateGraphicsPipelines",
+    c"vkCreateImage",
+    c"vkCreateImageView",
+    c"vkCreatePipelineLayout",
+    c"vkCreateRenderPass",
+    c"vkCreateShaderModule",
+    c"vkDestroyBuffer",
+    c"vkDestroyCommandPool",
+    c"vkDestroyDescriptorPool",
+    c"vkDestroyDescriptorSetLayout",
+    c"vkDestroyFence",
+    c"vkDestroyFramebuffer",
+    c"vkDestroyImage",
+    c"vkDestroyImageView",
+    c"vkDestroyPipeline",
+    c"vkDestroyPipelineLayout",
+    c"vkDestroyRenderPass",
+    c"vkDestroyShaderModule",
+    c"vkEndCommandBuffer",
+    c"vkFreeMemory",
+    c"vkGetBufferMemoryRequirements",
+    c"vkGetDeviceQueue",
+    c"vkGetImageMemoryRequirements",
+    c"vkMapMemory",
+    c"vkQueueSubmit",
+    c"vkResetCommandBuffer",
+    c"vkResetFences",
+    c"vkUnmapMemory",
+    c"vkUpdateDescriptorSets",
+    c"vkWaitForFences",
+];
+
+/// Instance and device as ash knows them.
+pub(super) struct Functions {
+    pub(super) instance: ash::Instance,
+    pub(super) device: ash::Device,
+}
+
+impl Functions {
+    /// Loads all functions, and fails when one that we call is missing: ash would only panic on its call.
+    ///
+    /// # Safety
+    /// `record` is of a live device.
+    pub(super) unsafe fn load(record: &DeviceRecord) -> Result<Self, GpuError> {
+        // SAFETY: the handles are live, and the names are C strings.
+        let instance_function =
+            |name: &CStr| unsafe { (record.next_get_instance_proc_addr)(record.instance, name.as_ptr()) };
+        // SAFETY: as above.
+        let device_function =
+            |name: &CStr| unsafe { (record.next_get_device_proc_addr)(record.device, name.as_ptr()) };
+        if let Some(name) = INSTANCE.into_iter().find(|name| instance_function(name).is_none()) {
+            return Err(GpuError::Missing(name));
+        }
+        if let Some(name) = DEVICE.into_iter().find(|name| device_function(name).is_none()) {
+            return Err(GpuError::Missing(name));
+        }
+        let address =
+            |function: vk::PFN_vkVoidFunction| function.map_or(std::ptr::null(), |f| f as *const c_void);
+        // SAFETY: each pointer is what the next layer gives for that name, hence of the named function's type.
+        unsafe {
+            Ok(Self {
+                instance: ash::Instance::load_with(|name| address(instance_function(name)), record.instance),
+                device: ash::Device::load_with(|name| address(device_function(name)), record.device),
+            })
+        }
+    }
+}
+
+/// Has the Vulkan loader initialise a dispatchable object that did not come through it.
+///
+/// # Safety
+/// `object` is a queue or command buffer of the record's live device.
+pub(super) unsafe fn init_dispatch<H: Handle>(record: &DeviceRecord, object: H) -> Result<(), GpuError> {
+    // A dispatchable handle is a pointer on every platform.
+    let pointer = object.as_raw() as usize as *mut c_void;
+    // SAFETY: the caller vouches for the object; the callback is the loader's own.
+    unsafe { (record.set_device_loader_data)(record.device, pointer) }
+        .result()
+        .map_err(GpuError::from_call("vkSetDeviceLoaderData"))
+}

@@ -1,0 +1,117 @@
+//! Colour images of ours, with their memory, and views.
+
+use super::{Gpu, GpuError, Owned};
+use ash::vk;
+use std::sync::Arc;
+
+/// What a colour image with one mip level is like.
+pub(crate) struct ImageDescription<'a> {
+    pub(crate) format: vk::Format,
+    pub(crate) extent: vk::Extent2D,
+    pub(crate) array_layers: u32,
+    pub(crate) usage: vk::ImageUsageFlags,
+    /// All formats that it gets views of, where that is known; any compatible ones otherwise.
+    pub(crate) view_formats: Option<&'a [vk::Format]>,
+}
+
+/// An image of ours with memory of its own. Views of compatible formats are allowed.
+pub(crate) struct OwnedImage {
+    // Dropped before the memory that it is bound to.
+    image: Owned<vk::Image>,
+    _memory: Owned<vk::DeviceMemory>,
+}
+
+impl OwnedImage {
+    /// Creates the image; its content and layout are undefined.
+    pub(crate) fn new(gpu: &Arc<Gpu>, description: &ImageDescription) -> Result<Self, GpuError> {
+        check_limits(gpu, description)?;
+        let mut list = vk::ImageFormatListCreateInfo::default()
+            .view_formats(description.view_formats.unwrap_or_default());
+        let mut info = vk::ImageCreateInfo::default()
+            .flags(vk::ImageCreateFlags::MUTABLE_FORMAT)
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(description.format)
+            .extent(description.extent.into())
+            .mip_levels(1)
+            .array_layers(description.array_layers)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .tiling(vk::ImageTiling::OPTIMAL)
+            .usage(description.usage)
+            .sharing_mode(vk::SharingMode::EXCLUSIVE)
+            .initial_layout(vk::ImageLayout::UNDEFINED);
+        // With a list, drivers keep compression; it is part of Vulkan 1.2.
+        if description.view_formats.is_some() && gpu.api_version >= vk::API_VERSION_1_2 {
+            info = info.push_next(&mut list);
+        }
+        // SAFETY: the device is live, and it takes such an image, as was checked.
+        let image = unsafe {
+            let handle =
+                gpu.device.create_image(&info, None).map_err(GpuError::from_call("vkCreateImage"))?;
+            Owned::new(gpu, handle, |device, handle| device.destroy_image(handle, None))
+        };
+        // SAFETY: the image is a live one of this device.
+        let requirements = unsafe { gpu.device.get_image_memory_requirements(image.handle()) };
+        let memory = gpu.allocate(&requirements, vk::MemoryPropertyFlags::DEVICE_LOCAL)?;
+        // SAFETY: both are new, and the memory is what the image requires.
+        unsafe { gpu.device.bind_image_memory(image.handle(), memory.handle(), 0) }
+            .map_err(GpuError::from_call("vkBindImageMemory"))?;
+        Ok(Self { image, _memory: memory })
+    }
+
+    /// The handle, valid as long as `self`.
+    pub(crate) fn handle(&self) -> vk::Image {
+        self.image.handle()
+    }
+}
+
+/// Asks the device whether it takes such an image: creating one that it does not is undefined behaviour.
+fn check_limits(gpu: &Gpu, description: &ImageDescription) -> Result<(), GpuError> {
+    // SAFETY: the physical device is one of this live instance.
+    let limits = unsafe {
+        gpu.instance.get_physical_device_image_format_properties(
+            gpu.physical_device,
+            description.format,
+            vk::ImageType::TYPE_2D,
+            vk::ImageTiling::OPTIMAL,
+            description.usage,
+            vk::ImageCreateFlags::MUTABLE_FORMAT,
+        )
+    };
+    let limits = match limits {
+        Err(vk::Result::ERROR_FORMAT_NOT_SUPPORTED) => {
+            return Err(GpuError::Unsupported("this format with this usage"));
+        }
+        other => other.map_err(GpuError::from_call("vkGetPhysicalDeviceImageFormatProperties"))?,
+    };
+    let vk::Extent2D { width, height } = description.extent;
+    let fits = (1..=limits.max_extent.width).contains(&width)
+        && (1..=limits.max_extent.height).contains(&height)
+        && (1..=limits.max_array_layers).contains(&description.array_layers);
+    if fits { Ok(()) } else { Err(GpuError::Unsupported("an image of this size")) }
+}
+
+/// A view of one layer of a colour image in the given format.
+pub(crate) fn color_view(
+    gpu: &Arc<Gpu>,
+    image: vk::Image,
+    format: vk::Format,
+    layer: u32,
+) -> Result<Owned<vk::ImageView>, GpuError> {
+    let info = vk::ImageViewCreateInfo::default()
+        .image(image)
+        .view_type(vk::ImageViewType::TYPE_2D)
+        .format(format)
+        .subresource_range(vk::ImageSubresourceRange {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            base_mip_level: 0,
+            level_count: 1,
+            base_array_layer: layer,
+            layer_count: 1,
+        });
+    // SAFETY: the image is a live one of this device with this format and layer.
+    unsafe {
+        let handle =
+            gpu.device.create_image_view(&info, None).map_err(GpuError::from_call("vkCreateImageView"))?;
+        Ok(Owned::new(gpu, handle, |device, handle| device.destroy_image_view(handle, None)))
+    }
+}

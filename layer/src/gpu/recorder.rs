@@ -1,0 +1,135 @@
+//! Recording of commands.
+
+use super::barrier::ImageBarrier;
+use super::{ColorTarget, TilePipeline, UniformSet};
+use ash::vk;
+
+/// A command buffer that is being recorded.
+pub(crate) struct Recorder<'a> {
+    device: &'a ash::Device,
+    commands: vk::CommandBuffer,
+    slot: usize,
+}
+
+/// The first `layers` layers of a colour image with one mip level.
+fn color_range(layers: u32) -> vk::ImageSubresourceRange {
+    vk::ImageSubresourceRange {
+        aspect_mask: vk::ImageAspectFlags::COLOR,
+        base_mip_level: 0,
+        level_count: 1,
+        base_array_layer: 0,
+        layer_count: layers,
+    }
+}
+
+impl<'a> Recorder<'a> {
+    pub(super) fn new(device: &'a ash::Device, commands: vk::CommandBuffer, slot: usize) -> Self {
+        Self { device, commands, slot }
+    }
+
+    /// Which of [`super::SUBMITS_IN_FLIGHT`] slots this is: what is kept per slot is free to be written.
+    pub(crate) fn slot(&self) -> usize {
+        self.slot
+    }
+
+    /// Records a barrier over all layers of an image.
+    pub(crate) fn barrier(&self, barrier: &ImageBarrier, image: vk::Image, layers: u32) {
+        let info = vk::ImageMemoryBarrier::default()
+            .image(image)
+            .old_layout(barrier.old_layout)
+            .new_layout(barrier.new_layout)
+            .src_access_mask(barrier.src_access)
+            .dst_access_mask(barrier.dst_access)
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .subresource_range(color_range(layers));
+        let (src, dst) = (barrier.src_stage, barrier.dst_stage);
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: the command buffer is being recorded, outside of a render pass; the image is live.
+        unsafe { self.device.cmd_pipeline_barrier(self.commands, src, dst, none, &[], &[], &[info]) };
+    }
+
+    /// Copies all layers from an image in TRANSFER_SRC_OPTIMAL to one of the same format and size in
+    /// TRANSFER_DST_OPTIMAL.
+    pub(crate) fn copy_image(&self, from: vk::Image, to: vk::Image, extent: vk::Extent2D, layers: u32) {
+        let subresource = vk::ImageSubresourceLayers {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            mip_level: 0,
+            base_array_layer: 0,
+            layer_count: layers,
+        };
+        let region = vk::ImageCopy::default()
+            .src_subresource(subresource)
+            .dst_subresource(subresource)
+            .extent(extent.into());
+        // SAFETY: the command buffer is being recorded, outside of a render pass; both images are live and have
+        // this many texels and layers.
+        unsafe {
+            self.device.cmd_copy_image(
+                self.commands,
+                from,
+                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                to,
+                vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                &[region],
+            );
+        }
+    }
+
+    /// Records what `draw` draws to `target`, which is COLOR_ATTACHMENT_OPTIMAL and keeps its content.
+    pub(crate) fn draw_to(&self, target: &ColorTarget, draw: impl FnOnce(&DrawRecorder)) {
+        let info = vk::RenderPassBeginInfo::default()
+            .render_pass(target.pass())
+            .framebuffer(target.framebuffer())
+            .render_area(target.extent().into());
+        // SAFETY: the command buffer is being recorded, outside of a render pass, and the pass is ended below;
+        // pass and framebuffer fit each other.
+        unsafe {
+            self.device.cmd_begin_render_pass(self.commands, &info, vk::SubpassContents::INLINE);
+        }
+        draw(&DrawRecorder { recorder: self });
+        // SAFETY: the pass was begun above.
+        unsafe { self.device.cmd_end_render_pass(self.commands) };
+    }
+}
+
+/// Recording within a render pass.
+pub(crate) struct DrawRecorder<'a> {
+    recorder: &'a Recorder<'a>,
+}
+
+impl DrawRecorder<'_> {
+    /// Draws `tiles` instances of a pipeline, with the uniforms at an offset of a set, reading `texture`.
+    /// `viewport` and `scissor` lie within the target.
+    pub(crate) fn draw_tiles(
+        &self,
+        pipeline: &TilePipeline,
+        uniforms: (&UniformSet, u32),
+        texture: vk::DescriptorSet,
+        viewport: vk::Rect2D,
+        scissor: vk::Rect2D,
+        tiles: u32,
+    ) {
+        let Recorder { device, commands, .. } = *self.recorder;
+        let viewport = vk::Viewport {
+            x: viewport.offset.x as f32,
+            y: viewport.offset.y as f32,
+            width: viewport.extent.width as f32,
+            height: viewport.extent.height as f32,
+            min_depth: 0.0,
+            max_depth: 1.0,
+        };
+        let (uniform_set, offset) = uniforms;
+        let sets = [uniform_set.handle(), texture];
+        let graphics = vk::PipelineBindPoint::GRAPHICS;
+        // SAFETY: within a render pass that the pipeline is compatible with; the sets have the layouts of the
+        // pipeline, and one dynamic offset, which comes from the same ring of uniforms.
+        unsafe {
+            device.cmd_bind_pipeline(commands, graphics, pipeline.handle());
+            device.cmd_bind_descriptor_sets(commands, graphics, pipeline.layout(), 0, &sets, &[offset]);
+            device.cmd_set_viewport(commands, 0, &[viewport]);
+            device.cmd_set_scissor(commands, 0, &[scissor]);
+            device.cmd_draw(commands, 4, tiles, 0, 0);
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! The images that the application renders to instead of the runtime's.
+
+use super::SwapchainShape;
+use crate::gpu::barrier::APP_CREATED;
+use crate::gpu::{Gpu, GpuError, ImageDescription, Owned, OwnedImage, TextureSets, Uses, color_view};
+use ash::vk;
+use std::sync::Arc;
+
+/// What we do with the application's images, besides what it does.
+const OUR_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::SAMPLED.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_SRC.as_raw()
+        | vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw(),
+);
+
+/// Images of ours that the application renders to.
+pub struct AppImages {
+    // First: waits before the rest is destroyed. The others in the order in which each may be destroyed.
+    uses: Uses,
+    textures: TextureSets,
+    _views: Vec<Owned<vk::ImageView>>,
+    _images: Vec<OwnedImage>,
+    handles: Vec<vk::Image>,
+    shape: SwapchainShape,
+}
+
+impl AppImages {
+    /// Creates `count` images, with the application's usage and ours, and brings them to
+    /// COLOR_ATTACHMENT_OPTIMAL with a submit. Views of the format's UNORM and sRGB forms are legal.
+    ///
+    /// # Errors
+    /// [`GpuError::Unsupported`] when the device has no such images; a failed call.
+    pub fn new(gpu: &Arc<Gpu>, shape: &SwapchainShape, count: u32) -> Result<Self, GpuError> {
+        let view_formats = shape.all_view_formats();
+        let description = ImageDescription {
+            format: shape.format,
+            extent: shape.extent,
+            array_layers: shape.array_layers,
+            usage: shape.usage | OUR_USAGE,
+            view_formats: view_formats.as_deref(),
+        };
+        let uses = Uses::new(gpu);
+        let images =
+            (0..count).map(|_| OwnedImage::new(gpu, &description)).collect::<Result<Vec<_>, GpuError>>()?;
+        let handles: Vec<vk::Image> = images.iter().map(OwnedImage::handle).collect();
+        let views = handles
+            .iter()
+            .flat_map(|&image| (0..shape.array_layers).map(move |layer| (image, layer)))
+            .map(|(image, layer)| color_view(gpu, image, shape.format, layer))
+            .collect::<Result<Vec<_>, GpuError>>()?;
+        let textures = TextureSets::new(gpu, &views)?;
+        let submit = gpu.submit(|recorder| {
+            for &image in &handles {
+                recorder.barrier(&APP_CREATED, image, shape.array_layers);
+            }
+            Ok(())
+        })?;
+        uses.mark(submit);
+        Ok(Self { uses, textures, _views: views, _images: images, handles, shape: shape.clone() })
+    }
+
+    /// The images, in order.
+    pub fn images(&self) -> &[vk::Image] {
+        &self.handles
+    }
+
+    pub(super) fn shape(&self) -> &SwapchainShape {
+        &self.shape
+    }
+
+    pub(super) fn uses(&self) -> &Uses {
+        &self.uses
+    }
+
+    /// What reads a layer of an image.
+    pub(super) fn texture(&self, image: u32, layer: u32) -> Option<vk::DescriptorSet> {
+        self.textures.get((image * self.shape.array_layers + layer) as usize)
+    }
+}

@@ -1,0 +1,137 @@
+//! Which tiles of which regions are drawn, worked out before anything is recorded.
+
+use super::{ComposeJob, ComposeParams, ComposeRegion, MAX_REGIONS, SwapchainShape};
+use crate::gpu::GpuError;
+use ash::vk;
+use std::cell::Cell;
+
+/// One region with work, inside its image.
+#[derive(Clone, Debug)]
+pub(super) struct Draw {
+    /// Index of the job.
+    pub(super) job: usize,
+    /// Array layer.
+    pub(super) layer: u32,
+    /// The rectangle of `params`, which is the viewport.
+    pub(super) viewport: vk::Rect2D,
+    /// The part of it that may be written.
+    pub(super) scissor: vk::Rect2D,
+    /// How many tiles the viewport has.
+    pub(super) tiles: u32,
+    /// What is done.
+    pub(super) params: ComposeParams,
+    /// Where the uniforms of `params` were written.
+    pub(super) offset: Cell<u32>,
+}
+
+/// The draws of all jobs, in order.
+pub(super) struct Draws {
+    draws: [Option<Draw>; MAX_REGIONS],
+}
+
+impl Draws {
+    pub(super) fn new(jobs: &[ComposeJob]) -> Result<Self, GpuError> {
+        let mut draws = [const { None }; MAX_REGIONS];
+        let mut free = draws.iter_mut();
+        for (number, job) in jobs.iter().enumerate() {
+            for region in job.regions {
+                if let Some(draw) = draw(number, job.app.shape(), region)? {
+                    let slot =
+                        free.next().ok_or(GpuError::Invalid("more regions than a submit has room for"))?;
+                    *slot = Some(draw);
+                }
+            }
+        }
+        Ok(Self { draws })
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Draw> {
+        self.draws.iter().map_while(Option::as_ref)
+    }
+
+    /// Whether the job of this index draws anything.
+    pub(super) fn any_of(&self, job: usize) -> bool {
+        self.iter().any(|draw| draw.job == job)
+    }
+}
+
+/// The draw of one region; none when nothing of it is inside the image, or nothing has work.
+fn draw(job: usize, shape: &SwapchainShape, region: &ComposeRegion) -> Result<Option<Draw>, GpuError> {
+    if region.array_layer >= shape.array_layers {
+        return Err(GpuError::Invalid("an array layer out of range"));
+    }
+    let size = [shape.extent.width, shape.extent.height];
+    let Some(params) = region.params.clipped(size).filter(ComposeParams::has_work) else { return Ok(None) };
+    let viewport = vk::Rect2D {
+        offset: vk::Offset2D { x: params.rect_offset[0] as i32, y: params.rect_offset[1] as i32 },
+        extent: vk::Extent2D { width: params.rect_extent[0], height: params.rect_extent[1] },
+    };
+    let Some(scissor) = intersection(viewport, region.rect) else { return Ok(None) };
+    let [columns, rows] = params.tile_grid();
+    let layer = region.array_layer;
+    Ok(Some(Draw { job, layer, viewport, scissor, tiles: columns * rows, params, offset: Cell::new(0) }))
+}
+
+/// What two rectangles have in common, if anything; `a` lies within an image.
+fn intersection(a: vk::Rect2D, b: vk::Rect2D) -> Option<vk::Rect2D> {
+    let axis = |a: (i32, u32), b: (i32, u32)| {
+        let start = i64::from(a.0).max(i64::from(b.0));
+        let end = (i64::from(a.0) + i64::from(a.1)).min(i64::from(b.0) + i64::from(b.1));
+        // Within `a`, hence in range.
+        (end > start).then_some((start as i32, (end - start) as u32))
+    };
+    let (x, width) = axis((a.offset.x, a.extent.width), (b.offset.x, b.extent.width))?;
+    let (y, height) = axis((a.offset.y, a.extent.height), (b.offset.y, b.extent.height))?;
+    Some(vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use parafovea_core::chroma::ChromaSettings;
+    use parafovea_core::geometry::Fov;
+
+    fn rect(x: i32, y: i32, width: u32, height: u32) -> vk::Rect2D {
+        vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } }
+    }
+
+    fn region(offset: [u32; 2], extent: [u32; 2], rect: vk::Rect2D) -> ComposeRegion {
+        let fov = Fov { left: -0.8, right: 0.8, up: 0.8, down: -0.8 };
+        let ahead = glam::Vec3::NEG_Z;
+        let params = ComposeParams::new(offset, extent, fov, ahead, &ChromaSettings::default(), true);
+        ComposeRegion { array_layer: 0, rect, params }
+    }
+
+    fn shape() -> SwapchainShape {
+        SwapchainShape {
+            format: vk::Format::R8G8B8A8_SRGB,
+            extent: vk::Extent2D { width: 100, height: 80 },
+            array_layers: 1,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT,
+            mutable: false,
+            view_formats: vec![],
+        }
+    }
+
+    #[test]
+    fn regions_are_limited_to_the_image_and_the_rectangle() {
+        let drawn = |region: &ComposeRegion| draw(0, &shape(), region).unwrap();
+        let inside = drawn(&region([0, 0], [100, 80], rect(0, 0, 100, 80))).unwrap();
+        assert_eq!((inside.scissor, inside.tiles), (rect(0, 0, 100, 80), 7 * 5));
+        let beyond =
+            drawn(&region([90, 70], [u32::MAX, u32::MAX], rect(-5, -5, u32::MAX, u32::MAX))).unwrap();
+        assert_eq!((beyond.viewport, beyond.scissor), (rect(90, 70, 10, 10), rect(90, 70, 10, 10)));
+        let narrow = drawn(&region([10, 10], [50, 50], rect(20, 5, 10, 10))).unwrap();
+        assert_eq!((narrow.viewport, narrow.scissor), (rect(10, 10, 50, 50), rect(20, 10, 10, 5)));
+        assert!(drawn(&region([100, 0], [10, 10], rect(100, 0, 10, 10))).is_none(), "outside of the image");
+        assert!(drawn(&region([0, 0], [10, 10], rect(i32::MIN, 0, 10, 10))).is_none(), "nothing in common");
+        assert!(drawn(&region([0, 0], [10, 10], rect(0, 0, 0, 10))).is_none(), "empty rectangle");
+    }
+
+    #[test]
+    fn layers_out_of_range_are_refused() {
+        let mut beyond = region([0, 0], [10, 10], rect(0, 0, 10, 10));
+        beyond.array_layer = 1;
+        assert!(matches!(draw(0, &shape(), &beyond), Err(GpuError::Invalid(_))));
+    }
+}

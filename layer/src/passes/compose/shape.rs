@@ -1,0 +1,87 @@
+//! What swapchain images are like.
+
+use ash::vk;
+
+/// What a swapchain's images are like. They have one sample, one mip level and no faces.
+#[derive(Clone, Debug)]
+pub struct SwapchainShape {
+    /// Format of the swapchain; the runtime takes what is written as this, whatever views are used.
+    pub format: vk::Format,
+    /// Size in pixels.
+    pub extent: vk::Extent2D,
+    /// Number of array layers, at least 1.
+    pub array_layers: u32,
+    /// The usage that the application asked for.
+    pub usage: vk::ImageUsageFlags,
+    /// Whether the application asked for views of other formats (XR_SWAPCHAIN_USAGE_MUTABLE_FORMAT_BIT).
+    pub mutable: bool,
+    /// The formats of views that it named (XrVulkanSwapchainFormatListCreateInfoKHR), if any.
+    pub view_formats: Vec<vk::Format>,
+}
+
+impl SwapchainShape {
+    /// Whether an image of one shape can be copied to one of the other, texel by texel.
+    pub(super) fn fits(&self, other: &Self) -> bool {
+        self.format == other.format && self.extent == other.extent && self.array_layers == other.array_layers
+    }
+
+    /// All formats that views are made of: the application's, ours, and UNORM and sRGB of each other. None
+    /// when the application may use any.
+    pub(super) fn all_view_formats(&self) -> Option<Vec<vk::Format>> {
+        if self.mutable && self.view_formats.is_empty() {
+            return None;
+        }
+        let mut formats = vec![self.format];
+        formats.extend(encoded_differently(self.format));
+        for format in &self.view_formats {
+            if !formats.contains(format) {
+                formats.push(*format);
+            }
+        }
+        Some(formats)
+    }
+}
+
+/// Formats that hold a picture that we can work on.
+pub(super) fn is_color_format(format: vk::Format) -> bool {
+    stores_unit_range(format) || format == vk::Format::R16G16B16A16_SFLOAT
+}
+
+/// Whether a format stores 0..=1 only: `clamp_to_unit` of [`super::ComposeParams::new`].
+pub fn stores_unit_range(format: vk::Format) -> bool {
+    encoded_differently(format).is_some() || format == vk::Format::A2B10G10R10_UNORM_PACK32
+}
+
+/// UNORM for sRGB, and the reverse.
+fn encoded_differently(format: vk::Format) -> Option<vk::Format> {
+    match format {
+        vk::Format::R8G8B8A8_SRGB => Some(vk::Format::R8G8B8A8_UNORM),
+        vk::Format::R8G8B8A8_UNORM => Some(vk::Format::R8G8B8A8_SRGB),
+        vk::Format::B8G8R8A8_SRGB => Some(vk::Format::B8G8R8A8_UNORM),
+        vk::Format::B8G8R8A8_UNORM => Some(vk::Format::B8G8R8A8_SRGB),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn view_formats_are_known_unless_any_is_allowed() {
+        let mut shape = SwapchainShape {
+            format: vk::Format::R8G8B8A8_SRGB,
+            extent: vk::Extent2D { width: 8, height: 8 },
+            array_layers: 1,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT,
+            mutable: false,
+            view_formats: vec![],
+        };
+        let both = vec![vk::Format::R8G8B8A8_SRGB, vk::Format::R8G8B8A8_UNORM];
+        assert_eq!(shape.all_view_formats(), Some(both.clone()));
+        shape.mutable = true;
+        assert_eq!(shape.all_view_formats(), None);
+        shape.view_formats = vec![vk::Format::R8G8B8A8_UNORM, vk::Format::R32_UINT];
+        assert_eq!(shape.all_view_formats(), Some([both, vec![vk::Format::R32_UINT]].concat()));
+    }
+}
