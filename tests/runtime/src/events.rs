@@ -1,0 +1,52 @@
+//! What the application has not polled yet.
+
+use crate::abi::pointers::Out;
+use crate::runtime::call;
+use openxr_sys as xr;
+
+/// An event of an instance.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Event {
+    SessionState { session: xr::Session, state: xr::SessionState, time: i64 },
+    InteractionProfileChanged { session: xr::Session },
+}
+
+impl Event {
+    /// The session it is about.
+    pub fn session(&self) -> xr::Session {
+        match self {
+            Self::SessionState { session, .. } | Self::InteractionProfileChanged { session } => *session,
+        }
+    }
+}
+
+/// `xrPollEvent`.
+pub(crate) extern "system" fn poll(
+    instance: xr::Instance,
+    mut buffer: Out<xr::EventDataBuffer>,
+) -> xr::Result {
+    call("xrPollEvent", |runtime| {
+        let instance = runtime.instances.get_mut(instance)?;
+        buffer.get()?;
+        let Some(event) = instance.events.pop_front() else { return Ok(xr::Result::EVENT_UNAVAILABLE) };
+        match event {
+            Event::SessionState { session, state, time } => {
+                buffer.set_event(xr::EventDataSessionStateChanged {
+                    ty: xr::EventDataSessionStateChanged::TYPE,
+                    next: std::ptr::null(),
+                    session,
+                    state,
+                    time: xr::Time::from_nanos(time),
+                })?;
+            }
+            Event::InteractionProfileChanged { session } => {
+                buffer.set_event(xr::EventDataInteractionProfileChanged {
+                    ty: xr::EventDataInteractionProfileChanged::TYPE,
+                    next: std::ptr::null(),
+                    session,
+                })?;
+            }
+        }
+        Ok(xr::Result::SUCCESS)
+    })
+}

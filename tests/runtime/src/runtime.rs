@@ -1,0 +1,149 @@
+//! The state of the process: every object behind one lock, and the way each call takes through it.
+
+use crate::abi::pointers::{In, Valid};
+use crate::abi::structures::Structure;
+use crate::actions::{Action, ActionSet};
+use crate::clock::{self, Clock};
+use crate::debug_utils::{self, Messenger};
+use crate::fault::{Fault, Outcome, result_name, structure_name};
+use crate::handles::{Serial, Table};
+use crate::instance::Instance;
+use crate::recorder::Recorder;
+use crate::scenario::Scenario;
+use crate::session::Session;
+use crate::spaces::Space;
+use crate::swapchain::Swapchain;
+use openxr_sys as xr;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{LazyLock, Mutex, PoisonError};
+
+/// Everything that calls read or change.
+pub(crate) struct Runtime {
+    pub scenario: Scenario,
+    /// Why the scenario file cannot be used: no instance is made then.
+    pub broken: Option<String>,
+    pub clock: Clock,
+    pub recorder: Recorder,
+    /// Frames that the process ended.
+    pub frames: u64,
+    pub serial: Serial,
+    pub instances: Table<xr::Instance, Instance>,
+    pub messengers: Table<xr::DebugUtilsMessengerEXT, Messenger>,
+    pub sessions: Table<xr::Session, Session>,
+    pub spaces: Table<xr::Space, Space>,
+    pub swapchains: Table<xr::Swapchain, Swapchain>,
+    pub action_sets: Table<xr::ActionSet, ActionSet>,
+    pub actions: Table<xr::Action, Action>,
+    /// The function that runs.
+    call: &'static str,
+}
+
+static RUNTIME: LazyLock<Mutex<Runtime>> = LazyLock::new(|| Mutex::new(Runtime::from_environment()));
+
+/// Runs a call: alone, with its fault recorded and told to the debug messengers. A panic of ours is
+/// `XR_ERROR_RUNTIME_FAILURE`.
+pub(crate) fn call(name: &'static str, body: impl FnOnce(&mut Runtime) -> Outcome) -> xr::Result {
+    let run = || {
+        let mut runtime = RUNTIME.lock().unwrap_or_else(PoisonError::into_inner);
+        runtime.call = name;
+        match body(&mut runtime) {
+            Ok(result) => (result, None),
+            Err(fault) => {
+                runtime.recorder.error(name, &fault);
+                (fault.result, Some((runtime.messengers_for_errors(), fault)))
+            }
+        }
+    };
+    match catch_unwind(AssertUnwindSafe(run)) {
+        Ok((result, None)) => result,
+        Ok((result, Some((messengers, fault)))) => {
+            // The lock is free again: a messenger may call back.
+            debug_utils::tell(&messengers, name, &result_name(result), &fault);
+            result
+        }
+        Err(_) => xr::Result::ERROR_RUNTIME_FAILURE,
+    }
+}
+
+impl Runtime {
+    fn from_environment() -> Self {
+        let file = std::env::var_os(crate::SCENARIO_VARIABLE);
+        let loaded = file.map(|file| Scenario::load(file.as_ref())).transpose();
+        let (scenario, broken) = match loaded {
+            Ok(scenario) => (scenario, None),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        let recorded = scenario.as_ref().filter(|scenario| scenario.output.record);
+        let recorder = recorded.map(|scenario| Recorder::create(&scenario.output.dir)).transpose();
+        let (recorder, broken) = match recorder {
+            Ok(recorder) => (recorder.unwrap_or_default(), broken),
+            Err(error) => (Recorder::default(), broken.or(Some(format!("output.dir: {error}")))),
+        };
+        if let Some(reason) = &broken {
+            eprintln!("parafovea mock runtime: {reason}");
+        }
+        let scenario = scenario.unwrap_or_default();
+        Self {
+            broken,
+            clock: Clock::new(&scenario.clock),
+            recorder,
+            frames: 0,
+            scenario,
+            serial: Serial::default(),
+            instances: Table::new("XrInstance"),
+            messengers: Table::new("XrDebugUtilsMessengerEXT"),
+            sessions: Table::new("XrSession"),
+            spaces: Table::new("XrSpace"),
+            swapchains: Table::new("XrSwapchain"),
+            action_sets: Table::new("XrActionSet"),
+            actions: Table::new("XrAction"),
+            call: "",
+        }
+    }
+
+    /// A structure parameter. What its chain holds beyond what is known is skipped, with a warning in the record.
+    pub fn read<'a, T: Structure>(&mut self, parameter: &'a In<T>) -> Result<Valid<'a, T>, Fault> {
+        let structure = parameter.get()?;
+        for ty in structure.unexpected() {
+            let message =
+                format!("{} does not extend {}: skipped", structure_name(ty), structure_name(T::TYPE));
+            self.recorder.warning(self.call, message);
+        }
+        Ok(structure)
+    }
+
+    /// As [`Self::read`], where NULL is allowed.
+    pub fn read_optional<'a, T: Structure>(
+        &mut self,
+        parameter: &'a In<T>,
+    ) -> Result<Option<Valid<'a, T>>, Fault> {
+        if parameter.is_null() { Ok(None) } else { self.read(parameter).map(Some) }
+    }
+
+    /// The scenario, or why there is none.
+    pub fn usable_scenario(&self) -> Result<&Scenario, Fault> {
+        match &self.broken {
+            None => Ok(&self.scenario),
+            Some(reason) => Err(Fault::runtime(reason.clone())),
+        }
+    }
+
+    /// Now, on the runtime's clock.
+    pub fn now(&self) -> i64 {
+        self.clock.now(clock::monotonic_ns())
+    }
+
+    /// The session and its instance.
+    pub fn session_and_instance(&self, session: xr::Session) -> Result<(&Session, &Instance), Fault> {
+        let session = self.sessions.get(session)?;
+        Ok((session, self.instances.get(session.instance)?))
+    }
+
+    fn messengers_for_errors(&self) -> Vec<Messenger> {
+        self.messengers
+            .iter()
+            .map(|(_, messenger)| messenger.clone())
+            .filter(Messenger::wants_errors)
+            .collect()
+    }
+}

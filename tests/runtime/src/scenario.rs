@@ -1,0 +1,370 @@
+//! The scenario file: what the headset, its wearer and the runtime do during a run.
+//!
+//! `README.md` of this crate explains every key; [`Scenario::default`] has the defaults.
+
+mod check;
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A whole scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Scenario {
+    /// What is written, and where.
+    pub output: Output,
+    /// How time passes.
+    pub clock: Clock,
+    /// How sessions go.
+    pub session: Session,
+    /// What the headset and the runtime can do.
+    pub system: System,
+    /// How swapchains behave.
+    pub swapchain: Swapchain,
+    /// What the runtime asks of Vulkan.
+    pub vulkan: Vulkan,
+    /// The two views: left, right.
+    #[serde(rename = "view")]
+    pub views: Vec<View>,
+    /// Keyframes of the head in the LOCAL space, interpolated linearly.
+    pub head: Vec<Head>,
+    /// Keyframes of the gaze in the VIEW space, interpolated linearly.
+    pub gaze: Vec<Gaze>,
+    /// Keyframes of buttons, triggers and sticks; each lasts until the next of the same path.
+    pub input: Vec<Input>,
+}
+
+/// `[output]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Output {
+    /// Folder, relative to the scenario file. Nothing is written where there is no scenario file.
+    pub dir: PathBuf,
+    /// Whether `record.jsonl` is written.
+    pub record: bool,
+    /// Numbers of the frames whose pictures are saved; the first frame of the process is 0.
+    pub save_frames: Vec<u64>,
+    /// Which pictures of them.
+    pub save: Vec<Picture>,
+    /// Whether eyes are composited in the other frames too.
+    pub composite: bool,
+}
+
+/// A kind of picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Picture {
+    /// What an eye sees: `eye<e>_<frame>.png`.
+    Eye,
+    /// What the application submitted: `submitted_<layer>_<view>_<frame>.png`.
+    Submitted,
+}
+
+/// `[clock]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Clock {
+    /// Which clock.
+    pub mode: ClockMode,
+    /// Frames a second, 1 to 1000.
+    pub refresh_hz: f64,
+}
+
+/// A kind of clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClockMode {
+    /// A frame lasts one refresh period, however long it takes: the same times in every run.
+    Simulated,
+    /// `CLOCK_MONOTONIC`; `xrWaitFrame` blocks as a headset would make it.
+    Real,
+}
+
+/// `[session]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Session {
+    /// Frames that a session lasts until it is stopped, then exits; 0: until the application asks for its end.
+    pub frames: u64,
+    /// The session's frame from which on it is visible.
+    pub visible_from: u64,
+    /// The session's frame from which on it is focused; not before it is visible.
+    pub focused_from: u64,
+    /// The session's frames of which `xrWaitFrame` says that they need not be rendered.
+    pub should_render_off: Vec<u64>,
+}
+
+/// `[system]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct System {
+    /// Name of the system.
+    pub name: String,
+    /// Whether there is an eye tracker.
+    pub eye_gaze: bool,
+    /// Extensions that are not offered.
+    pub extensions_off: Vec<String>,
+    /// The newest OpenXR version that is accepted: `1.0` or `1.1`.
+    pub max_api: String,
+    /// Height of the LOCAL space's origin above the STAGE's floor, in metres.
+    pub eye_height: f32,
+    /// Largest swapchain width and height, in pixels.
+    pub max_size: u32,
+    /// Most samples of a swapchain image: 1, 2, 4 or 8.
+    pub max_samples: u32,
+    /// Which hands hold a controller.
+    pub hands: Vec<Hand>,
+}
+
+/// A hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Hand {
+    /// `/user/hand/left`.
+    Left,
+    /// `/user/hand/right`.
+    Right,
+}
+
+/// `[swapchain]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Swapchain {
+    /// Images of a swapchain, 1 to 8; a static one has one.
+    pub images: u32,
+    /// Which calls of `xrWaitSwapchainImage`, counted from 0 in each swapchain, time out; the next one succeeds.
+    pub wait_timeouts: Vec<u64>,
+}
+
+/// `[vulkan]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Vulkan {
+    /// Part of the name of the device to be used; empty: the first.
+    pub device: String,
+    /// Instance extensions that the runtime asks for.
+    pub instance_extensions: Vec<String>,
+    /// Device extensions that the runtime asks for.
+    pub device_extensions: Vec<String>,
+}
+
+/// A `[[view]]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct View {
+    /// Recommended width, in pixels.
+    pub width: u32,
+    /// Recommended height, in pixels.
+    pub height: u32,
+    /// Angles of the edges.
+    pub fov_deg: FovDegrees,
+    /// In the VIEW space, in metres.
+    pub position: [f32; 3],
+    /// In the VIEW space: a unit quaternion x, y, z, w.
+    pub orientation: [f32; 4],
+}
+
+/// Field of view of a [`View`] in degrees, each -89 to 89; left and down are usually negative.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "the four edges")]
+pub struct FovDegrees {
+    pub left: f32,
+    pub right: f32,
+    pub up: f32,
+    pub down: f32,
+}
+
+/// A `[[head]]` keyframe.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Head {
+    /// Seconds since the display time of the first frame.
+    pub t: f64,
+    /// In the LOCAL space, in metres.
+    pub position: [f32; 3],
+    /// About +y: to the left, in degrees.
+    pub yaw_deg: f32,
+    /// About +x: upwards, in degrees.
+    pub pitch_deg: f32,
+    /// About +z: counter-clockwise, in degrees.
+    pub roll_deg: f32,
+}
+
+/// A `[[gaze]]` keyframe.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Gaze {
+    /// Seconds since the display time of the first frame.
+    pub t: f64,
+    /// To the left, in degrees.
+    pub yaw_deg: f32,
+    /// Upwards, in degrees.
+    pub pitch_deg: f32,
+    /// Whether the tracker sees the eyes, from here to the next keyframe.
+    pub tracked: bool,
+}
+
+/// An `[[input]]` keyframe.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Input {
+    /// Seconds since the display time of the first frame.
+    #[serde(default)]
+    pub t: f64,
+    /// The whole path, such as `/user/hand/right/input/select/click`.
+    pub path: String,
+    /// The new state.
+    pub value: InputValue,
+}
+
+/// State of an input.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum InputValue {
+    /// Of a button.
+    Boolean(bool),
+    /// Of a trigger.
+    Float(f32),
+    /// Of a stick.
+    Vector([f32; 2]),
+}
+
+impl InputValue {
+    pub(crate) fn pair(self) -> [f32; 2] {
+        match self {
+            Self::Boolean(value) => [f32::from(u8::from(value)), 0.0],
+            Self::Float(value) => [value, 0.0],
+            Self::Vector(value) => value,
+        }
+    }
+}
+
+impl Default for Scenario {
+    fn default() -> Self {
+        let eye = |x| View { position: [x, 0.0, 0.0], ..View::default() };
+        Self {
+            output: Output::default(),
+            clock: Clock::default(),
+            session: Session::default(),
+            system: System::default(),
+            swapchain: Swapchain::default(),
+            vulkan: Vulkan::default(),
+            views: vec![eye(-0.032), eye(0.032)],
+            head: vec![Head::default()],
+            gaze: vec![Gaze::default()],
+            input: Vec::new(),
+        }
+    }
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self {
+            dir: "out".into(),
+            record: true,
+            save_frames: Vec::new(),
+            save: vec![Picture::Eye],
+            composite: true,
+        }
+    }
+}
+
+impl Default for Clock {
+    fn default() -> Self {
+        Self { mode: ClockMode::Simulated, refresh_hz: 90.0 }
+    }
+}
+
+impl Default for Session {
+    fn default() -> Self {
+        Self { frames: 200, visible_from: 0, focused_from: 0, should_render_off: Vec::new() }
+    }
+}
+
+impl Default for System {
+    fn default() -> Self {
+        Self {
+            name: "Parafovea mock headset".to_owned(),
+            eye_gaze: true,
+            extensions_off: Vec::new(),
+            max_api: "1.1".to_owned(),
+            eye_height: 1.6,
+            max_size: 8192,
+            max_samples: 4,
+            hands: vec![Hand::Left, Hand::Right],
+        }
+    }
+}
+
+impl Default for Swapchain {
+    fn default() -> Self {
+        Self { images: 3, wait_timeouts: Vec::new() }
+    }
+}
+
+impl Default for Vulkan {
+    fn default() -> Self {
+        let only = |name: &str| vec![name.to_owned()];
+        Self {
+            device: String::new(),
+            instance_extensions: only("VK_KHR_get_physical_device_properties2"),
+            device_extensions: only("VK_KHR_image_format_list"),
+        }
+    }
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            width: 1024,
+            height: 1024,
+            fov_deg: FovDegrees { left: -45.0, right: 45.0, up: 45.0, down: -45.0 },
+            position: [0.0; 3],
+            orientation: [0.0, 0.0, 0.0, 1.0],
+        }
+    }
+}
+
+impl Default for Gaze {
+    fn default() -> Self {
+        Self { t: 0.0, yaw_deg: 0.0, pitch_deg: 0.0, tracked: true }
+    }
+}
+
+/// Why a scenario cannot be used.
+#[derive(Debug)]
+pub struct ScenarioError {
+    file: PathBuf,
+    reason: String,
+}
+
+impl fmt::Display for ScenarioError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.file.display(), self.reason.trim_end())
+    }
+}
+
+impl std::error::Error for ScenarioError {}
+
+impl Scenario {
+    /// Reads a scenario file. [`Output::dir`] becomes absolute, or relative to the working directory.
+    ///
+    /// # Errors
+    /// The file cannot be read, is no TOML, has an unknown key, or a value outside what its key allows; the message
+    /// names the file, the key and what is allowed.
+    pub fn load(file: &Path) -> Result<Self, ScenarioError> {
+        let failed = |reason: String| ScenarioError { file: file.to_owned(), reason };
+        let text = std::fs::read_to_string(file).map_err(|error| failed(error.to_string()))?;
+        let mut scenario = Self::parse(&text).map_err(failed)?;
+        scenario.output.dir = file.parent().unwrap_or(Path::new("")).join(&scenario.output.dir);
+        Ok(scenario)
+    }
+
+    fn parse(text: &str) -> Result<Self, String> {
+        let scenario: Self = toml::from_str(text).map_err(|error| error.to_string())?;
+        check::check(&scenario)?;
+        Ok(scenario)
+    }
+}

@@ -1,0 +1,109 @@
+//! Values that parse, but that no headset has.
+
+use super::{FovDegrees, Scenario, View};
+use crate::instance::EXTENSIONS;
+use std::fmt::{Debug, Display};
+use std::ops::RangeInclusive;
+
+/// The first value outside what its key allows.
+pub(super) fn check(scenario: &Scenario) -> Result<(), String> {
+    within("clock.refresh_hz", scenario.clock.refresh_hz, 1.0..=1000.0)?;
+    within("swapchain.images", scenario.swapchain.images, 1..=8)?;
+    within("system.eye_height", scenario.system.eye_height, 0.0..=3.0)?;
+    within("system.max_size", scenario.system.max_size, 1..=16384)?;
+    one_of("system.max_samples", &scenario.system.max_samples, &[1, 2, 4, 8])?;
+    one_of("system.max_api", &scenario.system.max_api.as_str(), &["1.0", "1.1"])?;
+    let known = EXTENSIONS.map(|extension| extension.name);
+    for name in &scenario.system.extensions_off {
+        one_of("system.extensions_off", &name.as_str(), &known)?;
+    }
+    if scenario.session.focused_from < scenario.session.visible_from {
+        let (focused, visible) = (scenario.session.focused_from, scenario.session.visible_from);
+        return Err(format!(
+            "session.focused_from is {focused}; allowed: session.visible_from ({visible}) or more"
+        ));
+    }
+    if scenario.views.len() != 2 {
+        return Err(format!(
+            "[[view]] is there {} times; allowed: 2 times, left and right",
+            scenario.views.len()
+        ));
+    }
+    for view in &scenario.views {
+        check_view(view, scenario.system.max_size)?;
+    }
+    ascending("head", scenario.head.iter().map(|head| head.t))?;
+    ascending("gaze", scenario.gaze.iter().map(|gaze| gaze.t))?;
+    for input in &scenario.input {
+        let value = input.value.pair();
+        within("input.value", value[0], -1.0..=1.0)?;
+        within("input.value", value[1], -1.0..=1.0)?;
+    }
+    Ok(())
+}
+
+fn check_view(view: &View, max_size: u32) -> Result<(), String> {
+    within("view.width", view.width, 1..=max_size)?;
+    within("view.height", view.height, 1..=max_size)?;
+    let FovDegrees { left, right, up, down } = view.fov_deg;
+    for (key, value) in [("left", left), ("right", right), ("up", up), ("down", down)] {
+        within(&format!("view.fov_deg.{key}"), value, -89.0..=89.0)?;
+    }
+    if left == right || up == down {
+        return Err("view.fov_deg is empty; allowed: left unlike right, up unlike down".to_owned());
+    }
+    let length = view.orientation.iter().map(|part| part * part).sum::<f32>().sqrt();
+    within("length of view.orientation", length, 0.99..=1.01)
+}
+
+fn within<T: PartialOrd + Display>(key: &str, value: T, allowed: RangeInclusive<T>) -> Result<(), String> {
+    if allowed.contains(&value) {
+        return Ok(());
+    }
+    Err(format!("{key} is {value}; allowed: {} to {}", allowed.start(), allowed.end()))
+}
+
+fn one_of<T: PartialEq + Debug>(key: &str, value: &T, allowed: &[T]) -> Result<(), String> {
+    if allowed.contains(value) { Ok(()) } else { Err(format!("{key} has {value:?}; allowed: {allowed:?}")) }
+}
+
+fn ascending(key: &str, times: impl Iterator<Item = f64>) -> Result<(), String> {
+    let times: Vec<_> = times.collect();
+    match times.windows(2).find(|pair| pair[1].partial_cmp(&pair[0]).is_none_or(|order| order.is_lt())) {
+        Some(pair) => Err(format!("{key}.t is {} after {}; allowed: ascending times", pair[1], pair[0])),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refusals_name_the_key_and_what_is_allowed() {
+        let cases = [
+            ("[clock]\nrefresh_hz=0", "clock.refresh_hz is 0; allowed: 1 to 1000"),
+            ("[clock]\nspeed=1", "unknown field `speed`, expected `mode` or `refresh_hz`"),
+            ("[clock]\nmode='fast'", "unknown variant `fast`, expected `simulated` or `real`"),
+            ("[swapchain]\nimages=9", "swapchain.images is 9; allowed: 1 to 8"),
+            ("[system]\nmax_api='2.0'", "system.max_api has \"2.0\"; allowed: [\"1.0\", \"1.1\"]"),
+            ("[system]\nextensions_off=['XR_no']", "system.extensions_off has \"XR_no\"; allowed: [\"XR_"),
+            ("[[view]]\nwidth=8", "[[view]] is there 1 times; allowed: 2 times"),
+            (
+                "[session]\nvisible_from=3",
+                "session.focused_from is 0; allowed: session.visible_from (3) or more",
+            ),
+            ("[[gaze]]\nt=1\n[[gaze]]\nt=0", "gaze.t is 0 after 1; allowed: ascending times"),
+            ("[[input]]\nvalue=true", "missing field `path`"),
+        ];
+        for (text, message) in cases {
+            let error = Scenario::parse(text).unwrap_err();
+            assert!(error.contains(message), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn an_empty_file_is_the_default() {
+        assert_eq!(Scenario::parse("").unwrap(), Scenario::default());
+    }
+}

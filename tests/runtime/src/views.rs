@@ -1,0 +1,75 @@
+//! Where the views are, and what they see.
+
+use crate::abi::pointers::{In, List, Out};
+use crate::fault::{Fault, section};
+use crate::pose::Pose;
+use crate::runtime::{Runtime, call};
+use crate::{scenario, spaces, system};
+use glam::{Quat, Vec3};
+use openxr_sys as xr;
+
+/// The views' poses in the VIEW space.
+pub(crate) fn pose(view: &scenario::View) -> Pose {
+    Pose { orientation: Quat::from_array(view.orientation).normalize(), position: Vec3::from(view.position) }
+}
+
+/// A view's field of view.
+pub(crate) fn fov(view: &scenario::View) -> xr::Fovf {
+    let scenario::FovDegrees { left, right, up, down } = view.fov_deg;
+    xr::Fovf {
+        angle_left: left.to_radians(),
+        angle_right: right.to_radians(),
+        angle_up: up.to_radians(),
+        angle_down: down.to_radians(),
+    }
+}
+
+/// `xrLocateViews`.
+pub(crate) extern "system" fn locate(
+    session: xr::Session,
+    info: In<xr::ViewLocateInfo>,
+    mut state: Out<xr::ViewState>,
+    capacity: u32,
+    count: Out<u32>,
+    items: Out<xr::View>,
+) -> xr::Result {
+    call("xrLocateViews", |runtime| {
+        let info = runtime.read(&info)?;
+        let (views, flags) = located(runtime, session, &info)?;
+        state.get()?.view_state_flags = flags;
+        List { capacity, count, items }.fill_structures(
+            "views",
+            &views,
+            |filled: &mut xr::View, (pose, fov)| {
+                filled.pose = pose.to_xr();
+                filled.fov = *fov;
+            },
+        )?;
+        Ok(xr::Result::SUCCESS)
+    })
+}
+
+type Located = (Vec<(Pose, xr::Fovf)>, xr::ViewStateFlags);
+
+fn located(runtime: &Runtime, session: xr::Session, info: &xr::ViewLocateInfo) -> Result<Located, Fault> {
+    runtime.sessions.get(session)?;
+    system::check_view_configuration(info.view_configuration_type)?;
+    let time = spaces::check_time(info.display_time, section::VIEWS)?;
+    if runtime.spaces.get(info.space)?.session != session {
+        return Err(Fault::validation(section::VIEWS, "the space belongs to another session"));
+    }
+    let head = spaces::head(runtime, time);
+    let base = spaces::in_local(runtime, info.space, time)?;
+    let (base, flags) = match base {
+        Some(base) => (
+            base,
+            xr::ViewStateFlags::ORIENTATION_VALID
+                | xr::ViewStateFlags::POSITION_VALID
+                | xr::ViewStateFlags::ORIENTATION_TRACKED
+                | xr::ViewStateFlags::POSITION_TRACKED,
+        ),
+        None => (head, xr::ViewStateFlags::EMPTY),
+    };
+    let place = |view: &scenario::View| (base.inverse().then(head).then(pose(view)), fov(view));
+    Ok((runtime.scenario.views.iter().map(place).collect(), flags))
+}
