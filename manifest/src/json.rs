@@ -83,7 +83,7 @@ impl Half {
                 layer["api_version"] = "1.4.0".into();
                 layer["functions"] = json!({ "vkNegotiateLoaderLayerInterfaceVersion": self.negotiate() });
                 // The first version of the format that knows this function.
-                json!({ "file_format_version": "1.1.2" })
+                json!({ "file_format_version": "1.1.0" })
             }
         };
         if activation == Activation::Implicit {
@@ -148,7 +148,7 @@ mod tests {
         assert_eq!(
             value(Half::Vulkan, Activation::Implicit),
             json!({
-                "file_format_version": "1.1.2",
+                "file_format_version": "1.1.0",
                 "layer": {
                     "name": "VK_LAYER_PARAFOVEA_foveation",
                     "type": "GLOBAL",

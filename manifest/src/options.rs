@@ -3,10 +3,12 @@
 
 mod choice;
 mod default_file;
+mod setting;
 mod table;
 
 pub use default_file::default_file;
-pub use table::{Allowed, OptionSpec, Setting};
+pub use setting::{Allowed, Setting};
+pub use table::OptionSpec;
 
 use choice::choice;
 use table::options;

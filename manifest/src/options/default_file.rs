@@ -22,7 +22,7 @@ pub fn default_file() -> String {
         match option.allowed() {
             Allowed::Choice(choices) => {
                 for (name, about) in choices {
-                    let _ = writeln!(text, "#   \"{name}\":{about}");
+                    let _ = writeln!(text, "#   \"{name}\": {}", about.trim_ascii());
                 }
             }
             Allowed::Flag | Allowed::Number { .. } | Allowed::Whole { .. } => {
