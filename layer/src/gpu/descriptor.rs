@@ -37,16 +37,17 @@ pub(super) fn texture_layout(gpu: &Arc<Gpu>) -> Result<Owned<vk::DescriptorSetLa
     layout(gpu, vk::DescriptorType::SAMPLED_IMAGE, vk::ShaderStageFlags::FRAGMENT)
 }
 
-/// Sets of one layout, with the pool that they go with.
+/// Sets of one layout, with the pool that they go with, and the layout, which writing to them needs.
 struct Sets {
     _pool: Owned<vk::DescriptorPool>,
+    _layout: Owned<vk::DescriptorSetLayout>,
     handles: Vec<vk::DescriptorSet>,
 }
 
 fn allocate(
     gpu: &Arc<Gpu>,
     kind: vk::DescriptorType,
-    layout: &Owned<vk::DescriptorSetLayout>,
+    layout: Owned<vk::DescriptorSetLayout>,
     count: u32,
 ) -> Result<Sets, GpuError> {
     let sizes = [vk::DescriptorPoolSize { ty: kind, descriptor_count: count }];
@@ -64,7 +65,7 @@ fn allocate(
     // SAFETY: pool and layout are live ones of this device.
     let handles = unsafe { gpu.device.allocate_descriptor_sets(&info) }
         .map_err(GpuError::from_call("vkAllocateDescriptorSets"))?;
-    Ok(Sets { _pool: pool, handles })
+    Ok(Sets { _pool: pool, _layout: layout, handles })
 }
 
 /// Set 0 over a ring of uniforms.
@@ -76,7 +77,7 @@ impl UniformSet {
     pub(crate) fn new<T: bytemuck::Pod>(ring: &UniformRing<T>) -> Result<Self, GpuError> {
         let gpu = ring.gpu();
         let kind = vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC;
-        let sets = allocate(gpu, kind, &uniform_layout(gpu)?, 1)?;
+        let sets = allocate(gpu, kind, uniform_layout(gpu)?, 1)?;
         let buffer =
             [vk::DescriptorBufferInfo { buffer: ring.handle(), offset: 0, range: size_of::<T>() as u64 }];
         let write = vk::WriteDescriptorSet::default()
@@ -103,7 +104,7 @@ impl TextureSets {
     /// For views that are in SHADER_READ_ONLY_OPTIMAL when they are read, and outlive the result.
     pub(crate) fn new(gpu: &Arc<Gpu>, views: &[Owned<vk::ImageView>]) -> Result<Self, GpuError> {
         let kind = vk::DescriptorType::SAMPLED_IMAGE;
-        let sets = allocate(gpu, kind, &texture_layout(gpu)?, views.len() as u32)?;
+        let sets = allocate(gpu, kind, texture_layout(gpu)?, views.len() as u32)?;
         for (&set, view) in sets.handles.iter().zip(views) {
             let image = [vk::DescriptorImageInfo {
                 sampler: vk::Sampler::null(),

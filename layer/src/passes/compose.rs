@@ -47,7 +47,7 @@ pub struct ComposeJob<'a> {
     pub runtime: &'a RuntimeImages,
     /// Which of those images.
     pub runtime_index: u32,
-    /// What is processed; all the rest is only copied. Later regions draw over earlier ones.
+    /// What is processed; all the rest is only copied. Where regions overlap, the last one counts.
     pub regions: &'a [ComposeRegion],
 }
 

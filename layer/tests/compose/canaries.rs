@@ -1,0 +1,107 @@
+//! Every barrier is needed, and validation would notice if it were missing.
+
+use crate::pictures::{picture, region};
+use crate::swapchain::{Swapchain, shape};
+use crate::vulkan::Vulkan;
+use ash::vk;
+use glam::Vec3;
+use parafovea::gpu::barrier::{ALL, ImageBarrier};
+use parafovea::passes::compose::Compose;
+use parafovea_core::chroma::ChromaSettings;
+use std::ffi::{CStr, c_char};
+use std::sync::Mutex;
+
+/// The barrier that is left out, and the function that gets all others.
+static DROPPED: Mutex<Option<ImageBarrier>> = Mutex::new(None);
+static NEXT: Mutex<Option<(vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkCmdPipelineBarrier)>> = Mutex::new(None);
+
+/// Two frames with work and four without, so that each image is used again after either.
+fn frames(vulkan: &Vulkan) {
+    let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
+    let format = vk::Format::R8G8B8A8_SRGB;
+    let swapchain = Swapchain::new(vulkan, &shape(format, 64, 64, 1));
+    let whole = [region(0, [0, 0, 64, 64], Vec3::NEG_Z, format, &ChromaSettings::default())];
+    for (frame, regions) in [&whole[..], &whole, &[], &[], &[], &[]].into_iter().enumerate() {
+        let layers = [picture(64, 64, frame as u32)];
+        swapchain.frame(vulkan, &mut compose, frame as u32 % 2, &layers, regions).unwrap();
+    }
+}
+
+#[test]
+fn each_missing_barrier_is_reported() {
+    for dropped in ALL {
+        *DROPPED.lock().unwrap() = Some(dropped);
+        let hooked = Vulkan::with(|mut record| {
+            let next = record.next_get_device_proc_addr;
+            // SAFETY: the device is live, and the function is of the named type.
+            let barrier = unsafe {
+                std::mem::transmute::<vk::PFN_vkVoidFunction, vk::PFN_vkCmdPipelineBarrier>(next(
+                    record.device,
+                    c"vkCmdPipelineBarrier".as_ptr(),
+                ))
+            };
+            *NEXT.lock().unwrap() = Some((next, barrier));
+            record.next_get_device_proc_addr = get_device_proc_addr;
+            record
+        });
+        let Some(vulkan) = hooked else { return };
+        if !vulkan.validated {
+            println!("skipped: nothing that would report a missing barrier");
+            return;
+        }
+        frames(&vulkan);
+        assert!(!vulkan.messages().is_empty(), "nobody misses {}", dropped.name);
+    }
+}
+
+unsafe extern "system" fn get_device_proc_addr(
+    device: vk::Device,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: names are C strings, and the device is live.
+    unsafe {
+        if CStr::from_ptr(name) == c"vkCmdPipelineBarrier" {
+            return Some(std::mem::transmute::<vk::PFN_vkCmdPipelineBarrier, unsafe extern "system" fn()>(
+                pipeline_barrier,
+            ));
+        }
+        let (next, _) = NEXT.lock().unwrap().unwrap();
+        next(device, name)
+    }
+}
+
+#[allow(clippy::too_many_arguments, reason = "the signature is Vulkan's")]
+unsafe extern "system" fn pipeline_barrier(
+    commands: vk::CommandBuffer,
+    src_stage: vk::PipelineStageFlags,
+    dst_stage: vk::PipelineStageFlags,
+    flags: vk::DependencyFlags,
+    memory_count: u32,
+    memory: *const vk::MemoryBarrier<'_>,
+    buffer_count: u32,
+    buffers: *const vk::BufferMemoryBarrier<'_>,
+    image_count: u32,
+    images: *const vk::ImageMemoryBarrier<'_>,
+) {
+    let (_, next) = NEXT.lock().unwrap().unwrap();
+    let dropped = DROPPED.lock().unwrap().unwrap();
+    // SAFETY: our recorder passes exactly one image barrier; everything else is passed on.
+    unsafe {
+        let image = *images;
+        let signature = (image.old_layout, image.new_layout, src_stage, dst_stage);
+        if signature != (dropped.old_layout, dropped.new_layout, dropped.src_stage, dropped.dst_stage) {
+            next(
+                commands,
+                src_stage,
+                dst_stage,
+                flags,
+                memory_count,
+                memory,
+                buffer_count,
+                buffers,
+                image_count,
+                images,
+            );
+        }
+    }
+}

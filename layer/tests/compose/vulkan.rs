@@ -1,0 +1,156 @@
+//! A Vulkan device as an application would have it, with validation.
+
+use ash::{ext, vk};
+use parafovea::gpu::Gpu;
+use parafovea::link::DeviceRecord;
+use std::ffi::{CStr, c_void};
+use std::sync::{Arc, Mutex, Once};
+
+const VALIDATION: &CStr = c"VK_LAYER_KHRONOS_validation";
+
+/// What validation said about one device.
+type Messages = Mutex<Vec<String>>;
+
+/// One device with one queue. Never destroyed: the process ends soon.
+pub struct Vulkan {
+    pub device: ash::Device,
+    pub queue: vk::Queue,
+    pub memory: vk::PhysicalDeviceMemoryProperties,
+    pub gpu: Arc<Gpu>,
+    pub pool: vk::CommandPool,
+    /// Whether the validation layers are there.
+    pub validated: bool,
+    messages: &'static Messages,
+}
+
+impl Vulkan {
+    /// The first device; none, with a printed reason, where there is none.
+    pub fn new() -> Option<Self> {
+        Self::with(|record| record)
+    }
+
+    /// As [`Vulkan::new`], with what our half of the library is told of the device changed by `edit`.
+    pub fn with(edit: impl FnOnce(DeviceRecord) -> DeviceRecord) -> Option<Self> {
+        static QUEUE_SUBMIT_CHECKS: Once = Once::new();
+        QUEUE_SUBMIT_CHECKS.call_once(|| {
+            // The only switch of validation layers 1.3.239 for hazards between submits.
+            // SAFETY: every test passes here before it uses Vulkan, which reads the variable.
+            unsafe {
+                std::env::set_var(
+                    "VK_LAYER_ENABLES",
+                    "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT",
+                );
+            }
+        });
+        // SAFETY: plain use of Vulkan; all handles stay live for the rest of the process.
+        unsafe {
+            let entry = match ash::Entry::load() {
+                Ok(entry) => entry,
+                Err(error) => return skip(&format!("no Vulkan loader: {error}")),
+            };
+            let messages: &'static Messages = Box::leak(Box::default());
+            let (instance, validated) = instance(&entry, messages);
+            let devices = instance.enumerate_physical_devices().unwrap_or_default();
+            let Some(&physical_device) = devices.first() else { return skip("no Vulkan device") };
+            let priorities = [1.0];
+            let queues = [vk::DeviceQueueCreateInfo::default().queue_priorities(&priorities)];
+            let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+            let device = instance.create_device(physical_device, &info, None).unwrap();
+            let record = edit(DeviceRecord {
+                instance: instance.handle(),
+                physical_device,
+                device: device.handle(),
+                api_version: vk::API_VERSION_1_0,
+                next_get_instance_proc_addr: entry.static_fn().get_instance_proc_addr,
+                next_get_device_proc_addr: instance.fp_v1_0().get_device_proc_addr,
+                set_device_loader_data,
+            });
+            let pool_info = vk::CommandPoolCreateInfo::default();
+            let vulkan = Self {
+                queue: device.get_device_queue(0, 0),
+                memory: instance.get_physical_device_memory_properties(physical_device),
+                gpu: Gpu::new(&record, 0, 0).unwrap(),
+                pool: device.create_command_pool(&pool_info, None).unwrap(),
+                device,
+                validated,
+                messages,
+            };
+            // The loader library must outlive the device.
+            std::mem::forget(entry);
+            Some(vulkan)
+        }
+    }
+}
+
+impl Vulkan {
+    /// What validation said so far.
+    pub fn messages(&self) -> Vec<String> {
+        self.messages.lock().unwrap().clone()
+    }
+
+    /// Fails when validation has said anything so far.
+    pub fn assert_valid(&self) {
+        let messages = self.messages();
+        assert!(messages.is_empty(), "validation says:\n{}", messages.join("\n"));
+    }
+}
+
+fn skip(reason: &str) -> Option<Vulkan> {
+    println!("skipped: {reason}");
+    None
+}
+
+unsafe fn instance(entry: &ash::Entry, messages: &'static Messages) -> (ash::Instance, bool) {
+    let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_0);
+    let mut info = vk::InstanceCreateInfo::default().application_info(&application);
+    // SAFETY: plain queries.
+    let layers = unsafe { entry.enumerate_instance_layer_properties() }.unwrap_or_default();
+    let validated = layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION));
+    if !validated {
+        println!("without validation: VK_LAYER_KHRONOS_validation is not installed");
+    }
+    let (names, extensions) = ([VALIDATION.as_ptr()], [ext::debug_utils::NAME.as_ptr()]);
+    let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
+    let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+    let messenger = vk::DebugUtilsMessengerCreateInfoEXT::default()
+        .message_severity(
+            vk::DebugUtilsMessageSeverityFlagsEXT::WARNING | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
+        )
+        .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION)
+        .pfn_user_callback(Some(on_message))
+        .user_data(std::ptr::from_ref(messages).cast_mut().cast());
+    if validated {
+        info = info.enabled_layer_names(&names).enabled_extension_names(&extensions).push_next(&mut features);
+    }
+    // SAFETY: everything that is named outlives the calls.
+    unsafe {
+        let instance = entry.create_instance(&info, None).unwrap();
+        if validated {
+            let debug_utils = ext::debug_utils::Instance::new(entry, &instance);
+            debug_utils.create_debug_utils_messenger(&messenger, None).unwrap();
+        }
+        (instance, validated)
+    }
+}
+
+unsafe extern "system" fn on_message(
+    _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
+    _kind: vk::DebugUtilsMessageTypeFlagsEXT,
+    data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
+    messages: *mut c_void,
+) -> vk::Bool32 {
+    // SAFETY: the layer passes live data, and the pointer that the messenger was made with.
+    let (message, messages) = unsafe { ((*data).message_as_c_str(), &*messages.cast::<Messages>()) };
+    if let (Some(message), Ok(mut messages)) = (message, messages.lock()) {
+        messages.push(message.to_string_lossy().into_owned());
+    }
+    vk::FALSE
+}
+
+/// What the loader's callback does: copies the dispatch pointer, the first word, from the device.
+unsafe extern "system" fn set_device_loader_data(device: vk::Device, object: *mut c_void) -> vk::Result {
+    use vk::Handle;
+    // SAFETY: both are live dispatchable objects, which start with that pointer.
+    unsafe { *object.cast::<usize>() = *(device.as_raw() as *const usize) };
+    vk::Result::SUCCESS
+}
