@@ -2,6 +2,7 @@
 
 use crate::abi::pointers::{In, Out};
 use crate::clock;
+use crate::compositor;
 use crate::fault::{Fault, section};
 use crate::layers;
 use crate::record;
@@ -126,7 +127,7 @@ pub(crate) extern "system" fn end(session: xr::Session, info: In<xr::FrameEndInf
         check_end_info(&info, begun)?;
         let layers = layers::read(runtime, session, &info.layers()?)?;
         let frame = describe(runtime, session, begun, &layers, process_cpu_ns)?;
-        layers::show(runtime, session, &frame, &layers)?;
+        compositor::show(runtime, session, begun.display_time, &layers)?;
         runtime.recorder.line(&record::Line::Frame(frame));
         runtime.frames += 1;
         let limit = runtime.scenario.session.frames;

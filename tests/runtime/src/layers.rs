@@ -6,7 +6,6 @@ use crate::abi::pointers::Valid;
 use crate::abi::structures::LayerStructure;
 use crate::fault::{Fault, section};
 use crate::pose::Pose;
-use crate::record;
 use crate::runtime::Runtime;
 use crate::system::VIEWS;
 use ash::vk;
@@ -237,14 +236,4 @@ fn read_sub_image(
     })?;
     let (swapchain, array_layer) = (part.swapchain, part.image_array_index);
     Ok(SubImage { swapchain, format: shape.format, index, rect: part.image_rect, array_layer })
-}
-
-/// Shows the layers: composites, and saves pictures of the frames that the scenario names.
-pub(crate) fn show(
-    _runtime: &mut Runtime,
-    _session: xr::Session,
-    _frame: &record::Frame,
-    _layers: &[Layer],
-) -> Result<(), Fault> {
-    Ok(())
 }

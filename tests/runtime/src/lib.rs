@@ -7,6 +7,7 @@
 mod abi;
 mod actions;
 mod clock;
+mod compositor;
 mod debug_utils;
 mod dispatch;
 mod events;

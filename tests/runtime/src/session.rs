@@ -9,6 +9,7 @@ use crate::record::Line;
 use crate::runtime::{Runtime, call};
 use crate::system;
 use crate::vulkan::Gpu;
+use crate::vulkan::render::Renderer;
 use openxr_sys as xr;
 use openxr_sys::{Handle, SessionState};
 use std::sync::Arc;
@@ -21,6 +22,8 @@ pub(crate) struct Session {
     pub running: bool,
     pub frames: FrameLoop,
     pub input: InputState,
+    /// Made with the first frame that is composited.
+    pub renderer: Option<Renderer>,
     pub gpu: Arc<Gpu>,
 }
 
@@ -89,6 +92,7 @@ pub(crate) extern "system" fn create(
             running: false,
             frames: FrameLoop::default(),
             input: InputState::default(),
+            renderer: None,
             gpu,
         };
         let handle = runtime.sessions.insert(&mut runtime.serial, created);

@@ -5,6 +5,7 @@ pub(crate) mod enable;
 pub(crate) mod enable2;
 pub(crate) mod format;
 mod images;
+pub(crate) mod render;
 
 pub(crate) use device::Gpu;
 pub(crate) use images::{Images, Shape};
