@@ -11,13 +11,13 @@ pub use report::{print_json, print_table};
 pub use view::EyeView;
 
 use crate::compare::{chroma_kept, difference_times_8, max_difference, psnr_db};
-use crate::installation::TestLayer;
 use crate::picture::Picture;
 use crate::record::median;
 use crate::run::{Application, LayerMode, Outcome, Run};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, ScenarioExt};
 use crate::{HarnessError, artifacts};
 use parafovea_core::chroma::ChromaSettings;
+use parafovea_test_layers::TestLayer;
 use serde::Serialize;
 use std::path::Path;
 
@@ -92,8 +92,8 @@ pub fn run(subject: &Subject, pictures: &Path) -> Result<Finding, HarnessError> 
     let mut finding = Finding {
         app: subject.application.name().to_owned(),
         frames: subject.frames,
-        off: Cost { cpu_ms: off_ms, fragments: off.count()?.fragment_invocations / subject.frames },
-        on: Cost { cpu_ms: on_ms, fragments: on.count()?.fragment_invocations / subject.frames },
+        off: Cost { cpu_ms: off_ms, fragments: off.fragments()? / subject.frames },
+        on: Cost { cpu_ms: on_ms, fragments: on.fragments()? / subject.frames },
         fovea_max_error: 0,
         outside_psnr_db: f64::INFINITY,
         chroma_kept: 0.0,

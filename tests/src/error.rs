@@ -29,6 +29,9 @@ pub enum HarnessError {
         /// Why.
         source: std::io::Error,
     },
+    /// Installing the layer failed.
+    #[error(transparent)]
+    Install(#[from] parafovea_manifest::install::InstallError),
     /// A program could not be started.
     #[error("cannot start {program}: {source}")]
     Start {

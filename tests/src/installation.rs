@@ -6,37 +6,12 @@
 
 use crate::HarnessError;
 use crate::artifacts::Library;
-use serde_json::json;
+use parafovea_manifest::install::stage;
+use parafovea_manifest::json::Half;
+use parafovea_mock_runtime::write_runtime_manifest;
+use parafovea_test_layers::TestLayer;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-
-/// The Vulkan layers of `parafovea-test-layers`.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum TestLayer {
-    /// Passes every call on.
-    PassThrough,
-    /// Counts fragment shader invocations.
-    Count,
-    /// Leaves out chosen barriers.
-    DropBarrier,
-}
-
-impl TestLayer {
-    const ALL: [TestLayer; 3] = [TestLayer::PassThrough, TestLayer::Count, TestLayer::DropBarrier];
-
-    fn stem(self) -> &'static str {
-        match self {
-            TestLayer::PassThrough => "pass_through",
-            TestLayer::Count => "count",
-            TestLayer::DropBarrier => "drop_barrier",
-        }
-    }
-
-    /// Its name for the Vulkan loader.
-    pub fn name(self) -> String {
-        format!("VK_LAYER_PARAFOVEA_TEST_{}", self.stem())
-    }
-}
 
 /// Which halves of the layer are installed, and from which files.
 #[derive(Clone, Default, Debug)]
@@ -50,6 +25,7 @@ pub struct Halves {
 /// A folder with everything installed below it.
 pub struct Installation {
     folder: PathBuf,
+    runtime_manifest: PathBuf,
 }
 
 impl Installation {
@@ -58,87 +34,22 @@ impl Installation {
     /// # Errors
     /// [`HarnessError::NotBuilt`], [`HarnessError::File`].
     pub fn new(folder: &Path, halves: &Halves) -> Result<Self, HarnessError> {
-        let installation = Self { folder: folder.to_owned() };
         for part in ["home", "config/parafovea", "state", "cache", "runtime"] {
             let path = folder.join(part);
             std::fs::create_dir_all(&path).map_err(HarnessError::file(&path))?;
         }
-        installation.install_halves(halves)?;
-        installation.install_test_layers()?;
-        let runtime = json!({
-            "file_format_version": "1.0.0",
-            "runtime": { "name": "Parafovea mock runtime", "library_path": Library::MockRuntime.path()? },
-        });
-        write(&installation.runtime_manifest(), &runtime.to_string())?;
-        Ok(installation)
-    }
-
-    fn install_halves(&self, halves: &Halves) -> Result<(), HarnessError> {
-        if let Some(library) = &halves.openxr {
-            let manifest = json!({
-                "file_format_version": "1.0.0",
-                "api_layer": {
-                    "name": "XR_APILAYER_PARAFOVEA_foveation",
-                    "library_path": library,
-                    "api_version": "1.0",
-                    "implementation_version": "1",
-                    "description": "Parafovea",
-                    "functions": { "xrNegotiateLoaderApiLayerInterface": "parafovea_xrNegotiateLoaderApiLayerInterface" },
-                    "enable_environment": "PARAFOVEA",
-                    "disable_environment": "DISABLE_PARAFOVEA",
-                },
-            });
-            write(
-                &self.folder.join("data/openxr/1/api_layers/implicit.d/parafovea.json"),
-                &manifest.to_string(),
-            )?;
+        let data = folder.join("data");
+        for (half, library) in [(Half::OpenXr, &halves.openxr), (Half::Vulkan, &halves.vulkan)] {
+            if let Some(library) = library {
+                stage(&data, half, library)?;
+            }
         }
-        if let Some(library) = &halves.vulkan {
-            let manifest = json!({
-                "file_format_version": "1.1.2",
-                "layer": {
-                    "name": "VK_LAYER_PARAFOVEA_foveation",
-                    "type": "GLOBAL",
-                    "library_path": library,
-                    "api_version": "1.3.0",
-                    "implementation_version": "1",
-                    "description": "Parafovea",
-                    "functions": { "vkNegotiateLoaderLayerInterfaceVersion": "parafovea_vkNegotiateLoaderLayerInterfaceVersion" },
-                    "enable_environment": { "PARAFOVEA": "1" },
-                    "disable_environment": { "DISABLE_PARAFOVEA": "1" },
-                },
-            });
-            write(&self.folder.join("data/vulkan/implicit_layer.d/parafovea.json"), &manifest.to_string())?;
-        }
-        Ok(())
-    }
-
-    fn install_test_layers(&self) -> Result<(), HarnessError> {
-        for layer in TestLayer::ALL {
-            let manifest = json!({
-                "file_format_version": "1.1.2",
-                "layer": {
-                    "name": layer.name(),
-                    "type": "GLOBAL",
-                    "library_path": Library::TestLayers.path()?,
-                    "api_version": "1.3.0",
-                    "implementation_version": "1",
-                    "description": "For Parafovea's own tests and benches",
-                    "functions": {
-                        "vkNegotiateLoaderLayerInterfaceVersion":
-                            format!("{}_vkNegotiateLoaderLayerInterfaceVersion", layer.stem()),
-                    },
-                },
-            });
-            let path = self.folder.join(format!("data/vulkan/explicit_layer.d/{}.json", layer.stem()));
-            write(&path, &manifest.to_string())?;
-        }
-        Ok(())
-    }
-
-    /// The file that `XR_RUNTIME_JSON` names for the mock runtime.
-    pub fn runtime_manifest(&self) -> PathBuf {
-        self.folder.join("mock_runtime.json")
+        let explicit = data.join("vulkan/explicit_layer.d");
+        let test_layers = Library::TestLayers.path()?;
+        TestLayer::write_manifests(&test_layers, &explicit).map_err(HarnessError::file(&explicit))?;
+        let runtime_manifest = write_runtime_manifest(folder, &Library::MockRuntime.path()?)
+            .map_err(HarnessError::file(folder))?;
+        Ok(Self { folder: folder.to_owned(), runtime_manifest })
     }
 
     /// The configuration file that every application reads unless it has one of its own.
@@ -182,7 +93,7 @@ impl Installation {
 
     /// The variables that choose the mock runtime and, where there is one, lavapipe.
     pub fn mock_environment(&self) -> Vec<(&'static str, OsString)> {
-        let mut variables = vec![("XR_RUNTIME_JSON", self.runtime_manifest().into_os_string())];
+        let mut variables = vec![("XR_RUNTIME_JSON", self.runtime_manifest.clone().into_os_string())];
         if let Some(driver) = lavapipe() {
             // The first is the loader's name for it since 1.3.207, the second is the one before.
             variables.push(("VK_DRIVER_FILES", driver.clone().into_os_string()));

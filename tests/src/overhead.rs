@@ -5,10 +5,10 @@
 //! with every technique off.
 
 use crate::HarnessError;
-use crate::installation::TestLayer;
 use crate::record::median;
 use crate::run::{Application, LayerMode, Run};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, ScenarioExt};
+use parafovea_test_layers::TestLayer;
 use serde::Serialize;
 
 /// What stands between the application and the driver.

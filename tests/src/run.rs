@@ -8,11 +8,13 @@ pub use outcome::Outcome;
 pub use validation::Message;
 
 use crate::artifacts::{Library, program, system_program};
-use crate::installation::{Halves, Installation, TestLayer, write};
+use crate::installation::{Halves, Installation, write};
 use crate::scenario::Scenario;
 use crate::{HarnessError, artifacts};
 use child::Child;
 use outcome::Folder;
+use parafovea_test_layers::validation::VALIDATION_LAYER;
+use parafovea_test_layers::{COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, DROP_FILE_VARIABLE, TestLayer};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -70,7 +72,9 @@ impl LayerMode {
     fn config(&self) -> Option<&str> {
         match self {
             LayerMode::Absent | LayerMode::Off => None,
-            LayerMode::On(config) | LayerMode::VulkanHalf(config) | LayerMode::OpenXrHalf(config) => Some(config),
+            LayerMode::On(config) | LayerMode::VulkanHalf(config) | LayerMode::OpenXrHalf(config) => {
+                Some(config)
+            }
         }
     }
 }
@@ -133,6 +137,11 @@ impl Run {
         self
     }
 
+    /// Leaves out the barriers that match `pattern`, which [`DROP_BARRIER_VARIABLE`] describes.
+    pub fn without_barrier(self, pattern: &str) -> Self {
+        self.test_layer(TestLayer::DropBarrier).env(DROP_BARRIER_VARIABLE, pattern)
+    }
+
     /// Sets a variable of the application's environment.
     pub fn env(mut self, name: &str, value: impl Into<OsString>) -> Self {
         self.environment.push((name.to_owned(), value.into()));
@@ -173,11 +182,12 @@ impl Run {
         command.envs(self.layer.config().map(|_| ("PARAFOVEA", "1")));
         let mut vulkan_layers: Vec<String> = self.test_layers.iter().map(|layer| layer.name()).collect();
         if self.validation {
-            vulkan_layers.push(validation::VULKAN_LAYER.to_owned());
+            vulkan_layers.push(VALIDATION_LAYER.to_owned());
             command.envs(validation::environment(folder.path())?);
         }
         command.env("VK_INSTANCE_LAYERS", vulkan_layers.join(":"));
         command.env(COUNT_FILE_VARIABLE, folder.path().join(COUNT_FILE));
+        command.env(DROP_FILE_VARIABLE, folder.path().join(DROP_FILE));
         command.envs(self.environment.iter().map(|(name, value)| (name, value)));
         let child = Child::start(command, folder.path(), self.timeout)?;
         Ok(Running { run: self, folder, installation, child })
@@ -205,9 +215,10 @@ impl Run {
     }
 }
 
-/// Where the counting layer writes, and the variable that tells it.
-const COUNT_FILE: &str = "count.json";
-const COUNT_FILE_VARIABLE: &str = "PARAFOVEA_TEST_COUNT_FILE";
+/// Where the counting layer writes.
+const COUNT_FILE: &str = "count.jsonl";
+/// Where the layer that drops barriers writes.
+const DROP_FILE: &str = "drop.jsonl";
 
 /// A run that goes on.
 pub struct Running {

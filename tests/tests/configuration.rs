@@ -1,8 +1,7 @@
 //! Configuration files that are wrong, and files that change while the application runs.
 
-use parafovea_tests::installation::write;
 use parafovea_tests::run::{Application, Outcome, Run};
-use parafovea_tests::scenario::Scenario;
+use parafovea_tests::scenario::{ClockMode, Scenario, ScenarioExt};
 use std::time::{Duration, Instant};
 
 const FRAMES: u64 = 10;
@@ -18,7 +17,8 @@ fn lines_about(config: &str) -> Vec<String> {
 /// Exactly one line complains, and it has all of `parts`.
 fn assert_one_complaint(config: &str, parts: &[&str]) {
     let lines = lines_about(config);
-    let complaints: Vec<_> = lines.iter().filter(|line| line.contains("ERROR") || line.contains("WARN")).collect();
+    let complaints: Vec<_> =
+        lines.iter().filter(|line| line.contains("ERROR") || line.contains("WARN")).collect();
     assert_eq!(complaints.len(), 1, "{lines:#?}");
     for part in parts {
         assert!(complaints[0].contains(part), "{part} is not in: {}", complaints[0]);
@@ -38,12 +38,18 @@ fn a_wrong_key_is_named() {
 
 #[test]
 fn a_wrong_type_is_named() {
-    assert_one_complaint("[chroma]\nplateau_deg = \"wide\"\n", &["config.toml", "chroma.plateau_deg", "wide"]);
+    assert_one_complaint(
+        "[chroma]\nplateau_deg = \"wide\"\n",
+        &["config.toml", "chroma.plateau_deg", "wide"],
+    );
 }
 
 #[test]
 fn a_value_out_of_range_is_named_with_the_range() {
-    assert_one_complaint("[chroma]\nplateau_deg = 300\n", &["config.toml", "chroma.plateau_deg", "300", "1.1", "30"]);
+    assert_one_complaint(
+        "[chroma]\nplateau_deg = 300\n",
+        &["config.toml", "chroma.plateau_deg", "300", "1.1", "30"],
+    );
 }
 
 #[test]
@@ -78,10 +84,10 @@ fn an_edit_applies_within_a_second() {
     let mut scenario = Scenario::new(AFTER + 5).sized(96, 96).in_real_time().saving(&[BEFORE, AFTER]);
     let running = Run::new(&application, &scenario).on(CHROMA).start().unwrap();
     wait_until(|| running.has_submitted(1, BEFORE));
-    write(&running.config_file(), "[chroma]\nmode = \"off\"\n").unwrap();
+    std::fs::write(running.config_file(), "[chroma]\nmode = \"off\"\n").unwrap();
     let edited = running.finish().unwrap().expect_frames(AFTER + 5).unwrap();
 
-    scenario.clock.mode = "simulated";
+    scenario.clock.mode = ClockMode::Simulated;
     let reference = Run::new(&application, &scenario).finish().unwrap();
     let picture = |outcome: &Outcome, frame| outcome.submitted(0, frame).unwrap();
     assert_ne!(picture(&reference, BEFORE), picture(&edited, BEFORE), "before the edit\n{}", edited.log);

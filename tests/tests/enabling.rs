@@ -1,7 +1,7 @@
 //! When the layer is there, when it is not, and that its absence is complete.
 
 use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
-use parafovea_tests::scenario::Scenario;
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
 const CHROMA: &str = "[chroma]\nmode = \"default\"\n";
 const FRAMES: u64 = 30;
@@ -23,7 +23,12 @@ fn assert_untouched(outcome: &Outcome) {
 
 fn assert_attenuated(outcome: &Outcome) {
     let reference = run(|run| run);
-    assert_ne!(reference.submitted(0, SAVED).unwrap(), outcome.submitted(0, SAVED).unwrap(), "{}", outcome.log);
+    assert_ne!(
+        reference.submitted(0, SAVED).unwrap(),
+        outcome.submitted(0, SAVED).unwrap(),
+        "{}",
+        outcome.log
+    );
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! hello_xr, unmodified, under all validation that there is: nothing is found that is not found without us.
 
 use parafovea_tests::run::{Application, Outcome, Run};
-use parafovea_tests::scenario::Scenario;
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
 const FRAMES: u64 = 200;
 

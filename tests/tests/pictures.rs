@@ -8,7 +8,7 @@ use parafovea_tests::compare::{luminance, max_difference};
 use parafovea_tests::demo::EyeView;
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, Outcome, Run};
-use parafovea_tests::scenario::Scenario;
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
 const OFF: &str = "[chroma]\nmode = \"off\"\n";
 const CHROMA: &str = "[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\n";
@@ -113,7 +113,11 @@ fn luminance_is_the_same(before: &Picture, after: &Picture) {
     let code = |pixel| linear_to_srgb(luminance(pixel) as f32) * 255.0;
     for (x, y, pixel) in before.enumerate() {
         let difference = (code(pixel) - code(after.at(x, y))).abs();
-        assert!(difference <= 1.0, "luminance differs by {difference} at {x}, {y}: {pixel:?} {:?}", after.at(x, y));
+        assert!(
+            difference <= 1.0,
+            "luminance differs by {difference} at {x}, {y}: {pixel:?} {:?}",
+            after.at(x, y)
+        );
     }
 }
 

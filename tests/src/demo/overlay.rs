@@ -29,7 +29,7 @@ pub fn eccentricity(picture: &Picture, view: &EyeView, plateau_deg: f32) -> Pict
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Scenario;
+    use crate::scenario::{Scenario, ScenarioExt};
 
     #[test]
     fn rings_lie_at_their_eccentricity_and_nowhere_else() {

@@ -45,6 +45,7 @@ impl EyeView {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::ScenarioExt;
 
     #[test]
     fn the_gaze_lies_where_the_scenario_puts_it() {

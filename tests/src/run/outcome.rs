@@ -1,14 +1,15 @@
 //! What a run left behind.
 
-use super::COUNT_FILE;
 use super::child::Exit;
 use super::validation::Findings;
+use super::{COUNT_FILE, DROP_FILE};
 use crate::HarnessError;
 use crate::installation::Installation;
 use crate::picture::Picture;
 use crate::record::Record;
 use crate::scenario::Scenario;
-use serde::Deserialize;
+use parafovea_test_layers::{Count, Dropped};
+use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
 /// An application's end, and everything that it left. Its folder goes with it, unless a test fails.
@@ -31,13 +32,6 @@ pub struct Outcome {
     pictures: PathBuf,
 }
 
-/// What the counting layer counted.
-#[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Count {
-    /// Fragment shader invocations, of the application and of everything below it.
-    pub fragment_invocations: u64,
-}
-
 impl Outcome {
     pub(super) fn collect(
         application: String,
@@ -51,9 +45,9 @@ impl Outcome {
             application,
             exit_code: exit.status.and_then(|status| status.code()),
             timed_out: exit.status.is_none(),
-            output: exit.output,
             record: Record::load(&pictures.join("record.jsonl"))?,
-            findings: Findings::read(folder.path()),
+            findings: Findings::read(folder.path(), &exit.output),
+            output: exit.output,
             log: read_logs(&installation.log_folder()),
             folder,
             pictures,
@@ -68,14 +62,35 @@ impl Outcome {
         Picture::load(&submitted_path(&self.pictures, view, frame))
     }
 
-    /// What the counting layer counted.
+    /// Fragment shader invocations that the counting layer saw, on all devices.
     ///
     /// # Errors
-    /// [`HarnessError::File`] where it was not there.
-    pub fn count(&self) -> Result<Count, HarnessError> {
-        let path = self.folder.path().join(COUNT_FILE);
+    /// [`HarnessError::File`] where it was not there, [`HarnessError::Application`] where it could not count.
+    pub fn fragments(&self) -> Result<u64, HarnessError> {
+        let number = |count: Count| {
+            count.fragment_invocations.ok_or_else(|| HarnessError::Application {
+                application: self.application.clone(),
+                reason: count.reason.unwrap_or_default(),
+                output: last_lines(&self.output, 30),
+            })
+        };
+        self.reports::<Count>(COUNT_FILE)?.into_iter().map(number).sum()
+    }
+
+    /// Barriers that were left out, on all devices.
+    ///
+    /// # Errors
+    /// [`HarnessError::File`] where no layer left any out.
+    pub fn dropped_barriers(&self) -> Result<u64, HarnessError> {
+        Ok(self.reports::<Dropped>(DROP_FILE)?.iter().map(|dropped| dropped.dropped).sum())
+    }
+
+    /// The lines of a test layer, one for each device.
+    fn reports<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, HarnessError> {
+        let path = self.folder.path().join(name);
         let text = std::fs::read_to_string(&path).map_err(HarnessError::file(&path))?;
-        serde_json::from_str(&text).map_err(|error| HarnessError::format(&path, error))
+        let report = |line| serde_json::from_str(line).map_err(|error| HarnessError::format(&path, error));
+        text.lines().map(report).collect()
     }
 
     /// Fails unless the application ended by itself with code 0 after so many frames.

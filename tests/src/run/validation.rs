@@ -5,7 +5,6 @@ use crate::installation::write;
 use std::ffi::OsString;
 use std::path::Path;
 
-pub(super) const VULKAN_LAYER: &str = "VK_LAYER_KHRONOS_validation";
 const OPENXR_LAYER: &str = "XR_APILAYER_LUNARG_core_validation";
 const VULKAN_LOG: &str = "vulkan_validation.txt";
 const OPENXR_LOG: &str = "openxr_validation.txt";
@@ -22,21 +21,7 @@ pub struct Message {
 /// The variables that switch both layers on, logging into `folder`.
 pub(super) fn environment(folder: &Path) -> Result<Vec<(&'static str, OsString)>, HarnessError> {
     let settings = folder.join("vk_layer_settings.txt");
-    let log = folder.join(VULKAN_LOG);
-    // Twice the same: the names until 1.3.28x, and those since. Each version ignores the other's. The queue-submit
-    // check finds hazards between submits; it is off by default.
-    let text = format!(
-        "khronos_validation.debug_action = VK_DBG_LAYER_ACTION_LOG_MSG\n\
-         khronos_validation.report_flags = error,warn,perf,info\n\
-         khronos_validation.log_filename = {log}\n\
-         khronos_validation.enable_message_limit = false\n\
-         khronos_validation.enables = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT,\
-         VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT\n\
-         khronos_validation.validate_sync = true\n\
-         khronos_validation.syncval_submit_time_validation = true\n",
-        log = log.display(),
-    );
-    write(&settings, &text)?;
+    write(&settings, &parafovea_test_layers::validation::settings(&folder.join(VULKAN_LOG)))?;
     Ok(vec![
         ("VK_LAYER_SETTINGS_PATH", settings.into_os_string()),
         ("XR_ENABLE_API_LAYERS", OPENXR_LAYER.into()),
@@ -54,18 +39,18 @@ pub struct Findings {
     pub openxr: Vec<Message>,
     /// Whether the Vulkan layer was there at all: then it says so itself.
     pub vulkan_was_active: bool,
-    /// Whether the OpenXR layer was there at all: then its file is.
+    /// Whether the OpenXR layer was there at all: it says so on the standard error output.
     pub openxr_was_active: bool,
 }
 
 impl Findings {
-    /// Reads what is in `folder`; without validation there is nothing.
-    pub(super) fn read(folder: &Path) -> Self {
+    /// Reads what is in `folder`, and of what the application printed; without validation there is nothing.
+    pub(super) fn read(folder: &Path, output: &str) -> Self {
         let text = |name| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
         let (vulkan, openxr) = (text(VULKAN_LOG), text(OPENXR_LOG));
         Self {
             vulkan_was_active: vulkan.contains("Khronos Validation Layer Active"),
-            openxr_was_active: folder.join(OPENXR_LOG).exists(),
+            openxr_was_active: output.contains("Core Validation output type"),
             vulkan: vulkan.lines().filter_map(vulkan_message).collect(),
             openxr: openxr.lines().filter_map(openxr_message).collect(),
         }
@@ -116,7 +101,7 @@ mod tests {
         std::fs::write(folder.path().join(VULKAN_LOG), VULKAN).unwrap();
         let openxr = "[VALID_INFO | a | b]: c\n[VALID_ERROR | VUID-xrEndFrame-x | xrEndFrame]: wrong\n";
         std::fs::write(folder.path().join(OPENXR_LOG), openxr).unwrap();
-        let findings = Findings::read(folder.path());
+        let findings = Findings::read(folder.path(), "Core Validation output type: text, first time = true");
         assert!(findings.vulkan_was_active && findings.openxr_was_active);
         assert_eq!(findings.vulkan.len(), 1);
         assert_eq!(findings.vulkan[0].rule, "SYNC-HAZARD-WRITE-AFTER-WRITE");
