@@ -1,0 +1,153 @@
+//! Every case of `parafovea-cases`, three times: without the layer, with the layer and nothing to do, and with
+//! chroma attenuation. The first run is the reference: what the application observes has to be the same, and the
+//! pictures have to be the same or differ exactly as the CPU reference of the kernel says.
+
+mod judge;
+mod runs;
+
+use parafovea_core::kernels::compose::PixelFormat;
+use parafovea_tests::scenario::{Head, Input, InputValue, Scenario};
+use runs::{Finished, run};
+
+/// The layer with every technique off.
+const OFF: &str = "[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"off\"\n";
+
+/// A case and what is expected of the layer in it.
+struct Case {
+    name: &'static str,
+    arguments: &'static [&'static str],
+    gaze: Gaze,
+    format: PixelFormat,
+    /// Whether the application's colour swapchains get images of ours where chroma attenuation is on.
+    substituted: bool,
+    /// What the runtime is to do beside the usual.
+    scenario: fn(&mut Scenario),
+}
+
+/// Where the layer takes the gaze from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Gaze {
+    /// `gaze.source = "centre"`: known from the first frame.
+    Centre,
+    /// `gaze.source = "auto"`: from the tracker, some frames after the start.
+    Tracker,
+}
+
+impl Case {
+    const fn new(name: &'static str) -> Self {
+        Self {
+            name,
+            arguments: &[],
+            gaze: Gaze::Centre,
+            format: PixelFormat::Rgba8Srgb,
+            substituted: true,
+            scenario: |_| {},
+        }
+    }
+
+    fn config(&self) -> &'static str {
+        match self.gaze {
+            Gaze::Centre => "[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\n",
+            Gaze::Tracker => "[gaze]\nsource = \"auto\"\n[chroma]\nmode = \"default\"\n",
+        }
+    }
+
+    /// Runs the case three times and judges.
+    fn check(&self) {
+        let reference = run(self, None);
+        judge::reference(&reference);
+        judge::unchanged(&reference, &run(self, Some(OFF)));
+        judge::processed(self, &reference, &run(self, Some(self.config())));
+    }
+}
+
+macro_rules! cases {
+    ($($name:ident $({ $($field:ident: $value:expr),* $(,)? })?,)*) => {
+        /// Names of the cases that have a test here.
+        const TESTED: &[&str] = &[$(stringify!($name)),*];
+
+        $(#[test]
+        fn $name() {
+            Case { $($($field: $value,)*)? ..Case::new(stringify!($name)) }.check();
+        })*
+    };
+}
+
+cases! {
+    separate_swapchains,
+    double_wide,
+    array_swapchain,
+    several_rectangles,
+    unorm { format: PixelFormat::Rgba8Unorm },
+    srgb_viewed_as_unorm,
+    mip_levels { substituted: false },
+    static_image { substituted: false },
+    release_without_submit,
+    two_releases_before_end_frame,
+    resubmit_without_acquire,
+    should_render_false { scenario: |scenario| scenario.session.should_render_off = vec![0, 1, 4, 5] },
+    release_on_another_thread,
+    two_swapchains_a_view,
+    resolution_change,
+    projection_and_quad,
+    quad_only,
+    alpha_patterns,
+    depth_layer,
+    acquire_all,
+    acquire_beyond_the_count,
+    wait_without_acquire,
+    release_without_wait,
+    wait_with_timeout { scenario: |scenario| scenario.swapchain.wait_timeouts = vec![1, 4, 5, 9] },
+    end_frame_with_unreleased_swapchain,
+    rectangle_outside_the_image,
+    destroy_before_end_frame,
+    destroyed_handle,
+    enumerate_images,
+    two_sessions,
+    no_actions { gaze: Gaze::Tracker },
+    own_actions { gaze: Gaze::Tracker, scenario: press_select },
+    own_eye_gaze { gaze: Gaze::Tracker },
+}
+
+#[test]
+fn vulkan_enable() {
+    Case { arguments: &["--enable", "1"], ..Case::new("separate_swapchains") }.check();
+}
+
+#[test]
+fn vulkan_enable_with_vulkan_first() {
+    Case { arguments: &["--enable", "1", "--vulkan-first"], ..Case::new("separate_swapchains") }.check();
+}
+
+#[test]
+fn vulkan_1_0_application() {
+    Case { arguments: &["--vulkan", "1.0"], ..Case::new("separate_swapchains") }.check();
+}
+
+/// The left select button goes down in the application's third frame or so, and up two later.
+fn press_select(scenario: &mut Scenario) {
+    let path = "/user/hand/left/input/select/click".to_owned();
+    let input = |t, down| Input { t, path: path.clone(), value: InputValue::Boolean(down) };
+    scenario.input = vec![input(0.02, true), input(0.045, false)];
+}
+
+/// Displays that point outwards, on a head that turns: the gaze goes with the head, not with the displays.
+#[test]
+fn canted_views_and_a_turning_head() {
+    let scenario = |scenario: &mut Scenario| {
+        for (view, degrees) in scenario.views.iter_mut().zip([8_f32, -8.0]) {
+            view.orientation = glam::Quat::from_rotation_y(degrees.to_radians()).to_array();
+        }
+        let turned = Head { t: 0.1, yaw_deg: 30.0, ..scenario.head[0] };
+        scenario.head.push(turned);
+    };
+    Case { gaze: Gaze::Tracker, scenario, ..Case::new("own_actions") }.check();
+}
+
+#[test]
+fn every_case_of_the_application_is_tested() {
+    let program = parafovea_tests::artifacts::program("parafovea-cases").unwrap();
+    let list = std::process::Command::new(program).arg("--list").output().unwrap();
+    let list = String::from_utf8(list.stdout).unwrap();
+    assert_eq!(list.lines().collect::<Vec<_>>(), TESTED);
+}

@@ -1,0 +1,190 @@
+//! What the three runs of a case have to have in common.
+
+use super::{Case, Finished, Gaze};
+use glam::{Quat, Vec3};
+use parafovea_core::chroma::ChromaSettings;
+use parafovea_core::geometry::Fov;
+use parafovea_core::kernels::compose::{ComposeParams, compose_image};
+use parafovea_tests::compare::max_difference;
+use parafovea_tests::picture::Picture;
+use parafovea_tests::record::Frame;
+use parafovea_tests::scenario::{FovDegrees, Scenario, View};
+use serde_json::Value;
+
+/// Code values by which GPU and CPU may round apart.
+const TOLERANCE: u8 = 1;
+
+/// The reference: it observes what the specification says, and the runtime gets what was drawn.
+pub fn reference(run: &Finished) {
+    assert_eq!(run.report.unexpected, Vec::<String>::new(), "{}", run.outcome.output);
+    assert_eq!(run.outcome.exit_code, Some(0), "{}", run.outcome.output);
+    assert!(run.outcome.findings.vulkan_was_active, "validation did not run");
+    let frames: Vec<u64> = run.outcome.record.frames.iter().map(|frame| frame.index).collect();
+    for drawn in &run.report.pictures {
+        let key = (frames[drawn.frame as usize], drawn.layer, drawn.view);
+        let Some(picture) = run.pictures.get(&key) else { continue };
+        let pixels = drawn.figure.pixels();
+        let expected = Picture::from_fn(picture.width, picture.height, |x, y| {
+            let at = ((y * drawn.figure.rect.width + x) * 4) as usize;
+            pixels[at..at + 4].try_into().unwrap()
+        });
+        assert_same(&expected, picture, &format!("{drawn:?}"));
+    }
+}
+
+/// With nothing to do the layer changes nothing, neither for the application nor for the runtime.
+pub fn unchanged(reference: &Finished, run: &Finished) {
+    same_observations(reference, run);
+    same_submissions(reference, run);
+    assert_eq!(created(reference), created(run), "swapchains at the runtime");
+    for (key, expected) in &reference.pictures {
+        assert_same(expected, &run.pictures[key], &format!("frame, layer, view {key:?}"));
+    }
+}
+
+/// With chroma attenuation on: the same observations, and pictures as the CPU computes them from the reference.
+pub fn processed(case: &Case, reference: &Finished, run: &Finished) {
+    same_observations(reference, run);
+    same_submissions(reference, run);
+    let mut processed = 0;
+    let mut projections = 0;
+    for frame in &run.outcome.record.frames {
+        for (layer, content) in (0..).zip(&frame.layers) {
+            for view in 0..2 {
+                let key = (frame.index, layer, view);
+                let Some(picture) = run.pictures.get(&key) else { continue };
+                let original = &reference.pictures[&key];
+                let what = format!("{}: frame, layer, view {key:?}", case.name);
+                if content["type"] != "projection" || !case.substituted {
+                    assert_same(original, picture, &what);
+                    continue;
+                }
+                projections += 1;
+                if case.gaze == Gaze::Tracker && original == picture {
+                    assert_eq!(processed, 0, "{what}: the gaze was known before");
+                    continue;
+                }
+                processed += 1;
+                let eye = &run.scenario.views[view as usize];
+                let gaze = gaze(case, &run.scenario, eye);
+                assert_attenuated(case, &region(eye, gaze, picture), original, picture, &what);
+            }
+        }
+    }
+    if projections > 0 {
+        assert!(processed > 0, "{}: no frame was processed\n{}", case.name, run.outcome.log);
+    }
+}
+
+fn same_observations(reference: &Finished, run: &Finished) {
+    assert_eq!(reference.report, run.report, "{}", run.outcome.log);
+    assert_eq!(run.outcome.exit_code, Some(0), "{}", run.outcome.output);
+    let new = run.outcome.findings.beyond(&reference.outcome.findings);
+    assert!(new.is_empty(), "validation: {new:#?}");
+    let mut known: Vec<_> = errors(reference);
+    for error in errors(run) {
+        let at = known.iter().position(|other| *other == error);
+        known.remove(at.unwrap_or_else(|| panic!("the runtime saw an error of the layer's: {error:?}")));
+    }
+}
+
+fn errors(run: &Finished) -> Vec<(String, String)> {
+    let errors = &run.outcome.record.errors;
+    errors.iter().map(|error| (error.call.clone(), error.result.clone())).collect()
+}
+
+/// The runtime gets the same layers at the same times.
+fn same_submissions(reference: &Finished, run: &Finished) {
+    let frames = |run: &Finished| -> Vec<(u64, i64, Value)> {
+        let frames = run.outcome.record.frames.iter();
+        frames.map(|frame| (frame.index, frame.display_time_ns, layers(run, frame))).collect()
+    };
+    assert_eq!(frames(reference), frames(run));
+}
+
+/// A frame's layers, without what may differ between runs: which image of a swapchain it is, and handles, where a
+/// swapchain's is its place in the order of creation.
+fn layers(run: &Finished, frame: &Frame) -> Value {
+    let handles: Vec<&Value> =
+        run.outcome.record.swapchains.iter().map(|created| &created["swapchain"]).collect();
+    let mut layers = Value::Array(frame.layers.clone());
+    strip(&mut layers, &handles);
+    layers
+}
+
+fn strip(value: &mut Value, swapchains: &[&Value]) {
+    match value {
+        Value::Array(items) => items.iter_mut().for_each(|item| strip(item, swapchains)),
+        Value::Object(members) => {
+            members.retain(|name, _| name != "image" && name != "space");
+            if let Some(handle) = members.get_mut("swapchain") {
+                *handle = swapchains.iter().position(|other| *other == handle).into();
+            }
+            members.values_mut().for_each(|member| strip(member, swapchains));
+        }
+        _ => {}
+    }
+}
+
+/// The parameters that swapchains were created with, in order.
+fn created(run: &Finished) -> Vec<Value> {
+    let mut swapchains = run.outcome.record.swapchains.clone();
+    for swapchain in swapchains.iter_mut().filter_map(Value::as_object_mut) {
+        swapchain.retain(|name, _| name != "session" && name != "swapchain");
+    }
+    swapchains
+}
+
+/// What the layer is to do to the picture of an eye, all of which is one region.
+fn region(eye: &View, gaze: Vec3, picture: &Picture) -> ComposeParams {
+    let extent = [picture.width, picture.height];
+    ComposeParams::new([0, 0], extent, fov(eye), gaze, &ChromaSettings::default(), true)
+}
+
+fn assert_attenuated(case: &Case, params: &ComposeParams, original: &Picture, picture: &Picture, what: &str) {
+    let mut pixels = original.pixels.as_flattened().to_vec();
+    compose_image(&mut pixels, picture.width, case.format, params);
+    let at = |x: u32, y: u32| ((y * picture.width + x) * 4) as usize;
+    let expected =
+        Picture::from_fn(picture.width, picture.height, |x, y| pixels[at(x, y)..][..4].try_into().unwrap());
+    let difference = max_difference(&expected, picture, |_, _| true);
+    assert!(difference <= TOLERANCE, "{what}: differs by {difference} from the CPU reference");
+    for (x, y, before) in original.enumerate() {
+        let after = picture.at(x, y);
+        assert_eq!(before[3], after[3], "{what}: alpha at {x}, {y}");
+        if params.pixel(x, y, Vec3::ZERO).is_none() {
+            assert_eq!(before, after, "{what}: inside the plateau at {x}, {y}");
+        }
+    }
+    assert_ne!(original, picture, "{what}: nothing was attenuated");
+}
+
+fn assert_same(expected: &Picture, picture: &Picture, what: &str) {
+    let difference = max_difference(expected, picture, |_, _| true);
+    let first = expected.enumerate().find(|(x, y, pixel)| picture.at(*x, *y) != *pixel);
+    assert!(
+        expected == picture,
+        "{what}: differs by up to {difference}, first {first:?} is {:?}",
+        first.map(|(x, y, _)| picture.at(x, y)),
+    );
+}
+
+fn fov(view: &View) -> Fov {
+    let FovDegrees { left, right, up, down } = view.fov_deg;
+    let [left, right, up, down] = [left, right, up, down].map(f32::to_radians);
+    Fov { left, right, up, down }
+}
+
+/// The direction of the gaze in a view's space: ahead of the head, or as the scenario says.
+fn gaze(case: &Case, scenario: &Scenario, view: &View) -> Vec3 {
+    let in_head = match case.gaze {
+        Gaze::Centre => Vec3::NEG_Z,
+        Gaze::Tracker => {
+            let keyframe = scenario.gaze[0];
+            let yaw = Quat::from_rotation_y(keyframe.yaw_deg.to_radians());
+            let pitch = Quat::from_rotation_x(keyframe.pitch_deg.to_radians());
+            yaw * pitch * Vec3::NEG_Z
+        }
+    };
+    Quat::from_array(view.orientation).inverse() * in_head
+}
