@@ -6,7 +6,7 @@ mod regions;
 mod work;
 
 use super::instance::next_of_any;
-use super::session::{self, Active, Health, Session};
+use super::session::{self, Active, Health, Session, Tools};
 use super::swapchain;
 use crate::abi::guard;
 use crate::config::{Config, GazeSource};
@@ -93,6 +93,7 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
     if swapchains.is_empty() || active.health() == Health::Stopped {
         return;
     }
+    let Some(tools) = active.tools() else { return };
     let _give_up = GiveUpOnPanic(active);
     let next = &session.instance.next;
 
@@ -104,11 +105,16 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
     if works.is_empty() {
         return;
     }
-    if let Err(error) = submit(active, &mut works) {
-        tracing::error!("pictures are not delivered any more: {error}");
-        active.worsen_to(Health::Stopped);
-        // A runtime with nothing at all to show would refuse the frame.
-        works.retain(|work| !work.has_picture());
+    match submit(active, tools, &mut works) {
+        Ok(()) => {}
+        // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
+        // it gets its image as it is.
+        Err(GpuError::Timeout) => works.retain(|work| !work.has_picture()),
+        Err(error) => {
+            tracing::error!("pictures are not delivered any more: {error}");
+            active.worsen_to(Health::Stopped);
+            works.retain(|work| !work.has_picture());
+        }
     }
     for work in &mut works {
         work.return_image(next);
@@ -171,12 +177,15 @@ fn gaze_of(
 }
 
 /// Submits a frame's work. When that fails with processing, it is tried without, from then on.
-fn submit(active: &Active, works: &mut Works) -> Result<(), GpuError> {
+fn submit(active: &Active, tools: &Tools, works: &mut Works) -> Result<(), GpuError> {
     let submit = |works: &Works| {
         let jobs: SmallVec<[ComposeJob; 8]> = works.iter().filter_map(Work::job).collect();
-        active.compose().submit(&jobs)
+        tools.compose().submit(&jobs)
     };
     submit(works).or_else(|error| {
+        if error == GpuError::Timeout {
+            return Err(error);
+        }
         tracing::error!("processing is off for this session: {error}");
         active.worsen_to(Health::CopyOnly);
         works.iter_mut().for_each(|work| work.target.regions.clear());

@@ -2,7 +2,7 @@
 
 mod active;
 
-pub use active::{Active, Health};
+pub use active::{Active, Health, Tools};
 
 use super::actions::SessionActions;
 use super::instance::{self, Instance, next_of_any};
@@ -30,9 +30,10 @@ pub struct Session {
 impl Session {
     /// Whether the configuration could give `compose` work: only then are swapchains substituted.
     pub fn may_have_work(&self) -> bool {
+        let is_healthy = self.active.as_ref().is_some_and(|active| active.health() == Health::Works);
         let config = self.instance.config.get();
         let has_gaze = config.gaze.source == GazeSource::Centre || self.actions.may_have_gaze();
-        config.enabled && config.chroma.mode != ChromaMode::Off && has_gaze
+        is_healthy && config.enabled && config.chroma.mode != ChromaMode::Off && has_gaze
     }
 
     /// Marks what this thread submits as the runtime's, while it is in a call down.
@@ -105,7 +106,7 @@ unsafe fn vulkan_device(info: &xr::SessionCreateInfo) -> Option<VulkanDevice> {
     }
 }
 
-/// Begins to track a session, active where work on its device is possible.
+/// Begins to track a session, active where it has a device of both halves.
 ///
 /// # Safety
 ///
@@ -117,7 +118,7 @@ unsafe fn track(
     device: Option<VulkanDevice>,
 ) {
     // SAFETY: the caller vouches for the device.
-    let active = device.and_then(|device| unsafe { Active::new(device) });
+    let active = device.map(|device| unsafe { Active::new(device) });
     let actions = SessionActions::new(active.is_some() && instance.reports_eye_gaze(system));
     if let Some(active) = &active {
         active.device.set_active(true);

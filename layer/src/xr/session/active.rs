@@ -1,21 +1,26 @@
 //! What an active session has: our work on its device.
 
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, GpuError};
 use crate::inputs::gaze::Hold;
 use crate::passes::compose::Compose;
 use crate::xr::vulkan_device::VulkanDevice;
 use std::sync::atomic::{AtomicU8, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// A session's work on its device.
+/// A session whose device has both halves.
 pub struct Active {
     /// The device.
     pub device: VulkanDevice,
-    /// Our objects on it.
-    pub gpu: Arc<Gpu>,
-    compose: Mutex<Compose>,
+    tools: OnceLock<Option<Tools>>,
     hold: Mutex<Hold>,
     health: AtomicU8,
+}
+
+/// Our objects on the device, made when a swapchain first needs them: a session without work has none.
+pub struct Tools {
+    /// The device and its queue.
+    pub gpu: Arc<Gpu>,
+    compose: Mutex<Compose>,
 }
 
 /// What is still tried after failures, best first. A session never gets better again.
@@ -31,30 +36,32 @@ pub enum Health {
 }
 
 impl Active {
-    /// Prepares work on the device; `None`, with a line in the log, where that is not possible.
+    /// Begins with nothing made on the device.
     ///
     /// # Safety
     ///
-    /// The device is live, and outlives the session, as `XrGraphicsBindingVulkanKHR` demands.
-    pub unsafe fn new(device: VulkanDevice) -> Option<Self> {
-        let (family, index) = device.queue;
-        // SAFETY: the caller vouches for the device. The queue is used in xrAcquireSwapchainImage and
-        // xrEndFrame only, where the specification demands that the application keeps off it.
-        let gpu = unsafe { Gpu::new(&device.record, family, index) };
-        let made = gpu.and_then(|gpu| Ok((Arc::clone(&gpu), Compose::new(gpu)?)));
-        let (gpu, compose) = made.inspect_err(|error| tracing::error!("session inert: {error}")).ok()?;
-        Some(Self {
+    /// The device is live, and outlives the result, as `XrGraphicsBindingVulkanKHR` demands of a session.
+    pub unsafe fn new(device: VulkanDevice) -> Self {
+        Self {
             device,
-            gpu,
-            compose: Mutex::new(compose),
+            tools: OnceLock::new(),
             hold: Mutex::default(),
             health: AtomicU8::new(Health::Works as u8),
-        })
+        }
     }
 
-    /// The pass.
-    pub fn compose(&self) -> MutexGuard<'_, Compose> {
-        self.compose.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Our objects on the device; `None`, with one line in the log, where they cannot be made.
+    pub fn tools(&self) -> Option<&Tools> {
+        let make = || {
+            let (family, index) = self.device.queue;
+            // SAFETY: `new`'s caller vouched for the device. The queue is used in xrAcquireSwapchainImage
+            // and xrEndFrame only, where the specification demands that the application keeps off it.
+            let gpu = unsafe { Gpu::new(&self.device.record, family, index) }?;
+            Ok(Tools { compose: Mutex::new(Compose::new(Arc::clone(&gpu))?), gpu })
+        };
+        let make_or_log =
+            || make().inspect_err(|error: &GpuError| tracing::error!("no work on this device: {error}")).ok();
+        self.tools.get_or_init(make_or_log).as_ref()
     }
 
     /// The gaze of the frames before.
@@ -74,5 +81,12 @@ impl Active {
     /// Gives up what failed.
     pub fn worsen_to(&self, health: Health) {
         self.health.fetch_max(health as u8, Ordering::Relaxed);
+    }
+}
+
+impl Tools {
+    /// The pass.
+    pub fn compose(&self) -> MutexGuard<'_, Compose> {
+        self.compose.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -73,10 +73,8 @@ unsafe fn plan(
     active: &Active,
     info: &xr::SwapchainCreateInfo,
 ) -> Result<SwapchainShape, NotSubstituted> {
-    if !session.may_have_work() {
-        return Err(NotSubstituted::NoWork);
-    }
-    let mut compose = active.compose();
+    let tools = if session.may_have_work() { active.tools() } else { None };
+    let mut compose = tools.ok_or(NotSubstituted::NoWork)?.compose();
     // SAFETY: the caller vouches for `info`.
     let shape = unsafe { shape(info, |format| compose.supports(format)) }?;
     compose.prepare(shape.format).map_err(|error| {
@@ -112,9 +110,10 @@ fn substitute(
     handle: xr::Swapchain,
     shape: &SwapchainShape,
 ) -> Result<Substitute, String> {
+    let tools = active.tools().ok_or("no work on this device")?;
     let images = runtime_images(session, handle)
         .map_err(|result| format!("xrEnumerateSwapchainImages returned {result:?}"))?;
-    let substitute = Substitute::new(&active.gpu, shape, images).map_err(|error| error.to_string())?;
+    let substitute = Substitute::new(&tools.gpu, shape, images).map_err(|error| error.to_string())?;
     let vk::Extent2D { width, height } = shape.extent;
     tracing::info!(
         "swapchain of {width}x{height}x{} {:?} is virtual, {} images",

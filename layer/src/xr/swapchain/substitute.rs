@@ -2,7 +2,7 @@
 
 use super::{Ring, Target};
 use crate::gpu::{Gpu, GpuError};
-use crate::passes::compose::{AppImages, RuntimeImages, SwapchainShape};
+use crate::passes::compose::{AppImages, RuntimeImages, SwapchainShape, stores_unit_range};
 use ash::vk;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -36,7 +36,7 @@ impl Substitute {
             app: AppImages::new(gpu, shape, count)?,
             extent: shape.extent,
             array_layers: shape.array_layers,
-            is_unit_range: is_unit_range(shape.format),
+            is_unit_range: stores_unit_range(shape.format),
             ring: Mutex::new(Ring::new(count)),
             target: Mutex::new(Target::new(RuntimeImages::new(gpu, shape, runtime_images)?)),
         })
@@ -51,17 +51,4 @@ impl Substitute {
     pub fn target(&self) -> MutexGuard<'_, Target> {
         self.target.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-/// Whether a colour format stores values from 0 to 1 only, rather than floating point.
-fn is_unit_range(format: vk::Format) -> bool {
-    !matches!(
-        format,
-        vk::Format::R16G16B16A16_SFLOAT
-            | vk::Format::R16G16B16_SFLOAT
-            | vk::Format::R32G32B32A32_SFLOAT
-            | vk::Format::R32G32B32_SFLOAT
-            | vk::Format::B10G11R11_UFLOAT_PACK32
-            | vk::Format::E5B9G9R9_UFLOAT_PACK32
-    )
 }
