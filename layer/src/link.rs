@@ -46,9 +46,10 @@ pub struct DeviceRecord {
     pub device: vk::Device,
     /// The Vulkan version both the application asked for and the device has (`vk::make_api_version`).
     pub api_version: u32,
-    /// The next layer's (or driver's) `vkGetInstanceProcAddr`: calls through it bypass the layers above us.
+    /// The next layer's `vkGetInstanceProcAddr`. Good for questions about the physical device: where the next
+    /// is the Vulkan loader itself, it answers with the top of the chain once the instance is made.
     pub next_get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
-    /// The next layer's (or driver's) `vkGetDeviceProcAddr`.
+    /// The next layer's (or driver's) `vkGetDeviceProcAddr`: calls through it bypass the layers above us.
     pub next_get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
     /// The Vulkan loader's callback that must initialise every dispatchable object that we create
     /// (command buffers, queues) before it is used with the next layer's functions.

@@ -10,6 +10,7 @@ use crate::interface::{
 use ash::vk;
 use std::collections::BTreeMap;
 use std::ffi::{CStr, c_char};
+use std::mem::transmute;
 use std::sync::{Arc, PoisonError, RwLock};
 
 /// One of the layers.
@@ -39,25 +40,43 @@ pub(crate) trait Layer: Sized + Send + Sync + 'static {
     fn device_destroyed(&self) {}
 }
 
-/// The next layer of an instance.
+/// The next layer's functions of an instance. They are resolved while it is created: later, the Vulkan loader
+/// answers the last layer with the functions at the top of the chain.
 #[derive(Clone, Copy)]
 pub(crate) struct Instance {
     handle: vk::Instance,
-    link: InstanceLink,
+    get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+    get_physical_device_proc_addr: Option<GetPhysicalDeviceProcAddr>,
+    destroy: vk::PFN_vkDestroyInstance,
+    pub features: vk::PFN_vkGetPhysicalDeviceFeatures,
+    pub queue_families: vk::PFN_vkGetPhysicalDeviceQueueFamilyProperties,
 }
-
-// SAFETY: the link's `next`, the one pointer in it, is the loader's and is not followed any more.
-unsafe impl Send for Instance {}
-// SAFETY: as above.
-unsafe impl Sync for Instance {}
 
 impl Instance {
-    /// The next layer's function of that name.
-    pub fn function(&self, name: &CStr) -> vk::PFN_vkVoidFunction {
-        // SAFETY: the loader gave the function; the instance is live while it is tracked.
-        unsafe { (self.link.get_instance_proc_addr)(self.handle, name.as_ptr()) }
+    /// # Safety
+    ///
+    /// `handle` was just made by the layer of that link.
+    unsafe fn new(handle: vk::Instance, link: InstanceLink) -> Option<Self> {
+        // SAFETY: the names give the functions' types; the instance is live.
+        unsafe {
+            let function = |name: &CStr| (link.get_instance_proc_addr)(handle, name.as_ptr());
+            Some(Self {
+                handle,
+                get_instance_proc_addr: link.get_instance_proc_addr,
+                get_physical_device_proc_addr: link.get_physical_device_proc_addr,
+                destroy: transmute::<Function, vk::PFN_vkDestroyInstance>(function(c"vkDestroyInstance")?),
+                features: transmute::<Function, vk::PFN_vkGetPhysicalDeviceFeatures>(function(
+                    c"vkGetPhysicalDeviceFeatures",
+                )?),
+                queue_families: transmute::<Function, vk::PFN_vkGetPhysicalDeviceQueueFamilyProperties>(
+                    function(c"vkGetPhysicalDeviceQueueFamilyProperties")?,
+                ),
+            })
+        }
     }
 }
+
+type Function = unsafe extern "system" fn();
 
 /// The next layer of a device.
 pub(crate) struct NextDevice {
@@ -166,7 +185,8 @@ unsafe extern "system" fn get_instance_proc_addr<L: Layer>(
         if instance == vk::Instance::null() {
             return None;
         }
-        let next = instance_of::<L>(instance)?.function(name)?;
+        let known = instance_of::<L>(instance)?;
+        let next = (known.get_instance_proc_addr)(instance, name.as_ptr())?;
         L::hook(name).or(Some(next))
     }
 }
@@ -192,9 +212,7 @@ unsafe extern "system" fn get_physical_device_proc_addr<L: Layer>(
         if CStr::from_ptr(name) == c"vkCreateDevice" {
             return common_hook::<L>(c"vkCreateDevice");
         }
-        let next: GetPhysicalDeviceProcAddr =
-            instance_of::<L>(instance)?.link.get_physical_device_proc_addr?;
-        next(instance, name)
+        instance_of::<L>(instance)?.get_physical_device_proc_addr?(instance, name)
     }
 }
 
@@ -207,12 +225,14 @@ unsafe extern "system" fn create_instance<L: Layer>(
     unsafe {
         let link = advance_instance((*info).p_next);
         let create = (link.get_instance_proc_addr)(vk::Instance::null(), c"vkCreateInstance".as_ptr());
-        let create: vk::PFN_vkCreateInstance = std::mem::transmute(create);
+        let create: vk::PFN_vkCreateInstance = transmute(create);
         let result = create(info, allocator, instance);
         if result == vk::Result::SUCCESS {
-            let handle = *instance;
+            let Some(known) = Instance::new(*instance, link) else {
+                return vk::Result::ERROR_INITIALIZATION_FAILED;
+            };
             let mut instances = L::tracked().instances.write().unwrap_or_else(PoisonError::into_inner);
-            instances.insert(key(handle), Instance { handle, link });
+            instances.insert(key(*instance), known);
         }
         result
     }
@@ -226,9 +246,8 @@ unsafe extern "system" fn destroy_instance<L: Layer>(
     unsafe {
         let known =
             L::tracked().instances.write().unwrap_or_else(PoisonError::into_inner).remove(&key(instance));
-        if let Some(destroy) = known.and_then(|known| known.function(c"vkDestroyInstance")) {
-            let destroy: vk::PFN_vkDestroyInstance = std::mem::transmute(destroy);
-            destroy(instance, allocator);
+        if let Some(known) = known {
+            (known.destroy)(instance, allocator);
         }
     }
 }
@@ -246,7 +265,7 @@ unsafe extern "system" fn create_device<L: Layer>(
         };
         let link: DeviceLink = advance_device((*info).p_next);
         let create = (link.get_instance_proc_addr)(instance.handle, c"vkCreateDevice".as_ptr());
-        let create: vk::PFN_vkCreateDevice = std::mem::transmute(create);
+        let create: vk::PFN_vkCreateDevice = transmute(create);
         let mut create_next = |info: &vk::DeviceCreateInfo<'_>| {
             create(physical_device, info, allocator, device).result()?;
             let get_device_proc_addr = link.get_device_proc_addr;

@@ -15,16 +15,8 @@ impl Features {
     /// The physical device is a live one of the instance.
     pub unsafe fn of(instance: &Instance, physical_device: vk::PhysicalDevice) -> Self {
         let mut features = vk::PhysicalDeviceFeatures::default();
-        if let Some(get) = instance.function(c"vkGetPhysicalDeviceFeatures") {
-            // SAFETY: the name gives the type; the caller vouches for the handle.
-            unsafe {
-                let get = std::mem::transmute::<
-                    unsafe extern "system" fn(),
-                    vk::PFN_vkGetPhysicalDeviceFeatures,
-                >(get);
-                get(physical_device, &mut features);
-            }
-        }
+        // SAFETY: the caller vouches for the handle.
+        unsafe { (instance.features)(physical_device, &mut features) };
         Self {
             statistics: features.pipeline_statistics_query == vk::TRUE,
             inherited_queries: features.inherited_queries == vk::TRUE,
@@ -108,18 +100,12 @@ pub(super) unsafe fn graphics_families(
     instance: &Instance,
     physical_device: vk::PhysicalDevice,
 ) -> Vec<bool> {
-    let Some(get) = instance.function(c"vkGetPhysicalDeviceQueueFamilyProperties") else { return Vec::new() };
-    // SAFETY: the name gives the type; the caller vouches for the handle; the second call has the room
-    // that the first asked for.
+    // SAFETY: the caller vouches for the handle; the second call has the room that the first asked for.
     unsafe {
-        let get = std::mem::transmute::<
-            unsafe extern "system" fn(),
-            vk::PFN_vkGetPhysicalDeviceQueueFamilyProperties,
-        >(get);
         let mut count = 0;
-        get(physical_device, &mut count, std::ptr::null_mut());
+        (instance.queue_families)(physical_device, &mut count, std::ptr::null_mut());
         let mut families = vec![vk::QueueFamilyProperties::default(); count as usize];
-        get(physical_device, &mut count, families.as_mut_ptr());
+        (instance.queue_families)(physical_device, &mut count, families.as_mut_ptr());
         families.iter().map(|family| family.queue_flags.contains(vk::QueueFlags::GRAPHICS)).collect()
     }
 }

@@ -47,3 +47,12 @@ fn an_application_with_its_own_queries_keeps_them() {
     assert!(count.reason.unwrap().contains("itself"));
     assert_eq!(ended.findings, [""; 0]);
 }
+
+/// As the last layer of the chain too: there, the next layer is the loader itself.
+#[test]
+fn each_layer_works_alone() {
+    for layer in TestLayer::ALL {
+        let ended = Process::new("triangle_with_own_query").layer(layer.name()).run();
+        assert_eq!(ended.result, whole_image().to_string(), "{}", layer.name());
+    }
+}
