@@ -14,7 +14,7 @@ use crate::{HarnessError, artifacts};
 use child::Child;
 use outcome::Folder;
 use parafovea_test_layers::validation::VALIDATION_LAYER;
-use parafovea_test_layers::{COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, DROP_FILE_VARIABLE, TestLayer};
+use parafovea_test_layers::{COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, TestLayer};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -187,7 +187,6 @@ impl Run {
         }
         command.env("VK_INSTANCE_LAYERS", vulkan_layers.join(":"));
         command.env(COUNT_FILE_VARIABLE, folder.path().join(COUNT_FILE));
-        command.env(DROP_FILE_VARIABLE, folder.path().join(DROP_FILE));
         command.envs(self.environment.iter().map(|(name, value)| (name, value)));
         let child = Child::start(command, folder.path(), self.timeout)?;
         Ok(Running { run: self, folder, installation, child })
@@ -217,8 +216,6 @@ impl Run {
 
 /// Where the counting layer writes.
 const COUNT_FILE: &str = "count.jsonl";
-/// Where the layer that drops barriers writes.
-const DROP_FILE: &str = "drop.jsonl";
 
 /// A run that goes on.
 pub struct Running {

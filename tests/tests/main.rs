@@ -1,5 +1,6 @@
 //! End-to-end tests: real applications, the real loaders, lavapipe.
 
+mod canaries;
 mod configuration;
 mod enabling;
 mod hello_xr;

@@ -1,15 +1,14 @@
 //! What a run left behind.
 
+use super::COUNT_FILE;
 use super::child::Exit;
 use super::validation::Findings;
-use super::{COUNT_FILE, DROP_FILE};
 use crate::HarnessError;
 use crate::installation::Installation;
 use crate::picture::Picture;
 use crate::record::Record;
 use crate::scenario::Scenario;
-use parafovea_test_layers::{Count, Dropped};
-use serde::de::DeserializeOwned;
+use parafovea_test_layers::Count;
 use std::path::{Path, PathBuf};
 
 /// An application's end, and everything that it left. Its folder goes with it, unless a test fails.
@@ -74,23 +73,10 @@ impl Outcome {
                 output: last_lines(&self.output, 30),
             })
         };
-        self.reports::<Count>(COUNT_FILE)?.into_iter().map(number).sum()
-    }
-
-    /// Barriers that were left out, on all devices.
-    ///
-    /// # Errors
-    /// [`HarnessError::File`] where no layer left any out.
-    pub fn dropped_barriers(&self) -> Result<u64, HarnessError> {
-        Ok(self.reports::<Dropped>(DROP_FILE)?.iter().map(|dropped| dropped.dropped).sum())
-    }
-
-    /// The lines of a test layer, one for each device.
-    fn reports<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, HarnessError> {
-        let path = self.folder.path().join(name);
+        let path = self.folder.path().join(COUNT_FILE);
         let text = std::fs::read_to_string(&path).map_err(HarnessError::file(&path))?;
-        let report = |line| serde_json::from_str(line).map_err(|error| HarnessError::format(&path, error));
-        text.lines().map(report).collect()
+        let count = |line| serde_json::from_str(line).map_err(|error| HarnessError::format(&path, error));
+        text.lines().map(|line| count(line).and_then(number)).sum()
     }
 
     /// Fails unless the application ended by itself with code 0 after so many frames.
