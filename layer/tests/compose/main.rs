@@ -5,6 +5,7 @@
 
 mod allocations;
 mod canaries;
+mod failures;
 mod pictures;
 mod swapchain;
 mod transfer;

@@ -18,6 +18,7 @@ pub struct Vulkan {
     pub memory: vk::PhysicalDeviceMemoryProperties,
     pub gpu: Arc<Gpu>,
     pub pool: vk::CommandPool,
+    pub record: DeviceRecord,
     /// Whether the validation layers are there.
     pub validated: bool,
     messages: &'static Messages,
@@ -72,6 +73,7 @@ impl Vulkan {
                 gpu: Gpu::new(&record, 0, 0).unwrap(),
                 pool: device.create_command_pool(&pool_info, None).unwrap(),
                 device,
+                record,
                 validated,
                 messages,
             };
