@@ -1,7 +1,7 @@
 //! Vulkan objects of ours on the application's device, and the recording and submitting of our work.
 //!
 //! All calls go to the *next* layer's functions. The types here are safe to use from [`crate::passes`]: an
-//! object lives until it is dropped, and whoever owns objects that command buffers use also owns a [`Uses`],
+//! object lives until it is dropped, and whoever owns objects that command buffers use also owns a `Uses`,
 //! dropped before them, which waits for the last of those command buffers.
 
 pub mod barrier;
