@@ -23,6 +23,8 @@ fn declared<T: Uniform>() -> Declared {
 }
 
 fn main() {
+    // Never unloaded: both loaders may close the library while threads, and callbacks of the other half, are in it.
+    println!("cargo::rustc-link-arg-cdylib=-Wl,-z,nodelete");
     let uniforms = [declared::<ComposeParams>()];
     if let Err(message) = build(&uniforms) {
         eprintln!("error: {message}");

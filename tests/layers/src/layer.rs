@@ -9,9 +9,9 @@ use crate::interface::{
 };
 use ash::vk;
 use std::collections::BTreeMap;
-use std::ffi::{CStr, c_char};
+use std::ffi::{CStr, c_char, c_int};
 use std::mem::transmute;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, Once, PoisonError, RwLock};
 
 /// One of the layers.
 pub(crate) trait Layer: Sized + Send + Sync + 'static {
@@ -98,11 +98,12 @@ impl NextDevice {
 pub(crate) struct Tracked<L> {
     instances: RwLock<BTreeMap<usize, Instance>>,
     devices: RwLock<BTreeMap<usize, Arc<L>>>,
+    report_at_exit: Once,
 }
 
 impl<L> Tracked<L> {
     pub const fn new() -> Self {
-        Self { instances: RwLock::new(BTreeMap::new()), devices: RwLock::new(BTreeMap::new()) }
+        Self { instances: RwLock::new(BTreeMap::new()), devices: RwLock::new(BTreeMap::new()), report_at_exit: Once::new() }
     }
 }
 
@@ -277,11 +278,28 @@ unsafe extern "system" fn create_device<L: Layer>(
             Ok(own) => {
                 let mut devices = L::tracked().devices.write().unwrap_or_else(PoisonError::into_inner);
                 devices.insert(key(*device), Arc::new(own));
+                report_at_exit::<L>();
                 vk::Result::SUCCESS
             }
             Err(result) => result,
         }
     }
+}
+
+unsafe extern "C" {
+    fn atexit(function: extern "C" fn()) -> c_int;
+}
+
+/// Makes the process report on the devices that it never destroys (hello_xr destroys none) when it ends.
+fn report_at_exit<L: Layer>() {
+    extern "C" fn report<L: Layer>() {
+        let devices = std::mem::take(&mut *L::tracked().devices.write().unwrap_or_else(PoisonError::into_inner));
+        devices.values().for_each(|known| known.device_destroyed());
+    }
+    L::tracked().report_at_exit.call_once(|| {
+        // SAFETY: the C library runs the function at the process's end, or before it unloads this library.
+        unsafe { atexit(report::<L>) };
+    });
 }
 
 unsafe extern "system" fn destroy_device<L: Layer>(
