@@ -103,7 +103,11 @@ pub(crate) struct Tracked<L> {
 
 impl<L> Tracked<L> {
     pub const fn new() -> Self {
-        Self { instances: RwLock::new(BTreeMap::new()), devices: RwLock::new(BTreeMap::new()), report_at_exit: Once::new() }
+        Self {
+            instances: RwLock::new(BTreeMap::new()),
+            devices: RwLock::new(BTreeMap::new()),
+            report_at_exit: Once::new(),
+        }
     }
 }
 
@@ -293,7 +297,8 @@ unsafe extern "C" {
 /// Makes the process report on the devices that it never destroys (hello_xr destroys none) when it ends.
 fn report_at_exit<L: Layer>() {
     extern "C" fn report<L: Layer>() {
-        let devices = std::mem::take(&mut *L::tracked().devices.write().unwrap_or_else(PoisonError::into_inner));
+        let devices =
+            std::mem::take(&mut *L::tracked().devices.write().unwrap_or_else(PoisonError::into_inner));
         devices.values().for_each(|known| known.device_destroyed());
     }
     L::tracked().report_at_exit.call_once(|| {
