@@ -20,6 +20,12 @@ struct Case {
     format: PixelFormat,
     /// Whether the application's colour swapchains get images of ours where chroma attenuation is on.
     substituted: bool,
+    /// Which frame's picture each frame shows, where not its own: in front of a runtime that is not ready for another
+    /// image, the layer submits the last one again instead of making the application wait.
+    shows: &'static [u64],
+    /// Whether OpenXR's core validation is below the layer. Where it is not, it is too old for an extension of the
+    /// case, or answers a mistake itself.
+    openxr_validation: bool,
     /// What the runtime is to do beside the usual.
     scenario: fn(&mut Scenario),
 }
@@ -41,6 +47,8 @@ impl Case {
             gaze: Gaze::Centre,
             format: PixelFormat::Rgba8Srgb,
             substituted: true,
+            shows: &[],
+            openxr_validation: true,
             scenario: |_| {},
         }
     }
@@ -79,7 +87,7 @@ cases! {
     array_swapchain,
     several_rectangles,
     unorm { format: PixelFormat::Rgba8Unorm },
-    srgb_viewed_as_unorm,
+    srgb_viewed_as_unorm { openxr_validation: false },
     mip_levels { substituted: false },
     static_image { substituted: false },
     release_without_submit,
@@ -97,10 +105,13 @@ cases! {
     acquire_beyond_the_count,
     wait_without_acquire,
     release_without_wait,
-    wait_with_timeout { scenario: |scenario| scenario.swapchain.wait_timeouts = vec![1, 4, 5, 9] },
+    wait_with_timeout {
+        scenario: |scenario| scenario.swapchain.wait_timeouts = vec![1, 4, 5],
+        shows: &[0, 0, 2, 3, 3, 3, 6, 7],
+    },
     end_frame_with_unreleased_swapchain,
     rectangle_outside_the_image,
-    destroy_before_end_frame,
+    destroy_before_end_frame { openxr_validation: false },
     destroyed_handle,
     enumerate_images,
     two_sessions,

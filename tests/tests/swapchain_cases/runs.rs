@@ -30,13 +30,14 @@ pub fn run(case: &Case, config: Option<&str>) -> Finished {
     let application = Application::ours("parafovea-cases", &arguments).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let scenario = scenario(case, folder.path().to_str().unwrap());
-    let run = Run::new(&application, &scenario).validated().timeout(Duration::from_secs(60));
-    let outcome = match config {
-        Some(config) => run.on(config),
-        None => run,
+    let mut run = Run::new(&application, &scenario).validated().timeout(Duration::from_secs(60));
+    if !case.openxr_validation {
+        run = run.env("XR_ENABLE_API_LAYERS", "");
     }
-    .finish()
-    .unwrap();
+    if let Some(config) = config {
+        run = run.on(config);
+    }
+    let outcome = run.finish().unwrap();
     let report = outcome.output.lines().find_map(|line| serde_json::from_str(line).ok());
     let report: Report = report.unwrap_or_else(|| panic!("no report:\n{}\n{}", outcome.output, outcome.log));
     let pictures = load(folder.path(), &outcome);

@@ -12,7 +12,7 @@ use std::ffi::CStr;
 use std::ptr::{null, null_mut};
 
 /// Frames of an application whose gaze a layer may come to read only after a while.
-const LONG: u32 = 100;
+const LONG: u32 = 130;
 
 /// An action set with one action.
 struct Actions<'s> {
