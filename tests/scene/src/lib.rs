@@ -1,0 +1,10 @@
+//! `parafovea-scene`: an OpenXR application as one would write it in Rust, with [`openxr`] and [`wgpu`].
+//! It knows nothing of Parafovea. Tests, benches and the demo run it as the application to be made cheaper,
+//! so what it draws is frozen; the crate's README says what that means and what a frame costs.
+
+pub mod camera;
+pub mod offscreen;
+pub mod options;
+pub mod renderer;
+pub mod scene;
+pub mod xr;

@@ -1,0 +1,113 @@
+//! Draws without OpenXR, for stills, tests and the measurement of what a frame costs.
+
+use anyhow::{Context, Result};
+
+use crate::camera::Camera;
+use crate::renderer::{Pass, Rect, Renderer, depth_buffer};
+
+/// A renderer with an image of its own to draw into.
+#[derive(Debug)]
+pub struct Offscreen {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    renderer: Renderer,
+    image: wgpu::Texture,
+    depth: wgpu::TextureView,
+    /// Name of the device and its driver.
+    pub device_name: String,
+}
+
+impl Offscreen {
+    /// Opens the first Vulkan device for images of `width` x `height` in an 8-bit format.
+    ///
+    /// # Errors
+    /// If there is no Vulkan device or it cannot be opened.
+    pub fn new(width: u32, height: u32, format: wgpu::TextureFormat, light_count: u32) -> Result<Self> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            backends: wgpu::Backends::VULKAN,
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        });
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+            .context("no Vulkan device")?;
+        let info = adapter.get_info();
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()))
+            .context("opening the Vulkan device")?;
+        let image = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("image"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        Ok(Self {
+            renderer: Renderer::new(&device, &queue, format, light_count),
+            depth: depth_buffer(&device, width, height),
+            device,
+            queue,
+            image,
+            device_name: format!("{}, {} {}", info.name, info.driver, info.driver_info),
+        })
+    }
+
+    /// Draws a frame as the cameras see it, side by side, and waits until it is done.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn draw(&mut self, frame: u64, cameras: &[Camera]) -> Result<()> {
+        self.renderer.prepare(frame, cameras);
+        let width = self.image.width() / cameras.len() as u32;
+        let views: Vec<_> = (0..cameras.len())
+            .map(|index| (index, Rect { x: width * index as u32, y: 0, width, height: self.image.height() }))
+            .collect();
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.renderer.draw(
+            &mut encoder,
+            &Pass {
+                colour: &self.image.create_view(&wgpu::TextureViewDescriptor::default()),
+                depth: &self.depth,
+                keep_depth: false,
+                views: &views,
+            },
+        );
+        self.queue.submit([encoder.finish()]);
+        self.device.poll(wgpu::PollType::wait_indefinitely()).context("waiting for the frame")?;
+        Ok(())
+    }
+
+    /// The image's texels, four bytes each, rows from the top.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn texels(&self) -> Result<Vec<u8>> {
+        let (width, height) = (self.image.width(), self.image.height());
+        let stride = (width * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("texels"),
+            size: u64::from(stride * height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_texture_to_buffer(
+            self.image.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(stride), rows_per_image: None },
+            },
+            self.image.size(),
+        );
+        self.queue.submit([encoder.finish()]);
+        let (sender, receiver) = std::sync::mpsc::channel();
+        buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+            // The receiver below outlives the callback.
+            let _ = sender.send(result);
+        });
+        self.device.poll(wgpu::PollType::wait_indefinitely()).context("waiting for the copy")?;
+        receiver.recv()?.context("mapping the copy")?;
+        let mapped = buffer.slice(..).get_mapped_range()?;
+        Ok(mapped.chunks_exact(stride as usize).flat_map(|row| &row[..width as usize * 4]).copied().collect())
+    }
+}

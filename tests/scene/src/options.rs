@@ -1,0 +1,80 @@
+//! The command line.
+
+use clap::{Parser, ValueEnum};
+
+use crate::scene::lights;
+
+/// A courtyard in virtual reality: an OpenXR application with costly per-pixel lighting.
+#[derive(Clone, Debug, Parser)]
+#[command(version)]
+pub struct Options {
+    /// Quit after this many rendered frames [default: when the runtime ends the session].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub frames: Option<u64>,
+    /// Number of point lights; each costs about the same.
+    #[arg(long, value_name = "N", default_value_t = lights::DEFAULT,
+          value_parser = clap::value_parser!(u32).range(0..=i64::from(lights::MAX)))]
+    pub lights: u32,
+    /// How the eyes' images are arranged in swapchains.
+    #[arg(long, value_enum, default_value_t = Arrangement::Separate)]
+    pub swapchain: Arrangement,
+    /// Format of the eyes' images.
+    #[arg(long, value_enum, default_value_t = ColourFormat::Srgb)]
+    pub format: ColourFormat,
+    /// Size of one eye's image in texels [default: what the runtime recommends].
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// Submit the depth buffers too (XR_KHR_composition_layer_depth).
+    #[arg(long)]
+    pub depth_layer: bool,
+    /// Show the notice board in a quad layer as well.
+    #[arg(long)]
+    pub quad: bool,
+    /// Attach no action sets.
+    #[arg(long)]
+    pub no_actions: bool,
+}
+
+/// How the eyes' images are arranged in swapchains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Arrangement {
+    /// A swapchain for each eye.
+    Separate,
+    /// One swapchain with two array layers.
+    Array,
+    /// One swapchain of twice the width, drawn in one pass.
+    DoubleWide,
+}
+
+/// Format of the eyes' images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ColourFormat {
+    /// Eight bits, encoded by the format.
+    Srgb,
+    /// Eight bits, encoded by the shader.
+    Unorm,
+    /// Sixteen-bit floats, linear.
+    Hdr,
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let (width, height) = text.split_once('x').ok_or("expected WxH, as in 1024x1024")?;
+    let side = |text: &str| match text.parse::<u32>() {
+        Ok(side @ 1..=16384) => Ok(side),
+        _ => Err(format!("{text:?} is not a number from 1 to 16384")),
+    };
+    Ok([side(width)?, side(height)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(parse_size("640x480"), Ok([640, 480]));
+        for wrong in ["640", "x", "0x480", "640x-1", "640x99999"] {
+            assert!(parse_size(wrong).is_err(), "{wrong} was taken");
+        }
+    }
+}

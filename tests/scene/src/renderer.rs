@@ -1,0 +1,168 @@
+//! Draws the scene with wgpu, one pass for each image; knows nothing of OpenXR.
+
+mod buffers;
+mod images;
+mod pipelines;
+
+use crate::camera::Camera;
+use crate::scene::{Material, Scene, lights, time_of};
+
+use self::buffers::Buffers;
+pub use self::pipelines::Output;
+use self::pipelines::Pipelines;
+
+/// The depth format of every pass.
+pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// The most cameras of a frame.
+pub const MAX_CAMERAS: usize = 2;
+
+/// A rectangle of an image in texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rect {
+    /// Left edge.
+    pub x: u32,
+    /// Upper edge.
+    pub y: u32,
+    /// Width.
+    pub width: u32,
+    /// Height.
+    pub height: u32,
+}
+
+/// One render pass: an image and the cameras that are seen in it.
+#[derive(Debug)]
+pub struct Pass<'a> {
+    /// Where colour goes.
+    pub colour: &'a wgpu::TextureView,
+    /// A depth buffer of the same size; cleared at the start.
+    pub depth: &'a wgpu::TextureView,
+    /// Whether the depth buffer is read after the pass.
+    pub keep_depth: bool,
+    /// Index of each camera in the frame, and its rectangle of the image.
+    pub views: &'a [(usize, Rect)],
+}
+
+/// Everything that lives as long as the application.
+#[derive(Debug)]
+pub struct Renderer {
+    queue: wgpu::Queue,
+    scene: Scene,
+    light_count: u32,
+    pipelines: Pipelines,
+    buffers: Buffers,
+    view_group: wgpu::BindGroup,
+    material_groups: Vec<wgpu::BindGroup>,
+    /// Part and instance of each draw of the frame.
+    draws: Vec<usize>,
+}
+
+impl Renderer {
+    /// Uploads the scene and builds the pipelines for images of a format.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat, light_count: u32) -> Self {
+        let scene = Scene::new();
+        let pipelines = Pipelines::new(device, format);
+        let buffers = Buffers::new(device, queue, &scene, light_count);
+        let images = images::Images::new(device, queue);
+        let view_group = pipelines.view_group(device, &buffers, &images);
+        let material_groups =
+            Material::ALL.iter().map(|&material| pipelines.material_group(device, images.of(material))).collect();
+        Self {
+            queue: queue.clone(),
+            scene,
+            light_count,
+            pipelines,
+            buffers,
+            view_group,
+            material_groups,
+            draws: Vec::new(),
+        }
+    }
+
+    /// Writes what a frame needs: its cameras, and lights and moving things as of its animation time. At
+    /// most [`MAX_CAMERAS`] cameras are taken.
+    pub fn prepare(&mut self, frame: u64, cameras: &[Camera]) {
+        let time = time_of(frame);
+        let lights = lights::at(time, self.light_count);
+        let placements = self.scene.placements(time, &lights);
+        self.buffers.write(&self.queue, time, cameras, &lights, &placements);
+        self.draws = placements.iter().map(|placement| placement.part).collect();
+    }
+
+    /// Records one pass of the prepared frame.
+    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, pass: &Pass) {
+        let depth_store = if pass.keep_depth { wgpu::StoreOp::Store } else { wgpu::StoreOp::Discard };
+        let mut recording = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("courtyard"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: pass.colour,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: pass.depth,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: depth_store }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        for &(camera, rect) in pass.views {
+            recording.set_viewport(rect.x as f32, rect.y as f32, rect.width as f32, rect.height as f32, 0.0, 1.0);
+            recording.set_scissor_rect(rect.x, rect.y, rect.width, rect.height);
+            recording.set_bind_group(0, &self.view_group, &[Buffers::view_offset(camera)]);
+            self.draw_scene(&mut recording);
+        }
+    }
+
+    fn draw_scene(&self, recording: &mut wgpu::RenderPass) {
+        recording.set_pipeline(&self.pipelines.surfaces);
+        recording.set_vertex_buffer(0, self.buffers.vertices.slice(..));
+        recording.set_vertex_buffer(1, self.buffers.instances.slice(..));
+        recording.set_index_buffer(self.buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for (instance, &part) in self.draws.iter().enumerate() {
+            let range = &self.buffers.ranges[part];
+            recording.set_bind_group(1, &self.material_groups[range.material as usize], &[]);
+            let instance = instance as u32;
+            recording.draw_indexed(range.indices.clone(), range.base_vertex, instance..instance + 1);
+        }
+        // The sky comes last, where nothing else was drawn.
+        recording.set_pipeline(&self.pipelines.sky);
+        recording.draw(0..3, 0..1);
+    }
+
+    /// Records a pass that fills an image with the notice board, for a quad layer.
+    pub fn draw_board(&self, encoder: &mut wgpu::CommandEncoder, colour: &wgpu::TextureView) {
+        let mut recording = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("notice board"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: colour,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        recording.set_pipeline(&self.pipelines.board);
+        recording.set_bind_group(0, &self.view_group, &[Buffers::view_offset(0)]);
+        recording.set_bind_group(1, &self.material_groups[Material::Board as usize], &[]);
+        recording.draw(0..3, 0..1);
+    }
+}
+
+/// A depth buffer for passes of a size, and a view of it.
+pub fn depth_buffer(device: &wgpu::Device, width: u32, height: u32) -> wgpu::TextureView {
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("depth"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: DEPTH_FORMAT,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}

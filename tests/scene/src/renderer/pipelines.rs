@@ -1,0 +1,231 @@
+//! Pipelines and their bind groups.
+
+use std::mem::size_of;
+
+use super::DEPTH_FORMAT;
+use super::buffers::{Buffers, Instance};
+use super::images::{Images, MaterialImages};
+use crate::scene::mesh::Vertex;
+
+/// The source of every shader.
+pub const SHADER: &str = include_str!("../scene.wgsl");
+
+/// What the fragment shaders put out; the values of `OUTPUT` in `scene.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// Tone-mapped; the format encodes sRGB.
+    Linear = 0,
+    /// Tone-mapped and sRGB-encoded by the shader.
+    Encoded = 1,
+    /// Linear light without an upper end.
+    Unbounded = 2,
+}
+
+impl Output {
+    /// What suits an image format.
+    pub fn of(format: wgpu::TextureFormat) -> Self {
+        match format {
+            wgpu::TextureFormat::Rgba16Float => Self::Unbounded,
+            format if format.is_srgb() => Self::Linear,
+            _ => Self::Encoded,
+        }
+    }
+}
+
+#[derive(Debug)]
+pub struct Pipelines {
+    pub surfaces: wgpu::RenderPipeline,
+    pub sky: wgpu::RenderPipeline,
+    pub board: wgpu::RenderPipeline,
+    view_layout: wgpu::BindGroupLayout,
+    material_layout: wgpu::BindGroupLayout,
+    sampler: wgpu::Sampler,
+}
+
+impl Pipelines {
+    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+        let view_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("view"),
+            entries: &[
+                uniform(0, wgpu::ShaderStages::VERTEX_FRAGMENT, true),
+                uniform(1, wgpu::ShaderStages::FRAGMENT, false),
+                texture(2),
+                wgpu::BindGroupLayoutEntry {
+                    binding: 3,
+                    visibility: wgpu::ShaderStages::FRAGMENT,
+                    ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+                    count: None,
+                },
+            ],
+        });
+        let material_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("material"),
+            entries: &[texture(0), texture(1)],
+        });
+        let builder = Builder {
+            device,
+            module: device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("scene.wgsl"),
+                source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+            }),
+            layout: device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("scene"),
+                bind_group_layouts: &[Some(&view_layout), Some(&material_layout)],
+                immediate_size: 0,
+            }),
+            format,
+        };
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("repeating"),
+            address_mode_u: wgpu::AddressMode::Repeat,
+            address_mode_v: wgpu::AddressMode::Repeat,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        });
+        Self {
+            surfaces: builder.surfaces(),
+            sky: builder.screen(
+                "sky",
+                Some(wgpu::DepthStencilState {
+                    format: DEPTH_FORMAT,
+                    depth_write_enabled: Some(false),
+                    depth_compare: Some(wgpu::CompareFunction::LessEqual),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
+            ),
+            board: builder.screen("board", None),
+            view_layout,
+            material_layout,
+            sampler,
+        }
+    }
+
+    pub fn view_group(&self, device: &wgpu::Device, buffers: &Buffers, images: &Images) -> wgpu::BindGroup {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("view"),
+            layout: &self.view_layout,
+            entries: &[
+                entry(0, wgpu::BindingResource::Buffer(buffers.view_binding())),
+                entry(1, buffers.lights.as_entire_binding()),
+                entry(2, wgpu::BindingResource::TextureView(&images.detail)),
+                entry(3, wgpu::BindingResource::Sampler(&self.sampler)),
+            ],
+        })
+    }
+
+    pub fn material_group(&self, device: &wgpu::Device, images: &MaterialImages) -> wgpu::BindGroup {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("material"),
+            layout: &self.material_layout,
+            entries: &[
+                entry(0, wgpu::BindingResource::TextureView(&images.albedo)),
+                entry(1, wgpu::BindingResource::TextureView(&images.relief)),
+            ],
+        })
+    }
+}
+
+struct Builder<'a> {
+    device: &'a wgpu::Device,
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    format: wgpu::TextureFormat,
+}
+
+impl Builder<'_> {
+    fn surfaces(&self) -> wgpu::RenderPipeline {
+        let vertex = wgpu::VertexBufferLayout {
+            array_stride: size_of::<Vertex>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![
+                0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2, 4 => Float32
+            ],
+        };
+        let instance = wgpu::VertexBufferLayout {
+            array_stride: size_of::<Instance>() as u64,
+            step_mode: wgpu::VertexStepMode::Instance,
+            attributes: &wgpu::vertex_attr_array![
+                5 => Float32x4, 6 => Float32x4, 7 => Float32x4, 8 => Float32x4, 9 => Float32x3
+            ],
+        };
+        let depth = wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Less),
+            stencil: Default::default(),
+            bias: Default::default(),
+        };
+        self.build("surface", &[Some(vertex), Some(instance)], Some(wgpu::Face::Back), Some(depth))
+    }
+
+    /// A pipeline that draws one triangle over the whole target.
+    fn screen(&self, stem: &str, depth: Option<wgpu::DepthStencilState>) -> wgpu::RenderPipeline {
+        self.build(stem, &[], None, depth)
+    }
+
+    fn build(
+        &self,
+        stem: &str,
+        buffers: &[Option<wgpu::VertexBufferLayout>],
+        cull_mode: Option<wgpu::Face>,
+        depth_stencil: Option<wgpu::DepthStencilState>,
+    ) -> wgpu::RenderPipeline {
+        let constants = [("OUTPUT", f64::from(Output::of(self.format) as u32))];
+        let fragment_options =
+            wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(stem),
+            layout: Some(&self.layout),
+            vertex: wgpu::VertexState {
+                module: &self.module,
+                entry_point: Some(&format!("{stem}_vertex")),
+                compilation_options: Default::default(),
+                buffers,
+            },
+            primitive: wgpu::PrimitiveState { cull_mode, ..Default::default() },
+            depth_stencil,
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &self.module,
+                entry_point: Some(&format!("{stem}_fragment")),
+                compilation_options: fragment_options,
+                targets: &[Some(self.format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+fn uniform(binding: u32, visibility: wgpu::ShaderStages, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset,
+            min_binding_size: None,
+        },
+        count: None,
+    }
+}
+
+fn texture(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: true },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    }
+}
+
+fn entry(binding: u32, resource: wgpu::BindingResource) -> wgpu::BindGroupEntry {
+    wgpu::BindGroupEntry { binding, resource }
+}

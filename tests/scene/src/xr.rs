@@ -1,0 +1,246 @@
+//! The OpenXR side: from the loader to the end of the session.
+
+mod graphics;
+mod input;
+mod projection;
+mod swapchain;
+
+use std::time::Duration;
+
+use anyhow::{Context, Result, anyhow, bail};
+use glam::{Quat, Vec3};
+use openxr as xr;
+
+use self::graphics::Graphics;
+use self::input::Input;
+use self::projection::Projection;
+use self::swapchain::{BOARD_POSE, BOARD_SIZE, Swapchain};
+use crate::camera::Camera;
+use crate::options::Options;
+use crate::renderer::Renderer;
+use crate::scene::text;
+
+const VIEW_TYPE: xr::ViewConfigurationType = xr::ViewConfigurationType::PRIMARY_STEREO;
+/// Height of a standing visitor's eyes in metres, for runtimes without a stage.
+const EYE_HEIGHT: f32 = 1.6;
+
+/// Runs the application until its session has ended; gives the number of rendered frames.
+///
+/// # Errors
+/// If there is no loader, runtime, headset or GPU, if the runtime lacks what the options ask for, or if a
+/// call fails; the text says which.
+pub fn run(options: &Options) -> Result<u64> {
+    let instance = create_instance(options)?;
+    let system = instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).context("no headset")?;
+    let graphics = Graphics::new(&instance, system)?;
+    let mut app = App::new(options, &instance, system, &graphics)?;
+    app.run_session(&instance)?;
+    Ok(app.frame)
+}
+
+fn create_instance(options: &Options) -> Result<xr::Instance> {
+    // SAFETY: the loader that is installed as libopenxr_loader.so.1 is taken to be one.
+    let entry = unsafe { xr::Entry::load(&()) }
+        .context("the OpenXR loader, libopenxr_loader.so.1, cannot be loaded; is it installed?")?;
+    const NO_RUNTIME: &str = "no OpenXR runtime; is one installed and active, or XR_RUNTIME_JSON set?";
+    let available = entry.enumerate_extensions().context(NO_RUNTIME)?;
+    let mut enabled = xr::ExtensionSet::default();
+    if !available.khr_vulkan_enable2 {
+        bail!("the OpenXR runtime lacks XR_KHR_vulkan_enable2");
+    }
+    enabled.khr_vulkan_enable2 = true;
+    if options.depth_layer && !available.khr_composition_layer_depth {
+        bail!("--depth-layer: the OpenXR runtime lacks XR_KHR_composition_layer_depth");
+    }
+    enabled.khr_composition_layer_depth = options.depth_layer;
+    let application = xr::ApplicationInfo {
+        application_name: "parafovea-scene",
+        application_version: 1,
+        engine_name: "wgpu",
+        engine_version: 30,
+        api_version: xr::Version::new(1, 0, 0),
+    };
+    entry.create_instance(&application, &enabled, &[], &()).context(NO_RUNTIME)
+}
+
+/// Everything that lives as long as the session. Fields are dropped from the top: what draws goes before
+/// the session, which keeps the device alive.
+struct App {
+    renderer: Renderer,
+    projection: Projection,
+    board: Option<Swapchain>,
+    input: Option<Input>,
+    space: xr::Space,
+    waiter: xr::FrameWaiter,
+    stream: xr::FrameStream<xr::Vulkan>,
+    session: xr::Session<xr::Vulkan>,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    blend_mode: xr::EnvironmentBlendMode,
+    /// Frames rendered so far; the animation's clock.
+    frame: u64,
+    /// When to ask for the end.
+    last_frame: Option<u64>,
+    exit_requested: bool,
+}
+
+impl App {
+    fn new(options: &Options, instance: &xr::Instance, system: xr::SystemId, graphics: &Graphics) -> Result<Self> {
+        let blend_modes = instance.enumerate_environment_blend_modes(system, VIEW_TYPE)?;
+        let (session, waiter, stream) = graphics.create_session(instance, system)?;
+        let input =
+            if options.no_actions { None } else { Some(Input::attach(instance, &session).context("actions")?) };
+        let recommended = instance.enumerate_view_configuration_views(system, VIEW_TYPE)?;
+        let view = recommended.first().context("the runtime has no stereo view")?;
+        let size = options.size.unwrap_or([view.recommended_image_rect_width, view.recommended_image_rect_height]);
+        let format = swapchain::choose_format(&session, options.format)?;
+        let (device, queue) = (graphics.device.clone(), graphics.queue.clone());
+        Ok(Self {
+            renderer: Renderer::new(&device, &queue, format, options.lights),
+            projection: Projection::new(&session, &device, options.swapchain, format, size, options.depth_layer)?,
+            board: options
+                .quad
+                .then(|| Swapchain::new(&session, &device, format, text::SIZE, 1))
+                .transpose()
+                .context("the quad layer's swapchain")?,
+            input,
+            space: create_space(&session)?,
+            waiter,
+            stream,
+            session,
+            device,
+            queue,
+            blend_mode: blend_modes.first().copied().unwrap_or(xr::EnvironmentBlendMode::OPAQUE),
+            frame: 0,
+            last_frame: options.frames,
+            exit_requested: false,
+        })
+    }
+
+    /// Follows the session's states until it has ended.
+    fn run_session(&mut self, instance: &xr::Instance) -> Result<()> {
+        let mut storage = xr::EventDataBuffer::new();
+        let mut running = false;
+        loop {
+            while let Some(event) = instance.poll_event(&mut storage)? {
+                match event {
+                    xr::Event::SessionStateChanged(change) => match change.state() {
+                        xr::SessionState::READY => {
+                            self.session.begin(VIEW_TYPE)?;
+                            running = true;
+                        }
+                        xr::SessionState::STOPPING => {
+                            self.session.end()?;
+                            running = false;
+                        }
+                        xr::SessionState::EXITING => return self.finish(),
+                        xr::SessionState::LOSS_PENDING => bail!("the session is about to be lost"),
+                        _ => {}
+                    },
+                    xr::Event::InstanceLossPending(_) => bail!("the OpenXR runtime is about to go away"),
+                    _ => {}
+                }
+            }
+            if running {
+                self.run_frame().with_context(|| format!("frame {}", self.frame))?;
+            } else {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        }
+    }
+
+    fn run_frame(&mut self) -> Result<()> {
+        let state = self.waiter.wait()?;
+        self.stream.begin()?;
+        let quit = match &self.input {
+            Some(input) => input.wants_to_quit(&self.session)?,
+            None => false,
+        };
+        let done = quit || self.last_frame.is_some_and(|last| self.frame >= last);
+        if done && !self.exit_requested {
+            self.session.request_exit()?;
+            self.exit_requested = true;
+        }
+        let time = state.predicted_display_time;
+        let views = if state.should_render && !self.exit_requested { self.locate(time)? } else { None };
+        match views {
+            Some(views) => self.render(time, &views),
+            None => Ok(self.stream.end(time, self.blend_mode, &[])?),
+        }
+    }
+
+    /// Where the eyes will be, unless the runtime does not know.
+    fn locate(&self, time: xr::Time) -> Result<Option<Vec<xr::View>>> {
+        let (flags, views) = self.session.locate_views(VIEW_TYPE, time, &self.space)?;
+        let known = xr::ViewStateFlags::POSITION_VALID | xr::ViewStateFlags::ORIENTATION_VALID;
+        Ok(flags.contains(known).then_some(views))
+    }
+
+    fn render(&mut self, time: xr::Time, views: &[xr::View]) -> Result<()> {
+        let cameras: Vec<_> = views.iter().map(camera).collect();
+        self.renderer.prepare(self.frame, &cameras);
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.projection.acquire()?;
+        self.projection.draw(&self.renderer, &mut encoder);
+        if let Some(board) = &mut self.board {
+            board.acquire()?;
+            self.renderer.draw_board(&mut encoder, board.view(0));
+        }
+        self.queue.submit([encoder.finish()]);
+        self.device.poll(wgpu::PollType::Poll)?;
+        self.projection.release()?;
+        if let Some(board) = &mut self.board {
+            board.release()?;
+        }
+        self.submit(time, views)?;
+        self.frame += 1;
+        Ok(())
+    }
+
+    fn submit(&mut self, time: xr::Time, views: &[xr::View]) -> Result<()> {
+        let depths = self.projection.depth_infos();
+        let projection_views = self.projection.layer_views(views, &depths);
+        let projection = xr::CompositionLayerProjection::new().space(&self.space).views(&projection_views);
+        let quad = self.board.as_ref().map(|board| {
+            xr::CompositionLayerQuad::new()
+                .layer_flags(xr::CompositionLayerFlags::BLEND_TEXTURE_SOURCE_ALPHA)
+                .space(&self.space)
+                .eye_visibility(xr::EyeVisibility::BOTH)
+                .sub_image(board.sub_image())
+                .pose(BOARD_POSE)
+                .size(BOARD_SIZE)
+        });
+        let mut layers: Vec<&xr::CompositionLayerBase<xr::Vulkan>> = vec![&projection];
+        if let Some(quad) = &quad {
+            layers.push(quad);
+        }
+        Ok(self.stream.end(time, self.blend_mode, &layers)?)
+    }
+
+    /// The session has ended; waits until the device is done with the images.
+    fn finish(&self) -> Result<()> {
+        self.device.poll(wgpu::PollType::wait_indefinitely())?;
+        Ok(())
+    }
+}
+
+/// The stage where there is one, else a floor under the place where the visitor started.
+fn create_space(session: &xr::Session<xr::Vulkan>) -> Result<xr::Space> {
+    let spaces = session.enumerate_reference_spaces()?;
+    if spaces.contains(&xr::ReferenceSpaceType::STAGE) {
+        return Ok(session.create_reference_space(xr::ReferenceSpaceType::STAGE, xr::Posef::IDENTITY)?);
+    }
+    let floor = xr::Posef { position: xr::Vector3f { x: 0.0, y: -EYE_HEIGHT, z: 0.0 }, ..xr::Posef::IDENTITY };
+    session
+        .create_reference_space(xr::ReferenceSpaceType::LOCAL, floor)
+        .map_err(|error| anyhow!(error).context("neither a stage nor a local space"))
+}
+
+fn camera(view: &xr::View) -> Camera {
+    let (position, orientation, fov) = (view.pose.position, view.pose.orientation, view.fov);
+    Camera::new(
+        Vec3::new(position.x, position.y, position.z),
+        Quat::from_xyzw(orientation.x, orientation.y, orientation.z, orientation.w),
+        [fov.angle_left, fov.angle_right, fov.angle_down, fov.angle_up],
+    )
+}

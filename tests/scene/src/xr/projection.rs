@@ -1,0 +1,198 @@
+//! The swapchains of the projection layer, in each of the arrangements.
+
+use std::ffi::c_void;
+
+use anyhow::{Context, Result};
+use openxr as xr;
+
+use super::swapchain::Swapchain;
+use crate::camera::{FAR, NEAR};
+use crate::options::Arrangement;
+use crate::renderer::{DEPTH_FORMAT, Pass, Rect, Renderer, depth_buffer};
+
+const EYES: usize = 2;
+
+/// Where an eye's picture is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Slot {
+    swapchain: usize,
+    layer: u32,
+    rect: Rect,
+}
+
+impl Arrangement {
+    fn slots(self, [width, height]: [u32; 2]) -> [Slot; EYES] {
+        [0, 1].map(|eye| {
+            let (swapchain, layer, x) = match self {
+                Self::Separate => (eye as usize, 0, 0),
+                Self::Array => (0, eye, 0),
+                Self::DoubleWide => (0, 0, eye * width),
+            };
+            Slot { swapchain, layer, rect: Rect { x, y: 0, width, height } }
+        })
+    }
+
+    /// Number of swapchains, their array layers, and their width in eyes.
+    fn shape(self) -> (usize, u32, u32) {
+        match self {
+            Self::Separate => (2, 1, 1),
+            Self::Array => (1, 2, 1),
+            Self::DoubleWide => (1, 1, 2),
+        }
+    }
+}
+
+/// Where depth goes.
+enum Depth {
+    /// Buffers of our own by swapchain and layer.
+    Kept(Vec<Vec<wgpu::TextureView>>),
+    /// Swapchains beside those of colour.
+    Submitted(Vec<Swapchain>),
+}
+
+/// The images of the projection layer.
+pub struct Projection {
+    slots: [Slot; EYES],
+    layers: u32,
+    colour: Vec<Swapchain>,
+    depth: Depth,
+}
+
+impl Projection {
+    /// Makes the swapchains for eyes of `size` texels, with such for depth if `submit_depth` is set.
+    ///
+    /// # Errors
+    /// Those of xrCreateSwapchain.
+    pub fn new(
+        session: &xr::Session<xr::Vulkan>,
+        device: &wgpu::Device,
+        arrangement: Arrangement,
+        format: wgpu::TextureFormat,
+        size: [u32; 2],
+        submit_depth: bool,
+    ) -> Result<Self> {
+        let (count, layers, eyes_wide) = arrangement.shape();
+        let [width, height] = [size[0] * eyes_wide, size[1]];
+        let swapchains = |format| {
+            (0..count).map(|_| Swapchain::new(session, device, format, [width, height], layers)).collect::<Result<_>>()
+        };
+        let depth = if submit_depth {
+            Depth::Submitted(swapchains(DEPTH_FORMAT).context("a depth swapchain")?)
+        } else {
+            let buffers = || (0..layers).map(|_| depth_buffer(device, width, height)).collect();
+            Depth::Kept((0..count).map(|_| buffers()).collect())
+        };
+        let colour = swapchains(format).context("a colour swapchain")?;
+        Ok(Self { slots: arrangement.slots(size), layers, colour, depth })
+    }
+
+    fn swapchains(&mut self) -> impl Iterator<Item = &mut Swapchain> {
+        let depth: &mut [Swapchain] = match &mut self.depth {
+            Depth::Submitted(swapchains) => swapchains,
+            Depth::Kept(_) => &mut [],
+        };
+        self.colour.iter_mut().chain(depth)
+    }
+
+    /// Takes the next image of each swapchain.
+    ///
+    /// # Errors
+    /// Those of [`Swapchain::acquire`].
+    pub fn acquire(&mut self) -> Result<()> {
+        self.swapchains().try_for_each(Swapchain::acquire)
+    }
+
+    /// Gives the images back.
+    ///
+    /// # Errors
+    /// Those of [`Swapchain::release`].
+    pub fn release(&mut self) -> Result<()> {
+        self.swapchains().try_for_each(Swapchain::release)
+    }
+
+    /// Records a pass for each image and layer.
+    pub fn draw(&self, renderer: &Renderer, encoder: &mut wgpu::CommandEncoder) {
+        for (index, colour) in self.colour.iter().enumerate() {
+            for layer in 0..self.layers {
+                let views: Vec<_> = (0..EYES)
+                    .map(|eye| (eye, self.slots[eye]))
+                    .filter(|(_, slot)| (slot.swapchain, slot.layer) == (index, layer))
+                    .map(|(eye, slot)| (eye, slot.rect))
+                    .collect();
+                let (depth, keep_depth) = match &self.depth {
+                    Depth::Kept(buffers) => (&buffers[index][layer as usize], false),
+                    Depth::Submitted(swapchains) => (swapchains[index].view(layer), true),
+                };
+                renderer.draw(encoder, &Pass { colour: colour.view(layer), depth, keep_depth, views: &views });
+            }
+        }
+    }
+
+    /// What the runtime needs to know about each eye's depth, if it is submitted.
+    pub fn depth_infos(&self) -> Vec<xr::sys::CompositionLayerDepthInfoKHR> {
+        let Depth::Submitted(swapchains) = &self.depth else { return Vec::new() };
+        let info = |slot: &Slot| xr::sys::CompositionLayerDepthInfoKHR {
+            ty: xr::sys::CompositionLayerDepthInfoKHR::TYPE,
+            next: std::ptr::null(),
+            sub_image: xr::sys::SwapchainSubImage {
+                swapchain: swapchains[slot.swapchain].handle().as_raw(),
+                image_rect: image_rect(slot),
+                image_array_index: slot.layer,
+            },
+            min_depth: 0.0,
+            max_depth: 1.0,
+            near_z: NEAR,
+            far_z: FAR,
+        };
+        self.slots.iter().map(info).collect()
+    }
+
+    /// The views of the projection layer, as the eyes were when they were drawn. `depths` is what
+    /// [`Self::depth_infos`] gave.
+    pub fn layer_views<'a>(
+        &'a self,
+        views: &[xr::View],
+        depths: &'a [xr::sys::CompositionLayerDepthInfoKHR],
+    ) -> Vec<xr::CompositionLayerProjectionView<'a, xr::Vulkan>> {
+        let layer_view = |(eye, (slot, view)): (usize, (&Slot, &xr::View))| {
+            let sub_image = xr::SwapchainSubImage::new()
+                .swapchain(self.colour[slot.swapchain].handle())
+                .image_array_index(slot.layer)
+                .image_rect(image_rect(slot));
+            let plain = xr::CompositionLayerProjectionView::new().pose(view.pose).fov(view.fov).sub_image(sub_image);
+            let Some(depth) = depths.get(eye) else { return plain };
+            let mut raw = plain.into_raw();
+            raw.next = std::ptr::from_ref(depth).cast::<c_void>();
+            // SAFETY: the result borrows `self` and `depths`, to which the structure points.
+            unsafe { xr::CompositionLayerProjectionView::from_raw(raw) }
+        };
+        self.slots.iter().zip(views).enumerate().map(layer_view).collect()
+    }
+}
+
+fn image_rect(slot: &Slot) -> xr::Rect2Di {
+    xr::Rect2Di {
+        offset: xr::Offset2Di { x: slot.rect.x as i32, y: slot.rect.y as i32 },
+        extent: xr::Extent2Di { width: slot.rect.width as i32, height: slot.rect.height as i32 },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In each arrangement every eye's rectangle lies inside its image and overlaps no other's.
+    #[test]
+    fn slots_fit_their_swapchains_and_are_apart() {
+        for arrangement in [Arrangement::Separate, Arrangement::Array, Arrangement::DoubleWide] {
+            let (count, layers, eyes_wide) = arrangement.shape();
+            let [left, right] = arrangement.slots([100, 80]);
+            for slot in [left, right] {
+                assert!(slot.swapchain < count && slot.layer < layers, "{arrangement:?} {slot:?}");
+                assert!(slot.rect.x + slot.rect.width <= 100 * eyes_wide, "{arrangement:?} {slot:?}");
+            }
+            let same_image = (left.swapchain, left.layer) == (right.swapchain, right.layer);
+            assert!(!same_image || left.rect.x + left.rect.width <= right.rect.x, "{arrangement:?}");
+        }
+    }
+}
