@@ -24,6 +24,9 @@ pub struct Frame {
     pub display_time_ns: i64,
     /// CPU time of the whole process until then, in nanoseconds.
     pub process_cpu_ns: u64,
+    /// The gaze then, as scripted: a unit vector in the head's space; none while it was not tracked.
+    #[serde(default)]
+    pub gaze: Option<[f32; 3]>,
     /// The composition layers that were submitted.
     #[serde(default)]
     pub layers: Vec<serde_json::Value>,

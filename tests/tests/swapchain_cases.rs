@@ -6,6 +6,7 @@ mod judge;
 mod runs;
 
 use parafovea_core::kernels::compose::PixelFormat;
+use parafovea_tests::scenario as mock;
 use parafovea_tests::scenario::{Head, Input, InputValue, Scenario};
 use runs::{Finished, run};
 
@@ -117,6 +118,7 @@ cases! {
     two_sessions,
     no_actions { gaze: Gaze::Tracker },
     own_actions { gaze: Gaze::Tracker, scenario: press_select },
+    own_actions_and_resubmission { gaze: Gaze::Tracker, scenario: glance },
     own_eye_gaze { gaze: Gaze::Tracker },
 }
 
@@ -140,6 +142,12 @@ fn press_select(scenario: &mut Scenario) {
     let path = "/user/hand/left/input/select/click".to_owned();
     let input = |t, down| Input { t, path: path.clone(), value: InputValue::Boolean(down) };
     scenario.input = vec![input(0.02, true), input(0.045, false)];
+}
+
+/// The gaze moves through the picture, so that even one that is submitted again has to be processed again.
+fn glance(scenario: &mut Scenario) {
+    let at = |t, yaw_deg| mock::Gaze { t, yaw_deg, ..scenario.gaze[0] };
+    scenario.gaze = vec![at(0.0, -25.0), at(0.1, 25.0)];
 }
 
 /// Displays that point outwards, on a head that turns: the gaze goes with the head, not with the displays.

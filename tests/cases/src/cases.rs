@@ -72,5 +72,6 @@ cases! {
     sessions::two_sessions,
     actions::no_actions,
     actions::own_actions,
+    actions::own_actions_and_resubmission,
     actions::own_eye_gaze [c"XR_EXT_eye_gaze_interaction"],
 }

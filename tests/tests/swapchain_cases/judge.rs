@@ -8,7 +8,7 @@ use parafovea_core::kernels::compose::{ComposeParams, compose_image};
 use parafovea_tests::compare::max_difference;
 use parafovea_tests::picture::Picture;
 use parafovea_tests::record::Frame;
-use parafovea_tests::scenario::{FovDegrees, Scenario, View};
+use parafovea_tests::scenario::{FovDegrees, View};
 use serde_json::Value;
 
 /// Code values by which GPU and CPU may round apart.
@@ -53,11 +53,12 @@ pub fn processed(case: &Case, reference: &Finished, run: &Finished) {
     }
     let mut known = case.gaze == Gaze::Centre;
     let mut eyes = 0;
-    for (key @ (frame, layer, view), picture) in &run.pictures {
+    for (key @ (index, layer, view), picture) in &run.pictures {
+        let frame = run.outcome.record.frames.iter().find(|frame| frame.index == *index).unwrap();
         let what = format!("{}: frame, layer, view {key:?}", case.name);
-        let shown = case.shows.get(*frame as usize).unwrap_or(frame);
+        let shown = case.shows.get(*index as usize).unwrap_or(index);
         let original = &reference.pictures[&(*shown, *layer, *view)];
-        if !case.substituted || !is_projection(run, *frame, *layer) {
+        if !case.substituted || frame.layers[*layer as usize]["type"] != "projection" {
             assert_same(original, picture, &what);
             continue;
         }
@@ -65,17 +66,11 @@ pub fn processed(case: &Case, reference: &Finished, run: &Finished) {
         known = known || original != picture;
         if known {
             let eye = &run.scenario.views[*view as usize];
-            let params = region(eye, gaze(case, &run.scenario, eye), picture);
+            let params = region(eye, gaze(case, frame, eye), picture);
             assert_attenuated(case, &params, original, picture, &what);
         }
     }
     assert!(known || eyes == 0, "{}: no frame was processed\n{}", case.name, run.outcome.log);
-}
-
-fn is_projection(run: &Finished, frame: u64, layer: u32) -> bool {
-    let mut frames = run.outcome.record.frames.iter();
-    let frame = frames.find(|recorded| recorded.index == frame).unwrap();
-    frame.layers[layer as usize]["type"] == "projection"
 }
 
 fn same_observations(reference: &Finished, run: &Finished) {
@@ -177,16 +172,11 @@ fn fov(view: &View) -> Fov {
     Fov { left, right, up, down }
 }
 
-/// The direction of the gaze in a view's space: ahead of the head, or as the scenario says.
-fn gaze(case: &Case, scenario: &Scenario, view: &View) -> Vec3 {
+/// The direction of the gaze in a view's space: ahead of the head, or as the scenario has it at that time.
+fn gaze(case: &Case, frame: &Frame, view: &View) -> Vec3 {
     let in_head = match case.gaze {
         Gaze::Centre => Vec3::NEG_Z,
-        Gaze::Tracker => {
-            let keyframe = scenario.gaze[0];
-            let yaw = Quat::from_rotation_y(keyframe.yaw_deg.to_radians());
-            let pitch = Quat::from_rotation_x(keyframe.pitch_deg.to_radians());
-            yaw * pitch * Vec3::NEG_Z
-        }
+        Gaze::Tracker => frame.gaze.unwrap().into(),
     };
     Quat::from_array(view.orientation).inverse() * in_head
 }

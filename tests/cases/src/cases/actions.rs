@@ -35,6 +35,15 @@ pub fn no_actions(app: &App) -> Outcome {
 
 /// A button of the simple controller.
 pub fn own_actions(app: &App) -> Outcome {
+    button(app, 1)
+}
+
+/// The same, with a picture that is drawn once and submitted again and again.
+pub fn own_actions_and_resubmission(app: &App) -> Outcome {
+    button(app, FRAMES)
+}
+
+fn button(app: &App, frames_a_picture: u32) -> Outcome {
     let session = Session::create(app)?;
     let actions = Actions::attach(
         &session,
@@ -55,7 +64,9 @@ pub fn own_actions(app: &App) -> Outcome {
             state.current_state,
             state.changed_since_last_sync,
         ));
-        stereo.paint(frame.index)?;
+        if frame.index % frames_a_picture == 0 {
+            stereo.paint(frame.index)?;
+        }
         session.submit(frame, &[Layer::Projection(stereo.images())])
     })?;
     app.report().note("select", states.join("; "));
