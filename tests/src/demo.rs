@@ -164,5 +164,7 @@ fn save(
     save("off", before)?;
     save("on", after)?;
     save("difference_x8", &difference_times_8(before, after))?;
-    save("eccentricity", &overlay::eccentricity(after, view, settings.plateau_deg))
+    let rings = overlay::eccentricity(after, view, settings.plateau_deg);
+    save("eccentricity", &rings)?;
+    save("overview", &before.halved().beside(&rings.halved()))
 }

@@ -9,7 +9,7 @@ use crate::record::median;
 use crate::run::{Application, LayerMode, Run};
 use crate::scenario::{Scenario, ScenarioExt};
 use parafovea_test_layers::TestLayer;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What stands between the application and the driver.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -46,14 +46,18 @@ impl Case {
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
     /// How often all cases have their turn.
-    pub rounds: usize,
+    pub turns: usize,
     /// Frames of hello_xr in each turn.
     pub frames: u64,
+    /// How often the draws are recorded and submitted in each turn.
+    pub rounds: u32,
 }
 
 impl Effort {
     /// For figures.
-    pub const FULL: Self = Self { rounds: 5, frames: 300 };
+    pub const FULL: Self = Self { turns: 5, frames: 300, rounds: 30 };
+    /// To see that it works.
+    pub const LEAST: Self = Self { turns: 1, frames: 20, rounds: 1 };
 }
 
 /// One line of results.
@@ -77,7 +81,7 @@ pub struct Figure {
     pub ratio: f64,
 }
 
-/// CPU time of one frame of hello_xr.
+/// CPU time of the whole process for one frame of hello_xr.
 ///
 /// # Errors
 /// Those of the harness, and an application that does not come to its end.
@@ -85,32 +89,70 @@ pub fn hello_xr(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
     let application = Application::hello_xr("Vulkan2")?;
     // Small pictures: what the layer adds is the same, and less of the driver's own work hides it.
     let scenario = Scenario::new(effort.frames).sized(64, 64);
-    by_turns(effort, |case| {
+    let [frame] = by_turns(effort, |case| {
         let outcome =
             case.set_up(Run::new(&application, &scenario)).finish()?.expect_frames(effort.frames)?;
-        Ok(outcome.record.cpu_ms_of_frames())
-    })
-    .map(|medians| figures("hello_xr", "cpu_per_frame", "ms", medians))
+        Ok([outcome.record.cpu_ms_of_frames()])
+    })?;
+    Ok(figures(&application, "cpu_per_frame", "ms", frame))
 }
 
-fn by_turns(
+/// Draw calls in a command buffer of [`draws`].
+const DRAWS: u32 = 10_000;
+
+/// CPU time of the recording thread for a command buffer of 10,000 draw calls and for its submit, in a program that
+/// uses Vulkan alone: on, the layer is armed.
+///
+/// # Errors
+/// Those of the harness, and a program that prints something else than its figures.
+pub fn draws(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
+    let arguments = ["--draws", &DRAWS.to_string(), "--rounds", &effort.rounds.to_string()];
+    let application = Application::ours("parafovea-overhead", &arguments)?;
+    let scenario = Scenario::new(1);
+    let [record, submit] = by_turns(effort, |case| {
+        let outcome = case.set_up(Run::new(&application, &scenario)).finish()?;
+        let times = outcome.output.lines().find_map(|line| serde_json::from_str::<DrawTimes>(line).ok());
+        let times = times.ok_or_else(|| outcome.failed("it printed no figures"))?;
+        Ok([vec![times.record_ns_per_draw * f64::from(DRAWS) / 1e6], vec![times.submit_ns / 1e6]])
+    })?;
+    let mut all = figures(&application, "record_10000_draws", "ms", record);
+    all.extend(figures(&application, "submit", "ms", submit));
+    Ok(all)
+}
+
+/// What `parafovea-overhead` prints, as far as it is used here.
+#[derive(Deserialize)]
+struct DrawTimes {
+    record_ns_per_draw: f64,
+    submit_ns: f64,
+}
+
+/// Measures all cases by turns. A turn gives samples of each metric; the medians come back, by metric and case.
+fn by_turns<const METRICS: usize>(
     effort: Effort,
-    mut turn: impl FnMut(Case) -> Result<Vec<f64>, HarnessError>,
-) -> Result<[f64; 4], HarnessError> {
-    let mut values: [Vec<f64>; 4] = Default::default();
-    for _ in 0..effort.rounds {
-        for (case, values) in Case::ALL.into_iter().zip(&mut values) {
-            values.extend(turn(case)?);
+    mut turn: impl FnMut(Case) -> Result<[Vec<f64>; METRICS], HarnessError>,
+) -> Result<[[f64; Case::ALL.len()]; METRICS], HarnessError> {
+    let mut samples = [const { [const { Vec::new() }; Case::ALL.len()] }; METRICS];
+    for _ in 0..effort.turns {
+        for (index, case) in Case::ALL.into_iter().enumerate() {
+            for (samples, new) in samples.iter_mut().zip(turn(case)?) {
+                samples[index].extend(new);
+            }
         }
     }
-    Ok(values.map(|values| median(values).unwrap_or(f64::NAN)))
+    Ok(samples.map(|cases| cases.map(|samples| median(samples).unwrap_or(f64::NAN))))
 }
 
-fn figures(app: &str, metric: &'static str, unit: &'static str, medians: [f64; 4]) -> Vec<Figure> {
+fn figures(
+    application: &Application,
+    metric: &'static str,
+    unit: &'static str,
+    medians: [f64; Case::ALL.len()],
+) -> Vec<Figure> {
     let baseline = medians[0];
     let figure = |(case, value): (Case, f64)| Figure {
         bench: "overhead",
-        app: app.to_owned(),
+        app: application.name().to_owned(),
         case: case.name(),
         metric,
         value,

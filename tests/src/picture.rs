@@ -34,6 +34,26 @@ impl Picture {
         (0_u32..).zip(&self.pixels).map(|(i, pixel)| (i % self.width, i / self.width, *pixel))
     }
 
+    /// Half as wide and high, each pixel the mean of four code values; an odd last column or row is left out.
+    pub fn halved(&self) -> Self {
+        Self::from_fn(self.width / 2, self.height / 2, |x, y| {
+            let four =
+                [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(right, down)| self.at(2 * x + right, 2 * y + down));
+            std::array::from_fn(|channel| {
+                let sum: u16 = four.iter().map(|pixel| u16::from(pixel[channel])).sum();
+                (sum / 4) as u8
+            })
+        })
+    }
+
+    /// This picture with another of the same height on its right.
+    pub fn beside(&self, right: &Self) -> Self {
+        assert_eq!(self.height, right.height, "pictures of one height fit beside each other");
+        Self::from_fn(self.width + right.width, self.height, |x, y| {
+            if x < self.width { self.at(x, y) } else { right.at(x - self.width, y) }
+        })
+    }
+
     /// Reads an 8-bit RGBA PNG.
     ///
     /// # Errors
@@ -86,6 +106,16 @@ mod tests {
         picture.save(&path).unwrap();
         assert_eq!(Picture::load(&path).unwrap(), picture);
         assert_eq!(picture.at(2, 1), [2, 1, 200, 7]);
+    }
+
+    #[test]
+    fn halves_and_neighbours() {
+        let picture = Picture::from_fn(5, 4, |x, y| [(10 * x) as u8, (100 * y) as u8 / 2, 8, 255]);
+        let half = picture.halved();
+        assert_eq!((half.width, half.height), (2, 2));
+        assert_eq!(half.at(1, 0), [25, 25, 8, 255]);
+        let both = half.beside(&half);
+        assert_eq!((both.width, both.at(3, 0)), (4, half.at(1, 0)));
     }
 
     #[test]

@@ -4,5 +4,6 @@ mod canaries;
 mod configuration;
 mod enabling;
 mod hello_xr;
+mod overhead;
 mod pictures;
 mod swapchain_cases;

@@ -67,11 +67,8 @@ impl Outcome {
     /// [`HarnessError::File`] where it was not there, [`HarnessError::Application`] where it could not count.
     pub fn fragments(&self) -> Result<u64, HarnessError> {
         let number = |count: Count| {
-            count.fragment_invocations.ok_or_else(|| HarnessError::Application {
-                application: self.application.clone(),
-                reason: count.reason.unwrap_or_default(),
-                output: last_lines(&self.output, 30),
-            })
+            let reason = count.reason.unwrap_or_default();
+            count.fragment_invocations.ok_or_else(|| self.failed(&reason))
         };
         let path = self.folder.path().join(COUNT_FILE);
         let text = std::fs::read_to_string(&path).map_err(HarnessError::file(&path))?;
@@ -82,7 +79,7 @@ impl Outcome {
     /// Fails unless the application ended by itself with code 0 after so many frames.
     ///
     /// # Errors
-    /// [`HarnessError::Application`], with the last of what it printed and of the layer's log.
+    /// [`HarnessError::Application`], as [`Self::failed`] makes it.
     pub fn expect_frames(self, frames: u64) -> Result<Self, HarnessError> {
         let done = self.record.frames.len() as u64;
         if self.exit_code == Some(0) && done == frames {
@@ -93,11 +90,17 @@ impl Outcome {
             (false, Some(code)) => format!("exit code {code}"),
             (false, None) => "killed by a signal".to_owned(),
         };
-        Err(HarnessError::Application {
+        Err(self.failed(&format!("{done} of {frames} frames, {end}")))
+    }
+
+    /// The application did not do what was expected of it: an error with the last of what it printed and of the
+    /// layer's log.
+    pub fn failed(&self, reason: &str) -> HarnessError {
+        HarnessError::Application {
             application: self.application.clone(),
-            reason: format!("{done} of {frames} frames, {end}"),
+            reason: reason.to_owned(),
             output: format!("{}{}", last_lines(&self.output, 30), last_lines(&self.log, 10)),
-        })
+        }
     }
 }
 

@@ -1,0 +1,25 @@
+//! The bench `overhead` runs, and says what it should.
+
+use parafovea_tests::overhead::{Effort, Figure, draws, hello_xr};
+
+fn assert_complete(figures: &[Figure]) {
+    let cases: Vec<&str> = figures.iter().map(|figure| figure.case).collect();
+    assert_eq!(cases, ["none", "pass_through", "inert", "on"]);
+    for figure in figures {
+        assert!(figure.value > 0.0 && figure.ratio > 0.0, "{figure:?}");
+        assert_eq!(figure.baseline, figures[0].value);
+    }
+}
+
+#[test]
+fn of_a_frame_of_hello_xr() {
+    assert_complete(&hello_xr(Effort::LEAST).unwrap());
+}
+
+#[test]
+fn of_ten_thousand_draws() {
+    let figures = draws(Effort::LEAST).unwrap();
+    let (record, submit) = figures.split_at(4);
+    assert_complete(record);
+    assert_complete(submit);
+}
