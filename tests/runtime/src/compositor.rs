@@ -86,7 +86,9 @@ fn submitted(layers: &[Layer]) -> Vec<(String, &SubImage)> {
     for (index, layer) in layers.iter().enumerate() {
         match layer {
             Layer::Projection { views, .. } => {
-                parts.extend((0..).zip(views).map(|(view, part)| (format!("{index}_{view}"), &part.image)));
+                parts.extend(
+                    (0..).zip(views.iter()).map(|(view, part)| (format!("{index}_{view}"), &part.image)),
+                );
             }
             Layer::Quad(quad) => parts.push((format!("{index}_0"), &quad.image)),
         }

@@ -225,3 +225,68 @@ fn negotiate(loader: &xr::NegotiateLoaderInfo, request: &mut xr::NegotiateRuntim
     });
     Ok(xr::Result::SUCCESS)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the loader of OpenXR `newest` passes.
+    fn loader(newest: xr::Version) -> xr::NegotiateLoaderInfo {
+        xr::NegotiateLoaderInfo {
+            struct_type: xr::NegotiateLoaderInfo::TYPE,
+            struct_version: xr::NegotiateLoaderInfo::VERSION,
+            struct_size: size_of::<xr::NegotiateLoaderInfo>(),
+            min_interface_version: 1,
+            max_interface_version: 1,
+            min_api_version: xr::Version::new(1, 0, 0),
+            max_api_version: newest,
+        }
+    }
+
+    fn request() -> xr::NegotiateRuntimeRequest {
+        xr::NegotiateRuntimeRequest {
+            struct_type: xr::NegotiateRuntimeRequest::TYPE,
+            struct_version: xr::NegotiateRuntimeRequest::VERSION,
+            struct_size: size_of::<xr::NegotiateRuntimeRequest>(),
+            runtime_interface_version: 0,
+            runtime_api_version: xr::Version::new(0, 0, 0),
+            get_instance_proc_addr: None,
+        }
+    }
+
+    #[test]
+    fn loaders_of_1_0_and_1_1_get_the_runtime() {
+        for newest in [(1, 0x3ff, 0xfff), (1, 1, 49)] {
+            let mut request = request();
+            assert!(negotiate(&loader(xr::Version::new(newest.0, newest.1, newest.2)), &mut request).is_ok());
+            assert_eq!((request.runtime_interface_version, request.runtime_api_version.major()), (1, 1));
+            assert!(request.get_instance_proc_addr.is_some());
+        }
+    }
+
+    #[test]
+    fn other_loaders_are_refused() {
+        let good = || loader(NEWEST);
+        let bad = [
+            xr::NegotiateLoaderInfo { struct_version: 2, ..good() },
+            xr::NegotiateLoaderInfo { struct_size: 8, ..good() },
+            xr::NegotiateLoaderInfo { min_interface_version: 2, max_interface_version: 2, ..good() },
+            xr::NegotiateLoaderInfo { min_api_version: xr::Version::new(2, 0, 0), ..good() },
+        ];
+        for loader in bad {
+            let refused = negotiate(&loader, &mut request()).unwrap_err();
+            assert_eq!(refused.result, xr::Result::ERROR_INITIALIZATION_FAILED);
+        }
+        let request = &mut xr::NegotiateRuntimeRequest { struct_size: 8, ..request() };
+        assert!(negotiate(&good(), request).is_err());
+    }
+
+    const NEWEST: xr::Version = instance::NEWEST_API;
+
+    #[test]
+    fn without_an_instance_there_are_only_the_functions_that_lead_to_one() {
+        assert!(found_without_instance("xrCreateInstance").is_ok());
+        let refused = found_without_instance("xrDestroyInstance").unwrap_err();
+        assert_eq!(refused.result, xr::Result::ERROR_HANDLE_INVALID);
+    }
+}

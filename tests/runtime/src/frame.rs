@@ -48,30 +48,39 @@ pub(crate) extern "system" fn wait(
 ) -> xr::Result {
     let start = Instant::now();
     loop {
-        let mut pause = None;
+        let mut next = Next::Return;
         let result = call("xrWaitFrame", |runtime| {
             runtime.read_optional(&info)?;
             let frames = &runtime.sessions.get(session)?.frames;
             if frames.waited.is_some() && start.elapsed() < DEADLOCK {
-                pause = Some(POLL);
+                next = Next::TryAgain;
                 return Ok(xr::Result::SUCCESS);
             }
-            let (frame, wait) = next_frame(runtime, session)?;
-            let period = runtime.clock.period_ns();
             let state = state.get()?;
+            let (frame, wait) = next_frame(runtime, session)?;
             state.predicted_display_time = xr::Time::from_nanos(frame.display_time);
-            state.predicted_display_period = xr::Duration::from_nanos(period);
+            state.predicted_display_period = xr::Duration::from_nanos(runtime.clock.period_ns());
             state.should_render = frame.should_render.into();
             runtime.sessions.get_mut(session)?.frames.waited = Some(frame);
-            pause = (!wait.is_zero()).then_some(wait);
+            next = Next::ReturnAfter(wait);
             Ok(xr::Result::SUCCESS)
         });
-        let Some(pause) = pause else { return result };
-        std::thread::sleep(pause);
-        if pause != POLL {
-            return result;
+        match next {
+            Next::Return => return result,
+            Next::ReturnAfter(wait) => {
+                std::thread::sleep(wait);
+                return result;
+            }
+            Next::TryAgain => std::thread::sleep(POLL),
         }
     }
+}
+
+/// How `xrWaitFrame` goes on, without the lock.
+enum Next {
+    Return,
+    ReturnAfter(Duration),
+    TryAgain,
 }
 
 /// The next frame of a session, which may become visible or focused with it, and how long it is away.

@@ -18,7 +18,7 @@ pub(crate) const MAX_LAYERS: u32 = xr::MIN_COMPOSITION_LAYERS_SUPPORTED as u32;
 /// A layer to show.
 #[derive(Clone, Debug)]
 pub(crate) enum Layer {
-    Projection { flags: xr::CompositionLayerFlags, space: xr::Space, views: [ProjectionView; VIEWS] },
+    Projection { flags: xr::CompositionLayerFlags, space: xr::Space, views: Box<[ProjectionView; VIEWS]> },
     Quad(Quad),
 }
 
@@ -90,7 +90,7 @@ fn read_layer(
             Ok(Layer::Projection {
                 flags: layer.layer_flags,
                 space: layer.space,
-                views: [read(0)?, read(1)?],
+                views: Box::new([read(0)?, read(1)?]),
             })
         }
         LayerStructure::Quad(layer) => {

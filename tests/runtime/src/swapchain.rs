@@ -55,7 +55,7 @@ pub(crate) extern "system" fn create(
         let list = info.extension::<xr::VulkanSwapchainFormatListCreateInfoKHR>();
         let list = list.filter(|_| instance.has("XR_KHR_vulkan_swapchain_format_list"));
         let view_formats = list.map(|list| list.view_formats()).transpose()?.unwrap_or_default();
-        let shape = check_shape(runtime, &owner.gpu.formats(), &info, view_formats)?;
+        let shape = check_shape(runtime, owner.gpu.formats(), &info, view_formats)?;
         let count = if shape.is_static { 1 } else { runtime.scenario.swapchain.images };
         let images = Images::new(&owner.gpu, &shape, count)?;
         let line = SwapchainCreated {

@@ -7,7 +7,7 @@ use crate::runtime::Runtime;
 use crate::{scenario, spaces, views};
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat3, Quat, Vec3};
+use glam::{Mat3, Quat};
 use openxr_sys as xr;
 
 /// One layer, drawn over what is there.
@@ -148,7 +148,7 @@ fn projection(eye: &Eye, space: Pose, flags: xr::CompositionLayerFlags, view: &P
     let params = Params::of(&view.image);
     let same_edges = source_edges.iter().zip(target_edges).all(|(a, b)| (a - b).abs() <= SAME);
     let same_size = params.rect[2..] == eye.size.map(|size| size as i32);
-    let exact = same_edges && same_size && Vec3::from(rotation.xyz()).length() <= SAME;
+    let exact = same_edges && same_size && rotation.xyz().length() <= SAME;
     Params {
         rotation: columns(rotation),
         mode: if exact { MODE_EXACT } else { MODE_PROJECTION },
@@ -177,6 +177,7 @@ fn quad_params(eye: &Eye, space: Pose, quad: &Quad) -> Params {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     fn image() -> SubImage {
         SubImage {

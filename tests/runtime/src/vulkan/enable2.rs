@@ -139,10 +139,11 @@ fn names(names: &[String]) -> Result<Vec<CString>, Fault> {
 /// # Safety
 /// `first` points to `count` NUL-terminated strings, or `count` is 0; they live as long as the result is used.
 unsafe fn joined(first: *const *const c_char, count: u32, ours: &[CString]) -> Vec<*const c_char> {
-    // SAFETY: this function's contract.
-    let mut all = match count {
-        0 => Vec::new(),
-        count => unsafe { std::slice::from_raw_parts(first, count as usize) }.to_vec(),
+    let mut all = if count == 0 {
+        Vec::new()
+    } else {
+        // SAFETY: this function's contract.
+        unsafe { std::slice::from_raw_parts(first, count as usize) }.to_vec()
     };
     for name in ours {
         // SAFETY: this function's contract.
