@@ -2,6 +2,8 @@
 //! chroma attenuation. The first run is the reference: what the application observes has to be the same, and the
 //! pictures have to be the same or differ exactly as the CPU reference of the kernel says.
 
+#![allow(clippy::unwrap_used, reason = "clippy.toml allows it in test functions; these are their helpers")]
+
 mod judge;
 mod runs;
 
