@@ -6,4 +6,5 @@ mod enabling;
 mod hello_xr;
 mod overhead;
 mod pictures;
+mod readme;
 mod swapchain_cases;
