@@ -26,3 +26,6 @@ pub use negotiate::negotiate;
 
 /// The layer's name, as its manifest gives it to the OpenXR loader.
 pub const LAYER_NAME: &CStr = c"XR_APILAYER_PARAFOVEA_foveation";
+
+#[cfg(test)]
+mod tests;

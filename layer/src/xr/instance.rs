@@ -1,5 +1,6 @@
 //! Instances: creation, tracking, destruction.
 
+mod below;
 mod extensions;
 
 use super::actions::InstanceActions;
@@ -9,6 +10,7 @@ use super::{session, vulkan_activation};
 use crate::abi::guard;
 use crate::config::{Environment, LiveConfig};
 use crate::vk::Enablement;
+use below::Below;
 use extensions::EyeGaze;
 use openxr_sys as xr;
 use openxr_sys::pfn;
@@ -58,45 +60,6 @@ pub fn hooked(handle: xr::Instance) -> Option<Arc<Instance>> {
 /// Loaders allow one instance at a time.
 pub fn next_of_any() -> Option<Next> {
     INSTANCES.find_map(|known| Some(known.hooked.as_ref()?.next))
-}
-
-/// The layer below, from the loader's list.
-#[derive(Clone, Copy)]
-struct Below {
-    create: pfn::CreateApiLayerInstance,
-    get_instance_proc_addr: pfn::GetInstanceProcAddr,
-    list: xr::ApiLayerCreateInfo,
-}
-
-impl Below {
-    /// Takes the next layer's functions, and a copy of the list that begins after us.
-    ///
-    /// # Safety
-    ///
-    /// `info` is null or the loader's valid list.
-    unsafe fn read(info: *const xr::ApiLayerCreateInfo) -> Option<Self> {
-        // SAFETY: the caller vouches for the list.
-        unsafe {
-            let info = info.as_ref().filter(|info| info.struct_type == xr::ApiLayerCreateInfo::TYPE)?;
-            let next =
-                info.next_info.as_ref().filter(|next| next.struct_type == xr::ApiLayerNextInfo::TYPE)?;
-            Some(Self {
-                create: next.next_create_api_layer_instance?,
-                get_instance_proc_addr: next.next_get_instance_proc_addr?,
-                list: xr::ApiLayerCreateInfo { next_info: next.next, ..*info },
-            })
-        }
-    }
-
-    /// Creates the instance below.
-    ///
-    /// # Safety
-    ///
-    /// As for `xrCreateInstance`.
-    unsafe fn create(&self, info: *const xr::InstanceCreateInfo, instance: *mut xr::Instance) -> xr::Result {
-        // SAFETY: the loader gave the function, and its list is valid during the call.
-        unsafe { (self.create)(info, &self.list, instance) }
-    }
 }
 
 /// `xrCreateApiLayerInstance`.

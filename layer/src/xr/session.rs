@@ -122,7 +122,10 @@ unsafe fn track(
     let actions = SessionActions::new(active.is_some() && instance.reports_eye_gaze(system));
     if let Some(active) = &active {
         active.device.set_active(true);
-        tracing::info!("session active, eye tracker: {}", actions.may_have_gaze());
+        match actions.may_have_gaze() {
+            true => tracing::info!("session active, with an eye tracker"),
+            false => tracing::info!("session active, without an eye tracker: nothing follows the gaze"),
+        }
     }
     SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, actions }));
 }

@@ -36,8 +36,10 @@ impl Swapchain {
                 vulkan.runtime_image(shape.format, shape.extent, shape.array_layers, usage)
             })
             .collect();
+        let app = AppImages::new(&vulkan.gpu, shape, 2).unwrap();
+        app.make_ready().unwrap();
         Self {
-            app: AppImages::new(&vulkan.gpu, shape, 2).unwrap(),
+            app,
             runtime: RuntimeImages::new(&vulkan.gpu, shape, handles.clone()).unwrap(),
             runtime_handles: handles,
             extent: shape.extent,

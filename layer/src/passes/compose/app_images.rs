@@ -22,11 +22,12 @@ pub struct AppImages {
     _images: Vec<OwnedImage>,
     handles: Vec<vk::Image>,
     shape: SwapchainShape,
+    gpu: Arc<Gpu>,
 }
 
 impl AppImages {
-    /// Creates `count` images, with the application's usage and ours, and brings them to
-    /// COLOR_ATTACHMENT_OPTIMAL with a submit. Views of the format's UNORM and sRGB forms are legal.
+    /// Creates `count` images, with the application's usage and ours. Views of the format's UNORM and sRGB
+    /// forms are legal. Submits nothing: a swapchain is created where the queue is the application's alone.
     ///
     /// # Errors
     /// [`GpuError::Unsupported`] when the device has no such images; a failed call.
@@ -49,14 +50,30 @@ impl AppImages {
             .map(|(image, layer)| color_view(gpu, image, shape.format, layer))
             .collect::<Result<Vec<_>, GpuError>>()?;
         let textures = TextureSets::new(gpu, &views)?;
-        let submit = gpu.submit(|recorder| {
-            for &image in &handles {
-                recorder.barrier(&APP_CREATED, image, shape.array_layers);
+        Ok(Self {
+            uses,
+            textures,
+            _views: views,
+            _images: images,
+            handles,
+            shape: shape.clone(),
+            gpu: Arc::clone(gpu),
+        })
+    }
+
+    /// Brings the images to COLOR_ATTACHMENT_OPTIMAL, with a submit. Once, before the application gets one.
+    ///
+    /// # Errors
+    /// [`GpuError::Timeout`] when earlier submits hang; a failed call. Then nothing was submitted.
+    pub fn make_ready(&self) -> Result<(), GpuError> {
+        let submit = self.gpu.submit(|recorder| {
+            for &image in &self.handles {
+                recorder.barrier(&APP_CREATED, image, self.shape.array_layers);
             }
             Ok(())
         })?;
-        uses.mark(submit);
-        Ok(Self { uses, textures, _views: views, _images: images, handles, shape: shape.clone() })
+        self.uses.mark(submit);
+        Ok(())
     }
 
     /// The images, in order.

@@ -71,6 +71,7 @@ pub unsafe extern "system" fn acquire_image(
         let (info, index) = unsafe { (info.as_ref(), index.as_mut()) };
         let is_valid = info.is_none_or(|info| info.ty == xr::SwapchainImageAcquireInfo::TYPE);
         let Some(index) = index.filter(|_| is_valid) else { return xr::Result::ERROR_VALIDATION_FAILURE };
+        substitute.make_ready();
         result_of(substitute.ring().acquire().map(|image| *index = image))
     })
 }

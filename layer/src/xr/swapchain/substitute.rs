@@ -4,7 +4,7 @@ use super::{Ring, Target};
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::compose::{AppImages, RuntimeImages, SwapchainShape, stores_unit_range};
 use ash::vk;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
 
 /// Both sides of a virtual swapchain.
 pub struct Substitute {
@@ -16,6 +16,7 @@ pub struct Substitute {
     pub array_layers: u32,
     /// Whether an image stores values from 0 to 1 only.
     pub is_unit_range: bool,
+    ready: Once,
     ring: Mutex<Ring>,
     target: Mutex<Target>,
 }
@@ -37,9 +38,20 @@ impl Substitute {
             extent: shape.extent,
             array_layers: shape.array_layers,
             is_unit_range: stores_unit_range(shape.format),
+            ready: Once::new(),
             ring: Mutex::new(Ring::new(count)),
             target: Mutex::new(Target::new(RuntimeImages::new(gpu, shape, runtime_images)?)),
         })
+    }
+
+    /// Prepares our images, the first time it is called: before the application gets one, and where the
+    /// queue is ours to use.
+    pub fn make_ready(&self) {
+        self.ready.call_once(|| {
+            if let Err(error) = self.app.make_ready() {
+                tracing::error!("a virtual swapchain's images have an undefined layout: {error}");
+            }
+        });
     }
 
     /// The application's side.

@@ -1,0 +1,48 @@
+//! What the loader tells a layer of the layers below it.
+
+use openxr_sys as xr;
+use openxr_sys::pfn;
+
+/// The layer below, from the loader's list.
+#[derive(Clone, Copy)]
+pub struct Below {
+    create: pfn::CreateApiLayerInstance,
+    /// Its `xrGetInstanceProcAddr`.
+    pub get_instance_proc_addr: pfn::GetInstanceProcAddr,
+    list: xr::ApiLayerCreateInfo,
+}
+
+impl Below {
+    /// Takes the next layer's functions, and a copy of the list that begins after us.
+    ///
+    /// # Safety
+    ///
+    /// `info` is null or the loader's valid list.
+    pub unsafe fn read(info: *const xr::ApiLayerCreateInfo) -> Option<Self> {
+        // SAFETY: the caller vouches for the list.
+        unsafe {
+            let info = info.as_ref().filter(|info| info.struct_type == xr::ApiLayerCreateInfo::TYPE)?;
+            let next =
+                info.next_info.as_ref().filter(|next| next.struct_type == xr::ApiLayerNextInfo::TYPE)?;
+            Some(Self {
+                create: next.next_create_api_layer_instance?,
+                get_instance_proc_addr: next.next_get_instance_proc_addr?,
+                list: xr::ApiLayerCreateInfo { next_info: next.next, ..*info },
+            })
+        }
+    }
+
+    /// Creates the instance below.
+    ///
+    /// # Safety
+    ///
+    /// As for `xrCreateInstance`.
+    pub unsafe fn create(
+        &self,
+        info: *const xr::InstanceCreateInfo,
+        instance: *mut xr::Instance,
+    ) -> xr::Result {
+        // SAFETY: the loader gave the function, and its list is valid during the call.
+        unsafe { (self.create)(info, &self.list, instance) }
+    }
+}

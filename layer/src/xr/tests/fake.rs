@@ -1,0 +1,123 @@
+//! A stand-in for the runtime below, as little of it as the tests need. It notes what it is called with.
+
+use openxr_sys as xr;
+use openxr_sys::{Handle, pfn};
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char, c_void};
+use std::mem::transmute;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Handles are never used twice, so that tests in one process stay apart.
+static HANDLES: AtomicU64 = AtomicU64::new(1);
+
+thread_local! {
+    /// The extensions of each xrCreateInstance of this thread, and what they were answered.
+    pub static CREATED: RefCell<Vec<(Vec<CString>, xr::Result)>> = const { RefCell::new(Vec::new()) };
+    /// What an instance with eye gaze, and one without, is answered.
+    pub static ANSWERS: RefCell<[xr::Result; 2]> = const { RefCell::new([xr::Result::SUCCESS; 2]) };
+    /// The action sets of each xrAttachSessionActionSets of this thread.
+    pub static ATTACHED: RefCell<Vec<Vec<u64>>> = const { RefCell::new(Vec::new()) };
+}
+
+fn new_handle() -> u64 {
+    HANDLES.fetch_add(1, Ordering::Relaxed)
+}
+
+unsafe extern "system" fn create_instance(
+    info: *const xr::InstanceCreateInfo,
+    _list: *const xr::ApiLayerCreateInfo,
+    instance: *mut xr::Instance,
+) -> xr::Result {
+    // SAFETY: the layer passes valid structures.
+    let extensions: Vec<CString> = unsafe {
+        let names = (*info).enabled_extension_names;
+        (0..(*info).enabled_extension_count as usize)
+            .map(|at| CStr::from_ptr(*names.add(at)).to_owned())
+            .collect()
+    };
+    let has_eye_gaze = extensions.iter().any(|name| name.as_c_str() == c"XR_EXT_eye_gaze_interaction");
+    let result = ANSWERS.with_borrow(|answers| answers[usize::from(!has_eye_gaze)]);
+    CREATED.with_borrow_mut(|created| created.push((extensions, result)));
+    if result == xr::Result::SUCCESS {
+        // SAFETY: as above.
+        unsafe { *instance = xr::Instance::from_raw(new_handle()) };
+    }
+    result
+}
+
+unsafe extern "system" fn create_session(
+    _: xr::Instance,
+    _: *const xr::SessionCreateInfo,
+    session: *mut xr::Session,
+) -> xr::Result {
+    // SAFETY: the layer passes a place for the handle.
+    unsafe { *session = xr::Session::from_raw(new_handle()) };
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn destroy_instance(_: xr::Instance) -> xr::Result {
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn attach(_: xr::Session, info: *const xr::SessionActionSetsAttachInfo) -> xr::Result {
+    // SAFETY: the layer passes a valid structure.
+    let sets = unsafe { std::slice::from_raw_parts((*info).action_sets, (*info).count_action_sets as usize) };
+    ATTACHED.with_borrow_mut(|attached| attached.push(sets.iter().map(|set| set.into_raw()).collect()));
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn end_frame(_: xr::Session, _: *const xr::FrameEndInfo) -> xr::Result {
+    xr::Result::ERROR_HANDLE_INVALID
+}
+
+/// Stands for every function that the tests never call.
+unsafe extern "system" fn never_called() {}
+
+unsafe extern "system" fn get_instance_proc_addr(
+    _: xr::Instance,
+    name: *const c_char,
+    function: *mut Option<pfn::VoidFunction>,
+) -> xr::Result {
+    // SAFETY: any function pointer may be carried as PFN_xrVoidFunction; the arguments are valid.
+    unsafe {
+        let found = match CStr::from_ptr(name).to_str().unwrap() {
+            "xrCreateSession" => transmute::<pfn::CreateSession, pfn::VoidFunction>(create_session),
+            "xrDestroyInstance" => transmute::<pfn::DestroyInstance, pfn::VoidFunction>(destroy_instance),
+            "xrAttachSessionActionSets" => {
+                transmute::<pfn::AttachSessionActionSets, pfn::VoidFunction>(attach)
+            }
+            "xrEndFrame" => transmute::<pfn::EndFrame, pfn::VoidFunction>(end_frame),
+            "xrNoSuchFunction" => return xr::Result::ERROR_FUNCTION_UNSUPPORTED,
+            _ => never_called,
+        };
+        *function = Some(found);
+    }
+    xr::Result::SUCCESS
+}
+
+/// The pointer that the stand-in gives for functions that the tests never call.
+pub fn next_pointer() -> *const c_void {
+    never_called as *const c_void
+}
+
+/// The loader's list: this layer, and the stand-in as the end of it.
+pub fn layer_list() -> (Box<xr::ApiLayerNextInfo>, xr::ApiLayerCreateInfo) {
+    let mut next = Box::new(xr::ApiLayerNextInfo {
+        struct_type: xr::ApiLayerNextInfo::TYPE,
+        struct_version: 1,
+        struct_size: size_of::<xr::ApiLayerNextInfo>(),
+        layer_name: [0; xr::MAX_API_LAYER_NAME_SIZE],
+        next_get_instance_proc_addr: Some(get_instance_proc_addr),
+        next_create_api_layer_instance: Some(create_instance),
+        next: std::ptr::null_mut(),
+    });
+    let list = xr::ApiLayerCreateInfo {
+        struct_type: xr::ApiLayerCreateInfo::TYPE,
+        struct_version: 1,
+        struct_size: size_of::<xr::ApiLayerCreateInfo>(),
+        loader_instance: std::ptr::null_mut(),
+        settings_file_location: [0; xr::API_LAYER_MAX_SETTINGS_PATH_SIZE],
+        next_info: &raw mut *next,
+    };
+    (next, list)
+}
