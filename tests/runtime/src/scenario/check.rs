@@ -106,4 +106,26 @@ mod tests {
     fn an_empty_file_is_the_default() {
         assert_eq!(Scenario::parse("").unwrap(), Scenario::default());
     }
+
+    #[test]
+    fn the_manual_has_every_key() {
+        let manual = include_str!("../../README.md");
+        let input =
+            super::super::Input { t: 0.0, path: String::new(), value: super::super::InputValue::Float(0.0) };
+        let everything = Scenario { input: vec![input], ..Scenario::default() };
+        let everything = toml::Table::try_from(&everything).unwrap();
+        let mut keys = Vec::new();
+        for (section, value) in everything {
+            let table = match value {
+                toml::Value::Array(tables) => tables[0].as_table().unwrap().clone(),
+                other => other.as_table().unwrap().clone(),
+            };
+            keys.extend(table.into_iter().map(|(key, _)| (section.clone(), key)));
+        }
+        assert!(keys.len() > 30, "{keys:?}");
+        for (section, key) in keys {
+            assert!(manual.contains(&format!("[{section}]")), "[{section}]");
+            assert!(manual.contains(&format!("`{key}`")), "{key} of [{section}]");
+        }
+    }
 }

@@ -79,8 +79,7 @@ pub fn environment(folder: &Path, scenario: &str) -> Vec<(&'static str, PathBuf)
     std::fs::write(&file, scenario).unwrap();
     let manifest = write_runtime_manifest(folder, &library()).unwrap();
     let settings = folder.join("vk_layer_settings.txt");
-    std::fs::write(&settings, VALIDATION.replace("LOG", &folder.join(VALIDATION_LOG).display().to_string()))
-        .unwrap();
+    std::fs::write(&settings, format!("{VALIDATION}{}\n", folder.join(VALIDATION_LOG).display())).unwrap();
     vec![
         ("XR_RUNTIME_JSON", manifest),
         (SCENARIO_VARIABLE, file),
@@ -95,8 +94,7 @@ khronos_validation.enables = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDA
 VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT
 khronos_validation.debug_action = VK_DBG_LAYER_ACTION_LOG_MSG
 khronos_validation.report_flags = error,warn
-khronos_validation.log_filename = LOG
-";
+khronos_validation.log_filename = ";
 
 const VALIDATION_LOG: &str = "validation.log";
 
