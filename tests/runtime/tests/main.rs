@@ -17,6 +17,8 @@ mod hello_xr;
 mod pictures;
 #[path = "main/rules.rs"]
 mod rules;
+#[path = "main/validation.rs"]
+mod validation;
 
 use case::Case;
 use libtest_mimic::{Arguments, Trial};
@@ -25,10 +27,13 @@ fn main() {
     let cases: Vec<Case> =
         rules::cases().into_iter().chain(behaviour::cases()).chain(pictures::cases()).collect();
     if let Some(name) = std::env::var_os(case::CHILD_VARIABLE) {
+        if name == validation::MISTAKE {
+            return validation::make_mistake();
+        }
         let case = cases.iter().find(|case| case.name.as_str() == name).unwrap();
         return case.run_here();
     }
     let trials = cases.into_iter().map(|case| Trial::test(case.name.clone(), move || case.run_in_child()));
-    let trials = trials.chain(hello_xr::trials()).collect();
+    let trials = trials.chain(hello_xr::trials()).chain([validation::trial()]).collect();
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
 }

@@ -1,12 +1,19 @@
 //! An OpenXR application for tests, as raw as the C interface: mistakes must be possible.
 
+#[path = "application/entry.rs"]
+mod entry;
+#[path = "application/input.rs"]
+mod input;
+#[path = "application/layers.rs"]
+mod layers;
+
+pub use layers::{SIZE, fov, header, projection, swapchain_info, views, whole};
+
 use crate::gpu::Gpu;
 use ash::vk;
 use ash::vk::Handle as _;
 use openxr_sys as xr;
-use parafovea_mock_runtime::xrNegotiateLoaderRuntimeInterface;
 use std::ffi::{CString, c_char, c_void};
-use std::sync::OnceLock;
 
 pub const ENABLE: &str = "XR_KHR_vulkan_enable";
 pub const V1_0: xr::Version = xr::Version::new(1, 0, 20);
@@ -38,42 +45,6 @@ macro_rules! call {
 
 pub(crate) use {call, structure};
 
-/// `xrGetInstanceProcAddr` of the OpenXR loader.
-fn loader() -> xr::pfn::GetInstanceProcAddr {
-    static LOADER: OnceLock<libloading::Library> = OnceLock::new();
-    // SAFETY: the OpenXR loader may be loaded by anybody; it stays loaded.
-    unsafe {
-        let library = LOADER.get_or_init(|| libloading::Library::new("libopenxr_loader.so.1").unwrap());
-        *library.get::<xr::pfn::GetInstanceProcAddr>(c"xrGetInstanceProcAddr").unwrap()
-    }
-}
-
-/// `xrGetInstanceProcAddr` of the runtime itself, negotiated as a loader for OpenXR 1.1 does it. The loader of Debian
-/// bookworm is for OpenXR 1.0, and answers some mistakes before the runtime sees them.
-fn negotiated() -> xr::pfn::GetInstanceProcAddr {
-    let info = xr::NegotiateLoaderInfo {
-        struct_type: xr::NegotiateLoaderInfo::TYPE,
-        struct_version: xr::NegotiateLoaderInfo::VERSION,
-        struct_size: size_of::<xr::NegotiateLoaderInfo>(),
-        min_interface_version: 1,
-        max_interface_version: 1,
-        min_api_version: xr::Version::new(1, 0, 0),
-        max_api_version: xr::Version::new(1, 0x3ff, 0xfff),
-    };
-    let mut request = xr::NegotiateRuntimeRequest {
-        struct_type: xr::NegotiateRuntimeRequest::TYPE,
-        struct_version: xr::NegotiateRuntimeRequest::VERSION,
-        struct_size: size_of::<xr::NegotiateRuntimeRequest>(),
-        runtime_interface_version: 0,
-        runtime_api_version: xr::Version::new(0, 0, 0),
-        get_instance_proc_addr: None,
-    };
-    // SAFETY: valid pointers.
-    let result = unsafe { xrNegotiateLoaderRuntimeInterface(&info, &mut request) };
-    assert_eq!(result, xr::Result::SUCCESS);
-    request.get_instance_proc_addr.unwrap()
-}
-
 /// How far an application has come, and what it has.
 pub struct Application {
     get_instance_proc_addr: xr::pfn::GetInstanceProcAddr,
@@ -95,12 +66,12 @@ pub const IDENTITY: xr::Posef = xr::Posef::IDENTITY;
 impl Application {
     /// Without anything but the OpenXR loader.
     pub fn nothing() -> Self {
-        Self::by(loader())
+        Self::by(entry::loader())
     }
 
     /// Without anything, not even a loader.
     pub fn without_loader() -> Self {
-        Self::by(negotiated())
+        Self::by(entry::negotiated())
     }
 
     fn by(get_instance_proc_addr: xr::pfn::GetInstanceProcAddr) -> Self {
@@ -320,90 +291,6 @@ impl Application {
         }
         states
     }
-
-    pub fn action_set(&self, set_name: &str) -> xr::ActionSet {
-        let info = structure!(ActionSetCreateInfo {
-            action_set_name: name(set_name),
-            localized_action_set_name: name(set_name),
-        });
-        let mut set = xr::ActionSet::default();
-        assert_eq!(call!(self, CreateActionSet(self.instance, &info, &mut set)), xr::Result::SUCCESS);
-        set
-    }
-
-    pub fn action(&self, set: xr::ActionSet, action_name: &str, ty: xr::ActionType) -> xr::Action {
-        self.try_action(set, action_name, ty, &[]).unwrap()
-    }
-
-    pub fn try_action(
-        &self,
-        set: xr::ActionSet,
-        action_name: &str,
-        ty: xr::ActionType,
-        subactions: &[xr::Path],
-    ) -> Result<xr::Action, xr::Result> {
-        let info = structure!(ActionCreateInfo {
-            action_name: name(action_name),
-            localized_action_name: name(action_name),
-            action_type: ty,
-            count_subaction_paths: subactions.len() as u32,
-            subaction_paths: subactions.as_ptr(),
-        });
-        let mut action = xr::Action::default();
-        match call!(self, CreateAction(set, &info, &mut action)) {
-            xr::Result::SUCCESS => Ok(action),
-            error => Err(error),
-        }
-    }
-
-    pub fn suggest(&self, profile: &str, bindings: &[(xr::Action, &str)]) -> xr::Result {
-        let bind = |&(action, path): &(xr::Action, &str)| xr::ActionSuggestedBinding {
-            action,
-            binding: self.path(path),
-        };
-        let bindings: Vec<_> = bindings.iter().map(bind).collect();
-        let info = structure!(InteractionProfileSuggestedBinding {
-            interaction_profile: self.path(profile),
-            count_suggested_bindings: bindings.len() as u32,
-            suggested_bindings: bindings.as_ptr(),
-        });
-        call!(self, SuggestInteractionProfileBindings(self.instance, &info))
-    }
-
-    pub fn attach(&self, sets: &[xr::ActionSet]) -> xr::Result {
-        let info = structure!(SessionActionSetsAttachInfo {
-            count_action_sets: sets.len() as u32,
-            action_sets: sets.as_ptr(),
-        });
-        call!(self, AttachSessionActionSets(self.session, &info))
-    }
-
-    pub fn sync(&self, sets: &[xr::ActionSet]) -> xr::Result {
-        let active =
-            |&action_set: &xr::ActionSet| xr::ActiveActionSet { action_set, subaction_path: xr::Path::NULL };
-        let sets: Vec<_> = sets.iter().map(active).collect();
-        let info = structure!(ActionsSyncInfo {
-            count_active_action_sets: sets.len() as u32,
-            active_action_sets: sets.as_ptr(),
-        });
-        call!(self, SyncActions(self.session, &info))
-    }
-
-    pub fn boolean(&self, action: xr::Action) -> Result<xr::ActionStateBoolean, xr::Result> {
-        let info = structure!(ActionStateGetInfo { action: action });
-        let mut state = structure!(ActionStateBoolean {});
-        match call!(self, GetActionStateBoolean(self.session, &info, &mut state)) {
-            xr::Result::SUCCESS => Ok(state),
-            error => Err(error),
-        }
-    }
-
-    pub fn action_space(&self, action: xr::Action) -> xr::Space {
-        let info = structure!(ActionSpaceCreateInfo { action: action, pose_in_action_space: IDENTITY });
-        let mut space = xr::Space::default();
-        assert_eq!(call!(self, CreateActionSpace(self.session, &info, &mut space)), xr::Result::SUCCESS);
-        space
-    }
 }
 
 impl Drop for Application {
@@ -412,62 +299,4 @@ impl Drop for Application {
             assert_eq!(call!(self, DestroyInstance(self.instance)), xr::Result::SUCCESS);
         }
     }
-}
-
-/// Width and height of the tests' swapchains.
-pub const SIZE: u32 = 64;
-
-/// Parameters of a swapchain that can be painted.
-pub fn swapchain_info() -> xr::SwapchainCreateInfo {
-    structure!(SwapchainCreateInfo {
-        usage_flags: xr::SwapchainUsageFlags::COLOR_ATTACHMENT | xr::SwapchainUsageFlags::TRANSFER_DST,
-        format: i64::from(vk::Format::R8G8B8A8_SRGB.as_raw()),
-        sample_count: 1,
-        width: SIZE,
-        height: SIZE,
-        face_count: 1,
-        array_size: 1,
-        mip_count: 1,
-    })
-}
-
-/// All of the first layer of a swapchain.
-pub fn whole(swapchain: xr::Swapchain) -> xr::SwapchainSubImage {
-    let extent = xr::Extent2Di { width: SIZE as i32, height: SIZE as i32 };
-    let image_rect = xr::Rect2Di { offset: xr::Offset2Di { x: 0, y: 0 }, extent };
-    xr::SwapchainSubImage { swapchain, image_rect, image_array_index: 0 }
-}
-
-/// The field of view of the default views.
-pub fn fov() -> xr::Fovf {
-    let angle = 45_f32.to_radians();
-    xr::Fovf { angle_left: -angle, angle_right: angle, angle_up: angle, angle_down: -angle }
-}
-
-/// Both views of a swapchain, from the head, as the default views see.
-pub fn views(swapchain: xr::Swapchain) -> [xr::CompositionLayerProjectionView; 2] {
-    let view = structure!(CompositionLayerProjectionView {
-        pose: IDENTITY,
-        fov: fov(),
-        sub_image: whole(swapchain),
-    });
-    [view; 2]
-}
-
-/// A projection layer.
-pub fn projection(
-    space: xr::Space,
-    views: &[xr::CompositionLayerProjectionView],
-) -> xr::CompositionLayerProjection {
-    structure!(CompositionLayerProjection {
-        space: space,
-        view_count: views.len() as u32,
-        views: views.as_ptr(),
-    })
-}
-
-/// A layer as `xrEndFrame` takes it.
-pub fn header<T>(layer: &T) -> &xr::CompositionLayerBaseHeader {
-    // SAFETY: every layer begins like the header.
-    unsafe { &*std::ptr::from_ref(layer).cast() }
 }

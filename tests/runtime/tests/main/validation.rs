@@ -1,0 +1,51 @@
+//! The Vulkan validation layer listens to all cases: this shows that it would be heard.
+
+use crate::case::{CHILD_VARIABLE, check_validation, environment};
+use crate::gpu::{Gpu, vulkan_loader};
+use ash::vk;
+use libtest_mimic::Trial;
+use std::process::Command;
+
+/// Name of the process that makes a mistake.
+pub const MISTAKE: &str = "validation::mistake";
+
+/// A mistake in the use of Vulkan, without consequences.
+pub fn make_mistake() {
+    let gpu = Gpu::new();
+    let empty = vk::BufferCreateInfo::default().usage(vk::BufferUsageFlags::TRANSFER_SRC);
+    // SAFETY: an empty buffer is not allowed; lavapipe and GPUs' drivers make it all the same, or refuse.
+    unsafe {
+        if let Ok(buffer) = gpu.device.create_buffer(&empty, None) {
+            gpu.device.destroy_buffer(buffer, None);
+        }
+    }
+}
+
+/// A trial, ignored, visibly, where the layer is not installed.
+pub fn trial() -> Trial {
+    let run = || {
+        let folder = tempfile::tempdir().unwrap();
+        let mut command = Command::new(std::env::current_exe().unwrap());
+        command.env(CHILD_VARIABLE, MISTAKE).envs(environment(folder.path(), "")).status().unwrap();
+        assert!(check_validation(folder.path()).is_err(), "the validation layer said nothing");
+        Ok(())
+    };
+    let installed = is_installed();
+    if !installed {
+        eprintln!(
+            "VK_LAYER_KHRONOS_validation is not installed (Debian: vulkan-validationlayers): nobody listens"
+        );
+    }
+    Trial::test("validation::is_heard", run).with_ignored_flag(!installed)
+}
+
+fn is_installed() -> bool {
+    // SAFETY: plain Vulkan with valid parameters.
+    let layers = unsafe {
+        let entry = ash::Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr: vulkan_loader() });
+        entry.enumerate_instance_layer_properties()
+    };
+    let is_it =
+        |layer: &vk::LayerProperties| layer.layer_name_as_c_str() == Ok(c"VK_LAYER_KHRONOS_validation");
+    layers.is_ok_and(|layers| layers.iter().any(is_it))
+}
