@@ -53,7 +53,8 @@ pub struct DeviceRecord {
     pub next_get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
     /// The Vulkan loader's callback that must initialise every dispatchable object that we create
     /// (command buffers, queues) before it is used with the next layer's functions.
-    pub set_device_loader_data: unsafe extern "system" fn(device: vk::Device, object: *mut c_void) -> vk::Result,
+    pub set_device_loader_data:
+        unsafe extern "system" fn(device: vk::Device, object: *mut c_void) -> vk::Result,
 }
 
 /// `vkGetDeviceProcAddr` as the application's Vulkan loader exports it.
