@@ -1,6 +1,6 @@
 //! The Vulkan half: a Vulkan layer (loader interface version 2) that tracks instances and devices.
 //!
-//! [`negotiate`] is what the Vulkan loader calls first; it hands out the functions of `proc_addr`, through
+//! [`negotiate()`] is what the Vulkan loader calls first; it hands out the functions of `proc_addr`, through
 //! which everything else is reached. Only the functions in `dispatch` are hooked. Everything that is recorded
 //! into command buffers gets the next layer's pointer, so that it costs nothing.
 //!

@@ -32,8 +32,10 @@ fn checks(steps: &mut Steps) -> Result<(), String> {
     steps.run("cargo clippy", in_root(cargo().args(clippy)))?;
     build(steps)?;
     steps.run("cargo test", in_root(cargo().args(["test", "--locked", "--workspace"])))?;
-    let doc = ["doc", "--locked", "--workspace", "--no-deps"];
-    steps.run("cargo doc", in_root(cargo().args(doc)).env("RUSTDOCFLAGS", "-D warnings"))
+    let doc = ["doc", "--locked", "--workspace", "--no-deps", "--document-private-items"];
+    // Private items are documented too, so links to them are no mistake.
+    let flags = "-D warnings -A rustdoc::private-intra-doc-links";
+    steps.run("cargo doc", in_root(cargo().args(doc)).env("RUSTDOCFLAGS", flags))
 }
 
 /// Any OpenXR program with the layer.
