@@ -77,9 +77,10 @@ fn a_file_that_cannot_be_read_is_named() {
 #[test]
 fn an_edit_applies_within_a_second() {
     const CHROMA: &str = "[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\n";
-    /// Frames of 1/90 s: the edit is made between the first two, and between the last two lies the second.
+    /// The edit is made once this frame is there ...
     const BEFORE: u64 = 60;
-    const AFTER: u64 = BEFORE + 90 + 30;
+    /// ... and holds a second of frames later, with half a second for a busy machine to come to making it.
+    const AFTER: u64 = BEFORE + 90 + 45;
     let application = Application::hello_xr("Vulkan2").unwrap();
     let mut scenario = Scenario::new(AFTER + 5).sized(96, 96).in_real_time().saving(&[BEFORE, AFTER]);
     let running = Run::new(&application, &scenario).on(CHROMA).start().unwrap();

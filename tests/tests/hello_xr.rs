@@ -36,6 +36,7 @@ fn run(graphics: &str, config: Option<&str>) -> Outcome {
         None => run,
     };
     let outcome = run.finish().unwrap().expect_frames(FRAMES).unwrap();
-    assert!(outcome.findings.vulkan_was_active && outcome.findings.openxr_was_active, "{}", outcome.output);
+    let were_active = outcome.findings.vulkan_was_active && outcome.findings.openxr_was_active;
+    assert!(were_active, "a validation layer was not there\n{}", outcome.output);
     outcome
 }
