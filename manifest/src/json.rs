@@ -13,6 +13,10 @@ pub const ENABLE_VARIABLE: &str = "PARAFOVEA";
 /// Turns both halves off where it is set, whatever else is.
 pub const DISABLE_VARIABLE: &str = "DISABLE_PARAFOVEA";
 
+/// Major and minor version of Vulkan that the layer works with. Loaders drop an implicit layer whose version is
+/// below the application's.
+pub const VULKAN_VERSION: [u32; 2] = [1, 4];
+
 /// The two layers in the one library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Half {
@@ -79,8 +83,8 @@ impl Half {
             }
             Self::Vulkan => {
                 layer["type"] = "GLOBAL".into();
-                // Loaders drop an implicit layer whose version is below the application's.
-                layer["api_version"] = "1.4.0".into();
+                let [major, minor] = VULKAN_VERSION;
+                layer["api_version"] = format!("{major}.{minor}.0").into();
                 layer["functions"] = json!({ "vkNegotiateLoaderLayerInterfaceVersion": self.negotiate() });
                 // The first version of the format that knows this function.
                 json!({ "file_format_version": "1.1.0" })

@@ -31,8 +31,6 @@ choice! {
     /// Where the gaze comes from.
     GazeSource {
         /// the eye tracker; without one nothing is done that depends on gaze
-        Auto = "auto",
-        /// the eye tracker only
         Eyes = "eyes",
         /// straight ahead, always: for headsets without an eye tracker
         Centre = "centre",
@@ -79,7 +77,7 @@ options! {
     /// Where the user looks.
     gaze: Gaze {
         /// Where the gaze comes from.
-        source: GazeSource = GazeSource::Auto;
+        source: GazeSource = GazeSource::Eyes;
         /// For how long the last gaze is kept when the tracker loses the eyes, as in a blink.
         hold_ms: u32 = 500, 0..=500 "milliseconds";
     }

@@ -38,7 +38,7 @@ struct Case {
 enum Gaze {
     /// `gaze.source = "centre"`: known from the first frame.
     Centre,
-    /// `gaze.source = "auto"`: from the tracker, some frames after the start.
+    /// `gaze.source = "eyes"`: from the tracker, some frames after the start.
     Tracker,
 }
 
@@ -59,7 +59,7 @@ impl Case {
     fn config(&self) -> &'static str {
         match self.gaze {
             Gaze::Centre => "[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\n",
-            Gaze::Tracker => "[gaze]\nsource = \"auto\"\n[chroma]\nmode = \"default\"\n",
+            Gaze::Tracker => "[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\n",
         }
     }
 

@@ -3,6 +3,7 @@
 use super::{LAYER_NAME, instance};
 use crate::abi::guard;
 use ash::vk;
+use parafovea_manifest::json::VULKAN_VERSION;
 use std::ffi::{CStr, c_char};
 
 /// `vkEnumerateInstanceLayerProperties`, of this layer alone.
@@ -92,8 +93,9 @@ unsafe fn no_extensions(layer: *const c_char, count: *mut u32) -> Option<vk::Res
 }
 
 fn own_properties() -> vk::LayerProperties {
+    let [major, minor] = VULKAN_VERSION;
     let mut properties = vk::LayerProperties {
-        spec_version: vk::API_VERSION_1_3,
+        spec_version: vk::make_api_version(0, major, minor, 0),
         implementation_version: 1,
         ..Default::default()
     };
