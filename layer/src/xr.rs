@@ -1,6 +1,6 @@
 //! The OpenXR half: an OpenXR API layer that tracks instances, sessions and swapchains, and works on frames.
 //!
-//! [`negotiate()`] is what the OpenXR loader calls first. Only the functions in [`dispatch`] are hooked; for all
+//! [`negotiate()`] is what the OpenXR loader calls first. Only the functions in `dispatch` are hooked; for all
 //! others, `xrGetInstanceProcAddr` gives the next layer's, so that they cost nothing.
 //!
 //! An instance is *inert* where Parafovea is not wanted (`DISABLE_PARAFOVEA`, elevated rights, `enabled = false`)
