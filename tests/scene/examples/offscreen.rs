@@ -39,7 +39,8 @@ fn main() -> Result<()> {
     let mut offscreen =
         Offscreen::new(options.size, options.size, wgpu::TextureFormat::Rgba8UnormSrgb, options.lights)?;
     // The left eye of the mock runtime's default head.
-    let turn = Quat::from_rotation_y(options.yaw.to_radians()) * Quat::from_rotation_x(options.pitch.to_radians());
+    let turn =
+        Quat::from_rotation_y(options.yaw.to_radians()) * Quat::from_rotation_x(options.pitch.to_radians());
     let edge = 45f32.to_radians();
     let camera = Camera::new(vec3(-0.032, 1.6, 0.0), turn, [-edge, edge, -edge, edge]);
     offscreen.draw(options.frame, &[camera])?;
@@ -58,7 +59,8 @@ fn main() -> Result<()> {
             offscreen.draw(options.frame + frame, &[camera])?;
             costs.push(process_cpu_time() - before);
         }
-        let mut costs: Vec<_> = costs[WARM_UP as usize..].iter().map(|cost| cost.as_secs_f64() * 1e3).collect();
+        let mut costs: Vec<_> =
+            costs[WARM_UP as usize..].iter().map(|cost| cost.as_secs_f64() * 1e3).collect();
         costs.sort_by(f64::total_cmp);
         println!("{}", offscreen.device_name);
         println!(

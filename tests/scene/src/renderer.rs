@@ -8,8 +8,8 @@ use crate::camera::Camera;
 use crate::scene::{Material, Scene, lights, time_of};
 
 use self::buffers::Buffers;
-pub use self::pipelines::Output;
 use self::pipelines::Pipelines;
+pub use self::pipelines::{Output, SHADER};
 
 /// The depth format of every pass.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -52,20 +52,27 @@ pub struct Renderer {
     buffers: Buffers,
     view_group: wgpu::BindGroup,
     material_groups: Vec<wgpu::BindGroup>,
-    /// Part and instance of each draw of the frame.
+    /// The part of each draw of the frame; a draw takes the instance of its own number.
     draws: Vec<usize>,
 }
 
 impl Renderer {
     /// Uploads the scene and builds the pipelines for images of a format.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat, light_count: u32) -> Self {
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        format: wgpu::TextureFormat,
+        light_count: u32,
+    ) -> Self {
         let scene = Scene::new();
         let pipelines = Pipelines::new(device, format);
         let buffers = Buffers::new(device, queue, &scene, light_count);
         let images = images::Images::new(device, queue);
         let view_group = pipelines.view_group(device, &buffers, &images);
-        let material_groups =
-            Material::ALL.iter().map(|&material| pipelines.material_group(device, images.of(material))).collect();
+        let material_groups = Material::ALL
+            .iter()
+            .map(|&material| pipelines.material_group(device, images.of(material)))
+            .collect();
         Self {
             queue: queue.clone(),
             scene,
@@ -97,7 +104,10 @@ impl Renderer {
                 view: pass.colour,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Store,
+                },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: pass.depth,
@@ -107,7 +117,14 @@ impl Renderer {
             ..Default::default()
         });
         for &(camera, rect) in pass.views {
-            recording.set_viewport(rect.x as f32, rect.y as f32, rect.width as f32, rect.height as f32, 0.0, 1.0);
+            recording.set_viewport(
+                rect.x as f32,
+                rect.y as f32,
+                rect.width as f32,
+                rect.height as f32,
+                0.0,
+                1.0,
+            );
             recording.set_scissor_rect(rect.x, rect.y, rect.width, rect.height);
             recording.set_bind_group(0, &self.view_group, &[Buffers::view_offset(camera)]);
             self.draw_scene(&mut recording);

@@ -88,12 +88,17 @@ impl Scene {
 
     /// Everything to draw at a time, in drawing order; `lights` are those of the same time.
     pub fn placements(&self, time: f64, lights: &[lights::Light]) -> Vec<Placement> {
-        let standing = (0..self.fixed).map(|part| Placement {
+        let mut placed = motion::placements(self.fixed, time, lights);
+        placed.extend((0..self.fixed).map(|part| Placement {
             part,
             transform: Mat4::IDENTITY,
-            emission: if self.parts[part].material == Material::Board { Vec3::splat(0.35) } else { Vec3::ZERO },
-        });
-        standing.chain(motion::placements(self.fixed, time, lights)).collect()
+            emission: if self.parts[part].material == Material::Board {
+                Vec3::splat(0.35)
+            } else {
+                Vec3::ZERO
+            },
+        }));
+        placed
     }
 }
 

@@ -81,7 +81,7 @@ fn surface_vertex(in: VertexIn) -> Surface {
 // formed: its cosines follow from v.l, n.l and n.v.
 fn shade(n_v: f32, n_l: f32, v_l: f32, albedo: vec3f, alpha: f32) -> vec3f {
     let v_h = sqrt(max(0.5 + 0.5 * v_l, 1e-4));
-    let n_h = 0.5 * (n_v + n_l) / v_h;
+    let n_h = min(0.5 * (n_v + n_l) / v_h, 1.0);
     let alpha_2 = alpha * alpha;
     let d = n_h * n_h * (alpha_2 - 1.0) + 1.0;
     let specular = 0.5 * alpha_2 / (PI * d * d * mix(2.0 * n_l * n_v, n_l + n_v, alpha));
@@ -156,15 +156,16 @@ fn sky_vertex(@builtin(vertex_index) index: u32) -> Sky {
 fn sky_fragment(in: Sky) -> @location(0) vec4f {
     let ray = normalize(in.ray);
     let height = max(ray.y, 0.0);
-    var light = mix(vec3f(1.10, 0.85, 0.62), vec3f(0.10, 0.24, 0.62), sqrt(height));
-    // Two sheets of cloud, drifting.
+    var light = mix(vec3f(0.85, 0.62, 0.46), vec3f(0.05, 0.15, 0.46), sqrt(height));
+    // A sheet of cloud, drifting.
     let plane = ray.xz / (height + 0.12);
-    let coarse = textureSample(detail_map, repeating, plane * 0.07 + view.time * vec2f(0.002, 0.0)).r;
-    let fine = textureSample(detail_map, repeating, plane * 0.21 - view.time * vec2f(0.0, 0.003)).g;
-    let cloud = smoothstep(0.54, 0.80, coarse * 0.7 + fine * 0.3) * smoothstep(0.0, 0.15, height);
-    light = mix(light, vec3f(1.5, 1.25, 1.05), cloud * 0.7);
-    let to_sun = clamp(dot(ray, SUN_DIRECTION), 0.0, 1.0);
-    light += SUN * (pow(to_sun, 900.0) * 12.0 + pow(to_sun, 12.0) * 0.25);
+    let sheet = textureSample(detail_map, repeating, plane * 0.22 + view.time * vec2f(0.002, 0.0)).r;
+    let cloud = smoothstep(0.52, 0.68, sheet) * smoothstep(0.0, 0.15, height);
+    light = mix(light, vec3f(1.25, 1.02, 0.88), cloud * 0.8);
+    let to_sun = dot(ray, SUN_DIRECTION);
+    let glow_2 = max(to_sun, 0.0) * max(to_sun, 0.0);
+    let glow_8 = glow_2 * glow_2 * glow_2 * glow_2;
+    light += SUN * (smoothstep(0.9985, 0.9994, to_sun) * 12.0 + glow_8 * glow_8 * 0.25);
     return shown(light);
 }
 

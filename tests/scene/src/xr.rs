@@ -85,19 +85,35 @@ struct App {
 }
 
 impl App {
-    fn new(options: &Options, instance: &xr::Instance, system: xr::SystemId, graphics: &Graphics) -> Result<Self> {
+    fn new(
+        options: &Options,
+        instance: &xr::Instance,
+        system: xr::SystemId,
+        graphics: &Graphics,
+    ) -> Result<Self> {
         let blend_modes = instance.enumerate_environment_blend_modes(system, VIEW_TYPE)?;
         let (session, waiter, stream) = graphics.create_session(instance, system)?;
-        let input =
-            if options.no_actions { None } else { Some(Input::attach(instance, &session).context("actions")?) };
+        let input = if options.no_actions {
+            None
+        } else {
+            Some(Input::attach(instance, &session).context("actions")?)
+        };
         let recommended = instance.enumerate_view_configuration_views(system, VIEW_TYPE)?;
         let view = recommended.first().context("the runtime has no stereo view")?;
-        let size = options.size.unwrap_or([view.recommended_image_rect_width, view.recommended_image_rect_height]);
+        let size =
+            options.size.unwrap_or([view.recommended_image_rect_width, view.recommended_image_rect_height]);
         let format = swapchain::choose_format(&session, options.format)?;
         let (device, queue) = (graphics.device.clone(), graphics.queue.clone());
         Ok(Self {
             renderer: Renderer::new(&device, &queue, format, options.lights),
-            projection: Projection::new(&session, &device, options.swapchain, format, size, options.depth_layer)?,
+            projection: Projection::new(
+                &session,
+                &device,
+                options.swapchain,
+                format,
+                size,
+                options.depth_layer,
+            )?,
             board: options
                 .quad
                 .then(|| Swapchain::new(&session, &device, format, text::SIZE, 1))
@@ -230,7 +246,8 @@ fn create_space(session: &xr::Session<xr::Vulkan>) -> Result<xr::Space> {
     if spaces.contains(&xr::ReferenceSpaceType::STAGE) {
         return Ok(session.create_reference_space(xr::ReferenceSpaceType::STAGE, xr::Posef::IDENTITY)?);
     }
-    let floor = xr::Posef { position: xr::Vector3f { x: 0.0, y: -EYE_HEIGHT, z: 0.0 }, ..xr::Posef::IDENTITY };
+    let floor =
+        xr::Posef { position: xr::Vector3f { x: 0.0, y: -EYE_HEIGHT, z: 0.0 }, ..xr::Posef::IDENTITY };
     session
         .create_reference_space(xr::ReferenceSpaceType::LOCAL, floor)
         .map_err(|error| anyhow!(error).context("neither a stage nor a local space"))

@@ -58,7 +58,11 @@ impl Buffers {
             let base_vertex = vertices.len() as i32;
             vertices.extend(&part.mesh.vertices);
             indices.extend(&part.mesh.indices);
-            ranges.push(PartRange { material: part.material, indices: first..indices.len() as u32, base_vertex });
+            ranges.push(PartRange {
+                material: part.material,
+                indices: first..indices.len() as u32,
+                base_vertex,
+            });
         }
         let buffer = |label, size: usize, usage| {
             device.create_buffer(&wgpu::BufferDescriptor {

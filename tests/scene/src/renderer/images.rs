@@ -1,8 +1,8 @@
 //! The materials' textures on the device.
 
+use crate::scene::Material;
 use crate::scene::materials::{self, Surface};
 use crate::scene::texture::{Encoding, Texture};
-use crate::scene::Material;
 
 /// Views of the two textures of a material.
 #[derive(Debug)]

@@ -18,15 +18,16 @@ pub fn lamp_cable(index: usize) -> (Vec3, Vec3, f32) {
     (vec3(LEFT, 3.3, z), vec3(RIGHT, 3.5, z - 1.5), 0.45)
 }
 
-/// All fixed parts.
+/// All fixed parts; roughly what hides comes before what is hidden.
 pub fn parts() -> Vec<Part> {
     vec![
-        Part { material: Material::Tiles, mesh: floor() },
-        Part { material: Material::Brick, mesh: walls() },
-        Part { material: Material::Plaster, mesh: columns_and_ground() },
-        Part { material: Material::Wood, mesh: woodwork() },
-        Part { material: Material::Metal, mesh: ironwork() },
         Part { material: Material::Board, mesh: board() },
+        Part { material: Material::Metal, mesh: ironwork() },
+        Part { material: Material::Plaster, mesh: columns() },
+        Part { material: Material::Wood, mesh: woodwork() },
+        Part { material: Material::Brick, mesh: walls() },
+        Part { material: Material::Tiles, mesh: floor() },
+        Part { material: Material::Plaster, mesh: ground() },
     ]
 }
 
@@ -40,8 +41,8 @@ fn floor() -> Mesh {
 fn walls() -> Mesh {
     let mut mesh = Mesh::default();
     // Left wall, under the roof; its near part is the back of the dark corner.
-    mesh.rectangle(vec3(-6.0, 0.0, 6.0), Vec3::Z * -9.0, Vec3::Y * 3.4, 1.0, DARK);
-    mesh.rectangle(vec3(-6.0, 0.0, -3.0), Vec3::Z * -15.0, Vec3::Y * 3.4, 1.0, SHADE);
+    mesh.rectangle(vec3(-6.0, 0.0, 6.0), Vec3::Z * -11.2, Vec3::Y * 3.4, 1.0, DARK);
+    mesh.rectangle(vec3(-6.0, 0.0, -5.2), Vec3::Z * -12.8, Vec3::Y * 3.4, 1.0, SHADE);
     // The dark corner's far wall.
     mesh.cuboid(vec3(-6.0, 0.0, -5.2), vec3(-4.2, 3.4, -5.0), 1.0, DARK);
     // Right wall with a gap, and the wall behind the visitor.
@@ -53,9 +54,8 @@ fn walls() -> Mesh {
     mesh
 }
 
-fn columns_and_ground() -> Mesh {
+fn columns() -> Mesh {
     let mut mesh = Mesh::default();
-    mesh.rectangle(vec3(-120.0, -0.4, 6.0), Vec3::X * 240.0, Vec3::Z * -170.0, 8.0, 1.0);
     for z in COLUMNS {
         for (x, height, sky) in [(LEFT, 3.4, 0.45), (RIGHT, 3.6, 1.0)] {
             mesh.cuboid(vec3(x - 0.3, 0.0, z - 0.3), vec3(x + 0.3, 0.25, z + 0.3), 1.0, sky);
@@ -63,8 +63,16 @@ fn columns_and_ground() -> Mesh {
             mesh.cuboid(vec3(x - 0.27, height - 0.2, z - 0.27), vec3(x + 0.27, height, z + 0.27), 1.0, sky);
         }
     }
-    // Four round hills on the horizon.
-    for (x, z, radius) in [(-60.0, -110.0, 40.0), (-5.0, -140.0, 48.0), (50.0, -120.0, 38.0), (95.0, -90.0, 34.0)] {
+    mesh
+}
+
+/// The plain outside, with four round hills on the horizon.
+fn ground() -> Mesh {
+    let mut mesh = Mesh::default();
+    mesh.rectangle(vec3(-120.0, -0.4, 6.0), Vec3::X * 240.0, Vec3::Z * -170.0, 8.0, 1.0);
+    for (x, z, radius) in
+        [(-60.0, -110.0, 40.0), (-5.0, -140.0, 48.0), (50.0, -120.0, 38.0), (95.0, -90.0, 34.0)]
+    {
         mesh.sphere(vec3(x, -radius * 0.78, z), radius, 32, 0.8);
     }
     mesh

@@ -7,7 +7,7 @@ use glam::{Vec3, vec3};
 use super::{courtyard, noise};
 
 /// Lights when none are asked for. It sets what a frame costs: see the crate's README before touching it.
-pub const DEFAULT: u32 = 8;
+pub const DEFAULT: u32 = 7;
 /// The most lights that the shader's uniform buffer holds.
 pub const MAX: u32 = 256;
 
@@ -22,9 +22,9 @@ pub struct Light {
     pub colour: Vec3,
 }
 
-/// Of each four lights three hang on the cables; the fourth flies.
+/// Of each three lights two hang on the cables; the third flies.
 fn flies(index: u32) -> bool {
-    index % 4 == 3
+    index % 3 == 2
 }
 
 /// The first `count` lights at a time in seconds.
@@ -33,13 +33,12 @@ pub fn at(time: f64, count: u32) -> Vec<Light> {
 }
 
 fn lamp(index: u32) -> Light {
-    let hanging = index - index / 4;
+    let hanging = index - index / 3;
     let (from, to, sag) = courtyard::lamp_cable(hanging as usize);
-    // Two thirds along the first round of cables, then ever new places.
     let along = 0.15 + 0.7 * noise::hash(hanging, 7, 100);
     let position = from.lerp(to, along) - Vec3::Y * (sag * 4.0 * along * (1.0 - along) + 0.09);
     let warmth = noise::hash(hanging, 8, 100);
-    Light { position, range: 7.0, colour: vec3(1.0, 0.72, 0.40 + 0.25 * warmth) * 3.0 }
+    Light { position, range: 7.0, colour: vec3(1.0, 0.72, 0.40 + 0.25 * warmth) * 4.5 }
 }
 
 fn lantern(index: u32, time: f64) -> Light {
@@ -49,12 +48,13 @@ fn lantern(index: u32, time: f64) -> Light {
     let (sin, cos) = angle.sin_cos();
     let (wide, deep) = (0.8 + 1.4 * noise::hash(index, 2, 200), 1.0 + 1.6 * noise::hash(index, 3, 200));
     let centre = vec3(0.0, 1.3 + 0.9 * noise::hash(index, 4, 200), -4.5 - 4.0 * noise::hash(index, 5, 200));
-    let hue = noise::hash(index, 6, 200) * TAU;
+    // The golden angle keeps the hues of neighbours apart.
+    let hue = TAU * (0.92 + 0.381_966 * (index / 3) as f32);
     let colour = [0.0, TAU / 3.0, TAU * 2.0 / 3.0].map(|shift| 0.55 + 0.45 * (hue + shift).cos());
     Light {
         position: centre + vec3(wide * cos, 0.25 * (angle * 3.0).sin(), deep * sin),
         range: 5.0,
-        colour: Vec3::from(colour) * 3.5,
+        colour: Vec3::from(colour) * 2.5,
     }
 }
 

@@ -1,8 +1,8 @@
 //! The surfaces: brick, stone tiles, wood, plaster, metal. A height field and a colour make a material.
 
 use super::noise::{fractal, hash, value};
-use super::{Material, text};
 use super::texture::{Encoding, Texture};
+use super::{Material, text};
 
 /// Texels along each side of the repeating textures.
 pub const SIDE: u32 = 512;

@@ -64,15 +64,16 @@ impl Mesh {
     pub fn picture(&mut self, corner: Vec3, u: Vec3, v: Vec3, sky: f32) {
         let first = self.vertices.len();
         self.rectangle(corner, u, v, 1.0, sky);
-        for (vertex, uv) in self.vertices[first..].iter_mut().zip([[0.0, 1.0], [1.0, 1.0], [0.0, 0.0], [1.0, 0.0]]) {
+        for (vertex, uv) in
+            self.vertices[first..].iter_mut().zip([[0.0, 1.0], [1.0, 1.0], [0.0, 0.0], [1.0, 0.0]])
+        {
             vertex.uv = uv;
         }
     }
 
     /// Adds an axis-aligned box between two corners.
     pub fn cuboid(&mut self, min: Vec3, max: Vec3, tile: f32, sky: f32) {
-        let (x, y, z) =
-            (Vec3::X * (max.x - min.x), Vec3::Y * (max.y - min.y), Vec3::Z * (max.z - min.z));
+        let (x, y, z) = (Vec3::X * (max.x - min.x), Vec3::Y * (max.y - min.y), Vec3::Z * (max.z - min.z));
         self.rectangle(min + z, x, y, tile, sky);
         self.rectangle(min + x, -x, y, tile, sky);
         self.rectangle(min + x + z, -z, y, tile, sky);

@@ -54,7 +54,12 @@ pub fn placements(first: usize, time: f64, lights: &[Light]) -> Vec<Placement> {
     };
     for (index, (x, z)) in [(-1.7, -3.4), (-0.5, -6.2), (1.9, -8.0)].into_iter().enumerate() {
         let spin = Quat::from_rotation_y(turns(time, 0.08 + 0.03 * index as f64));
-        place(CRATE, spin * Quat::from_rotation_x(0.62) * Quat::from_rotation_z(0.79), vec3(x, 0.75, z), Vec3::ZERO);
+        place(
+            CRATE,
+            spin * Quat::from_rotation_x(0.62) * Quat::from_rotation_z(0.79),
+            vec3(x, 0.75, z),
+            Vec3::ZERO,
+        );
     }
     let swing = 0.45 * turns(time, 0.4).sin();
     place(PENDULUM, Quat::from_rotation_z(swing), vec3(0.3, 3.0, -4.2), Vec3::ZERO);

@@ -62,7 +62,8 @@ impl Canvas {
     fn frame(&mut self, inset: u32, width: u32) {
         for y in inset..SIZE[1] - inset {
             for x in inset..SIZE[0] - inset {
-                let edge = (x - inset).min(y - inset).min(SIZE[0] - inset - 1 - x).min(SIZE[1] - inset - 1 - y);
+                let edge =
+                    (x - inset).min(y - inset).min(SIZE[0] - inset - 1 - x).min(SIZE[1] - inset - 1 - y);
                 if edge < width {
                     self.blend(x, y, FRAME, 255);
                 }

@@ -39,8 +39,7 @@ impl Texture {
         let mut texels = Vec::with_capacity((side * side * 4) as usize);
         for y in 0..side {
             for x in 0..side {
-                let [r, g, b, a] =
-                    texel((x as f32 + 0.5) / side as f32, (y as f32 + 0.5) / side as f32);
+                let [r, g, b, a] = texel((x as f32 + 0.5) / side as f32, (y as f32 + 0.5) / side as f32);
                 let colour = [r, g, b].map(|value| match encoding {
                     Encoding::Srgb => encode(value),
                     Encoding::Linear => quantise(value),

@@ -23,14 +23,17 @@ impl Graphics {
     /// If there is no Vulkan, no GPU for the headset, or it is too old.
     pub fn new(xr_instance: &xr::Instance, system: xr::SystemId) -> Result<Self> {
         // SAFETY: the library that is installed as the Vulkan loader is taken to be one.
-        let entry = unsafe { ash::Entry::load() }.context("the Vulkan loader cannot be loaded; is it installed?")?;
+        let entry =
+            unsafe { ash::Entry::load() }.context("the Vulkan loader cannot be loaded; is it installed?")?;
         let version = check_version(&entry, xr_instance, system)?;
         let flags = wgpu::InstanceFlags::default().with_env();
         let extensions = hal::vulkan::Instance::desired_extensions(&entry, version, flags)?;
         let raw_instance = create_instance(&entry, xr_instance, system, version, &extensions)?;
         // SAFETY: the instance is live and was made with XR_KHR_vulkan_enable2.
-        let physical = unsafe { xr_instance.vulkan_graphics_device(system, raw_instance.handle().as_raw() as *const c_void) }
-            .context("the runtime names no GPU for the headset")?;
+        let physical = unsafe {
+            xr_instance.vulkan_graphics_device(system, raw_instance.handle().as_raw() as *const c_void)
+        }
+        .context("the runtime names no GPU for the headset")?;
         let physical = vk::PhysicalDevice::from_raw(physical as u64);
         // SAFETY: made from this entry with this version, these extensions and flags; nobody else destroys it.
         let hal_instance = unsafe {
@@ -47,7 +50,8 @@ impl Graphics {
                 None,
             )
         }?;
-        let hal_adapter = hal_instance.expose_adapter(physical).context("wgpu does not support the headset's GPU")?;
+        let hal_adapter =
+            hal_instance.expose_adapter(physical).context("wgpu does not support the headset's GPU")?;
         let family = graphics_family(&raw_instance, physical)?;
         let limits = wgpu::Limits::default();
         let hal_device =
@@ -92,7 +96,8 @@ fn check_version(entry: &ash::Entry, instance: &xr::Instance, system: xr::System
     let available = unsafe { entry.try_enumerate_instance_version() }?.unwrap_or(vk::API_VERSION_1_0);
     let version = available.min(vk::API_VERSION_1_3);
     let needs = instance.graphics_requirements::<xr::Vulkan>(system)?;
-    let asked = xr::Version::new(vk::api_version_major(version) as u16, vk::api_version_minor(version) as u16, 0);
+    let asked =
+        xr::Version::new(vk::api_version_major(version) as u16, vk::api_version_minor(version) as u16, 0);
     if asked < needs.min_api_version_supported {
         bail!("the runtime needs Vulkan {}, here is {asked}", needs.min_api_version_supported);
     }
@@ -106,9 +111,11 @@ fn create_instance(
     version: u32,
     extensions: &[&'static std::ffi::CStr],
 ) -> Result<ash::Instance> {
-    let application = vk::ApplicationInfo::default().application_name(c"parafovea-scene").api_version(version);
+    let application =
+        vk::ApplicationInfo::default().application_name(c"parafovea-scene").api_version(version);
     let names: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
-    let info = vk::InstanceCreateInfo::default().application_info(&application).enabled_extension_names(&names);
+    let info =
+        vk::InstanceCreateInfo::default().application_info(&application).enabled_extension_names(&names);
     // SAFETY: the create info and all that it points to outlive the call.
     let instance = unsafe {
         xr_instance.create_vulkan_instance(system, get_instance_proc_addr(entry), (&raw const info).cast())
@@ -148,7 +155,12 @@ fn open_device(
     let physical = adapter.raw_physical_device().as_raw() as *const c_void;
     // SAFETY: the physical device is the runtime's choice; the create info outlives the call.
     let device = unsafe {
-        xr_instance.create_vulkan_device(system, get_instance_proc_addr(entry), physical, (&raw const info).cast())
+        xr_instance.create_vulkan_device(
+            system,
+            get_instance_proc_addr(entry),
+            physical,
+            (&raw const info).cast(),
+        )
     }?
     .map_err(|result| anyhow!(vk::Result::from_raw(result)))
     .context("creating the Vulkan device")?;
@@ -164,5 +176,9 @@ fn get_instance_proc_addr(entry: &ash::Entry) -> xr::sys::platform::VkGetInstanc
     let function = entry.static_fn().get_instance_proc_addr;
     // SAFETY: both are vkGetInstanceProcAddr of the Vulkan headers; only the crates' names for the handle and
     // for the returned function pointer differ, both of one pointer's size.
-    unsafe { std::mem::transmute::<vk::PFN_vkGetInstanceProcAddr, xr::sys::platform::VkGetInstanceProcAddr>(function) }
+    unsafe {
+        std::mem::transmute::<vk::PFN_vkGetInstanceProcAddr, xr::sys::platform::VkGetInstanceProcAddr>(
+            function,
+        )
+    }
 }

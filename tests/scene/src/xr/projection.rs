@@ -74,7 +74,9 @@ impl Projection {
         let (count, layers, eyes_wide) = arrangement.shape();
         let [width, height] = [size[0] * eyes_wide, size[1]];
         let swapchains = |format| {
-            (0..count).map(|_| Swapchain::new(session, device, format, [width, height], layers)).collect::<Result<_>>()
+            (0..count)
+                .map(|_| Swapchain::new(session, device, format, [width, height], layers))
+                .collect::<Result<_>>()
         };
         let depth = if submit_depth {
             Depth::Submitted(swapchains(DEPTH_FORMAT).context("a depth swapchain")?)
@@ -123,7 +125,8 @@ impl Projection {
                     Depth::Kept(buffers) => (&buffers[index][layer as usize], false),
                     Depth::Submitted(swapchains) => (swapchains[index].view(layer), true),
                 };
-                renderer.draw(encoder, &Pass { colour: colour.view(layer), depth, keep_depth, views: &views });
+                renderer
+                    .draw(encoder, &Pass { colour: colour.view(layer), depth, keep_depth, views: &views });
             }
         }
     }
@@ -159,7 +162,8 @@ impl Projection {
                 .swapchain(self.colour[slot.swapchain].handle())
                 .image_array_index(slot.layer)
                 .image_rect(image_rect(slot));
-            let plain = xr::CompositionLayerProjectionView::new().pose(view.pose).fov(view.fov).sub_image(sub_image);
+            let plain =
+                xr::CompositionLayerProjectionView::new().pose(view.pose).fov(view.fov).sub_image(sub_image);
             let Some(depth) = depths.get(eye) else { return plain };
             let mut raw = plain.into_raw();
             raw.next = std::ptr::from_ref(depth).cast::<c_void>();

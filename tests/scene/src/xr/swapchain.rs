@@ -172,7 +172,12 @@ fn layer_views(
     // SAFETY: OpenXR made the image like this and owns it and its memory: the callback that does nothing and
     // `External` say so. Its swapchain outlives the views.
     let hal_texture = unsafe {
-        hal_device.texture_from_raw(image, &hal_descriptor, Some(Box::new(|| {})), hal::vulkan::TextureMemory::External)
+        hal_device.texture_from_raw(
+            image,
+            &hal_descriptor,
+            Some(Box::new(|| {})),
+            hal::vulkan::TextureMemory::External,
+        )
     };
     // SAFETY: of this device and as described. An acquired image is in the layout of `state`
     // (XR_KHR_vulkan_enable2), and wgpu leaves it there, as a render pass is all it is used in.
