@@ -6,6 +6,7 @@ mod canaries;
 mod configuration;
 mod enabling;
 mod hello_xr;
+mod loader_1_1;
 mod overhead;
 mod pictures;
 mod readme;

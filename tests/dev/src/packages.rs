@@ -77,7 +77,7 @@ impl Proof {
 }
 
 /// Everything that the tasks look for. None is needed to build.
-pub const NEEDS: [Need; 6] = [
+pub const NEEDS: [Need; 8] = [
     Need {
         what: "lavapipe, the Vulkan driver that runs on any CPU",
         without: "the first Vulkan driver of this machine is used, and figures differ from the README's",
@@ -113,6 +113,18 @@ pub const NEEDS: [Need; 6] = [
         without: "tests that judge our OpenXR calls fail",
         proof: Proof::Data { folder: "openxr/1/api_layers/explicit.d", prefix: "XrApiLayer_core_validation" },
         packages: ["openxr-layer-corevalidation", "openxr", "openxr"],
+    },
+    Need {
+        what: "CMake, to build the OpenXR loader 1.1 beside the system's",
+        without: "tests with that loader fail",
+        proof: Proof::Program("cmake"),
+        packages: ["cmake", "cmake", "cmake"],
+    },
+    Need {
+        what: "a C++ compiler, for the same",
+        without: "tests with the OpenXR loader 1.1 fail",
+        proof: Proof::Program("c++"),
+        packages: ["g++", "gcc-c++", "gcc"],
     },
 ];
 
