@@ -17,7 +17,6 @@ use crate::run::{Application, LayerMode, Outcome, Run};
 use crate::scenario::{Scenario, ScenarioExt};
 use crate::{HarnessError, artifacts};
 use parafovea_core::chroma::ChromaSettings;
-use parafovea_test_layers::TestLayer;
 use serde::Serialize;
 use std::path::Path;
 
@@ -43,7 +42,7 @@ pub struct Subject {
 pub struct Cost {
     /// CPU time of the whole process for a frame, in milliseconds, the median of all frames of all timed runs.
     pub cpu_ms: f64,
-    /// Fragment shader invocations of a frame, the layer's own among them.
+    /// Fragment shader invocations of a frame that the application caused; the layer's own are not among them.
     pub fragments: u64,
 }
 
@@ -134,7 +133,7 @@ fn saved_frame(subject: &Subject) -> u64 {
 /// A run that is looked at: pictures and fragments.
 fn observe(subject: &Subject, mode: LayerMode) -> Result<Outcome, HarnessError> {
     let scenario = scenario(subject).saving(&[saved_frame(subject)]);
-    let run = Run::new(&subject.application, &scenario).layer(mode).test_layer(TestLayer::Count);
+    let run = Run::new(&subject.application, &scenario).layer(mode).counted();
     run.finish()?.expect_frames(subject.frames)
 }
 

@@ -44,9 +44,15 @@ impl Installation {
                 stage(&data, half, library)?;
             }
         }
-        let explicit = data.join("vulkan/explicit_layer.d");
         let test_layers = Library::TestLayers.path()?;
-        TestLayer::write_manifests(&test_layers, &explicit).map_err(HarnessError::file(&explicit))?;
+        for layer in [TestLayer::PassThrough, TestLayer::DropBarrier] {
+            let file = data.join(format!("vulkan/explicit_layer.d/{}.json", layer.stem()));
+            write(&file, &layer.manifest(&test_layers))?;
+        }
+        // Implicit layers from the configuration folder come above those from the data folder, and so this one
+        // above ours.
+        let file = folder.join("config/vulkan/implicit_layer.d/count.json");
+        write(&file, &TestLayer::Count.implicit_manifest(&test_layers))?;
         let runtime_manifest = write_runtime_manifest(folder, &Library::MockRuntime.path()?)
             .map_err(HarnessError::file(folder))?;
         Ok(Self { folder: folder.to_owned(), runtime_manifest })

@@ -131,10 +131,15 @@ impl Run {
         self
     }
 
-    /// Adds a test layer below ours, and above validation.
+    /// Adds a test layer below ours, and above validation; not the counting one, for which see [`Self::counted`].
     pub fn test_layer(mut self, layer: TestLayer) -> Self {
         self.test_layers.push(layer);
         self
+    }
+
+    /// Counts the fragments that the application shades, above our layer: what that draws itself is not counted.
+    pub fn counted(self) -> Self {
+        self.env(&TestLayer::Count.implicit_variable(), "1")
     }
 
     /// Leaves out the barriers that match `pattern`, which [`DROP_BARRIER_VARIABLE`] describes.

@@ -4,6 +4,7 @@
 
 mod canaries;
 mod configuration;
+mod counting;
 mod enabling;
 mod hello_xr;
 mod loader_1_1;
