@@ -10,5 +10,6 @@ pub mod inputs;
 pub mod link;
 pub mod log;
 pub mod passes;
+mod registry;
 pub mod vk;
 pub mod xr;

@@ -12,13 +12,13 @@ use std::ffi::CStr;
 mod chain;
 mod device;
 mod dispatch;
+mod dispatch_key;
 mod enablement;
 mod instance;
 mod link_table;
 mod negotiate;
 mod proc_addr;
 mod properties;
-mod registry;
 mod runtime_section;
 
 pub use chain::NegotiateLayerInterface;

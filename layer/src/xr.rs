@@ -15,7 +15,6 @@ mod frame;
 mod instance;
 mod negotiate;
 mod proc_addr;
-mod registry;
 mod session;
 mod structures;
 mod swapchain;

@@ -2,10 +2,11 @@
 
 use super::chain::{self, NextDevice, SetDeviceLoaderData};
 use super::dispatch::DeviceTable;
+use super::dispatch_key::DispatchKey;
 use super::instance::{self, Instance};
-use super::registry::{DispatchKey, Registry};
 use crate::abi::guard;
 use crate::link::DeviceRecord;
+use crate::registry::Registry;
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -34,7 +35,7 @@ impl Device {
     }
 }
 
-static DEVICES: Registry<Device> = Registry::new();
+static DEVICES: Registry<DispatchKey, Device> = Registry::new();
 
 /// The device that a device, queue or command buffer belongs to.
 ///
@@ -115,12 +116,12 @@ unsafe fn track(
         };
         DEVICES.insert(
             key,
-            Device {
+            Arc::new(Device {
                 record,
                 next: table,
                 get_device_proc_addr: next.get_device_proc_addr,
                 active: AtomicBool::new(false),
-            },
+            }),
         );
         Some(state)
     }

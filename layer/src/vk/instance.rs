@@ -2,9 +2,10 @@
 
 use super::chain::{self, GetPhysicalDeviceProcAddr, NextInstance};
 use super::dispatch::InstanceTable;
+use super::dispatch_key::DispatchKey;
 use super::enablement::Enablement;
-use super::registry::{DispatchKey, Registry};
 use crate::abi::guard;
+use crate::registry::Registry;
 use ash::vk;
 use std::sync::Arc;
 
@@ -20,7 +21,7 @@ pub struct Instance {
     pub get_physical_device_proc_addr: Option<GetPhysicalDeviceProcAddr>,
 }
 
-static INSTANCES: Registry<Instance> = Registry::new();
+static INSTANCES: Registry<DispatchKey, Instance> = Registry::new();
 
 /// The instance that an instance or physical device handle belongs to.
 ///
@@ -88,14 +89,14 @@ unsafe fn track(
         let table = InstanceTable::load(|name| (next.get_instance_proc_addr)(handle, name.as_ptr()))?;
         INSTANCES.insert(
             key,
-            Instance {
+            Arc::new(Instance {
                 handle,
                 enabled: Enablement::of_process() == Enablement::Enabled,
                 api_version: requested_version((*info).p_application_info.as_ref()),
                 next: table,
                 get_instance_proc_addr: next.get_instance_proc_addr,
                 get_physical_device_proc_addr: next.get_physical_device_proc_addr,
-            },
+            }),
         );
         Some(())
     }

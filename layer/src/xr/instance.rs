@@ -5,10 +5,10 @@ mod extensions;
 
 use super::actions::InstanceActions;
 use super::dispatch::Next;
-use super::registry::Registry;
 use super::{session, vulkan_activation};
 use crate::abi::guard;
 use crate::config::{Environment, LiveConfig};
+use crate::registry::Registry;
 use crate::vk::Enablement;
 use below::Below;
 use extensions::EyeGaze;
@@ -44,7 +44,7 @@ pub struct Instance {
     pub actions: InstanceActions,
 }
 
-static INSTANCES: Registry<Known> = Registry::new();
+static INSTANCES: Registry<xr::Instance, Known> = Registry::new();
 
 /// The instance of that handle.
 pub fn find(handle: xr::Instance) -> Option<Arc<Known>> {

@@ -6,12 +6,12 @@ pub use active::{Active, Health, Tools};
 
 use super::actions::SessionActions;
 use super::instance::{self, Instance, next_of_any};
-use super::registry::Registry;
 use super::structures::{VulkanBinding, extending};
 use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
 use crate::abi::guard;
 use crate::config::{ChromaMode, GazeSource};
+use crate::registry::Registry;
 use openxr_sys as xr;
 use std::sync::Arc;
 
@@ -42,7 +42,7 @@ impl Session {
     }
 }
 
-static SESSIONS: Registry<Session> = Registry::new();
+static SESSIONS: Registry<xr::Session, Session> = Registry::new();
 
 /// The session of that handle.
 pub fn find(handle: xr::Session) -> Option<Arc<Session>> {

@@ -18,9 +18,9 @@ pub use target::Target;
 
 use super::dispatch::Next;
 use super::instance::next_of_any;
-use super::registry::Registry;
 use super::session::Session;
 use crate::abi::guard;
+use crate::registry::Registry;
 use openxr_sys as xr;
 use ring::Ring;
 use smallvec::SmallVec;
@@ -35,7 +35,7 @@ pub struct Swapchain {
     pub substitute: Option<Substitute>,
 }
 
-static SWAPCHAINS: Registry<Swapchain> = Registry::new();
+static SWAPCHAINS: Registry<xr::Swapchain, Swapchain> = Registry::new();
 
 /// The virtual swapchains of a session. Allocates nothing for up to eight.
 pub fn virtual_ones(session: xr::Session) -> SmallVec<[Arc<Swapchain>; 8]> {
