@@ -77,7 +77,7 @@ impl Proof {
 }
 
 /// Everything that the tasks look for. None is needed to build.
-pub const NEEDS: [Need; 8] = [
+pub const NEEDS: [Need; 9] = [
     Need {
         what: "lavapipe, the Vulkan driver that runs on any CPU",
         without: "the first Vulkan driver of this machine is used, and figures differ from the README's",
@@ -119,6 +119,12 @@ pub const NEEDS: [Need; 8] = [
         without: "tests with that loader fail",
         proof: Proof::Program("cmake"),
         packages: ["cmake", "cmake", "cmake"],
+    },
+    Need {
+        what: "make, for the same",
+        without: "tests with the OpenXR loader 1.1 fail",
+        proof: Proof::Program("make"),
+        packages: ["make", "make", "make"],
     },
     Need {
         what: "a C++ compiler, for the same",
