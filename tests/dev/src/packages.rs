@@ -59,6 +59,8 @@ pub enum Proof {
     Program(&'static str),
     /// A shared library in one of the usual folders, or in `LD_LIBRARY_PATH`.
     Library(&'static str),
+    /// A C header in one of the usual folders.
+    Header(&'static str),
     /// A file in a folder below the data or configuration folders (`/usr/share`, `/etc`, ...), by prefix.
     Data { folder: &'static str, prefix: &'static str },
 }
@@ -69,6 +71,9 @@ impl Proof {
         match self {
             Proof::Program(name) => program_in_path(name),
             Proof::Library(name) => library_folders().iter().any(|folder| folder.join(name).exists()),
+            Proof::Header(name) => ["/usr/include", "/usr/local/include"]
+                .iter()
+                .any(|folder| Path::new(folder).join(name).exists()),
             Proof::Data { folder, prefix } => {
                 data_folders().iter().any(|data| has_file_with_prefix(&data.join(folder), prefix))
             }
@@ -77,7 +82,7 @@ impl Proof {
 }
 
 /// Everything that the tasks look for. None is needed to build.
-pub const NEEDS: [Need; 9] = [
+pub const NEEDS: [Need; 10] = [
     Need {
         what: "lavapipe, the Vulkan driver that runs on any CPU",
         without: "the first Vulkan driver of this machine is used, and figures differ from the README's",
@@ -125,6 +130,12 @@ pub const NEEDS: [Need; 9] = [
         without: "tests with the OpenXR loader 1.1 fail",
         proof: Proof::Program("make"),
         packages: ["make", "make", "make"],
+    },
+    Need {
+        what: "the headers of X11, for the same",
+        without: "tests with the OpenXR loader 1.1 fail",
+        proof: Proof::Header("X11/Xlib.h"),
+        packages: ["libx11-dev", "libX11-devel", "libx11"],
     },
     Need {
         what: "a C++ compiler, for the same",
@@ -182,6 +193,7 @@ mod tests {
         assert!(Proof::Program("sh").holds());
         assert!(!Proof::Program("no-such-program-as-this").holds());
         assert!(Proof::Library("libc.so.6").holds());
+        assert!(!Proof::Header("no/such/header.h").holds());
         assert!(!Proof::Data { folder: "no/such/folder", prefix: "" }.holds());
     }
 }
