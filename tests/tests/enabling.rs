@@ -1,5 +1,7 @@
 //! When the layer is there, when it is not, and that its absence is complete.
 
+use parafovea_manifest::json::{Activation, Half};
+use parafovea_tests::artifacts::Library;
 use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
@@ -70,4 +72,28 @@ fn the_openxr_half_alone_is_inert_and_says_so() {
 #[test]
 fn halves_loaded_from_two_copies_of_the_library_meet() {
     assert_attenuated(&run(|run| run.on(CHROMA).from_copies()));
+}
+
+#[test]
+fn the_openxr_half_named_explicitly_switches_the_vulkan_half_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let library = file("libparafovea.so");
+    std::fs::copy(Library::Parafovea.path().unwrap(), &library).unwrap();
+    let library = library.to_str().unwrap();
+    // The Vulkan loader is told nothing of this folder.
+    std::fs::write(file("vulkan.json"), Half::Vulkan.manifest(library, Activation::Explicit)).unwrap();
+    std::fs::create_dir(file("openxr")).unwrap();
+    std::fs::write(file("openxr/layer.json"), Half::OpenXr.manifest(library, Activation::Explicit)).unwrap();
+    std::fs::write(file("config.toml"), CHROMA).unwrap();
+
+    let named = |run: Run| {
+        run.env("XR_API_LAYER_PATH", file("openxr"))
+            .env("XR_ENABLE_API_LAYERS", Half::OpenXr.layer_name())
+            .env("PARAFOVEA_CONFIG", file("config.toml"))
+    };
+    let outcome = run(named);
+    assert_attenuated(&outcome);
+    assert!(outcome.log.contains("Vulkan half switched on"), "{}", outcome.log);
+    assert_untouched(&run(|run| named(run).env("DISABLE_PARAFOVEA", "1")));
 }
