@@ -3,13 +3,20 @@
 //! A frame's path: [`xr`] sees views, gaze and submission and hands a finished frame to [`passes`], which
 //! draw with [`gpu`] on the device that [`vk`] tracked; [`link`] is where the two halves meet.
 
+// Unsafe code stays within four modules.
+#![deny(unsafe_code)]
+
+#[allow(unsafe_code)]
 pub mod abi;
 pub mod config;
+#[allow(unsafe_code)]
 pub mod gpu;
 pub mod inputs;
 pub mod link;
 pub mod log;
 pub mod passes;
 mod registry;
+#[allow(unsafe_code)]
 pub mod vk;
+#[allow(unsafe_code)]
 pub mod xr;
