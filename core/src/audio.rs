@@ -1,0 +1,1 @@
+//! What is heard: loudness and mel feature (paper A, Eq. 1-6).

@@ -1,0 +1,1 @@
+//! The audio-visual perception model (paper A, Eq. 12-17).

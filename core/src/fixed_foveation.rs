@@ -1,0 +1,1 @@
+//! Fixed foveated rendering, the baseline of paper A.

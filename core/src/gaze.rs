@@ -1,0 +1,1 @@
+//! What the gaze is worth at this moment: tracked, held, lost; fixating or in a saccade.

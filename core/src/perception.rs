@@ -1,0 +1,1 @@
+//! What contrast there is, and how much of it is seen.

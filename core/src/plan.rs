@@ -1,0 +1,1 @@
+//! What one frame shall do, for each eye.

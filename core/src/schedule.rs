@@ -1,0 +1,1 @@
+//! Which parts of the picture are rendered anew in a frame (paper B).

@@ -1,0 +1,54 @@
+//! What the models answer where arithmetic is hard: one [`Case`] a line, each computed anew when asked for.
+
+mod audio;
+mod avpm;
+mod chroma;
+mod gaze;
+mod perception;
+mod plan;
+mod schedule;
+
+use std::fmt;
+
+/// One hard case.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Which model, e.g. "loudness".
+    pub model: &'static str,
+    /// What is hard, e.g. "digital silence".
+    pub case: String,
+    /// What must come out, in words or numbers.
+    pub expected: String,
+    /// What came out.
+    pub got: String,
+    /// Difference from the reference in double precision, in the unit that `expected` names, where there is one.
+    pub error: Option<f64>,
+    /// Whether `got` is what was expected, judged by the code that made the case.
+    pub passed: bool,
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let error = self.error.map_or_else(|| "-".to_owned(), |error| format!("{error:.1e}"));
+        let verdict = if self.passed { "ok" } else { "WRONG" };
+        write!(
+            f,
+            "{:<12} {:<44} {:<36} {:<28} {error:>8} {verdict}",
+            self.model, self.case, self.expected, self.got
+        )
+    }
+}
+
+/// All cases, model by model.
+pub fn table() -> Vec<Case> {
+    [
+        audio::cases(),
+        perception::cases(),
+        gaze::cases(),
+        schedule::cases(),
+        chroma::cases(),
+        avpm::cases(),
+        plan::cases(),
+    ]
+    .concat()
+}

@@ -1,0 +1,6 @@
+//! What the models of `parafovea-core` are held against: [`reference`]s in double precision, the papers' numbers
+//! ([`checks`]), and a table of [`hard_cases`]. The benches of the models are in `benches/`.
+
+pub mod checks;
+pub mod hard_cases;
+pub mod reference;

@@ -1,0 +1,1 @@
+//! The models again, in double precision and in the shape of their formulas.
