@@ -5,7 +5,8 @@ use crate::steps::{Steps, cargo, profile_folder};
 use std::path::Path;
 use std::process::Command;
 
-const BENCHES: [&str; 1] = ["overhead"];
+/// The benches, and the packages that they are in.
+const BENCHES: [(&str, &str); 2] = [("models", "parafovea-models"), ("overhead", "parafovea-tests")];
 
 /// The unmodified application and our scene, off and on.
 pub fn demo(arguments: &[String]) -> Result<(), String> {
@@ -49,18 +50,22 @@ pub fn run(arguments: &[String]) -> Result<(), String> {
 /// One bench, by name.
 pub fn bench(arguments: &[String]) -> Result<(), String> {
     let Some((name, rest)) = arguments.split_first() else {
-        return Err(format!("bench needs a name: {}", BENCHES.join(", ")));
+        return Err(format!("bench needs a name: {}", bench_names()));
     };
-    if !BENCHES.contains(&name.as_str()) {
-        return Err(format!("there is no bench `{name}`; there is: {}", BENCHES.join(", ")));
-    }
+    let Some((name, package)) = BENCHES.into_iter().find(|(known, _)| known == name) else {
+        return Err(format!("there is no bench `{name}`; there is: {}", bench_names()));
+    };
     setup(Voice::Implied)?;
     let mut steps = Steps::default();
     build(&mut steps)?;
     // The dev profile, as for everything else: what is measured are the libraries that were just built.
     let bench =
-        ["bench", "--locked", "--quiet", "--profile", "dev", "--package", "parafovea-tests", "--bench"];
-    steps.run(&format!("bench {name}"), in_root(cargo().args(bench).arg(name).arg("--").args(rest)))
+        ["bench", "--locked", "--quiet", "--profile", "dev", "--package", package, "--bench", name, "--"];
+    steps.run(&format!("bench {name}"), in_root(cargo().args(bench).args(rest)))
+}
+
+fn bench_names() -> String {
+    BENCHES.map(|(name, _)| name).join(", ")
 }
 
 /// Every library and program, so that the end-to-end programs find them beside themselves.

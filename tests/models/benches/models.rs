@@ -8,6 +8,8 @@ mod avpm;
 mod chroma;
 #[path = "models/geometry.rs"]
 mod geometry;
+#[path = "models/json.rs"]
+mod json;
 #[path = "models/perception.rs"]
 mod perception;
 #[path = "models/plan.rs"]
@@ -17,12 +19,22 @@ mod schedule;
 
 use criterion::Criterion;
 use parafovea_models::hard_cases;
+use std::process::ExitCode;
+use std::time::Duration;
 
-fn main() {
+fn main() -> ExitCode {
+    if std::env::args().any(|argument| argument == json::FLAG) {
+        return json::print();
+    }
     for case in hard_cases::table() {
         println!("{case}");
     }
-    let mut criterion = Criterion::default().configure_from_args();
+    // Short: dozens of functions, each of which is called millions of times in that second.
+    let mut criterion = Criterion::default()
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1))
+        .configure_from_args();
     for group in [
         audio::benches,
         avpm::benches,
@@ -35,4 +47,5 @@ fn main() {
         group(&mut criterion);
     }
     criterion.final_summary();
+    ExitCode::SUCCESS
 }
