@@ -10,6 +10,7 @@ pub mod compare;
 pub mod demo;
 pub mod error;
 pub mod installation;
+pub mod measure;
 pub mod overhead;
 pub mod picture;
 pub mod record;

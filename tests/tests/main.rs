@@ -6,6 +6,7 @@ mod canaries;
 mod configuration;
 mod counting;
 mod enabling;
+mod frame;
 mod hello_xr;
 mod loader_1_1;
 mod overhead;

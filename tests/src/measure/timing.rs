@@ -1,0 +1,66 @@
+//! Timed runs.
+
+use super::{Samples, Subject, Technique};
+use crate::HarnessError;
+
+/// How much is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// How often each technique has its turn.
+    pub turns: usize,
+    /// Frames of a turn; the first tenth is not counted.
+    pub frames: u64,
+    /// Side of an eye's image, pixels.
+    pub size: u32,
+}
+
+/// What one technique cost.
+#[derive(Clone, Debug)]
+pub struct Timing {
+    /// [`Technique::name`].
+    pub technique: String,
+    /// Whether the layer was on.
+    pub with_layer: bool,
+    /// CPU time of the application's process, milliseconds a frame. On a CPU device this is rendering too.
+    pub cpu_ms: Samples,
+    /// Fragment shader invocations of a frame that the application caused; the layer's own are not among them.
+    pub fragments: u64,
+}
+
+/// Times all `techniques` on `subject`, the first of which is the baseline: turn by turn, each technique once, in an
+/// order that is reversed from turn to turn, so that a drift falls on none. The runtime composites nothing.
+///
+/// `progress` is told of every run before it is started.
+///
+/// # Errors
+/// Those of the harness, and an application that does not come to its end.
+pub fn time(
+    subject: &Subject,
+    techniques: &[Technique],
+    effort: Effort,
+    mut progress: impl FnMut(&str),
+) -> Result<Vec<Timing>, HarnessError> {
+    let mut timings = Vec::new();
+    for technique in techniques {
+        progress(&format!("{}: {}, counting fragments", subject.name(), technique.name));
+        let outcome = subject.run(technique, effort)?.counted().finish()?.expect_frames(effort.frames)?;
+        timings.push(Timing {
+            technique: technique.name.clone(),
+            with_layer: technique.has_layer(),
+            cpu_ms: Samples::default(),
+            fragments: outcome.fragments()? / effort.frames,
+        });
+    }
+    for turn in 0..effort.turns {
+        let mut order: Vec<usize> = (0..techniques.len()).collect();
+        if turn % 2 == 1 {
+            order.reverse();
+        }
+        for index in order {
+            progress(&format!("{}: {}, turn {}", subject.name(), techniques[index].name, turn + 1));
+            let outcome = subject.run(&techniques[index], effort)?.finish()?.expect_frames(effort.frames)?;
+            timings[index].cpu_ms.push(outcome.record.cpu_ms_of_frames());
+        }
+    }
+    Ok(timings)
+}
