@@ -1,9 +1,16 @@
-//! View geometry: where a pixel looks, and how far that is from the gaze.
+//! View geometry: where a pixel looks, how far that is from the gaze, how fine the image is there, and where another
+//! view shows the same.
 //!
 //! View space is OpenXR's: +x right, +y up, -z forward. Angles are radians unless a name says otherwise.
 
+mod depth;
+mod reprojection;
+mod resolution;
 mod tile;
 
+pub use depth::{DepthRange, MAX_VIEW_DISTANCE_M, view_distance};
+pub use reprojection::{Reprojection, View};
+pub use resolution::{Resolution, pixels_per_degree, resolution};
 pub use tile::{EccentricityRange, PixelRect, tile_eccentricity};
 
 use glam::{Vec2, Vec3};

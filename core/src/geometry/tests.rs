@@ -81,6 +81,15 @@ proptest! {
     }
 
     #[test]
+    fn turning_gaze_and_ray_together_changes_nothing(
+        a in direction(), b in direction(), axis in direction(), angle in -PI..PI,
+    ) {
+        let turn = glam::Quat::from_axis_angle(axis, angle);
+        let difference = eccentricity(a, b) - eccentricity(turn * a, turn * b);
+        prop_assert!(difference.abs() < 2e-6, "{difference}");
+    }
+
+    #[test]
     fn directions_are_finite_for_any_field_of_view(
         left in any_f32(), right in any_f32(), up in any_f32(), down in any_f32(),
         width in any::<u32>(), height in any::<u32>(),

@@ -1,0 +1,41 @@
+//! How far away what a depth image shows is.
+
+/// How the values of a depth image stand for distances, as `XrCompositionLayerDepthInfoKHR`.
+///
+/// The nearer plane may be either one (reversed depth), and either may be infinitely far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthRange {
+    /// `minDepth`: the value of the first plane, 0..=1.
+    pub min_depth: f32,
+    /// `maxDepth`: the value of the second plane, 0..=1, above `min_depth`.
+    pub max_depth: f32,
+    /// `nearZ`: distance of the first plane, metres, above 0, may be infinite.
+    pub near_z: f32,
+    /// `farZ`: distance of the second plane, metres, above 0, may be infinite.
+    pub far_z: f32,
+}
+
+/// What counts as infinitely far, metres: nothing moves there when a head does.
+pub const MAX_VIEW_DISTANCE_M: f32 = 1e6;
+
+/// Distance along -z of view space of what has the depth value `depth`, metres, above 0 and at most
+/// [`MAX_VIEW_DISTANCE_M`].
+///
+/// 1 / distance is linear in depth, from 1 / near at `min_depth` to 1 / far at `max_depth`; values beyond either
+/// count as that. What makes no sense (NaN, a plane at 0 or behind, equal bounds) is infinitely far, where only
+/// the view's orientation counts.
+pub fn view_distance(depth: f32, range: &DepthRange) -> f32 {
+    let DepthRange { min_depth, max_depth, near_z, far_z } = *range;
+    let t = ((depth - min_depth) / (max_depth - min_depth)).clamp(0.0, 1.0);
+    let inverse = near_z.recip() * (1.0 - t) + far_z.recip() * t;
+    let is_meant = max_depth > min_depth && near_z > 0.0 && far_z > 0.0;
+    // Not `<`: NaN is far away too.
+    if is_meant && inverse > MAX_VIEW_DISTANCE_M.recip() {
+        inverse.recip().max(f32::MIN_POSITIVE)
+    } else {
+        MAX_VIEW_DISTANCE_M
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,69 @@
+//! Where what one view shows lies in another: for things so far away that only the views' orientations count.
+
+use super::ImagePlane;
+use glam::{Mat3, Quat, Vec2, Vec3};
+
+/// An image with the orientation of the view that it shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Rotates from the view's space to one that all views have in common, as `XrPosef::orientation`. Need not be
+    /// of unit length; q and -q are the same.
+    pub orientation: Quat,
+    /// The image. Canted displays have the cant in `orientation`.
+    pub plane: ImagePlane,
+}
+
+/// The map from pixels of one view to pixels of another that differs in orientation and field of view, not in
+/// position: a homography, so one matrix for all pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reprojection {
+    /// From (x, y, 1) in pixels to homogeneous pixels.
+    matrix: Mat3,
+}
+
+impl Reprojection {
+    /// The map from pixels of `from` to pixels of `to`. `None` where there is none: an orientation that is no
+    /// rotation (zero or not finite), or a `to` that spans no angle.
+    pub fn between(from: &View, to: &View) -> Option<Self> {
+        let turn = unit(to.orientation)?.inverse() * unit(from.orientation)?;
+        let matrix = to_pixels(&to.plane)? * Mat3::from_quat(turn) * to_directions(&from.plane);
+        matrix.is_finite().then_some(Self { matrix })
+    }
+
+    /// Where a point of the first image, in pixels, lies in the second, in pixels and possibly outside of it.
+    /// `None` for what is beside or behind the second view (w <= 0), so that its plane does not show it.
+    pub fn pixel(&self, pixel: Vec2) -> Option<Vec2> {
+        let Vec3 { x, y, z: w } = self.matrix * pixel.extend(1.0);
+        let found = Vec2::new(x, y) / w;
+        (w > 0.0 && found.is_finite()).then_some(found)
+    }
+
+    /// The homography, by columns: (x, y, 1) to (x' w, y' w, w), with w > 0 for what lies ahead of the second view.
+    pub fn matrix(&self) -> Mat3 {
+        self.matrix
+    }
+}
+
+/// The rotation that a quaternion of any length means.
+fn unit(orientation: Quat) -> Option<Quat> {
+    let vector = glam::Vec4::from(orientation);
+    let scaled = vector / vector.abs().max_element();
+    (vector.is_finite() && scaled.is_finite()).then(|| Quat::from_vec4(scaled.normalize()))
+}
+
+/// From (x, y, 1) in pixels to the direction there: [`ImagePlane::direction`] as a matrix.
+fn to_directions(plane: &ImagePlane) -> Mat3 {
+    let ImagePlane { origin, step } = *plane;
+    Mat3::from_cols(Vec3::X * step.x, Vec3::Y * step.y, origin.extend(-1.0))
+}
+
+/// From directions to homogeneous pixels, with w = -z.
+fn to_pixels(plane: &ImagePlane) -> Option<Mat3> {
+    let ImagePlane { origin, step } = *plane;
+    let scale = step.recip();
+    let offset = origin * scale;
+    scale.is_finite().then(|| Mat3::from_cols(Vec3::X * scale.x, Vec3::Y * scale.y, offset.extend(-1.0)))
+}
+
+#[cfg(test)]
+mod tests;
