@@ -1,1 +1,3 @@
 //! The models again, in double precision and in the shape of their formulas.
+
+pub mod perception;

@@ -1,0 +1,3 @@
+//! References of `perception`.
+
+pub mod csf;
