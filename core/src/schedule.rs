@@ -1,1 +1,78 @@
-//! Which parts of the picture are rendered anew in a frame (paper B).
+//! Which parts of the picture are rendered anew in a frame (paper B, "Evaluating Foveated Frame Rate Reduction in
+//! Virtual Reality for Head-Mounted Displays").
+//!
+//! [`Regions`] around the gaze are rendered in one of f frames each, as an [`UpdateConfiguration`] says, limited
+//! by [`cap`]; [`Phase`] says in which ones.
+
+pub mod cap;
+mod cells;
+mod configuration;
+mod regions;
+
+pub use cells::{CELLS, Cell};
+pub use configuration::{ConfigurationError, MAX_FACTOR, REGIONS, UpdateConfiguration};
+pub use regions::{Regions, pixel_rate};
+
+use glam::Vec3;
+
+/// In which frames of its period a direction is rendered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Phase {
+    /// All directions of a period together, in the frames that it divides: paper B. Every so often a frame
+    /// renders everything, so the longest frame is as long as without a schedule.
+    Aligned,
+    /// Patches of [`Cell::PATCH_DEG`] degrees take turns, so that each frame renders about the same share.
+    #[default]
+    Staggered,
+    /// As [`Self::Aligned`], with the right eye half a period later: the eyes see a direction at different ages.
+    AlternateEye,
+}
+
+/// When to render what.
+///
+/// In [`Phase::Aligned`] and [`Phase::Staggered`] the answers depend on direction, gaze and frame only, so that both
+/// eyes see a direction at the same age, whatever their images' tiles are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Schedule {
+    /// Where the regions end.
+    pub regions: Regions,
+    /// How often each is rendered.
+    pub configuration: UpdateConfiguration,
+    /// In which frames.
+    pub phase: Phase,
+}
+
+impl Schedule {
+    /// Number of frames within which a direction at this eccentricity (degrees, from the nearer of both eyes'
+    /// gaze) is rendered once, 1..=9. NaN gives the centre's.
+    pub fn period_at(&self, eccentricity_deg: f32) -> u8 {
+        self.configuration.factors()[self.regions.region_at(eccentricity_deg)]
+    }
+
+    /// Whether a direction is rendered in a frame: exactly once in any `period` frames that follow each other.
+    ///
+    /// `direction`, of any length, is in a space common to both eyes whose orientation is fixed in the world (the
+    /// LOCAL space, its origin does not matter): then an object's turn stays its turn when the head moves. `eye` is
+    /// 0 (left) or 1, and read by [`Phase::AlternateEye`] alone. A direction without a meaning and a period of 0 or above
+    /// [`MAX_FACTOR`] are always due. At the wrap of `frame` (2^64) one turn may come late.
+    pub fn is_due(&self, frame: u64, direction: Vec3, period: u8, eye: usize) -> bool {
+        if !(2..=MAX_FACTOR).contains(&period) {
+            return true;
+        }
+        match Cell::of(direction) {
+            Some(cell) => self.turn(frame, period, eye) == cell.phase_for(self.phase, period),
+            None => true,
+        }
+    }
+
+    /// The phase whose turn it is in a frame, 0..period.
+    fn turn(&self, frame: u64, period: u8, eye: usize) -> u8 {
+        let late = if self.phase == Phase::AlternateEye && eye == 1 { period / 2 } else { 0 };
+        // Reduced first: frame + late could overflow.
+        let turn = (frame % u64::from(period)) as u8 + period - late;
+        turn % period
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,31 @@
+//! How much larger the fovea has to be because the gaze is not exact and not of this moment.
+
+/// Largest radius that motion alone gives the fovea, degrees.
+///
+/// 700 deg/s for 60 ms would be 42 degrees, most of the display in full, at each of the three or so saccades a
+/// second. At such speeds fine detail is suppressed, and the map is allowed 60 ms to follow after landing
+/// (Loschky and Wolverton 2007); few natural saccades are longer than 30 degrees, so that what is looked at on
+/// landing nearly always lies inside.
+pub const MAX_FOVEAL_RADIUS_DEG: f32 = 30.0;
+
+/// Radius of the fovea as rendered, degrees: base + tracker error + velocity * latency.
+///
+/// `base_deg` is the fovea's own radius, `tracker_error_deg` what the tracker may be off by, `velocity_deg_s` the
+/// speed of the eyes ([`super::GazeState::velocity_deg_s`]) and `latency_s` the time from the eye to the image.
+/// The answer is at most [`MAX_FOVEAL_RADIUS_DEG`], but never below base + tracker error, and never above 180. Negative
+/// terms count as 0. An error, velocity or latency that is NaN or infinite gives [`MAX_FOVEAL_RADIUS_DEG`] or the base,
+/// whichever is larger (the gaze could be anywhere near); a NaN base gives 180.
+pub fn foveal_inflation_deg(
+    base_deg: f32,
+    tracker_error_deg: f32,
+    velocity_deg_s: f32,
+    latency_s: f32,
+) -> f32 {
+    let base = if base_deg.is_nan() { 180.0 } else { base_deg.clamp(0.0, 180.0) };
+    if ![tracker_error_deg, velocity_deg_s, latency_s].into_iter().all(f32::is_finite) {
+        return base.max(MAX_FOVEAL_RADIUS_DEG);
+    }
+    let still = base + tracker_error_deg.max(0.0);
+    let moving = still + velocity_deg_s.max(0.0) * latency_s.max(0.0);
+    moving.min(still.max(MAX_FOVEAL_RADIUS_DEG)).min(180.0)
+}

@@ -1,0 +1,178 @@
+use super::*;
+
+const MS: i64 = 1_000_000;
+
+/// A direction `yaw_deg` to the right of straight ahead.
+fn yaw(yaw_deg: f32) -> Vec3 {
+    let angle = yaw_deg.to_radians();
+    Vec3::new(angle.sin(), 0.0, -angle.cos())
+}
+
+fn sample(yaw_deg: f32, time_ns: i64) -> GazeSample {
+    GazeSample { directions: [yaw(yaw_deg); 2], time_ns, valid: true }
+}
+
+fn missing(time_ns: i64) -> GazeSample {
+    GazeSample { valid: false, ..sample(0.0, time_ns) }
+}
+
+/// A tracker that has followed `yaws` for one sample each `step_ms`, and the time of the last.
+fn followed(yaws: impl IntoIterator<Item = f32>, step_ms: i64) -> (GazeTracker, i64) {
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    let mut time = 0;
+    for (i, yaw_deg) in yaws.into_iter().enumerate() {
+        time = i as i64 * step_ms * MS;
+        tracker.push(&sample(yaw_deg, time));
+    }
+    (tracker, time)
+}
+
+#[test]
+fn a_source_that_never_delivers_is_lost_at_once() {
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    assert_eq!(tracker.state(0), GazeState::LOST);
+    tracker.push(&missing(0));
+    tracker.source_ended(1);
+    assert_eq!(tracker.state(30 * 86_400_000 * MS), GazeState::LOST);
+}
+
+#[test]
+fn trust_ramps_up_to_a_steady_fixation() {
+    let (tracker, now) = followed(vec![3.0; 11], 10);
+    let state = tracker.state(now);
+    assert_eq!(state.phase, GazePhase::Fixation);
+    assert!((state.trust - 0.5).abs() < 1e-6, "{state:?}");
+    assert_eq!(state.velocity_deg_s, 0.0);
+    let (tracker, now) = followed(vec![3.0; 100], 10);
+    assert_eq!(tracker.state(now).trust, 1.0);
+}
+
+#[test]
+fn pursuit_has_its_speed() {
+    let (tracker, now) = followed((0..100).map(|i| i as f32 * 0.3), 10);
+    let state = tracker.state(now);
+    assert!((state.velocity_deg_s - 30.0).abs() < 0.01, "{state:?}");
+    assert_eq!(state.phase, GazePhase::Fixation);
+}
+
+#[test]
+fn a_saccade_is_followed_by_60_ms_of_care() {
+    let yaws = (0..50).map(|i| ((i - 40).max(0) as f32 * 3.0).min(15.0));
+    let (mut tracker, mut now) = followed(yaws.clone().take(44), 10);
+    assert_eq!(tracker.state(now).phase, GazePhase::Saccade);
+    assert!((tracker.state(now).velocity_deg_s - 300.0).abs() < 0.1);
+    for yaw_deg in [12.0, 15.0, 15.0] {
+        now += 10 * MS;
+        tracker.push(&sample(yaw_deg, now));
+    }
+    for (later_ms, phase) in [(0, GazePhase::PostSaccade), (20, GazePhase::PostSaccade)] {
+        assert_eq!(tracker.state(now + later_ms * MS).phase, phase);
+        assert!(!tracker.state(now).may_coarsen());
+    }
+    let landed = now;
+    while now < landed + 60 * MS {
+        assert_eq!(tracker.state(now).phase, GazePhase::PostSaccade, "{} ns after", now - landed);
+        now += 10 * MS;
+        tracker.push(&sample(15.0, now));
+    }
+    assert_eq!(tracker.state(now).phase, GazePhase::Fixation);
+    assert!(tracker.state(now).may_coarsen());
+}
+
+#[test]
+fn one_outlier_is_no_saccade() {
+    let mut yaws = vec![1.0; 60];
+    yaws[50] = 25.0;
+    for count in 51..=60 {
+        let (tracker, now) = followed(yaws[..count].iter().copied(), 8);
+        let state = tracker.state(now);
+        assert_eq!(state.phase, GazePhase::Fixation);
+        assert!(state.velocity_deg_s < 1.0, "{state:?}");
+    }
+}
+
+#[test]
+fn a_blink_is_held_and_a_loss_ramps() {
+    let (mut tracker, now) = followed(vec![7.0; 100], 10);
+    tracker.push(&missing(now + 10 * MS));
+    for (later_ms, phase, trust) in [
+        (10, GazePhase::Blink, 1.0),
+        (500, GazePhase::Blink, 1.0),
+        (501, GazePhase::Lost, 0.995),
+        (600, GazePhase::Lost, 0.5),
+        (700, GazePhase::Lost, 0.0),
+        (30 * 86_400_000, GazePhase::Lost, 0.0),
+    ] {
+        let state = tracker.state(now + later_ms * MS);
+        assert_eq!(state.phase, phase, "after {later_ms} ms");
+        assert!((state.trust - trust).abs() < 1e-5, "after {later_ms} ms: {state:?}");
+        assert_eq!(state.directions, [yaw(7.0); 2]);
+        assert_eq!(state.velocity_deg_s, 0.0);
+    }
+    // Found again half way down: trust goes on from there, upwards, and care is taken at first.
+    let found = now + 600 * MS;
+    tracker.push(&sample(-20.0, found));
+    assert_eq!(tracker.state(found).phase, GazePhase::PostSaccade);
+    assert!((tracker.state(found).trust - 0.5).abs() < 1e-5);
+    tracker.push(&sample(-20.0, found + 20 * MS));
+    assert!((tracker.state(found + 20 * MS).trust - 0.6).abs() < 1e-5);
+}
+
+#[test]
+fn samples_that_stop_are_a_blink_too() {
+    let (tracker, now) = followed(vec![7.0; 100], 10);
+    assert_eq!(tracker.state(now + 50 * MS).phase, GazePhase::Fixation);
+    assert_eq!(tracker.state(now + 51 * MS).phase, GazePhase::Blink);
+}
+
+#[test]
+fn an_ended_source_is_not_held() {
+    let (mut tracker, now) = followed(vec![7.0; 100], 10);
+    tracker.source_ended(now + 10 * MS);
+    tracker.source_ended(now + 90 * MS);
+    assert_eq!(tracker.state(now + 10 * MS).phase, GazePhase::Lost);
+    assert!((tracker.state(now + 110 * MS).trust - 0.5).abs() < 1e-5);
+    assert_eq!(tracker.state(now + 210 * MS).trust, 0.0);
+}
+
+#[test]
+fn one_eye_speaks_for_both() {
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    for blind in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY] {
+        tracker.push(&GazeSample { directions: [blind, yaw(5.0) * 1e30], time_ns: 0, valid: true });
+        let state = tracker.state(0);
+        for direction in state.directions {
+            assert!((direction - yaw(5.0)).length() < 1e-6, "{state:?}");
+        }
+    }
+}
+
+#[test]
+fn eccentricity_is_that_of_the_nearer_eye() {
+    let state = GazeState { directions: [yaw(-2.0), yaw(3.0)], ..GazeState::LOST };
+    for (yaw_deg, nearest_deg) in [(-10.0, 8.0), (10.0, 7.0), (0.5, 2.5), (3.0, 0.0)] {
+        let got = state.eccentricity(yaw(yaw_deg)).to_degrees();
+        assert!((got - nearest_deg).abs() < 1e-4, "{yaw_deg}: {got}");
+    }
+    assert_eq!(state.eccentricity(Vec3::NAN), 0.0);
+}
+
+#[test]
+fn inflation_adds_error_and_motion() {
+    for ((base, error, velocity, latency), radius) in [
+        ((5.2, 1.1, 0.0, 0.06), 6.3),
+        ((5.2, 1.1, 100.0, 0.06), 12.3),
+        ((5.2, 1.1, 700.0, 0.06), 30.0),
+        ((35.0, 1.1, 700.0, 0.06), 36.1),
+        ((170.0, 20.0, 0.0, 0.0), 180.0),
+        ((5.0, -1.0, -50.0, 0.06), 5.0),
+        ((5.0, 1.0, f32::NAN, 0.06), 30.0),
+        ((5.0, 1.0, 0.0, f32::INFINITY), 30.0),
+        ((5.0, f32::NAN, 0.0, 0.0), 30.0),
+        ((f32::NAN, 0.0, 0.0, 0.0), 180.0),
+        ((5.0, 1.0, f32::MAX, f32::MAX), 30.0),
+    ] {
+        let got = foveal_inflation_deg(base, error, velocity, latency);
+        assert!((got - radius).abs() < 1e-4, "{base} {error} {velocity} {latency}: {got}");
+    }
+}
