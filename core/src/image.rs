@@ -20,6 +20,15 @@ impl<T: Copy> Plane<T> {
         Self { width, height, texels: texels.collect() }
     }
 
+    /// Takes another size; the texels are anything after that. Memory is only asked for beyond the largest size so far.
+    pub fn resize(&mut self, width: u32, height: u32)
+    where
+        T: Default,
+    {
+        (self.width, self.height) = (width, height);
+        self.texels.resize(width as usize * height as usize, T::default());
+    }
+
     /// Columns, texels.
     pub fn width(&self) -> u32 {
         self.width

@@ -1,0 +1,185 @@
+use super::*;
+use crate::perception::TileContrast;
+use proptest::prelude::*;
+
+fn analyzed(picture: &Plane, settings: &ContrastSettings) -> ContrastMap {
+    let mut map = ContrastMap::default();
+    analyze(picture, settings, &mut Buffers::default(), &mut map);
+    map
+}
+
+fn usual(picture: &Plane) -> ContrastMap {
+    analyzed(picture, &ContrastSettings::default())
+}
+
+fn noise(width: u32, height: u32, seed: u32) -> Plane {
+    Plane::from_fn(width, height, |x, y| {
+        let hash =
+            (x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77) ^ seed).wrapping_mul(0xc2b2_ae35);
+        (hash >> 16) as f32 / 655.36
+    })
+}
+
+#[test]
+fn one_tile_for_every_started_one() {
+    for (size, tile_size, grid) in [
+        ((1, 1), 16, (1, 1)),
+        ((16, 17), 16, (1, 2)),
+        ((65, 64), 64, (2, 1)),
+        ((65, 64), 8, (9, 8)),
+        ((65, 64), 0, (9, 8)),
+        ((65, 64), 24, (5, 4)),
+        ((65, 64), u32::MAX, (2, 1)),
+        ((0, 5), 16, (0, 1)),
+        ((0, 0), 16, (0, 0)),
+    ] {
+        let settings = ContrastSettings { tile_size, ..ContrastSettings::default() };
+        let tiles = analyzed(&Plane::filled(size.0, size.1, 1.0), &settings).tiles;
+        assert_eq!((tiles.width(), tiles.height()), grid, "{size:?} by {tile_size}");
+    }
+}
+
+#[test]
+fn a_grating_is_in_the_band_of_its_frequency() {
+    // Periods of 4, 8, 16 and 32 pixels: Nyquist * 2^-(i + 1), as `BandFrequencies::Response` says.
+    for (expected, period) in [4, 8, 16, 32].into_iter().enumerate() {
+        let picture = Plane::from_fn(512, 256, |x, _| {
+            50.0 + 10.0 * (x as f32 * std::f32::consts::TAU / period as f32 + 0.5).sin()
+        });
+        for aggregation in [Aggregation::Mean, Aggregation::Peak] {
+            let settings = ContrastSettings { aggregation, tile_size: 32, ..ContrastSettings::default() };
+            let TileContrast { bands, adaptation_cd_m2 } = analyzed(&picture, &settings).tiles.at(8, 4);
+            let strongest = (0..BANDS).max_by(|a, b| bands[*a].total_cmp(&bands[*b])).unwrap();
+            assert_eq!(strongest, expected, "{period} {aggregation:?}: {bands:?}");
+            assert!((adaptation_cd_m2 - 50.0).abs() < 1e-3);
+        }
+    }
+}
+
+#[test]
+fn a_checkerboard_at_nyquist_is_all_in_the_finest_band() {
+    let picture = Plane::from_fn(256, 256, |x, y| if (x + y) % 2 == 0 { 60.0 } else { 40.0 });
+    let bands = usual(&picture).tiles.at(8, 8).bands;
+    assert!((bands[0] - 10.0 / 50.1).abs() < 1e-5, "{bands:?}");
+    assert!(bands[1..].iter().all(|band| *band < 1e-5), "{bands:?}");
+}
+
+#[test]
+fn a_thin_line_counts_by_its_peak_more_than_by_its_mean() {
+    let picture = Plane::from_fn(64, 64, |x, _| if x == 24 { 60.0 } else { 50.0 });
+    let finest = |aggregation| {
+        let settings = ContrastSettings { aggregation, ..ContrastSettings::default() };
+        analyzed(&picture, &settings).tiles.at(1, 1).bands[0]
+    };
+    assert!(finest(Aggregation::Peak) > 0.1);
+    assert!(finest(Aggregation::Mean) < finest(Aggregation::Peak) / 4.0);
+}
+
+#[test]
+fn buffers_serve_pictures_of_any_size_in_any_order() {
+    let (mut buffers, mut map) = (Buffers::default(), ContrastMap::default());
+    for (width, height) in [(100, 60), (3, 200), (1, 1), (64, 64), (100, 60)] {
+        let picture = noise(width, height, 7);
+        analyze(&picture, &ContrastSettings::default(), &mut buffers, &mut map);
+        assert_eq!(map, usual(&picture));
+    }
+}
+
+#[test]
+fn an_unusable_pixel_is_as_a_black_or_bright_one() {
+    let picture = noise(80, 48, 1);
+    for (bad, like) in
+        [(f32::NAN, 0.0), (-f32::NAN, 0.0), (f32::NEG_INFINITY, 0.0), (f32::INFINITY, 1e4), (-3.0, 0.0)]
+    {
+        let with = |value| {
+            let mut picture = picture.clone();
+            picture.row_mut(20)[33] = value;
+            usual(&picture)
+        };
+        assert_eq!(with(bad), with(like));
+        let (clean, map) = (usual(&picture), with(bad));
+        assert_ne!(map.tiles.at(2, 1), clean.tiles.at(2, 1));
+        // Beyond the reach of the coarsest filter, nothing differs: the picture's left edge is 33 pixels away.
+        let far = analyzed(&noise(400, 48, 1), &ContrastSettings::default());
+        let mut picture = noise(400, 48, 1);
+        picture.row_mut(20)[33] = bad;
+        let near = usual(&picture);
+        for x in 10..25 {
+            assert_eq!(near.tiles.at(x, 1), far.tiles.at(x, 1));
+        }
+    }
+}
+
+#[test]
+fn unusable_settings_are_replaced() {
+    let picture = noise(40, 40, 3);
+    for dark_cd_m2 in [f32::NAN, -1.0, 0.0, f32::INFINITY] {
+        let settings = ContrastSettings { dark_cd_m2, ..ContrastSettings::default() };
+        let tiles = analyzed(&picture, &settings).tiles;
+        assert!(
+            tiles.texels().iter().flat_map(|tile| tile.bands).all(|band| band.is_finite() && band >= 0.0)
+        );
+    }
+}
+
+fn any_picture() -> impl Strategy<Value = Plane> {
+    let texel = prop_oneof![4 => 0.0..1e4f32, 1 => any::<f32>(), 1 => Just(f32::NAN), 1 => Just(1e-41)];
+    (1u32..50, prop::collection::vec(texel, 50..2000)).prop_map(|(width, texels)| {
+        let height = texels.len() as u32 / width;
+        Plane::from_fn(width, height, |x, y| texels[(y * width + x) as usize])
+    })
+}
+
+fn any_settings() -> impl Strategy<Value = ContrastSettings> {
+    let aggregation = prop_oneof![Just(Aggregation::Peak), Just(Aggregation::Mean)];
+    (0u32..8, aggregation).prop_map(|(log2, aggregation)| ContrastSettings {
+        tile_size: 1 << log2,
+        aggregation,
+        ..ContrastSettings::default()
+    })
+}
+
+proptest! {
+    #[test]
+    fn finite_whatever_comes_in(picture in any_picture(), settings in any_settings()) {
+        for tile in analyzed(&picture, &settings).tiles.texels() {
+            prop_assert!(tile.bands.iter().all(|band| band.is_finite() && *band >= 0.0));
+            prop_assert!((0.0..=10_001.0).contains(&tile.adaptation_cd_m2));
+        }
+    }
+
+    #[test]
+    fn level_pictures_have_no_contrast(
+        width in 1u32..90, height in 1u32..90, value in 0.0..1e4f32, settings in any_settings(),
+    ) {
+        for tile in analyzed(&Plane::filled(width, height, value), &settings).tiles.texels() {
+            prop_assert_eq!(tile.bands, [0.0; BANDS]);
+            prop_assert!((tile.adaptation_cd_m2 - value).abs() <= value * 1e-5);
+        }
+    }
+
+    /// Exactly so where the light of black scales along.
+    #[test]
+    fn brighter_pictures_have_the_same_contrast(seed in any::<u32>(), factor in 0.01..50.0f32, settings in any_settings()) {
+        let picture = noise(45, 31, seed);
+        let brighter = Plane::from_fn(45, 31, |x, y| picture.at(x, y) * factor);
+        let lit = ContrastSettings { dark_cd_m2: settings.dark_cd_m2 * factor, ..settings };
+        let (one, other) = (analyzed(&picture, &settings), analyzed(&brighter, &lit));
+        for (one, other) in one.tiles.texels().iter().zip(other.tiles.texels()) {
+            for (a, b) in one.bands.iter().zip(other.bands) {
+                prop_assert!((a - b).abs() <= 1e-4 * a.max(0.01), "{} {}", a, b);
+            }
+            prop_assert!((one.adaptation_cd_m2 * factor - other.adaptation_cd_m2).abs() <= 1e-4 * other.adaptation_cd_m2);
+        }
+    }
+
+    #[test]
+    fn the_mean_is_never_above_the_peak(picture in any_picture()) {
+        let of = |aggregation| analyzed(&picture, &ContrastSettings { aggregation, ..ContrastSettings::default() });
+        for (mean, peak) in of(Aggregation::Mean).tiles.texels().iter().zip(of(Aggregation::Peak).tiles.texels()) {
+            for band in 0..BANDS {
+                prop_assert!(mean.bands[band] <= peak.bands[band] * 1.0001);
+            }
+        }
+    }
+}
