@@ -5,7 +5,10 @@
 //! [`SensitivityFall`] uses: what does not depend on the gaze is computed once, then a tile costs one `exp2`.
 
 pub mod castle;
+mod exp2;
 pub mod tursun;
+
+use exp2::exp2;
 
 /// What is shown, and where.
 ///
@@ -92,6 +95,7 @@ pub struct SensitivityFall {
 
 impl SensitivityFall {
     /// What is lost with each degree, octaves, >= 0.
+    #[inline]
     pub fn log2_per_deg(&self, field: VisualField) -> f32 {
         match field {
             VisualField::Temporal => self.log2_per_deg_temporal,
@@ -100,8 +104,13 @@ impl SensitivityFall {
         }
     }
 
-    /// Sensitivity at an eccentricity within [`Stimulus::ECCENTRICITY_DEG`], to which the caller clamps it.
+    /// Sensitivity at an eccentricity in degrees, clamped to [`Stimulus::ECCENTRICITY_DEG`]; NaN counts as 0. At
+    /// least 2^-126.
+    #[inline]
     pub fn at(&self, eccentricity_deg: f32, field: VisualField) -> f32 {
-        (self.log2_foveal - self.log2_per_deg(field) * eccentricity_deg).exp2()
+        let [least, greatest] = Stimulus::ECCENTRICITY_DEG;
+        // In this order NaN is lost, as it is not with `clamp`.
+        let eccentricity_deg = eccentricity_deg.max(least).min(greatest);
+        exp2(self.log2_foveal - self.log2_per_deg(field) * eccentricity_deg)
     }
 }

@@ -73,7 +73,8 @@ pub(super) fn expand_row(coarse: &Plane, y: u32, out: &mut [f32], row: &mut Vec<
     row.clear();
     row.resize(n + 2, 0.0);
     for (x, out) in row[1..=n].iter_mut().enumerate() {
-        *out = if y % 2 == 0 { smooth(before[x], at[x], after[x]) } else { between(at[x], after[x]) };
+        *out =
+            if y.is_multiple_of(2) { smooth(before[x], at[x], after[x]) } else { between(at[x], after[x]) };
     }
     (row[0], row[n + 1]) = (row[1], row[n]);
     for (out, taps) in out.chunks_mut(2).zip(row.windows(3)) {

@@ -4,6 +4,10 @@
 //! frequency, luminance and eccentricity", Journal of Vision 24(4):5, 2024. Formulas and constants as in gfxdisp/castleCSF
 //! (MIT licence), revision f4b0b72, v0.2.4. Written with `exp2` and `log2` only, as a shader would.
 
+mod table;
+
+pub use table::FovealTable;
+
 use super::{SensitivityFall, Stimulus, VisualField};
 use std::f32::consts::{LOG2_10, LOG2_E, LOG10_2};
 
@@ -18,14 +22,14 @@ pub fn achromatic(stimulus: &Stimulus, field: VisualField) -> f32 {
 pub fn sustained(stimulus: &Stimulus, field: VisualField) -> f32 {
     let stimulus = stimulus.clamped();
     let foveal = sustained_foveal(&stimulus);
-    with_fall(foveal, &stimulus, &ACHROMATIC_FALL).at(stimulus.eccentricity_deg, field)
+    ACHROMATIC_FALL.of(log2(foveal), stimulus.frequency_cpd).at(stimulus.eccentricity_deg, field)
 }
 
 /// The part of [`achromatic`] that answers to what flickers or moves.
 pub fn transient(stimulus: &Stimulus, field: VisualField) -> f32 {
     let stimulus = stimulus.clamped();
     let foveal = transient_foveal(&stimulus);
-    with_fall(foveal, &stimulus, &ACHROMATIC_FALL).at(stimulus.eccentricity_deg, field)
+    ACHROMATIC_FALL.of(log2(foveal), stimulus.frequency_cpd).at(stimulus.eccentricity_deg, field)
 }
 
 /// Sensitivity of the red-green mechanism to contrast between L and M cones, > 0.
@@ -45,19 +49,19 @@ pub fn yellow_violet(stimulus: &Stimulus, field: VisualField) -> f32 {
 /// [`achromatic`] as a function of eccentricity; that of `stimulus` is not used.
 pub fn achromatic_fall(stimulus: &Stimulus) -> SensitivityFall {
     let stimulus = stimulus.clamped();
-    with_fall(sustained_foveal(&stimulus) + transient_foveal(&stimulus), &stimulus, &ACHROMATIC_FALL)
+    ACHROMATIC_FALL.of(log2(achromatic_foveal(&stimulus)), stimulus.frequency_cpd)
 }
 
 /// [`red_green`] as a function of eccentricity; that of `stimulus` is not used.
 pub fn red_green_fall(stimulus: &Stimulus) -> SensitivityFall {
     let stimulus = stimulus.clamped();
-    with_fall(chromatic_foveal(&stimulus, &RED_GREEN), &stimulus, &RED_GREEN.fall)
+    RED_GREEN.fall.of(log2(chromatic_foveal(&stimulus, &RED_GREEN)), stimulus.frequency_cpd)
 }
 
 /// [`yellow_violet`] as a function of eccentricity; that of `stimulus` is not used.
 pub fn yellow_violet_fall(stimulus: &Stimulus) -> SensitivityFall {
     let stimulus = stimulus.clamped();
-    with_fall(chromatic_foveal(&stimulus, &YELLOW_VIOLET), &stimulus, &YELLOW_VIOLET.fall)
+    YELLOW_VIOLET.fall.of(log2(chromatic_foveal(&stimulus, &YELLOW_VIOLET)), stimulus.frequency_cpd)
 }
 
 /// `ecc_drop` + rho * `ecc_drop_f`: decades that are lost with each degree.
@@ -69,15 +73,25 @@ struct Fall {
 const ACHROMATIC_FALL: Fall =
     Fall { temporal: [0.023_985_3, 0.018_903_8], nasal: [0.040_066_2, 0.008_136_19] };
 
-fn with_fall(foveal: f32, stimulus: &Stimulus, fall: &Fall) -> SensitivityFall {
-    let octaves_per_deg =
-        |[constant, by_frequency]: [f32; 2]| LOG2_10 * (constant + by_frequency * stimulus.frequency_cpd);
-    SensitivityFall {
-        // A response that f32 cannot hold has a finite logarithm here: what is not seen stays unseen.
-        log2_foveal: foveal.max(f32::MIN_POSITIVE).log2(),
-        log2_per_deg_temporal: octaves_per_deg(fall.temporal),
-        log2_per_deg_nasal: octaves_per_deg(fall.nasal),
+impl Fall {
+    fn of(&self, log2_foveal: f32, frequency_cpd: f32) -> SensitivityFall {
+        let octaves_per_deg =
+            |[constant, by_frequency]: [f32; 2]| LOG2_10 * (constant + by_frequency * frequency_cpd);
+        SensitivityFall {
+            log2_foveal,
+            log2_per_deg_temporal: octaves_per_deg(self.temporal),
+            log2_per_deg_nasal: octaves_per_deg(self.nasal),
+        }
     }
+}
+
+/// log2 of a sensitivity, finite for one that f32 cannot hold: what is not seen stays unseen.
+fn log2(foveal: f32) -> f32 {
+    foveal.max(f32::MIN_POSITIVE).log2()
+}
+
+fn achromatic_foveal(stimulus: &Stimulus) -> f32 {
+    sustained_foveal(stimulus) + transient_foveal(stimulus)
 }
 
 /// One mechanism's dependence on spatial frequency and area.

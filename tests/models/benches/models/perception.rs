@@ -29,6 +29,14 @@ fn sensitivity(criterion: &mut Criterion) {
     group.bench_function("tile of 4 bands by prepared fall", |b| {
         b.iter(|| black_box(&falls).map(|fall| fall.at(black_box(12.0), VisualField::Worst)));
     });
+    let table = castle::FovealTable::new(0.0, 0.6);
+    group.bench_function("tile of 4 bands by table", |b| {
+        b.iter(|| {
+            table
+                .falls(black_box(5.0), black_box(40.0))
+                .map(|fall| fall.at(black_box(12.0), VisualField::Worst))
+        });
+    });
     group.finish();
 }
 
