@@ -9,8 +9,8 @@ pub(super) fn exp2(x: f32) -> f32 {
     const TO_INTEGER: f32 = 12_582_912.0; // 1.5 * 2^23
     // Minimax in relative error over -0.5..=0.5: 7.5e-8.
     const C: [f32; 6] =
-        [1.000_000_07, 0.693_146_97, 0.240_221_2, 0.055_507_13, 0.009_675_541, 0.001_327_647_1];
-    let x = x.max(-126.0).min(127.0);
+        [1.000_000_1, 0.693_146_97, 0.240_221_2, 0.055_507_13, 0.009_675_541, 0.001_327_647_1];
+    let x = if x > -126.0 { x.min(127.0) } else { -126.0 };
     let shifted = x + TO_INTEGER;
     let t = x - (shifted - TO_INTEGER);
     let mantissa = C[0] + t * (C[1] + t * (C[2] + t * (C[3] + t * (C[4] + t * C[5]))));
