@@ -1,20 +1,31 @@
 //! Chroma attenuation with eccentricity, after "Perceptually Calibrated Foveated Chroma Attenuation for
 //! Gaze-Contingent VR Displays" (paper C below). Works on linear light, where it keeps luminance exactly.
+//!
+//! [`Curves`] say how much of each chroma channel is kept at an eccentricity, [`attenuate()`] applies that to a colour,
+//! and [`Trail`] lets the gains of a place fall slowly once the gaze has left it. [`report`] adds up what is kept.
+//!
+//! It saves bits of an encoder and power of a display, never GPU time.
 
 mod attenuate;
 mod curves;
+mod floor;
+pub mod report;
+mod trail;
 
 pub use crate::color::Matrix;
 pub use attenuate::{Gamut, attenuate};
-pub use curves::{Curves, Gains, cb_gain, cr_gain, rim_gain};
+pub use curves::{Curves, Gains, cb_gain, cr_gain};
+pub use floor::{FLOOR_FREQUENCY_CPD, floor};
+pub use trail::{Focus, Trail};
 
 /// Which form of the model runs (`chroma.mode`; "off" is having no settings).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// With a plateau of full colour around the gaze, a soft rim, and a guard that keeps colours in gamut.
+    /// With a plateau of full colour around the gaze, a soft rim, a floor that keeps large saturated fields visible,
+    /// a limit on the change per second, and a guard that keeps colours in gamut.
     #[default]
     Default,
-    /// The published curves alone: no plateau, no rim fade, no guard.
+    /// The published curves alone: no plateau, no rim fade, no floor, no limit, no guard.
     Paper,
 }
 
@@ -29,17 +40,23 @@ pub struct ChromaSettings {
     pub cr_bound: f32,
     /// `chroma.plateau_deg`: eccentricity up to which nothing changes, degrees, 1.1..=30.
     pub plateau_deg: f32,
-    /// `chroma.max_eccentricity_deg`: eccentricity at which no colour is left, degrees, 20..=110. The paper
+    /// `chroma.max_eccentricity_deg`: eccentricity at which the curves end, degrees, 20..=110. The paper
     /// does not say what it divides eccentricity by.
     pub max_eccentricity_deg: f32,
-    /// `chroma.rim_fade`: last part of the range over which the steep end of Eq. 1 is softened, 0..=0.5.
+    /// `chroma.rim_fade`: least part of the way from the plateau to that angle over which colour may fall from full
+    /// to none, 0.25..=1.
     pub rim_fade: f32,
+    /// `chroma.max_change_per_s`: by how much a gain may fall in a second, 0.1..=100 (of 1, the full gain).
+    /// Rising is not limited.
+    pub max_change_per_s: f32,
     /// `chroma.matrix`. The paper does not name one.
     pub matrix: Matrix,
 }
 
 impl Default for ChromaSettings {
-    /// The bounds that attenuate least; a plateau of the fovea's 5.2 degrees plus 1.1 of tracker error.
+    /// The bounds that attenuate least; a plateau of the fovea's 5.2 degrees plus 1.1 of tracker error; a rim that
+    /// leaves the curves of these bounds as they are; colour that takes two seconds to go, hence several fixations
+    /// (of about 0.3 s each), so that no place has lost visible colour when the next glance returns to it.
     fn default() -> Self {
         Self {
             mode: Mode::Default,
@@ -47,10 +64,16 @@ impl Default for ChromaSettings {
             cr_bound: 0.55,
             plateau_deg: 6.3,
             max_eccentricity_deg: 55.0,
-            rim_fade: 0.05,
+            rim_fade: 0.5,
+            max_change_per_s: 0.5,
             matrix: Matrix::Bt709,
         }
     }
+}
+
+/// `value` within `low..=high`; `default` where it is NaN.
+fn limited(value: f32, low: f32, high: f32, default: f32) -> f32 {
+    if value.is_nan() { default } else { value.clamp(low, high) }
 }
 
 #[cfg(test)]

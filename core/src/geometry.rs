@@ -3,11 +3,13 @@
 //!
 //! View space is OpenXR's: +x right, +y up, -z forward. Angles are radians unless a name says otherwise.
 
+mod cap;
 mod depth;
 mod reprojection;
 mod resolution;
 mod tile;
 
+pub use cap::Cap;
 pub use depth::{DepthRange, MAX_VIEW_DISTANCE_M, view_distance};
 pub use reprojection::{Reprojection, View};
 pub use resolution::{Resolution, pixels_per_degree, resolution};
@@ -96,7 +98,8 @@ impl ImagePlane {
 /// without a meaning (zero, infinite, NaN) give 0: what cannot be placed is treated as looked at.
 pub fn eccentricity(a: Vec3, b: Vec3) -> f32 {
     let (a, b) = (scaled_to_one(a), scaled_to_one(b));
-    a.cross(b).length().atan2(a.dot(b))
+    // + 0: the dot product of nothing may be -0, for which atan2 gives pi.
+    a.cross(b).length().atan2(a.dot(b) + 0.0)
 }
 
 /// `v` divided by its largest component, so that products of two such neither overflow nor vanish.

@@ -14,6 +14,10 @@ struct ComposeParams {
     cb_bound: f32,
     cr_bound: f32,
     rim_scale: f32,
+    cb_fall_off: f32,
+    cr_fall_off: f32,
+    radius: f32,
+    strength: f32,
     gamut_floor: f32,
     gamut_ceiling: f32,
 }
@@ -25,19 +29,21 @@ const TILE_SIZE: u32 = 16u;
 const HALF_PI: f32 = 1.5707964;
 const MIN_SHIFT: f32 = 1e-6;
 
-// geometry::eccentricity of a point of the region, in pixels from its upper left corner.
+// geometry::eccentricity of a point of the region, in pixels from its upper left corner, less the radius of what
+// counts as looked at.
 fn eccentricity(point: vec2<f32>) -> f32 {
     let direction = vec3(params.plane_origin + params.plane_step * point, -1.0);
-    return atan2(length(cross(direction, params.gaze)), dot(direction, params.gaze));
+    return atan2(length(cross(direction, params.gaze)), dot(direction, params.gaze)) - params.radius;
 }
 
-// The plateau is a cone below 90 degrees, hence convex: a tile lies inside where its corners do.
+// Below 90 degrees plateau and radius are a cone, hence convex: a tile lies inside where its corners do. Beyond, any
+// tile may hold the hole that is left.
 fn tile_has_work(low: vec2<f32>, high: vec2<f32>) -> bool {
     let farthest = max(
         max(eccentricity(low), eccentricity(high)),
         max(eccentricity(vec2(high.x, low.y)), eccentricity(vec2(low.x, high.y))),
     );
-    return farthest > params.plateau;
+    return farthest > params.plateau || params.plateau + params.radius >= HALF_PI;
 }
 
 // One instance a tile, as a strip of four vertices. The viewport is the region.
@@ -53,14 +59,14 @@ fn tile(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u
     return vec4(vec2<f32>(corner) / vec2<f32>(params.rect_extent) * 2.0 - 1.0, 0.0, 1.0);
 }
 
-// chroma::Curves::gains: of Cb in x, of Cr in y.
+// chroma::Curves::gains: of Cb in x, of Cr in y. The angle is above the plateau.
 fn gains(angle: f32) -> vec2<f32> {
     let e = saturate((angle - params.plateau) * params.range_scale);
-    let t = saturate((1.0 - e) * params.rim_scale);
-    let rim = t * t * (3.0 - 2.0 * t);
     let cb = pow((1.0 - e) * (1.0 + e), params.cb_bound);
     let half = cos(HALF_PI * pow(e, params.cr_bound));
-    return vec2(cb, half * half) * rim;
+    let rim = 1.0 - e * params.rim_scale;
+    let floor = exp2(-vec2(params.cb_fall_off, params.cr_fall_off) * angle);
+    return max(vec2(cb, max(half * half, rim)), floor);
 }
 
 // chroma::attenuate
@@ -90,5 +96,6 @@ fn pixel(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         discard;
     }
     let rgb = textureLoad(source, vec2<i32>(position.xy), 0).rgb;
-    return vec4(attenuate(rgb, gains(angle)), 1.0);
+    let gain = 1.0 - params.strength * (1.0 - gains(angle));
+    return vec4(attenuate(rgb, gain), 1.0);
 }

@@ -3,6 +3,7 @@
 
 mod choice;
 mod default_file;
+mod preset;
 mod setting;
 mod table;
 
@@ -11,6 +12,7 @@ pub use setting::{Allowed, Setting};
 pub use table::OptionSpec;
 
 use choice::choice;
+use preset::presets;
 use table::options;
 
 choice! {
@@ -42,9 +44,9 @@ choice! {
     ChromaMode {
         /// colour is left alone
         Off = "off",
-        /// the published curves, outside a plateau of full colour and with a softened end
+        /// the published curves, outside a plateau of full colour; large fields stay visible, and nothing fades suddenly
         Default = "default",
-        /// the published curves as they are, for comparison: no plateau, no softened end
+        /// the published curves as they are, for comparison
         Paper = "paper",
     }
 }
@@ -61,11 +63,23 @@ choice! {
     }
 }
 
+presets! {
+    /// Values that belong together, for what is not set itself.
+    Preset {
+        /// the defaults
+        None = "none" {}
+        /// for pictures that are sent to the headset as video: less colour to encode
+        Streaming = "streaming" { chroma.mode = ChromaMode::Default; }
+    }
+}
+
 options! {
     /// What the user can set. `Default` is what holds without any file.
     Config {
         /// Whether anything is done at all; false leaves the application as it is.
         enabled: bool = true;
+        /// Values that belong together, for what is not set itself.
+        preset: Preset = Preset::None;
     }
 
     /// What is written down.
@@ -92,10 +106,12 @@ options! {
         cr_bound: f32 = 0.55, 0.35..=0.55 "";
         /// Colour is left alone up to this angle from the gaze; not less than the tracker's error.
         plateau_deg: f32 = 6.3, 1.1..=30.0 "degrees";
-        /// The angle from the gaze at which no colour is left.
+        /// The angle from the gaze at which the curves end; in default mode at least 15 degrees beyond the plateau.
         max_eccentricity_deg: f32 = 55.0, 20.0..=110.0 "degrees";
-        /// The last share of the way to max_eccentricity_deg over which the steep end of the Cb curve is softened.
-        rim_fade: f32 = 0.05, 0.0..=0.5 "";
+        /// The least share of the way from plateau to max_eccentricity_deg over which all colour may go: no hard edge.
+        rim_fade: f32 = 0.5, 0.25..=1.0 "";
+        /// How much of its full colour a place may lose in a second, once the gaze has left it; it comes back at once.
+        max_change_per_s: f32 = 0.5, 0.1..=100.0 "per second";
         /// How luma and chroma are split.
         matrix: ChromaMatrix = ChromaMatrix::Bt709;
     }

@@ -11,7 +11,7 @@ use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
 const OFF: &str = "[chroma]\nmode = \"off\"\n";
-const CHROMA: &str = "[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\n";
+const CHROMA: &str = "[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 
 struct Subject {
     application: Application,

@@ -58,8 +58,12 @@ impl Case {
 
     fn config(&self) -> &'static str {
         match self.gaze {
-            Gaze::Centre => "[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\n",
-            Gaze::Tracker => "[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\n",
+            Gaze::Centre => {
+                "[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n"
+            }
+            Gaze::Tracker => {
+                "[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n"
+            }
         }
     }
 

@@ -38,25 +38,6 @@ fn no_colour_from_the_end_on() {
     }
 }
 
-/// Mean over a disc, the integral of 2 E f(E): 1 / (Z + 1) for Cb. The mean of both channels spans the
-/// paper's "31-37 %" over its bounds.
-#[test]
-fn disc_means_match() {
-    let disc_mean = |gain: &dyn Fn(f32) -> f32| {
-        let n = 20_000;
-        (0..n)
-            .map(|i| (i as f32 + 0.5) / n as f32)
-            .map(|e| f64::from(2.0 * e * gain(e)) / f64::from(n))
-            .sum::<f64>()
-    };
-    for (z, expected) in [(0.70, 0.588_235), (0.85, 0.540_541)] {
-        assert!((disc_mean(&|e| cb_gain(e, z)) - expected).abs() < 1e-4, "Cb {z}");
-    }
-    for (z, expected) in [(0.35, 0.084_992), (0.45, 0.120_629), (0.55, 0.156_095)] {
-        assert!((disc_mean(&|e| cr_gain(e, z)) - expected).abs() < 1e-4, "Cr {z}");
-    }
-}
-
 #[test]
 fn plateau_keeps_everything_and_the_paper_has_none() {
     let settings = ChromaSettings::default();
@@ -66,8 +47,31 @@ fn plateau_keeps_everything_and_the_paper_has_none() {
     assert!(at(default, 7.0).cr < 1.0);
     let paper = Curves::new(&ChromaSettings { mode: Mode::Paper, ..settings });
     assert!((at(paper, 5.5).cr - 0.816_482).abs() < 1e-4, "E = .1");
-    assert!((at(paper, 54.45).cb - 0.064_446).abs() < 1e-3, "E = .99, no rim fade");
-    assert!(at(default, 54.9).cb < 0.001, "rim fade");
+    assert!((at(paper, 54.45).cb - 0.064_446).abs() < 1e-3, "E = .99, no floor");
+    assert_eq!((at(paper, 55.1).cb, at(paper, 170.0).cr < 1e-14), (0.0, true));
+}
+
+#[test]
+fn from_the_end_of_the_curves_on_the_floor_is_kept() {
+    let curves = Curves::new(&ChromaSettings::default());
+    for (degrees, cb, cr) in
+        [(55.0f32, 0.916136, 0.237654), (80.0, 0.880378, 0.123675), (110.0, 0.839305, 0.056479)]
+    {
+        let found = curves.gains(degrees.to_radians());
+        assert!((found.cb - cb).abs() < 1e-5 && (found.cr - cr).abs() < 1e-5, "{degrees}: {found:?}");
+        assert_eq!(found, floor(degrees.to_radians()));
+    }
+}
+
+#[test]
+fn the_rim_fade_is_for_curves_that_would_begin_at_an_edge() {
+    let gains = |cr_bound: f32, degrees: f32| {
+        Curves::new(&ChromaSettings { cr_bound, ..ChromaSettings::default() }).gains(degrees.to_radians())
+    };
+    // Eq. 2 at E = .05: .726 for the least bound, .911 for the greatest.
+    let e = 6.3 + 0.05 * 48.7;
+    assert!((gains(0.35, e).cr - 0.9).abs() < 1e-4, "the line, 1 - .05 / .5");
+    assert!((gains(0.55, e).cr - 0.911_319).abs() < 1e-4, "the curve");
 }
 
 #[test]
@@ -78,6 +82,7 @@ fn settings_out_of_range_are_limited() {
         plateau_deg: 1e9,
         max_eccentricity_deg: f32::NEG_INFINITY,
         rim_fade: f32::INFINITY,
+        max_change_per_s: f32::NAN,
         ..ChromaSettings::default()
     };
     let curves = Curves::new(&wild);
@@ -103,7 +108,7 @@ fn guard_is_needed_and_works() {
 
 fn bounds() -> impl Strategy<Value = ChromaSettings> {
     let matrix = prop_oneof![Just(Matrix::Bt709), Just(Matrix::Bt601), Just(Matrix::Bt2020)];
-    (0.70f32..=0.85, 0.35f32..=0.55, 1.1f32..30.0, 20.0f32..110.0, 0.0f32..0.5, matrix).prop_map(
+    (0.70f32..=0.85, 0.35f32..=0.55, 1.1f32..30.0, 20.0f32..110.0, 0.25f32..=1.0, matrix).prop_map(
         |(cb_bound, cr_bound, plateau_deg, max_eccentricity_deg, rim_fade, matrix)| ChromaSettings {
             mode: Mode::Default,
             cb_bound,
@@ -112,6 +117,7 @@ fn bounds() -> impl Strategy<Value = ChromaSettings> {
             max_eccentricity_deg,
             rim_fade,
             matrix,
+            ..ChromaSettings::default()
         },
     )
 }
@@ -125,8 +131,18 @@ proptest! {
             prop_assert!((0.0..=1.0).contains(&gains.cb) && (0.0..=1.0).contains(&gains.cr), "{gains:?}");
             prop_assert!(gains.cb >= gains.cr, "{gains:?}");
         }
+        prop_assert!(near.cb >= floor(a.min(b)).cb && near.cr >= floor(a.min(b)).cr, "{near:?} is below the floor");
         // 1e-6: rounding of the powers.
         prop_assert!(far.cb <= near.cb + 1e-6 && far.cr <= near.cr + 1e-6, "{near:?} to {far:?}");
+    }
+
+    #[test]
+    fn nothing_falls_more_steeply_than_said(settings in bounds(), from in 0.0f32..3.1, step in 1e-3f32..0.03) {
+        let curves = Curves::new(&settings);
+        let (near, far) = (curves.gains(from), curves.gains(from + step));
+        // 2e-6: rounding.
+        let allowed = curves.steepest() * step + 2e-6;
+        prop_assert!(near.cb - far.cb <= allowed && near.cr - far.cr <= allowed, "{near:?} to {far:?}, {allowed}");
     }
 
     #[test]

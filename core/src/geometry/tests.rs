@@ -73,6 +73,21 @@ fn meaningless_gaze_is_everywhere() {
     }
 }
 
+#[test]
+fn meaningless_directions_are_looked_at() {
+    for other in
+        [Vec3::new(1.0, 1.0, -1.0), Vec3::new(-1.0, -1.0, -1.0), Vec3::new(-1.0, 1.0, -1.0), Vec3::ZERO]
+    {
+        for nothing in [Vec3::ZERO, -Vec3::ZERO, Vec3::NAN, Vec3::INFINITY] {
+            assert_eq!(
+                (eccentricity(nothing, other), eccentricity(other, nothing)),
+                (0.0, 0.0),
+                "{nothing}, {other}"
+            );
+        }
+    }
+}
+
 proptest! {
     #[test]
     fn eccentricity_is_an_angle_for_any_input(a in any_vec3(), b in any_vec3()) {

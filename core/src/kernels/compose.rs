@@ -2,13 +2,13 @@
 //! shows one eye's view, after the whole image was copied.
 //!
 //! The region is divided into tiles of [`TILE_SIZE`] pixels; tiles without work are not drawn, and pixels
-//! inside the plateau of full colour are not written.
+//! inside the plateau of full colour around what is looked at are not written.
 
 mod image;
 
 pub use image::{PixelFormat, compose_image};
 
-use crate::chroma::{ChromaSettings, Curves, Gamut, Mode, attenuate};
+use crate::chroma::{ChromaSettings, Curves, Focus, Gamut, Mode, attenuate};
 use crate::geometry::{Fov, ImagePlane, PixelRect, eccentricity, tile_eccentricity};
 use crate::layout::uniform;
 use glam::{UVec2, Vec2, Vec3};
@@ -27,7 +27,8 @@ uniform! {
         pub plane_origin: [f32; 2],
         /// [`ImagePlane::step`] of the region.
         pub plane_step: [f32; 2],
-        /// Direction of the gaze in view space, of unit length; all 0 when there is none, and then no work.
+        /// Middle of the directions that count as looked at, in view space, of unit length; all 0 when there are
+        /// none, and then no work.
         pub gaze: [f32; 3],
         /// [`Curves::plateau`], radians.
         pub plateau: f32,
@@ -43,6 +44,14 @@ uniform! {
         pub cr_bound: f32,
         /// [`Curves::rim_scale`].
         pub rim_scale: f32,
+        /// [`Curves::cb_fall_off`], octaves per radian.
+        pub cb_fall_off: f32,
+        /// [`Curves::cr_fall_off`], octaves per radian.
+        pub cr_fall_off: f32,
+        /// [`Focus::radius`], radians.
+        pub radius: f32,
+        /// [`Focus::strength`].
+        pub strength: f32,
         /// [`Gamut::floor`].
         pub gamut_floor: f32,
         /// [`Gamut::ceiling`].
@@ -54,6 +63,8 @@ impl ComposeParams {
     /// Parameters of the rectangle of `rect_extent` pixels at `rect_offset`, which shows `fov` as seen with
     /// `gaze`: a direction in that eye's view space, +x right, +y up, -z forward. Without a usable gaze
     /// (zero, not finite) there is no work. `clamp_to_unit`: the image stores 0..=1 only.
+    ///
+    /// What is shown follows that gaze alone, see [`Self::following`].
     pub fn new(
         rect_offset: [u32; 2],
         rect_extent: [u32; 2],
@@ -83,9 +94,21 @@ impl ComposeParams {
             cb_bound: curves.cb_bound,
             cr_bound: curves.cr_bound,
             rim_scale: curves.rim_scale,
+            cb_fall_off: curves.cb_fall_off,
+            cr_fall_off: curves.cr_fall_off,
+            radius: 0.0,
+            strength: 1.0,
             gamut_floor: gamut.floor,
             gamut_ceiling: gamut.ceiling,
         }
+    }
+
+    /// With a focus in place of the gaze; its direction is in that eye's view space too.
+    pub fn following(mut self, focus: Focus) -> Self {
+        self.gaze = focus.direction.try_normalize().unwrap_or(Vec3::ZERO).into();
+        self.radius = focus.radius;
+        self.strength = focus.strength;
+        self
     }
 
     /// The part of the region inside an image of `extent` pixels, if any. What its pixels show is unchanged.
@@ -113,18 +136,20 @@ impl ComposeParams {
     }
 
     fn rect_has_work(&self, min: Vec2, max: Vec2) -> bool {
-        tile_eccentricity(&self.plane(), PixelRect { min, max }, self.gaze.into()).max > self.plateau
+        let farthest = tile_eccentricity(&self.plane(), PixelRect { min, max }, self.gaze.into()).max;
+        self.strength > 0.0 && farthest - self.radius > self.plateau
     }
 
     /// What the pixel at (`x`, `y`) of the region becomes, given its colour in linear light; nothing inside
     /// the plateau.
     pub fn pixel(&self, x: u32, y: u32, rgb: Vec3) -> Option<Vec3> {
         let direction = self.plane().direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
-        let angle = eccentricity(direction, self.gaze.into());
-        if angle <= self.plateau {
+        let angle = eccentricity(direction, self.gaze.into()) - self.radius;
+        if angle <= self.plateau || self.strength <= 0.0 {
             return None;
         }
-        Some(attenuate(rgb, self.curves().gains(angle), self.weights(), self.gamut()))
+        let gains = self.curves().gains(angle).at_strength(self.strength);
+        Some(attenuate(rgb, gains, self.weights(), self.gamut()))
     }
 
     fn plane(&self) -> ImagePlane {
@@ -138,6 +163,8 @@ impl ComposeParams {
             cb_bound: self.cb_bound,
             cr_bound: self.cr_bound,
             rim_scale: self.rim_scale,
+            cb_fall_off: self.cb_fall_off,
+            cr_fall_off: self.cr_fall_off,
         }
     }
 

@@ -129,6 +129,10 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
 unsafe fn plan(session: &Session, active: &Active, info: &xr::FrameEndInfo, works: &mut Works) {
     let config = session.instance.config.get();
     let chroma = chroma_settings(&config).filter(|_| active.health() == Health::Works);
+    let time = info.display_time.as_nanos();
+    if chroma.is_none() {
+        active.trail().switched_off(time);
+    }
     let mut flat: SmallVec<[&xr::SwapchainSubImage; 16]> = SmallVec::new();
     // SAFETY: the caller vouches for `info`.
     for shown in unsafe { layers::of(info) } {
@@ -141,13 +145,12 @@ unsafe fn plan(session: &Session, active: &Active, info: &xr::FrameEndInfo, work
                     is_virtual = true;
                 }
                 let Some(chroma) = chroma.as_ref().filter(|_| is_virtual) else { continue };
-                let Some(gaze) = gaze_of(session, active, &config, &layer, info.display_time) else {
-                    continue;
-                };
+                let gaze = gaze_of(session, active, &config, &layer, info.display_time);
+                let Some(focus) = active.trail().update(gaze, time, chroma) else { continue };
                 for view in layer.views {
                     let shows = |work: &&mut Work| work.swapchain.handle == view.sub_image.swapchain;
                     if let Some(work) = works.iter_mut().find(shows) {
-                        work.process(view, gaze, chroma);
+                        work.process(view, focus, chroma);
                     }
                 }
             }

@@ -15,7 +15,7 @@ use ash::vk;
 use glam::{UVec2, Vec2, Vec3};
 use parafovea::gpu::GpuError;
 use parafovea::passes::compose::{Compose, ComposeRegion, MAX_REGIONS};
-use parafovea_core::chroma::{ChromaSettings, Mode};
+use parafovea_core::chroma::{ChromaSettings, Focus, Mode};
 use parafovea_core::geometry::{ImagePlane, eccentricity};
 use pictures::{assert_matches, luminance_change, picture, reference, region};
 use swapchain::{Swapchain, shape};
@@ -41,7 +41,7 @@ fn is_untouched(index: usize, width: u32, layer: u32, regions: &[ComposeRegion])
             ImagePlane { origin: Vec2::from(params.plane_origin), step: Vec2::from(params.plane_step) };
         let point = plane.direction((texel.as_vec2() - offset.as_vec2()) + 0.5);
         // 1e-5: where exactly the edge of the plateau lies is up to the rounding of the device.
-        inside && eccentricity(point, params.gaze.into()) > params.plateau - 1e-5
+        inside && eccentricity(point, params.gaze.into()) - params.radius > params.plateau - 1e-5
     };
     !regions.iter().any(changes)
 }
@@ -76,6 +76,37 @@ fn matches_the_reference() {
             }
         }
     }
+    vulkan.assert_valid();
+}
+
+/// What is looked at is wide, far aside or nearly all around, and attenuated in part.
+#[test]
+fn a_focus_matches_the_reference() {
+    let Some(vulkan) = Vulkan::new() else { return };
+    let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
+    let (width, height, format) = (256, 192, vk::Format::R8G8B8A8_SRGB);
+    let swapchain = Swapchain::new(&vulkan, &shape(format, width, height, 1));
+    let layers = [picture(width, height, 5)];
+    let straight = Focus::at(Vec3::NEG_Z);
+    let mut pictures = Vec::new();
+    for focus in [
+        straight,
+        Focus { radius: 0.3, ..straight },
+        Focus { strength: 0.4, ..straight },
+        Focus { direction: Vec3::new(0.9, 0.1, -1.0), radius: 0.2, strength: 0.7 },
+        // All but a hole in the middle of the image.
+        Focus { direction: Vec3::Z, radius: 2.8, strength: 1.0 },
+    ] {
+        let mut whole = [region(0, [0, 0, width, height], Vec3::NEG_Z, format, &ChromaSettings::default())];
+        whole[0].params = whole[0].params.following(focus);
+        let result = swapchain.frame(&vulkan, &mut compose, 0, &layers, &whole).unwrap();
+        let expected = reference(&layers[0], width, format, 0, &whole);
+        assert_matches(&layers[0], &expected, &result[0], |index| is_untouched(index, width, 0, &whole));
+        assert_ne!(result[0], layers[0], "nothing was done with {focus:?}");
+        pictures.push(result);
+    }
+    pictures.dedup();
+    assert_eq!(pictures.len(), 5, "each focus makes a picture of its own");
     vulkan.assert_valid();
 }
 

@@ -6,7 +6,7 @@ use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
 use super::error::{ConfigError, ConfigErrors, one_line};
-use crate::options::{Config, OPTIONS, OptionSpec};
+use crate::options::{Config, OPTIONS, OptionSpec, Preset, Setting};
 
 /// The most errors that are told of one file.
 const MAX_ERRORS: usize = 10;
@@ -17,7 +17,7 @@ const MAX_MISSPELT: usize = 64;
 /// How similar a key must be to be proposed (Jaro-Winkler, 0..=1): admits a slip or two, and beginnings.
 const MIN_SIMILARITY: f64 = 0.8;
 
-/// The configuration that `text` states; what it does not set keeps its default. `path` is for the errors.
+/// The configuration that `text` states; what it does not set is as its preset has it, or keeps its default. `path` is for the errors.
 ///
 /// # Errors
 ///
@@ -58,7 +58,9 @@ struct WrongValue<'a> {
 }
 
 fn read<'a>(root: &'a DeTable<'a>) -> Result<Config, Vec<Finding<'a>>> {
-    let mut config = Config::default();
+    // First the preset, wherever it stands: what the file sets itself takes precedence. A wrong one is found below.
+    let preset = root.get("preset").and_then(|value| Preset::read(value.get_ref(), ()));
+    let mut config = preset.map_or_else(Config::default, Config::of_preset);
     let mut findings = Vec::new();
     for (key, value) in root {
         match OPTIONS.iter().map(|option| option.section).find(|section| *section == key.get_ref().as_ref()) {

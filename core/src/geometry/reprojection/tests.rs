@@ -98,8 +98,8 @@ proptest! {
         let plain = Reprojection::between(&straight(), &view(q)).unwrap();
         let other = Reprojection::between(&straight(), &view(scaled)).unwrap();
         let difference = plain.matrix() - other.matrix();
-        let largest = plain.matrix().to_cols_array().into_iter().fold(0.0f32, |a, b| a.max(b.abs()));
-        prop_assert!(difference.to_cols_array().iter().all(|d| d.abs() <= 1e-5 * largest), "{difference}");
+        // In pixels, of which one view is 1024 wide.
+        prop_assert!(difference.to_cols_array().iter().all(|d| d.abs() <= 1e-3), "{difference}");
         if let (Some(a), Some(b)) = (plain.pixel(Vec2::new(x, y)), other.pixel(Vec2::new(x, y))) {
             prop_assert!(a.distance(b) <= 1e-3 * a.length().max(1000.0).powi(2) / 1000.0, "{a}, {b}");
         }

@@ -94,6 +94,21 @@ fn no_gaze_no_work() {
 }
 
 #[test]
+fn a_wider_focus_and_less_strength_keep_more_colour() {
+    let chroma = |focus: Focus| {
+        let rgb = params([0, 0], [64, 64], Vec3::NEG_Z).following(focus).pixel(0, 32, Vec3::X);
+        rgb.map_or(1.0, |rgb| rgb.x - rgb.z)
+    };
+    let straight = Focus::at(Vec3::NEG_Z);
+    let plain = chroma(straight);
+    assert!(plain < 0.8, "{plain}");
+    assert!(chroma(Focus { radius: 0.3, ..straight }) > plain + 0.1);
+    assert!((chroma(Focus { strength: 0.5, ..straight }) - (1.0 + plain) / 2.0).abs() < 1e-6);
+    assert_eq!(chroma(Focus { strength: 0.0, ..straight }), 1.0);
+    assert_eq!(chroma(Focus { radius: 1.0, ..straight }), 1.0);
+}
+
+#[test]
 fn regions_beyond_the_image_are_clipped() {
     let before = picture(20, 20);
     let mut after = before.clone();
@@ -109,8 +124,10 @@ proptest! {
     #[test]
     fn tiles_without_work_hold_plateau_pixels_only(
         x in -1.5f32..1.5, y in -1.5f32..1.5, width in 1u32..200, height in 1u32..200,
+        radius in prop_oneof![Just(0.0f32), 0.0f32..3.2], strength in prop_oneof![Just(1.0f32), Just(0.0), 0.0f32..1.0],
     ) {
-        let region = params([0, 0], [width, height], Vec3::new(x, y, -1.0));
+        let focus = Focus { direction: Vec3::new(x, y, -1.0), radius, strength };
+        let region = params([0, 0], [width, height], Vec3::NEG_Z).following(focus);
         let [columns, rows] = region.tile_grid();
         let mut any = false;
         for tile in (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])) {

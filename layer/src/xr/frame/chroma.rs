@@ -19,6 +19,7 @@ pub fn chroma_settings(config: &Config) -> Option<ChromaSettings> {
         plateau_deg: chroma.plateau_deg,
         max_eccentricity_deg: chroma.max_eccentricity_deg,
         rim_fade: chroma.rim_fade,
+        max_change_per_s: chroma.max_change_per_s,
         matrix: match chroma.matrix {
             ChromaMatrix::Bt709 => Matrix::Bt709,
             ChromaMatrix::Bt601 => Matrix::Bt601,

@@ -3,9 +3,9 @@
 use crate::inputs::gaze::{in_view, rotation};
 use crate::passes::compose::{ComposeParams, ComposeRegion};
 use ash::vk;
-use glam::{Quat, Vec3};
+use glam::Quat;
 use openxr_sys as xr;
-use parafovea_core::chroma::ChromaSettings;
+use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::geometry::Fov;
 use smallvec::SmallVec;
 
@@ -26,12 +26,12 @@ pub fn orientation(view: &xr::CompositionLayerProjectionView) -> Option<Quat> {
     rotation(x, y, z, w)
 }
 
-/// What a view shows of an image, with a gaze in the space of its layer. `None` for a rectangle that is not
+/// What a view shows of an image, with a focus in the space of its layer. `None` for a rectangle that is not
 /// within the image, and other values that the runtime refuses.
 pub fn region(
     view: &xr::CompositionLayerProjectionView,
     images: &Images,
-    gaze: Vec3,
+    focus: Focus,
     chroma: &ChromaSettings,
 ) -> Option<ComposeRegion> {
     let rect = rect_within(&view.sub_image, images)?;
@@ -43,11 +43,12 @@ pub fn region(
     };
     let offset = [rect.offset.x as u32, rect.offset.y as u32];
     let extent = [rect.extent.width, rect.extent.height];
-    let gaze = in_view(gaze, orientation(view)?);
+    let focus = Focus { direction: in_view(focus.direction, orientation(view)?), ..focus };
+    let params = ComposeParams::new(offset, extent, fov, focus.direction, chroma, images.is_unit_range);
     Some(ComposeRegion {
         array_layer: view.sub_image.image_array_index,
         rect,
-        params: ComposeParams::new(offset, extent, fov, gaze, chroma, images.is_unit_range),
+        params: params.following(focus),
     })
 }
 

@@ -4,9 +4,8 @@ use super::regions::{Images, region};
 use crate::passes::compose::ComposeJob;
 use crate::xr::dispatch::Next;
 use crate::xr::swapchain::{Newest, Substitute, Swapchain, Target};
-use glam::Vec3;
 use openxr_sys as xr;
-use parafovea_core::chroma::ChromaSettings;
+use parafovea_core::chroma::{ChromaSettings, Focus};
 use std::sync::MutexGuard;
 
 /// What is to be done for a virtual swapchain.
@@ -36,12 +35,12 @@ impl<'a> Work<'a> {
     pub fn process(
         &mut self,
         view: &xr::CompositionLayerProjectionView,
-        gaze: Vec3,
+        focus: Focus,
         chroma: &ChromaSettings,
     ) {
         let Substitute { extent, array_layers, is_unit_range, .. } = *self.substitute;
         let images = Images { extent, array_layers, is_unit_range };
-        self.target.regions.extend(region(view, &images, gaze, chroma));
+        self.target.regions.extend(region(view, &images, focus, chroma));
     }
 
     /// Whether the runtime's picture is not the one to show. What the application released is written even if

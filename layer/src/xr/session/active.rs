@@ -4,6 +4,7 @@ use crate::gpu::{Gpu, GpuError};
 use crate::inputs::gaze::Hold;
 use crate::passes::compose::Compose;
 use crate::xr::vulkan_device::VulkanDevice;
+use parafovea_core::chroma::Trail;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -13,6 +14,7 @@ pub struct Active {
     pub device: VulkanDevice,
     tools: OnceLock<Option<Tools>>,
     hold: Mutex<Hold>,
+    trail: Mutex<Trail>,
     health: AtomicU8,
 }
 
@@ -46,6 +48,7 @@ impl Active {
             device,
             tools: OnceLock::new(),
             hold: Mutex::default(),
+            trail: Mutex::default(),
             health: AtomicU8::new(Health::Works as u8),
         }
     }
@@ -67,6 +70,11 @@ impl Active {
     /// The gaze of the frames before.
     pub fn hold(&self) -> MutexGuard<'_, Hold> {
         self.hold.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Where colour was kept in the frames before.
+    pub fn trail(&self) -> MutexGuard<'_, Trail> {
+        self.trail.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What may be tried.

@@ -1,5 +1,6 @@
 use super::*;
 use crate::inputs::gaze::FORWARD;
+use glam::Vec3;
 use openxr_sys::Handle;
 
 const IMAGES: Images =
@@ -24,7 +25,7 @@ fn view(sub_image: xr::SwapchainSubImage) -> xr::CompositionLayerProjectionView 
 }
 
 fn region_of(sub_image: xr::SwapchainSubImage) -> Option<ComposeRegion> {
-    region(&view(sub_image), &IMAGES, FORWARD, &ChromaSettings::default())
+    region(&view(sub_image), &IMAGES, Focus::at(FORWARD), &ChromaSettings::default())
 }
 
 #[test]
@@ -43,7 +44,7 @@ fn the_gaze_is_seen_from_the_view() {
     let mut turned = view(image(0, 0, 100, 100, 0));
     let left = Quat::from_rotation_y(0.3);
     turned.pose.orientation = xr::Quaternionf { x: left.x, y: left.y, z: left.z, w: left.w };
-    let region = region(&turned, &IMAGES, FORWARD, &ChromaSettings::default()).unwrap();
+    let region = region(&turned, &IMAGES, Focus::at(FORWARD), &ChromaSettings::default()).unwrap();
     assert!(region.params.gaze[0] > 0.29, "a view turned left has straight ahead to its right");
 }
 
@@ -71,7 +72,7 @@ fn equal_views_are_one_region_and_differing_ones_none() {
     let mut equal = vec![region_of(sub_image).unwrap(); 2];
     drop_contested(&mut equal, [].iter());
     assert_eq!(equal.len(), 1);
-    let other_gaze = Vec3::new(0.5, 0.0, -1.0);
+    let other_gaze = Focus::at(Vec3::new(0.5, 0.0, -1.0).normalize());
     let differing = region(&view(sub_image), &IMAGES, other_gaze, &ChromaSettings::default()).unwrap();
     let mut regions = vec![region_of(sub_image).unwrap(), differing];
     drop_contested(&mut regions, [].iter());
