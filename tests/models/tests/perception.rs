@@ -1,8 +1,11 @@
-//! Contrast sensitivity against the vectors, and against double precision over the whole domain.
+//! Contrast sensitivity against the vectors, and all of `perception` against double precision.
 
+use parafovea_core::image::Plane;
+use parafovea_core::perception::ContrastMap;
+use parafovea_core::perception::analyze::{Aggregation, Buffers, ContrastSettings, analyze};
 use parafovea_core::perception::csf::{Stimulus, VisualField, castle, tursun};
 use parafovea_models::checks::checks;
-use parafovea_models::reference::perception::csf as reference;
+use parafovea_models::reference::perception::{contrast, csf as reference};
 use proptest::prelude::*;
 
 fn stimulus(rho: f64, omega: f64, eccentricity: f64, luminance: f64, area: f64) -> Stimulus {
@@ -140,6 +143,33 @@ proptest! {
             } else {
                 prop_assert!(got <= 1.1e-30);
             }
+        }
+    }
+
+    #[test]
+    fn contrast_equals_double_precision(
+        width in 1u32..80,
+        texels in prop::collection::vec(prop_oneof![8 => 0.0..200.0f32, 1 => 0.0..2e4f32, 1 => any::<f32>()], 80..3000),
+        log2_size in 3u32..=6,
+    ) {
+        let height = texels.len() as u32 / width;
+        let picture = Plane::from_fn(width, height, |x, y| texels[(y * width + x) as usize]);
+        let map = |aggregation| {
+            let settings = ContrastSettings { tile_size: 1 << log2_size, aggregation, dark_cd_m2: 0.1 };
+            let mut map = ContrastMap::default();
+            analyze(&picture, &settings, &mut Buffers::default(), &mut map);
+            map
+        };
+        let expected = contrast::tiles(&picture, 1 << log2_size, 0.1f32.into());
+        let (peak, mean) = (map(Aggregation::Peak), map(Aggregation::Mean));
+        prop_assert_eq!(peak.tiles.texels().len(), expected.len());
+        for (i, expected) in expected.iter().enumerate() {
+            let close = |got: f32, expected: f64| (f64::from(got) - expected).abs() < 1e-4 * expected.max(0.01);
+            for band in 0..4 {
+                prop_assert!(close(peak.tiles.texels()[i].bands[band], expected.peak[band]));
+                prop_assert!(close(mean.tiles.texels()[i].bands[band], expected.mean[band]));
+            }
+            prop_assert!(close(peak.tiles.texels()[i].adaptation_cd_m2, expected.adaptation));
         }
     }
 }

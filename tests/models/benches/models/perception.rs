@@ -5,7 +5,7 @@ use parafovea_core::image::Plane;
 use parafovea_core::perception::analyze::{Aggregation, Buffers, ContrastSettings, analyze, tiles};
 use parafovea_core::perception::csf::{Stimulus, VisualField, castle, tursun};
 use parafovea_core::perception::{BandFrequencies, ContrastMap};
-use std::{hint::black_box, time::Duration};
+use std::hint::black_box;
 
 pub fn benches(criterion: &mut Criterion) {
     sensitivity(criterion);
@@ -14,7 +14,6 @@ pub fn benches(criterion: &mut Criterion) {
 
 fn sensitivity(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("csf");
-    group.sample_size(20).measurement_time(Duration::from_secs(1)).warm_up_time(Duration::from_millis(300));
     let stimulus = Stimulus { eccentricity_deg: 12.0, ..Stimulus::default() };
     group.bench_function("castle achromatic", |b| {
         b.iter(|| castle::achromatic(black_box(&stimulus), VisualField::Worst));
@@ -42,7 +41,6 @@ fn sensitivity(criterion: &mut Criterion) {
 
 fn contrast(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("analyze");
-    group.sample_size(20).measurement_time(Duration::from_secs(1)).warm_up_time(Duration::from_millis(300));
     let picture = Plane::from_fn(1024, 1024, |x, y| {
         (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(40_503)) as f32 / 4.3e7
     });

@@ -1,7 +1,10 @@
 //! Hard cases of `perception`.
 
+mod contrast;
+mod csf;
+
 use super::Case;
 
 pub(super) fn cases() -> Vec<Case> {
-    Vec::new()
+    [csf::cases(), contrast::cases()].concat()
 }

@@ -1,3 +1,4 @@
 //! References of `perception`.
 
+pub mod contrast;
 pub mod csf;
