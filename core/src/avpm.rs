@@ -1,1 +1,80 @@
-//! The audio-visual perception model (paper A, Eq. 12-17).
+//! The audio-visual perception model: how well foveated rendering is liked by what is heard, and what loss of contrast
+//! sound therefore pays for (paper A, "Audio-visual aware Foveated Rendering", Eq. 1, 2, 12-17).
+//!
+//! [`Coefficients::alpha`] is the budget that [`crate::frco`] spends tile by tile; [`Budget`] says what happens in silence.
+//! [`fit`] finds coefficients from a [`study`].
+
+mod budget;
+mod features;
+pub mod fit;
+pub mod least_squares;
+pub mod study;
+
+pub use budget::{Budget, BudgetSettings, SensitivityUnit, SilenceRule};
+pub use features::{GAMMA_FQ_KILOMEL, GAMMA_LD, LOUDNESS_LUFS, clamp_gamma_fq, gamma_fq_kilomel, gamma_ld};
+
+/// What gamma_vis is divided by before it is weighted (Eq. 12), to bring all features to one scale.
+pub const VISUAL_LOSS_SCALE: f32 = 10_000.0;
+
+/// a, b, c and d of Eq. 12: what each feature adds to the score. All are >= 0 (Eq. 13).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coefficients {
+    /// Score for each loudness unit of gamma_ld.
+    pub a: f32,
+    /// Score times kilo-mel: divided by gamma_fq.
+    pub b: f32,
+    /// Score that 10 000 units of gamma_vis cost, in the scale of Tursun's sensitivity ([`SensitivityUnit::Tursun`]).
+    pub c: f32,
+    /// Score of full rendering without sound.
+    pub d: f32,
+}
+
+/// Eq. 14.
+pub const PAPER: Coefficients = Coefficients { a: 0.05, b: 0.45, c: 0.19, d: 3.63 };
+
+/// E_0 of the paper, the score from which on rendering is as good as its baseline's (section 4.2): d of [`PAPER`].
+pub const PAPER_THRESHOLD: f32 = PAPER.d;
+
+impl Default for Coefficients {
+    /// [`PAPER`].
+    fn default() -> Self {
+        PAPER
+    }
+}
+
+impl Coefficients {
+    /// Eq. 12: the predicted mean score, 1 to 5 in the paper's study, though nothing bounds the sum.
+    ///
+    /// `gamma_ld` in loudness units, 0..=25; `gamma_fq_kilomel` in 1..=2.5457; `gamma_vis` >= 0 in Tursun's units. The
+    /// features are taken as they are, without limits, as a fit needs it; gamma_fq of 0 gives infinity, NaN NaN.
+    pub fn score(&self, gamma_ld: f32, gamma_fq_kilomel: f32, gamma_vis: f32) -> f32 {
+        self.a * gamma_ld + self.b / gamma_fq_kilomel - self.c * gamma_vis / VISUAL_LOSS_SCALE + self.d
+    }
+
+    /// alpha of Eq. 17 with E_0 = d, as the paper has it: the visual loss that sound pays for, in Tursun's units.
+    ///
+    /// 0 in silence ([`gamma_ld`] and [`gamma_fq_kilomel`] say of what range the features are; beyond it they are
+    /// limited to it), and where a feature or coefficient is NaN or infinite. 0 too where c is not above 0: a study in
+    /// which visual loss cost nothing says nothing about how much of it is free.
+    pub fn alpha(&self, gamma_ld: f32, gamma_fq_kilomel: f32) -> f32 {
+        self.alpha_above(self.d, gamma_ld, gamma_fq_kilomel)
+    }
+
+    /// alpha of Eq. 17 for a threshold E_0 (a score) of one's own: 10000/c (a gamma_ld + b/gamma_fq + d - E_0).
+    ///
+    /// Negative where even full rendering stays below E_0. Otherwise as [`Self::alpha`].
+    pub fn alpha_above(&self, threshold: f32, gamma_ld: f32, gamma_fq_kilomel: f32) -> f32 {
+        let heard = gamma_ld.is_finite() && gamma_fq_kilomel.is_finite() && gamma_fq_kilomel > 0.0;
+        if !heard || self.c.is_nan() || self.c <= 0.0 {
+            return 0.0;
+        }
+        let loudness = gamma_ld.clamp(GAMMA_LD[0], GAMMA_LD[1]);
+        // d - E_0 first: it is exactly 0 in the usual case, and then costs the others no digits.
+        let score = self.a * loudness + self.b / clamp_gamma_fq(gamma_fq_kilomel) + (self.d - threshold);
+        let alpha = VISUAL_LOSS_SCALE / self.c * score;
+        if alpha.is_finite() { alpha } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -70,6 +70,18 @@ impl ShadingRate {
 pub const PAPER_RATES: [ShadingRate; 4] =
     [ShadingRate::R4X4, ShadingRate::R2X4, ShadingRate::R2X2, ShadingRate::R1X1];
 
+/// The seven rates of `VK_KHR_fragment_shading_rate` that its devices commonly offer, coarsest first. Of those that remove
+/// as many octaves the wider block comes first, as in Vulkan's own order.
+pub const VULKAN_RATES: [ShadingRate; 7] = [
+    ShadingRate::R4X4,
+    ShadingRate::R4X2,
+    ShadingRate::R2X4,
+    ShadingRate::R2X2,
+    ShadingRate::R2X1,
+    ShadingRate::R1X2,
+    ShadingRate::R1X1,
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
