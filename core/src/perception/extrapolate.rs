@@ -3,22 +3,28 @@
 use super::{BANDS, TileContrast};
 use crate::rate::ShadingRate;
 
+/// How strongly the bands answer where each octave of a picture has the same contrast, finest first: root of the
+/// integral of their squared response over a spectrum of 1/f amplitude. The finest band is a high-pass, which
+/// reaches into the corners of the spectrum.
+const EQUAL_OCTAVES: [f32; BANDS] = [1.70, 1.10, 1.02, 1.0];
+
 /// What the tile would show at the rate 1x1, given what was `measured` while it was shaded at `shaded_at`.
 ///
-/// Octaves finer than the block carry no signal, only the edges between blocks: they get the contrast of the finest
-/// octave that survives in both directions, since the amplitude of natural pictures falls with frequency (1/f) and
-/// then each octave has equal contrast (Field 1987). An octave that is lost in one direction only keeps what was
-/// measured if that is more. Blocks are at most 4x4, so two of the four octaves always survive.
+/// Octaves finer than the block carry no signal, only the edges between blocks. They get what the finest octave
+/// that survives in both directions lets expect: the amplitude of natural pictures falls as 1/f (Field 1987), so that
+/// each octave has the same contrast, to which the bands answer as [`EQUAL_OCTAVES`]. An octave that is lost in
+/// one direction only keeps what was measured if that is more. Blocks are at most 4x4: two octaves always survive.
 ///
 /// Detail that exists in lost octaves only (a fine regular pattern) cannot be known: look at 1x1 now and then.
 pub fn extrapolate(measured: TileContrast, shaded_at: ShadingRate) -> TileContrast {
     let (width, height) = (shaded_at.width().ilog2() as usize, shaded_at.height().ilog2() as usize);
     let survivor = width.max(height).min(BANDS - 1);
     let lost_entirely = width.min(height);
-    let contrast = measured.bands[survivor];
+    let octave = measured.bands[survivor] / EQUAL_OCTAVES[survivor];
     let mut bands = measured.bands;
     for (i, band) in bands[..survivor].iter_mut().enumerate() {
-        *band = if i < lost_entirely { contrast } else { band.max(contrast) };
+        let expected = octave * EQUAL_OCTAVES[i];
+        *band = if i < lost_entirely { expected } else { band.max(expected) };
     }
     TileContrast { bands, ..measured }
 }

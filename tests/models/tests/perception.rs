@@ -82,6 +82,64 @@ fn tursun_equals_the_vectors() {
     }
 }
 
+/// log10 of sensitivity as ColorVideoVDP has it in a table (PyPI cvvdp 0.5.7, csf_lut_weber_fixed_size.json, MIT
+/// licence): made of castleCSF by its authors, with constants of another calibration. At the gaze, 0 Hz, an area of
+/// 2.25 pi square degrees; rows by luminance, columns by frequency.
+mod color_video_vdp {
+    pub const LUMINANCE_CD_M2: [f32; 4] = [0.860_636, 8.935_411, 92.770_45, 963.1742];
+    pub const FREQUENCY_CPD: [f32; 4] = [0.230_191, 0.990_242, 4.259_855, 14.877_38];
+    pub const ACHROMATIC: [[f32; 4]; 4] = [
+        [1.2682, 1.8955, 1.7195, 0.6385],
+        [1.4262, 2.0945, 2.2205, 1.3984],
+        [1.5361, 2.1741, 2.4826, 1.817],
+        [1.5662, 2.1915, 2.5416, 1.9117],
+    ];
+    pub const RED_GREEN: [[f32; 4]; 4] = [
+        [1.6906, 1.814, 1.5277, 1.0249],
+        [2.1442, 2.2676, 1.9813, 1.4786],
+        [2.4187, 2.5422, 2.2558, 1.7531],
+        [2.4814, 2.6048, 2.3185, 1.8158],
+    ];
+    pub const YELLOW_VIOLET: [[f32; 4]; 4] = [
+        [1.1049, 1.2417, 0.927, 0.4262],
+        [1.4831, 1.6199, 1.3053, 0.8045],
+        [1.7579, 1.8947, 1.5801, 1.0793],
+        [1.8421, 1.9789, 1.6642, 1.1635],
+    ];
+}
+
+/// Not exact, but made by others: a wrong exponent or a mistaken constant would show.
+#[test]
+fn castle_agrees_with_color_video_vdp() {
+    use color_video_vdp::{ACHROMATIC, FREQUENCY_CPD, LUMINANCE_CD_M2, RED_GREEN, YELLOW_VIOLET};
+    for (model, table, offset, tolerance) in [
+        (castle::achromatic as fn(&Stimulus, VisualField) -> f32, ACHROMATIC, 0.055, 0.13),
+        (castle::red_green, RED_GREEN, 0.05, 0.06),
+        // Its contrast is in another unit.
+        (castle::yellow_violet, YELLOW_VIOLET, 0.36, 0.05),
+    ] {
+        for (row, luminance_cd_m2) in table.into_iter().zip(LUMINANCE_CD_M2) {
+            for (expected, frequency_cpd) in row.into_iter().zip(FREQUENCY_CPD) {
+                let area_deg2 = 2.25 * std::f32::consts::PI;
+                let stimulus = Stimulus { luminance_cd_m2, frequency_cpd, area_deg2, ..Stimulus::default() };
+                let got = model(&stimulus, VisualField::Worst).log10();
+                assert!((expected - got - offset).abs() < tolerance, "{stimulus:?}: {expected} {got}");
+            }
+        }
+    }
+}
+
+/// The fall of red-green at low frequency that the research for the chroma floor found.
+#[test]
+fn red_green_falls_towards_the_temple_as_known() {
+    let at = |eccentricity_deg| {
+        castle::red_green(&Stimulus { eccentricity_deg, ..Stimulus::default() }, VisualField::Temporal)
+    };
+    for (eccentricity, expected) in [(1.0, 0.87), (2.0, 0.76), (5.2, 0.49), (20.0, 0.07)] {
+        assert!((at(eccentricity) / at(0.0) - expected).abs() < 0.005, "{eccentricity}");
+    }
+}
+
 prop_compose! {
     fn any_stimulus()(
         octave in -4.0..6.0f32, omega in 0.0..60.0f32, eccentricity in 0.0..120.0f32,

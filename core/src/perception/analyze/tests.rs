@@ -1,5 +1,6 @@
 use super::*;
 use crate::perception::TileContrast;
+use crate::perception::pyramid::LEVELS;
 use proptest::prelude::*;
 
 fn analyzed(picture: &Plane, settings: &ContrastSettings) -> ContrastMap {
@@ -83,6 +84,29 @@ fn buffers_serve_pictures_of_any_size_in_any_order() {
         analyze(&picture, &ContrastSettings::default(), &mut buffers, &mut map);
         assert_eq!(map, usual(&picture));
     }
+}
+
+#[test]
+fn the_same_size_again_needs_no_memory() {
+    let (mut buffers, mut map) = (Buffers::default(), ContrastMap::default());
+    let mut places = |picture: &Plane| {
+        analyze(picture, &ContrastSettings::default(), &mut buffers, &mut map);
+        let levels = (1..=LEVELS).map(|level| buffers.pyramid.level(level).texels().as_ptr());
+        let rows =
+            [&buffers.rows.fine, &buffers.rows.predicted, &buffers.rows.around].map(|row| row.as_ptr());
+        let tiles = map.tiles.texels().as_ptr();
+        (
+            levels.collect::<Vec<_>>(),
+            rows,
+            buffers.rows.columns.capacity(),
+            buffers.rows.light.capacity(),
+            tiles,
+        )
+    };
+    let first = places(&noise(100, 60, 1));
+    assert_eq!(places(&noise(100, 60, 2)), first);
+    assert_eq!(places(&noise(40, 20, 3)), first);
+    assert_eq!(places(&noise(100, 60, 4)), first);
 }
 
 #[test]

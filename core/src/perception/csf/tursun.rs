@@ -5,6 +5,7 @@
 //! frequency, and mean something only together with paper A's constants.
 
 use super::{SensitivityFall, Stimulus, within};
+use crate::perception::BANDS;
 use std::f32::consts::{LOG2_10, LOG2_E};
 
 /// Sensitivity by [`Fit::QUARTER`], the fit that matches paper A's quarter-resolution frame; >= 0.
@@ -13,6 +14,11 @@ use std::f32::consts::{LOG2_10, LOG2_E};
 pub fn sensitivity(frequency_cpd: f32, eccentricity_deg: f32, adaptation_cd_m2: f32) -> f32 {
     Fit::QUARTER.sensitivity(frequency_cpd, eccentricity_deg, adaptation_cd_m2)
 }
+
+/// What the contrast of each band, finest first, is multiplied by before it meets these fits: their pyramid filtered with
+/// sqrt(2) times the binomial filter in each direction, as pyrtools does, which doubles coefficients from level to
+/// level. Contrast in physical units must not be multiplied.
+pub const BAND_GAIN: [f32; BANDS] = [1.0, 2.0, 4.0, 8.0];
 
 /// The fitted constants for one resolution of the analysed picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
