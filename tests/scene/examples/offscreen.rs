@@ -9,7 +9,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 use clap::Parser;
 use glam::{Quat, vec3};
-use parafovea_scene::{camera::Camera, offscreen::Offscreen, scene::lights};
+use parafovea_scene::{camera::Camera, offscreen::Offscreen, scene::SceneName};
 
 #[derive(Parser)]
 struct Options {
@@ -21,8 +21,11 @@ struct Options {
     cost: bool,
     #[arg(long, default_value_t = 0)]
     frame: u64,
-    #[arg(long, default_value_t = lights::DEFAULT)]
-    lights: u32,
+    /// What is to be seen.
+    #[arg(long, value_enum, default_value_t)]
+    scene: SceneName,
+    #[arg(long)]
+    lights: Option<u32>,
     /// Side of the square image.
     #[arg(long, default_value_t = 1024)]
     size: u32,
@@ -36,8 +39,9 @@ struct Options {
 
 fn main() -> Result<()> {
     let options = Options::parse();
-    let mut offscreen =
-        Offscreen::new(options.size, options.size, wgpu::TextureFormat::Rgba8UnormSrgb, options.lights)?;
+    let lights = options.lights.unwrap_or(options.scene.definition().default_lights);
+    let format = wgpu::TextureFormat::Rgba8UnormSrgb;
+    let mut offscreen = Offscreen::new([options.size; 2], format, options.scene, lights)?;
     // The left eye of the mock runtime's default head.
     let turn =
         Quat::from_rotation_y(options.yaw.to_radians()) * Quat::from_rotation_x(options.pitch.to_radians());
@@ -64,9 +68,10 @@ fn main() -> Result<()> {
         costs.sort_by(f64::total_cmp);
         println!("{}", offscreen.device_name);
         println!(
-            "CPU ms for one {0}x{0} eye, {1} lights, {2} frames: median {3:.1}, quartiles {4:.1} and {5:.1}",
+            "{0}, CPU ms for one {1}x{1} eye, {2} lights, {3} frames: median {4:.1}, quartiles {5:.1} and {6:.1}",
+            options.scene.as_str(),
             options.size,
-            options.lights,
+            lights,
             costs.len(),
             costs[costs.len() / 2],
             costs[costs.len() / 4],

@@ -4,6 +4,7 @@ use anyhow::{Context, Result};
 
 use crate::camera::Camera;
 use crate::renderer::{Pass, Rect, Renderer, depth_buffer};
+use crate::scene::SceneName;
 
 /// A renderer with an image of its own to draw into.
 #[derive(Debug)]
@@ -22,7 +23,12 @@ impl Offscreen {
     ///
     /// # Errors
     /// If there is no Vulkan device or it cannot be opened.
-    pub fn new(width: u32, height: u32, format: wgpu::TextureFormat, light_count: u32) -> Result<Self> {
+    pub fn new(
+        [width, height]: [u32; 2],
+        format: wgpu::TextureFormat,
+        scene: SceneName,
+        light_count: u32,
+    ) -> Result<Self> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
             backends: wgpu::Backends::VULKAN,
             ..wgpu::InstanceDescriptor::new_without_display_handle()
@@ -43,7 +49,7 @@ impl Offscreen {
             view_formats: &[],
         });
         Ok(Self {
-            renderer: Renderer::new(&device, &queue, format, light_count),
+            renderer: Renderer::new(&device, &queue, format, scene, light_count),
             depth: depth_buffer(&device, width, height),
             device,
             queue,

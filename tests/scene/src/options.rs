@@ -2,19 +2,21 @@
 
 use clap::{Parser, ValueEnum};
 
-use crate::scene::lights;
+use crate::scene::{SceneName, lights};
 
-/// A courtyard in virtual reality: an OpenXR application with costly per-pixel lighting.
+/// Scenes in virtual reality: an OpenXR application with costly per-pixel lighting.
 #[derive(Clone, Debug, Parser)]
 #[command(version)]
 pub struct Options {
+    /// What is to be seen.
+    #[arg(long, value_enum, default_value_t)]
+    pub scene: SceneName,
     /// Quit after this many rendered frames [default: when the runtime ends the session].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub frames: Option<u64>,
-    /// Number of point lights; each costs about the same.
-    #[arg(long, value_name = "N", default_value_t = lights::DEFAULT,
-          value_parser = clap::value_parser!(u32).range(0..=i64::from(lights::MAX)))]
-    pub lights: u32,
+    /// Number of point lights; each costs about the same [default: as many as the scene has].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(lights::MAX)))]
+    pub lights: Option<u32>,
     /// How the eyes' images are arranged in swapchains.
     #[arg(long, value_enum, default_value_t = Arrangement::Separate)]
     pub swapchain: Arrangement,
@@ -55,6 +57,13 @@ pub enum ColourFormat {
     Unorm,
     /// Sixteen-bit floats, linear.
     Hdr,
+}
+
+impl Options {
+    /// How many lights to draw with.
+    pub fn light_count(&self) -> u32 {
+        self.lights.unwrap_or(self.scene.definition().default_lights)
+    }
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {

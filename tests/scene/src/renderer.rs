@@ -4,12 +4,15 @@ mod buffers;
 mod images;
 mod pipelines;
 
+use std::collections::HashMap;
+use std::ops::Range;
+
 use crate::camera::Camera;
-use crate::scene::{Material, Scene, lights, time_of};
+use crate::scene::{Material, Scene, SceneName, time_of};
 
 use self::buffers::Buffers;
 use self::pipelines::Pipelines;
-pub use self::pipelines::{Output, SHADER};
+pub use self::pipelines::{Output, SCENES_SHADER, SHADER};
 
 /// The depth format of every pass.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -51,9 +54,9 @@ pub struct Renderer {
     pipelines: Pipelines,
     buffers: Buffers,
     view_group: wgpu::BindGroup,
-    material_groups: Vec<wgpu::BindGroup>,
-    /// The part of each draw of the frame; a draw takes the instance of its own number.
-    draws: Vec<usize>,
+    material_groups: HashMap<Material, wgpu::BindGroup>,
+    /// The draws of the frame: a part, and the instances of it that follow one another.
+    draws: Vec<(usize, Range<u32>)>,
 }
 
 impl Renderer {
@@ -62,16 +65,22 @@ impl Renderer {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         format: wgpu::TextureFormat,
+        scene: SceneName,
         light_count: u32,
     ) -> Self {
-        let scene = Scene::new();
-        let pipelines = Pipelines::new(device, format);
+        let pipelines = Pipelines::new(device, format, scene.definition().environment.as_ref());
+        let scene = Scene::new(scene);
         let buffers = Buffers::new(device, queue, &scene, light_count);
-        let images = images::Images::new(device, queue);
+        let mut materials = scene.materials();
+        // The quad layer shows it in every scene.
+        if !materials.contains(&Material::Board) {
+            materials.push(Material::Board);
+        }
+        let images = images::Images::new(device, queue, &materials);
         let view_group = pipelines.view_group(device, &buffers, &images);
-        let material_groups = Material::ALL
-            .iter()
-            .map(|&material| pipelines.material_group(device, images.of(material)))
+        let material_groups = images
+            .materials()
+            .map(|(material, images)| (material, pipelines.material_group(device, images)))
             .collect();
         Self {
             queue: queue.clone(),
@@ -89,17 +98,23 @@ impl Renderer {
     /// most [`MAX_CAMERAS`] cameras are taken.
     pub fn prepare(&mut self, frame: u64, cameras: &[Camera]) {
         let time = time_of(frame);
-        let lights = lights::at(time, self.light_count);
+        let lights = self.scene.lights(time, self.light_count);
         let placements = self.scene.placements(time, &lights);
         self.buffers.write(&self.queue, time, cameras, &lights, &placements);
-        self.draws = placements.iter().map(|placement| placement.part).collect();
+        self.draws.clear();
+        for (instance, placement) in (0..).zip(&placements) {
+            match self.draws.last_mut() {
+                Some((part, instances)) if *part == placement.part => instances.end = instance + 1,
+                _ => self.draws.push((placement.part, instance..instance + 1)),
+            }
+        }
     }
 
     /// Records one pass of the prepared frame.
     pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, pass: &Pass) {
         let depth_store = if pass.keep_depth { wgpu::StoreOp::Store } else { wgpu::StoreOp::Discard };
         let mut recording = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("courtyard"),
+            label: Some(self.scene.name.as_str()),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: pass.colour,
                 depth_slice: None,
@@ -132,19 +147,35 @@ impl Renderer {
     }
 
     fn draw_scene(&self, recording: &mut wgpu::RenderPass) {
-        recording.set_pipeline(&self.pipelines.surfaces);
         recording.set_vertex_buffer(0, self.buffers.vertices.slice(..));
         recording.set_vertex_buffer(1, self.buffers.instances.slice(..));
         recording.set_index_buffer(self.buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for (instance, &part) in self.draws.iter().enumerate() {
-            let range = &self.buffers.ranges[part];
-            recording.set_bind_group(1, &self.material_groups[range.material as usize], &[]);
-            let instance = instance as u32;
-            recording.draw_indexed(range.indices.clone(), range.base_vertex, instance..instance + 1);
+        if let Some(leaves) = &self.pipelines.leaves {
+            self.draw_parts(recording, leaves, Material::is_leafy);
+        }
+        self.draw_parts(recording, &self.pipelines.surfaces, |material| !material.is_leafy());
+        if let Some(mirror) = &self.pipelines.mirror {
+            self.draw_parts(recording, mirror, |material| !material.is_leafy());
         }
         // The sky comes last, where nothing else was drawn.
         recording.set_pipeline(&self.pipelines.sky);
         recording.draw(0..3, 0..1);
+    }
+
+    fn draw_parts(
+        &self,
+        recording: &mut wgpu::RenderPass,
+        pipeline: &wgpu::RenderPipeline,
+        takes: fn(Material) -> bool,
+    ) {
+        recording.set_pipeline(pipeline);
+        for (part, instances) in &self.draws {
+            let range = &self.buffers.ranges[*part];
+            if takes(range.material) {
+                recording.set_bind_group(1, &self.material_groups[&range.material], &[]);
+                recording.draw_indexed(range.indices.clone(), range.base_vertex, instances.clone());
+            }
+        }
     }
 
     /// Records a pass that fills an image with the notice board, for a quad layer.
@@ -164,7 +195,7 @@ impl Renderer {
         });
         recording.set_pipeline(&self.pipelines.board);
         recording.set_bind_group(0, &self.view_group, &[Buffers::view_offset(0)]);
-        recording.set_bind_group(1, &self.material_groups[Material::Board as usize], &[]);
+        recording.set_bind_group(1, &self.material_groups[&Material::Board], &[]);
         recording.draw(0..3, 0..1);
     }
 }

@@ -1,20 +1,88 @@
 //! The scene's definition is frozen: measurements of one revision are compared with those of another, which
 //! only works if both drew the same.
 
+#![expect(clippy::unwrap_used, reason = "a test says where it failed")]
+
 use std::fmt::Write;
 
-use parafovea_scene::renderer::SHADER;
+use glam::Vec3;
+use parafovea_scene::renderer::{SCENES_SHADER, SHADER};
 use parafovea_scene::scene::texture::Texture;
-use parafovea_scene::scene::{Material, Scene, lights, materials, time_of};
+use parafovea_scene::scene::{Scene, SceneName, materials, time_of};
 
-/// What the scene is made of. If a test below fails and the change is wanted, it is a new scene: measure its
+/// What a scene is made of. If a test below fails and the change is wanted, it is a new scene: measure its
 /// cost as the README of this crate says, write it there, take new baselines for everything that was
 /// measured with the old one, and only then put the new values here.
+struct Frozen {
+    scene: SceneName,
+    shapes: u64,
+    textures: u64,
+    motion: u64,
+    /// Sun, sky and reflections; the courtyard's are in its shader.
+    environment: u64,
+    lights: u32,
+}
+
 const SHADER_HASH: u64 = 0x5a76_3eed_05e4_25bb;
-const SHAPES_HASH: u64 = 0x15a0_cc12_d56d_986a;
-const TEXTURES_HASH: u64 = 0x4cbe_cacc_b86a_c83b;
-const MOTION_HASH: u64 = 0x0ee2_988e_9872_f7c8;
-const LIGHTS: u32 = 7;
+const SCENES_SHADER_HASH: u64 = 0x577e_91d8_684a_f154;
+const FROZEN: [Frozen; 7] = [
+    Frozen {
+        scene: SceneName::Courtyard,
+        shapes: 0x15a0_cc12_d56d_986a,
+        textures: 0x4cbe_cacc_b86a_c83b,
+        motion: 0x0ee2_988e_9872_f7c8,
+        environment: 0,
+        lights: 7,
+    },
+    Frozen {
+        scene: SceneName::Cockpit,
+        shapes: 0xc989_cb9d_4c0f_586f,
+        textures: 0x6b97_8251_3b68_d911,
+        motion: 0x231b_ab88_082f_adbb,
+        environment: 0xaee6_eba1_c4a8_5c8e,
+        lights: 5,
+    },
+    Frozen {
+        scene: SceneName::Foliage,
+        shapes: 0x01a6_4245_d005_e1eb,
+        textures: 0x915d_3182_459f_828e,
+        motion: 0xf518_6710_a5e9_cda6,
+        environment: 0x703d_fbf8_7843_7bc7,
+        lights: 1,
+    },
+    Frozen {
+        scene: SceneName::Library,
+        shapes: 0x2453_7fa6_e9d3_4e2d,
+        textures: 0x6c5e_9bea_6254_9859,
+        motion: 0xf700_ba5b_94b6_2f60,
+        environment: 0x1c51_c71b_439e_de29,
+        lights: 7,
+    },
+    Frozen {
+        scene: SceneName::Interior,
+        shapes: 0x3b0d_17af_a60c_529b,
+        textures: 0xa07b_78b4_aa4e_c100,
+        motion: 0xceef_661c_b27f_26e5,
+        environment: 0x037b_9fff_b05d_ea17,
+        lights: 6,
+    },
+    Frozen {
+        scene: SceneName::Street,
+        shapes: 0xbed6_3119_7526_b08f,
+        textures: 0xf2e1_3bf0_ded3_d3aa,
+        motion: 0x9e7b_4ee2_6dc9_bfc2,
+        environment: 0x7783_aa72_8ed7_f966,
+        lights: 8,
+    },
+    Frozen {
+        scene: SceneName::Crowd,
+        shapes: 0xb373_8035_7d8b_a27f,
+        textures: 0x7a4a_b2d6_ae7f_428b,
+        motion: 0x035d_0e0d_b967_7480,
+        environment: 0x15b0_354d_76f4_3dfe,
+        lights: 6,
+    },
+];
 
 /// FNV-1a (64 bit).
 fn hash(bytes: impl IntoIterator<Item = u8>) -> u64 {
@@ -35,60 +103,100 @@ fn assert_frozen(name: &str, found: u64, frozen: u64) {
     );
 }
 
-#[test]
-fn shader() {
-    let mut code = String::new();
-    for line in SHADER.lines() {
+fn hash_of_code(code: &str) -> u64 {
+    let mut stripped = String::new();
+    for line in code.lines() {
         let line = line.split("//").next().unwrap().trim();
         if !line.is_empty() {
-            writeln!(code, "{line}").unwrap();
+            writeln!(stripped, "{line}").unwrap();
         }
     }
-    assert_frozen("scene.wgsl", hash(code.bytes()), SHADER_HASH);
+    hash(stripped.bytes())
+}
+
+#[test]
+fn shaders() {
+    assert_frozen("scene.wgsl", hash_of_code(SHADER), SHADER_HASH);
+    assert_frozen("scenes.wgsl", hash_of_code(SCENES_SHADER), SCENES_SHADER_HASH);
+}
+
+#[test]
+fn every_scene_is_frozen() {
+    assert_eq!(FROZEN.map(|frozen| frozen.scene), SceneName::ALL);
 }
 
 #[test]
 fn shapes() {
-    let scene = Scene::new();
-    let numbers = scene.parts.iter().flat_map(|part| {
-        let vertices = part.mesh.vertices.iter().flat_map(|vertex| {
-            [&vertex.position[..], &vertex.normal, &vertex.tangent, &vertex.uv, &[vertex.sky]].concat()
+    for frozen in FROZEN {
+        let scene = Scene::new(frozen.scene);
+        let numbers = scene.parts.iter().flat_map(|part| {
+            let vertices = part.mesh.vertices.iter().flat_map(|vertex| {
+                [&vertex.position[..], &vertex.normal, &vertex.tangent, &vertex.uv, &[vertex.sky]].concat()
+            });
+            let indices = part.mesh.indices.iter().map(|&index| index as f32);
+            [part.material as usize as f32].into_iter().chain(vertices).chain(indices)
         });
-        let indices = part.mesh.indices.iter().map(|&index| index as f32);
-        [part.material as usize as f32].into_iter().chain(vertices).chain(indices)
-    });
-    assert_frozen("a shape", hash_of_numbers(numbers), SHAPES_HASH);
+        assert_frozen(&format!("a shape of {:?}", frozen.scene), hash_of_numbers(numbers), frozen.shapes);
+    }
 }
 
 #[test]
 fn textures() {
-    let surfaces = Material::ALL.iter().flat_map(|&material| {
-        let surface = materials::surface_of(material);
-        [surface.albedo, surface.relief]
-    });
-    let texels = |texture: Texture| texture.levels.into_iter().flatten().collect::<Vec<_>>();
-    let all = surfaces.chain([materials::detail()]).flat_map(texels);
-    assert_frozen("a texture", hash(all), TEXTURES_HASH);
+    for frozen in FROZEN {
+        let surfaces = Scene::new(frozen.scene).materials().into_iter().flat_map(|material| {
+            let surface = materials::surface_of(material);
+            [surface.albedo, surface.relief]
+        });
+        let texels = |texture: Texture| texture.levels.into_iter().flatten().collect::<Vec<_>>();
+        let all = surfaces.chain([materials::detail()]).flat_map(texels);
+        assert_frozen(&format!("a texture of {:?}", frozen.scene), hash(all), frozen.textures);
+    }
 }
 
 #[test]
 fn motion_and_lights() {
-    assert_eq!(lights::DEFAULT, LIGHTS, "see the comment in frozen.rs");
-    let scene = Scene::new();
-    let numbers = [0, 1, 90, 1234].map(|frame| {
-        let time = time_of(frame);
-        let lights = lights::at(time, 16);
-        let placements = scene.placements(time, &lights);
-        let places = placements.iter().flat_map(|placement| {
-            let mut numbers = placement.transform.to_cols_array().to_vec();
-            numbers.extend(placement.emission.to_array());
-            numbers.push(placement.part as f32);
-            numbers
+    for frozen in FROZEN {
+        let definition = frozen.scene.definition();
+        assert_eq!(definition.default_lights, frozen.lights, "see the comment in frozen.rs");
+        let scene = Scene::new(frozen.scene);
+        let numbers = [0, 1, 90, 1234].map(|frame| {
+            let time = time_of(frame);
+            let lights = scene.lights(time, 16);
+            let placements = scene.placements(time, &lights);
+            let places = placements.iter().flat_map(|placement| {
+                let mut numbers = placement.transform.to_cols_array().to_vec();
+                numbers.extend(placement.emission.to_array());
+                numbers.push(placement.part as f32);
+                if placement.tint != Vec3::ONE {
+                    numbers.extend(placement.tint.to_array());
+                }
+                numbers
+            });
+            let lamps = lights.iter().flat_map(|light| {
+                [light.position.to_array(), light.colour.to_array(), [light.range, 0.0, 0.0]].concat()
+            });
+            places.chain(lamps).collect::<Vec<_>>()
         });
-        let lamps = lights.iter().flat_map(|light| {
-            [light.position.to_array(), light.colour.to_array(), [light.range, 0.0, 0.0]].concat()
+        let motion = hash_of_numbers(numbers.concat());
+        assert_frozen(&format!("a motion or a light of {:?}", frozen.scene), motion, frozen.motion);
+        let environment = definition.environment.map_or(0, |environment| {
+            hash_of_numbers(bytemuck::cast_slice::<u8, f32>(bytemuck::bytes_of(&environment)).iter().copied())
         });
-        places.chain(lamps).collect::<Vec<_>>()
-    });
-    assert_frozen("a motion or a light", hash_of_numbers(numbers.concat()), MOTION_HASH);
+        assert_frozen(&format!("the environment of {:?}", frozen.scene), environment, frozen.environment);
+    }
+}
+
+#[test]
+fn as_much_is_drawn_at_all_times() {
+    for name in SceneName::ALL {
+        let scene = Scene::new(name);
+        let count = |time| scene.placements(time, &scene.lights(time, 16)).len();
+        for time in [0.01, 3.3, 77.7] {
+            assert_eq!(
+                count(time),
+                count(0.0),
+                "{name:?} at {time}: the buffer of instances is made for time 0"
+            );
+        }
+    }
 }

@@ -7,9 +7,9 @@ use bytemuck::{Pod, Zeroable};
 
 use super::MAX_CAMERAS;
 use crate::camera::{Camera, ViewUniform};
+use crate::scene::environment::Environment;
 use crate::scene::lights::{self, Light};
 use crate::scene::mesh::Vertex;
-use crate::scene::motion::MOST_PLACED;
 use crate::scene::{Material, Placement, Scene};
 
 /// Distance between two cameras' uniforms: wgpu's largest required alignment of dynamic offsets.
@@ -38,6 +38,7 @@ struct LightUniform {
 pub struct Instance {
     transform: [f32; 16],
     emission: [f32; 3],
+    tint: [f32; 3],
 }
 
 #[derive(Debug)]
@@ -47,6 +48,7 @@ pub struct Buffers {
     pub instances: wgpu::Buffer,
     pub views: wgpu::Buffer,
     pub lights: wgpu::Buffer,
+    pub environment: wgpu::Buffer,
     pub ranges: Vec<PartRange>,
 }
 
@@ -72,7 +74,8 @@ impl Buffers {
                 mapped_at_creation: false,
             })
         };
-        let instances = scene.fixed + MOST_PLACED + light_count as usize;
+        // As many at all times.
+        let instances = scene.placements(0.0, &scene.lights(0.0, light_count)).len();
         let this = Self {
             vertices: buffer("vertices", size_of::<Vertex>() * vertices.len(), wgpu::BufferUsages::VERTEX),
             indices: buffer("indices", size_of::<u32>() * indices.len(), wgpu::BufferUsages::INDEX),
@@ -83,10 +86,14 @@ impl Buffers {
                 size_of::<LightUniform>() * lights::MAX as usize,
                 wgpu::BufferUsages::UNIFORM,
             ),
+            environment: buffer("environment", size_of::<Environment>(), wgpu::BufferUsages::UNIFORM),
             ranges,
         };
         queue.write_buffer(&this.vertices, 0, bytemuck::cast_slice(&vertices));
         queue.write_buffer(&this.indices, 0, bytemuck::cast_slice(&indices));
+        // The courtyard's shader does not read it.
+        let environment = scene.name.definition().environment.unwrap_or(Environment::DAY);
+        queue.write_buffer(&this.environment, 0, bytemuck::bytes_of(&environment));
         this
     }
 
@@ -132,6 +139,7 @@ impl Buffers {
             .map(|placement| Instance {
                 transform: placement.transform.to_cols_array(),
                 emission: placement.emission.into(),
+                tint: placement.tint.into(),
             })
             .collect();
         queue.write_buffer(&self.instances, 0, bytemuck::cast_slice(&instances));

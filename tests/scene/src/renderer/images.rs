@@ -1,7 +1,8 @@
 //! The materials' textures on the device.
 
-use crate::scene::Material;
-use crate::scene::materials::{self, Surface};
+use std::collections::HashMap;
+
+use crate::scene::materials::{self, Material, Surface};
 use crate::scene::texture::{Encoding, Texture};
 
 /// Views of the two textures of a material.
@@ -14,27 +15,29 @@ pub struct MaterialImages {
 #[derive(Debug)]
 pub struct Images {
     pub detail: wgpu::TextureView,
-    materials: Vec<MaterialImages>,
+    materials: HashMap<Material, MaterialImages>,
 }
 
 impl Images {
-    /// Generates and uploads all textures.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
-        let materials = Material::ALL
+    /// Generates and uploads the textures of these materials.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, materials: &[Material]) -> Self {
+        let materials = materials
             .iter()
             .map(|&material| {
                 let Surface { albedo, relief } = materials::surface_of(material);
-                MaterialImages {
+                let images = MaterialImages {
                     albedo: upload(device, queue, &albedo),
                     relief: upload(device, queue, &relief),
-                }
+                };
+                (material, images)
             })
             .collect();
         Self { detail: upload(device, queue, &materials::detail()), materials }
     }
 
-    pub fn of(&self, material: Material) -> &MaterialImages {
-        &self.materials[material as usize]
+    /// The images of all materials that were given.
+    pub fn materials(&self) -> impl Iterator<Item = (Material, &MaterialImages)> {
+        self.materials.iter().map(|(material, images)| (*material, images))
     }
 }
 

@@ -5,10 +5,13 @@ use std::mem::size_of;
 use super::DEPTH_FORMAT;
 use super::buffers::{Buffers, Instance};
 use super::images::{Images, MaterialImages};
+use crate::scene::environment::Environment;
 use crate::scene::mesh::Vertex;
 
-/// The source of every shader.
+/// The shader of the courtyard, and the first part of every other scene's.
 pub const SHADER: &str = include_str!("../scene.wgsl");
+/// What follows it in the other scenes.
+pub const SCENES_SHADER: &str = include_str!("../scenes.wgsl");
 
 /// What the fragment shaders put out; the values of `OUTPUT` in `scene.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +38,10 @@ impl Output {
 #[derive(Debug)]
 pub struct Pipelines {
     pub surfaces: wgpu::RenderPipeline,
+    /// Of materials that alpha cuts out; the courtyard has none.
+    pub leaves: Option<wgpu::RenderPipeline>,
+    /// The world in a mirror, where the scene has one.
+    pub mirror: Option<wgpu::RenderPipeline>,
     pub sky: wgpu::RenderPipeline,
     pub board: wgpu::RenderPipeline,
     view_layout: wgpu::BindGroupLayout,
@@ -43,7 +50,12 @@ pub struct Pipelines {
 }
 
 impl Pipelines {
-    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+    /// The pipelines of the courtyard, or those of a scene with this environment.
+    pub fn new(
+        device: &wgpu::Device,
+        format: wgpu::TextureFormat,
+        environment: Option<&Environment>,
+    ) -> Self {
         let view_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("view"),
             entries: &[
@@ -56,17 +68,22 @@ impl Pipelines {
                     ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
                     count: None,
                 },
+                uniform(4, wgpu::ShaderStages::VERTEX_FRAGMENT, false),
             ],
         });
         let material_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("material"),
             entries: &[texture(0), texture(1)],
         });
+        let source = match environment {
+            None => SHADER.into(),
+            Some(_) => format!("{SHADER}\n{SCENES_SHADER}").into(),
+        };
         let builder = Builder {
             device,
             module: device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some("scene.wgsl"),
-                source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+                source: wgpu::ShaderSource::Wgsl(source),
             }),
             layout: device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some("scene"),
@@ -84,19 +101,23 @@ impl Pipelines {
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
             ..Default::default()
         });
+        let behind = wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(false),
+            depth_compare: Some(wgpu::CompareFunction::LessEqual),
+            stencil: Default::default(),
+            bias: Default::default(),
+        };
+        let (surface, sky) =
+            if environment.is_some() { ("lit", "weather_fragment") } else { ("surface", "sky_fragment") };
+        let has_mirror = environment.is_some_and(|environment| environment.has_mirror > 0.0);
         Self {
-            surfaces: builder.surfaces(),
-            sky: builder.screen(
-                "sky",
-                Some(wgpu::DepthStencilState {
-                    format: DEPTH_FORMAT,
-                    depth_write_enabled: Some(false),
-                    depth_compare: Some(wgpu::CompareFunction::LessEqual),
-                    stencil: Default::default(),
-                    bias: Default::default(),
-                }),
-            ),
-            board: builder.screen("board", None),
+            surfaces: builder.surfaces(surface, Some(wgpu::Face::Back)),
+            leaves: environment.map(|_| builder.surfaces("leaf", None)),
+            // In a mirror, triangles turn the other way round.
+            mirror: has_mirror.then(|| builder.surfaces("mirror", Some(wgpu::Face::Front))),
+            sky: builder.screen("sky_vertex", sky, Some(behind)),
+            board: builder.screen("board_vertex", "board_fragment", None),
             view_layout,
             material_layout,
             sampler,
@@ -112,6 +133,7 @@ impl Pipelines {
                 entry(1, buffers.lights.as_entire_binding()),
                 entry(2, wgpu::BindingResource::TextureView(&images.detail)),
                 entry(3, wgpu::BindingResource::Sampler(&self.sampler)),
+                entry(4, buffers.environment.as_entire_binding()),
             ],
         })
     }
@@ -136,7 +158,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn surfaces(&self) -> wgpu::RenderPipeline {
+    fn surfaces(&self, stem: &str, cull_mode: Option<wgpu::Face>) -> wgpu::RenderPipeline {
         let vertex = wgpu::VertexBufferLayout {
             array_stride: size_of::<Vertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
@@ -148,7 +170,8 @@ impl Builder<'_> {
             array_stride: size_of::<Instance>() as u64,
             step_mode: wgpu::VertexStepMode::Instance,
             attributes: &wgpu::vertex_attr_array![
-                5 => Float32x4, 6 => Float32x4, 7 => Float32x4, 8 => Float32x4, 9 => Float32x3
+                5 => Float32x4, 6 => Float32x4, 7 => Float32x4, 8 => Float32x4, 9 => Float32x3,
+                10 => Float32x3
             ],
         };
         let depth = wgpu::DepthStencilState {
@@ -158,17 +181,23 @@ impl Builder<'_> {
             stencil: Default::default(),
             bias: Default::default(),
         };
-        self.build("surface", &[Some(vertex), Some(instance)], Some(wgpu::Face::Back), Some(depth))
+        let entries = [format!("{stem}_vertex"), format!("{stem}_fragment")];
+        self.build([&entries[0], &entries[1]], &[Some(vertex), Some(instance)], cull_mode, Some(depth))
     }
 
     /// A pipeline that draws one triangle over the whole target.
-    fn screen(&self, stem: &str, depth: Option<wgpu::DepthStencilState>) -> wgpu::RenderPipeline {
-        self.build(stem, &[], None, depth)
+    fn screen(
+        &self,
+        vertex: &str,
+        fragment: &str,
+        depth: Option<wgpu::DepthStencilState>,
+    ) -> wgpu::RenderPipeline {
+        self.build([vertex, fragment], &[], None, depth)
     }
 
     fn build(
         &self,
-        stem: &str,
+        [vertex, fragment]: [&str; 2],
         buffers: &[Option<wgpu::VertexBufferLayout>],
         cull_mode: Option<wgpu::Face>,
         depth_stencil: Option<wgpu::DepthStencilState>,
@@ -177,11 +206,11 @@ impl Builder<'_> {
         let fragment_options =
             wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(stem),
+            label: Some(fragment),
             layout: Some(&self.layout),
             vertex: wgpu::VertexState {
                 module: &self.module,
-                entry_point: Some(&format!("{stem}_vertex")),
+                entry_point: Some(vertex),
                 compilation_options: Default::default(),
                 buffers,
             },
@@ -190,7 +219,7 @@ impl Builder<'_> {
             multisample: Default::default(),
             fragment: Some(wgpu::FragmentState {
                 module: &self.module,
-                entry_point: Some(&format!("{stem}_fragment")),
+                entry_point: Some(fragment),
                 compilation_options: fragment_options,
                 targets: &[Some(self.format.into())],
             }),

@@ -2,7 +2,20 @@
 
 use glam::{Mat4, Vec3, vec3};
 
-use super::{Material, Part, mesh::Mesh};
+use super::{Definition, Material, Part, mesh::Mesh};
+
+pub mod lights;
+pub mod motion;
+
+/// The courtyard.
+pub const SCENE: Definition = Definition {
+    fixed: parts,
+    moving: motion::parts,
+    place: motion::placements,
+    lights: lights::at,
+    default_lights: lights::DEFAULT,
+    environment: None,
+};
 
 /// Sky visibility under the roof and in the corner behind it.
 const SHADE: f32 = 0.10;
@@ -21,13 +34,13 @@ pub fn lamp_cable(index: usize) -> (Vec3, Vec3, f32) {
 /// All fixed parts; roughly what hides comes before what is hidden.
 pub fn parts() -> Vec<Part> {
     vec![
-        Part { material: Material::Board, mesh: board() },
-        Part { material: Material::Metal, mesh: ironwork() },
-        Part { material: Material::Plaster, mesh: columns() },
-        Part { material: Material::Wood, mesh: woodwork() },
-        Part { material: Material::Brick, mesh: walls() },
-        Part { material: Material::Tiles, mesh: floor() },
-        Part { material: Material::Plaster, mesh: ground() },
+        Part::new(Material::Board, board()).glowing(Vec3::splat(0.35)),
+        Part::new(Material::Metal, ironwork()),
+        Part::new(Material::Plaster, columns()),
+        Part::new(Material::Wood, woodwork()),
+        Part::new(Material::Brick, walls()),
+        Part::new(Material::Tiles, floor()),
+        Part::new(Material::Plaster, ground()),
     ]
 }
 

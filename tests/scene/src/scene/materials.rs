@@ -1,8 +1,76 @@
-//! The surfaces: brick, stone tiles, wood, plaster, metal. A height field and a colour make a material.
+//! The surfaces: brick, stone tiles, wood, plaster, metal and more. A height field and a colour make a material.
+
+mod leaves;
+mod pictures;
 
 use super::noise::{fractal, hash, value};
+use super::text;
 use super::texture::{Encoding, Texture};
-use super::{Material, text};
+
+/// What a surface is made of. In all but [`Material::is_leafy`] ones, alpha of the albedo is 1 for what reflects as
+/// glass or paint does, and 0 for bare metal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Material {
+    /// Stone tiles, light and dark in turn.
+    Tiles,
+    /// Red brick.
+    Brick,
+    /// Rough plaster.
+    Plaster,
+    /// Planks.
+    Wood,
+    /// Brushed dark metal, painted.
+    Metal,
+    /// The notice board.
+    Board,
+    /// Lamps: plain white, coloured by what they emit.
+    Lamp,
+    /// Smooth white paint, to be tinted.
+    Paint,
+    /// White cloth, to be tinted.
+    Cloth,
+    /// Grained plastic, to be tinted.
+    Plastic,
+    /// Bare polished steel.
+    Chrome,
+    /// Bare brass.
+    Brass,
+    /// Polished marble slabs.
+    Marble,
+    /// Small glazed wall tiles with joints.
+    GlazedTiles,
+    /// Road.
+    Asphalt,
+    /// Earth with grass and moss.
+    Soil,
+    /// Bark.
+    Bark,
+    /// Twigs with leaves, cut out by alpha.
+    Leaves,
+    /// Tufts of grass, cut out by alpha.
+    Grass,
+    /// Lit windows with curtains and people: 4 x 4 cells.
+    Windows,
+    /// Shop signs: 1 x 8 cells.
+    Signs,
+    /// Round instruments with scales: 4 x 4 cells.
+    Gauges,
+    /// Screens with text: 2 x 2 cells.
+    Screens,
+    /// Labels and small print: 1 x 8 cells of labels on the left, a page on the right.
+    Placards,
+    /// Spines of books: 32 x 4 cells.
+    Spines,
+    /// Two pages of an open book.
+    Pages,
+}
+
+impl Material {
+    /// Whether alpha cuts its shape out.
+    pub fn is_leafy(self) -> bool {
+        matches!(self, Self::Leaves | Self::Grass)
+    }
+}
 
 /// Texels along each side of the repeating textures.
 pub const SIDE: u32 = 512;
@@ -28,6 +96,25 @@ pub fn surface_of(material: Material) -> Surface {
         Material::Lamp => {
             Surface { albedo: Texture::from_fn(4, Encoding::Srgb, |_, _| [1.0; 4]), relief: smooth(0.5) }
         }
+        Material::Paint => grained([0.85; 3], 0.0002, 64, 0.22, 1.0),
+        Material::Cloth => cloth(),
+        Material::Plastic => grained([0.8; 3], 0.0006, 128, 0.5, 1.0),
+        Material::Chrome => grained([0.86, 0.88, 0.9], 0.0, 8, 0.08, 0.0),
+        Material::Brass => grained([0.86, 0.62, 0.26], 0.0003, 64, 0.18, 0.0),
+        Material::Marble => marble(),
+        Material::GlazedTiles => glazed_tiles(),
+        Material::Asphalt => grained([0.09, 0.09, 0.095], 0.006, 128, 0.75, 1.0),
+        Material::Soil => soil(),
+        Material::Bark => bark(),
+        Material::Leaves => Surface { albedo: leaves::twigs(), relief: smooth(0.45) },
+        Material::Grass => Surface { albedo: leaves::grass(), relief: smooth(0.5) },
+        Material::Windows => Surface { albedo: pictures::windows(), relief: smooth(0.3) },
+        Material::Signs => Surface { albedo: pictures::signs(), relief: smooth(0.4) },
+        Material::Gauges => Surface { albedo: pictures::gauges(), relief: smooth(0.35) },
+        Material::Screens => Surface { albedo: pictures::screens(), relief: smooth(0.2) },
+        Material::Placards => Surface { albedo: pictures::placards(), relief: smooth(0.5) },
+        Material::Spines => Surface { albedo: pictures::spines(), relief: smooth(0.55) },
+        Material::Pages => Surface { albedo: pictures::pages(), relief: smooth(0.8) },
     }
 }
 
@@ -37,16 +124,27 @@ struct Texel {
     roughness: f32,
 }
 
+/// A repeating surface of something that is no metal; `depth` is how high the height field is, in repeats.
 fn surface(depth: f32, texel: impl Fn(f32, f32) -> Texel) -> Surface {
+    surface_of_alpha(depth, 1.0, texel)
+}
+
+fn surface_of_alpha(depth: f32, alpha: f32, texel: impl Fn(f32, f32) -> Texel) -> Surface {
+    let centre = |index: u32| (index as f32 + 0.5) / SIDE as f32;
+    let texels: Vec<_> =
+        (0..SIDE * SIDE).map(|index| texel(centre(index % SIDE), centre(index / SIDE))).collect();
+    let at = |x: u32, y: u32| &texels[(y % SIDE * SIDE + x % SIDE) as usize];
+    let place = |u: f32, v: f32| ((u * SIDE as f32) as u32, (v * SIDE as f32) as u32);
     let albedo = Texture::from_fn(SIDE, Encoding::Srgb, |u, v| {
-        let [r, g, b] = texel(u, v).colour;
-        [r, g, b, 1.0]
+        let (x, y) = place(u, v);
+        let [r, g, b] = at(x, y).colour;
+        [r, g, b, alpha]
     });
-    let step = 1.0 / SIDE as f32;
     let relief = Texture::from_fn(SIDE, Encoding::Linear, |u, v| {
-        let here = texel(u, v);
-        let du = (texel(u + step, v).height - here.height) * depth * SIDE as f32;
-        let dv = (texel(u, v + step).height - here.height) * depth * SIDE as f32;
+        let (x, y) = place(u, v);
+        let here = at(x, y);
+        let du = (at(x + 1, y).height - here.height) * depth * SIDE as f32;
+        let dv = (at(x, y + 1).height - here.height) * depth * SIDE as f32;
         let length = (du * du + dv * dv + 1.0).sqrt();
         // v grows downwards in the texture, the bitangent upwards on the surface.
         [0.5 - 0.5 * du / length, 0.5 + 0.5 * dv / length, 0.5 + 0.5 / length, here.roughness]
@@ -144,6 +242,89 @@ fn metal() -> Surface {
             colour: mix([0.10, 0.11, 0.12], [0.20, 0.21, 0.22], brush),
             height: brush,
             roughness: 0.25 + 0.2 * brush,
+        }
+    })
+}
+
+/// An even colour with a fine grain.
+fn grained(colour: [f32; 3], depth: f32, cells: u32, roughness: f32, alpha: f32) -> Surface {
+    surface_of_alpha(depth, alpha, |u, v| {
+        let grain = fractal(u, v, cells, 2, 21);
+        Texel {
+            colour: colour.map(|c| c * (0.9 + 0.1 * grain)),
+            height: grain,
+            roughness: roughness * (0.85 + 0.15 * fractal(u, v, 4, 3, 22)),
+        }
+    })
+}
+
+/// A plain weave.
+fn cloth() -> Surface {
+    surface(0.004, |u, v| {
+        let (u, v) = (u.rem_euclid(1.0), v.rem_euclid(1.0));
+        let (warp, weft) = ((u * 64.0).fract(), (v * 64.0).fract());
+        let over = ((u * 64.0) as u32 + (v * 64.0) as u32).is_multiple_of(2);
+        let thread = if over { warp * (1.0 - warp) } else { weft * (1.0 - weft) } * 4.0;
+        let fold = fractal(u, v, 4, 3, 23);
+        Texel {
+            colour: [0.85; 3].map(|c| c * (0.55 + 0.3 * thread + 0.15 * fold)),
+            height: 0.4 * thread + fold,
+            roughness: 0.9,
+        }
+    })
+}
+
+/// White slabs with grey veins and thin joints, polished.
+fn marble() -> Surface {
+    surface(0.0008, |u, v| {
+        let (u, v) = (u.rem_euclid(1.0), v.rem_euclid(1.0));
+        let slab = block(u * 2.0, v * 2.0, [0.006, 0.006]);
+        let vein = 1.0 - (fractal(u, v, 3, 6, 24) * 2.0 - 1.0).abs();
+        let vein = vein * vein * vein * vein * vein * vein;
+        let stone = mix([0.62, 0.60, 0.57], [0.20, 0.19, 0.20], vein);
+        Texel { colour: mix([0.1; 3], stone, slab), height: slab, roughness: 0.6 - 0.5 * slab }
+    })
+}
+
+/// White glazed tiles, each tilted a little, with dark joints.
+fn glazed_tiles() -> Surface {
+    surface(0.0012, |u, v| {
+        let (u, v) = (u.rem_euclid(1.0), v.rem_euclid(1.0));
+        let tile = block(u * 8.0, v * 8.0, [0.03, 0.03]);
+        let (i, j) = ((u * 8.0) as u32, (v * 8.0) as u32);
+        let tilt = (hash(i, j, 25) - 0.5) * (u * 8.0).fract() + (hash(i, j, 26) - 0.5) * (v * 8.0).fract();
+        let shade = 0.6 + 0.15 * hash(i, j, 27);
+        Texel {
+            colour: mix([0.12, 0.12, 0.11], [shade * 0.86, shade * 0.97, shade], tile),
+            height: tile + 0.5 * tilt,
+            roughness: 0.85 - 0.72 * tile,
+        }
+    })
+}
+
+/// Earth, moss and short grass.
+fn soil() -> Surface {
+    surface(0.012, |u, v| {
+        let (coarse, fine) = (fractal(u, v, 5, 5, 28), fractal(u, v, 96, 2, 29));
+        let moss = ((coarse - 0.45) * 6.0).clamp(0.0, 1.0);
+        Texel {
+            colour: mix([0.16, 0.11, 0.06], [0.10, 0.19, 0.04], moss).map(|c| c * (0.4 + 1.0 * fine)),
+            height: 0.4 * coarse + 0.6 * fine,
+            roughness: 0.95,
+        }
+    })
+}
+
+/// Furrows that run up and down.
+fn bark() -> Surface {
+    surface(0.02, |u, v| {
+        let warp = fractal(u, v, 6, 3, 30);
+        let furrow = value(u + 0.06 * warp, v * 0.25, 24, 31);
+        let fine = fractal(u, v, 64, 2, 32);
+        Texel {
+            colour: mix([0.05, 0.035, 0.025], [0.26, 0.20, 0.14], furrow).map(|c| c * (0.7 + 0.5 * fine)),
+            height: 0.8 * furrow + 0.2 * fine,
+            roughness: 0.92,
         }
     })
 }

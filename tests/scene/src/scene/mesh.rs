@@ -71,6 +71,46 @@ impl Mesh {
         }
     }
 
+    /// Adds a rectangle that shows one cell of a texture of `columns` x `rows` cells; cells are counted from the
+    /// upper left, row by row.
+    pub fn cell(&mut self, rectangle: [Vec3; 3], [columns, rows]: [u32; 2], cell: u32, sky: f32) {
+        let first = self.vertices.len();
+        let [corner, u, v] = rectangle;
+        self.picture(corner, u, v, sky);
+        let (left, top) = ((cell % columns) as f32, (cell / columns % rows) as f32);
+        for vertex in &mut self.vertices[first..] {
+            let [s, t] = vertex.uv;
+            vertex.uv = [(left + s) / columns as f32, (top + t) / rows as f32];
+        }
+    }
+
+    /// Adds a straight rod with six sides.
+    pub fn rod(&mut self, from: Vec3, to: Vec3, radius: f32, sky: f32) {
+        let along = (to - from).normalize();
+        let side = along.any_orthonormal_vector();
+        let other = side.cross(along);
+        let length = (to - from).length();
+        self.push_grid(6, 1, |s, t| {
+            let (sin, cos) = (s * TAU).sin_cos();
+            let normal = other * sin - side * cos;
+            Vertex {
+                position: (from.lerp(to, t) + normal * radius).into(),
+                normal: normal.into(),
+                tangent: along.into(),
+                uv: [t * length, s],
+                sky,
+            }
+        });
+    }
+
+    /// Adds another mesh, placed by a rigid transform.
+    pub fn add(&mut self, other: Self, transform: Mat4) {
+        let first = self.vertices.len() as u32;
+        let other = other.transformed(transform);
+        self.vertices.extend(other.vertices);
+        self.indices.extend(other.indices.into_iter().map(|index| first + index));
+    }
+
     /// Adds an axis-aligned box between two corners.
     pub fn cuboid(&mut self, min: Vec3, max: Vec3, tile: f32, sky: f32) {
         let (x, y, z) = (Vec3::X * (max.x - min.x), Vec3::Y * (max.y - min.y), Vec3::Z * (max.z - min.z));
@@ -160,6 +200,8 @@ mod tests {
         mesh.column(Vec3::X * 5.0, 3.0, (0.3, 0.2), 12, 1.0);
         mesh.sphere(Vec3::Y * 7.0, 1.0, 16, 1.0);
         mesh.cable(Vec3::new(-3.0, 4.0, 0.0), Vec3::new(3.0, 4.0, -1.0), 0.5, 0.01);
+        mesh.rod(Vec3::new(-3.0, 4.0, 0.0), Vec3::new(3.0, 4.5, -1.0), 0.01, 1.0);
+        mesh.rod(Vec3::new(-3.0, 4.0, 0.0), Vec3::new(-3.0, 9.0, 0.0), 0.01, 1.0);
         for triangle in mesh.indices.chunks_exact(3) {
             let [a, b, c] = [0, 1, 2].map(|i| mesh.vertices[triangle[i] as usize]);
             let [p, q, r] = [a, b, c].map(|vertex| Vec3::from(vertex.position));

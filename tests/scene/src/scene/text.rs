@@ -1,7 +1,8 @@
 //! The notice board: text drawn into a texture.
 
-use super::texture::{Encoding, Texture};
-use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+use super::canvas::Canvas;
+use super::texture::Texture;
+use noto_sans_mono_bitmap::FontWeight;
 
 /// Size of the notice board's texture in texels.
 pub const SIZE: [u32; 2] = [1024, 512];
@@ -24,8 +25,8 @@ const FRAME: [u8; 3] = [200, 160, 80];
 
 /// Draws the board, with its mip levels.
 pub fn board() -> Texture {
-    let mut canvas = Canvas::new();
-    canvas.frame(12, 6);
+    let mut canvas = Canvas::new(SIZE, PAPER);
+    canvas.frame([0, 0], SIZE, 12, 6, FRAME);
     canvas.line(TITLE, [56, 36], 2, FontWeight::Bold, FRAME);
     let mut y = 132;
     for (index, (text, colour)) in LINES.iter().enumerate() {
@@ -35,62 +36,13 @@ pub fn board() -> Texture {
             y += 48;
         }
     }
-    Texture::new(SIZE, Encoding::Srgb, canvas.texels)
-}
-
-struct Canvas {
-    texels: Vec<u8>,
-}
-
-impl Canvas {
-    fn new() -> Self {
-        let paper = [PAPER[0], PAPER[1], PAPER[2], 255];
-        Self { texels: paper.repeat((SIZE[0] * SIZE[1]) as usize) }
-    }
-
-    fn blend(&mut self, x: u32, y: u32, colour: [u8; 3], coverage: u8) {
-        if x >= SIZE[0] || y >= SIZE[1] {
-            return;
-        }
-        let at = ((y * SIZE[0] + x) * 4) as usize;
-        for (old, new) in self.texels[at..at + 3].iter_mut().zip(colour) {
-            let (from, to, t) = (i32::from(*old), i32::from(new), i32::from(coverage));
-            *old = (from + (to - from) * t / 255) as u8;
-        }
-    }
-
-    fn frame(&mut self, inset: u32, width: u32) {
-        for y in inset..SIZE[1] - inset {
-            for x in inset..SIZE[0] - inset {
-                let edge =
-                    (x - inset).min(y - inset).min(SIZE[0] - inset - 1 - x).min(SIZE[1] - inset - 1 - y);
-                if edge < width {
-                    self.blend(x, y, FRAME, 255);
-                }
-            }
-        }
-    }
-
-    fn line(&mut self, text: &str, at: [u32; 2], scale: u32, weight: FontWeight, colour: [u8; 3]) {
-        let advance = get_raster_width(weight, RasterHeight::Size32) as u32 * scale;
-        for (index, character) in text.chars().enumerate() {
-            let Some(glyph) = get_raster(character, weight, RasterHeight::Size32) else { continue };
-            let left = at[0] + index as u32 * advance;
-            for (row, coverages) in glyph.rows().enumerate() {
-                for (column, &coverage) in coverages.iter().enumerate() {
-                    for dot in 0..scale * scale {
-                        let x = left + column as u32 * scale + dot % scale;
-                        let y = at[1] + row as u32 * scale + dot / scale;
-                        self.blend(x, y, colour, coverage);
-                    }
-                }
-            }
-        }
-    }
+    canvas.texture()
 }
 
 #[cfg(test)]
 mod tests {
+    use noto_sans_mono_bitmap::{RasterHeight, get_raster_width};
+
     use super::*;
 
     /// A line that is too long would be cut off at the frame without a word.

@@ -2,19 +2,16 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Mat4, Quat, Vec3, vec3};
+use glam::{Quat, Vec3, vec3};
 
-use super::lights::Light;
-use super::{Material, Part, Placement, mesh::Mesh};
+use crate::scene::lights::Light;
+use crate::scene::{Material, Part, Placement, mesh::Mesh, turns};
 
 const CRATE: usize = 0;
 const PENDULUM: usize = 1;
 const CART: usize = 2;
 const BALL: usize = 3;
 const LAMP: usize = 4;
-
-/// The most things that [`placements`] places besides lamps.
-pub const MOST_PLACED: usize = 10;
 
 /// The moving shapes, about their own origins, in the order of the constants above.
 pub fn parts() -> Vec<Part> {
@@ -36,21 +33,15 @@ pub fn parts() -> Vec<Part> {
         (Material::Tiles, ball),
         (Material::Lamp, lamp),
     ]
-    .map(|(material, mesh)| Part { material, mesh })
+    .map(|(material, mesh)| Part::new(material, mesh))
     .into()
-}
-
-/// An angle that turns `rate` times a second, exact in long runs.
-fn turns(time: f64, rate: f64) -> f32 {
-    ((time * rate).fract() as f32) * TAU
 }
 
 /// Where the moving things are; `first` is the index of this module's first part.
 pub fn placements(first: usize, time: f64, lights: &[Light]) -> Vec<Placement> {
     let mut placed = Vec::new();
     let mut place = |part, rotation, position, emission| {
-        let transform = Mat4::from_rotation_translation(rotation, position);
-        placed.push(Placement { part: first + part, transform, emission });
+        placed.push(Placement::new(first + part, rotation, position).glowing(emission));
     };
     for (index, (x, z)) in [(-1.7, -3.4), (-0.5, -6.2), (1.9, -8.0)].into_iter().enumerate() {
         let spin = Quat::from_rotation_y(turns(time, 0.08 + 0.03 * index as f64));
