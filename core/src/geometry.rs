@@ -11,6 +11,7 @@ mod tile;
 
 pub use cap::Cap;
 pub use depth::{DepthRange, MAX_VIEW_DISTANCE_M, view_distance};
+pub(crate) use reprojection::unit as rotation;
 pub use reprojection::{Reprojection, View};
 pub use resolution::{Resolution, pixels_per_degree, resolution};
 pub use tile::{EccentricityRange, PixelRect, tile_eccentricity};

@@ -4,14 +4,19 @@
 //! [`Regions`] around the gaze are rendered in one of f frames each, as an [`UpdateConfiguration`] says, limited
 //! by [`cap`]; [`Phase`] says in which ones.
 
+mod ages;
 pub mod cap;
 mod cells;
 mod configuration;
+pub mod refresh;
 mod regions;
+mod tiles;
 
+pub use ages::CellAges;
 pub use cells::{CELLS, Cell};
 pub use configuration::{ConfigurationError, MAX_FACTOR, REGIONS, UpdateConfiguration};
 pub use regions::{Regions, pixel_rate};
+pub use tiles::{TileCells, Touched};
 
 use glam::Vec3;
 

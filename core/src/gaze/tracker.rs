@@ -147,7 +147,7 @@ impl GazeTracker {
         if gap < 0 && gap >= -hold {
             return None;
         }
-        if gap < 0 || gap > SILENT_NS || seen.interrupted {
+        if !(0..=SILENT_NS).contains(&gap) || seen.interrupted {
             // Where the eyes went meanwhile is unknown: no speed, and the same care as after a saccade.
             let trust = if gap < 0 { 0.0 } else { self.trust_at(time) };
             return Some(Seen {

@@ -45,7 +45,7 @@ impl Reprojection {
 }
 
 /// The rotation that a quaternion of any length means.
-fn unit(orientation: Quat) -> Option<Quat> {
+pub(crate) fn unit(orientation: Quat) -> Option<Quat> {
     let vector = glam::Vec4::from(orientation);
     let scaled = vector / vector.abs().max_element();
     (vector.is_finite() && scaled.is_finite()).then(|| Quat::from_vec4(scaled.normalize()))

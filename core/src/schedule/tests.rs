@@ -1,5 +1,7 @@
 use super::cap::{PeriodCap, period_cap};
 use super::*;
+use crate::geometry::{Fov, eccentricity};
+use glam::Vec2;
 use proptest::prelude::*;
 
 #[test]
@@ -140,4 +142,46 @@ fn a_rate_that_hovers_does_not_move_the_cap() {
     assert_eq!([90.0, 89.9, 90.1, 89.2].map(|rate| cap.update(rate)), [3, 3, 3, 3]);
     assert_eq!([89.0, 89.9, 45.0, f32::NAN].map(|rate| cap.update(rate)), [2, 2, 1, 1]);
     assert_eq!(cap.update(1000.0), 9);
+}
+
+#[test]
+fn pixels_are_counted_by_region() {
+    let fov = Fov { left: -0.7, right: 0.8, up: 0.6, down: -0.5 };
+    let (plane, extent) = (fov.tangents().plane([31, 23]), [31, 23]);
+    let gaze = Vec3::new(0.2, -0.1, -1.0);
+    let regions = Regions::default();
+    let mut counted = [0; REGIONS];
+    for y in 0..extent[1] {
+        for x in 0..extent[0] {
+            let direction = plane.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
+            counted[regions.region_at(eccentricity(direction, gaze).to_degrees())] += 1;
+        }
+    }
+    assert_eq!(regions.pixel_counts(&plane, extent, gaze), counted);
+    assert!(counted.iter().all(|&count| count > 0));
+    for gaze in [Vec3::ZERO, Vec3::NAN] {
+        assert_eq!(regions.pixel_counts(&plane, extent, gaze), [31 * 23, 0, 0, 0, 0]);
+    }
+    assert_eq!(regions.pixel_counts(&plane, extent, Vec3::Z), [0, 0, 0, 0, 31 * 23]);
+    let unbounded = Regions { radii_deg: [5.0, f32::NAN, 200.0, 200.0] };
+    assert_eq!(unbounded.pixel_counts(&plane, extent, Vec3::Z), [0, 31 * 23, 0, 0, 0]);
+    assert_eq!(unbounded.region_at(150.0), 1);
+}
+
+#[test]
+fn pixel_rate_of_areas_without_a_meaning_is_full() {
+    let rate = |areas| pixel_rate(areas, UpdateConfiguration::F12345);
+    assert_eq!(rate([0.0; 5]), 1.0);
+    assert_eq!(rate([f32::NAN, -1.0, f32::INFINITY, 0.0, 0.0]), 1.0);
+    assert_eq!(rate([0.0, 0.0, 0.0, 0.0, 7.0]), 0.2);
+    assert_eq!(rate([1.0, 1.0, 0.0, 0.0, 0.0]), 0.75);
+}
+
+#[test]
+fn enlarged_regions_hold_more() {
+    let regions = Regions::default().enlarged(2.0);
+    assert_eq!(regions.radii_deg, [8.3, 11.1, 20.1, 33.1]);
+    for nothing in [0.0, -3.0, f32::NAN] {
+        assert_eq!(Regions::default().enlarged(nothing), Regions::default());
+    }
 }
