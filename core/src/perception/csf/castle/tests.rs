@@ -56,6 +56,19 @@ proptest! {
     }
 }
 
+/// The form for shaders against the published one. WGSL allows its exp2 an error of (3 + 2 |x|) units in the last
+/// place, which is 4e-7 of the bracket where it is least.
+#[test]
+fn glare_is_the_published_bracket() {
+    for i in 0..=700 {
+        let luminance = 10f64.powf(f64::from(i) * 0.01 - 3.0).min(1e4);
+        let published = -(-9.668_62e9 * (5.583_41e-7 / luminance).ln_1p()).exp_m1();
+        let got = f64::from(glare(luminance as f32));
+        assert!((got / published - 1.0).abs() < 2e-6, "{luminance}: {got} {published}");
+    }
+    assert!(glare(100.0) == 1.0 && glare(10_000.0) < 0.5);
+}
+
 #[test]
 fn parts_add_up() {
     for frequency_cpd in [0.1, 1.0, 4.0, 30.0] {
