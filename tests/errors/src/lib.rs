@@ -1,0 +1,26 @@
+//! How far a clip is from its reference, as seen around the true gaze.
+//!
+//! A clip is what both eyes see after the runtime's compositor, with the direction that each eye truly looks in.
+//! [`judge()`] compares it with the reference, which is the same moments without degradation, and reports each
+//! [`Metric`] in rings of eccentricity: the mean over the ring's pixels and the worst 16 x 16 tile. The same clips
+//! give the same report, bit for bit.
+
+#![forbid(unsafe_code)]
+
+mod bands;
+mod clip;
+mod field;
+mod judge;
+mod metrics;
+mod pool;
+mod report;
+mod temporal;
+
+pub use bands::BAND_SUPPORT_PX;
+pub use clip::{Clip, Eye, Frame, Picture, Viewing};
+pub use field::{CELL_PX, RING_EDGES_DEG, RING_NAMES, RINGS, TILE_PX};
+pub use judge::{Judge, JudgeError, judge};
+pub use metrics::{Metric, flicker::BAND_HZ, interocular::REACH_PX};
+pub use pool::WorstTile;
+pub use report::{EyeSummary, Report, Row};
+pub use temporal::HALF_LENGTH_S;

@@ -1,0 +1,142 @@
+//! From a map of errors to figures per ring.
+
+use crate::field::{Field, RINGS, TILE_PX};
+use parafovea_core::image::Plane;
+use serde::Serialize;
+
+/// Pixels of a tile in a ring, in each frame of the time that it is judged over, that make it count for the worst tile:
+/// a quarter of a tile.
+const LEAST_PIXELS: u32 = TILE_PX * TILE_PX / 4;
+
+/// Sums of a map's values and its pixels, by tile and ring, over one or more frames of one eye.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TileSums {
+    values: Vec<[f64; RINGS]>,
+    pixels: Vec<[u32; RINGS]>,
+    frames: u32,
+}
+
+impl TileSums {
+    /// Adds one value for each pixel.
+    pub fn add_map(&mut self, field: &Field, map: &Plane) {
+        self.count(field);
+        let (width, across) = (field.extent[0] as usize, field.tiles[0] as usize);
+        let rows = map.texels().chunks_exact(width).zip(field.rings.chunks_exact(width));
+        for (y, (values, rings)) in rows.enumerate() {
+            let tiles = &mut self.values[y / TILE_PX as usize * across..][..across];
+            let parts = values.chunks(TILE_PX as usize).zip(rings.chunks(TILE_PX as usize));
+            for (tile, (values, rings)) in tiles.iter_mut().zip(parts) {
+                for (&value, &ring) in values.iter().zip(rings) {
+                    tile[ring as usize] += f64::from(value);
+                }
+            }
+        }
+    }
+
+    /// Adds one value for all pixels of each tile; tiles without one do not count.
+    pub fn add_tiles(&mut self, field: &Field, values: impl Iterator<Item = Option<f32>>) {
+        self.resize(field);
+        for (((sum, pixels), counts), value) in
+            self.values.iter_mut().zip(&mut self.pixels).zip(&field.tile_pixels).zip(values)
+        {
+            let Some(value) = value else { continue };
+            for ring in 0..RINGS {
+                sum[ring] += f64::from(value) * f64::from(counts[ring]);
+                pixels[ring] += counts[ring];
+            }
+        }
+        self.frames += 1;
+    }
+
+    /// Adds a value that `pixels` pixels of a tile have, all in one ring, to pixels that [`Self::add_zeros`] counted.
+    pub fn add_value(&mut self, tile: usize, ring: u8, value: f32, pixels: u32) {
+        self.values[tile][ring as usize] += f64::from(value) * f64::from(pixels);
+    }
+
+    /// Adds a map of zeros.
+    pub fn add_zeros(&mut self, field: &Field) {
+        self.count(field);
+    }
+
+    fn count(&mut self, field: &Field) {
+        self.resize(field);
+        for (sum, counts) in self.pixels.iter_mut().zip(&field.tile_pixels) {
+            for ring in 0..RINGS {
+                sum[ring] += counts[ring];
+            }
+        }
+        self.frames += 1;
+    }
+
+    fn resize(&mut self, field: &Field) {
+        self.values.resize(field.tile_pixels.len(), [0.0; RINGS]);
+        self.pixels.resize(field.tile_pixels.len(), [0; RINGS]);
+    }
+}
+
+/// Where the worst tile is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct WorstTile {
+    /// Mean error of its pixels in the ring.
+    pub value: f64,
+    /// 0 left, 1 right.
+    pub eye: usize,
+    /// Index of the frame; `None` for what is judged over the whole clip.
+    pub frame: Option<usize>,
+    /// Its upper left pixel.
+    pub pixel: [u32; 2],
+}
+
+/// One metric's figures, ring by ring.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pool {
+    sums: [f64; RINGS],
+    pixels: [u64; RINGS],
+    worst: [Option<WorstTile>; RINGS],
+}
+
+impl Pool {
+    /// Takes in the sums of one eye; `of_mean` turns a tile's mean into its error (for instance power into RMS).
+    ///
+    /// A tile counts with its pixels in the ring, if these are [`LEAST_PIXELS`] or, in rings that are smaller, as many
+    /// as any tile has.
+    pub fn close(
+        &mut self,
+        sums: &TileSums,
+        field: &Field,
+        (eye, frame): (usize, Option<usize>),
+        of_mean: fn(f64) -> f64,
+    ) {
+        for ring in 0..RINGS {
+            let most = sums.pixels.iter().map(|pixels| pixels[ring]).max().unwrap_or(0);
+            let least = most.min(LEAST_PIXELS * sums.frames).max(1);
+            for (tile, (values, pixels)) in sums.values.iter().zip(&sums.pixels).enumerate() {
+                self.sums[ring] += values[ring];
+                self.pixels[ring] += u64::from(pixels[ring]);
+                if pixels[ring] < least {
+                    continue;
+                }
+                let value = of_mean(values[ring] / f64::from(pixels[ring]));
+                if self.worst[ring].is_none_or(|worst| value > worst.value) {
+                    let pixel = field.tile_origin(tile);
+                    self.worst[ring] = Some(WorstTile { value, eye, frame, pixel });
+                }
+            }
+        }
+    }
+
+    /// Mean over the pixels of a ring, `None` where no picture shows it.
+    pub fn mean(&self, ring: usize) -> Option<f64> {
+        (self.pixels[ring] > 0).then(|| self.sums[ring] / self.pixels[ring] as f64)
+    }
+
+    /// Pixels that the mean was taken over, in all frames and both eyes together.
+    pub fn pixels(&self, ring: usize) -> u64 {
+        self.pixels[ring]
+    }
+
+    /// The worst tile of a ring.
+    pub fn worst(&self, ring: usize) -> Option<WorstTile> {
+        self.worst[ring]
+    }
+}

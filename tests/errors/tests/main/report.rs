@@ -1,0 +1,75 @@
+//! What a report says, and when there is none.
+
+use crate::scene::{SIDE, blurred, clip, held, noisy};
+use parafovea_errors::{Clip, JudgeError, Metric, RING_NAMES, RINGS, Viewing, judge};
+
+#[test]
+fn equal_clips_have_no_errors() {
+    let reference = clip(23, 1.0);
+    let report = judge(&reference, &reference, &Viewing::default()).unwrap();
+    for row in &report.rows {
+        let needs_both_eyes = matches!(row.metric, Metric::InterocularAge | Metric::InterocularDisparity);
+        assert_eq!(row.mean, (!needs_both_eyes).then_some(0.0), "{row:?}");
+        assert_eq!(row.worst_tile.map(|worst| worst.value), row.mean, "{row:?}");
+    }
+}
+
+#[test]
+fn the_same_clips_give_the_same_report() {
+    let reference = clip(23, 1.5);
+    let test = noisy(&held(&blurred(&reference, 1), 2), 0.05);
+    let reports = [0, 1].map(|_| judge(&reference, &test, &Viewing::default()).unwrap());
+    let [first, second] = reports.each_ref().map(|report| serde_json::to_string(report).unwrap());
+    assert_eq!(first, second);
+    assert_eq!(reports[0], reports[1]);
+}
+
+#[test]
+fn a_report_has_a_row_for_each_metric_and_ring_and_prints_its_conditions() {
+    let reference = clip(1, 0.0);
+    let viewing = Viewing { white_cd_m2: 150.0, ..Viewing::default() };
+    let report = judge(&reference, &noisy(&reference, 0.05), &viewing).unwrap();
+    assert_eq!(report.rows.len(), Metric::ALL.len() * RINGS);
+    for (at, row) in report.rows.iter().enumerate() {
+        assert_eq!((row.metric, row.ring), (Metric::ALL[at / RINGS], RING_NAMES[at % RINGS]));
+        assert_eq!(serde_json::to_value(row).unwrap()["metric"], row.metric.name());
+        // One frame tells nothing of time.
+        assert_eq!(row.mean.is_none(), at / RINGS >= Metric::Flicker as usize, "{row:?}");
+    }
+    let text = report.to_string();
+    for part in
+        ["white 150 cd/m^2", "256 x 256", "-45.0..45.0", "2.23 pixels per degree", "red_green", "PSNR", ">30"]
+    {
+        assert!(text.contains(part), "{part} is missing:\n{text}");
+    }
+    let eye = report.eyes[0].as_ref().unwrap();
+    assert_eq!((eye.extent, report.eyes[1].is_none()), ([SIDE; 2], true));
+    assert!((30.0..90.0).contains(&eye.reference_cd_m2) && eye.reference_cd_m2 != eye.test_cd_m2);
+}
+
+#[test]
+fn clips_that_cannot_be_compared_are_refused() {
+    let reference = clip(2, 0.0);
+    let refused = |change: fn(&mut Clip)| {
+        let mut test = reference.clone();
+        change(&mut test);
+        judge(&reference, &test, &Viewing::default()).unwrap_err()
+    };
+    assert_eq!(refused(|test| drop(test.frames.pop())), JudgeError::Length { reference: 2, test: 1 });
+    assert_eq!(refused(|test| test.frames[1].eyes[0] = None), JudgeError::Absent { frame: 1, eye: 0 });
+    let mismatch = JudgeError::Mismatch { frame: 1, eye: 0 };
+    assert_eq!(refused(|test| test.frames[1].eyes[0].as_mut().unwrap().gaze.x = 0.1), mismatch);
+    assert_eq!(refused(|test| test.frames[1].eyes[0].as_mut().unwrap().fov.up = 0.1), mismatch);
+    assert_eq!(refused(|test| test.frames[1].time_s = 0.5), mismatch);
+    let mut uneven = reference.clone();
+    uneven.frames[1].time_s = 0.5;
+    let error = judge(&uneven, &uneven, &Viewing::default()).unwrap_err();
+    assert_eq!(error, JudgeError::Time { frame: 1 });
+    for viewing in [
+        Viewing { white_cd_m2: 0.0, ..Viewing::default() },
+        Viewing { contrast: f32::NAN, ..Viewing::default() },
+        Viewing { refresh_hz: f32::INFINITY, ..Viewing::default() },
+    ] {
+        assert!(matches!(judge(&reference, &reference, &viewing), Err(JudgeError::Viewing(_))));
+    }
+}
