@@ -1,1 +1,42 @@
-//! What one frame shall do, for each eye.
+//! What one frame shall do, for each eye: the rate of every tile, which tiles are rendered anew, and how colour falls off.
+//!
+//! [`Planner`] makes a [`FramePlan`] of a [`PlanInput`] in three steps. What holds for the whole frame is a handful of
+//! numbers: the rails widen every radius by the uncertainty of the gaze, limit how fast tiles become coarser, and leave
+//! things off while the gaze is lost. From these come a [`DecideParams`] for each eye, the uniform of a later kernel;
+//! [`decide()`] is its reference, and all that is done for each tile. Around it, [`crate::schedule::CellAges`] says which
+//! directions are rendered anew, and [`crate::chroma::Trail`] how colour follows the gaze.
+//!
+//! [`FramePlan`] as text (its `Display`) and [`FramePlan::picture`] show a plan to people.
+
+mod contrast;
+mod decide;
+mod eye;
+mod frame;
+mod input;
+mod lattice;
+mod picture;
+mod planner;
+mod rails;
+mod reasons;
+mod renewal;
+mod rings;
+mod rules;
+mod sensitivity;
+mod settings;
+mod statistics;
+mod text;
+
+pub use contrast::VisibleContrast;
+pub use decide::{DecideParams, TileMemory, decide};
+pub use frame::{EyePlan, FramePlan};
+pub use input::{EyeInput, PlanInput};
+pub use lattice::{LatticeShape, MAX_SIDE, TEXEL_SIDES, TileLattice};
+pub use planner::Planner;
+pub use reasons::{Reason, Reasons};
+pub use rings::{AvailableRates, COARSER_RATES, Rings, STEPS_PER_OCTAVE};
+pub use sensitivity::Sensitivity;
+pub use settings::{AudioVisual, DeviceRates, PlanSettings, RailSettings, RateSettings, UpdateSettings};
+pub use statistics::Statistics;
+
+#[cfg(test)]
+mod tests;

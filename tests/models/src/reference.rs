@@ -1,3 +1,4 @@
 //! The models again, in double precision and in the shape of their formulas.
 
 pub mod perception;
+pub mod plan;

@@ -1,0 +1,48 @@
+//! What contrast permits: how coarse each tile may be before more of its contrast is lost than the budget allows
+//! (paper A, Algorithm 2).
+
+use super::decide::DecideParams;
+use super::lattice::deg_of_chord;
+use super::rings::STEPS_PER_OCTAVE;
+use super::sensitivity::Sensitivity;
+use crate::frco::half_octaves_within;
+use crate::perception::{BANDS, ContrastMap, TileContrast};
+
+/// The contrast of one view, and how much of it is seen.
+#[derive(Clone, Copy, Debug)]
+pub struct VisibleContrast<'a> {
+    /// Contrast of each tile.
+    pub map: &'a ContrastMap,
+    /// Sensitivity to it.
+    pub sensitivity: &'a Sensitivity,
+}
+
+impl VisibleContrast<'_> {
+    /// Writes the coarseness that each tile may keep, and grow to, given its pixels per degree and its squared chord to the
+    /// gaze.
+    pub(super) fn permit(
+        &self,
+        params: &DecideParams,
+        resolution: &[f32],
+        chords: &[f32],
+        [keep, grow]: &mut [Vec<u8>; 2],
+    ) {
+        let tiles = self.map.tiles.texels().iter().zip(resolution).zip(chords);
+        for ((keep, grow), ((tile, resolution), chord)) in keep.iter_mut().zip(grow).zip(tiles) {
+            let visible = self.visible(tile, *resolution, deg_of_chord(*chord) - params.inflation_deg);
+            *keep = level_within(visible, params.budget);
+            *grow = level_within(visible, params.coarsening_budget);
+        }
+    }
+
+    /// C_n of paper A Eq. 7 by band: contrast times sensitivity.
+    fn visible(&self, tile: &TileContrast, resolution: f32, eccentricity_deg: f32) -> [f32; BANDS] {
+        let sensitivity =
+            self.sensitivity.bands(resolution, eccentricity_deg.max(0.0), tile.adaptation_cd_m2);
+        std::array::from_fn(|band| tile.bands[band] * sensitivity[band])
+    }
+}
+
+fn level_within(visible: [f32; BANDS], budget: f32) -> u8 {
+    half_octaves_within(visible, budget) * (STEPS_PER_OCTAVE / 2)
+}

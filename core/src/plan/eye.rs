@@ -1,0 +1,58 @@
+//! What the planner keeps of one view from frame to frame.
+
+use super::decide::TileMemory;
+use super::frame::EyePlan;
+use super::input::EyeInput;
+use super::lattice::{LatticeShape, TileLattice};
+use super::renewal::Renewal;
+use crate::chroma::Trail;
+use crate::geometry::{Fov, rotation};
+use crate::image::Plane;
+use glam::Quat;
+
+/// One view: where its tiles look, and what they remember.
+#[derive(Clone, Debug, Default)]
+pub(super) struct EyeMemory {
+    view: Option<(LatticeShape, Quat)>,
+    pub(super) lattice: TileLattice,
+    pub(super) renewal: Renewal,
+    pub(super) tiles: TileMemory,
+    pub(super) trail: Trail,
+}
+
+impl EyeMemory {
+    /// Makes room for the view as it is now, and forgets the tiles where that has changed. Returns the rotation from
+    /// the view's space to the common one, unless the view does not show anything that could be judged.
+    pub(super) fn set_view(&mut self, input: &EyeInput, texel: [u32; 2], out: &mut EyePlan) -> Option<Quat> {
+        let usable = usable(input);
+        let fov = if usable.is_some() { input.fov } else { NO_FOV };
+        let shape = LatticeShape { fov, ..input.shape(texel) };
+        let view = Some((shape, usable.unwrap_or(Quat::IDENTITY)));
+        if self.view != view {
+            self.view = view;
+            self.lattice.set(&shape);
+            let [columns, rows] = self.lattice.tiles();
+            let tiles = columns as usize * rows as usize;
+            self.tiles.reset(tiles);
+            self.renewal.reset(tiles);
+            out.rates = Plane::filled(columns, rows, 0);
+            out.ages = Plane::filled(columns, rows, u8::MAX);
+            out.offset = input.offset;
+            out.extent = input.extent;
+            out.texel = self.lattice.texel();
+            out.fov = fov;
+        }
+        usable
+    }
+}
+
+const NO_FOV: Fov = Fov { left: 0.0, right: 0.0, up: 0.0, down: 0.0 };
+
+/// The orientation as a unit quaternion, where the view has an area and a direction.
+fn usable(input: &EyeInput) -> Option<Quat> {
+    let Fov { left, right, up, down } = input.fov;
+    let finite = [left, right, up, down].iter().all(|angle| angle.is_finite());
+    let edges = input.fov.tangents();
+    let has_area = finite && edges.left != edges.right && edges.up != edges.down;
+    rotation(input.orientation).filter(|_| has_area)
+}

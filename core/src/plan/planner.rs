@@ -1,0 +1,167 @@
+//! From what is known when a frame is planned to its plan.
+
+use super::contrast::VisibleContrast;
+use super::decide::decide;
+use super::eye::EyeMemory;
+use super::frame::FramePlan;
+use super::input::{EyeInput, PlanInput};
+use super::rails::RailMemory;
+use super::reasons::{Reason, Reasons};
+use super::rules::{FrameRules, Permit};
+use super::sensitivity::Sensitivity;
+use super::settings::{PlanSettings, RateSettings};
+use super::statistics::Statistics;
+use crate::chroma::Focus;
+use crate::gaze::GazePhase;
+use crate::geometry::rotation;
+use crate::perception::ContrastMap;
+use crate::schedule::CellAges;
+use crate::schedule::cap::PeriodCap;
+use glam::{Quat, Vec3};
+
+/// Plans one frame after the other. Allocates when a view changes its shape or the settings change, and not otherwise.
+#[derive(Clone, Debug)]
+pub struct Planner {
+    settings: PlanSettings,
+    /// Present where contrast is judged.
+    sensitivity: Option<Sensitivity>,
+    rails: RailMemory,
+    cap: PeriodCap,
+    /// Present where the schedule can leave something out.
+    ages: Option<CellAges>,
+    eyes: [EyeMemory; 2],
+    plan: FramePlan,
+}
+
+impl Planner {
+    /// A planner that has seen no frame: its first plan has full rate everywhere, unless nothing limits coarsening.
+    pub fn new(settings: PlanSettings) -> Self {
+        let mut planner = Self {
+            settings,
+            sensitivity: None,
+            rails: RailMemory::default(),
+            cap: PeriodCap::default(),
+            ages: None,
+            eyes: Default::default(),
+            plan: FramePlan::default(),
+        };
+        planner.set_settings(settings);
+        planner
+    }
+
+    /// What it plans with.
+    pub fn settings(&self) -> &PlanSettings {
+        &self.settings
+    }
+
+    /// Plans with `settings` from now on. Tiles keep what they remember, so that an edit does not show as a jump.
+    pub fn set_settings(&mut self, settings: PlanSettings) {
+        self.settings = settings;
+        let wanted = match settings.rates {
+            RateSettings::AudioVisual(model) => Some(model.budget.unit),
+            RateSettings::Off | RateSettings::Fixed(_) => None,
+        };
+        if self.sensitivity.as_ref().map(Sensitivity::unit) != wanted {
+            self.sensitivity = wanted.map(Sensitivity::new);
+        }
+        match settings.schedule {
+            None => self.ages = None,
+            Some(_) => _ = self.ages.get_or_insert_with(CellAges::new),
+        }
+    }
+
+    /// Plans a frame.
+    pub fn plan(&mut self, input: &PlanInput) -> &FramePlan {
+        let mut reasons = Reasons::default();
+        let rails = self.rails.frame(&self.settings.rails, input.time_ns, &input.gaze, &mut reasons);
+        let cap = self.cap.update(input.frame_rate_hz);
+        let rules = FrameRules::new(&self.settings, rails, input.audio.as_ref(), cap, &mut reasons);
+        let head = rotation(input.head).unwrap_or(Quat::IDENTITY);
+        if let (Some(ages), Some(schedule)) = (&mut self.ages, &rules.schedule) {
+            ages.advance(schedule, input.frame, rules.centres.map(|centre| head * centre));
+        }
+        for (index, eye) in input.eyes.iter().enumerate() {
+            self.plan_eye(index, eye, head, &rules, &mut reasons);
+            self.attenuate(index, input, head, &rules);
+        }
+        let schedule = rules.schedule.unwrap_or_default();
+        self.plan.frame = input.frame;
+        self.plan.available = self.settings.device.available;
+        self.plan.inflation_deg = rules.rails.inflation_deg;
+        self.plan.regions_deg = schedule.regions.radii_deg;
+        self.plan.periods = schedule.configuration.factors();
+        self.plan.budget = rules.judged.and_then(|judged| judged.budget);
+        self.plan.chroma = self.settings.chroma;
+        self.plan.reasons = reasons;
+        &self.plan
+    }
+
+    /// Rates and updates of one eye.
+    fn plan_eye(
+        &mut self,
+        index: usize,
+        eye: &EyeInput,
+        head: Quat,
+        rules: &FrameRules,
+        reasons: &mut Reasons,
+    ) {
+        let memory = &mut self.eyes[index];
+        let out = &mut self.plan.eyes[index];
+        let orientation = memory.set_view(eye, self.settings.device.texel, out);
+        reasons.insert_if(orientation.is_none() && !eye.extent.contains(&0), Reason::ViewMalformed);
+        reasons.insert_if(eye.refresh, Reason::Refresh);
+
+        let in_world = orientation.map(|orientation| head * orientation);
+        match (in_world, &self.ages, &rules.schedule) {
+            (Some(in_world), Some(ages), Some(_)) if !eye.refresh => {
+                memory.renewal.renew(&memory.lattice, in_world, ages, index);
+            }
+            _ => memory.renewal.renew_all(in_world),
+        }
+
+        let contrast = contrast(eye, memory.lattice.tiles(), self.sensitivity.as_ref());
+        reasons.insert_if(rules.judged.is_some() && contrast.is_none(), Reason::NothingMeasured);
+        let permit = match (orientation, rules.judged, contrast) {
+            (None, ..) => Permit::NOTHING,
+            (Some(_), Some(judged), Some(_)) => judged,
+            (Some(_), ..) => rules.fixed,
+        };
+        let to_view = orientation.unwrap_or(Quat::IDENTITY).inverse();
+        out.centres = rules.centres.map(|centre| to_view * centre);
+        out.gaze = if rules.has_gaze() { out.centres[index] } else { Vec3::ZERO };
+        out.rings = permit.rings;
+        let params = rules.params(&self.settings, out.centres, &permit);
+        let contrast = contrast.filter(|_| permit.budget.is_some());
+        decide(&params, &mut memory.lattice, memory.renewal.due(), contrast, &mut memory.tiles, out);
+        out.statistics = Statistics::new(&memory.lattice, &out.rates, &out.ages);
+    }
+
+    /// Chroma of one eye. Colour follows the gaze in the world, so that the limit on its change holds for what is there.
+    fn attenuate(&mut self, index: usize, input: &PlanInput, head: Quat, rules: &FrameRules) {
+        let trail = &mut self.eyes[index].trail;
+        let out = &mut self.plan.eyes[index];
+        let Some(settings) = &self.settings.chroma else {
+            trail.switched_off(input.time_ns);
+            out.focus = None;
+            return;
+        };
+        let orientation = rotation(input.eyes[index].orientation);
+        // While trust ramps down, colour is back already.
+        let known = rules.has_gaze() && input.gaze.phase != GazePhase::Lost && orientation.is_some();
+        let gaze = known.then(|| head * rules.centres[index]);
+        let to_view = (head * orientation.unwrap_or(Quat::IDENTITY)).inverse();
+        out.focus = trail
+            .update(gaze, input.time_ns, settings)
+            .map(|focus| Focus { direction: to_view * focus.direction, ..focus });
+    }
+}
+
+/// The contrast of a view, where it counts and has been measured for these tiles.
+fn contrast<'a>(
+    eye: &EyeInput<'a>,
+    tiles: [u32; 2],
+    sensitivity: Option<&'a Sensitivity>,
+) -> Option<VisibleContrast<'a>> {
+    let map: &ContrastMap = eye.contrast.filter(|map| [map.tiles.width(), map.tiles.height()] == tiles)?;
+    sensitivity.map(|sensitivity| VisibleContrast { map, sensitivity })
+}

@@ -1,0 +1,121 @@
+//! The safety rails that depend on the frame alone: how far to widen, how fast to coarsen, what to leave off.
+
+use super::reasons::{Reason, Reasons};
+use super::rings::STEPS_PER_OCTAVE;
+use super::settings::RailSettings;
+use crate::gaze::{GazePhase, GazeState, foveal_inflation_deg};
+use glam::Vec3;
+
+/// Longest time that one frame accounts for, nanoseconds: after a pause tiles do not become coarse at once.
+const LONGEST_FRAME_NS: i64 = 100_000_000;
+
+/// Speed from which on slow eyes follow something instead of resting, degrees a second: drift and tremor of fixation
+/// stay below about 1, smooth pursuit begins at a few (Carpenter, Movements of the Eyes, 1988), a tracker's noise
+/// is in between.
+const PURSUIT_DEG_S: f32 = 5.0;
+
+/// What the rails say about one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FrameRails {
+    /// What may be coarse.
+    pub(super) area: Area,
+    /// By how much every radius is wider, degrees, 0..=180.
+    pub(super) inflation_deg: f32,
+    /// Most that a tile may become coarser, in [`STEPS_PER_OCTAVE`].
+    pub(super) coarsening: u32,
+    /// Whether the eyes follow something.
+    pub(super) pursuit: bool,
+}
+
+/// What may be coarse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Area {
+    /// What is not near to where the eyes look: unit vectors in the common space, left and right.
+    AroundGaze([Vec3; 2]),
+    /// What is far from straight ahead: nobody knows where the eyes look.
+    AroundAhead,
+    /// Nothing.
+    Nowhere,
+}
+
+/// What the rails remember from frame to frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RailMemory {
+    last_ns: Option<i64>,
+    /// Part of a step that is left over.
+    carry: f32,
+}
+
+impl RailMemory {
+    pub(super) fn frame(
+        &mut self,
+        settings: &RailSettings,
+        time_ns: i64,
+        gaze: &GazeState,
+        reasons: &mut Reasons,
+    ) -> FrameRails {
+        let trust = if gaze.trust.is_nan() { 0.0 } else { gaze.trust.clamp(0.0, 1.0) };
+        let area = area(gaze, trust);
+        let lost = area == Area::AroundAhead;
+        reasons.insert_if(area == Area::Nowhere, Reason::GazeInvalid);
+        reasons.insert_if(lost, Reason::GazeLost);
+        reasons.insert_if(trust < 1.0 && matches!(area, Area::AroundGaze(_)), Reason::GazeFading);
+        let seconds = self.elapsed_s(time_ns, reasons);
+        FrameRails {
+            area,
+            inflation_deg: if lost { 0.0 } else { inflation_deg(settings, gaze, trust) },
+            coarsening: self.coarsening(settings, seconds, lost || may_coarsen(gaze.phase, reasons)),
+            pursuit: gaze.phase == GazePhase::Fixation && gaze.velocity_deg_s > PURSUIT_DEG_S,
+        }
+    }
+
+    fn elapsed_s(&mut self, time_ns: i64, reasons: &mut Reasons) -> f32 {
+        let last = self.last_ns.replace(time_ns);
+        let elapsed_ns = last.map_or(0, |last| time_ns.saturating_sub(last));
+        reasons.insert_if(last.is_some() && elapsed_ns <= 0, Reason::ClockStopped);
+        elapsed_ns.clamp(0, LONGEST_FRAME_NS) as f32 * 1e-9
+    }
+
+    fn coarsening(&mut self, settings: &RailSettings, seconds: f32, allowed: bool) -> u32 {
+        let speed = settings.coarsening_octaves_per_s;
+        if speed == f32::INFINITY {
+            return u32::from(u8::MAX);
+        }
+        let moves = allowed && speed > 0.0;
+        if !moves {
+            self.carry = 0.0;
+            return 0;
+        }
+        let steps = (speed * seconds * f32::from(STEPS_PER_OCTAVE) + self.carry).min(255.0);
+        self.carry = steps.fract();
+        steps as u32
+    }
+}
+
+fn area(gaze: &GazeState, trust: f32) -> Area {
+    if gaze.phase == GazePhase::Lost && trust == 0.0 {
+        return Area::AroundAhead;
+    }
+    // An eye without a direction is taken to look where the other one does.
+    match gaze.directions.map(Vec3::try_normalize) {
+        [Some(left), Some(right)] => Area::AroundGaze([left, right]),
+        [Some(one), None] | [None, Some(one)] => Area::AroundGaze([one; 2]),
+        [None, None] => Area::Nowhere,
+    }
+}
+
+/// Tracker error, the turn of the eyes within the latency, and, as trust falls to 0, everything.
+fn inflation_deg(settings: &RailSettings, gaze: &GazeState, trust: f32) -> f32 {
+    let base =
+        if settings.least_foveal_deg.is_nan() { 0.0 } else { settings.least_foveal_deg.clamp(0.0, 180.0) };
+    let radius =
+        foveal_inflation_deg(base, settings.tracker_error_deg, gaze.velocity_deg_s, settings.latency_s);
+    (radius - base + (1.0 - trust) * 180.0).clamp(0.0, 180.0)
+}
+
+fn may_coarsen(phase: GazePhase, reasons: &mut Reasons) -> bool {
+    reasons.insert_if(phase == GazePhase::Blink, Reason::GazeHeld);
+    reasons.insert_if(phase == GazePhase::Saccade, Reason::Saccade);
+    reasons.insert_if(phase == GazePhase::PostSaccade, Reason::AfterSaccade);
+    phase == GazePhase::Fixation
+}

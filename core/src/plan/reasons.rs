@@ -1,0 +1,110 @@
+//! Why a plan is more careful than its settings.
+
+use std::fmt;
+
+/// One reason.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum Reason {
+    /// The gaze is not a direction: full rate everywhere.
+    GazeInvalid,
+    /// The gaze is held over a blink: nothing becomes coarser.
+    GazeHeld,
+    /// The gaze was lost a moment ago: the rings widen until everything has full rate.
+    GazeFading,
+    /// The gaze is lost: wide fixed rates around straight ahead, no re-use, full colour.
+    GazeLost,
+    /// The eyes are in a saccade: nothing becomes coarser.
+    Saccade,
+    /// A saccade has just ended: nothing becomes coarser.
+    AfterSaccade,
+    /// The eyes follow something: regions are updated more often.
+    Pursuit,
+    /// The settings ask for a smaller area of full rate than is safe.
+    LeastFovea,
+    /// Contrast permits coarser rates than fixed foveation would; these are not used.
+    FixedCap,
+    /// Nothing is heard: what is said about silence holds.
+    Silence,
+    /// Sound or contrast is not known: fixed foveation instead.
+    NothingMeasured,
+    /// The periphery is updated more often than the settings ask for, for the sake of the least frequency.
+    LeastFrequency,
+    /// All tiles are rendered, because that was asked for.
+    Refresh,
+    /// The clock did not advance: nothing becomes coarser.
+    ClockStopped,
+    /// A view has no usable field of view or orientation: full rate there.
+    ViewMalformed,
+}
+
+impl Reason {
+    /// All of them.
+    pub const ALL: [Self; 15] = [
+        Self::GazeInvalid,
+        Self::GazeHeld,
+        Self::GazeFading,
+        Self::GazeLost,
+        Self::Saccade,
+        Self::AfterSaccade,
+        Self::Pursuit,
+        Self::LeastFovea,
+        Self::FixedCap,
+        Self::Silence,
+        Self::NothingMeasured,
+        Self::LeastFrequency,
+        Self::Refresh,
+        Self::ClockStopped,
+        Self::ViewMalformed,
+    ];
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::GazeInvalid => "gaze is not a direction: full rate",
+            Self::GazeHeld => "blink: map held",
+            Self::GazeFading => "gaze lost: ramping to uniform full rate",
+            Self::GazeLost => "gaze lost: wide fixed rates, no re-use, full colour",
+            Self::Saccade => "saccade: no coarsening",
+            Self::AfterSaccade => "after a saccade: no coarsening",
+            Self::Pursuit => "pursuit: updated one step faster",
+            Self::LeastFovea => "area of full rate kept at its least radius",
+            Self::FixedCap => "rates capped at fixed foveation",
+            Self::Silence => "silence",
+            Self::NothingMeasured => "no sound or contrast known: fixed foveation",
+            Self::LeastFrequency => "periphery kept at its least frequency",
+            Self::Refresh => "refresh demanded: every tile rendered",
+            Self::ClockStopped => "clock stands: no coarsening",
+            Self::ViewMalformed => "view without a usable field of view: full rate",
+        })
+    }
+}
+
+/// A set of reasons.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Reasons(u32);
+
+impl Reasons {
+    /// Adds one.
+    pub fn insert(&mut self, reason: Reason) {
+        self.0 |= 1 << reason as u32;
+    }
+
+    /// Adds one where `holds`.
+    pub fn insert_if(&mut self, holds: bool, reason: Reason) {
+        if holds {
+            self.insert(reason);
+        }
+    }
+
+    /// Whether it is there.
+    pub fn contains(self, reason: Reason) -> bool {
+        self.0 & (1 << reason as u32) != 0
+    }
+
+    /// Those that are there.
+    pub fn iter(self) -> impl Iterator<Item = Reason> {
+        Reason::ALL.into_iter().filter(move |reason| self.contains(*reason))
+    }
+}

@@ -1,0 +1,112 @@
+//! Which tiles of a view are rendered: those whose turn it is, and those that had no picture a frame ago.
+
+use super::lattice::TileLattice;
+use crate::geometry::FovTangents;
+use crate::schedule::{CellAges, TileCells};
+use glam::{Quat, Vec3};
+
+/// Part of a pixel that a corner may lie beyond the border of the last frame's view: rounding.
+const SLACK_PIXELS: f32 = 0.5;
+
+/// What one view remembers to decide it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Renewal {
+    /// 1 for each tile that is to be rendered, else 0.
+    due: Vec<u8>,
+    cells: TileCells,
+    /// Orientation of the view in the last frame, in the world; nothing where there was no usable picture.
+    last: Option<Quat>,
+}
+
+impl Renewal {
+    /// Forgets the last frame: `tiles` tiles, all due.
+    pub(super) fn reset(&mut self, tiles: usize) {
+        self.due.clear();
+        self.due.resize(tiles, 1);
+        self.last = None;
+    }
+
+    /// 1 for each tile that is to be rendered, else 0.
+    pub(super) fn due(&self) -> &[u8] {
+        &self.due
+    }
+
+    /// Everything is rendered. The view's orientation is that in the world, or nothing where that is not known.
+    pub(super) fn renew_all(&mut self, orientation: Option<Quat>) {
+        self.due.fill(1);
+        self.last = orientation;
+    }
+
+    /// Rendered is what `ages` says for `eye`, and what came into view since the last frame.
+    pub(super) fn renew(&mut self, lattice: &TileLattice, orientation: Quat, ages: &CellAges, eye: usize) {
+        let Some((last, view)) = self.last.zip(lattice.tile_view(orientation)) else {
+            self.renew_all(Some(orientation));
+            return;
+        };
+        let [columns, rows] = lattice.tiles();
+        self.cells.update(&view, [columns, rows], 1);
+        for y in 0..rows {
+            let row = &mut self.due[y as usize * columns as usize..][..columns as usize];
+            for (x, due) in (0..columns).zip(row) {
+                *due = u8::from(ages.any_due(&self.cells.touched(x, y), eye));
+            }
+        }
+        self.reveal(lattice, last.inverse() * orientation);
+        self.last = Some(orientation);
+    }
+
+    /// Adds the tiles that are not wholly within the last view, into whose space `to_last` leads.
+    ///
+    /// That view is bounded by four planes, and along a line of corners each of them cuts off one end.
+    fn reveal(&mut self, lattice: &TileLattice, to_last: Quat) {
+        let (Some(edges), [across, down]) = (lattice.edges(SLACK_PIXELS), lattice.lines()) else { return };
+        let planes = inward(edges).map(|normal| to_last.inverse() * normal);
+        let mut upper = Span::on(&planes, down[0]);
+        for (due, y) in self.due.chunks_exact_mut(across.len() - 1).zip(&down[1..]) {
+            let lower = Span::on(&planes, *y);
+            let span = Span { from: upper.from.max(lower.from), to: upper.to.min(lower.to) };
+            for (due, x) in due.iter_mut().zip(across.windows(2)) {
+                let inside = span.from <= x[0].min(x[1]) && x[0].max(x[1]) <= span.to;
+                *due |= u8::from(!inside);
+            }
+            upper = lower;
+        }
+    }
+}
+
+/// Normals of the planes through the eye and the edges, pointing into the view.
+fn inward(edges: FovTangents) -> [Vec3; 4] {
+    let (left, right) = (edges.left.min(edges.right), edges.left.max(edges.right));
+    let (down, up) = (edges.down.min(edges.up), edges.down.max(edges.up));
+    [
+        Vec3::new(1.0, 0.0, left),
+        Vec3::new(-1.0, 0.0, -right),
+        Vec3::new(0.0, 1.0, down),
+        Vec3::new(0.0, -1.0, -up),
+    ]
+}
+
+/// The part of a line (x, y, -1) that lies within planes.
+struct Span {
+    from: f32,
+    to: f32,
+}
+
+impl Span {
+    fn on(planes: &[Vec3; 4], y: f32) -> Self {
+        let mut span = Self { from: f32::NEG_INFINITY, to: f32::INFINITY };
+        for normal in planes {
+            // Inside is where normal.x x + rest >= 0.
+            let rest = normal.y * y - normal.z;
+            let end = -rest / normal.x;
+            if normal.x > 0.0 {
+                span.from = span.from.max(end);
+            } else if normal.x < 0.0 {
+                span.to = span.to.min(end);
+            } else if rest < 0.0 {
+                span.to = f32::NEG_INFINITY;
+            }
+        }
+        span
+    }
+}

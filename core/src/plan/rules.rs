@@ -1,0 +1,160 @@
+//! What holds for all tiles of one frame, in both eyes.
+
+use super::decide::DecideParams;
+use super::rails::{Area, FrameRails};
+use super::reasons::{Reason, Reasons};
+use super::rings::Rings;
+use super::settings::{AudioVisual, PlanSettings, RateSettings};
+use crate::audio::AudioFeatures;
+use crate::avpm::Budget;
+use crate::fixed_foveation::FixedFoveation;
+use crate::schedule::{Schedule, UpdateConfiguration};
+use glam::Vec3;
+
+/// What holds for all tiles of one frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FrameRules {
+    pub(super) rails: FrameRails,
+    /// What the rings are around, unit vectors in the common space.
+    pub(super) centres: [Vec3; 2],
+    /// Where rates follow eccentricity alone.
+    pub(super) fixed: Permit,
+    /// Where contrast is known, if it counts.
+    pub(super) judged: Option<Permit>,
+    /// What is rendered less often, with everything that makes it more often; nothing where all is rendered.
+    pub(super) schedule: Option<Schedule>,
+}
+
+/// How coarse tiles may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Permit {
+    pub(super) rings: Rings,
+    /// The rings for tiles that have yet to become as coarse.
+    growing: Rings,
+    /// Loss of visible contrast that is allowed, where contrast counts.
+    pub(super) budget: Option<f32>,
+}
+
+impl Permit {
+    pub(super) const NOTHING: Self = Self { rings: Rings::FULL, growing: Rings::FULL, budget: None };
+}
+
+impl FrameRules {
+    pub(super) fn new(
+        settings: &PlanSettings,
+        rails: FrameRails,
+        audio: Option<&AudioFeatures>,
+        period_cap: u8,
+        reasons: &mut Reasons,
+    ) -> Self {
+        let around_gaze = matches!(rails.area, Area::AroundGaze(_));
+        let map = match (&settings.rates, rails.area) {
+            (RateSettings::Off, _) | (_, Area::Nowhere) => None,
+            (_, Area::AroundAhead) => settings.rails.lost.as_ref(),
+            (RateSettings::Fixed(map), Area::AroundGaze(_)) => Some(map),
+            (RateSettings::AudioVisual(model), Area::AroundGaze(_)) => Some(&model.fixed),
+        };
+        let judged = match &settings.rates {
+            RateSettings::AudioVisual(model) if around_gaze => {
+                judged(settings, model, &rails, audio, reasons)
+            }
+            _ => None,
+        };
+        let fixed = map.map_or(Permit::NOTHING, |map| permit(settings, ring_map(settings, map), &rails));
+        let first = judged.unwrap_or(fixed).rings.from_deg()[0];
+        let least_deg = settings.rails.least_foveal_deg;
+        reasons.insert_if(least_deg > 0.0 && first == least_deg + rails.inflation_deg, Reason::LeastFovea);
+        Self {
+            rails,
+            centres: match rails.area {
+                Area::AroundGaze(gazes) => gazes,
+                Area::AroundAhead | Area::Nowhere => [Vec3::NEG_Z; 2],
+            },
+            fixed,
+            judged,
+            schedule: if around_gaze { schedule(settings, &rails, period_cap, reasons) } else { None },
+        }
+    }
+
+    /// Whether there is a gaze that rates follow.
+    pub(super) fn has_gaze(&self) -> bool {
+        matches!(self.rails.area, Area::AroundGaze(_))
+    }
+
+    /// The uniform of one view, in whose space `centres` are.
+    pub(super) fn params(
+        &self,
+        settings: &PlanSettings,
+        centres: [Vec3; 2],
+        permit: &Permit,
+    ) -> DecideParams {
+        let available = &settings.device.available;
+        let budget = permit.budget.unwrap_or(0.0);
+        let part = settings.rails.hysteresis_budget;
+        DecideParams {
+            gaze_left: centres[0].into(),
+            inflation_deg: self.rails.inflation_deg,
+            gaze_right: centres[1].into(),
+            coarsening: self.rails.coarsening,
+            ring_chords: permit.rings.chords(),
+            coarsening_chords: permit.growing.chords(),
+            levels: available.levels().map(u32::from),
+            texels: available.texels().map(u32::from),
+            budget,
+            coarsening_budget: if (0.0..1.0).contains(&part) { budget * part } else { budget },
+            reserved: [0.0; 2],
+        }
+    }
+}
+
+fn ring_map(settings: &PlanSettings, map: &FixedFoveation) -> Rings {
+    Rings::new(map, &settings.device.available)
+}
+
+fn permit(settings: &PlanSettings, rings: Rings, rails: &FrameRails) -> Permit {
+    let rings = rings.widened(settings.rails.least_foveal_deg, rails.inflation_deg);
+    Permit { rings, growing: rings.widened(0.0, settings.rails.hysteresis_deg), budget: None }
+}
+
+/// What contrast may permit, if sound is known and does not ask for fixed foveation.
+fn judged(
+    settings: &PlanSettings,
+    model: &AudioVisual,
+    rails: &FrameRails,
+    audio: Option<&AudioFeatures>,
+    reasons: &mut Reasons,
+) -> Option<Permit> {
+    let Some(audio) = audio else {
+        reasons.insert(Reason::NothingMeasured);
+        return None;
+    };
+    reasons.insert_if(audio.silent, Reason::Silence);
+    let Budget::Alpha(budget) = model.budget.budget(audio.gamma_ld, audio.gamma_fq_kilomel, audio.silent)
+    else {
+        reasons.insert(Reason::Silence);
+        return None;
+    };
+    reasons.insert_if(model.cap.is_some(), Reason::FixedCap);
+    let rings = model.cap.as_ref().map_or(Rings::OPEN, |cap| ring_map(settings, cap));
+    Some(Permit { budget: Some(budget), ..permit(settings, rings, rails) })
+}
+
+/// The schedule of this frame; nothing where it would leave nothing out.
+fn schedule(
+    settings: &PlanSettings,
+    rails: &FrameRails,
+    period_cap: u8,
+    reasons: &mut Reasons,
+) -> Option<Schedule> {
+    let updates = settings.schedule.as_ref()?;
+    let asked = updates.schedule.configuration;
+    let followed = if rails.pursuit && updates.faster_in_pursuit { asked.faster() } else { asked };
+    reasons.insert_if(followed != asked, Reason::Pursuit);
+    let configuration = if updates.uncapped { followed } else { followed.capped(period_cap) };
+    reasons.insert_if(configuration != followed, Reason::LeastFrequency);
+    (configuration != UpdateConfiguration::F11111).then(|| Schedule {
+        regions: updates.schedule.regions.enlarged(rails.inflation_deg),
+        configuration,
+        ..updates.schedule
+    })
+}

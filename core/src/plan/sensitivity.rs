@@ -1,0 +1,57 @@
+//! The contrast sensitivity functions behind one call for a tile.
+
+use crate::avpm::SensitivityUnit;
+use crate::perception::csf::castle::FovealTable;
+use crate::perception::csf::tursun::Fit;
+use crate::perception::csf::{Stimulus, VisualField};
+use crate::perception::{BANDS, BandFrequencies};
+
+/// A contrast sensitivity function, ready for many tiles.
+#[derive(Clone, Debug)]
+pub enum Sensitivity {
+    /// castleCSF's to still pictures, 1 square degree, the greater of both visual fields, where the bands respond.
+    CastleCsf(FovealTable),
+    /// Tursun's, with the frequencies and the fit that paper A used.
+    Tursun,
+}
+
+impl Sensitivity {
+    /// The function of a unit. Allocates the table of castleCSF.
+    pub fn new(unit: SensitivityUnit) -> Self {
+        let usual = Stimulus::default();
+        match unit {
+            SensitivityUnit::CastleCsf => {
+                Self::CastleCsf(FovealTable::new(usual.temporal_hz, usual.area_deg2))
+            }
+            SensitivityUnit::Tursun => Self::Tursun,
+        }
+    }
+
+    /// Its unit.
+    pub fn unit(&self) -> SensitivityUnit {
+        match self {
+            Self::CastleCsf(_) => SensitivityUnit::CastleCsf,
+            Self::Tursun => SensitivityUnit::Tursun,
+        }
+    }
+
+    /// Sensitivity in each band, finest first, > 0 and finite, of a tile with so many pixels per degree, at an
+    /// eccentricity in degrees, to an eye adapted to a luminance in cd/m^2. Out of domain or NaN: as
+    /// [`Stimulus::clamped`] says.
+    pub fn bands(
+        &self,
+        pixels_per_degree: f32,
+        eccentricity_deg: f32,
+        adaptation_cd_m2: f32,
+    ) -> [f32; BANDS] {
+        match self {
+            Self::CastleCsf(table) => {
+                let finest_cpd = BandFrequencies::Response.cpd(pixels_per_degree)[0];
+                table.sensitivities(finest_cpd, adaptation_cd_m2, eccentricity_deg, VisualField::Worst)
+            }
+            Self::Tursun => BandFrequencies::Paper
+                .cpd(pixels_per_degree)
+                .map(|cpd| Fit::QUARTER.at(cpd, adaptation_cd_m2).at(eccentricity_deg, VisualField::Worst)),
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! What a plan may do.
+
+use super::rings::AvailableRates;
+use crate::avpm::BudgetSettings;
+use crate::chroma::ChromaSettings;
+use crate::fixed_foveation::FixedFoveation;
+use crate::rate::ShadingRate;
+use crate::schedule::Schedule;
+
+/// What a plan may do, and on which device.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanSettings {
+    /// How shading rates are chosen.
+    pub rates: RateSettings,
+    /// How often the periphery is rendered; every frame without.
+    pub schedule: Option<UpdateSettings>,
+    /// How colour falls off; not at all without.
+    pub chroma: Option<ChromaSettings>,
+    /// What keeps all of it safe.
+    pub rails: RailSettings,
+    /// What the device offers.
+    pub device: DeviceRates,
+}
+
+impl Default for PlanSettings {
+    /// Nothing is coarser, older or less coloured than the application drew it.
+    fn default() -> Self {
+        Self {
+            rates: RateSettings::Off,
+            schedule: None,
+            chroma: None,
+            rails: RailSettings::default(),
+            device: DeviceRates::default(),
+        }
+    }
+}
+
+/// How shading rates are chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum RateSettings {
+    /// 1x1 everywhere.
+    #[default]
+    Off,
+    /// By eccentricity alone.
+    Fixed(FixedFoveation),
+    /// By eccentricity, contrast and sound (paper A).
+    AudioVisual(AudioVisual),
+}
+
+/// Paper A's map of rates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AudioVisual {
+    /// How much visible contrast may be lost by what is heard, and in the units of which contrast sensitivity function.
+    pub budget: BudgetSettings,
+    /// The map where [`BudgetSettings`] says so in silence, and where sound or contrast is not known.
+    pub fixed: FixedFoveation,
+    /// Map below whose rates contrast and sound do not lead; the paper has none.
+    ///
+    /// The model takes a coarse rate for a low-pass filter, but it aliases, so that the model is optimistic
+    /// in the periphery.
+    pub cap: Option<FixedFoveation>,
+}
+
+impl AudioVisual {
+    /// To the letter of the paper.
+    pub const PAPER: Self = Self { budget: BudgetSettings::PAPER, fixed: FixedFoveation::L1_C1, cap: None };
+}
+
+impl Default for AudioVisual {
+    /// Never coarser than the narrowest map of paper A's pilot study, beyond which nothing was tried; and its baseline,
+    /// FR_L1-C1, where nothing is heard.
+    fn default() -> Self {
+        Self {
+            budget: BudgetSettings::default(),
+            fixed: FixedFoveation::L1_C1,
+            cap: Some(FixedFoveation::L3_C3),
+        }
+    }
+}
+
+/// How often the periphery is rendered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UpdateSettings {
+    /// Regions, their periods, and whose turn it is.
+    pub schedule: Schedule,
+    /// Whether every region is one step faster while the eyes follow something: paper B's participants noticed more
+    /// then than while they fixated.
+    pub faster_in_pursuit: bool,
+    /// Whether regions may be rendered less often than [`crate::schedule::cap::MIN_UPDATE_HZ`] asks for.
+    pub uncapped: bool,
+}
+
+impl From<Schedule> for UpdateSettings {
+    /// With both rails.
+    fn from(schedule: Schedule) -> Self {
+        Self { schedule, faster_in_pursuit: true, uncapped: false }
+    }
+}
+
+/// What keeps a plan safe, whatever the settings ask for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RailSettings {
+    /// Least radius of the area at full rate, before anything widens it, degrees.
+    pub least_foveal_deg: f32,
+    /// By how much the eye tracker may be off, degrees. Widens every radius.
+    pub tracker_error_deg: f32,
+    /// Time from the eye to the image, seconds: every radius is widened by what the eyes turn in it.
+    pub latency_s: f32,
+    /// How far outside of its ring a tile has to be to become coarser, degrees.
+    pub hysteresis_deg: f32,
+    /// The part of the budget of paper A Eq. 17 that a tile has to stay below to become coarser, 0..=1.
+    pub hysteresis_budget: f32,
+    /// Fastest that a tile becomes coarser, octaves of [`ShadingRate::octaves`] a second; infinite: at once, in and
+    /// after saccades and blinks too.
+    pub coarsening_octaves_per_s: f32,
+    /// Rates around straight ahead once the gaze is lost; 1x1 everywhere without.
+    pub lost: Option<FixedFoveation>,
+}
+
+impl RailSettings {
+    /// No rail but those that keep the plan finite, to reproduce the papers.
+    pub const PAPER: Self = Self {
+        least_foveal_deg: 0.0,
+        tracker_error_deg: 0.0,
+        latency_s: 0.0,
+        hysteresis_deg: 0.0,
+        hysteresis_budget: 1.0,
+        coarsening_octaves_per_s: f32::INFINITY,
+        lost: None,
+    };
+}
+
+impl Default for RailSettings {
+    /// A fovea of 5 degrees; 1.1 degrees of error (vendor of the Vive Pro Eye, as paper B takes it); 60 ms from eye to
+    /// image, within the 50 to 70 that Albert et al. 2017 found tolerable. One octave takes a quarter of a second.
+    /// Once the gaze is lost, 2x2 from 40 degrees on, beyond what eyes turn to without the head.
+    fn default() -> Self {
+        Self {
+            least_foveal_deg: 5.0,
+            tracker_error_deg: 1.1,
+            latency_s: 0.06,
+            hysteresis_deg: 0.5,
+            hysteresis_budget: 0.9,
+            coarsening_octaves_per_s: 4.0,
+            lost: Some(FixedFoveation {
+                foveal_deg: 30.0,
+                transitional_deg: 40.0,
+                peripheral: ShadingRate::R2X2,
+            }),
+        }
+    }
+}
+
+/// What a device offers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DeviceRates {
+    /// Rates.
+    pub available: AvailableRates,
+    /// Size of a tile, pixels; each side within [`super::TEXEL_SIDES`], or it counts as the nearest that is.
+    pub texel: [u32; 2],
+}
+
+impl Default for DeviceRates {
+    /// Paper A's device: tiles of 16 x 16.
+    fn default() -> Self {
+        Self { available: AvailableRates::default(), texel: [16, 16] }
+    }
+}
