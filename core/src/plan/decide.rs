@@ -64,12 +64,12 @@ impl TileMemory {
 
 /// Decides the tiles of one view.
 ///
-/// `due` has 1 for each tile that is to be rendered, else 0. Without `contrast` the rings alone decide. `out` has the
+/// `due` says of each tile whether it is to be rendered. Without `contrast` the rings alone decide. `out` has the
 /// ages of the frame before. All of them, and `memory`, have a place for each tile of `lattice`.
 pub fn decide(
     params: &DecideParams,
     lattice: &mut TileLattice,
-    due: &[u8],
+    due: &[bool],
     contrast: Option<VisibleContrast>,
     memory: &mut TileMemory,
     out: &mut EyePlan,
@@ -84,7 +84,7 @@ pub fn decide(
     coarsen(params, memory);
     choose(params, &memory.levels, out.rates.texels_mut());
     for (age, due) in out.ages.texels_mut().iter_mut().zip(due) {
-        *age = if *due != 0 { 0 } else { age.saturating_add(1) };
+        *age = if *due { 0 } else { age.saturating_add(1) };
     }
 }
 

@@ -79,6 +79,7 @@ impl Planner {
         let head = rotation(input.head).unwrap_or(Quat::IDENTITY);
         if let (Some(ages), Some(schedule)) = (&mut self.ages, &rules.schedule) {
             ages.advance(schedule, input.frame, rules.centres.map(|centre| head * centre));
+            ages.finish(0);
         }
         for (index, eye) in input.eyes.iter().enumerate() {
             self.plan_eye(index, eye, head, &rules, &mut reasons);

@@ -11,8 +11,8 @@ const SLACK_PIXELS: f32 = 0.5;
 /// What one view remembers to decide it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Renewal {
-    /// 1 for each tile that is to be rendered, else 0.
-    due: Vec<u8>,
+    /// Whether each tile is to be rendered.
+    due: Vec<bool>,
     cells: TileCells,
     /// Orientation of the view in the last frame, in the world; nothing where there was no usable picture.
     last: Option<Quat>,
@@ -22,18 +22,18 @@ impl Renewal {
     /// Forgets the last frame: `tiles` tiles, all due.
     pub(super) fn reset(&mut self, tiles: usize) {
         self.due.clear();
-        self.due.resize(tiles, 1);
+        self.due.resize(tiles, true);
         self.last = None;
     }
 
-    /// 1 for each tile that is to be rendered, else 0.
-    pub(super) fn due(&self) -> &[u8] {
+    /// Whether each tile is to be rendered.
+    pub(super) fn due(&self) -> &[bool] {
         &self.due
     }
 
     /// Everything is rendered. The view's orientation is that in the world, or nothing where that is not known.
     pub(super) fn renew_all(&mut self, orientation: Option<Quat>) {
-        self.due.fill(1);
+        self.due.fill(true);
         self.last = orientation;
     }
 
@@ -43,14 +43,8 @@ impl Renewal {
             self.renew_all(Some(orientation));
             return;
         };
-        let [columns, rows] = lattice.tiles();
-        self.cells.update(&view, [columns, rows], 1);
-        for y in 0..rows {
-            let row = &mut self.due[y as usize * columns as usize..][..columns as usize];
-            for (x, due) in (0..columns).zip(row) {
-                *due = u8::from(ages.any_due(&self.cells.touched(x, y), eye));
-            }
-        }
+        self.cells.update(&view, lattice.tiles(), 1);
+        ages.due_tiles(&self.cells, eye, &mut self.due);
         self.reveal(lattice, last.inverse() * orientation);
         self.last = Some(orientation);
     }
@@ -67,7 +61,7 @@ impl Renewal {
             let span = Span { from: upper.from.max(lower.from), to: upper.to.min(lower.to) };
             for (due, x) in due.iter_mut().zip(across.windows(2)) {
                 let inside = span.from <= x[0].min(x[1]) && x[0].max(x[1]) <= span.to;
-                *due |= u8::from(!inside);
+                *due |= !inside;
             }
             upper = lower;
         }

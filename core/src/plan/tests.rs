@@ -150,6 +150,19 @@ fn statistics_are_sums_over_pixels() {
 }
 
 #[test]
+fn schedule_leaves_out_its_share_in_every_frame() {
+    let mut planner = Planner::new(with_schedule(UpdateConfiguration::F11233, Phase::Staggered));
+    settled(&mut planner, input());
+    for frame in 101..107 {
+        let plan = planner.plan(&PlanInput { frame, time_ns: frame as i64 * FRAME_NS, ..input() });
+        let Statistics { tiles, tiles_due, .. } = plan.eyes[0].statistics;
+        // About 7 % of the tiles within 10 degrees, 0.23 to 19, the rest beyond; and half a patch more at its edges.
+        let share = tiles_due as f32 / tiles as f32;
+        assert!((0.40..0.60).contains(&share), "{share} in frame {frame}");
+    }
+}
+
+#[test]
 fn nothing_coarsens_in_blinks_and_after_saccades() {
     for phase in [GazePhase::Blink, GazePhase::Saccade, GazePhase::PostSaccade] {
         let mut planner = Planner::new(fixed());
