@@ -1,4 +1,5 @@
 use super::*;
+use proptest::prelude::*;
 
 const MS: i64 = 1_000_000;
 
@@ -174,5 +175,70 @@ fn inflation_adds_error_and_motion() {
     ] {
         let got = foveal_inflation_deg(base, error, velocity, latency);
         assert!((got - radius).abs() < 1e-4, "{base} {error} {velocity} {latency}: {got}");
+    }
+}
+
+#[test]
+fn a_gaze_that_stays_fast_is_no_saccade_for_ever() {
+    // 150 deg/s, as the eyes do against a turning head.
+    let yaws = |count| (0..count).map(|i| i as f32 * 1.5);
+    let (tracker, now) = followed(yaws(15), 10);
+    assert_eq!(tracker.state(now).phase, GazePhase::Saccade);
+    let (tracker, now) = followed(yaws(40), 10);
+    assert_eq!(tracker.state(now).phase, GazePhase::PostSaccade);
+}
+
+proptest! {
+    #[test]
+    fn any_stream_of_samples_gives_a_sound_state(
+        samples in proptest::collection::vec(
+            (
+                proptest::array::uniform3(prop_oneof![proptest::num::f32::ANY, -1f32..1.0]),
+                prop_oneof![any::<i64>(), -20 * MS..20 * MS, Just(0)],
+                0u8..8,
+            ),
+            0..40,
+        ),
+        later in prop_oneof![any::<i64>(), 0..700 * MS],
+    ) {
+        let mut tracker = GazeTracker::new(GazeSettings::default());
+        let mut time = 0i64;
+        for (direction, step, kind) in samples {
+            time = time.saturating_add(step);
+            let direction = Vec3::from(direction);
+            match kind {
+                0 => tracker.source_ended(time),
+                kind => tracker.push(&GazeSample {
+                    directions: [direction, if kind == 1 { Vec3::NAN } else { direction }],
+                    time_ns: time,
+                    valid: kind != 2,
+                }),
+            }
+            for now in [time, time.saturating_add(later)] {
+                let state = tracker.state(now);
+                prop_assert!((0.0..=1.0).contains(&state.trust), "{state:?}");
+                prop_assert!((0.0..=1000.0).contains(&state.velocity_deg_s), "{state:?}");
+                prop_assert!(state.directions.iter().all(|direction| direction.is_normalized()), "{state:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn trust_never_jumps(gaps_ms in proptest::collection::vec((1i64..900, any::<bool>()), 1..20)) {
+        let (mut tracker, mut now) = followed([0.0; 60], 10);
+        let mut before = tracker.state(now).trust;
+        for (gap_ms, valid) in gaps_ms {
+            for step in 1..=gap_ms {
+                let trust = tracker.state(now + step * MS).trust;
+                prop_assert!((trust - before).abs() < 0.0051, "{before} to {trust}");
+                before = trust;
+            }
+            now += gap_ms * MS;
+            tracker.push(&GazeSample { valid, ..sample(0.0, now) });
+            let trust = tracker.state(now).trust;
+            // A sample each 50 ms or more often adds what passed since the last one.
+            prop_assert!(trust - before < 0.26 && trust - before > -0.0051, "{before} to {trust}");
+            before = trust;
+        }
     }
 }

@@ -1,4 +1,6 @@
 //! The models again, in double precision and in the shape of their formulas.
 
+pub mod gaze;
 pub mod perception;
 pub mod plan;
+pub mod schedule;
