@@ -95,6 +95,7 @@ impl TileCells {
         [self.columns, self.rows] = extent.map(|side| side.div_ceil(tile_size) as usize);
         self.first.resize(self.columns * self.rows, 0);
         self.blocks.resize(self.columns * self.rows, Block::LARGE);
+        self.large.clear();
         if self.first.is_empty() {
             return;
         }
@@ -108,7 +109,6 @@ impl TileCells {
             lower.update(&self.corners, &self.lines, self.corners.line(row + 1, 1));
             find_blocks(upper, lower, first, blocks);
         }
-        self.large.clear();
         for (index, blocks) in self.blocks.chunks(LINE).enumerate() {
             // A whole line is compared at once, and nearly all have none.
             if blocks.iter().fold(0, |bits, block| bits | block.0) & Block::LARGE.0 != 0 {

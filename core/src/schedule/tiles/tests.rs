@@ -84,10 +84,15 @@ fn small_tiles_touch_few_cells() {
 #[test]
 fn an_image_without_pixels_has_no_tiles() {
     let mut tiles = TileCells::default();
-    for extent in [[0, 0], [0, 5], [5, 0]] {
+    let mut update = |extent| {
         let plane = Fov { left: -0.8, right: 0.8, up: 0.8, down: -0.8 }.tangents().plane(extent);
         tiles.update(&View { orientation: Quat::IDENTITY, plane }, extent, 16);
+        tiles.clone()
+    };
+    for extent in [[0, 0], [0, 5], [5, 0]] {
+        assert!(update([32, 32]).large().count() > 0);
+        let tiles = update(extent);
         assert!(cells_of(&tiles.touched(0, 0)).is_empty());
-        CellAges::new().due_tiles(&tiles, 0, &mut []);
+        CellAges::new().due_tiles(&tiles, 0, &mut [false; 9]);
     }
 }
