@@ -1,4 +1,4 @@
-//! Draws the scene without OpenXR: a still to look at, or what one eye's image costs.
+//! Draws a scene without OpenXR: a still to look at, or what one eye's image costs.
 //!
 //! `cargo run -p parafovea-scene --example offscreen -- --png still.png`
 //! `cargo run -p parafovea-scene --example offscreen -- --cost`
@@ -8,8 +8,11 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use glam::{Quat, vec3};
-use parafovea_scene::{camera::Camera, offscreen::Offscreen, scene::SceneName};
+use glam::{Quat, Vec3, vec3};
+use parafovea_scene::camera::Camera;
+use parafovea_scene::offscreen::Offscreen;
+use parafovea_scene::scene::{SceneName, time_of};
+use parafovea_scene::script::{Script, head::EYE_HEIGHT_M};
 
 #[derive(Parser)]
 struct Options {
@@ -35,6 +38,18 @@ struct Options {
     /// Turn of the head upwards in degrees.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     pitch: f32,
+    /// Move the head as the scene's script does, and say where in the picture the eyes look.
+    #[arg(long, conflicts_with_all = ["yaw", "pitch"])]
+    scripted: bool,
+}
+
+/// Half the angle that the picture shows, degrees.
+const EDGE_DEG: f32 = 45.0;
+
+/// The left eye of the mock runtime's default headset on a head that is at a place of the world, and turned.
+fn camera(head: Vec3, turn: Quat) -> Camera {
+    let edge = EDGE_DEG.to_radians();
+    Camera::new(head + turn * vec3(-0.032, 0.0, 0.0), turn, [-edge, edge, -edge, edge])
 }
 
 fn main() -> Result<()> {
@@ -42,12 +57,26 @@ fn main() -> Result<()> {
     let lights = options.lights.unwrap_or(options.scene.definition().default_lights);
     let format = wgpu::TextureFormat::Rgba8UnormSrgb;
     let mut offscreen = Offscreen::new([options.size; 2], format, options.scene, lights)?;
-    // The left eye of the mock runtime's default head.
-    let turn =
-        Quat::from_rotation_y(options.yaw.to_radians()) * Quat::from_rotation_x(options.pitch.to_radians());
-    let edge = 45f32.to_radians();
-    let camera = Camera::new(vec3(-0.032, 1.6, 0.0), turn, [-edge, edge, -edge, edge]);
-    offscreen.draw(options.frame, &[camera])?;
+    let script = options.scripted.then(|| Script::new(options.scene));
+    let camera_of = |frame: u64| match &script {
+        Some(script) => {
+            let head = script.head.at(time_of(frame));
+            camera(head.world_position(), head.orientation())
+        }
+        None => {
+            let turn = Quat::from_rotation_y(options.yaw.to_radians())
+                * Quat::from_rotation_x(options.pitch.to_radians());
+            camera(vec3(0.0, EYE_HEIGHT_M, 0.0), turn)
+        }
+    };
+    offscreen.draw(options.frame, &[camera_of(options.frame)])?;
+    if let Some(script) = &script {
+        let gaze = script.gaze.at(time_of(options.frame));
+        let point = gaze.direction * gaze.distance_m + Vec3::X * 0.032;
+        let half = options.size as f32 / 2.0;
+        let [x, y] = [point.x, -point.y].map(|across| half + half * across / -point.z);
+        println!("{:?} on texel ({x:.0}, {y:.0}), {:.2} m away", gaze.phase, gaze.distance_m);
+    }
     if let Some(path) = &options.png {
         let file = std::fs::File::create(path).with_context(|| format!("creating {}", path.display()))?;
         let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), options.size, options.size);
@@ -60,7 +89,7 @@ fn main() -> Result<()> {
         let mut costs = Vec::new();
         for frame in 0..WARM_UP + FRAMES {
             let before = process_cpu_time();
-            offscreen.draw(options.frame + frame, &[camera])?;
+            offscreen.draw(options.frame + frame, &[camera_of(options.frame + frame)])?;
             costs.push(process_cpu_time() - before);
         }
         let mut costs: Vec<_> =

@@ -7,4 +7,5 @@ pub mod offscreen;
 pub mod options;
 pub mod renderer;
 pub mod scene;
+pub mod script;
 pub mod xr;

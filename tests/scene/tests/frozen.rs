@@ -9,6 +9,7 @@ use glam::Vec3;
 use parafovea_scene::renderer::{SCENES_SHADER, SHADER};
 use parafovea_scene::scene::texture::Texture;
 use parafovea_scene::scene::{Scene, SceneName, materials, time_of};
+use parafovea_scene::script::Script;
 
 /// What a scene is made of. If a test below fails and the change is wanted, it is a new scene: measure its
 /// cost as the README of this crate says, write it there, take new baselines for everything that was
@@ -20,6 +21,8 @@ struct Frozen {
     motion: u64,
     /// Sun, sky and reflections; the courtyard's are in its shader.
     environment: u64,
+    /// Head, gaze and loudness.
+    script: u64,
     lights: u32,
 }
 
@@ -32,22 +35,25 @@ const FROZEN: [Frozen; 7] = [
         textures: 0x4cbe_cacc_b86a_c83b,
         motion: 0x0ee2_988e_9872_f7c8,
         environment: 0,
+        script: 0xa69c_a961_8cb4_ee17,
         lights: 7,
     },
     Frozen {
         scene: SceneName::Cockpit,
-        shapes: 0xc989_cb9d_4c0f_586f,
+        shapes: 0x8a04_1cee_bddf_da3d,
         textures: 0x6b97_8251_3b68_d911,
         motion: 0x231b_ab88_082f_adbb,
         environment: 0xaee6_eba1_c4a8_5c8e,
+        script: 0xec2e_32d9_89e8_2b30,
         lights: 5,
     },
     Frozen {
         scene: SceneName::Foliage,
         shapes: 0x01a6_4245_d005_e1eb,
         textures: 0x915d_3182_459f_828e,
-        motion: 0xf518_6710_a5e9_cda6,
+        motion: 0x7ddc_fa1a_36f1_3211,
         environment: 0x703d_fbf8_7843_7bc7,
+        script: 0x05b2_ae39_82e3_5e40,
         lights: 1,
     },
     Frozen {
@@ -56,6 +62,7 @@ const FROZEN: [Frozen; 7] = [
         textures: 0x6c5e_9bea_6254_9859,
         motion: 0xf700_ba5b_94b6_2f60,
         environment: 0x1c51_c71b_439e_de29,
+        script: 0xa9cd_495b_57f3_21f3,
         lights: 7,
     },
     Frozen {
@@ -64,6 +71,7 @@ const FROZEN: [Frozen; 7] = [
         textures: 0xa07b_78b4_aa4e_c100,
         motion: 0xceef_661c_b27f_26e5,
         environment: 0x037b_9fff_b05d_ea17,
+        script: 0xaf44_6e15_f5e1_6563,
         lights: 6,
     },
     Frozen {
@@ -72,6 +80,7 @@ const FROZEN: [Frozen; 7] = [
         textures: 0xf2e1_3bf0_ded3_d3aa,
         motion: 0x9e7b_4ee2_6dc9_bfc2,
         environment: 0x7783_aa72_8ed7_f966,
+        script: 0x7f22_5437_f496_fbbc,
         lights: 8,
     },
     Frozen {
@@ -80,6 +89,7 @@ const FROZEN: [Frozen; 7] = [
         textures: 0x7a4a_b2d6_ae7f_428b,
         motion: 0x035d_0e0d_b967_7480,
         environment: 0x15b0_354d_76f4_3dfe,
+        script: 0x8f68_b2fe_60ff_20a6,
         lights: 6,
     },
 ];
@@ -183,6 +193,24 @@ fn motion_and_lights() {
             hash_of_numbers(bytemuck::cast_slice::<u8, f32>(bytemuck::bytes_of(&environment)).iter().copied())
         });
         assert_frozen(&format!("the environment of {:?}", frozen.scene), environment, frozen.environment);
+    }
+}
+
+#[test]
+fn scripts() {
+    for frozen in FROZEN {
+        let script = Script::new(frozen.scene);
+        let head = script.head.keyframes(90.0);
+        let head = head
+            .iter()
+            .flat_map(|key| [&key.position[..], &[key.yaw_deg, key.pitch_deg, key.roll_deg]].concat());
+        let gaze = script.gaze.keyframes(90.0);
+        let gaze = gaze.iter().flat_map(|key| [key.yaw_deg, key.pitch_deg]);
+        let blinks = script.gaze.blinks().iter().flat_map(|blink| [blink.start as f32, blink.end as f32]);
+        let numbers = head.chain(gaze).chain(blinks).chain([script.sound.loudness_lufs as f32]);
+        // In steps of 1/64 of a degree or metre: what an angle's last digit does is no other script.
+        let found = hash_of_numbers(numbers.map(|number| number / 64.0));
+        assert_frozen(&format!("the script of {:?}", frozen.scene), found, frozen.script);
     }
 }
 

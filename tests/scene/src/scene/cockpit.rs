@@ -52,9 +52,9 @@ pub fn gauge(index: usize) -> Vec3 {
     panel().transform_point3(vec3(x, y, 0.004))
 }
 
-/// The sign beside the runway that comes nearest at a time.
+/// A sign beside the runway that comes nearer.
 pub fn sign_at(time: f64) -> Vec3 {
-    vec3(-9.0, 1.0, runway_at(time) - 30.0)
+    vec3(-9.0, 1.0, runway_at(time) - 30.0 - PERIOD)
 }
 
 fn runway_at(time: f64) -> f32 {
@@ -72,6 +72,9 @@ fn fixed() -> Vec<Part> {
     dark.cuboid(vec3(0.5, 0.6, -0.6), vec3(0.85, 0.9, 0.5), 0.4, SHADE);
     dark.cuboid(vec3(-0.16, 0.6, -0.6), vec3(0.16, 0.93, -0.1), 0.4, SHADE);
     dark.cuboid(vec3(-0.6, 2.16, -0.75), vec3(0.6, 2.3, 0.6), 0.4, SHADE);
+    // Floor and bulkhead.
+    dark.cuboid(vec3(-1.0, 0.3, -1.0), vec3(1.0, 0.34, 0.8), 0.4, SHADE);
+    dark.cuboid(vec3(-1.0, 0.3, -1.0), vec3(1.0, 1.4, -0.97), 0.4, SHADE);
     for x in [-0.9, 0.0, 0.9] {
         dark.rod(vec3(x, 1.4, -0.95), vec3(x * 0.7, 2.2, -0.7), 0.03, 0.6);
     }

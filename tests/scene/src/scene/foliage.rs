@@ -49,8 +49,8 @@ const WING: usize = 1;
 
 /// Where the butterfly is.
 pub fn butterfly_at(time: f64) -> Vec3 {
-    let (sin, cos) = turns(time, 0.09).sin_cos();
-    vec3(1.3 * sin, 1.45 + 0.25 * turns(time, 0.31).sin(), -2.4 + 0.7 * cos)
+    let (sin, cos) = turns(time, 0.05).sin_cos();
+    vec3(1.1 * sin, 1.45 + 0.12 * turns(time, 0.23).sin(), -2.4 + 0.5 * cos)
 }
 
 /// A trunk's place at eye height.

@@ -37,6 +37,18 @@ pub fn parts() -> Vec<Part> {
     .into()
 }
 
+/// Where the cart is.
+pub fn cart_at(time: f64) -> Vec3 {
+    vec3(2.5, 0.0, -8.0 + 5.0 * turns(time, 0.05).cos())
+}
+
+/// Where one of the five spheres is, and how far it has gone round, radians.
+pub fn ball_at(index: usize, time: f64) -> (Vec3, f32) {
+    let angle = turns(time, 0.1) + TAU * index as f32 / 5.0;
+    let (sin, cos) = angle.sin_cos();
+    (vec3(-0.6 + 1.1 * cos, 1.5 + 0.3 * (2.0 * angle).sin(), -7.0 + 1.1 * sin), angle)
+}
+
 /// Where the moving things are; `first` is the index of this module's first part.
 pub fn placements(first: usize, time: f64, lights: &[Light]) -> Vec<Placement> {
     let mut placed = Vec::new();
@@ -54,12 +66,9 @@ pub fn placements(first: usize, time: f64, lights: &[Light]) -> Vec<Placement> {
     }
     let swing = 0.45 * turns(time, 0.4).sin();
     place(PENDULUM, Quat::from_rotation_z(swing), vec3(0.3, 3.0, -4.2), Vec3::ZERO);
-    let along = -8.0 + 5.0 * turns(time, 0.05).cos();
-    place(CART, Quat::IDENTITY, vec3(2.5, 0.0, along), Vec3::ZERO);
+    place(CART, Quat::IDENTITY, cart_at(time), Vec3::ZERO);
     for index in 0..5 {
-        let angle = turns(time, 0.1) + TAU * index as f32 / 5.0;
-        let (sin, cos) = angle.sin_cos();
-        let position = vec3(-0.6 + 1.1 * cos, 1.5 + 0.3 * (2.0 * angle).sin(), -7.0 + 1.1 * sin);
+        let (position, angle) = ball_at(index, time);
         place(BALL, Quat::from_rotation_y(angle * 2.0), position, Vec3::ZERO);
     }
     for light in lights {

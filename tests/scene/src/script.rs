@@ -1,0 +1,46 @@
+//! What somebody does in a scene, as pure data: how the head moves, where the eyes look, what is heard, and what an eye
+//! tracker makes of the eyes. The application does not use it; it is for who measures the application.
+//!
+//! Times are seconds, 0 being that of frame 0, so frame n is at n / 90. The animation, the head and the gaze all
+//! follow this one clock.
+
+pub mod gaze;
+pub mod head;
+mod scenes;
+pub mod sound;
+pub mod tracker;
+
+use self::gaze::TrueGaze;
+use self::head::HeadPath;
+use self::sound::Sound;
+use crate::scene::SceneName;
+
+/// How long every script lasts, seconds.
+pub const DURATION_S: f64 = 12.0;
+
+/// Luminance of white (all three linear channels 1) on the display that the scenes are made for, cd/m2. Black is 0.
+/// The scenes' levels are relative to it: a mean of 0.014 in the library is 1.4 cd/m2.
+pub const WHITE_CD_M2: f32 = 100.0;
+
+/// The script of a scene.
+#[derive(Clone, Debug)]
+pub struct Script {
+    /// Which scene.
+    pub scene: SceneName,
+    /// How the head moves.
+    pub head: HeadPath,
+    /// Where the eyes look.
+    pub gaze: TrueGaze,
+    /// What is heard.
+    pub sound: Sound,
+}
+
+impl Script {
+    /// The script of a scene; always the same.
+    pub fn new(scene: SceneName) -> Self {
+        let scenes::Content { waypoints, targets, sound, seed } = scenes::content(scene);
+        let head = HeadPath::new(waypoints);
+        let gaze = TrueGaze::new(&head, targets, seed);
+        Self { scene, head, gaze, sound }
+    }
+}
