@@ -1,17 +1,19 @@
 //! The audio-visual perception model: how well foveated rendering is liked by what is heard, and what loss of contrast
-//! sound therefore pays for (paper A, "Audio-visual aware Foveated Rendering", Eq. 1, 2, 12-17).
+//! sound therefore pays for (paper A, "Audio-visual aware Foveated Rendering", Eq. 12-17).
 //!
 //! [`Coefficients::alpha`] is the budget that [`crate::frco`] spends tile by tile; [`Budget`] says what happens in silence.
 //! [`fit`] finds coefficients from a [`study`].
 
 mod budget;
-mod features;
 pub mod fit;
 pub mod least_squares;
 pub mod study;
 
+use crate::audio::{GREATEST_KILOMEL, LEAST_KILOMEL};
 pub use budget::{Budget, BudgetSettings, SensitivityUnit, SilenceRule};
-pub use features::{GAMMA_FQ_KILOMEL, GAMMA_LD, LOUDNESS_LUFS, clamp_gamma_fq, gamma_fq_kilomel, gamma_ld};
+
+/// Range of gamma_ld in which the paper's study was done (supplement, section 1.3: -35 to -10 LUFS), loudness units.
+pub const GAMMA_LD: [f32; 2] = [0.0, 25.0];
 
 /// What gamma_vis is divided by before it is weighted (Eq. 12), to bring all features to one scale.
 pub const VISUAL_LOSS_SCALE: f32 = 10_000.0;
@@ -53,8 +55,8 @@ impl Coefficients {
 
     /// alpha of Eq. 17 with E_0 = d, as the paper has it: the visual loss that sound pays for, in Tursun's units.
     ///
-    /// 0 in silence ([`gamma_ld`] and [`gamma_fq_kilomel`] say of what range the features are; beyond it they are
-    /// limited to it), and where a feature or coefficient is NaN or infinite. 0 too where c is not above 0: a study in
+    /// Features beyond what the paper studied, [`GAMMA_LD`] and [`LEAST_KILOMEL`]`..=`[`GREATEST_KILOMEL`], count as its
+    /// end. 0 where gamma_fq is not above 0, which no sound has, and where a feature or coefficient is NaN or infinite. 0 too where c is not above 0: a study in
     /// which visual loss cost nothing says nothing about how much of it is free.
     pub fn alpha(&self, gamma_ld: f32, gamma_fq_kilomel: f32) -> f32 {
         self.alpha_above(self.d, gamma_ld, gamma_fq_kilomel)
@@ -70,7 +72,9 @@ impl Coefficients {
         }
         let loudness = gamma_ld.clamp(GAMMA_LD[0], GAMMA_LD[1]);
         // d - E_0 first: it is exactly 0 in the usual case, and then costs the others no digits.
-        let score = self.a * loudness + self.b / clamp_gamma_fq(gamma_fq_kilomel) + (self.d - threshold);
+        let score = self.a * loudness
+            + self.b / gamma_fq_kilomel.clamp(LEAST_KILOMEL, GREATEST_KILOMEL)
+            + (self.d - threshold);
         let alpha = VISUAL_LOSS_SCALE / self.c * score;
         if alpha.is_finite() { alpha } else { 0.0 }
     }

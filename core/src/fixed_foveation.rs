@@ -73,6 +73,7 @@ impl FixedFoveation {
     /// The area rate at an eccentricity in degrees, 1/16..=1, not rising with it.
     ///
     /// 1 where eccentricity or a radius is NaN: what cannot be placed is treated as looked at.
+    #[inline]
     pub fn rate_at(&self, eccentricity_deg: f32) -> f32 {
         if eccentricity_deg.is_nan() || self.foveal_deg.is_nan() || self.transitional_deg.is_nan() {
             return 1.0;
@@ -110,6 +111,7 @@ impl FixedFoveation {
     /// The coarsest of `rates` that is at least as fine as [`Self::rate_at`], 1x1 where none is.
     ///
     /// `rates` may have any order; of equal fractions (2x4 and 4x2) the first wins.
+    #[inline]
     pub fn shading_rate_of(&self, eccentricity_deg: f32, rates: &[ShadingRate]) -> ShadingRate {
         let wanted = self.rate_at(eccentricity_deg);
         let finer = rates.iter().copied().filter(|rate| rate.fraction() >= wanted);

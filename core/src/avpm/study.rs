@@ -11,8 +11,9 @@
 //!
 //! Other columns are ignored, and so are lines that begin with `#`.
 
-use super::{clamp_gamma_fq, gamma_fq_kilomel, gamma_ld};
-use csv::{ReaderBuilder, StringRecord, Trim};
+use super::GAMMA_LD;
+use crate::audio::{AudioSettings, gamma_fq, gamma_ld, mel_of_hz};
+use csv::{Position, ReaderBuilder, StringRecord, Trim};
 use std::ops::RangeInclusive;
 use thiserror::Error;
 
@@ -91,17 +92,25 @@ struct Column {
 }
 
 const LOUDNESS: [Column; 2] = [
-    Column { name: "loudness_lufs", allowed: -200.0..=20.0, feature: gamma_ld },
-    Column { name: "gamma_ld", allowed: super::GAMMA_LD[0]..=super::GAMMA_LD[1], feature: same },
+    Column {
+        name: "loudness_lufs",
+        allowed: -200.0..=20.0,
+        feature: |lufs| gamma_ld(lufs, &AudioSettings::default()),
+    },
+    Column { name: "gamma_ld", allowed: GAMMA_LD[0]..=GAMMA_LD[1], feature: same },
 ];
 const FREQUENCY: [Column; 2] = [
     Column {
         name: "frequency_khz",
         allowed: 0.02..=20.0,
-        feature: |khz| clamp_gamma_fq(gamma_fq_kilomel(1000.0 * khz)),
+        feature: |khz| gamma_fq(Some(mel_of_hz(1000.0 * f64::from(khz)))),
     },
     // Eq. 2 of the same frequencies.
-    Column { name: "gamma_fq", allowed: 0.0317..=3.817, feature: clamp_gamma_fq },
+    Column {
+        name: "gamma_fq",
+        allowed: 0.0317..=3.817,
+        feature: |kilomel| gamma_fq(Some(1000.0 * f64::from(kilomel))),
+    },
 ];
 const VISUAL_LOSS: [Column; 1] = [Column { name: "gamma_vis", allowed: 0.0..=1e9, feature: same }];
 const SCORE: [Column; 1] = [Column { name: "mu", allowed: 0.0..=100.0, feature: same }];
@@ -116,23 +125,23 @@ fn same(value: f32) -> f32 {
 pub fn parse(text: &str) -> Result<Vec<Entry>, StudyError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader = ReaderBuilder::new().trim(Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
-    let header = reader.headers().map_err(syntax)?.clone();
-    if header.is_empty() {
+    let header = reader.headers().map_err(|error| syntax(text, &error))?.clone();
+    if header.iter().all(str::is_empty) {
         return Err(StudyError::Empty);
     }
-    let loudness = find(&header, &LOUDNESS)?;
-    let frequency = find(&header, &FREQUENCY)?;
-    let visual_loss = find(&header, &VISUAL_LOSS)?;
-    let score = find(&header, &SCORE)?;
+    let loudness = find(text, &header, &LOUDNESS)?;
+    let frequency = find(text, &header, &FREQUENCY)?;
+    let visual_loss = find(text, &header, &VISUAL_LOSS)?;
+    let score = find(text, &header, &SCORE)?;
     reader
         .records()
         .map(|record| {
-            let record = record.map_err(syntax)?;
+            let record = record.map_err(|error| syntax(text, &error))?;
             Ok(Entry {
-                gamma_ld: value(&record, loudness)?,
-                gamma_fq_kilomel: value(&record, frequency)?,
-                gamma_vis: value(&record, visual_loss)?,
-                mu: value(&record, score)?,
+                gamma_ld: value(text, &record, loudness)?,
+                gamma_fq_kilomel: value(text, &record, frequency)?,
+                gamma_vis: value(text, &record, visual_loss)?,
+                mu: value(text, &record, score)?,
             })
         })
         .collect()
@@ -159,8 +168,12 @@ pub fn averaged(entries: &[Entry]) -> Vec<Entry> {
 }
 
 /// Where the one of `columns` stands that the header has.
-fn find<'c>(header: &StringRecord, columns: &'c [Column]) -> Result<(usize, &'c Column), StudyError> {
-    let line = header.position().map_or(1, csv::Position::line);
+fn find<'c>(
+    text: &str,
+    header: &StringRecord,
+    columns: &'c [Column],
+) -> Result<(usize, &'c Column), StudyError> {
+    let line = line(text, header.position());
     let mut found = columns.iter().flat_map(|column| {
         let named = |&(_, name): &(usize, &str)| name == column.name;
         header.iter().enumerate().filter(named).map(move |(index, _)| (index, column))
@@ -179,30 +192,36 @@ fn find<'c>(header: &StringRecord, columns: &'c [Column]) -> Result<(usize, &'c 
     }
 }
 
-fn value(record: &StringRecord, (index, column): (usize, &Column)) -> Result<f32, StudyError> {
+fn value(text: &str, record: &StringRecord, (index, column): (usize, &Column)) -> Result<f32, StudyError> {
     // The parser has made sure that every record has as many fields as the header.
-    let text = record.get(index).unwrap_or_default();
-    match text.parse::<f32>() {
+    let field = record.get(index).unwrap_or_default();
+    match field.parse::<f32>() {
         Ok(number) if column.allowed.contains(&number) => Ok((column.feature)(number)),
         _ => Err(StudyError::Value {
-            line: record.position().map_or(0, csv::Position::line),
+            line: line(text, record.position()),
             column: column.name,
-            value: text.to_owned(),
+            value: field.to_owned(),
             least: column.allowed.start().to_string(),
             greatest: column.allowed.end().to_string(),
         }),
     }
 }
 
-fn syntax(error: csv::Error) -> StudyError {
+fn syntax(text: &str, error: &csv::Error) -> StudyError {
     match error.kind() {
-        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => StudyError::Fields {
-            line: pos.as_ref().map_or(0, csv::Position::line),
-            found: *len,
-            wanted: *expected_len,
-        },
+        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+            StudyError::Fields { line: line(text, pos.as_ref()), found: *len, wanted: *expected_len }
+        }
         _ => StudyError::Syntax(error.to_string()),
     }
+}
+
+/// The line of a record. The parser says where it began to look for it, which is before any blank lines and remarks.
+fn line(text: &str, position: Option<&Position>) -> u64 {
+    let Some(position) = position else { return 1 };
+    let rest = text.get(position.byte() as usize..).unwrap_or_default();
+    let skipped = rest.split('\n').map(|line| line.trim_end_matches('\r'));
+    position.line() + skipped.take_while(|line| line.is_empty() || line.starts_with('#')).count() as u64
 }
 
 #[cfg(test)]
