@@ -77,6 +77,11 @@ impl Field {
         self.fov == eye.fov && self.gaze == eye.gaze && self.extent == eye.picture.extent()
     }
 
+    /// Whether the picture spans an angle and the gaze is a direction.
+    pub fn is_a_view(&self) -> bool {
+        self.central_pixels_per_degree() > 0.0 && self.gaze.is_finite() && self.gaze != Vec3::ZERO
+    }
+
     /// Pixels per degree at the centre of the picture.
     pub fn central_pixels_per_degree(&self) -> f32 {
         pixels_per_degree(&self.plane, Vec2::new(self.extent[0] as f32, self.extent[1] as f32) / 2.0)

@@ -43,6 +43,14 @@ pub enum JudgeError {
         /// 0 left, 1 right.
         eye: usize,
     },
+    /// A view without extent, or a gaze without a direction.
+    #[error("frame {frame}, eye {eye}: the field of view spans no angle, or the gaze is no direction")]
+    View {
+        /// Index of the frame.
+        frame: usize,
+        /// 0 left, 1 right.
+        eye: usize,
+    },
     /// Pictures that do not show the same part of the view, or time.
     #[error("frame {frame}, eye {eye}: reference and test differ in size, field of view, gaze or time")]
     Mismatch {
@@ -115,7 +123,7 @@ impl Judge {
     /// Takes the next frame. Field of view and gaze are the same in both.
     ///
     /// # Errors
-    /// [`JudgeError::Time`], [`JudgeError::Absent`], [`JudgeError::Mismatch`]; the judge is then of no more use.
+    /// [`JudgeError::Time`], [`JudgeError::Absent`], [`JudgeError::Mismatch`], [`JudgeError::View`]; the judge is then of no more use.
     pub fn push(&mut self, reference: &Frame, test: &Frame) -> Result<(), JudgeError> {
         let frame = self.times.len();
         self.check_time(reference.time_s)?;
@@ -131,7 +139,11 @@ impl Judge {
             if !same_view || !first || reference.time_s != test.time_s {
                 return Err(JudgeError::Mismatch { frame, eye });
             }
-            self.push_eye((eye, frame), a, b);
+            let field = self.field(eye, a);
+            if !field.is_a_view() {
+                return Err(JudgeError::View { frame, eye });
+            }
+            self.push_eye((eye, frame), field, a, b);
         }
         if let ([Some(a), Some(b)], [Some(c), Some(d)]) = (&reference.eyes, &test.eyes) {
             self.push_both(frame, [a, b], [c, d]);
@@ -147,13 +159,17 @@ impl Judge {
         if time_s.is_finite() && even { Ok(()) } else { Err(JudgeError::Time { frame }) }
     }
 
-    fn push_eye(&mut self, at: (usize, usize), reference: &Eye, test: &Eye) {
-        let (eye, frame) = at;
+    /// Geometry of an eye's next frame, which often is that of the last one.
+    fn field(&self, eye: usize, reference: &Eye) -> Rc<Field> {
         let last = self.eyes[eye].as_ref().and_then(|eye| eye.fields.last());
-        let field = match last {
+        match last {
             Some(field) if field.fits(reference) => Rc::clone(field),
             _ => Rc::new(Field::new(reference)),
-        };
+        }
+    }
+
+    fn push_eye(&mut self, at: (usize, usize), field: Rc<Field>, reference: &Eye, test: &Eye) {
+        let (eye, frame) = at;
         let luminance = reference.picture.luminance(&self.viewing);
         let mut change = test.picture.luminance(&self.viewing);
         let means = [mean(&luminance), mean(&change)];

@@ -4,12 +4,15 @@
 //! [`judge()`] compares it with the reference, which is the same moments without degradation, and reports each
 //! [`Metric`] in rings of eccentricity: the mean over the ring's pixels and the worst 16 x 16 tile. The same clips
 //! give the same report, bit for bit.
+//!
+//! [`fvvdp`] asks a published metric for one figure for the whole clip.
 
 #![forbid(unsafe_code)]
 
 mod bands;
 mod clip;
 mod field;
+pub mod fvvdp;
 mod judge;
 mod metrics;
 mod pool;

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test says where it failed")]
 
 mod degradation;
+mod fvvdp;
 mod report;
 mod ring;
 mod scene;

@@ -5,7 +5,7 @@ use parafovea_errors::{Clip, JudgeError, Metric, RING_NAMES, RINGS, Viewing, jud
 
 #[test]
 fn equal_clips_have_no_errors() {
-    let reference = clip(23, 1.0);
+    let reference = clip(23, 1);
     let report = judge(&reference, &reference, &Viewing::default()).unwrap();
     for row in &report.rows {
         let needs_both_eyes = matches!(row.metric, Metric::InterocularAge | Metric::InterocularDisparity);
@@ -16,7 +16,7 @@ fn equal_clips_have_no_errors() {
 
 #[test]
 fn the_same_clips_give_the_same_report() {
-    let reference = clip(23, 1.5);
+    let reference = clip(23, 1);
     let test = noisy(&held(&blurred(&reference, 1), 2), 0.05);
     let reports = [0, 1].map(|_| judge(&reference, &test, &Viewing::default()).unwrap());
     let [first, second] = reports.each_ref().map(|report| serde_json::to_string(report).unwrap());
@@ -26,7 +26,7 @@ fn the_same_clips_give_the_same_report() {
 
 #[test]
 fn a_report_has_a_row_for_each_metric_and_ring_and_prints_its_conditions() {
-    let reference = clip(1, 0.0);
+    let reference = clip(1, 0);
     let viewing = Viewing { white_cd_m2: 150.0, ..Viewing::default() };
     let report = judge(&reference, &noisy(&reference, 0.05), &viewing).unwrap();
     assert_eq!(report.rows.len(), Metric::ALL.len() * RINGS);
@@ -49,7 +49,7 @@ fn a_report_has_a_row_for_each_metric_and_ring_and_prints_its_conditions() {
 
 #[test]
 fn clips_that_cannot_be_compared_are_refused() {
-    let reference = clip(2, 0.0);
+    let reference = clip(2, 0);
     let refused = |change: fn(&mut Clip)| {
         let mut test = reference.clone();
         change(&mut test);
@@ -61,6 +61,10 @@ fn clips_that_cannot_be_compared_are_refused() {
     assert_eq!(refused(|test| test.frames[1].eyes[0].as_mut().unwrap().gaze.x = 0.1), mismatch);
     assert_eq!(refused(|test| test.frames[1].eyes[0].as_mut().unwrap().fov.up = 0.1), mismatch);
     assert_eq!(refused(|test| test.frames[1].time_s = 0.5), mismatch);
+    let mut blind = reference.clone();
+    blind.frames[0].eyes[0].as_mut().unwrap().gaze = glam::Vec3::ZERO;
+    let error = judge(&blind, &blind, &Viewing::default()).unwrap_err();
+    assert_eq!(error, JudgeError::View { frame: 0, eye: 0 });
     let mut uneven = reference.clone();
     uneven.frames[1].time_s = 0.5;
     let error = judge(&uneven, &uneven, &Viewing::default()).unwrap_err();

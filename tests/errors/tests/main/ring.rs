@@ -5,7 +5,7 @@ use nv_flip::FlipImageRgb8;
 use parafovea_errors::{Clip, Metric, RINGS, Viewing, judge};
 
 fn noisy_pair() -> [Clip; 2] {
-    let reference = clip(1, 0.0);
+    let reference = clip(1, 0);
     let test = noisy(&reference, 0.1);
     [reference, test]
 }
@@ -57,7 +57,7 @@ fn squared_error_is_that_of_the_codes() {
 /// A ring's solid angle on this picture, by counting: 2 degrees are pi 4.47^2 = 63 pixels.
 #[test]
 fn rings_are_around_the_true_gaze() {
-    let mut reference = clip(1, 0.0);
+    let mut reference = clip(1, 0);
     let report = judge(&reference, &reference, &Viewing::default()).unwrap();
     let pixels = report.row(Metric::Squared, 0).pixels;
     assert!((60..=68).contains(&pixels), "{pixels}");

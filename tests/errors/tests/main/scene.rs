@@ -3,8 +3,10 @@
 use glam::{Vec2, Vec3};
 use parafovea_core::color::Matrix;
 use parafovea_core::geometry::{Fov, eccentricity};
+use parafovea_core::image::Plane;
 use parafovea_errors::{Clip, Eye, Frame, Picture, RING_EDGES_DEG};
 use std::f32::consts::FRAC_PI_4;
+use std::sync::LazyLock;
 
 pub const SIDE: u32 = 256;
 const FOV: Fov = Fov { left: -FRAC_PI_4, right: FRAC_PI_4, up: FRAC_PI_4, down: -FRAC_PI_4 };
@@ -48,9 +50,16 @@ fn texture(at: Vec2) -> Light {
     })
 }
 
-/// One eye, `frames` frames at 90 Hz, of the texture moving right by `speed` pixels a frame.
-pub fn clip(frames: usize, speed: f32) -> Clip {
-    clip_of(frames, [true, false], |_, frame, x, y| texture(Vec2::new(x - speed * frame as f32, y)))
+/// The texture as far as any clip shows it.
+static TEXTURE: LazyLock<Plane<Light>> =
+    LazyLock::new(|| Plane::from_fn(SIDE + FARTHEST, SIDE, |x, y| texture(Vec2::new(x as f32, y as f32))));
+
+/// How far clips move, pixels.
+const FARTHEST: u32 = 64;
+
+/// One eye, `frames` frames at 90 Hz, of the texture moving left by `speed` pixels a frame.
+pub fn clip(frames: usize, speed: usize) -> Clip {
+    clip_of(frames, [true, false], |_, frame, x, y| TEXTURE.at(x as u32 + (speed * frame) as u32, y as u32))
 }
 
 /// A clip of `light(eye, frame, x, y)`.

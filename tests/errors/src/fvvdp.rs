@@ -1,0 +1,201 @@
+//! Quality in just objectionable differences (JOD) by FovVideoVDP: the published program, at the true gaze.
+//!
+//! Mantiuk et al., "FovVideoVDP: A visible difference predictor for wide field-of-view video", ACM Transactions on Graphics
+//! 40(4), 2021; [`PACKAGE`] on PyPI. 10 is no difference, and one less is what 75 % of people prefer the better one
+//! against. Its licence is CC BY-NC 4.0: **not for commercial use**. It is neither part of this repository nor needed for
+//! anything else here: [`Fvvdp::install`] makes a Python environment of its own, which takes 6 GB (PyTorch).
+
+use crate::clip::{Clip, Eye, Viewing};
+use glam::Vec2;
+use serde::{Deserialize, Serialize};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What is installed.
+pub const PACKAGE: &str = "pyfvvdp==1.2.2";
+
+/// What `--help` says of it.
+pub const NOTICE: &str = "FovVideoVDP (pyfvvdp 1.2.2, CC BY-NC 4.0: not for commercial use) in a Python environment of its \
+                          own; takes 6 GB and some minutes the first time, then about 0.15 s for a frame of 512 x 512";
+
+const SCRIPT: &str = include_str!("fvvdp.py");
+
+/// Why there is no JOD.
+#[derive(Debug, thiserror::Error)]
+pub enum FvvdpError {
+    /// A file or a program that is not there.
+    #[error("{what}")]
+    Io {
+        /// What was tried.
+        what: String,
+        /// Why it failed.
+        #[source]
+        source: io::Error,
+    },
+    /// A program that ended with an error.
+    #[error("{what}: {}", message.trim())]
+    Failed {
+        /// What was tried.
+        what: String,
+        /// The end of what the program said.
+        message: String,
+    },
+    /// Clips that cannot be compared: no frames, not the same number or size, the eye absent, or a gaze that the picture's
+    /// plane does not show.
+    #[error("the clips have no frames of one size with eye {eye} looking ahead")]
+    Clips {
+        /// 0 left, 1 right.
+        eye: usize,
+    },
+}
+
+/// An environment with FovVideoVDP in it.
+#[derive(Clone, Debug)]
+pub struct Fvvdp {
+    python: PathBuf,
+}
+
+/// A figure of FovVideoVDP.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub struct Jod {
+    /// 10 is no difference; lower is worse, without a limit.
+    pub jod: f64,
+    /// Version of the package.
+    pub version: String,
+}
+
+/// What `fvvdp.py` reads.
+#[derive(Serialize)]
+struct Job {
+    reference: &'static str,
+    test: &'static str,
+    frames: usize,
+    width: u32,
+    height: u32,
+    gaze_px: Vec<[f32; 2]>,
+    fov_horizontal_deg: f32,
+    white_cd_m2: f32,
+    contrast: f32,
+    refresh_hz: f32,
+}
+
+impl Fvvdp {
+    /// The environment in `folder`, which is made if it is not there: by `python3 -m venv` (Python 3.9 or newer) and `pip`,
+    /// from PyPI or wherever pip's own settings say.
+    ///
+    /// # Errors
+    /// [`FvvdpError::Io`] and [`FvvdpError::Failed`].
+    pub fn install(folder: &Path) -> Result<Self, FvvdpError> {
+        let fvvdp = Self { python: folder.join("bin").join("python") };
+        if fvvdp.is_complete() {
+            return Ok(fvvdp);
+        }
+        let folder = folder.as_os_str();
+        run(Command::new("python3").args(["-m", "venv"]).arg(folder), "making a Python environment")?;
+        run(Command::new(&fvvdp.python).args(["-m", "pip", "install", PACKAGE]), "installing pyfvvdp")?;
+        Ok(fvvdp)
+    }
+
+    fn is_complete(&self) -> bool {
+        let ask = format!(
+            "import importlib.metadata as m; assert 'pyfvvdp==' + m.version('pyfvvdp') == '{PACKAGE}'"
+        );
+        Command::new(&self.python).args(["-c", &ask]).output().is_ok_and(|output| output.status.success())
+    }
+
+    /// JOD of one eye (0 left, 1 right) of a clip, at the reference's gaze in each frame.
+    ///
+    /// FovVideoVDP takes the view axis to be at the picture's centre. Where the field of view is not symmetrical, the
+    /// picture has its true size there, but is not where it is.
+    ///
+    /// # Errors
+    /// [`FvvdpError`].
+    pub fn jod(
+        &self,
+        reference: &Clip,
+        test: &Clip,
+        eye: usize,
+        viewing: &Viewing,
+    ) -> Result<Jod, FvvdpError> {
+        let job = job(reference, test, eye, viewing).ok_or(FvvdpError::Clips { eye })?;
+        let temporary = tempfile::tempdir().map_err(io_error("making a temporary folder"))?;
+        let folder = temporary.path();
+        for (name, clip) in [(job.reference, reference), (job.test, test)] {
+            write_codes(&folder.join(name), clip, eye).map_err(io_error("writing the clips"))?;
+        }
+        let text = serde_json::to_string(&job).map_err(|error| FvvdpError::Failed {
+            what: "describing the clips".into(),
+            message: error.to_string(),
+        })?;
+        let (script, job) = (folder.join("fvvdp.py"), folder.join("job.json"));
+        std::fs::write(&script, SCRIPT).map_err(io_error("writing the script"))?;
+        std::fs::write(&job, text).map_err(io_error("describing the clips"))?;
+        let output = run(Command::new(&self.python).arg(&script).arg(&job), "running pyfvvdp")?;
+        serde_json::from_str(output.trim()).map_err(|error| FvvdpError::Failed {
+            what: "reading what pyfvvdp found".into(),
+            message: format!("{error}: {output}"),
+        })
+    }
+}
+
+fn job(reference: &Clip, test: &Clip, eye: usize, viewing: &Viewing) -> Option<Job> {
+    let eyes = |clip: &Clip| -> Option<Vec<Eye>> {
+        clip.frames.iter().map(|frame| frame.eyes.get(eye)?.clone()).collect()
+    };
+    let (reference, test) = (eyes(reference)?, eyes(test)?);
+    let first = reference.first()?;
+    let extent @ [width, height] = first.picture.extent();
+    let same = |eye: &Eye| eye.picture.extent() == extent && eye.fov == first.fov;
+    if reference.len() != test.len() || !reference.iter().chain(&test).all(same) {
+        return None;
+    }
+    let tangents = first.fov.tangents();
+    let plane = tangents.plane(extent);
+    let gaze = |eye: &Eye| {
+        let pixel: Vec2 = (eye.gaze.truncate() / -eye.gaze.z - plane.origin) / plane.step;
+        (eye.gaze.z < 0.0 && pixel.is_finite()).then(|| pixel.to_array())
+    };
+    Some(Job {
+        reference: "reference.rgb",
+        test: "test.rgb",
+        frames: reference.len(),
+        width,
+        height,
+        gaze_px: reference.iter().map(gaze).collect::<Option<_>>()?,
+        fov_horizontal_deg: 2.0 * ((tangents.right - tangents.left).abs() / 2.0).atan().to_degrees(),
+        white_cd_m2: viewing.white_cd_m2,
+        contrast: viewing.contrast,
+        refresh_hz: viewing.refresh_hz,
+    })
+}
+
+fn write_codes(path: &Path, clip: &Clip, eye: usize) -> io::Result<()> {
+    let mut file = io::BufWriter::new(std::fs::File::create(path)?);
+    for frame in &clip.frames {
+        if let Some(eye) = frame.eyes.get(eye).and_then(Option::as_ref) {
+            file.write_all(eye.picture.codes().as_flattened())?;
+        }
+    }
+    file.flush()
+}
+
+/// Standard output of a program that succeeds.
+fn run(command: &mut Command, what: &str) -> Result<String, FvvdpError> {
+    let output = command.output().map_err(io_error(what))?;
+    if output.status.success() {
+        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
+    }
+    let said = String::from_utf8_lossy(&output.stderr);
+    let mut last: Vec<&str> = said.lines().rev().take(5).collect();
+    last.reverse();
+    Err(FvvdpError::Failed { what: what.into(), message: last.join("\n") })
+}
+
+fn io_error(what: &str) -> impl FnOnce(io::Error) -> FvvdpError {
+    let what = what.to_owned();
+    |source| FvvdpError::Io { what, source }
+}
+
+#[cfg(test)]
+mod tests;
