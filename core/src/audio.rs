@@ -1,7 +1,7 @@
 //! What is heard: loudness and mel feature, after "Audio-Visual Foveated Rendering" (paper A below), Eq. 1-6.
 //!
 //! A [`FeatureExtractor`] takes the samples as they come and answers every [`INTERVAL_S`] with [`AudioFeatures`] of
-//! the last seconds. Inside, a hop of 100 ms leaves behind one energy (K-weighted, [`loudness`]) and one energy for
+//! the last seconds. Inside, a hop of 100 ms leaves behind one energy (K-weighted, [`Loudness`]) and one energy for
 //! each mel band ([`mel`], from the power spectra that [`spectrum`] adds up); both features are computed anew from
 //! what the hops within the window left, so nothing is summed up over a session and nothing drifts.
 //!
@@ -26,6 +26,7 @@ mod spectrum;
 
 pub use extractor::{FeatureExtractor, FormatError, INTERVAL_S, MAX_CHANNELS, SAMPLE_RATES_HZ};
 pub use features::AudioFeatures;
+pub use loudness::Loudness;
 pub use mel::{BANDS, FilterBank, GREATEST_KILOMEL, LEAST_KILOMEL, gamma_fq, hz_of_mel, mel_of_hz};
 
 /// How the window T_a is summed up (`audio.mode`).

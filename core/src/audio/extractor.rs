@@ -99,6 +99,11 @@ impl FeatureExtractor {
         }
     }
 
+    /// The loudness of what was heard up to the last features.
+    pub fn loudness(&self) -> &Loudness {
+        &self.loudness
+    }
+
     fn finish_hop(&mut self) {
         self.loudness.push_hop(&self.hop);
         let power = self.spectrum.push_hop(&self.hop, self.filters.heard_bins());

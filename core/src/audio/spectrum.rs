@@ -83,8 +83,10 @@ impl Spectrum {
             waiting.extend(samples.iter().skip(*channel).step_by(*channels));
             let mut start = 0;
             while let Some(next) = waiting.get(start..start + window.len()) {
+                // Like any constant, the first sample changes nothing; without it silence on an offset is exactly 0.
+                let offset = next[0];
                 for ((windowed, sample), weight) in frame.iter_mut().zip(next).zip(&*window) {
-                    *windowed = sample * weight;
+                    *windowed = (sample - offset) * weight;
                 }
                 start += window.len() / 2;
                 // The buffers are those that the transform asked for: never refused.

@@ -1,5 +1,6 @@
 //! The models again, in double precision and in the shape of their formulas.
 
+pub mod audio;
 pub mod avpm;
 pub mod gaze;
 pub mod perception;

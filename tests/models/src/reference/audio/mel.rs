@@ -1,0 +1,42 @@
+//! The power-weighted mean on the mel scale, which is what the triangular bands come to.
+
+use std::f64::consts::TAU;
+
+/// Paper A Eq. 2.
+pub fn mel(hz: f64) -> f64 {
+    2595.0 * (1.0 + hz / 700.0).log10()
+}
+
+/// Mean mel of `channels`, each with its weight, over 20 Hz..=20 kHz: of the power spectra of all frames of `length`
+/// samples under a Hamming window, which overlap by half and each lack their (windowed) mean. Bin by bin, by the
+/// definition of the discrete Fourier transform. `None` without power.
+pub fn mean_mel(rate_hz: u32, length: usize, channels: &[(f64, Vec<f64>)]) -> Option<f64> {
+    let circle: Vec<(f64, f64)> = (0..length).map(|n| (TAU * n as f64 / length as f64).sin_cos()).collect();
+    let window: Vec<f64> = circle.iter().map(|(_, cos)| 0.54 - 0.46 * cos).collect();
+    let window_sum: f64 = window.iter().sum();
+    let (mut weighted, mut sum) = (0.0, 0.0);
+    for (weight, samples) in channels {
+        for frame in samples.windows(length).step_by(length / 2) {
+            // From the first sample, so that a constant leaves 0 and not what rounding leaves of it.
+            let frame: Vec<f64> = frame.iter().map(|x| x - frame[0]).collect();
+            let mean = frame.iter().zip(&window).map(|(x, w)| x * w).sum::<f64>() / window_sum;
+            let frame: Vec<f64> = frame.iter().zip(&window).map(|(x, w)| (x - mean) * w).collect();
+            for bin in 0..=length / 2 {
+                let hz = bin as f64 * f64::from(rate_hz) / length as f64;
+                if !(20.0..=20_000.0).contains(&hz) {
+                    continue;
+                }
+                let (mut re, mut im) = (0.0, 0.0);
+                for (n, x) in frame.iter().enumerate() {
+                    let (sin, cos) = circle[bin * n % length];
+                    re += x * cos;
+                    im += x * sin;
+                }
+                let power = weight * (re * re + im * im);
+                weighted += power * mel(hz);
+                sum += power;
+            }
+        }
+    }
+    (sum > 0.0).then(|| weighted / sum)
+}
