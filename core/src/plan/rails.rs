@@ -97,11 +97,17 @@ fn area(gaze: &GazeState, trust: f32) -> Area {
         return Area::AroundAhead;
     }
     // An eye without a direction is taken to look where the other one does.
-    match gaze.directions.map(Vec3::try_normalize) {
+    match gaze.directions.map(unit) {
         [Some(left), Some(right)] => Area::AroundGaze([left, right]),
         [Some(one), None] | [None, Some(one)] => Area::AroundGaze([one; 2]),
         [None, None] => Area::Nowhere,
     }
+}
+
+/// A direction of any length as a unit vector, unless it is zero or not finite. Divided by its largest component first, so
+/// that its square neither overflows nor vanishes.
+fn unit(direction: Vec3) -> Option<Vec3> {
+    (direction / direction.abs().max_element()).try_normalize()
 }
 
 /// Tracker error, the turn of the eyes within the latency, and, as trust falls to 0, everything.
