@@ -69,10 +69,18 @@ fn gains(angle: f32) -> vec2<f32> {
     return max(vec2(cb, max(half * half, rim)), floor);
 }
 
+// By its bits: a compiler may take it that no number is infinite or NaN.
+fn is_finite(x: f32) -> bool {
+    return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
+}
+
 // chroma::attenuate
 fn attenuate(rgb: vec3<f32>, gain: vec2<f32>) -> vec3<f32> {
     let weights = vec3(params.red_weight, 1.0 - params.red_weight - params.blue_weight, params.blue_weight);
     let y = dot(weights, rgb);
+    if !is_finite(y) {
+        return rgb;
+    }
     let red = rgb.r - y;
     let blue = rgb.b - y;
     let red_share = weights.r / weights.g;

@@ -33,8 +33,13 @@ const MIN_SHIFT: f32 = 1e-6;
 ///
 /// With equal gains the result lies between the colour and grey, hence in gamut. The gain of Cb is the
 /// greater one, and is lowered, at most to that of Cr, as far as green would leave `gamut`.
+///
+/// A colour of which a component is NaN or infinite stays as it is.
 pub fn attenuate(rgb: Vec3, gains: Gains, weights: Vec3, gamut: Gamut) -> Vec3 {
     let y = weights.dot(rgb);
+    if !y.is_finite() {
+        return rgb;
+    }
     let (red, blue) = (rgb.x - y, rgb.z - y);
     let (red_share, blue_share) = (weights.x / weights.y, weights.z / weights.y);
 

@@ -96,6 +96,7 @@ impl Curves {
                 cr_fall_off: AT_ONCE,
             },
             Mode::Default => {
+                let fall_off = floor::fall_off();
                 let plateau = limited(settings.plateau_deg, 1.1, 30.0, default.plateau_deg).to_radians();
                 Self {
                     plateau,
@@ -103,14 +104,15 @@ impl Curves {
                     cb_bound,
                     cr_bound,
                     rim_scale: 1.0 / limited(settings.rim_fade, 0.25, 1.0, default.rim_fade),
-                    cb_fall_off: floor::FALL_OFF.cb,
-                    cr_fall_off: floor::FALL_OFF.cr,
+                    cb_fall_off: fall_off.cb,
+                    cr_fall_off: fall_off.cr,
                 }
             }
         }
     }
 
-    /// Gains at an eccentricity in radians; NaN and negative values count as 0. Cb's is at least Cr's.
+    /// Gains at an eccentricity in radians; NaN and negative values count as 0. Cb's is at least Cr's, but for 1e-14
+    /// where both have ended.
     ///
     /// Both are the greater of curve and [`floor`](super::floor()). For a bound below .5 Eq. 2 starts with an infinite
     /// slope; the rim fade replaces its beginning by a straight line. Eq. 1 would end with one, but meets its floor

@@ -189,6 +189,44 @@ fn deep_formats_keep_alpha_and_plateau() {
     vulkan.assert_valid();
 }
 
+/// Only half floats can say so.
+#[test]
+fn a_pixel_that_is_no_number_stays_as_it_is() {
+    let Some(vulkan) = Vulkan::new() else { return };
+    let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
+    let (width, height, format) = (64, 48, vk::Format::R16G16B16A16_SFLOAT);
+    if !compose.supports(format) {
+        println!("skipped: the device cannot draw to {format:?}");
+        return;
+    }
+    let swapchain = Swapchain::new(&vulkan, &shape(format, width, height, 1));
+    // In turn: infinite green, a NaN as blue, and an orange as both should leave it alone.
+    const TEXELS: [[u16; 4]; 3] =
+        [[0x3c00, 0x7c00, 0, 0x3c00], [0x3c00, 0x3400, 0x7e00, 0x3c00], [0x3c00, 0x3400, 0, 0x3c00]];
+    let texel = |index: u32| TEXELS[index as usize % 3].into_iter().flat_map(u16::to_le_bytes);
+    let layers = [(0..width * height).flat_map(texel).collect::<Vec<u8>>()];
+    let regions = [region(0, [0, 0, width, height], Vec3::NEG_Z, format, &ChromaSettings::default())];
+    let result = swapchain.frame(&vulkan, &mut compose, 0, &layers, &regions).unwrap();
+    let half = |bytes: &[u8]| u16::from_le_bytes([bytes[0], bytes[1]]);
+    let mut oranges = std::collections::BTreeSet::new();
+    for (index, after) in result[0].chunks(8).enumerate() {
+        let after: Vec<u16> = after.chunks(2).map(half).collect();
+        match index % 3 {
+            0 => assert_eq!(after, TEXELS[0], "texel {index}"),
+            1 => assert!(
+                after[2] & 0x7fff > 0x7c00 && after[..2] == TEXELS[1][..2],
+                "texel {index}: {after:x?}"
+            ),
+            _ => {
+                assert!(after.iter().all(|half| half & 0x7c00 != 0x7c00), "texel {index}: {after:x?}");
+                oranges.insert(after);
+            }
+        }
+    }
+    assert!(oranges.len() > 10, "{} different oranges", oranges.len());
+    vulkan.assert_valid();
+}
+
 /// More frames than command buffers, both images in turn, nothing waited for in between, nothing allocated.
 #[test]
 fn steady_frames_do_not_allocate() {

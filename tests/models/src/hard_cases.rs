@@ -4,6 +4,7 @@ mod audio;
 mod avpm;
 mod chroma;
 mod gaze;
+mod geometry;
 mod perception;
 mod plan;
 mod schedule;
@@ -44,6 +45,7 @@ pub fn table() -> Vec<Case> {
     [
         audio::cases(),
         perception::cases(),
+        geometry::cases(),
         gaze::cases(),
         schedule::cases(),
         chroma::cases(),

@@ -2,7 +2,9 @@
 
 pub mod audio;
 pub mod avpm;
+pub mod chroma;
 pub mod gaze;
+pub mod geometry;
 pub mod perception;
 pub mod plan;
 pub mod schedule;
