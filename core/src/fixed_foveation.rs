@@ -2,6 +2,7 @@
 //! 2016 and Guenter et al. 2012).
 
 mod mean;
+pub mod openxr_toolkit;
 
 pub use mean::{MeanRateError, eccentricities_deg};
 
