@@ -53,6 +53,39 @@ fn noise() {
     assert_rising("noise", &reports, &[Metric::Transient, Metric::Flicker, Metric::AreaFlicker]);
 }
 
+/// Noise of the same strength everywhere is seen less the farther from the gaze it is.
+#[test]
+fn eccentricity() {
+    let reference = clip_of(6, [true, false], |_, _, _, _| [0.3; 3]);
+    let report = judged(&reference, &noisy(&reference, 0.1));
+    for metric in [Metric::Sustained, Metric::Transient] {
+        let means = means(&report, metric);
+        assert!(means.is_sorted_by(|near, far| near > far), "{metric:?}: {means:?}");
+    }
+}
+
+/// Light that changes along one mechanism of colour only: what castleCSF's matrices (`lms2006_2xyz`, `get_lms2acc`)
+/// leave of red, green and blue for constant responses of both others, computed apart from this package.
+#[test]
+fn each_colour_mechanism_sees_its_own() {
+    for (direction, seen, unseen) in [
+        ([0.6766, -0.2177, 0.0106], Metric::RedGreen, Metric::YellowViolet),
+        ([-0.0191, 0.0199, -0.1133], Metric::YellowViolet, Metric::RedGreen),
+    ] {
+        let strength = 0.15 / direction.map(f32::abs).into_iter().fold(0.0, f32::max);
+        let colour = |strength: f32| {
+            clip_of(1, [true, false], move |_, _, x, _| {
+                direction.map(|channel| 0.3 + strength * channel * (x / 8.0).sin())
+            })
+        };
+        let report = judged(&colour(0.0), &colour(strength));
+        for ring in 0..3 {
+            let mean = |metric| report.row(metric, ring).mean.unwrap();
+            assert!(mean(seen) > 5.0 * mean(unseen), "{seen:?} {}, {unseen:?} {}", mean(seen), mean(unseen));
+        }
+    }
+}
+
 #[test]
 fn desaturation() {
     let reference = clip(23, 0);
