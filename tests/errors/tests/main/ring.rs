@@ -2,6 +2,7 @@
 
 use crate::scene::{SIDE, clip, noisy, ring};
 use nv_flip::FlipImageRgb8;
+use parafovea_core::geometry::Fov;
 use parafovea_errors::{Clip, Metric, RINGS, Viewing, judge};
 
 fn noisy_pair() -> [Clip; 2] {
@@ -14,19 +15,28 @@ fn noisy_pair() -> [Clip; 2] {
 fn whole(report: &parafovea_errors::Report, metric: Metric) -> f64 {
     let rows = || (0..RINGS).map(|ring| report.row(metric, ring));
     let pixels: u64 = rows().map(|row| row.pixels).sum();
-    rows().map(|row| row.mean.unwrap() * row.pixels as f64).sum::<f64>() / pixels as f64
+    rows().map(|row| row.mean.unwrap_or(0.0) * row.pixels as f64).sum::<f64>() / pixels as f64
 }
+
+/// Angle with the tangent 0.1, radians.
+const EDGE: f32 = 0.099_668_65;
 
 #[test]
 fn flip_is_nvidias_own() {
-    let [reference, test] = noisy_pair();
+    let mut pair = noisy_pair();
+    for clip in &mut pair {
+        // A tenth of the width of the tests' usual view, so that the filters are wider than a pixel.
+        clip.frames[0].eyes[0].as_mut().unwrap().fov =
+            Fov { left: -EDGE, right: EDGE, up: EDGE, down: -EDGE };
+    }
+    let [reference, test] = pair;
     let report = judge(&reference, &test, &Viewing::default()).unwrap();
     let image = |clip: &Clip| {
         let codes = clip.frames[0].eyes[0].as_ref().unwrap().picture.codes();
         FlipImageRgb8::with_data(SIDE, SIDE, codes.as_flattened())
     };
-    // 256 pixels over 90 degrees: 128 pixels are a radian at the centre.
-    let errors = nv_flip::flip(image(&reference), image(&test), 128.0_f32.to_radians());
+    // 1280 pixels are a radian at the centre.
+    let errors = nv_flip::flip(image(&reference), image(&test), 1280.0_f32.to_radians());
     let mean = errors.to_vec().iter().map(|&error| f64::from(error)).sum::<f64>() / f64::from(SIDE * SIDE);
     assert!((whole(&report, Metric::Flip) - mean).abs() < 1e-6 && mean > 0.01, "{mean}");
     let pooled = nv_flip::FlipPool::from_image(&errors).mean();

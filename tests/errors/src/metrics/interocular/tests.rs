@@ -58,3 +58,16 @@ fn ages_are_compared_between_partners() {
     let found = age([&eyes[0], &eyes[1]], [&fields[0], &fields[1]]);
     assert_eq!(found[4..8], [Some(1.0), Some(0.0), Some(1.0), Some(2.0)]);
 }
+
+#[test]
+fn partners_follow_each_eyes_gaze() {
+    // Each eye looks at the middle of one tile, which is 7 frames old: they agree there.
+    let looking = |x: f32, tile: u32| {
+        let mut eye = eye(Vec3::new(x, 0.25, -1.0));
+        eye.age = Some(Plane::from_fn(4, 4, |x, y| if (x, y) == (tile, 1) { 7.0 } else { 0.0 }));
+        eye
+    };
+    let eyes = [looking(-0.25, 1), looking(0.25, 2)];
+    let fields = [Field::new(&eyes[0]), Field::new(&eyes[1])];
+    assert_eq!(age([&eyes[0], &eyes[1]], [&fields[0], &fields[1]])[5], Some(0.0));
+}
