@@ -49,14 +49,14 @@ impl Planner {
         planner
     }
 
-    /// What it plans with.
+    /// What it plans with, the rails in numbers that can be used.
     pub fn settings(&self) -> &PlanSettings {
         &self.settings
     }
 
     /// Plans with `settings` from now on. Tiles keep what they remember, so that an edit does not show as a jump.
     pub fn set_settings(&mut self, settings: PlanSettings) {
-        self.settings = settings;
+        self.settings = PlanSettings { rails: settings.rails.usable(), ..settings };
         let wanted = match settings.rates {
             RateSettings::AudioVisual(model) => Some(model.budget.unit),
             RateSettings::Off | RateSettings::Fixed(_) => None,

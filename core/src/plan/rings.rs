@@ -26,11 +26,17 @@ pub struct AvailableRates {
 impl AvailableRates {
     /// From what a device offers, in any order. 1x1 is always there; of several rates that remove as many octaves
     /// (2x4 and 4x2) the first one counts.
-    pub fn new(rates: &[ShadingRate]) -> Self {
+    pub fn new(offered: &[ShadingRate]) -> Self {
+        Self::among(offered, offered)
+    }
+
+    /// As [`Self::new`], of those of `wanted` that are also `offered`.
+    pub fn among(wanted: &[ShadingRate], offered: &[ShadingRate]) -> Self {
         let mut available = Self { coarser: [ShadingRate::R1X1; COARSER_RATES], count: 0 };
         for half_octaves in 1..=COARSER_RATES {
-            let octaves = half_octaves as f32 * 0.5;
-            if let Some(rate) = rates.iter().find(|rate| rate.octaves() == octaves) {
+            let fits =
+                |rate: &&ShadingRate| rate.octaves() == half_octaves as f32 * 0.5 && offered.contains(rate);
+            if let Some(rate) = wanted.iter().find(fits) {
                 available.coarser[available.count] = *rate;
                 available.count += 1;
             }

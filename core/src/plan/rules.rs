@@ -90,7 +90,6 @@ impl FrameRules {
     ) -> DecideParams {
         let available = &settings.device.available;
         let budget = permit.budget.unwrap_or(0.0);
-        let part = settings.rails.hysteresis_budget;
         DecideParams {
             gaze_left: centres[0].into(),
             inflation_deg: self.rails.inflation_deg,
@@ -101,7 +100,7 @@ impl FrameRules {
             levels: available.levels().map(u32::from),
             texels: available.texels().map(u32::from),
             budget,
-            coarsening_budget: if (0.0..1.0).contains(&part) { budget * part } else { budget },
+            coarsening_budget: budget * settings.rails.hysteresis_budget,
             reserved: [0.0; 2],
         }
     }

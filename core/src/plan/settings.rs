@@ -4,6 +4,7 @@ use super::rings::AvailableRates;
 use crate::avpm::BudgetSettings;
 use crate::chroma::ChromaSettings;
 use crate::fixed_foveation::FixedFoveation;
+use crate::presets::Preset;
 use crate::rate::ShadingRate;
 use crate::schedule::Schedule;
 
@@ -31,6 +32,37 @@ impl Default for PlanSettings {
             chroma: None,
             rails: RailSettings::default(),
             device: DeviceRates::default(),
+        }
+    }
+}
+
+impl PlanSettings {
+    /// What a preset sets, on a device that offers these rates, in any order, for tiles of `texel` pixels. With `by_sound`
+    /// rates follow contrast and sound, else eccentricity alone.
+    pub fn of(preset: Preset, by_sound: bool, offered: &[ShadingRate], texel: [u32; 2]) -> Self {
+        let chosen = preset.settings();
+        let is_paper = preset == Preset::Paper;
+        let cap = FixedFoveation::L1_C3.with_peripheral(chosen.fixed_foveation.peripheral);
+        let model = AudioVisual {
+            budget: chosen.budget,
+            fixed: chosen.fixed_foveation,
+            cap: (!is_paper).then_some(cap),
+        };
+        let schedule =
+            Schedule { regions: chosen.regions, configuration: chosen.update, phase: chosen.phase };
+        Self {
+            rates: if by_sound {
+                RateSettings::AudioVisual(model)
+            } else {
+                RateSettings::Fixed(chosen.fixed_foveation)
+            },
+            schedule: Some(UpdateSettings {
+                faster_in_pursuit: chosen.faster_in_pursuit,
+                ..UpdateSettings::from(schedule)
+            }),
+            chroma: chosen.chroma,
+            rails: if is_paper { RailSettings::PAPER } else { RailSettings::default() },
+            device: DeviceRates { available: AvailableRates::among(chosen.rates, offered), texel },
         }
     }
 }
@@ -67,13 +99,13 @@ impl AudioVisual {
 }
 
 impl Default for AudioVisual {
-    /// Never coarser than the narrowest map of paper A's pilot study, beyond which nothing was tried; and its baseline,
-    /// FR_L1-C1, where nothing is heard.
+    /// Paper A's baseline, FR_L1-C1, where nothing is heard; and otherwise never coarser than FR_L1-C3, which of the pairs
+    /// of its pilot study that some sound made as good as the baseline shades least ([`Preset::settings`]).
     fn default() -> Self {
         Self {
             budget: BudgetSettings::default(),
             fixed: FixedFoveation::L1_C1,
-            cap: Some(FixedFoveation::L3_C3),
+            cap: Some(FixedFoveation::L1_C3),
         }
     }
 }
@@ -97,7 +129,8 @@ impl From<Schedule> for UpdateSettings {
     }
 }
 
-/// What keeps a plan safe, whatever the settings ask for.
+/// What keeps a plan safe, whatever the other settings ask for. What is not a number counts as the default's, what is
+/// negative as 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RailSettings {
     /// Least radius of the area at full rate, before anything widens it, degrees.
@@ -128,6 +161,23 @@ impl RailSettings {
         coarsening_octaves_per_s: f32::INFINITY,
         lost: None,
     };
+}
+
+impl RailSettings {
+    /// The same with numbers in place of what is none: the default's, or 0 for what is negative.
+    pub(super) fn usable(&self) -> Self {
+        let usual = Self::default();
+        let or = |value: f32, usual: f32| if value.is_nan() { usual } else { value.max(0.0) };
+        Self {
+            least_foveal_deg: or(self.least_foveal_deg, usual.least_foveal_deg).min(180.0),
+            tracker_error_deg: or(self.tracker_error_deg, usual.tracker_error_deg),
+            latency_s: or(self.latency_s, usual.latency_s),
+            hysteresis_deg: or(self.hysteresis_deg, usual.hysteresis_deg),
+            hysteresis_budget: or(self.hysteresis_budget, usual.hysteresis_budget).min(1.0),
+            coarsening_octaves_per_s: or(self.coarsening_octaves_per_s, usual.coarsening_octaves_per_s),
+            lost: self.lost,
+        }
+    }
 }
 
 impl Default for RailSettings {

@@ -5,7 +5,8 @@ use crate::gaze::{GazePhase, GazeState};
 use crate::geometry::{Fov, eccentricity};
 use crate::image::Plane;
 use crate::perception::{ContrastMap, TileContrast};
-use crate::rate::ShadingRate;
+use crate::presets::Preset;
+use crate::rate::{PAPER_RATES, ShadingRate, VULKAN_RATES};
 use crate::schedule::{Phase, Schedule, UpdateConfiguration};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
@@ -308,6 +309,75 @@ fn clock_that_stands_or_goes_back_coarsens_nothing() {
     // 292 years later, a tenth of a second counts.
     let plan = planner.plan(&PlanInput { frame: 4, time_ns: i64::MAX, ..input() });
     assert_eq!(plan.eyes[0].rate(0, 0).octaves(), 0.0, "2x2 is an octave away, .4 are allowed");
+}
+
+#[test]
+fn updates_are_faster_in_pursuit_and_at_low_frame_rates() {
+    let periods = |frame_rate_hz: f32, velocity_deg_s: f32, uncapped: bool| {
+        let schedule = Schedule { configuration: UpdateConfiguration::F12345, ..Schedule::default() };
+        let updates = UpdateSettings { uncapped, ..UpdateSettings::from(schedule) };
+        let mut planner = Planner::new(PlanSettings { schedule: Some(updates), ..fixed() });
+        let gaze = GazeState { velocity_deg_s, ..input().gaze };
+        let plan = planner.plan(&PlanInput { frame_rate_hz, gaze, ..input() });
+        let pursuit = plan.reasons.contains(Reason::Pursuit);
+        assert_eq!(pursuit, velocity_deg_s > 5.0);
+        assert_eq!(plan.reasons.contains(Reason::LeastFrequency), !uncapped);
+        plan.periods
+    };
+    assert_eq!(periods(90.0, 1.0, false), [1, 2, 3, 3, 3], "30 Hz");
+    assert_eq!(periods(72.0, 1.0, false), [1, 2, 2, 2, 2], "36 Hz");
+    assert_eq!(periods(59.0, 1.0, false), [1; 5], "nothing is left out");
+    assert_eq!(periods(90.0, 1.0, true), [1, 2, 3, 4, 5]);
+    assert_eq!(periods(90.0, 20.0, true), [1, 1, 2, 3, 4], "pursuit");
+}
+
+#[test]
+fn colour_follows_the_gaze_and_comes_back_when_that_is_lost() {
+    let settings = PlanSettings::of(Preset::Streaming, false, &VULKAN_RATES, [16, 16]);
+    let mut planner = Planner::new(settings);
+    let side = Vec3::new(0.3, 0.0, -1.0).normalize();
+    let head = Quat::from_rotation_y(0.4);
+    let plan = planner.plan(&PlanInput { gaze: gaze(side, side), head, ..input() });
+    for eye in &plan.eyes {
+        let focus = eye.focus.expect("colour falls off");
+        assert!(eccentricity(focus.direction, eye.gaze) < 1e-3, "{focus:?} around {:?}", eye.gaze);
+        assert_eq!(focus.strength, 1.0);
+    }
+    let lost = GazeState { phase: GazePhase::Lost, trust: 0.9, ..gaze(side, side) };
+    let plan = planner.plan(&PlanInput { time_ns: FRAME_NS, gaze: lost, head, ..input() });
+    assert!(plan.eyes.iter().all(|eye| eye.focus.is_none()));
+    let plan = planner.plan(&PlanInput { time_ns: 2 * FRAME_NS, gaze: gaze(side, side), head, ..input() });
+    // Half of it in a second.
+    assert!(plan.eyes.iter().all(|eye| eye.focus.is_some_and(|focus| focus.strength < 0.02)));
+}
+
+#[test]
+fn presets_shade_less_from_quality_to_performance() {
+    let settings = |preset, by_sound| PlanSettings::of(preset, by_sound, &VULKAN_RATES, [16, 16]);
+    let shares = [Preset::Quality, Preset::Balanced, Preset::Performance].map(|preset| {
+        let mut planner = Planner::new(settings(preset, false));
+        settled(&mut planner, input()).eyes[0].statistics.pixel_share
+    });
+    assert!(shares.is_sorted_by(|a, b| a > b), "{shares:?}");
+    let paper = settings(Preset::Paper, true);
+    assert_eq!(paper.rails, RailSettings::PAPER);
+    assert_eq!(paper.device.available, AvailableRates::new(&PAPER_RATES));
+    assert!(matches!(paper.rates, RateSettings::AudioVisual(AudioVisual { cap: None, .. })));
+}
+
+#[test]
+fn rails_that_are_no_numbers_are_the_usual_ones() {
+    let wild = RailSettings {
+        least_foveal_deg: f32::NAN,
+        tracker_error_deg: f32::NAN,
+        latency_s: f32::NAN,
+        hysteresis_deg: f32::NAN,
+        hysteresis_budget: f32::NAN,
+        coarsening_octaves_per_s: f32::NAN,
+        ..RailSettings::default()
+    };
+    let planner = Planner::new(PlanSettings { rails: wild, ..fixed() });
+    assert_eq!(planner.settings().rails, RailSettings::default());
 }
 
 #[test]
