@@ -1,14 +1,17 @@
-//! `cargo dev bench frame [--json] [--frames N] [--turns N] [--size PIXELS]`.
+//! `cargo dev bench frame [--json] [--scenes A,B] [--tracker NAME] [--frames N] [--turns N] [--size PIXELS]
+//! [--error-frames N] [--error-size PIXELS]`.
 
+use parafovea_scene::scene::SceneName;
+use parafovea_scene::script::tracker::Tracker;
 use parafovea_tests::HarnessError;
-use parafovea_tests::measure::{Effort, Subject, Technique, print_json, print_table, rows, time};
-use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_tests::measure::{
+    Effort, RUN_UP, Subject, Technique, error_rows, errors, print_json, print_table, rows, time,
+};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match Request::read(std::env::args().skip(1))
-        .and_then(|request| measure(request).map_err(|error| error.to_string()))
-    {
+    let request = Request::read(std::env::args().skip(1));
+    match request.and_then(|request| measure(&request).map_err(|error| error.to_string())) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -17,40 +20,64 @@ fn main() -> ExitCode {
     }
 }
 
+const ARGUMENTS: &str =
+    "--json, --scenes, --tracker, --frames, --turns, --size, --error-frames, --error-size";
+
 struct Request {
     json: bool,
-    effort: Effort,
+    scenes: Vec<SceneName>,
+    tracker: Tracker,
+    timed: Effort,
+    /// Frames beside the run-up; 0: no errors.
+    judged: Effort,
 }
 
 impl Request {
     fn read(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
-        let mut request = Self { json: false, effort: Effort { turns: 5, frames: 40, size: 1024 } };
+        let mut request = Self {
+            json: false,
+            scenes: SceneName::ALL.into_iter().filter(|scene| *scene != SceneName::Courtyard).collect(),
+            tracker: Tracker::GOOD,
+            timed: Effort { turns: 5, frames: 40, size: 1024 },
+            judged: Effort { turns: 1, frames: 80, size: 512 },
+        };
         while let Some(argument) = arguments.next() {
-            let mut number = |name: &str, least: u64| {
-                let value = arguments.next().unwrap_or_default();
-                let number = value.parse().ok().filter(|number| (least..=8192).contains(number));
-                number.ok_or_else(|| format!("{name} needs a number from {least} to 8192, not `{value}`"))
-            };
+            let mut value = || arguments.next().unwrap_or_default();
             match argument.as_str() {
                 // `cargo bench` adds it.
                 "--bench" => {}
                 "--json" => request.json = true,
-                "--frames" => request.effort.frames = number("--frames", 20)?,
-                "--turns" => request.effort.turns = number("--turns", 1)? as usize,
-                "--size" => request.effort.size = number("--size", 16)? as u32,
-                other => {
-                    return Err(format!(
-                        "unknown argument `{other}`; there are --json, --frames, --turns, --size"
-                    ));
-                }
+                "--scenes" => request.scenes = value().split(',').map(scene).collect::<Result<_, _>>()?,
+                "--tracker" => request.tracker = tracker(&value())?,
+                "--frames" => request.timed.frames = number("--frames", &value(), 20)?,
+                "--turns" => request.timed.turns = number("--turns", &value(), 1)? as usize,
+                "--size" => request.timed.size = number("--size", &value(), 16)? as u32,
+                "--error-frames" => request.judged.frames = number("--error-frames", &value(), 0)?,
+                "--error-size" => request.judged.size = number("--error-size", &value(), 16)? as u32,
+                other => return Err(format!("unknown argument `{other}`; there are {ARGUMENTS}")),
             }
         }
         Ok(request)
     }
 }
 
-fn measure(request: Request) -> Result<(), HarnessError> {
-    let subjects = [Subject::new("courtyard", &[], Scenario::new(0))];
+fn number(name: &str, value: &str, least: u64) -> Result<u64, String> {
+    let number = value.parse().ok().filter(|number| (least..=8192).contains(number));
+    number.ok_or_else(|| format!("{name} needs a number from {least} to 8192, not `{value}`"))
+}
+
+fn scene(name: &str) -> Result<SceneName, String> {
+    let known = SceneName::ALL.map(SceneName::as_str).join(", ");
+    let scene = SceneName::ALL.into_iter().find(|scene| scene.as_str() == name);
+    scene.ok_or_else(|| format!("there is no scene `{name}`; there are {known}"))
+}
+
+fn tracker(name: &str) -> Result<Tracker, String> {
+    let known = Tracker::NAMED.map(|(name, _)| name).join(", ");
+    Tracker::named(name).ok_or_else(|| format!("there is no tracker `{name}`; there are {known}"))
+}
+
+fn measure(request: &Request) -> Result<(), HarnessError> {
     let techniques = [
         Technique::off(),
         Technique::layer("chroma", "[chroma]\nmode = \"default\"\n"),
@@ -58,24 +85,46 @@ fn measure(request: Request) -> Result<(), HarnessError> {
         Technique::render_scale(0.7),
         Technique::render_scale(0.5),
     ];
-    let effort = request.effort;
-    let runs = subjects.len() * techniques.len() * (effort.turns + 1);
+    let (timed, judged) = (request.timed, request.judged);
+    let with_errors = judged.frames > 0;
+    let runs = request.scenes.len() * techniques.len() * (timed.turns + 1 + usize::from(with_errors));
+    let errors_are = match judged.frames {
+        0 => "no errors".to_owned(),
+        frames => format!("errors of {frames} frames at {0} x {0}", judged.size),
+    };
     eprintln!(
-        "{} scenes, {} techniques, {} turns of {} frames at {side} x {side}: {runs} runs",
-        subjects.len(),
+        "{} scenes, {} techniques, {} turns of {} frames at {size} x {size}, {errors_are}: {runs} runs",
+        request.scenes.len(),
         techniques.len(),
-        effort.turns,
-        effort.frames,
-        side = effort.size
+        timed.turns,
+        timed.frames,
+        size = timed.size
     );
     let mut done = 0;
-    for subject in &subjects {
-        let timings = time(subject, &techniques, effort, |run| {
-            done += 1;
-            eprintln!("[{done}/{runs}] {run}");
-        })?;
-        let rows = rows(subject.name(), &timings);
-        if request.json { print_json(&rows) } else { print_table(&rows) }
+    let mut progress = |run: &str| {
+        done += 1;
+        eprintln!("[{done}/{runs}] {run}");
+    };
+    for &scene in &request.scenes {
+        let subject = Subject::around_a_saccade(scene, request.tracker);
+        let costs = rows(subject.name(), &time(&subject, &techniques, timed, &mut progress)?);
+        if request.json {
+            print_json(&costs)
+        } else {
+            print_table(&costs)
+        }
+        if !with_errors {
+            continue;
+        }
+        let judged = Effort { frames: judged.frames + RUN_UP, ..judged };
+        let reports = errors(&subject, &techniques, judged, &mut progress)?;
+        for (technique, report) in techniques[1..].iter().zip(&reports) {
+            if request.json {
+                print_json(&error_rows(subject.name(), &technique.name, report));
+            } else {
+                println!("\n{}, {}, beside off: {report}", subject.name(), technique.name);
+            }
+        }
     }
     Ok(())
 }

@@ -1,16 +1,18 @@
-//! Measuring what a frame costs: several techniques on one application, by turns, so that what else the machine does
-//! falls on all of them alike.
+//! Measuring what a frame costs and how wrong it is: several techniques on one application, by turns, so that what else
+//! the machine does falls on all of them alike.
 //!
-//! A [`Subject`] is an application with what its user does; a [`Technique`] is what is done to it. [`time`] gives each
-//! its turns and makes [`Timing`]s of them, [`rows`] turns these into lines of results.
+//! A [`Subject`] is a scene with somebody in it; a [`Technique`] is what is done to it. [`time`] gives each its turns and
+//! makes [`Timing`]s of them, [`errors()`] judges the pictures, [`rows`] turns both into lines of results.
 
+mod errors;
 mod rows;
 mod statistics;
 mod subject;
 mod technique;
 mod timing;
 
-pub use rows::{Row, print_json, print_table, rows};
+pub use errors::{RUN_UP, errors};
+pub use rows::{Row, error_rows, print_json, print_table, rows};
 pub use statistics::Samples;
 pub use subject::Subject;
 pub use technique::Technique;

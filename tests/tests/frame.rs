@@ -1,12 +1,15 @@
-//! The runner of `cargo dev bench frame`, with the least effort: that it works, not how fast anything is.
+//! The runner of `cargo dev bench frame`, with the least effort: that it works and tells the truth, not how fast anything is.
 
-use parafovea_tests::measure::{Effort, Subject, Technique, rows, time};
-use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_errors::{Metric, Report};
+use parafovea_scene::scene::SceneName;
+use parafovea_scene::script::Script;
+use parafovea_scene::script::tracker::Tracker;
+use parafovea_tests::measure::{Effort, RUN_UP, Subject, Technique, errors, rows, time};
 
 #[test]
 fn techniques_take_turns_and_fragments_are_counted() {
-    let subject = Subject::new("courtyard", &[], Scenario::new(0));
-    let chroma = Technique::layer("chroma", "[chroma]\nmode = \"default\"\n[gaze]\nsource = \"centre\"\n");
+    let subject = Subject::around_a_saccade(SceneName::Courtyard, Tracker::IDEAL);
+    let chroma = Technique::layer("chroma", "[chroma]\nmode = \"default\"\n");
     let techniques = [Technique::off(), chroma, Technique::render_scale(0.5)];
     let mut order = Vec::new();
     let effort = Effort { turns: 2, frames: 20, size: 64 };
@@ -26,5 +29,45 @@ fn techniques_take_turns_and_fragments_are_counted() {
     let layer: Vec<&str> =
         rows.iter().filter(|row| row.metric == "layer_cpu_median").map(|row| row.case.as_str()).collect();
     assert_eq!(layer, ["chroma"], "only there the layer works and the application does the same");
-    assert!(rows.iter().all(|row| row.ratio.is_finite()), "{rows:#?}");
+    assert!(rows.iter().all(|row| row.comparison.is_none_or(|with| with.ratio.is_finite())), "{rows:#?}");
+}
+
+/// Chroma, with nothing that hides what a late gaze does.
+const IMPATIENT_CHROMA: &str = "[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
+
+fn judged(subject: &Subject, frames: u64) -> Report {
+    let techniques = [Technique::off(), Technique::layer("chroma", IMPATIENT_CHROMA)];
+    let effort = Effort { turns: 1, frames: RUN_UP + frames, size: 128 };
+    errors(subject, &techniques, effort, |_| ()).unwrap().remove(0)
+}
+
+/// Squared error within 2 degrees of where the eyes truly look: of all metrics the one that sees nothing beside it.
+fn loss_at_the_gaze(report: &Report) -> f64 {
+    report.row(Metric::Squared, 0).mean.unwrap()
+}
+
+#[test]
+fn a_late_gaze_costs_in_saccades_and_not_in_fixations() {
+    let scene = SceneName::Courtyard;
+    let late = Tracker { delay_ms: 100.0, ..Tracker::IDEAL };
+    let saccades = Script::new(scene).gaze.saccades();
+    let first_large = saccades.iter().find(|saccade| saccade.amplitude_deg >= 12.0).unwrap();
+    // A second without a saccade, nor one in the time that the gaze is late by before it.
+    let rest = saccades.windows(2).find(|pair| pair[1].start_s - pair[0].start_s > 0.75).unwrap();
+    let frame = |time_s: f64| (time_s * 90.0) as u64 - RUN_UP;
+    let loss =
+        |tracker, start_s| loss_at_the_gaze(&judged(&Subject::new(scene, tracker, frame(start_s)), 20));
+
+    let jump = first_large.start_s - 0.05;
+    let (in_time, too_late) = (loss(Tracker::IDEAL, jump), loss(late, jump));
+    assert!(in_time == 0.0 && too_late > 0.0, "saccade: error {in_time} in time, {too_late} too late");
+    let still = rest[0].start_s + rest[0].duration_s + 0.3;
+    let (in_time, too_late) = (loss(Tracker::IDEAL, still), loss(late, still));
+    assert!(in_time == 0.0 && too_late == 0.0, "fixation: error {in_time} in time, {too_late} too late");
+}
+
+#[test]
+fn the_same_run_twice_has_the_same_errors() {
+    let subject = Subject::around_a_saccade(SceneName::Street, Tracker::GOOD);
+    assert_eq!(judged(&subject, 5), judged(&subject, 5));
 }

@@ -14,6 +14,9 @@ pub struct Options {
     /// Quit after this many rendered frames [default: when the runtime ends the session].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub frames: Option<u64>,
+    /// Number of the first frame, from which the animation starts.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=1 << 32))]
+    pub first_frame: u64,
     /// Number of point lights; each costs about the same [default: as many as the scene has].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(lights::MAX)))]
     pub lights: Option<u32>,

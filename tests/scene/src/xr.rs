@@ -77,8 +77,10 @@ struct App {
     device: wgpu::Device,
     queue: wgpu::Queue,
     blend_mode: xr::EnvironmentBlendMode,
-    /// Frames rendered so far; the animation's clock.
+    /// Frames rendered so far.
     frame: u64,
+    /// What to add to that for the animation's clock.
+    first_frame: u64,
     /// When to ask for the end.
     last_frame: Option<u64>,
     exit_requested: bool,
@@ -128,6 +130,7 @@ impl App {
             queue,
             blend_mode: blend_modes.first().copied().unwrap_or(xr::EnvironmentBlendMode::OPAQUE),
             frame: 0,
+            first_frame: options.first_frame,
             last_frame: options.frames,
             exit_requested: false,
         })
@@ -194,7 +197,7 @@ impl App {
 
     fn render(&mut self, time: xr::Time, views: &[xr::View]) -> Result<()> {
         let cameras: Vec<_> = views.iter().map(camera).collect();
-        self.renderer.prepare(self.frame, &cameras);
+        self.renderer.prepare(self.first_frame + self.frame, &cameras);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.projection.acquire()?;
         self.projection.draw(&self.renderer, &mut encoder);

@@ -1,6 +1,7 @@
 //! Lines of results, for people and for programs.
 
 use super::Timing;
+use parafovea_errors::Report;
 use serde::Serialize;
 
 /// One figure.
@@ -8,17 +9,25 @@ use serde::Serialize;
 pub struct Row {
     /// `frame`.
     pub bench: &'static str,
-    /// The subject.
+    /// The scene.
     pub app: String,
     /// The technique.
     pub case: String,
-    /// What was measured.
-    pub metric: &'static str,
+    /// What was measured; of errors also where: degrees from the true gaze.
+    pub metric: String,
     /// How much of it.
     pub value: f64,
     /// The unit of `value` and `baseline`.
     pub unit: &'static str,
-    /// That of the first technique, from the same turns.
+    /// How it compares with the first technique, where it does.
+    #[serde(flatten)]
+    pub comparison: Option<Comparison>,
+}
+
+/// A figure beside that of the first technique, from the same turns.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Comparison {
+    /// That of the first technique.
     pub baseline: f64,
     /// `value` / `baseline`; of times the median of the turns' ratios.
     pub ratio: f64,
@@ -26,41 +35,57 @@ pub struct Row {
     pub spread: Option<f64>,
 }
 
-/// The figures of one subject; the first of `timings` is the baseline.
+/// What a subject cost; the first of `timings` is the baseline.
 pub fn rows(app: &str, timings: &[Timing]) -> Vec<Row> {
     let Some(baseline) = timings.first() else { return Vec::new() };
     timings.iter().flat_map(|timing| rows_of(app, timing, baseline)).collect()
 }
 
 fn rows_of(app: &str, timing: &Timing, baseline: &Timing) -> Vec<Row> {
-    let row = |metric, unit, value: f64, baseline: f64| Row {
+    let row = |metric: &str, unit, value: f64, baseline: f64| Row {
         bench: "frame",
         app: app.to_owned(),
         case: timing.technique.clone(),
-        metric,
+        metric: metric.to_owned(),
         value,
         unit,
-        baseline,
-        ratio: value / baseline,
-        spread: None,
+        comparison: Some(Comparison { baseline, ratio: value / baseline, spread: None }),
     };
     let (cpu, cpu_off) = (&timing.cpu_ms, &baseline.cpu_ms);
     let ratio = cpu.ratio_to(cpu_off);
+    let within_turns =
+        Comparison { baseline: cpu_off.median(), ratio: ratio.value, spread: Some(ratio.spread) };
     let mut rows = vec![
-        Row {
-            ratio: ratio.value,
-            spread: Some(ratio.spread),
-            ..row("cpu_median", "ms", cpu.median(), cpu_off.median())
-        },
+        Row { comparison: Some(within_turns), ..row("cpu_median", "ms", cpu.median(), cpu_off.median()) },
         row("cpu_p99", "ms", cpu.quantile(0.99), cpu_off.quantile(0.99)),
         row("cpu_worst", "ms", cpu.worst(), cpu_off.worst()),
         row("fragments", "invocations", timing.fragments as f64, baseline.fragments as f64),
     ];
     // Where the application shades as much as without the layer, all the difference is the layer's.
     if timing.with_layer && timing.fragments == baseline.fragments {
-        rows.push(row("layer_cpu_median", "ms", cpu.median() - cpu_off.median(), cpu_off.median()));
+        let own = cpu.median() - cpu_off.median();
+        rows.push(Row { comparison: None, ..row("layer_cpu_median", "ms", own, 0.0) });
     }
     rows
+}
+
+/// What a technique got wrong; rings and metrics without a value are left out.
+pub fn error_rows(app: &str, technique: &str, report: &Report) -> Vec<Row> {
+    let row = |error: &parafovea_errors::Row, kind: &str, value: f64| Row {
+        bench: "frame",
+        app: app.to_owned(),
+        case: technique.to_owned(),
+        metric: format!("{} {kind} {}", error.metric.name(), error.ring),
+        value,
+        unit: error.unit,
+        comparison: None,
+    };
+    let both = report.rows.iter().flat_map(|error| {
+        let mean = error.mean.map(|mean| row(error, "mean", mean));
+        let worst = error.worst_tile.map(|worst| row(error, "worst tile", worst.value));
+        [mean, worst]
+    });
+    both.flatten().collect()
 }
 
 /// One object a line.
@@ -76,10 +101,13 @@ pub fn print_json(rows: &[Row]) {
 /// Aligned, with the ratios.
 pub fn print_table(rows: &[Row]) {
     for row in rows {
-        let spread = row.spread.map_or_else(String::new, |spread| format!(" +- {spread:.3}"));
+        let comparison = row.comparison.map_or_else(String::new, |Comparison { ratio, spread, .. }| {
+            let spread = spread.map_or_else(String::new, |spread| format!(" +- {spread:.3}"));
+            format!("x {ratio:.3}{spread}")
+        });
         println!(
-            "{:<12} {:<24} {:<18} {:>13.3} {:<12} x {:.3}{spread}",
-            row.app, row.case, row.metric, row.value, row.unit, row.ratio
+            "{:<10} {:<20} {:<18} {:>14.3} {:<12} {comparison}",
+            row.app, row.case, row.metric, row.value, row.unit
         );
     }
 }

@@ -3,33 +3,66 @@
 use super::{Effort, Technique};
 use crate::HarnessError;
 use crate::run::{Application, Run};
-use crate::scenario::{Scenario, ScenarioExt};
+use crate::scenario::{Gaze, Head, Scenario, ScenarioExt, View};
+use glam::{Quat, Vec3};
+use parafovea_scene::scene::{FRAMES_PER_SECOND, SceneName};
+use parafovea_scene::script::Script;
+use parafovea_scene::script::gaze::GazeKey;
+use parafovea_scene::script::tracker::Tracker;
 
-/// One picture to measure: our scene program with some of its arguments, and a script for head and gaze.
+/// One scene with somebody in it: the head moves, the eyes wander, and a tracker reports where they look.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    name: String,
-    arguments: Vec<String>,
-    script: Scenario,
+    script: Script,
+    tracker: Tracker,
+    /// The script's frame that is the first of a run.
+    first_frame: u64,
 }
 
 impl Subject {
-    /// The scene program with `arguments`, worn as `script` says: of that the headset, head and gaze count.
-    pub fn new(name: &str, arguments: &[&str], script: Scenario) -> Self {
-        let arguments = arguments.iter().map(|&argument| argument.to_owned()).collect();
-        Self { name: name.to_owned(), arguments, script }
+    /// The script of `scene` from `first_frame` on, as `tracker` sees it.
+    pub fn new(scene: SceneName, tracker: Tracker, first_frame: u64) -> Self {
+        Self { script: Script::new(scene), tracker, first_frame }
+    }
+
+    /// The scenes that figures are taken on, each from half a second before its first saccade of 10 degrees or more.
+    pub fn all(tracker: Tracker) -> Vec<Self> {
+        let measured = SceneName::ALL.into_iter().filter(|scene| *scene != SceneName::Courtyard);
+        measured.map(|scene| Self::around_a_saccade(scene, tracker)).collect()
+    }
+
+    /// The script of `scene` from half a second before its first saccade of 10 degrees or more.
+    pub fn around_a_saccade(scene: SceneName, tracker: Tracker) -> Self {
+        let saccades = Script::new(scene).gaze.saccades();
+        let large = saccades.iter().find(|saccade| saccade.amplitude_deg >= 10.0 && saccade.start_s >= 0.5);
+        let start_s = large.map_or(0.0, |saccade| saccade.start_s - 0.5);
+        Self::new(scene, tracker, (start_s * FRAMES_PER_SECOND) as u64)
     }
 
     /// What it is called in tables and results.
-    pub fn name(&self) -> &str {
-        &self.name
+    pub fn name(&self) -> &'static str {
+        self.script.scene.as_str()
     }
 
-    /// The scenario of a run: as scripted, so many frames of that size.
+    /// The scenario of a run: so many frames of that size, with head and reported gaze from the script. Nothing is
+    /// composited.
     pub fn scenario(&self, effort: Effort) -> Scenario {
-        let mut scenario = self.script.clone().sized(effort.size, effort.size);
-        scenario.session.frames = effort.frames;
-        scenario.output.composite = false;
+        let mut scenario = Scenario::new(effort.frames).sized(effort.size, effort.size);
+        scenario.clock.refresh_hz = FRAMES_PER_SECOND;
+        let keys = self.script.head.keyframes(FRAMES_PER_SECOND).into_iter();
+        scenario.head = keys
+            .map(|key| Head {
+                t: key.t,
+                position: key.position,
+                yaw_deg: key.yaw_deg,
+                pitch_deg: key.pitch_deg,
+                roll_deg: key.roll_deg,
+            })
+            .collect();
+        scenario.gaze = self.tracker.keyframes(&self.script.gaze).iter().map(gaze).collect();
+        let start_s = self.time_s(0);
+        scenario.head.iter_mut().for_each(|key| key.t -= start_s);
+        scenario.gaze.iter_mut().for_each(|key| key.t -= start_s);
         scenario
     }
 
@@ -38,11 +71,41 @@ impl Subject {
     /// # Errors
     /// [`HarnessError::NotBuilt`].
     pub fn run(&self, technique: &Technique, effort: Effort) -> Result<Run, HarnessError> {
+        self.run_as(technique, effort, &self.scenario(effort))
+    }
+
+    /// As [`Self::run`], in a scenario that was made from [`Self::scenario`].
+    ///
+    /// # Errors
+    /// [`HarnessError::NotBuilt`].
+    pub fn run_as(
+        &self,
+        technique: &Technique,
+        effort: Effort,
+        scenario: &Scenario,
+    ) -> Result<Run, HarnessError> {
         let side = ((effort.size as f32 * technique.render_scale).round() as u32).max(1);
         let size = format!("{side}x{side}");
-        let own = self.arguments.iter().chain(&technique.arguments).map(String::as_str);
-        let arguments: Vec<&str> = own.chain(["--size", &size]).collect();
+        let first_frame = self.first_frame.to_string();
+        let mut arguments = vec!["--scene", self.name(), "--first-frame", &first_frame, "--size", &size];
+        arguments.extend(technique.arguments.iter().map(String::as_str));
         let application = Application::ours("parafovea-scene", &arguments)?;
-        Ok(Run::new(&application, &self.scenario(effort)).layer(technique.layer.clone()))
+        Ok(Run::new(&application, scenario).layer(technique.layer.clone()))
     }
+
+    /// When frame `frame` of a run is shown, seconds of the script.
+    pub fn time_s(&self, frame: u64) -> f64 {
+        (self.first_frame + frame) as f64 / FRAMES_PER_SECOND
+    }
+
+    /// Where an eye truly looks in a frame of a run, in the space of its view: at what both eyes converge on.
+    pub fn true_gaze(&self, frame: u64, view: &View) -> Vec3 {
+        let gaze = self.script.gaze.at(self.time_s(frame));
+        let seen = gaze.direction * gaze.distance_m - Vec3::from(view.position);
+        Quat::from_array(view.orientation).inverse() * seen
+    }
+}
+
+fn gaze(key: &GazeKey) -> Gaze {
+    Gaze { t: key.t, yaw_deg: key.yaw_deg, pitch_deg: key.pitch_deg, tracked: key.tracked }
 }

@@ -61,6 +61,14 @@ impl Outcome {
         Picture::load(&submitted_path(&self.pictures, view, frame))
     }
 
+    /// What an eye sees in a frame, after the runtime's compositor.
+    ///
+    /// # Errors
+    /// [`HarnessError::File`] where that frame was not saved.
+    pub fn eye(&self, eye: usize, frame: u64) -> Result<Picture, HarnessError> {
+        Picture::load(&self.pictures.join(format!("eye{eye}_{frame}.png")))
+    }
+
     /// Fragment shader invocations that the counting layer saw, on all devices.
     ///
     /// # Errors

@@ -1,0 +1,80 @@
+//! How wrong the pictures are that a technique shows.
+
+use super::{Effort, Subject, Technique};
+use crate::HarnessError;
+use crate::run::Outcome;
+use crate::scenario::{Picture, Scenario, View};
+use parafovea_core::geometry::Fov;
+use parafovea_errors::{Eye, Frame, Judge, Report, Viewing};
+use parafovea_scene::scene::FRAMES_PER_SECOND;
+use parafovea_scene::script::WHITE_CD_M2;
+
+/// Frames that are not judged at the start of a run: rates and colour ramp from nothing there.
+pub const RUN_UP: u64 = 10;
+
+/// Shows `subject` with each of `techniques`, the first of which is the reference, and judges what the eyes get to
+/// see, after the runtime's compositor, around where they truly look. The reports are in the order of the techniques
+/// behind the first.
+///
+/// `progress` is told of every run before it is started.
+///
+/// # Errors
+/// Those of the harness, and an application that does not come to its end.
+pub fn errors(
+    subject: &Subject,
+    techniques: &[Technique],
+    effort: Effort,
+    mut progress: impl FnMut(&str),
+) -> Result<Vec<Report>, HarnessError> {
+    let mut scenario = subject.scenario(effort);
+    scenario.output.save_frames = (RUN_UP..effort.frames).collect();
+    scenario.output.save = vec![Picture::Eye];
+    let mut show = |technique: &Technique| -> Result<Outcome, HarnessError> {
+        progress(&format!("{}: {}, pictures", subject.name(), technique.name));
+        subject.run_as(technique, effort, &scenario)?.finish()?.expect_frames(effort.frames)
+    };
+    let Some((reference, others)) = techniques.split_first() else { return Ok(Vec::new()) };
+    let reference = show(reference)?;
+    others.iter().map(|technique| judge(subject, &scenario, &reference, &show(technique)?)).collect()
+}
+
+fn judge(
+    subject: &Subject,
+    scenario: &Scenario,
+    reference: &Outcome,
+    test: &Outcome,
+) -> Result<Report, HarnessError> {
+    let viewing =
+        Viewing { white_cd_m2: WHITE_CD_M2, refresh_hz: FRAMES_PER_SECOND as f32, ..Viewing::default() };
+    let failed = |error| test.failed(&format!("its pictures cannot be judged: {error}"));
+    let mut judge = Judge::new(viewing).map_err(failed)?;
+    for &frame in &scenario.output.save_frames {
+        let [before, after] = [reference, test].map(|outcome| shown(subject, scenario, outcome, frame));
+        judge.push(&before?, &after?).map_err(failed)?;
+    }
+    Ok(judge.finish())
+}
+
+/// What both eyes see in a frame.
+fn shown(
+    subject: &Subject,
+    scenario: &Scenario,
+    outcome: &Outcome,
+    frame: u64,
+) -> Result<Frame, HarnessError> {
+    let eye = |index: usize| -> Result<Option<Eye>, HarnessError> {
+        let Some(view) = scenario.views.get(index) else { return Ok(None) };
+        let picture = outcome.eye(index, frame)?;
+        let codes = parafovea_errors::Picture::from_srgb8(picture.width, picture.height, &picture.pixels);
+        let gaze = subject.true_gaze(frame, view);
+        Ok(codes.map(|picture| Eye { picture, fov: fov(view), gaze, age: None }))
+    };
+    Ok(Frame { time_s: subject.time_s(frame), eyes: [eye(0)?, eye(1)?] })
+}
+
+fn fov(view: &View) -> Fov {
+    let degrees = view.fov_deg;
+    let [left, right, up, down] =
+        [degrees.left, degrees.right, degrees.up, degrees.down].map(f32::to_radians);
+    Fov { left, right, up, down }
+}
