@@ -11,6 +11,8 @@ use clap::Parser;
 use glam::{Quat, Vec3, vec3};
 use parafovea_scene::camera::Camera;
 use parafovea_scene::offscreen::Offscreen;
+use parafovea_scene::options::parse_foveation;
+use parafovea_scene::renderer::Foveation;
 use parafovea_scene::scene::{SceneName, time_of};
 use parafovea_scene::script::{Script, head::EYE_HEIGHT_M};
 
@@ -32,6 +34,9 @@ struct Options {
     /// Side of the square image.
     #[arg(long, default_value_t = 1024)]
     size: u32,
+    /// Fixed foveation, as the application's option of that name.
+    #[arg(long, value_parser = parse_foveation)]
+    foveation: Option<Foveation>,
     /// Turn of the head to the left in degrees.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     yaw: f32,
@@ -46,10 +51,12 @@ struct Options {
 /// Half the angle that the picture shows, degrees.
 const EDGE_DEG: f32 = 45.0;
 
-/// The left eye of the mock runtime's default headset on a head that is at a place of the world, and turned.
-fn camera(head: Vec3, turn: Quat) -> Camera {
+/// Where the left eye of the mock runtime's default headset is on the head, metres.
+const LEFT_EYE: Vec3 = vec3(-0.032, 0.0, 0.0);
+
+fn camera(eye: Vec3, turn: Quat) -> Camera {
     let edge = EDGE_DEG.to_radians();
-    Camera::new(head + turn * vec3(-0.032, 0.0, 0.0), turn, [-edge, edge, -edge, edge])
+    Camera::new(eye, turn, [-edge, edge, -edge, edge])
 }
 
 fn main() -> Result<()> {
@@ -57,22 +64,28 @@ fn main() -> Result<()> {
     let lights = options.lights.unwrap_or(options.scene.definition().default_lights);
     let format = wgpu::TextureFormat::Rgba8UnormSrgb;
     let mut offscreen = Offscreen::new([options.size; 2], format, options.scene, lights)?;
+    offscreen.set_foveation(options.foveation);
     let script = options.scripted.then(|| Script::new(options.scene));
     let camera_of = |frame: u64| match &script {
         Some(script) => {
             let head = script.head.at(time_of(frame));
-            camera(head.world_position(), head.orientation())
+            camera(head.world_position() + head.orientation() * LEFT_EYE, head.orientation())
         }
         None => {
             let turn = Quat::from_rotation_y(options.yaw.to_radians())
                 * Quat::from_rotation_x(options.pitch.to_radians());
-            camera(vec3(0.0, EYE_HEIGHT_M, 0.0), turn)
+            camera(Vec3::Y * EYE_HEIGHT_M + LEFT_EYE, turn)
         }
     };
-    offscreen.draw(options.frame, &[camera_of(options.frame)])?;
+    // The scripted gaze, or straight ahead.
+    let gaze_of = |frame: u64| {
+        let gaze = script.as_ref().map_or(Vec3::NEG_Z, |script| script.gaze.at(time_of(frame)).direction);
+        camera_of(frame).orientation * gaze
+    };
+    offscreen.draw_gazing(options.frame, &[camera_of(options.frame)], gaze_of(options.frame))?;
     if let Some(script) = &script {
         let gaze = script.gaze.at(time_of(options.frame));
-        let point = gaze.direction * gaze.distance_m + Vec3::X * 0.032;
+        let point = gaze.direction * gaze.distance_m - LEFT_EYE;
         let half = options.size as f32 / 2.0;
         let [x, y] = [point.x, -point.y].map(|across| half + half * across / -point.z);
         println!("{:?} on texel ({x:.0}, {y:.0}), {:.2} m away", gaze.phase, gaze.distance_m);
@@ -89,7 +102,8 @@ fn main() -> Result<()> {
         let mut costs = Vec::new();
         for frame in 0..WARM_UP + FRAMES {
             let before = process_cpu_time();
-            offscreen.draw(options.frame + frame, &[camera_of(options.frame + frame)])?;
+            let frame = options.frame + frame;
+            offscreen.draw_gazing(frame, &[camera_of(frame)], gaze_of(frame))?;
             costs.push(process_cpu_time() - before);
         }
         let mut costs: Vec<_> =

@@ -1,9 +1,10 @@
 //! Draws without OpenXR, for stills, tests and the measurement of what a frame costs.
 
 use anyhow::{Context, Result};
+use glam::Vec3;
 
 use crate::camera::Camera;
-use crate::renderer::{Pass, Rect, Renderer, depth_buffer};
+use crate::renderer::{FoveatedImage, Foveation, Foveator, Pass, Rect, Renderer, depth_buffer};
 use crate::scene::SceneName;
 
 /// A renderer with an image of its own to draw into.
@@ -14,6 +15,7 @@ pub struct Offscreen {
     renderer: Renderer,
     image: wgpu::Texture,
     depth: wgpu::TextureView,
+    foveation: Option<(Foveator, FoveatedImage)>,
     /// Name of the device and its driver.
     pub device_name: String,
 }
@@ -51,6 +53,7 @@ impl Offscreen {
         Ok(Self {
             renderer: Renderer::new(&device, &queue, format, scene, light_count),
             depth: depth_buffer(&device, width, height),
+            foveation: None,
             device,
             queue,
             image,
@@ -58,26 +61,61 @@ impl Offscreen {
         })
     }
 
-    /// Draws a frame as the cameras see it, side by side, and waits until it is done.
+    /// Draws with fixed foveation from now on, or with none.
+    pub fn set_foveation(&mut self, foveation: Option<Foveation>) {
+        let (device, format) = (&self.device, self.image.format());
+        self.foveation = foveation.map(|foveation| {
+            let foveator = Foveator::new(device, &self.queue, format, foveation);
+            let image = foveator.image(device, [self.image.width(), self.image.height()], format);
+            (foveator, image)
+        });
+    }
+
+    /// Draws a frame as [`Self::draw_gazing`] does, with the gaze straight ahead of the first camera.
     ///
     /// # Errors
     /// If the device is lost.
     pub fn draw(&mut self, frame: u64, cameras: &[Camera]) -> Result<()> {
+        let ahead = cameras.first().map_or(Vec3::NEG_Z, |camera| camera.orientation * Vec3::NEG_Z);
+        self.draw_gazing(frame, cameras, ahead)
+    }
+
+    /// Draws a frame as the cameras see it, side by side, and waits until it is done. The gaze is a direction in the
+    /// world; it counts only with foveation.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn draw_gazing(&mut self, frame: u64, cameras: &[Camera], gaze: Vec3) -> Result<()> {
         self.renderer.prepare(frame, cameras);
         let width = self.image.width() / cameras.len() as u32;
-        let views: Vec<_> = (0..cameras.len())
-            .map(|index| (index, Rect { x: width * index as u32, y: 0, width, height: self.image.height() }))
+        let rects: Vec<_> = (0..cameras.len())
+            .map(|index| Rect { x: width * index as u32, y: 0, width, height: self.image.height() })
             .collect();
+        let views: Vec<_> = rects.iter().copied().enumerate().collect();
+        let seen: Vec<_> = cameras.iter().copied().zip(rects).collect();
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.renderer.draw(
-            &mut encoder,
-            &Pass {
-                colour: &self.image.create_view(&wgpu::TextureViewDescriptor::default()),
+        let colour = self.image.create_view(&wgpu::TextureViewDescriptor::default());
+        if let Some((foveator, image)) = &self.foveation {
+            foveator.begin(&mut encoder, image, gaze, &seen);
+            let pass = Pass {
+                colour: &colour,
+                depth: &image.depth,
+                clear_depth: false,
+                keep_depth: true,
+                views: &views,
+            };
+            self.renderer.draw(&mut encoder, &pass);
+            foveator.finish(&mut encoder, image, (&self.image, 0), &colour, &seen);
+        } else {
+            let pass = Pass {
+                colour: &colour,
                 depth: &self.depth,
+                clear_depth: true,
                 keep_depth: false,
                 views: &views,
-            },
-        );
+            };
+            self.renderer.draw(&mut encoder, &pass);
+        }
         self.queue.submit([encoder.finish()]);
         self.device.poll(wgpu::PollType::wait_indefinitely()).context("waiting for the frame")?;
         Ok(())

@@ -2,6 +2,7 @@
 
 use clap::{Parser, ValueEnum};
 
+use crate::renderer::Foveation;
 use crate::scene::{SceneName, lights};
 
 /// Scenes in virtual reality: an OpenXR application with costly per-pixel lighting.
@@ -32,6 +33,10 @@ pub struct Options {
     /// Submit the depth buffers too (XR_KHR_composition_layer_depth).
     #[arg(long)]
     pub depth_layer: bool,
+    /// Shade all texels up to EF degrees from the gaze (or from straight ahead, where the runtime tells no gaze), fewer
+    /// from there to ET degrees, and a share of 1/16 or 1/4 beyond; fill the others from their neighbours.
+    #[arg(long, value_name = "EF,ET,SHARE", value_parser = parse_foveation, conflicts_with = "depth_layer")]
+    pub foveation: Option<Foveation>,
     /// Show the notice board in a quad layer as well.
     #[arg(long)]
     pub quad: bool,
@@ -78,6 +83,30 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
     Ok([side(width)?, side(height)?])
 }
 
+/// Reads `--foveation`.
+///
+/// # Errors
+/// A text that says what is expected.
+pub fn parse_foveation(text: &str) -> Result<Foveation, String> {
+    let expected = || "expected EF,ET,SHARE, as in 14.34,27.08,1/16".to_owned();
+    let [foveal, transitional, share] =
+        text.split(',').collect::<Vec<_>>().try_into().map_err(|_| expected())?;
+    let angle = |text: &str| match text.parse::<f32>() {
+        Ok(angle @ 0.0..=180.0) => Ok(angle),
+        _ => Err(format!("{text:?} is no angle from 0 to 180 degrees")),
+    };
+    let (foveal_deg, transitional_deg) = (angle(foveal)?, angle(transitional)?);
+    if foveal_deg > transitional_deg {
+        return Err(format!("ET is {transitional_deg}, which is less than EF, {foveal_deg}"));
+    }
+    let peripheral = match share {
+        "1/16" => 1.0 / 16.0,
+        "1/4" => 1.0 / 4.0,
+        _ => return Err(format!("{share:?} is neither 1/16 nor 1/4")),
+    };
+    Ok(Foveation { foveal_deg, transitional_deg, peripheral })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,6 +116,16 @@ mod tests {
         assert_eq!(parse_size("640x480"), Ok([640, 480]));
         for wrong in ["640", "x", "0x480", "640x-1", "640x99999"] {
             assert!(parse_size(wrong).is_err(), "{wrong} was taken");
+        }
+    }
+
+    #[test]
+    fn foveations() {
+        let foveation = Foveation { foveal_deg: 14.34, transitional_deg: 27.08, peripheral: 0.0625 };
+        assert_eq!(parse_foveation("14.34,27.08,1/16"), Ok(foveation));
+        assert_eq!(parse_foveation("0,0,1/4").map(|foveation| foveation.peripheral), Ok(0.25));
+        for wrong in ["", "14.34", "14,27", "14,27,1/8", "14,x,1/4", "27,14,1/4", "-1,3,1/4", "NaN,3,1/4"] {
+            assert!(parse_foveation(wrong).is_err(), "{wrong} was taken");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Draws the scene with wgpu, one pass for each image; knows nothing of OpenXR.
 
 mod buffers;
+mod foveation;
 mod images;
 mod pipelines;
 
@@ -11,6 +12,7 @@ use crate::camera::Camera;
 use crate::scene::{Material, Scene, SceneName, time_of};
 
 use self::buffers::Buffers;
+pub use self::foveation::{FOVEATION_SHADER, FoveatedImage, Foveation, Foveator};
 use self::pipelines::Pipelines;
 pub use self::pipelines::{Output, SCENES_SHADER, SHADER};
 
@@ -37,8 +39,10 @@ pub struct Rect {
 pub struct Pass<'a> {
     /// Where colour goes.
     pub colour: &'a wgpu::TextureView,
-    /// A depth buffer of the same size; cleared at the start.
+    /// A depth buffer of the same size.
     pub depth: &'a wgpu::TextureView,
+    /// Whether the depth buffer is cleared at the start.
+    pub clear_depth: bool,
     /// Whether the depth buffer is read after the pass.
     pub keep_depth: bool,
     /// Index of each camera in the frame, and its rectangle of the image.
@@ -113,6 +117,7 @@ impl Renderer {
     /// Records one pass of the prepared frame.
     pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, pass: &Pass) {
         let depth_store = if pass.keep_depth { wgpu::StoreOp::Store } else { wgpu::StoreOp::Discard };
+        let depth_load = if pass.clear_depth { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
         let mut recording = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(self.scene.name.as_str()),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -126,7 +131,7 @@ impl Renderer {
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: pass.depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: depth_store }),
+                depth_ops: Some(wgpu::Operations { load: depth_load, store: depth_store }),
                 stencil_ops: None,
             }),
             ..Default::default()

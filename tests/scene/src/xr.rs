@@ -53,6 +53,7 @@ fn create_instance(options: &Options) -> Result<xr::Instance> {
         bail!("--depth-layer: the OpenXR runtime lacks XR_KHR_composition_layer_depth");
     }
     enabled.khr_composition_layer_depth = options.depth_layer;
+    enabled.ext_eye_gaze_interaction = options.foveation.is_some() && available.ext_eye_gaze_interaction;
     let application = xr::ApplicationInfo {
         application_name: "parafovea-scene",
         application_version: 1,
@@ -98,7 +99,8 @@ impl App {
         let input = if options.no_actions {
             None
         } else {
-            Some(Input::attach(instance, &session).context("actions")?)
+            let with_eyes = instance.exts().ext_eye_gaze_interaction.is_some();
+            Some(Input::attach(instance, &session, with_eyes).context("actions")?)
         };
         let recommended = instance.enumerate_view_configuration_views(system, VIEW_TYPE)?;
         let view = recommended.first().context("the runtime has no stereo view")?;
@@ -108,17 +110,10 @@ impl App {
         let (device, queue) = (graphics.device.clone(), graphics.queue.clone());
         Ok(Self {
             renderer: Renderer::new(&device, &queue, format, options.scene, options.light_count()),
-            projection: Projection::new(
-                &session,
-                &device,
-                options.swapchain,
-                format,
-                size,
-                options.depth_layer,
-            )?,
+            projection: Projection::new(&session, (&device, &queue), options, format, size)?,
             board: options
                 .quad
-                .then(|| Swapchain::new(&session, &device, format, text::SIZE, 1))
+                .then(|| Swapchain::new(&session, &device, format, text::SIZE, 1, false))
                 .transpose()
                 .context("the quad layer's swapchain")?,
             input,
@@ -200,7 +195,13 @@ impl App {
         self.renderer.prepare(self.first_frame + self.frame, &cameras);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.projection.acquire()?;
-        self.projection.draw(&self.renderer, &mut encoder);
+        let gaze = match &mut self.input {
+            Some(input) => input.gaze(&self.session, &self.space, time)?,
+            None => None,
+        };
+        // Straight ahead of the left eye where nothing is known.
+        let gaze = gaze.unwrap_or(cameras[0].orientation * Vec3::NEG_Z);
+        self.projection.draw(&self.renderer, &mut encoder, &cameras, gaze);
         if let Some(board) = &mut self.board {
             board.acquire()?;
             self.renderer.draw_board(&mut encoder, board.view(0));

@@ -6,7 +6,7 @@
 use std::fmt::Write;
 
 use glam::Vec3;
-use parafovea_scene::renderer::{SCENES_SHADER, SHADER};
+use parafovea_scene::renderer::{FOVEATION_SHADER, SCENES_SHADER, SHADER};
 use parafovea_scene::scene::texture::Texture;
 use parafovea_scene::scene::{Scene, SceneName, materials, time_of};
 use parafovea_scene::script::Script;
@@ -28,6 +28,7 @@ struct Frozen {
 
 const SHADER_HASH: u64 = 0x5a76_3eed_05e4_25bb;
 const SCENES_SHADER_HASH: u64 = 0x577e_91d8_684a_f154;
+const FOVEATION_SHADER_HASH: u64 = 0xff06_6883_40b3_6b28;
 const FROZEN: [Frozen; 7] = [
     Frozen {
         scene: SceneName::Courtyard,
@@ -128,6 +129,7 @@ fn hash_of_code(code: &str) -> u64 {
 fn shaders() {
     assert_frozen("scene.wgsl", hash_of_code(SHADER), SHADER_HASH);
     assert_frozen("scenes.wgsl", hash_of_code(SCENES_SHADER), SCENES_SHADER_HASH);
+    assert_frozen("foveation.wgsl", hash_of_code(FOVEATION_SHADER), FOVEATION_SHADER_HASH);
 }
 
 #[test]

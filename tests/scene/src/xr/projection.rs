@@ -3,12 +3,13 @@
 use std::ffi::c_void;
 
 use anyhow::{Context, Result};
+use glam::Vec3;
 use openxr as xr;
 
 use super::swapchain::Swapchain;
-use crate::camera::{FAR, NEAR};
-use crate::options::Arrangement;
-use crate::renderer::{DEPTH_FORMAT, Pass, Rect, Renderer, depth_buffer};
+use crate::camera::{Camera, FAR, NEAR};
+use crate::options::{Arrangement, Options};
+use crate::renderer::{DEPTH_FORMAT, FoveatedImage, Foveator, Pass, Rect, Renderer, depth_buffer};
 
 const EYES: usize = 2;
 
@@ -50,42 +51,55 @@ enum Depth {
     Submitted(Vec<Swapchain>),
 }
 
+/// What fixed foveation needs, by swapchain and layer.
+struct Foveated {
+    foveator: Foveator,
+    images: Vec<Vec<FoveatedImage>>,
+}
+
 /// The images of the projection layer.
 pub struct Projection {
     slots: [Slot; EYES],
     layers: u32,
     colour: Vec<Swapchain>,
     depth: Depth,
+    foveated: Option<Foveated>,
 }
 
 impl Projection {
-    /// Makes the swapchains for eyes of `size` texels, with such for depth if `submit_depth` is set.
+    /// Makes the swapchains for eyes of `size` texels, with such for depth if the options say so.
     ///
     /// # Errors
     /// Those of xrCreateSwapchain.
     pub fn new(
         session: &xr::Session<xr::Vulkan>,
-        device: &wgpu::Device,
-        arrangement: Arrangement,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        options: &Options,
         format: wgpu::TextureFormat,
         size: [u32; 2],
-        submit_depth: bool,
     ) -> Result<Self> {
+        let (arrangement, is_copied) = (options.swapchain, options.foveation.is_some());
         let (count, layers, eyes_wide) = arrangement.shape();
         let [width, height] = [size[0] * eyes_wide, size[1]];
         let swapchains = |format| {
             (0..count)
-                .map(|_| Swapchain::new(session, device, format, [width, height], layers))
+                .map(|_| Swapchain::new(session, device, format, [width, height], layers, is_copied))
                 .collect::<Result<_>>()
         };
-        let depth = if submit_depth {
+        let depth = if options.depth_layer {
             Depth::Submitted(swapchains(DEPTH_FORMAT).context("a depth swapchain")?)
         } else {
             let buffers = || (0..layers).map(|_| depth_buffer(device, width, height)).collect();
             Depth::Kept((0..count).map(|_| buffers()).collect())
         };
         let colour = swapchains(format).context("a colour swapchain")?;
-        Ok(Self { slots: arrangement.slots(size), layers, colour, depth })
+        let foveated = options.foveation.map(|foveation| {
+            let foveator = Foveator::new(device, queue, format, foveation);
+            let image = |_| foveator.image(device, [width, height], format);
+            let images = (0..count).map(|_| (0..layers).map(image).collect()).collect();
+            Foveated { foveator, images }
+        });
+        Ok(Self { slots: arrangement.slots(size), layers, colour, depth, foveated })
     }
 
     fn swapchains(&mut self) -> impl Iterator<Item = &mut Swapchain> {
@@ -112,8 +126,14 @@ impl Projection {
         self.swapchains().try_for_each(Swapchain::release)
     }
 
-    /// Records a pass for each image and layer.
-    pub fn draw(&self, renderer: &Renderer, encoder: &mut wgpu::CommandEncoder) {
+    /// Records a pass for each image and layer; the gaze is a direction in the world, which counts only with foveation.
+    pub fn draw(
+        &self,
+        renderer: &Renderer,
+        encoder: &mut wgpu::CommandEncoder,
+        cameras: &[Camera],
+        gaze: Vec3,
+    ) {
         for (index, colour) in self.colour.iter().enumerate() {
             for layer in 0..self.layers {
                 let views: Vec<_> = (0..EYES)
@@ -121,12 +141,28 @@ impl Projection {
                     .filter(|(_, slot)| (slot.swapchain, slot.layer) == (index, layer))
                     .map(|(eye, slot)| (eye, slot.rect))
                     .collect();
-                let (depth, keep_depth) = match &self.depth {
-                    Depth::Kept(buffers) => (&buffers[index][layer as usize], false),
-                    Depth::Submitted(swapchains) => (swapchains[index].view(layer), true),
+                let foveated =
+                    self.foveated.as_ref().map(|all| (&all.foveator, &all.images[index][layer as usize]));
+                let (depth, keep_depth) = match (&self.depth, foveated) {
+                    (_, Some((_, image))) => (&image.depth, true),
+                    (Depth::Kept(buffers), None) => (&buffers[index][layer as usize], false),
+                    (Depth::Submitted(swapchains), None) => (swapchains[index].view(layer), true),
                 };
-                renderer
-                    .draw(encoder, &Pass { colour: colour.view(layer), depth, keep_depth, views: &views });
+                let pass = Pass {
+                    colour: colour.view(layer),
+                    depth,
+                    clear_depth: foveated.is_none(),
+                    keep_depth,
+                    views: &views,
+                };
+                let Some((foveator, image)) = foveated else {
+                    renderer.draw(encoder, &pass);
+                    continue;
+                };
+                let seen: Vec<_> = views.iter().map(|(eye, rect)| (cameras[*eye], *rect)).collect();
+                foveator.begin(encoder, image, gaze, &seen);
+                renderer.draw(encoder, &pass);
+                foveator.finish(encoder, image, (colour.texture(), layer), colour.view(layer), &seen);
             }
         }
     }

@@ -51,13 +51,15 @@ pub fn choose_format(session: &xr::Session<xr::Vulkan>, wanted: ColourFormat) ->
 pub struct Swapchain {
     /// One view for each image and array layer. Dropped before the swapchain that owns the images.
     views: Vec<Vec<wgpu::TextureView>>,
+    textures: Vec<wgpu::Texture>,
     handle: xr::Swapchain<xr::Vulkan>,
     size: [u32; 2],
     acquired: usize,
 }
 
 impl Swapchain {
-    /// Makes a swapchain in a format from the list of [`choose_format`], or in [`DEPTH_FORMAT`].
+    /// Makes a swapchain in a format from the list of [`choose_format`], or in [`DEPTH_FORMAT`]; if `is_copied`, its
+    /// images can be copied from.
     ///
     /// # Errors
     /// Those of xrCreateSwapchain.
@@ -67,6 +69,7 @@ impl Swapchain {
         format: wgpu::TextureFormat,
         size: [u32; 2],
         layers: u32,
+        is_copied: bool,
     ) -> Result<Self> {
         let (_, raw_format) =
             FORMATS.iter().find(|(name, _)| *name == format).context("a format that is not in the list")?;
@@ -75,9 +78,11 @@ impl Swapchain {
         } else {
             xr::SwapchainUsageFlags::COLOR_ATTACHMENT
         };
+        let copied =
+            if is_copied { xr::SwapchainUsageFlags::TRANSFER_SRC } else { xr::SwapchainUsageFlags::EMPTY };
         let handle = session.create_swapchain(&xr::SwapchainCreateInfo {
             create_flags: xr::SwapchainCreateFlags::EMPTY,
-            usage_flags: attachment | xr::SwapchainUsageFlags::SAMPLED,
+            usage_flags: attachment | xr::SwapchainUsageFlags::SAMPLED | copied,
             format: raw_format.as_raw() as u32,
             sample_count: 1,
             width: size[0],
@@ -86,12 +91,13 @@ impl Swapchain {
             array_size: layers,
             mip_count: 1,
         })?;
-        let images = handle.enumerate_images()?;
-        let views = images
+        let textures: Vec<_> = handle
+            .enumerate_images()?
             .into_iter()
-            .map(|image| layer_views(device, vk::Image::from_raw(image), format, size, layers))
+            .map(|image| wrap(device, vk::Image::from_raw(image), format, size, layers, is_copied))
             .collect::<Result<_>>()?;
-        Ok(Self { views, handle, size, acquired: 0 })
+        let views = textures.iter().map(layer_views).collect();
+        Ok(Self { views, textures, handle, size, acquired: 0 })
     }
 
     /// Takes the next image and waits until it may be drawn to.
@@ -117,6 +123,11 @@ impl Swapchain {
         &self.views[self.acquired][layer as usize]
     }
 
+    /// The acquired image.
+    pub fn texture(&self) -> &wgpu::Texture {
+        &self.textures[self.acquired]
+    }
+
     /// The OpenXR handle.
     pub fn handle(&self) -> &xr::Swapchain<xr::Vulkan> {
         &self.handle
@@ -132,19 +143,25 @@ impl Swapchain {
     }
 }
 
-/// Views of an image's layers.
-fn layer_views(
+/// An image as a wgpu texture.
+fn wrap(
     device: &wgpu::Device,
     image: vk::Image,
     format: wgpu::TextureFormat,
     [width, height]: [u32; 2],
     layers: u32,
-) -> Result<Vec<wgpu::TextureView>> {
+    is_copied: bool,
+) -> Result<wgpu::Texture> {
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: layers };
     let state = if format == DEPTH_FORMAT {
         wgpu::TextureUses::DEPTH_STENCIL_WRITE
     } else {
         wgpu::TextureUses::COLOR_TARGET
+    };
+    let (copy_use, copy_usage) = if is_copied {
+        (wgpu::TextureUses::COPY_SRC, wgpu::TextureUsages::COPY_SRC)
+    } else {
+        (wgpu::TextureUses::empty(), wgpu::TextureUsages::empty())
     };
     let hal_descriptor = hal::TextureDescriptor {
         label: None,
@@ -153,7 +170,7 @@ fn layer_views(
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        usage: state,
+        usage: state | copy_use,
         memory_flags: hal::MemoryFlags::empty(),
         view_formats: Vec::new(),
     };
@@ -164,7 +181,7 @@ fn layer_views(
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | copy_usage,
         view_formats: &[],
     };
     // SAFETY: the guard is dropped before the device.
@@ -180,9 +197,13 @@ fn layer_views(
         )
     };
     // SAFETY: of this device and as described. An acquired image is in the layout of `state`
-    // (XR_KHR_vulkan_enable2), and wgpu leaves it there, as a render pass is all it is used in.
-    let texture = unsafe { device.create_texture_from_hal::<Vulkan>(hal_texture, &descriptor, state) };
-    Ok((0..layers)
+    // (XR_KHR_vulkan_enable2), and wgpu leaves it there, as a render pass is the last that it is used in.
+    Ok(unsafe { device.create_texture_from_hal::<Vulkan>(hal_texture, &descriptor, state) })
+}
+
+/// Views of an image's layers.
+fn layer_views(texture: &wgpu::Texture) -> Vec<wgpu::TextureView> {
+    (0..texture.depth_or_array_layers())
         .map(|layer| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2),
@@ -191,5 +212,5 @@ fn layer_views(
                 ..Default::default()
             })
         })
-        .collect())
+        .collect()
 }
