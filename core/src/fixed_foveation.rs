@@ -96,11 +96,16 @@ impl FixedFoveation {
     pub fn reaches_deg(&self, fraction: f32) -> f32 {
         let (foveal, peripheral) = (self.foveal_deg.max(0.0), self.peripheral.fraction());
         if fraction >= 1.0 {
-            0.0
-        } else if fraction >= peripheral && !self.foveal_deg.is_nan() && !self.transitional_deg.is_nan() {
-            foveal + (self.transitional_deg.max(foveal) - foveal) * ((1.0 - fraction) / (1.0 - peripheral))
-        } else {
+            return 0.0;
+        }
+        let known = !self.foveal_deg.is_nan() && !self.transitional_deg.is_nan();
+        if !(fraction >= peripheral && known) {
             f32::INFINITY
+        } else if self.transitional_deg <= foveal {
+            // Not by the difference, which both may be too large for.
+            foveal
+        } else {
+            foveal + (self.transitional_deg - foveal) * ((1.0 - fraction) / (1.0 - peripheral))
         }
     }
 

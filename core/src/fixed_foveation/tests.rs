@@ -149,6 +149,15 @@ fn map() -> impl Strategy<Value = FixedFoveation> {
     })
 }
 
+/// Infinity less infinity was no number.
+#[test]
+fn a_fovea_without_end_is_never_left() {
+    let map =
+        FixedFoveation { foveal_deg: f32::INFINITY, transitional_deg: 0.0, peripheral: ShadingRate::R4X4 };
+    assert_eq!(map.reaches_deg(0.5), f32::INFINITY);
+    assert_eq!(map.rate_at(180.0), 1.0);
+}
+
 proptest! {
     #[test]
     fn the_rate_does_not_rise_with_eccentricity(map in map(), at in 0.0f32..180.0, further in 0.0f32..10.0) {
