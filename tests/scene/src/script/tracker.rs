@@ -24,6 +24,10 @@ pub struct Tracker {
     pub seed: u32,
 }
 
+/// How much earlier than the report a keyframe is, seconds: players round times to nanoseconds, and would otherwise miss
+/// every other report that comes at a frame's own time.
+pub const EARLY_S: f64 = 1e-6;
+
 impl Tracker {
     /// Without any error but its steps: four reports a frame at 90 Hz, one of them at the frame's own time.
     pub const IDEAL: Self =
@@ -59,11 +63,13 @@ impl Tracker {
     }
 
     /// The same for players that interpolate linearly between keyframes: each report twice, at its own time and again
-    /// at the time of the next, so that it is held.
+    /// at the time of the next, so that it is held. All are [`EARLY_S`] early, but none before 0.
     pub fn keyframes(&self, gaze: &TrueGaze) -> Vec<GazeKey> {
         let samples = self.samples(gaze);
         let held = samples.windows(2).flat_map(|pair| [pair[0], GazeKey { t: pair[1].t, ..pair[0] }]);
-        held.chain(samples.last().copied()).collect()
+        held.chain(samples.last().copied())
+            .map(|key| GazeKey { t: (key.t - EARLY_S).max(0.0), ..key })
+            .collect()
     }
 }
 

@@ -72,11 +72,13 @@ fn keyframes_hold_each_report() {
     let (samples, keys) = (Tracker::POOR.samples(&gaze), Tracker::POOR.keyframes(&gaze));
     assert_eq!(samples.len(), 361);
     assert!(keys.windows(2).all(|pair| pair[0].t <= pair[1].t));
-    for t in [0.0, 0.01, 0.0333, 1.234, 5.0, 7.77] {
+    // Frames at 90 Hz in whole nanoseconds, every third of them at the time of a report.
+    for frame in 0..1000u64 {
+        let t = (frame * 1_000_000_000 / 90) as f64 * 1e-9;
         // As the mock runtime looks them up: the last keyframe that is not later, and the one after it.
         let next = keys.partition_point(|key| key.t <= t);
         let (from, to) = (keys[next - 1], keys[next]);
-        let report = samples[samples.partition_point(|sample| sample.t <= t) - 1];
+        let report = samples[(frame / 3) as usize];
         assert_eq!(
             (from.yaw_deg, from.pitch_deg, from.tracked),
             (report.yaw_deg, report.pitch_deg, report.tracked)
