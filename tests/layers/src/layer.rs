@@ -3,6 +3,7 @@
 //!
 //! A panic ends the process: these layers are for tests, which are to notice.
 
+use crate::functions::PhysicalDeviceFunctions;
 use crate::interface::{
     DeviceLink, GetPhysicalDeviceProcAddr, InstanceLink, NegotiateLayerInterface, advance_device,
     advance_instance,
@@ -33,6 +34,11 @@ pub(crate) trait Layer: Sized + Send + Sync + 'static {
     /// Its hook for a function of a device.
     fn hook(name: &CStr) -> vk::PFN_vkVoidFunction;
 
+    /// Its own function of that name, of an instance or a device, where the next layer need not have one.
+    fn addition(_: &CStr) -> vk::PFN_vkVoidFunction {
+        None
+    }
+
     /// The next layer's functions.
     fn next(&self) -> &NextDevice;
 
@@ -45,9 +51,12 @@ pub(crate) trait Layer: Sized + Send + Sync + 'static {
 #[derive(Clone, Copy)]
 pub(crate) struct Instance {
     handle: vk::Instance,
+    /// The version that the application asked for.
+    pub api_version: u32,
     get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
     get_physical_device_proc_addr: Option<GetPhysicalDeviceProcAddr>,
     destroy: vk::PFN_vkDestroyInstance,
+    pub physical_device: PhysicalDeviceFunctions,
     pub features: vk::PFN_vkGetPhysicalDeviceFeatures,
     pub queue_families: vk::PFN_vkGetPhysicalDeviceQueueFamilyProperties,
 }
@@ -56,12 +65,14 @@ impl Instance {
     /// # Safety
     ///
     /// `handle` was just made by the layer of that link.
-    unsafe fn new(handle: vk::Instance, link: InstanceLink) -> Option<Self> {
+    unsafe fn new(handle: vk::Instance, link: InstanceLink, api_version: u32) -> Option<Self> {
         // SAFETY: the names give the functions' types; the instance is live.
         unsafe {
             let function = |name: &CStr| (link.get_instance_proc_addr)(handle, name.as_ptr());
             Some(Self {
                 handle,
+                api_version,
+                physical_device: PhysicalDeviceFunctions::load(function),
                 get_instance_proc_addr: link.get_instance_proc_addr,
                 get_physical_device_proc_addr: link.get_physical_device_proc_addr,
                 destroy: transmute::<Function, vk::PFN_vkDestroyInstance>(function(c"vkDestroyInstance")?),
@@ -122,7 +133,7 @@ unsafe fn key<H: vk::Handle>(object: H) -> usize {
 /// # Safety
 ///
 /// `object` is a live instance or physical device of one that the layer tracks.
-unsafe fn instance_of<L: Layer>(object: impl vk::Handle) -> Option<Instance> {
+pub(crate) unsafe fn instance_of<L: Layer>(object: impl vk::Handle) -> Option<Instance> {
     // SAFETY: the caller vouches for it.
     let key = unsafe { key(object) };
     L::tracked().instances.read().unwrap_or_else(PoisonError::into_inner).get(&key).copied()
@@ -190,6 +201,9 @@ unsafe extern "system" fn get_instance_proc_addr<L: Layer>(
         if instance == vk::Instance::null() {
             return None;
         }
+        if let Some(own) = L::addition(name) {
+            return Some(own);
+        }
         let known = instance_of::<L>(instance)?;
         let next = (known.get_instance_proc_addr)(instance, name.as_ptr())?;
         L::hook(name).or(Some(next))
@@ -203,6 +217,9 @@ unsafe extern "system" fn get_device_proc_addr<L: Layer>(
     // SAFETY: the caller passes a name and a live device.
     unsafe {
         let name = CStr::from_ptr(name);
+        if let Some(own) = L::addition(name) {
+            return Some(own);
+        }
         let next = device_of::<L>(device)?.next().function(name)?;
         common_hook::<L>(name).or_else(|| L::hook(name)).or(Some(next))
     }
@@ -214,8 +231,13 @@ unsafe extern "system" fn get_physical_device_proc_addr<L: Layer>(
 ) -> vk::PFN_vkVoidFunction {
     // SAFETY: the caller passes a name and a live instance.
     unsafe {
-        if CStr::from_ptr(name) == c"vkCreateDevice" {
-            return common_hook::<L>(c"vkCreateDevice");
+        let asked = CStr::from_ptr(name);
+        if asked == c"vkCreateDevice" {
+            return common_hook::<L>(asked);
+        }
+        if let Some(own) = L::addition(asked).filter(|_| asked.to_bytes().starts_with(b"vkGetPhysicalDevice"))
+        {
+            return Some(own);
         }
         instance_of::<L>(instance)?.get_physical_device_proc_addr?(instance, name)
     }
@@ -233,7 +255,9 @@ unsafe extern "system" fn create_instance<L: Layer>(
         let create: vk::PFN_vkCreateInstance = transmute(create);
         let result = create(info, allocator, instance);
         if result == vk::Result::SUCCESS {
-            let Some(known) = Instance::new(*instance, link) else {
+            let application = (*info).p_application_info.as_ref();
+            let api_version = application.map_or(0, |info| info.api_version).max(vk::API_VERSION_1_0);
+            let Some(known) = Instance::new(*instance, link, api_version) else {
                 return vk::Result::ERROR_INITIALIZATION_FAILED;
             };
             let mut instances = L::tracked().instances.write().unwrap_or_else(PoisonError::into_inner);

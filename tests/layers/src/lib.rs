@@ -1,32 +1,41 @@
-//! Three Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
+//! Four Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
 //! own ([`TestLayer::manifest`]), which maps the loader's entry point to that layer's.
 //!
 //! - `VK_LAYER_PARAFOVEA_TEST_pass_through` does nothing: the baseline for what any layer costs.
 //! - `VK_LAYER_PARAFOVEA_TEST_count` counts fragment shader invocations, draws and submits ([`Count`]).
 //! - `VK_LAYER_PARAFOVEA_TEST_drop_barrier` leaves out chosen image barriers, to see that their absence is
 //!   noticed.
+//! - `VK_LAYER_PARAFOVEA_TEST_shading_rate` makes a device look as if it had `VK_KHR_fragment_shading_rate`,
+//!   and checks its use ([`ShadingRateLine`]).
 //!
 //! # Order
 //!
 //! The Vulkan loader (as of 1.3.239) puts implicit layers nearest to the application, in the order in which
 //! it finds their manifests, then those of `VK_INSTANCE_LAYERS`, in its order. Parafovea is implicit, so a
 //! layer named in `VK_INSTANCE_LAYERS` is below it, and `drop_barrier:VK_LAYER_KHRONOS_validation` puts the
-//! former above the latter. To have a layer above Parafovea, name Parafovea in `VK_INSTANCE_LAYERS` too, behind
+//! former above the latter. `shading_rate` must be below Parafovea and above the validation layer, to which it
+//! passes nothing of the extension. To have a layer above Parafovea, name Parafovea in `VK_INSTANCE_LAYERS` too, behind
 //! that layer, and leave its implicit manifest out; or make that layer implicit ([`TestLayer::implicit_manifest`])
 //! and put its manifest into `XDG_CONFIG_HOME`, which is searched before `XDG_DATA_HOME`.
 
 mod count;
 mod drop_barrier;
+mod functions;
 mod interface;
 mod layer;
 mod manifest;
 mod pass_through;
 mod report;
+mod shading_rate;
 pub mod validation;
 
 pub use count::{COUNT_FILE_VARIABLE, Count};
 pub use drop_barrier::{DROP_BARRIER_VARIABLE, DROP_FILE_VARIABLE, Dropped};
 pub use manifest::TestLayer;
+pub use shading_rate::{
+    SHADING_RATE_FILE_VARIABLE, SHADING_RATE_PROFILE_VARIABLE, SHADING_RATE_TEXELS_VARIABLE,
+    ShadingRateFinding, ShadingRateLine, ShadingRateMap, ShadingRatePass, ShadingRateProfile,
+};
 
 use ash::vk;
 use interface::NegotiateLayerInterface;
@@ -68,4 +77,17 @@ pub unsafe extern "system" fn drop_barrier_vkNegotiateLoaderLayerInterfaceVersio
 ) -> vk::Result {
     // SAFETY: the loader vouches for it.
     unsafe { layer::negotiate::<drop_barrier::DropBarrier>(interface) }
+}
+
+/// The Vulkan loader's first call to the layer `shading_rate`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn shading_rate_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<shading_rate::Emulator>(interface) }
 }

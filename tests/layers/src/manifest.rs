@@ -12,11 +12,14 @@ pub enum TestLayer {
     Count,
     /// Leaves out chosen barriers.
     DropBarrier,
+    /// Offers fragment shading rates where the device has none.
+    ShadingRate,
 }
 
 impl TestLayer {
     /// All of them.
-    pub const ALL: [TestLayer; 3] = [TestLayer::PassThrough, TestLayer::Count, TestLayer::DropBarrier];
+    pub const ALL: [TestLayer; 4] =
+        [TestLayer::PassThrough, TestLayer::Count, TestLayer::DropBarrier, TestLayer::ShadingRate];
 
     /// The last part of its name, which its entry point and its manifest's file have too.
     pub fn stem(self) -> &'static str {
@@ -24,6 +27,7 @@ impl TestLayer {
             TestLayer::PassThrough => "pass_through",
             TestLayer::Count => "count",
             TestLayer::DropBarrier => "drop_barrier",
+            TestLayer::ShadingRate => "shading_rate",
         }
     }
 
@@ -66,7 +70,7 @@ impl TestLayer {
     }
 
     fn description(self, library: &Path) -> Value {
-        json!({
+        let mut description = json!({
             "file_format_version": "1.1.2",
             "layer": {
                 "name": self.name(),
@@ -80,6 +84,15 @@ impl TestLayer {
                         format!("{}_vkNegotiateLoaderLayerInterfaceVersion", self.stem()),
                 },
             },
-        })
+        });
+        if self == TestLayer::ShadingRate {
+            // From here the Vulkan loader answers which extensions the layer itself brings.
+            description["layer"]["device_extensions"] = json!([{
+                "name": "VK_KHR_fragment_shading_rate",
+                "spec_version": "2",
+                "entrypoints": ["vkCmdSetFragmentShadingRateKHR"],
+            }]);
+        }
+        description
     }
 }

@@ -11,4 +11,5 @@ mod drop_barrier;
 mod parafovea;
 mod process;
 mod programs;
+mod shading_rate;
 mod validation;

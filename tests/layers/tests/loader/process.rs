@@ -3,7 +3,7 @@
 use parafovea_test_layers::TestLayer;
 use parafovea_test_layers::validation::{VALIDATION_LAYER, settings};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, ExitStatus};
 use tempfile::TempDir;
 
 /// A library that this build made; Cargo leaves it beside the test binaries.
@@ -80,10 +80,20 @@ impl Process {
         self.folder.path().join(name)
     }
 
-    pub fn run(mut self) -> Ended {
+    pub fn run(self) -> Ended {
+        let (ended, status) = self.end();
+        assert!(status.success(), "{status}: {}", ended.output);
+        ended
+    }
+
+    /// As [`Self::run`], for a program that the driver may not survive, because it does what it must not.
+    pub fn run_to_the_end_or_not(self) -> Ended {
+        self.end().0
+    }
+
+    fn end(mut self) -> (Ended, ExitStatus) {
         let output = self.command.env("VK_INSTANCE_LAYERS", self.layers.join(":")).output().unwrap();
         let text = [&output.stdout[..], &output.stderr[..]].map(String::from_utf8_lossy).concat();
-        assert!(output.status.success(), "{}: {text}", output.status);
         let result = text.lines().find_map(|line| Some(line.split_once("result ")?.1.to_owned()));
         let findings = if self.path("vk_layer_settings.txt").exists() {
             let log = std::fs::read_to_string(self.path("validation.txt")).unwrap();
@@ -92,13 +102,19 @@ impl Process {
         } else {
             Vec::new()
         };
-        Ended { result: result.unwrap_or_default(), findings, output: text, folder: self.folder }
+        let result = result.unwrap_or_default();
+        (Ended { result, findings, output: text, folder: self.folder }, output.status)
     }
 }
 
 impl Ended {
     pub fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.folder.path().join(name)).unwrap()
+    }
+
+    /// Nothing, where nothing was written.
+    pub fn read_if_there(&self, name: &str) -> String {
+        if self.folder.path().join(name).exists() { self.read(name) } else { String::new() }
     }
 }
 

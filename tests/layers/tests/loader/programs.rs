@@ -1,6 +1,7 @@
 //! What the started processes do. They are ignored tests, so that `cargo test` by itself leaves them out.
 
-mod triangle;
+pub mod rates;
+pub mod triangle;
 
 use crate::device::{Asks, Device, whole};
 use ash::vk;

@@ -3,7 +3,7 @@
 use crate::device::{Asks, Device, SIDE, whole};
 use ash::vk;
 
-const SHADERS: &str = "
+pub const SHADERS: &str = "
     @vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
         return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
     }

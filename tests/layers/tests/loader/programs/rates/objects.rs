@@ -1,0 +1,386 @@
+//! Images, views, render passes, framebuffers and pipelines; alone, where one of them is broken.
+
+use super::setup::{SIZE, Setup, extent};
+use crate::programs::triangle::SHADERS;
+use ash::vk;
+use vk::FragmentShadingRateCombinerOpKHR as Combiner;
+
+const RATE_LAYOUT: vk::ImageLayout = vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR;
+pub const COLOUR: vk::Format = vk::Format::R8G8B8A8_UNORM;
+
+/// Creates, and destroys, what is in question.
+pub fn create(setup: &Setup) {
+    let vk = &setup.vk;
+    // SAFETY: what is wrong with the objects is the layer's to find; nothing is drawn.
+    unsafe {
+        let (image, memory) = setup.image(&rate_image(setup));
+        let view = rate_view(setup, image);
+        let pass = render_pass(setup, true);
+        let framebuffer = framebuffer(setup, pass, &[rate_view(setup, image), view]);
+        let pipelines = pipelines(setup, pass);
+        for pipeline in pipelines.all {
+            vk.destroy_pipeline(pipeline, None);
+        }
+        vk.destroy_pipeline_layout(pipelines.layout, None);
+        if let Some(framebuffer) = framebuffer {
+            vk.destroy_framebuffer(framebuffer, None);
+        }
+        vk.destroy_render_pass(pass, None);
+        vk.destroy_image_view(view, None);
+        vk.destroy_image(image, None);
+        vk.free_memory(memory, None);
+    }
+}
+
+pub fn rate_image<'a>(setup: &Setup) -> vk::ImageCreateInfo<'a> {
+    let plan = &setup.plan;
+    let [mut width, mut height] = setup.texels();
+    if plan.breaks("narrow") {
+        width -= 1;
+    }
+    if plan.breaks("low") {
+        height -= 1;
+    }
+    let cube = plan.breaks("cube view");
+    if cube {
+        width = height;
+    }
+    let layers = if plan.broken.starts_with("layered view") { 2 } else { setup.layers()[1] };
+    let flags = if cube {
+        vk::ImageCreateFlags::CUBE_COMPATIBLE
+    } else {
+        plan.unless("view format", vk::ImageCreateFlags::empty(), vk::ImageCreateFlags::MUTABLE_FORMAT)
+    };
+    let mut usage = vk::ImageUsageFlags::TRANSFER_DST;
+    if plan.breaks("usage") {
+        usage |= vk::ImageUsageFlags::SAMPLED;
+    } else {
+        usage |= vk::ImageUsageFlags::FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
+    }
+    let volume = plan.breaks("3D image");
+    vk::ImageCreateInfo::default()
+        .flags(flags)
+        .image_type(if volume { vk::ImageType::TYPE_3D } else { vk::ImageType::TYPE_2D })
+        .format(plan.unless("image format", vk::Format::R8_UINT, vk::Format::R8_UNORM))
+        .extent(vk::Extent3D { width, height, depth: 1 })
+        .mip_levels(1)
+        .array_layers(if cube { 6 } else { layers })
+        .samples(plan.unless("samples", vk::SampleCountFlags::TYPE_1, vk::SampleCountFlags::TYPE_4))
+        .tiling(plan.unless("tiling", vk::ImageTiling::OPTIMAL, vk::ImageTiling::LINEAR))
+        .usage(usage)
+}
+
+pub fn rate_view(setup: &Setup, image: vk::Image) -> vk::ImageView {
+    let plan = &setup.plan;
+    let view_type = if plan.breaks("3D image") {
+        vk::ImageViewType::TYPE_3D
+    } else {
+        plan.unless("cube view", vk::ImageViewType::TYPE_2D_ARRAY, vk::ImageViewType::CUBE)
+    };
+    let format = plan.unless("image format", vk::Format::R8_UINT, vk::Format::R8_UNORM);
+    view(setup, image, view_type, plan.unless("view format", format, vk::Format::R8_SINT))
+}
+
+pub fn view(
+    setup: &Setup,
+    image: vk::Image,
+    view_type: vk::ImageViewType,
+    format: vk::Format,
+) -> vk::ImageView {
+    let info = vk::ImageViewCreateInfo::default()
+        .image(image)
+        .view_type(view_type)
+        .format(format)
+        .subresource_range(crate::device::whole());
+    // SAFETY: plain use of Vulkan.
+    unsafe { setup.vk.create_image_view(&info, None).unwrap() }
+}
+
+pub fn texel(setup: &Setup) -> vk::Extent2D {
+    let side = setup.texel;
+    extent(match setup.plan.broken.as_str() {
+        "texel width odd" => [12, side],
+        "texel height odd" => [side, 12],
+        "texel too wide" => [2 * side, side],
+        "texel too high" => [side, 2 * side],
+        "texel too narrow" => [side / 2, side],
+        "texel too low" => [side, side / 2],
+        _ => [side; 2],
+    })
+}
+
+/// Views of multiview.
+pub fn view_mask(setup: &Setup) -> u32 {
+    match (setup.plan.is("multiview"), setup.plan.breaks("view beyond layers")) {
+        (true, true) => 0b100,
+        (true, false) => 0b11,
+        _ => 0,
+    }
+}
+
+/// A render pass of a colour attachment and, unless told otherwise, a rate attachment that is used.
+pub fn render_pass(setup: &Setup, uses_rates: bool) -> vk::RenderPass {
+    let plan = &setup.plan;
+    let colour = vk::AttachmentDescription2::default()
+        .format(COLOUR)
+        .samples(vk::SampleCountFlags::TYPE_1)
+        .load_op(vk::AttachmentLoadOp::CLEAR)
+        .store_op(vk::AttachmentStoreOp::STORE)
+        .final_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+    let rate = vk::AttachmentDescription2::default()
+        .format(plan.unless("attachment format", vk::Format::R8_UINT, vk::Format::R8_SINT))
+        .samples(vk::SampleCountFlags::TYPE_1)
+        .load_op(plan.unless("load", vk::AttachmentLoadOp::LOAD, vk::AttachmentLoadOp::DONT_CARE))
+        .store_op(vk::AttachmentStoreOp::STORE)
+        .initial_layout(RATE_LAYOUT)
+        .final_layout(RATE_LAYOUT);
+    let attachments = [colour, rate];
+    let colours = [vk::AttachmentReference2::default()
+        .attachment(0)
+        .aspect_mask(vk::ImageAspectFlags::COLOR)
+        .layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)];
+    let inputs = [vk::AttachmentReference2::default()
+        .attachment(1)
+        .aspect_mask(vk::ImageAspectFlags::COLOR)
+        .layout(vk::ImageLayout::GENERAL)];
+    let rates = vk::AttachmentReference2::default()
+        .attachment(plan.unless("attachment index", 1, 7))
+        .layout(plan.unless("layout", RATE_LAYOUT, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL));
+    let mut chained = vk::FragmentShadingRateAttachmentInfoKHR::default()
+        .fragment_shading_rate_attachment(&rates)
+        .shading_rate_attachment_texel_size(texel(setup));
+    let mut subpass = vk::SubpassDescription2::default()
+        .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
+        .view_mask(view_mask(setup))
+        .color_attachments(&colours);
+    if plan.breaks("used otherwise") {
+        subpass = subpass.input_attachments(&inputs);
+    }
+    if uses_rates && (!plan.is("without_extension") || plan.breaks("subpass")) {
+        subpass = subpass.push_next(&mut chained);
+    }
+    let subpasses = [subpass];
+    let dependencies = [vk::SubpassDependency2::default()
+        .src_subpass(vk::SUBPASS_EXTERNAL)
+        .dst_subpass(0)
+        .src_stage_mask(vk::PipelineStageFlags::TRANSFER)
+        .dst_stage_mask(vk::PipelineStageFlags::FRAGMENT_SHADING_RATE_ATTACHMENT_KHR)
+        .dst_access_mask(vk::AccessFlags::FRAGMENT_SHADING_RATE_ATTACHMENT_READ_KHR)];
+    let mut info = vk::RenderPassCreateInfo2::default().attachments(&attachments).subpasses(&subpasses);
+    if plan.breaks("dependency") {
+        info = info.dependencies(&dependencies);
+    }
+    // SAFETY: plain use of Vulkan.
+    unsafe { setup.vk.create_render_pass2(&info, None).unwrap() }
+}
+
+/// A framebuffer of a render pass, imageless if the form is; none where the form has no framebuffers.
+pub fn framebuffer(
+    setup: &Setup,
+    render_pass: vk::RenderPass,
+    views: &[vk::ImageView; 2],
+) -> Option<vk::Framebuffer> {
+    let plan = &setup.plan;
+    if !plan.is("framebuffer") {
+        return None;
+    }
+    let [width, height] = SIZE;
+    let formats = [[COLOUR], [vk::Format::R8_UINT]];
+    let rates = rate_image(setup);
+    let [layers, rate_layers] = setup.layers();
+    let images = [
+        vk::FramebufferAttachmentImageInfo::default()
+            .usage(vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC)
+            .width(width)
+            .height(height)
+            .layer_count(layers)
+            .view_formats(&formats[0]),
+        vk::FramebufferAttachmentImageInfo::default()
+            .usage(if plan.breaks("promised usage") {
+                rates.usage | vk::ImageUsageFlags::STORAGE
+            } else {
+                rates.usage
+            })
+            .width(rates.extent.width)
+            .height(rates.extent.height)
+            .layer_count(if plan.breaks("layers") { 2 } else { rate_layers })
+            .view_formats(&formats[1]),
+    ];
+    let mut attachments = vk::FramebufferAttachmentsCreateInfo::default().attachment_image_infos(&images);
+    let mut info = vk::FramebufferCreateInfo::default()
+        .render_pass(render_pass)
+        .width(width)
+        .height(height)
+        .layers(plan.unless("layers", plan.unless("layered view and layers", 1, 3), 3));
+    if plan.is("imageless") {
+        info.attachment_count = 2;
+        info = info.flags(vk::FramebufferCreateFlags::IMAGELESS).push_next(&mut attachments);
+    } else {
+        info = info.attachments(views);
+    }
+    // SAFETY: plain use of Vulkan.
+    Some(unsafe { setup.vk.create_framebuffer(&info, None).unwrap() })
+}
+
+pub struct Pipelines {
+    pub layout: vk::PipelineLayout,
+    /// The one to draw with first, libraries behind it.
+    pub all: Vec<vk::Pipeline>,
+}
+
+fn fragment_size(setup: &Setup) -> vk::Extent2D {
+    extent(match setup.plan.broken.as_str() {
+        "no width" => [0, 1],
+        "no height" => [1, 0],
+        "width odd" => [3, 1],
+        "height odd" => [1, 3],
+        "too wide" => [8, 1],
+        "too high" => [1, 8],
+        "size" => [2, 2],
+        _ => [1, 1],
+    })
+}
+
+fn combiners(setup: &Setup) -> [Combiner; 2] {
+    match setup.plan.broken.as_str() {
+        "first combiner" => [Combiner::REPLACE, Combiner::KEEP],
+        "trivial combiner" => [Combiner::KEEP, Combiner::MAX],
+        "first combiner invalid" => [Combiner::from_raw(9), Combiner::REPLACE],
+        "second combiner invalid" => [Combiner::KEEP, Combiner::from_raw(9)],
+        _ if setup.plan.is("without_attachment") && !setup.plan.breaks("second combiner") => {
+            [Combiner::KEEP; 2]
+        }
+        _ => [Combiner::KEEP, Combiner::REPLACE],
+    }
+}
+
+/// The rate that the pipeline has, or the command sets.
+pub fn rate(setup: &Setup) -> (vk::Extent2D, [Combiner; 2]) {
+    (fragment_size(setup), combiners(setup))
+}
+
+/// A pipeline for the render pass, or for dynamic rendering where the form is that.
+pub fn pipelines(setup: &Setup, render_pass: vk::RenderPass) -> Pipelines {
+    let plan = &setup.plan;
+    let vk = &setup.vk;
+    let [width, height] = SIZE;
+    let module = naga::front::wgsl::parse_str(SHADERS).unwrap();
+    let valid =
+        naga::valid::Validator::new(Default::default(), Default::default()).validate(&module).unwrap();
+    let code = naga::back::spv::write_vec(&module, &valid, &Default::default(), None).unwrap();
+    let viewport =
+        [vk::Viewport { width: width as f32, height: height as f32, max_depth: 1.0, ..Default::default() }];
+    let scissor = [vk::Rect2D::default().extent(extent(SIZE))];
+    let blend =
+        [vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA)];
+    let formats = [COLOUR];
+    // SAFETY: plain use of Vulkan.
+    unsafe {
+        let layout = vk.create_pipeline_layout(&Default::default(), None).unwrap();
+        let shader = vk::ShaderModuleCreateInfo::default().code(&code);
+        let shader = vk.create_shader_module(&shader, None).unwrap();
+        let stage =
+            |stage, name| vk::PipelineShaderStageCreateInfo::default().stage(stage).module(shader).name(name);
+        let stages = [
+            stage(vk::ShaderStageFlags::VERTEX, c"vertex"),
+            stage(vk::ShaderStageFlags::FRAGMENT, c"fragment"),
+        ];
+        let vertices = vk::PipelineVertexInputStateCreateInfo::default();
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
+            .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let viewport = vk::PipelineViewportStateCreateInfo::default().viewports(&viewport).scissors(&scissor);
+        let rasterization = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
+        let samples = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blend);
+        let dynamic = [vk::DynamicState::LINE_WIDTH, vk::DynamicState::FRAGMENT_SHADING_RATE_KHR];
+        let set_by_command = plan.is("dynamic_state") || plan.breaks("dynamic state");
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(if set_by_command {
+            &dynamic
+        } else {
+            &dynamic[..1]
+        });
+        let base = vk::GraphicsPipelineCreateInfo::default()
+            .vertex_input_state(&vertices)
+            .input_assembly_state(&assembly)
+            .viewport_state(&viewport)
+            .rasterization_state(&rasterization)
+            .multisample_state(&samples)
+            .color_blend_state(&blend)
+            .dynamic_state(&dynamic)
+            .layout(layout);
+        let in_render_pass = plan.is("framebuffer");
+        let flag = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
+        let flags = if in_render_pass && !plan.breaks("flag") || plan.breaks("no flag") || plan.is("flags2") {
+            vk::PipelineCreateFlags::empty()
+        } else {
+            flag
+        };
+        let (fragment_size, combiners) = rate(setup);
+        let make = |flags: vk::PipelineCreateFlags,
+                    parts: vk::GraphicsPipelineLibraryFlagsEXT,
+                    from: &[_]| {
+            let library = !parts.is_empty();
+            let pre =
+                !library || parts.contains(vk::GraphicsPipelineLibraryFlagsEXT::PRE_RASTERIZATION_SHADERS);
+            let last = !library || parts.contains(vk::GraphicsPipelineLibraryFlagsEXT::FRAGMENT_SHADER);
+            let linked = !from.is_empty();
+            let size =
+                if plan.breaks("library rate") && library && pre { extent([2, 2]) } else { fragment_size };
+            let mut state = vk::PipelineFragmentShadingRateStateCreateInfoKHR::default()
+                .fragment_size(size)
+                .combiner_ops(combiners);
+            let mut rendering = vk::PipelineRenderingCreateInfo::default()
+                .view_mask(view_mask(setup))
+                .color_attachment_formats(if last { &formats } else { &[] });
+            let mut parts = vk::GraphicsPipelineLibraryCreateInfoEXT::default().flags(parts);
+            let mut from = vk::PipelineLibraryCreateInfoKHR::default().libraries(from);
+            let mut wide = vk::PipelineCreateFlags2CreateInfoKHR::default()
+                .flags(vk::PipelineCreateFlags2KHR::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT);
+            let mut info =
+                if linked { vk::GraphicsPipelineCreateInfo::default().layout(layout) } else { base };
+            let flags_of_library =
+                if library { vk::PipelineCreateFlags::LIBRARY_KHR } else { vk::PipelineCreateFlags::empty() };
+            info = info.flags(flags | flags_of_library);
+            if !linked {
+                info = info.stages(match (pre, last) {
+                    (true, true) => &stages,
+                    (true, false) => &stages[..1],
+                    _ => &stages[1..],
+                });
+            }
+            if in_render_pass {
+                info = info.render_pass(render_pass);
+            } else if !linked {
+                info = info.push_next(&mut rendering);
+            }
+            if !linked && (!plan.is("without_extension") || plan.breaks("pipeline state")) {
+                info = info.push_next(&mut state);
+            }
+            if library {
+                info = info.push_next(&mut parts);
+            }
+            if linked {
+                info = info.push_next(&mut from);
+            }
+            if plan.is("flags2") {
+                info = info.push_next(&mut wide);
+            }
+            vk.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None).unwrap()[0]
+        };
+        type Parts = vk::GraphicsPipelineLibraryFlagsEXT;
+        let all = if plan.is("libraries") {
+            let first = make(
+                plan.unless("library flag", flags, vk::PipelineCreateFlags::empty()),
+                Parts::VERTEX_INPUT_INTERFACE | Parts::PRE_RASTERIZATION_SHADERS,
+                &[],
+            );
+            let second = make(flags, Parts::FRAGMENT_SHADER | Parts::FRAGMENT_OUTPUT_INTERFACE, &[]);
+            vec![make(flags, Parts::empty(), &[first, second]), first, second]
+        } else {
+            vec![make(flags, Parts::empty(), &[])]
+        };
+        vk.destroy_shader_module(shader, None);
+        Pipelines { layout, all }
+    }
+}
