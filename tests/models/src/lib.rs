@@ -1,6 +1,8 @@
 //! What the models of `parafovea-core` are held against: [`reference`]s in double precision, the papers' numbers
-//! ([`checks`]), and a table of [`hard_cases`]. The benches of the models are in `benches/`.
+//! ([`checks`]), and a table of [`hard_cases`]. [`room`] is the example of `core/README.md`. The benches of the models are in
+//! `benches/`.
 
 pub mod checks;
 pub mod hard_cases;
 pub mod reference;
+pub mod room;
