@@ -53,6 +53,8 @@ pub(crate) struct Instance {
     handle: vk::Instance,
     /// The version that the application asked for.
     pub api_version: u32,
+    /// Whether VK_KHR_get_physical_device_properties2 is there, from the extension or Vulkan 1.1.
+    pub properties2: bool,
     get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
     get_physical_device_proc_addr: Option<GetPhysicalDeviceProcAddr>,
     destroy: vk::PFN_vkDestroyInstance,
@@ -64,14 +66,25 @@ pub(crate) struct Instance {
 impl Instance {
     /// # Safety
     ///
-    /// `handle` was just made by the layer of that link.
-    unsafe fn new(handle: vk::Instance, link: InstanceLink, api_version: u32) -> Option<Self> {
+    /// `handle` was just made from `info`, which is valid, by the layer of that link.
+    unsafe fn new(
+        handle: vk::Instance,
+        link: InstanceLink,
+        info: &vk::InstanceCreateInfo<'_>,
+    ) -> Option<Self> {
         // SAFETY: the names give the functions' types; the instance is live.
         unsafe {
             let function = |name: &CStr| (link.get_instance_proc_addr)(handle, name.as_ptr());
+            let application = info.p_application_info.as_ref();
+            let api_version = application.map_or(0, |info| info.api_version).max(vk::API_VERSION_1_0);
+            let mut names = (0..info.enabled_extension_count)
+                .map(|index| *info.pp_enabled_extension_names.add(index as usize));
+            let properties2 = vk::KHR_GET_PHYSICAL_DEVICE_PROPERTIES2_NAME;
             Some(Self {
                 handle,
                 api_version,
+                properties2: api_version >= vk::API_VERSION_1_1
+                    || names.any(|name| CStr::from_ptr(name) == properties2),
                 physical_device: PhysicalDeviceFunctions::load(function),
                 get_instance_proc_addr: link.get_instance_proc_addr,
                 get_physical_device_proc_addr: link.get_physical_device_proc_addr,
@@ -255,9 +268,7 @@ unsafe extern "system" fn create_instance<L: Layer>(
         let create: vk::PFN_vkCreateInstance = transmute(create);
         let result = create(info, allocator, instance);
         if result == vk::Result::SUCCESS {
-            let application = (*info).p_application_info.as_ref();
-            let api_version = application.map_or(0, |info| info.api_version).max(vk::API_VERSION_1_0);
-            let Some(known) = Instance::new(*instance, link, api_version) else {
+            let Some(known) = Instance::new(*instance, link, &*info) else {
                 return vk::Result::ERROR_INITIALIZATION_FAILED;
             };
             let mut instances = L::tracked().instances.write().unwrap_or_else(PoisonError::into_inner);

@@ -84,6 +84,10 @@ unsafe fn check(
             findings.require(holds, KIND, rule, physical_device, || {
                 "VK_KHR_fragment_shading_rate needs VK_KHR_create_renderpass2 or Vulkan 1.2".to_owned()
             });
+            let rule = "VK_KHR_get_physical_device_properties2";
+            findings.require(instance.properties2, KIND, rule, physical_device, || {
+                "VK_KHR_fragment_shading_rate needs it, or Vulkan 1.1".to_owned()
+            });
         }
         let structures = count(info.p_next, <Rates<'_> as vk::TaggedStructure>::STRUCTURE_TYPE);
         findings.require(

@@ -45,8 +45,10 @@ pub struct ShadingRatePass {
     pub layers: u32,
     /// The views of multiview, 0 without.
     pub view_mask: u32,
-    /// Formats of the colour attachments.
+    /// Formats of the colour attachments, of a render pass those of its first subpass.
     pub formats: Vec<String>,
+    /// Their images.
+    pub targets: Vec<String>,
     /// Draw calls in the pass.
     pub draws: u32,
     /// Those of them whose second combiner regards the attachment, so that it is not KEEP.

@@ -1,14 +1,13 @@
 //! The begin and end of passes: what they say of rates is checked and taken out, and the map is copied ahead.
 
 use super::barrier::note;
-use super::chain::{LeftOut, find, slice};
-use super::image::{Range, View};
+use super::chain::{find, slice};
+use super::image::View;
 use super::lines::ShadingRatePass;
-use super::lower::{self, RATE_LAYOUT, RATE_READ, RATE_STAGE, RATE_USAGE};
+use super::lower::{self, RATE_READ, RATE_STAGE};
 use super::map::Shape;
-use super::rate::RENDERING_TEXEL;
 use super::recording::{Current, RecordedPass};
-use super::render_pass::{RateAttachment, RenderPass};
+use super::render_pass::{RateAttachment, RenderPass, are_compatible};
 use super::replay::{Event, Masks};
 use super::state::State;
 use super::{Emulator, capture, emulator, findings};
@@ -17,19 +16,20 @@ use ash::vk;
 const KIND: &str = "command";
 
 /// A pass that begins with a rate attachment.
-struct Begun<'a> {
-    form: &'static str,
-    area: vk::Rect2D,
-    layers: u32,
-    view_mask: u32,
-    formats: Vec<vk::Format>,
-    texel: [u32; 2],
-    view: &'a View,
+pub(super) struct Begun<'a> {
+    pub form: &'static str,
+    pub area: vk::Rect2D,
+    pub layers: u32,
+    pub view_mask: u32,
+    /// Of the colour attachments.
+    pub targets: Vec<View>,
+    pub texel: [u32; 2],
+    pub view: &'a View,
     /// The map's layout as the pass begins.
-    layout: vk::ImageLayout,
+    pub layout: vk::ImageLayout,
     /// The rule that this is so.
-    rule: &'static str,
-    waits_for: (vk::PipelineStageFlags2, vk::AccessFlags2),
+    pub rule: &'static str,
+    pub waits_for: (vk::PipelineStageFlags2, vk::AccessFlags2),
 }
 
 /// Copies the map, and notes the pass; returns its place in the recording.
@@ -37,7 +37,7 @@ struct Begun<'a> {
 /// # Safety
 ///
 /// The buffer is in the recording state and outside of passes.
-unsafe fn begin(
+pub(super) unsafe fn begin_reading(
     emulator: &Emulator,
     state: &mut State,
     buffer: vk::CommandBuffer,
@@ -66,7 +66,8 @@ unsafe fn begin(
         area: [x, y, pixels.width, pixels.height],
         layers: begun.layers,
         view_mask: begun.view_mask,
-        formats: begun.formats.iter().map(|format| format!("{format:?}")).collect(),
+        formats: begun.targets.iter().map(|view| format!("{:?}", view.format)).collect(),
+        targets: begun.targets.iter().map(|view| findings::name(view.image)).collect(),
         draws: 0,
         draws_obeying: 0,
         texel: begun.texel,
@@ -80,7 +81,7 @@ unsafe fn begin(
 
 /// # Safety
 ///
-/// As for [`begin`]; `info` is valid.
+/// As for [`begin_reading`]; `info` is valid.
 unsafe fn render_pass_begins(buffer: vk::CommandBuffer, info: &vk::RenderPassBeginInfo<'_>) {
     // SAFETY: the caller vouches for it.
     unsafe {
@@ -91,7 +92,7 @@ unsafe fn render_pass_begins(buffer: vk::CommandBuffer, info: &vk::RenderPassBeg
         let (Some(render_pass), Some(framebuffer)) = known else { return };
         let (render_pass, framebuffer) = (render_pass.clone(), framebuffer.clone());
         let rule = "VUID-VkRenderPassBeginInfo-renderPass-00904";
-        let compatible = render_pass.rates == framebuffer.rates;
+        let compatible = are_compatible(&render_pass.rates, &framebuffer.rates);
         state.findings.require(compatible, KIND, rule, info.framebuffer, || {
             format!(
                 "rate attachments {:?} of the pass, {:?} of the framebuffer",
@@ -101,6 +102,14 @@ unsafe fn render_pass_begins(buffer: vk::CommandBuffer, info: &vk::RenderPassBeg
         let given = find::<vk::RenderPassAttachmentBeginInfo<'_>>(info.p_next)
             .map_or(&[][..], |given| slice(given.p_attachments, given.attachment_count));
         let views = framebuffer.views.as_deref().unwrap_or(given);
+        let known_view =
+            |index: u32| views.get(index as usize).and_then(|view| state.views.get(view)).copied();
+        let described = Described {
+            form: if framebuffer.views.is_some() { "render_pass" } else { "imageless" },
+            layers: framebuffer.layers,
+            area: info.render_area,
+            targets: render_pass.colours.iter().filter_map(|&colour| known_view(colour)).collect(),
+        };
         let mut passes: Vec<Option<usize>> = Vec::new();
         for (subpass, rate) in render_pass.rates.iter().enumerate() {
             let before = render_pass.rates[..subpass].iter().position(|other| other == rate);
@@ -113,9 +122,6 @@ unsafe fn render_pass_begins(buffer: vk::CommandBuffer, info: &vk::RenderPassBeg
                         check_promise(state, &framebuffer.usages, rate, view, info.framebuffer);
                     }
                     view.map(|view| {
-                        let form = if framebuffer.views.is_some() { "render_pass" } else { "imageless" };
-                        let described =
-                            Described { form, layers: framebuffer.layers, area: info.render_area };
                         subpass_begins(&emulator, state, buffer, &render_pass, subpass, &view, &described)
                     })
                 }
@@ -133,11 +139,12 @@ struct Described {
     form: &'static str,
     layers: u32,
     area: vk::Rect2D,
+    targets: Vec<View>,
 }
 
 /// # Safety
 ///
-/// As for [`begin`].
+/// As for [`begin_reading`].
 unsafe fn subpass_begins(
     emulator: &Emulator,
     state: &mut State,
@@ -159,7 +166,7 @@ unsafe fn subpass_begins(
         area: described.area,
         layers: described.layers,
         view_mask: render_pass.view_masks[subpass],
-        formats: render_pass.formats.clone(),
+        targets: described.targets.clone(),
         texel: rate.map_or([0; 2], |rate| rate.texel),
         view,
         layout: initial,
@@ -167,7 +174,7 @@ unsafe fn subpass_begins(
         waits_for: render_pass.waits_for,
     };
     // SAFETY: the caller vouches for the buffer.
-    let pass = unsafe { begin(emulator, state, buffer, begun) };
+    let pass = unsafe { begin_reading(emulator, state, buffer, begun) };
     note(state, buffer, Event::Left { image: view.image, range: view.range, layout: last });
     pass
 }
@@ -227,7 +234,7 @@ unsafe fn subpass_ends(buffer: vk::CommandBuffer) {
 /// # Safety
 ///
 /// The buffer is live.
-unsafe fn pass_ends(buffer: vk::CommandBuffer) {
+pub(super) unsafe fn pass_ends(buffer: vk::CommandBuffer) {
     // SAFETY: the caller vouches for it.
     let emulator = unsafe { emulator(buffer) };
     if let Some(recording) = emulator.state().recordings.get_mut(&buffer) {
@@ -274,145 +281,4 @@ pub(super) unsafe extern "system" fn end_render_pass2(
         let Some(next) = emulator(buffer).functions.end_render_pass2 else { return };
         next(buffer, end);
     }
-}
-
-pub(super) unsafe extern "system" fn end_rendering(buffer: vk::CommandBuffer) {
-    // SAFETY: the application's valid argument.
-    unsafe {
-        pass_ends(buffer);
-        let Some(next) = emulator(buffer).functions.end_rendering else { return };
-        next(buffer);
-    }
-}
-
-type RateInfo<'a> = vk::RenderingFragmentShadingRateAttachmentInfoKHR<'a>;
-
-pub(super) unsafe extern "system" fn begin_rendering(
-    buffer: vk::CommandBuffer,
-    info: *const vk::RenderingInfo<'_>,
-) {
-    // SAFETY: the application's valid arguments, without the extension's structure.
-    unsafe {
-        let emulator = emulator(buffer);
-        let Some(next) = emulator.functions.begin_rendering else { return };
-        let mut state = emulator.state();
-        let chained = find::<RateInfo<'_>>((*info).p_next);
-        let rule = "VUID-VkRenderingInfo-pNext-pNext";
-        let holds = chained.is_none() || emulator.enabled.extension;
-        state.findings.require(holds, KIND, rule, buffer, || "the extension is not enabled".to_owned());
-        let rate = chained.filter(|rate| rate.image_view != vk::ImageView::null());
-        let mut pass = None;
-        if let Some(rate) = rate {
-            check_rendering(&emulator, &mut state, buffer, &*info, rate);
-            let resumes = (*info).flags.contains(vk::RenderingFlags::RESUMING);
-            let view = state.views.get(&rate.image_view).copied();
-            // Nothing may come between a pass and its continuation.
-            if let Some(view) = view.filter(|_| !resumes) {
-                let formats = formats(&state, &*info);
-                pass = Some(begin(
-                    &emulator,
-                    &mut state,
-                    buffer,
-                    Begun {
-                        form: "dynamic",
-                        area: (*info).render_area,
-                        layers: if (*info).view_mask == 0 { (*info).layer_count } else { 1 },
-                        view_mask: (*info).view_mask,
-                        formats,
-                        texel: texel(rate),
-                        view: &view,
-                        layout: rate.image_layout,
-                        rule: "rate attachment is in its layout",
-                        waits_for: Default::default(),
-                    },
-                ));
-            }
-        }
-        let recording = state.recordings.entry(buffer).or_default();
-        recording.current = Some(Current::Rendering { pass, attachment: Some(rate.is_some()) });
-        let mut lowered = *info;
-        let mut left_out = LeftOut::new();
-        left_out
-            .leave_out(&mut lowered, vk::StructureType::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_INFO_KHR);
-        next(buffer, &lowered);
-    }
-}
-
-fn texel(rate: &RateInfo<'_>) -> [u32; 2] {
-    let texel = rate.shading_rate_attachment_texel_size;
-    [texel.width, texel.height]
-}
-
-/// # Safety
-///
-/// The structure is valid.
-unsafe fn colours<'a>(info: &vk::RenderingInfo<'a>) -> &'a [vk::RenderingAttachmentInfo<'a>] {
-    // SAFETY: the caller vouches for it.
-    unsafe { slice(info.p_color_attachments, info.color_attachment_count) }
-}
-
-/// # Safety
-///
-/// The structure is valid.
-unsafe fn formats(state: &State, info: &vk::RenderingInfo<'_>) -> Vec<vk::Format> {
-    // SAFETY: the caller vouches for it.
-    let colours = unsafe { colours(info) };
-    colours.iter().filter_map(|colour| state.views.get(&colour.image_view)).map(|view| view.format).collect()
-}
-
-/// # Safety
-///
-/// The structures are valid.
-unsafe fn check_rendering(
-    emulator: &Emulator,
-    state: &mut State,
-    buffer: vk::CommandBuffer,
-    info: &vk::RenderingInfo<'_>,
-    rate: &RateInfo<'_>,
-) {
-    let handle = rate.image_view;
-    let findings = &mut state.findings;
-    let mut require = |holds, rule: &str, message: String| {
-        findings.require(holds, KIND, rule, buffer, || message);
-    };
-    require(emulator.enabled.attachment, "attachmentFragmentShadingRate", "rate attachment".to_owned());
-    let prefix = "VUID-VkRenderingFragmentShadingRateAttachmentInfoKHR-imageView";
-    let layout = rate.image_layout;
-    let allowed = [vk::ImageLayout::GENERAL, RATE_LAYOUT].contains(&layout);
-    require(allowed, &format!("{prefix}-06147"), format!("{layout:?}"));
-    // SAFETY: the caller vouches for the structures.
-    let (colours, depth, stencil) =
-        unsafe { (colours(info), slice(info.p_depth_attachment, 1), slice(info.p_stencil_attachment, 1)) };
-    for attachment in [colours, depth, stencil].into_iter().flatten() {
-        let other = [attachment.image_view, attachment.resolve_image_view];
-        require(!other.contains(&handle), "VUID-VkRenderingInfo-imageView-06125", "also drawn to".to_owned());
-        let holds = attachment.image_layout != RATE_LAYOUT;
-        let rule = "VUID-VkRenderingAttachmentInfo-imageView-06143";
-        require(holds, rule, format!("{:?}", attachment.image_layout));
-    }
-    if let Some(View { usage: Some(usage), range: Range { layers, .. }, extent, .. }) =
-        state.views.get(&handle)
-    {
-        require(usage.contains(RATE_USAGE), &format!("{prefix}-06148"), format!("{usage:?}"));
-        let [texel_width, texel_height] = texel(rate).map(|side| side.max(1));
-        let vk::Rect2D { offset, extent: area } = info.render_area;
-        let width = (offset.x.max(0) as u32 + area.width).div_ceil(texel_width);
-        let height = (offset.y.max(0) as u32 + area.height).div_ceil(texel_height);
-        let rule = "VUID-VkRenderingInfo-pNext-06119";
-        require(extent.width >= width, rule, format!("{} of {width} texels", extent.width));
-        let rule = "VUID-VkRenderingInfo-pNext-06121";
-        require(extent.height >= height, rule, format!("{} of {height} texels", extent.height));
-        if info.view_mask == 0 {
-            let enough = *layers == 1 || *layers >= info.layer_count;
-            let message = format!("{layers} layers for {}", info.layer_count);
-            require(enough, "VUID-VkRenderingInfo-imageView-06123", message);
-        } else {
-            let enough = *layers == 1 || *layers >= u32::BITS - info.view_mask.leading_zeros();
-            let message = format!("{layers} layers for the views {:#b}", info.view_mask);
-            require(enough, "VUID-VkRenderingInfo-imageView-06124", message);
-        }
-        let layered = *layers == 1 || emulator.profile.layered();
-        require(layered, "layeredShadingRateAttachments", format!("{layers} layers"));
-    }
-    RENDERING_TEXEL.check(emulator, &mut state.findings, rate.shading_rate_attachment_texel_size, buffer);
 }

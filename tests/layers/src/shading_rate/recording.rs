@@ -7,7 +7,7 @@ use super::lines::ShadingRatePass;
 use super::map::Shape;
 use super::pipeline::Pipeline;
 use super::rate::Rate;
-use super::render_pass::RenderPass;
+use super::render_pass::{RenderPass, are_compatible};
 use super::replay::Event;
 use super::state::State;
 use super::{emulator, submit};
@@ -83,7 +83,7 @@ impl Recording {
         match &self.current {
             Some(Current::RenderPass { render_pass, subpass, .. }) => {
                 let compatible = pipeline.render_pass.as_ref().is_some_and(|(other, index)| {
-                    other.rates == render_pass.rates && *index as usize == *subpass
+                    are_compatible(&other.rates, &render_pass.rates) && *index as usize == *subpass
                 });
                 let rule = format!("VUID-{command}-renderPass-02684");
                 findings.require(compatible, KIND, &rule, buffer, || {

@@ -11,7 +11,7 @@ use super::{Emulator, emulator};
 use ash::vk;
 use std::sync::Arc;
 
-/// A subpass's rate attachment. Two render passes are compatible only where these are the same.
+/// A subpass's rate attachment.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct RateAttachment {
     pub attachment: u32,
@@ -30,10 +30,19 @@ pub(super) struct RenderPass {
     pub rates: Vec<Option<RateAttachment>>,
     pub view_masks: Vec<u32>,
     pub layouts: Vec<Layouts>,
-    /// Formats of the colour attachments of the first subpass.
-    pub formats: Vec<vk::Format>,
+    /// The colour attachments of the first subpass.
+    pub colours: Vec<u32>,
     /// What a dependency on what is before the render pass waits for on behalf of the rate stage.
     pub waits_for: (vk::PipelineStageFlags2, vk::AccessFlags2),
+}
+
+/// Whether render passes with these rate attachments are compatible: the same subpasses have one, and each as
+/// large texels. At which index it is does not matter.
+pub(super) fn are_compatible(some: &[Option<RateAttachment>], others: &[Option<RateAttachment>]) -> bool {
+    let texels = |rates: &[Option<RateAttachment>]| -> Vec<_> {
+        rates.iter().map(|rate| rate.map(|rate| rate.texel)).collect()
+    };
+    texels(some) == texels(others)
 }
 
 const KIND: &str = "render_pass";
@@ -69,7 +78,7 @@ pub(super) unsafe extern "system" fn create(
                 rates: vec![None; subpasses],
                 view_masks: vec![0; subpasses],
                 layouts: Vec::new(),
-                formats: Vec::new(),
+                colours: Vec::new(),
                 waits_for: Default::default(),
             };
             emulator.state().render_passes.insert(*render_pass, Arc::new(known));
@@ -183,13 +192,9 @@ unsafe fn describe(info: &vk::RenderPassCreateInfo2<'_>) -> RenderPass {
         let attachments = slice(info.p_attachments, info.attachment_count);
         let subpasses = slice(info.p_subpasses, info.subpass_count);
         let rates = subpasses.iter().map(|subpass| rate_of(subpass).map(|(rate, _)| rate)).collect();
-        let colours = subpasses.first().map(|subpass| {
-            slice(subpass.p_color_attachments, subpass.color_attachment_count)
-                .iter()
-                .filter_map(|colour| attachments.get(colour.attachment as usize))
-                .map(|attachment| attachment.format)
-                .collect()
-        });
+        let colours = subpasses
+            .first()
+            .map_or(&[][..], |subpass| slice(subpass.p_color_attachments, subpass.color_attachment_count));
         let mut waits_for = (vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE);
         for dependency in slice(info.p_dependencies, info.dependency_count) {
             let masks = masks_of(dependency);
@@ -209,7 +214,7 @@ unsafe fn describe(info: &vk::RenderPassCreateInfo2<'_>) -> RenderPass {
                     last: attachment.final_layout,
                 })
                 .collect(),
-            formats: colours.unwrap_or_default(),
+            colours: colours.iter().map(|colour| colour.attachment).collect(),
             waits_for,
         }
     }

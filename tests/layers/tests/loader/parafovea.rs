@@ -1,7 +1,7 @@
 //! Parafovea's Vulkan half under a real loader, implicit as users install it.
 
 use crate::process::{Ended, Process, install_implicit, library};
-use parafovea_test_layers::{COUNT_FILE_VARIABLE, DROP_FILE_VARIABLE, TestLayer};
+use parafovea_test_layers::{COUNT_FILE_VARIABLE, DROP_FILE_VARIABLE, SHADING_RATE_FILE_VARIABLE, TestLayer};
 
 const PARAFOVEA: &str = "VK_LAYER_PARAFOVEA_foveation";
 
@@ -37,6 +37,16 @@ fn devices_are_armed_above_validation() {
     let ended = with_parafovea("ask_for_link").validated().run();
     assert_eq!(ended.result, "1.0 1.1");
     assert_eq!(ended.findings, [""; 0]);
+}
+
+/// On a device that looks as if it had shading rates, Parafovea is no other than on one without.
+#[test]
+fn devices_are_armed_above_shading_rates() {
+    let process = with_parafovea("ask_for_link").layer(TestLayer::ShadingRate.name());
+    let ended = process.file(SHADING_RATE_FILE_VARIABLE, "rates.json").validated().run();
+    assert_eq!(ended.result, "1.0 1.1");
+    assert_eq!(ended.findings, [""; 0]);
+    assert_eq!(ended.read_if_there("rates.json"), "");
 }
 
 #[test]

@@ -49,10 +49,16 @@ fn is_right(form: &str) {
             assert_eq!(pass.texel, [texel; 2], "{what}");
             assert_eq!(pass.view_mask, if form.contains("multiview") { 3 } else { 0 }, "{what}");
             assert_eq!(pass.formats, ["R8G8B8A8_UNORM"], "{what}");
+            assert_eq!(pass.targets.len(), 1, "{what}");
+            assert_ne!(pass.targets[0], pass.image, "{what}");
             assert_eq!((pass.draws, pass.draws_obeying), (1, 1), "{what}");
             assert_eq!(map.extent, [100u32.div_ceil(texel), 60u32.div_ceil(texel), layers], "{what}");
             assert_eq!(map.texels.as_deref(), Some(&*ended.result), "{what}");
-            let kinds = if profile == ShadingRateProfile::Rdna { 4 } else { 7 };
+            let kinds = match profile {
+                _ if form.contains("compute") => 2,
+                ShadingRateProfile::Rdna => 4,
+                _ => 7,
+            };
             assert_eq!(map.histogram.len(), kinds, "{what}");
             assert_eq!(map.histogram.values().sum::<u32>(), map.extent.iter().product::<u32>(), "{what}");
         }
@@ -72,10 +78,42 @@ right! {
     a_render_pass_is_right: "framebuffer";
     an_imageless_framebuffer_is_right: "framebuffer imageless";
     a_render_pass_with_multiview_is_right: "framebuffer multiview";
+    a_transition_by_the_render_pass_is_right: "framebuffer transition";
+    a_secondary_command_buffer_in_a_render_pass_is_right: "framebuffer secondary";
+    two_passes_in_a_command_buffer_are_right: "framebuffer in_one";
+    a_map_of_a_dispatch_is_right: "framebuffer multiview compute";
+    a_map_that_stays_in_general_is_right: "dynamic compute general in_one";
     dynamic_rendering_is_right: "dynamic";
     dynamic_rendering_with_multiview_is_right: "dynamic multiview";
     a_rate_set_by_a_command_is_right: "dynamic dynamic_state";
     pipeline_libraries_are_right: "dynamic libraries";
     the_second_kind_of_flags_is_right: "dynamic flags2";
     a_secondary_command_buffer_is_right: "dynamic secondary";
+}
+
+/// A command buffer that is recorded once reads another map in each submit.
+#[test]
+fn each_submit_of_a_command_buffer_has_its_own_map() {
+    let ended = program(ShadingRateProfile::Layered16, "framebuffer prerecorded", "").validated().run();
+    let (findings, passes) = lines(&ended);
+    assert_eq!(findings, []);
+    assert_eq!(ended.findings, [""; 0]);
+    let texels = |index: usize| passes[index].map.as_ref().unwrap().texels.as_deref().unwrap();
+    assert_eq!(texels(1), ended.result);
+    assert_ne!(texels(0), texels(1));
+}
+
+/// What is forgotten around a dispatch, or around the read, shows in validation below, at the layer's copy.
+#[test]
+fn validation_below_sees_missing_barriers() {
+    for (form, broken, hazard) in [
+        ("dynamic compute general in_one", "no barrier", "SYNC-HAZARD-READ-AFTER-WRITE"),
+        ("framebuffer transition", "no dependency", "SYNC-HAZARD-WRITE-AFTER-WRITE"),
+        ("framebuffer in_one", "read not waited for", "SYNC-HAZARD-WRITE-AFTER-READ"),
+        ("dynamic in_one", "read not waited for", "SYNC-HAZARD-WRITE-AFTER-READ"),
+    ] {
+        let ended = program(ShadingRateProfile::Layered16, form, broken).validated().run();
+        let found = ended.findings.iter().any(|line| line.contains(hazard));
+        assert!(found, "{form}, {broken}: {:?}", ended.findings);
+    }
 }

@@ -1,6 +1,7 @@
 //! A program that draws with rate attachments, in each form that there is, rightly or with one thing broken.
 
 mod commands;
+mod compute;
 mod objects;
 mod setup;
 

@@ -33,6 +33,7 @@ fn of_devices() {
         "device",
         &[
             ("no create_renderpass2", "VUID-vkCreateDevice-ppEnabledExtensionNames-01387"),
+            ("no properties2", "VK_KHR_get_physical_device_properties2"),
             ("features twice", "VUID-VkDeviceCreateInfo-sType-unique"),
         ],
     );
@@ -317,6 +318,8 @@ fn of_barriers_and_execution() {
             ("stage", "rate attachment is readable"),
         ],
     );
+    are_found(LAYERED, "dynamic compute general", &[("no barrier", "rate attachment is readable")]);
+    are_found(LAYERED, "framebuffer transition", &[("no dependency", "rate attachment is readable")]);
     are_found(RDNA, "dynamic", &[("coarse texel", "every texel is a rate of the device")]);
 }
 

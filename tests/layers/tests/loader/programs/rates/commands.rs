@@ -1,5 +1,6 @@
 //! Two frames: the map is written, and a pass reads it.
 
+use super::compute::{TEXELS, Writer};
 use super::objects::{
     COLOUR, framebuffer, pipelines, rate, rate_image, rate_view, render_pass, view, view_mask,
 };
@@ -23,10 +24,11 @@ pub fn frames(setup: &Setup) -> String {
     let (vk, plan) = (&setup.vk, &setup.plan);
     let [layers, rate_layers] = setup.layers();
     let [width, height] = setup.texels();
-    let texels: Vec<u8> = (0..width * height * rate_layers)
+    let mut texels: Vec<u8> = (0..width * height * rate_layers)
         .map(|index| match plan.broken.as_str() {
             "texel value" => 0x0f,
             "coarse texel" => 0b1010,
+            _ if plan.is("compute") => TEXELS[(index % width % 2) as usize],
             _ => setup.rates[index as usize % setup.rates.len()],
         })
         .collect();
@@ -62,27 +64,36 @@ pub fn frames(setup: &Setup) -> String {
             });
         let drawing =
             Drawing { setup, views: &views, pass, framebuffer, pipeline: pipelines.all[0], secondary };
-        for frame in 0..2 {
-            vk.begin_command_buffer(primary, &vk::CommandBufferBeginInfo::default()).unwrap();
-            write_map(setup, primary, source, rates, frame);
+        let writer = plan.is("compute").then(|| Writer::new(setup, views[1]));
+        let writing = Writing { setup, writer, source, rates };
+        let record = |frame| {
+            writing.map(primary, frame);
             if plan.is("framebuffer") {
                 drawing.render_pass(primary);
             } else {
                 colour_barrier(setup, primary, colour);
                 drawing.dynamic(primary);
             }
-            vk.end_command_buffer(primary).unwrap();
-            let buffers = [primary];
-            let infos = [vk::CommandBufferSubmitInfo::default().command_buffer(primary)];
-            if plan.is("framebuffer") {
-                let submit = vk::SubmitInfo::default().command_buffers(&buffers);
-                vk.queue_submit(setup.queue, &[submit], vk::Fence::null()).unwrap();
+        };
+        for frame in 0..2 {
+            let again = frame == 1 && plan.is("prerecorded");
+            if again {
+                texels.fill(0);
+                setup.write(source_memory, &texels);
             } else {
-                let submit = vk::SubmitInfo2::default().command_buffer_infos(&infos);
-                vk.queue_submit2(setup.queue, &[submit], vk::Fence::null()).unwrap();
+                vk.begin_command_buffer(primary, &vk::CommandBufferBeginInfo::default()).unwrap();
+                record(if plan.is("prerecorded") { 0 } else { frame });
+                if plan.is("in_one") {
+                    record(1);
+                }
+                vk.end_command_buffer(primary).unwrap();
             }
-            vk.queue_wait_idle(setup.queue).unwrap();
+            submit(setup, primary);
+            if plan.is("in_one") {
+                break;
+            }
         }
+        drop(writing);
         vk.destroy_command_pool(pool, None);
         for pipeline in pipelines.all {
             vk.destroy_pipeline(pipeline, None);
@@ -107,51 +118,94 @@ pub fn frames(setup: &Setup) -> String {
     texels.iter().map(|texel| format!("{texel:02x}")).collect()
 }
 
-/// Copies the map into the rate image, which was read by the frame before.
-unsafe fn write_map(
-    setup: &Setup,
-    buffer: vk::CommandBuffer,
-    source: vk::Buffer,
-    rates: vk::Image,
-    frame: u32,
-) {
-    let (vk, plan) = (&setup.vk, &setup.plan);
-    let transfer = (vk::PipelineStageFlags2::TRANSFER, vk::AccessFlags2::TRANSFER_WRITE);
-    let destination = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
-    let old = if frame == 0 {
-        vk::ImageLayout::UNDEFINED
-    } else {
-        plan.unless("old layout", RATE_LAYOUT, vk::ImageLayout::GENERAL)
-    };
-    let to_write =
-        Barrier { layouts: [old, destination], src: (RATE_STAGE, vk::AccessFlags2::NONE), dst: transfer };
-    let dst = match plan.broken.as_str() {
-        "stage" => (vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::AccessFlags2::SHADER_READ),
-        "access" => (RATE_STAGE, vk::AccessFlags2::NONE),
-        "access without stage" => (vk::PipelineStageFlags2::FRAGMENT_SHADER, RATE_READ),
-        _ => (RATE_STAGE, RATE_READ),
-    };
-    let read = plan.unless("layout at use", RATE_LAYOUT, vk::ImageLayout::GENERAL);
-    let src = plan.unless("source", transfer, (vk::PipelineStageFlags2::HOST, vk::AccessFlags2::HOST_WRITE));
-    let to_read = Barrier { layouts: [destination, read], src, dst };
-    let layers = vk::ImageSubresourceLayers::default()
-        .aspect_mask(vk::ImageAspectFlags::COLOR)
-        .layer_count(setup.layers()[1]);
-    let region = [vk::BufferImageCopy::default()
-        .image_subresource(layers)
-        .image_extent(extent(setup.texels()).into())];
+/// Submits, and waits.
+unsafe fn submit(setup: &Setup, buffer: vk::CommandBuffer) {
+    let vk = &setup.vk;
+    let buffers = [buffer];
+    let infos = [vk::CommandBufferSubmitInfo::default().command_buffer(buffer)];
     // SAFETY: plain use of Vulkan.
     unsafe {
-        barrier(setup, buffer, rates, &to_write);
-        vk.cmd_copy_buffer_to_image(buffer, source, rates, destination, &region);
-        barrier(setup, buffer, rates, &to_read);
-        if plan.breaks("written after") {
-            let back = Barrier { layouts: [read, destination], src: (RATE_STAGE, RATE_READ), dst: transfer };
-            barrier(setup, buffer, rates, &back);
-            let wrong = Barrier { layouts: [destination, read], src: transfer, dst: transfer };
-            barrier(setup, buffer, rates, &wrong);
+        if setup.plan.is("framebuffer") {
+            let submit = vk::SubmitInfo::default().command_buffers(&buffers);
+            vk.queue_submit(setup.queue, &[submit], vk::Fence::null()).unwrap();
+        } else {
+            let submit = vk::SubmitInfo2::default().command_buffer_infos(&infos);
+            vk.queue_submit2(setup.queue, &[submit], vk::Fence::null()).unwrap();
+        }
+        vk.queue_wait_idle(setup.queue).unwrap();
+    }
+}
+
+/// Writes the map, by a copy or by a dispatch.
+struct Writing<'a> {
+    setup: &'a Setup,
+    writer: Option<Writer<'a>>,
+    source: vk::Buffer,
+    rates: vk::Image,
+}
+
+impl Writing<'_> {
+    /// Writes the rate image, which was read by the frame before.
+    unsafe fn map(&self, buffer: vk::CommandBuffer, frame: u32) {
+        let (vk, plan) = (&self.setup.vk, &self.setup.plan);
+        let written = match &self.writer {
+            Some(_) => (vk::PipelineStageFlags2::COMPUTE_SHADER, vk::AccessFlags2::SHADER_WRITE),
+            None => (vk::PipelineStageFlags2::TRANSFER, vk::AccessFlags2::TRANSFER_WRITE),
+        };
+        let while_written = match &self.writer {
+            Some(_) => vk::ImageLayout::GENERAL,
+            None => vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+        };
+        let old = if frame == 0 {
+            vk::ImageLayout::UNDEFINED
+        } else {
+            plan.unless("old layout", rate_layout(self.setup), vk::ImageLayout::TRANSFER_SRC_OPTIMAL)
+        };
+        let before = plan.unless("read not waited for", RATE_STAGE, vk::PipelineStageFlags2::TOP_OF_PIPE);
+        let to_write =
+            Barrier { layouts: [old, while_written], src: (before, vk::AccessFlags2::NONE), dst: written };
+        let dst = match plan.broken.as_str() {
+            "stage" => (vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::AccessFlags2::SHADER_READ),
+            "access" => (RATE_STAGE, vk::AccessFlags2::NONE),
+            "access without stage" => (vk::PipelineStageFlags2::FRAGMENT_SHADER, RATE_READ),
+            _ => (RATE_STAGE, RATE_READ),
+        };
+        let read =
+            plan.unless("layout at use", rate_layout(self.setup), vk::ImageLayout::TRANSFER_SRC_OPTIMAL);
+        let host = (vk::PipelineStageFlags2::HOST, vk::AccessFlags2::HOST_WRITE);
+        let to_read =
+            Barrier { layouts: [while_written, read], src: plan.unless("source", written, host), dst };
+        let layers = vk::ImageSubresourceLayers::default()
+            .aspect_mask(vk::ImageAspectFlags::COLOR)
+            .layer_count(self.setup.layers()[1]);
+        let region = [vk::BufferImageCopy::default()
+            .image_subresource(layers)
+            .image_extent(extent(self.setup.texels()).into())];
+        // SAFETY: plain use of Vulkan.
+        unsafe {
+            barrier(self.setup, buffer, self.rates, &to_write);
+            match &self.writer {
+                Some(writer) => writer.write(buffer),
+                None => vk.cmd_copy_buffer_to_image(buffer, self.source, self.rates, while_written, &region),
+            }
+            if plan.is("transition") || plan.breaks("no barrier") {
+                return;
+            }
+            barrier(self.setup, buffer, self.rates, &to_read);
+            if plan.breaks("written after") {
+                let layouts = [read, while_written];
+                let back = Barrier { layouts, src: (RATE_STAGE, RATE_READ), dst: written };
+                barrier(self.setup, buffer, self.rates, &back);
+                let wrong = Barrier { layouts: [while_written, read], src: written, dst: written };
+                barrier(self.setup, buffer, self.rates, &wrong);
+            }
         }
     }
+}
+
+/// The layout in which the map is read.
+fn rate_layout(setup: &Setup) -> vk::ImageLayout {
+    if setup.plan.is("general") { vk::ImageLayout::GENERAL } else { RATE_LAYOUT }
 }
 
 /// Places a barrier: in the form with framebuffers by Vulkan 1.0, in the others by Vulkan 1.3.
@@ -220,8 +274,16 @@ impl Drawing<'_> {
         }
         // SAFETY: plain use of Vulkan.
         unsafe {
-            vk.cmd_begin_render_pass(buffer, &info, vk::SubpassContents::INLINE);
-            self.draw(buffer);
+            if self.setup.plan.is("secondary") {
+                let inherited = vk::CommandBufferInheritanceInfo::default().render_pass(self.pass);
+                self.record_secondary(&inherited);
+                let contents = vk::SubpassContents::SECONDARY_COMMAND_BUFFERS;
+                vk.cmd_begin_render_pass(buffer, &info, contents);
+                vk.cmd_execute_commands(buffer, &[self.secondary]);
+            } else {
+                vk.cmd_begin_render_pass(buffer, &info, vk::SubpassContents::INLINE);
+                self.draw(buffer);
+            }
             vk.cmd_end_render_pass(buffer);
         }
     }
@@ -240,7 +302,11 @@ impl Drawing<'_> {
             .store_op(vk::AttachmentStoreOp::STORE)];
         let mut rate = vk::RenderingFragmentShadingRateAttachmentInfoKHR::default()
             .image_view(rates)
-            .image_layout(plan.unless("layout", RATE_LAYOUT, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL))
+            .image_layout(plan.unless(
+                "layout",
+                rate_layout(self.setup),
+                vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+            ))
             .shading_rate_attachment_texel_size(super::objects::texel(self.setup));
         let secondary = plan.is("secondary");
         let flags = if secondary {
@@ -266,12 +332,7 @@ impl Drawing<'_> {
                     .color_attachment_formats(&formats)
                     .rasterization_samples(vk::SampleCountFlags::TYPE_1);
                 let inherited = vk::CommandBufferInheritanceInfo::default().push_next(&mut rendering);
-                let begin = vk::CommandBufferBeginInfo::default()
-                    .flags(vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE)
-                    .inheritance_info(&inherited);
-                vk.begin_command_buffer(self.secondary, &begin).unwrap();
-                self.draw(self.secondary);
-                vk.end_command_buffer(self.secondary).unwrap();
+                self.record_secondary(&inherited);
             }
             vk.cmd_begin_rendering(buffer, &info);
             if secondary {
@@ -280,6 +341,19 @@ impl Drawing<'_> {
                 self.draw(buffer);
             }
             vk.cmd_end_rendering(buffer);
+        }
+    }
+
+    unsafe fn record_secondary(&self, inherited: &vk::CommandBufferInheritanceInfo<'_>) {
+        let vk = &self.setup.vk;
+        let begin = vk::CommandBufferBeginInfo::default()
+            .flags(vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE)
+            .inheritance_info(inherited);
+        // SAFETY: plain use of Vulkan.
+        unsafe {
+            vk.begin_command_buffer(self.secondary, &begin).unwrap();
+            self.draw(self.secondary);
+            vk.end_command_buffer(self.secondary).unwrap();
         }
     }
 

@@ -57,6 +57,9 @@ pub fn rate_image<'a>(setup: &Setup) -> vk::ImageCreateInfo<'a> {
     } else {
         usage |= vk::ImageUsageFlags::FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
     }
+    if plan.is("compute") {
+        usage |= vk::ImageUsageFlags::STORAGE;
+    }
     let volume = plan.breaks("3D image");
     vk::ImageCreateInfo::default()
         .flags(flags)
@@ -132,7 +135,11 @@ pub fn render_pass(setup: &Setup, uses_rates: bool) -> vk::RenderPass {
         .samples(vk::SampleCountFlags::TYPE_1)
         .load_op(plan.unless("load", vk::AttachmentLoadOp::LOAD, vk::AttachmentLoadOp::DONT_CARE))
         .store_op(vk::AttachmentStoreOp::STORE)
-        .initial_layout(RATE_LAYOUT)
+        .initial_layout(if plan.is("transition") {
+            vk::ImageLayout::TRANSFER_DST_OPTIMAL
+        } else {
+            RATE_LAYOUT
+        })
         .final_layout(RATE_LAYOUT);
     let attachments = [colour, rate];
     let colours = [vk::AttachmentReference2::default()
@@ -160,16 +167,22 @@ pub fn render_pass(setup: &Setup, uses_rates: bool) -> vk::RenderPass {
         subpass = subpass.push_next(&mut chained);
     }
     let subpasses = [subpass];
-    let dependencies = [vk::SubpassDependency2::default()
-        .src_subpass(vk::SUBPASS_EXTERNAL)
-        .dst_subpass(0)
+    let (output, write) =
+        (vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT, vk::AccessFlags::COLOR_ATTACHMENT_WRITE);
+    let before = vk::SubpassDependency2::default().src_subpass(vk::SUBPASS_EXTERNAL).dst_subpass(0);
+    let of_colour =
+        before.src_stage_mask(output).src_access_mask(write).dst_stage_mask(output).dst_access_mask(write);
+    let of_rates = before
         .src_stage_mask(vk::PipelineStageFlags::TRANSFER)
+        .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
         .dst_stage_mask(vk::PipelineStageFlags::FRAGMENT_SHADING_RATE_ATTACHMENT_KHR)
-        .dst_access_mask(vk::AccessFlags::FRAGMENT_SHADING_RATE_ATTACHMENT_READ_KHR)];
-    let mut info = vk::RenderPassCreateInfo2::default().attachments(&attachments).subpasses(&subpasses);
-    if plan.breaks("dependency") {
-        info = info.dependencies(&dependencies);
-    }
+        .dst_access_mask(vk::AccessFlags::FRAGMENT_SHADING_RATE_ATTACHMENT_READ_KHR);
+    let dependencies = [of_colour, of_rates];
+    let waits_for_rates = plan.breaks("dependency") || plan.is("transition") && !plan.breaks("no dependency");
+    let info = vk::RenderPassCreateInfo2::default()
+        .attachments(&attachments)
+        .subpasses(&subpasses)
+        .dependencies(if waits_for_rates { &dependencies } else { &dependencies[..1] });
     // SAFETY: plain use of Vulkan.
     unsafe { setup.vk.create_render_pass2(&info, None).unwrap() }
 }

@@ -31,7 +31,11 @@ impl Setup {
         // SAFETY: plain use of Vulkan; the handles live as long as the structure.
         unsafe {
             let entry = ash::Entry::load().unwrap();
-            let version = plan.unless("no create_renderpass2", vk::API_VERSION_1_3, vk::API_VERSION_1_1);
+            let version = match plan.broken.as_str() {
+                "no create_renderpass2" => vk::API_VERSION_1_1,
+                "no properties2" => vk::API_VERSION_1_0,
+                _ => vk::API_VERSION_1_3,
+            };
             let application = vk::ApplicationInfo::default().api_version(version);
             let info = vk::InstanceCreateInfo::default().application_info(&application);
             let instance = entry.create_instance(&info, None).unwrap();
@@ -95,8 +99,11 @@ impl Setup {
                 names.push(vk::EXT_GRAPHICS_PIPELINE_LIBRARY_NAME.as_ptr());
                 names.push(vk::KHR_PIPELINE_LIBRARY_NAME.as_ptr());
             }
-            let mut info =
-                vk::DeviceCreateInfo::default().queue_create_infos(&queue).enabled_extension_names(&names);
+            let features = vk::PhysicalDeviceFeatures::default().shader_storage_image_extended_formats(true);
+            let mut info = vk::DeviceCreateInfo::default()
+                .queue_create_infos(&queue)
+                .enabled_extension_names(&names)
+                .enabled_features(&features);
             if version >= vk::API_VERSION_1_3 {
                 info = info.push_next(&mut v11).push_next(&mut v12).push_next(&mut v13);
             }
@@ -108,6 +115,9 @@ impl Setup {
             }
             if plan.is("libraries") {
                 info = info.push_next(&mut libraries);
+            }
+            if version < vk::API_VERSION_1_1 {
+                info.p_next = std::ptr::null();
             }
             let device = instance.create_device(physical_device, &info, None).unwrap();
             if plan.form == "device" {
@@ -163,18 +173,26 @@ impl Setup {
         }
     }
 
+    /// Writes memory that the host can see, which nothing else uses.
+    pub fn write(&self, memory: vk::DeviceMemory, bytes: &[u8]) {
+        // SAFETY: plain use of Vulkan; the memory is mapped while it is written.
+        unsafe {
+            let to = self.vk.map_memory(memory, 0, vk::WHOLE_SIZE, Default::default()).unwrap();
+            std::ptr::copy_nonoverlapping(bytes.as_ptr(), to.cast(), bytes.len());
+            self.vk.unmap_memory(memory);
+        }
+    }
+
     /// A buffer with these bytes.
     pub fn buffer(&self, bytes: &[u8]) -> (vk::Buffer, vk::DeviceMemory) {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let info = vk::BufferCreateInfo::default().size(bytes.len() as u64).usage(usage);
-        // SAFETY: plain use of Vulkan; the memory is mapped while it is written.
+        // SAFETY: plain use of Vulkan.
         unsafe {
             let buffer = self.vk.create_buffer(&info, None).unwrap();
             let memory = self.allocate(self.vk.get_buffer_memory_requirements(buffer));
             self.vk.bind_buffer_memory(buffer, memory, 0).unwrap();
-            let to = self.vk.map_memory(memory, 0, vk::WHOLE_SIZE, Default::default()).unwrap();
-            std::ptr::copy_nonoverlapping(bytes.as_ptr(), to.cast(), bytes.len());
-            self.vk.unmap_memory(memory);
+            self.write(memory, bytes);
             (buffer, memory)
         }
     }
