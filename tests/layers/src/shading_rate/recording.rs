@@ -74,10 +74,13 @@ impl Recording {
     pub fn draw(&mut self, findings: &mut Findings, buffer: vk::CommandBuffer, command: &str, count: u32) {
         let Some(pipeline) = self.pipeline.clone() else { return };
         let rate = if pipeline.dynamic { self.set_rate } else { Some(pipeline.rate) };
-        let rule = format!("VUID-{command}-pipelineFragmentShadingRate-09238");
-        findings.require(rate.is_some(), KIND, &rule, buffer, || {
-            "the rate is dynamic, and was not set since the last pipeline with a rate of its own".to_owned()
-        });
+        if rate.is_none() {
+            let rule = format!("VUID-{command}-pipelineFragmentShadingRate-09238");
+            findings.require(false, KIND, &rule, buffer, || {
+                "the rate is dynamic, and was not set since the last pipeline with a rate of its own"
+                    .to_owned()
+            });
+        }
         let keep = vk::FragmentShadingRateCombinerOpKHR::KEEP;
         let obeying = rate.is_some_and(|rate| rate.combiners[1] != keep);
         match &self.current {
@@ -85,11 +88,16 @@ impl Recording {
                 let compatible = pipeline.render_pass.as_ref().is_some_and(|(other, index)| {
                     are_compatible(&other.rates, &render_pass.rates) && *index as usize == *subpass
                 });
-                let rule = format!("VUID-{command}-renderPass-02684");
-                findings.require(compatible, KIND, &rule, buffer, || {
-                    let other = pipeline.render_pass.as_ref().map(|(other, _)| &other.rates);
-                    format!("rate attachments {:?} of the pass, {other:?} of the pipeline", render_pass.rates)
-                });
+                if !compatible {
+                    let rule = format!("VUID-{command}-renderPass-02684");
+                    findings.require(false, KIND, &rule, buffer, || {
+                        let other = pipeline.render_pass.as_ref().map(|(other, _)| &other.rates);
+                        format!(
+                            "rate attachments {:?} of the pass, {other:?} of the pipeline",
+                            render_pass.rates
+                        )
+                    });
+                }
             }
             Some(Current::Rendering { attachment: Some(true), .. }) => {
                 require_flag(findings, buffer, command, pipeline.flagged);
@@ -121,8 +129,11 @@ impl Recording {
 }
 
 fn require_flag(findings: &mut Findings, buffer: vk::CommandBuffer, command: &str, flagged: bool) {
+    if flagged {
+        return;
+    }
     let rule = format!("VUID-{command}-imageView-06183");
-    findings.require(flagged, KIND, &rule, buffer, || {
+    findings.require(false, KIND, &rule, buffer, || {
         "a pipeline without VK_PIPELINE_CREATE_RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_BIT_KHR".to_owned()
     });
 }

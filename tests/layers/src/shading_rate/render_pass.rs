@@ -39,10 +39,8 @@ pub(super) struct RenderPass {
 /// Whether render passes with these rate attachments are compatible: the same subpasses have one, and each as
 /// large texels. At which index it is does not matter.
 pub(super) fn are_compatible(some: &[Option<RateAttachment>], others: &[Option<RateAttachment>]) -> bool {
-    let texels = |rates: &[Option<RateAttachment>]| -> Vec<_> {
-        rates.iter().map(|rate| rate.map(|rate| rate.texel)).collect()
-    };
-    texels(some) == texels(others)
+    let texel = |rate: &Option<RateAttachment>| rate.map(|rate| rate.texel);
+    some.iter().map(texel).eq(others.iter().map(texel))
 }
 
 const KIND: &str = "render_pass";

@@ -94,7 +94,7 @@ right! {
 /// A command buffer that is recorded once reads another map in each submit.
 #[test]
 fn each_submit_of_a_command_buffer_has_its_own_map() {
-    let ended = program(ShadingRateProfile::Layered16, "framebuffer prerecorded", "").validated().run();
+    let ended = program(ShadingRateProfile::Layered16, "framebuffer resubmitted", "").validated().run();
     let (findings, passes) = lines(&ended);
     assert_eq!(findings, []);
     assert_eq!(ended.findings, [""; 0]);
