@@ -1,11 +1,11 @@
-//! `cargo dev bench frame [--json] [--scenes A,B] [--tracker NAME] [--frames N] [--turns N] [--size PIXELS]
+//! `cargo dev bench frame [--json] [--scenes A,B] [--techniques A,B] [--tracker NAME] [--frames N] [--turns N] [--size PIXELS]
 //! [--error-frames N] [--error-size PIXELS]`.
 
 use parafovea_scene::scene::SceneName;
 use parafovea_scene::script::tracker::Tracker;
 use parafovea_tests::HarnessError;
 use parafovea_tests::measure::{
-    Effort, RUN_UP, Subject, Technique, error_rows, errors, print_json, print_table, rows, time,
+    Effort, RUN_UP, Subject, Summary, Technique, error_rows, errors, print_json, rows, time,
 };
 use std::process::ExitCode;
 
@@ -21,11 +21,13 @@ fn main() -> ExitCode {
 }
 
 const ARGUMENTS: &str =
-    "--json, --scenes, --tracker, --frames, --turns, --size, --error-frames, --error-size";
+    "--json, --scenes, --techniques, --tracker, --frames, --turns, --size, --error-frames, --error-size";
 
 struct Request {
     json: bool,
     scenes: Vec<SceneName>,
+    /// Names; all without.
+    techniques: Option<Vec<String>>,
     tracker: Tracker,
     timed: Effort,
     /// Frames beside the run-up; 0: no errors.
@@ -37,9 +39,10 @@ impl Request {
         let mut request = Self {
             json: false,
             scenes: SceneName::ALL.into_iter().filter(|scene| *scene != SceneName::Courtyard).collect(),
+            techniques: None,
             tracker: Tracker::GOOD,
             timed: Effort { turns: 5, frames: 40, size: 1024 },
-            judged: Effort { turns: 1, frames: 80, size: 512 },
+            judged: Effort { turns: 1, frames: 30, size: 512 },
         };
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().unwrap_or_default();
@@ -48,6 +51,9 @@ impl Request {
                 "--bench" => {}
                 "--json" => request.json = true,
                 "--scenes" => request.scenes = value().split(',').map(scene).collect::<Result<_, _>>()?,
+                "--techniques" => {
+                    request.techniques = Some(value().split(',').map(str::to_owned).collect());
+                }
                 "--tracker" => request.tracker = tracker(&value())?,
                 "--frames" => request.timed.frames = number("--frames", &value(), 20)?,
                 "--turns" => request.timed.turns = number("--turns", &value(), 1)? as usize,
@@ -78,13 +84,11 @@ fn tracker(name: &str) -> Result<Tracker, String> {
 }
 
 fn measure(request: &Request) -> Result<(), HarnessError> {
-    let techniques = [
-        Technique::off(),
-        Technique::layer("chroma", "[chroma]\nmode = \"default\"\n"),
-        Technique::render_scale(0.9),
-        Technique::render_scale(0.7),
-        Technique::render_scale(0.5),
-    ];
+    let mut techniques = Technique::baselines();
+    techniques.push(Technique::layer("chroma", "[chroma]\nmode = \"default\"\n"));
+    if let Some(wanted) = &request.techniques {
+        techniques.retain(|technique| technique.name == "off" || wanted.contains(&technique.name));
+    }
     let (timed, judged) = (request.timed, request.judged);
     let with_errors = judged.frames > 0;
     let runs = request.scenes.len() * techniques.len() * (timed.turns + 1 + usize::from(with_errors));
@@ -107,23 +111,21 @@ fn measure(request: &Request) -> Result<(), HarnessError> {
     };
     for &scene in &request.scenes {
         let subject = Subject::around_a_saccade(scene, request.tracker);
-        let costs = rows(subject.name(), &time(&subject, &techniques, timed, &mut progress)?);
-        if request.json {
-            print_json(&costs)
+        let timings = time(&subject, &techniques, timed, &mut progress)?;
+        let reports = if with_errors {
+            let judged = Effort { frames: judged.frames + RUN_UP, ..judged };
+            errors(&subject, &techniques, judged, &mut progress)?
         } else {
-            print_table(&costs)
-        }
-        if !with_errors {
-            continue;
-        }
-        let judged = Effort { frames: judged.frames + RUN_UP, ..judged };
-        let reports = errors(&subject, &techniques, judged, &mut progress)?;
-        for (technique, report) in techniques[1..].iter().zip(&reports) {
-            if request.json {
-                print_json(&error_rows(subject.name(), &technique.name, report));
-            } else {
-                println!("\n{}, {}, beside off: {report}", subject.name(), technique.name);
+            Vec::new()
+        };
+        let app = subject.name();
+        if request.json {
+            print_json(&rows(app, &timings));
+            for (technique, report) in techniques[1..].iter().zip(&reports) {
+                print_json(&error_rows(app, &technique.name, report));
             }
+        } else {
+            println!("{}", Summary { app, timings: &timings, reports: &reports });
         }
     }
     Ok(())

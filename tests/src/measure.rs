@@ -2,18 +2,20 @@
 //! the machine does falls on all of them alike.
 //!
 //! A [`Subject`] is a scene with somebody in it; a [`Technique`] is what is done to it. [`time`] gives each its turns and
-//! makes [`Timing`]s of them, [`errors()`] judges the pictures, [`rows`] turns both into lines of results.
+//! makes [`Timing`]s of them, [`errors()`] judges the pictures, [`rows`] and [`Summary`] print both.
 
 mod errors;
 mod rows;
 mod statistics;
 mod subject;
+mod summary;
 mod technique;
 mod timing;
 
 pub use errors::{RUN_UP, errors};
-pub use rows::{Row, error_rows, print_json, print_table, rows};
+pub use rows::{Row, error_rows, print_json, rows};
 pub use statistics::Samples;
 pub use subject::Subject;
+pub use summary::Summary;
 pub use technique::Technique;
 pub use timing::{Effort, Timing, time};

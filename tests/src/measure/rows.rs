@@ -1,4 +1,4 @@
-//! Lines of results, for people and for programs.
+//! Lines of results, for programs.
 
 use super::Timing;
 use parafovea_errors::Report;
@@ -95,19 +95,5 @@ pub fn print_json(rows: &[Row]) {
             Ok(line) => println!("{line}"),
             Err(error) => eprintln!("{error}"),
         }
-    }
-}
-
-/// Aligned, with the ratios.
-pub fn print_table(rows: &[Row]) {
-    for row in rows {
-        let comparison = row.comparison.map_or_else(String::new, |Comparison { ratio, spread, .. }| {
-            let spread = spread.map_or_else(String::new, |spread| format!(" +- {spread:.3}"));
-            format!("x {ratio:.3}{spread}")
-        });
-        println!(
-            "{:<10} {:<20} {:<18} {:>14.3} {:<12} {comparison}",
-            row.app, row.case, row.metric, row.value, row.unit
-        );
     }
 }

@@ -1,6 +1,7 @@
 //! What is done to an application, and what a user could do instead.
 
 use crate::run::LayerMode;
+use parafovea_core::fixed_foveation::FixedFoveation;
 
 /// One way to run an application.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +30,25 @@ impl Technique {
     /// The application alone, with smaller images: what every user can do.
     pub fn render_scale(scale: f32) -> Self {
         Self { name: format!("render scale {scale}"), render_scale: scale, ..Self::off() }
+    }
+
+    /// The application alone, shading by eccentricity itself.
+    pub fn fixed_foveation(name: &str, map: FixedFoveation) -> Self {
+        let share = 1.0 / map.peripheral.fraction();
+        let foveation = format!("{},{},1/{share}", map.foveal_deg, map.transitional_deg);
+        let arguments = vec!["--foveation".to_owned(), foveation];
+        Self { name: name.to_owned(), arguments, ..Self::off() }
+    }
+
+    /// What users could do without us, the application as it is first: three render scales, and the nine pairs
+    /// of radii of paper A's pilot study (FR, with a periphery of 1/16).
+    pub fn baselines() -> Vec<Self> {
+        let scales = [0.9, 0.7, 0.5].map(Self::render_scale);
+        let pairs = (0..9).map(|pair| {
+            let name = format!("FR L{}-C{}", pair / 3 + 1, pair % 3 + 1);
+            Self::fixed_foveation(&name, FixedFoveation::PILOT[pair])
+        });
+        [Self::off()].into_iter().chain(scales).chain(pairs).collect()
     }
 
     /// Whether the layer is on.

@@ -1,0 +1,75 @@
+//! The figures of one subject as a table in Markdown.
+
+use super::Timing;
+use parafovea_errors::{Metric, RING_NAMES, RINGS, Report};
+use std::fmt::{self, Display};
+
+/// What techniques cost on one subject, and how wrong they were.
+pub struct Summary<'a> {
+    /// The subject.
+    pub app: &'a str,
+    /// The first is what the others are compared with.
+    pub timings: &'a [Timing],
+    /// Of the techniques behind the first; empty where nothing was judged.
+    pub reports: &'a [Report],
+}
+
+/// What is printed of each ring.
+const BY_RING: Metric = Metric::Sustained;
+
+/// What is printed of the rings from 10 degrees on alone, where techniques differ in it.
+const PERIPHERAL: [Metric; 2] = [Metric::Transient, Metric::Flicker];
+
+impl Display for Summary<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(off) = self.timings.first() else { return Ok(()) };
+        write!(f, "\n### {}\n\n| technique | CPU ms | x off | p99 x off | fragments x off |", self.app)?;
+        let judged = !self.reports.is_empty();
+        if judged {
+            write!(f, " FLIP |")?;
+            RING_NAMES.iter().try_for_each(|ring| write!(f, " {} {ring} |", BY_RING.name()))?;
+            PERIPHERAL.iter().try_for_each(|metric| write!(f, " {} 10-20 |", metric.name()))?;
+        }
+        let columns = if judged { 5 + 1 + RINGS + PERIPHERAL.len() } else { 5 };
+        writeln!(f, "\n|---|{}", "---:|".repeat(columns - 1))?;
+        for (index, timing) in self.timings.iter().enumerate() {
+            let ratio = timing.cpu_ms.ratio_to(&off.cpu_ms);
+            let p99 = timing.cpu_ms.quantile(0.99) / off.cpu_ms.quantile(0.99);
+            let fragments = timing.fragments as f64 / off.fragments as f64;
+            let (name, cpu_ms) = (&timing.technique, timing.cpu_ms.median());
+            write!(
+                f,
+                "| {name} | {cpu_ms:.1} | {:.3} ± {:.3} | {p99:.3} | {fragments:.3} |",
+                ratio.value, ratio.spread
+            )?;
+            let report = index.checked_sub(1).and_then(|index| self.reports.get(index));
+            match report {
+                Some(report) => errors(f, report)?,
+                None if judged => write!(f, "{}", " |".repeat(columns - 5))?,
+                None => {}
+            }
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}
+
+fn errors(f: &mut fmt::Formatter<'_>, report: &Report) -> fmt::Result {
+    // FLIP knows nothing of gaze: of the whole picture.
+    let flip = (0..RINGS).map(|ring| report.row(Metric::Flip, ring));
+    let (sum, pixels) = flip.fold((0.0, 0), |(sum, pixels), row| {
+        (sum + row.mean.unwrap_or(0.0) * row.pixels as f64, pixels + row.pixels)
+    });
+    write!(f, " {:.3} |", sum / pixels.max(1) as f64)?;
+    let mean = |metric, ring| report.row(metric, ring).mean;
+    let rings = (0..RINGS).map(|ring| mean(BY_RING, ring));
+    let ring_of_10 = RING_NAMES.iter().position(|name| name.starts_with("10")).unwrap_or(RINGS - 1);
+    let peripheral = PERIPHERAL.map(|metric| mean(metric, ring_of_10));
+    for value in rings.chain(peripheral) {
+        match value {
+            Some(value) => write!(f, " {value:.2} |")?,
+            None => write!(f, " - |")?,
+        }
+    }
+    Ok(())
+}
