@@ -1,17 +1,19 @@
 //! `cargo dev bench frame [--json] [--scenes A,B] [--techniques A,B] [--tracker NAME] [--frames N] [--turns N] [--size PIXELS]
-//! [--error-frames N] [--error-size PIXELS]`.
+//! [--error-frames N] [--error-size PIXELS] [--fvvdp]`. The last judges by FovVideoVDP too: not for commercial use, and 6 GB.
 
+use parafovea_errors::fvvdp::{Fvvdp, NOTICE};
 use parafovea_scene::scene::SceneName;
 use parafovea_scene::script::tracker::Tracker;
-use parafovea_tests::HarnessError;
+use parafovea_tests::artifacts::target_folder;
 use parafovea_tests::measure::{
     Effort, RUN_UP, Subject, Summary, Technique, error_rows, errors, print_json, rows, time,
 };
+use std::error::Error;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let request = Request::read(std::env::args().skip(1));
-    match request.and_then(|request| measure(&request).map_err(|error| error.to_string())) {
+    match request.and_then(|request| measure(&request).map_err(|error| describe(&*error))) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -20,8 +22,7 @@ fn main() -> ExitCode {
     }
 }
 
-const ARGUMENTS: &str =
-    "--json, --scenes, --techniques, --tracker, --frames, --turns, --size, --error-frames, --error-size";
+const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --turns, --size, --error-frames, --error-size, --fvvdp";
 
 struct Request {
     json: bool,
@@ -32,6 +33,8 @@ struct Request {
     timed: Effort,
     /// Frames beside the run-up; 0: no errors.
     judged: Effort,
+    /// Whether FovVideoVDP judges too.
+    fvvdp: bool,
 }
 
 impl Request {
@@ -43,6 +46,7 @@ impl Request {
             tracker: Tracker::GOOD,
             timed: Effort { turns: 5, frames: 40, size: 1024 },
             judged: Effort { turns: 1, frames: 30, size: 512 },
+            fvvdp: false,
         };
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().unwrap_or_default();
@@ -51,6 +55,7 @@ impl Request {
                 "--bench" => {}
                 "--json" => request.json = true,
                 "--scenes" => request.scenes = value().split(',').map(scene).collect::<Result<_, _>>()?,
+                "--fvvdp" => request.fvvdp = true,
                 "--techniques" => {
                     request.techniques = Some(value().split(',').map(str::to_owned).collect());
                 }
@@ -83,7 +88,15 @@ fn tracker(name: &str) -> Result<Tracker, String> {
     Tracker::named(name).ok_or_else(|| format!("there is no tracker `{name}`; there are {known}"))
 }
 
-fn measure(request: &Request) -> Result<(), HarnessError> {
+/// An error with what caused it.
+fn describe(error: &dyn Error) -> String {
+    match error.source() {
+        Some(source) => format!("{error}: {}", describe(source)),
+        None => error.to_string(),
+    }
+}
+
+fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
     let mut techniques = Technique::baselines();
     techniques.push(Technique::layer("chroma", "[chroma]\nmode = \"default\"\n"));
     if let Some(wanted) = &request.techniques {
@@ -104,6 +117,12 @@ fn measure(request: &Request) -> Result<(), HarnessError> {
         timed.frames,
         size = timed.size
     );
+    let fvvdp = if request.fvvdp {
+        eprintln!("--fvvdp: {NOTICE}");
+        Some(Fvvdp::install(&target_folder()?.join("fvvdp"))?)
+    } else {
+        None
+    };
     let mut done = 0;
     let mut progress = |run: &str| {
         done += 1;
@@ -112,20 +131,20 @@ fn measure(request: &Request) -> Result<(), HarnessError> {
     for &scene in &request.scenes {
         let subject = Subject::around_a_saccade(scene, request.tracker);
         let timings = time(&subject, &techniques, timed, &mut progress)?;
-        let reports = if with_errors {
-            let judged = Effort { frames: judged.frames + RUN_UP, ..judged };
-            errors(&subject, &techniques, judged, &mut progress)?
+        let judged = if with_errors {
+            let effort = Effort { frames: judged.frames + RUN_UP, ..judged };
+            errors(&subject, &techniques, effort, fvvdp.as_ref(), &mut progress)?
         } else {
             Vec::new()
         };
         let app = subject.name();
         if request.json {
             print_json(&rows(app, &timings));
-            for (technique, report) in techniques[1..].iter().zip(&reports) {
-                print_json(&error_rows(app, &technique.name, report));
+            for (technique, judged) in techniques[1..].iter().zip(&judged) {
+                print_json(&error_rows(app, &technique.name, judged));
             }
         } else {
-            println!("{}", Summary { app, timings: &timings, reports: &reports });
+            println!("{}", Summary { app, timings: &timings, judged: &judged });
         }
     }
     Ok(())

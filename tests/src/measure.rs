@@ -12,7 +12,7 @@ mod summary;
 mod technique;
 mod timing;
 
-pub use errors::{RUN_UP, errors};
+pub use errors::{Judged, RUN_UP, errors};
 pub use rows::{Row, error_rows, print_json, rows};
 pub use statistics::Samples;
 pub use subject::Subject;

@@ -5,16 +5,27 @@ use crate::HarnessError;
 use crate::run::Outcome;
 use crate::scenario::{Picture, Scenario, View};
 use parafovea_core::geometry::Fov;
-use parafovea_errors::{Eye, Frame, Judge, Report, Viewing};
+use parafovea_errors::fvvdp::Fvvdp;
+use parafovea_errors::{Clip, Eye, Frame, Judge, Report, Viewing};
 use parafovea_scene::scene::FRAMES_PER_SECOND;
 use parafovea_scene::script::WHITE_CD_M2;
 
 /// Frames that are not judged at the start of a run: rates and colour ramp from nothing there.
 pub const RUN_UP: u64 = 10;
 
+/// How wrong one technique is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judged {
+    /// Errors by metric and ring.
+    pub report: Report,
+    /// FovVideoVDP's judgement of the worse eye, where that was asked for: 10 is no difference, 1 less is what three of
+    /// four people see.
+    pub jod: Option<f64>,
+}
+
 /// Shows `subject` with each of `techniques`, the first of which is the reference, and judges what the eyes get to
-/// see, after the runtime's compositor, around where they truly look. The reports are in the order of the techniques
-/// behind the first.
+/// see, after the runtime's compositor, around where they truly look. The results are in the order of the techniques
+/// behind the first, with JOD where `fvvdp` is there.
 ///
 /// `progress` is told of every run before it is started.
 ///
@@ -24,8 +35,9 @@ pub fn errors(
     subject: &Subject,
     techniques: &[Technique],
     effort: Effort,
+    fvvdp: Option<&Fvvdp>,
     mut progress: impl FnMut(&str),
-) -> Result<Vec<Report>, HarnessError> {
+) -> Result<Vec<Judged>, HarnessError> {
     let mut scenario = subject.scenario(effort);
     scenario.output.save_frames = (RUN_UP..effort.frames).collect();
     scenario.output.save = vec![Picture::Eye];
@@ -35,7 +47,38 @@ pub fn errors(
     };
     let Some((reference, others)) = techniques.split_first() else { return Ok(Vec::new()) };
     let reference = show(reference)?;
-    others.iter().map(|technique| judge(subject, &scenario, &reference, &show(technique)?)).collect()
+    let judged = |technique| -> Result<Judged, HarnessError> {
+        let test = show(technique)?;
+        let report = judge(subject, &scenario, &reference, &test)?;
+        let jod = fvvdp.map(|fvvdp| jod(fvvdp, subject, &scenario, [&reference, &test])).transpose()?;
+        Ok(Judged { report, jod })
+    };
+    others.iter().map(judged).collect()
+}
+
+fn viewing() -> Viewing {
+    Viewing { white_cd_m2: WHITE_CD_M2, refresh_hz: FRAMES_PER_SECOND as f32, ..Viewing::default() }
+}
+
+/// JOD of the worse eye.
+fn jod(
+    fvvdp: &Fvvdp,
+    subject: &Subject,
+    scenario: &Scenario,
+    outcomes: [&Outcome; 2],
+) -> Result<f64, HarnessError> {
+    let clip = |outcome| -> Result<Clip, HarnessError> {
+        let frames = scenario.output.save_frames.iter();
+        let frames = frames.map(|&frame| shown(subject, scenario, outcome, frame));
+        Ok(Clip { frames: frames.collect::<Result<_, _>>()? })
+    };
+    let [reference, test] = [clip(outcomes[0])?, clip(outcomes[1])?];
+    let mut worse = f64::INFINITY;
+    for eye in 0..scenario.views.len() {
+        let found = fvvdp.jod(&reference, &test, eye, &viewing());
+        worse = worse.min(found.map_err(|error| outcomes[1].failed(&error.to_string()))?.jod);
+    }
+    Ok(worse)
 }
 
 fn judge(
@@ -44,10 +87,8 @@ fn judge(
     reference: &Outcome,
     test: &Outcome,
 ) -> Result<Report, HarnessError> {
-    let viewing =
-        Viewing { white_cd_m2: WHITE_CD_M2, refresh_hz: FRAMES_PER_SECOND as f32, ..Viewing::default() };
     let failed = |error| test.failed(&format!("its pictures cannot be judged: {error}"));
-    let mut judge = Judge::new(viewing).map_err(failed)?;
+    let mut judge = Judge::new(viewing()).map_err(failed)?;
     for &frame in &scenario.output.save_frames {
         let [before, after] = [reference, test].map(|outcome| shown(subject, scenario, outcome, frame));
         judge.push(&before?, &after?).map_err(failed)?;

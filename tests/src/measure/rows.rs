@@ -1,7 +1,6 @@
 //! Lines of results, for programs.
 
-use super::Timing;
-use parafovea_errors::Report;
+use super::{Judged, Timing};
 use serde::Serialize;
 
 /// One figure.
@@ -70,22 +69,24 @@ fn rows_of(app: &str, timing: &Timing, baseline: &Timing) -> Vec<Row> {
 }
 
 /// What a technique got wrong; rings and metrics without a value are left out.
-pub fn error_rows(app: &str, technique: &str, report: &Report) -> Vec<Row> {
-    let row = |error: &parafovea_errors::Row, kind: &str, value: f64| Row {
+pub fn error_rows(app: &str, technique: &str, judged: &Judged) -> Vec<Row> {
+    let row = |metric: String, unit, value| Row {
         bench: "frame",
         app: app.to_owned(),
         case: technique.to_owned(),
-        metric: format!("{} {kind} {}", error.metric.name(), error.ring),
+        metric,
         value,
-        unit: error.unit,
+        unit,
         comparison: None,
     };
-    let both = report.rows.iter().flat_map(|error| {
-        let mean = error.mean.map(|mean| row(error, "mean", mean));
-        let worst = error.worst_tile.map(|worst| row(error, "worst tile", worst.value));
+    let both = judged.report.rows.iter().flat_map(|error| {
+        let name = |kind| format!("{} {kind} {}", error.metric.name(), error.ring);
+        let mean = error.mean.map(|mean| row(name("mean"), error.unit, mean));
+        let worst = error.worst_tile.map(|worst| row(name("worst tile"), error.unit, worst.value));
         [mean, worst]
     });
-    both.flatten().collect()
+    let jod = judged.jod.map(|jod| row("jod".to_owned(), "JOD", jod));
+    both.chain([jod]).flatten().collect()
 }
 
 /// One object a line.

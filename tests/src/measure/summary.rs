@@ -1,7 +1,7 @@
 //! The figures of one subject as a table in Markdown.
 
-use super::Timing;
-use parafovea_errors::{Metric, RING_NAMES, RINGS, Report};
+use super::{Judged, Timing};
+use parafovea_errors::{Metric, RING_NAMES, RINGS};
 use std::fmt::{self, Display};
 
 /// What techniques cost on one subject, and how wrong they were.
@@ -11,7 +11,7 @@ pub struct Summary<'a> {
     /// The first is what the others are compared with.
     pub timings: &'a [Timing],
     /// Of the techniques behind the first; empty where nothing was judged.
-    pub reports: &'a [Report],
+    pub judged: &'a [Judged],
 }
 
 /// What is printed of each ring.
@@ -24,13 +24,13 @@ impl Display for Summary<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(off) = self.timings.first() else { return Ok(()) };
         write!(f, "\n### {}\n\n| technique | CPU ms | x off | p99 x off | fragments x off |", self.app)?;
-        let judged = !self.reports.is_empty();
+        let judged = !self.judged.is_empty();
         if judged {
-            write!(f, " FLIP |")?;
+            write!(f, " JOD | FLIP |")?;
             RING_NAMES.iter().try_for_each(|ring| write!(f, " {} {ring} |", BY_RING.name()))?;
             PERIPHERAL.iter().try_for_each(|metric| write!(f, " {} 10-20 |", metric.name()))?;
         }
-        let columns = if judged { 5 + 1 + RINGS + PERIPHERAL.len() } else { 5 };
+        let columns = if judged { 5 + 2 + RINGS + PERIPHERAL.len() } else { 5 };
         writeln!(f, "\n|---|{}", "---:|".repeat(columns - 1))?;
         for (index, timing) in self.timings.iter().enumerate() {
             let ratio = timing.cpu_ms.ratio_to(&off.cpu_ms);
@@ -42,9 +42,8 @@ impl Display for Summary<'_> {
                 "| {name} | {cpu_ms:.1} | {:.3} ± {:.3} | {p99:.3} | {fragments:.3} |",
                 ratio.value, ratio.spread
             )?;
-            let report = index.checked_sub(1).and_then(|index| self.reports.get(index));
-            match report {
-                Some(report) => errors(f, report)?,
+            match index.checked_sub(1).and_then(|index| self.judged.get(index)) {
+                Some(judged) => errors(f, judged)?,
                 None if judged => write!(f, "{}", " |".repeat(columns - 5))?,
                 None => {}
             }
@@ -54,7 +53,11 @@ impl Display for Summary<'_> {
     }
 }
 
-fn errors(f: &mut fmt::Formatter<'_>, report: &Report) -> fmt::Result {
+fn errors(f: &mut fmt::Formatter<'_>, Judged { report, jod }: &Judged) -> fmt::Result {
+    match jod {
+        Some(jod) => write!(f, " {jod:.2} |")?,
+        None => write!(f, " - |")?,
+    }
     // FLIP knows nothing of gaze: of the whole picture.
     let flip = (0..RINGS).map(|ring| report.row(Metric::Flip, ring));
     let (sum, pixels) = flip.fold((0.0, 0), |(sum, pixels), row| {
