@@ -12,4 +12,5 @@ mod loader_1_1;
 mod overhead;
 mod pictures;
 mod readme;
+mod shading_rate;
 mod swapchain_cases;

@@ -49,7 +49,7 @@ pub struct ShadingRatePass {
     pub formats: Vec<String>,
     /// Their images.
     pub targets: Vec<String>,
-    /// Draw calls in the pass.
+    /// Draw calls in the pass, of a suspended one only those before it is resumed.
     pub draws: u32,
     /// Those of them whose second combiner regards the attachment, so that it is not KEEP.
     pub draws_obeying: u32,

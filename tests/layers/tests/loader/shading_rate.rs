@@ -89,6 +89,7 @@ right! {
     pipeline_libraries_are_right: "dynamic libraries";
     the_second_kind_of_flags_is_right: "dynamic flags2";
     a_secondary_command_buffer_is_right: "dynamic secondary";
+    a_pass_that_is_suspended_and_resumed_is_right: "dynamic suspended";
 }
 
 /// A command buffer that is recorded once reads another map in each submit.

@@ -336,6 +336,13 @@ impl Drawing<'_> {
                 let inherited = vk::CommandBufferInheritanceInfo::default().push_next(&mut rendering);
                 self.record_secondary(&inherited);
             }
+            if plan.is("suspended") {
+                info.flags = vk::RenderingFlags::SUSPENDING;
+                vk.cmd_begin_rendering(buffer, &info);
+                self.draw(buffer);
+                vk.cmd_end_rendering(buffer);
+                info.flags = vk::RenderingFlags::RESUMING;
+            }
             vk.cmd_begin_rendering(buffer, &info);
             if secondary {
                 vk.cmd_execute_commands(buffer, &[self.secondary]);
