@@ -14,7 +14,10 @@ use crate::{HarnessError, artifacts};
 use child::Child;
 use outcome::Folder;
 use parafovea_test_layers::validation::VALIDATION_LAYER;
-use parafovea_test_layers::{COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, TestLayer};
+use parafovea_test_layers::{
+    COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, SHADING_RATE_FILE_VARIABLE, SHADING_RATE_PROFILE_VARIABLE,
+    ShadingRateProfile, TestLayer,
+};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -147,6 +150,12 @@ impl Run {
         self.test_layer(TestLayer::DropBarrier).env(DROP_BARRIER_VARIABLE, pattern)
     }
 
+    /// Makes the device look as if it had shading rates, below ours and above validation; what is drawn with them is
+    /// in [`Outcome::shading_rates`].
+    pub fn shading_rates(self, profile: ShadingRateProfile) -> Self {
+        self.test_layer(TestLayer::ShadingRate).env(SHADING_RATE_PROFILE_VARIABLE, profile.name())
+    }
+
     /// Sets a variable of the application's environment.
     pub fn env(mut self, name: &str, value: impl Into<OsString>) -> Self {
         self.environment.push((name.to_owned(), value.into()));
@@ -192,6 +201,7 @@ impl Run {
         }
         command.env("VK_INSTANCE_LAYERS", vulkan_layers.join(":"));
         command.env(COUNT_FILE_VARIABLE, folder.path().join(COUNT_FILE));
+        command.env(SHADING_RATE_FILE_VARIABLE, folder.path().join(SHADING_RATE_FILE));
         command.envs(self.environment.iter().map(|(name, value)| (name, value)));
         let child = Child::start(command, folder.path(), self.timeout)?;
         Ok(Running { run: self, folder, installation, child })
@@ -221,6 +231,9 @@ impl Run {
 
 /// Where the counting layer writes.
 const COUNT_FILE: &str = "count.jsonl";
+
+/// Where the layer that stands in for shading rates writes, in the run's folder.
+const SHADING_RATE_FILE: &str = "shading_rates.jsonl";
 
 /// A run that goes on.
 pub struct Running {

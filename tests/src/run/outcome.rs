@@ -1,14 +1,14 @@
 //! What a run left behind.
 
-use super::COUNT_FILE;
 use super::child::Exit;
 use super::validation::Findings;
+use super::{COUNT_FILE, SHADING_RATE_FILE};
 use crate::HarnessError;
 use crate::installation::Installation;
 use crate::picture::Picture;
 use crate::record::Record;
 use crate::scenario::Scenario;
-use parafovea_test_layers::Count;
+use parafovea_test_layers::{Count, ShadingRateLine};
 use std::path::{Path, PathBuf};
 
 /// An application's end, and everything that it left. Its folder goes with it, unless a test fails.
@@ -82,6 +82,18 @@ impl Outcome {
         let text = std::fs::read_to_string(&path).map_err(HarnessError::file(&path))?;
         let count = |line| serde_json::from_str(line).map_err(|error| HarnessError::format(&path, error));
         text.lines().map(|line| count(line).and_then(number)).sum()
+    }
+
+    /// What [`Run::shading_rates`](super::Run::shading_rates) has to say, in its order; nothing where it was not
+    /// there.
+    ///
+    /// # Errors
+    /// [`HarnessError::Format`] where a line is not one of that layer's.
+    pub fn shading_rates(&self) -> Result<Vec<ShadingRateLine>, HarnessError> {
+        let path = self.folder.path().join(SHADING_RATE_FILE);
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        let line = |line| serde_json::from_str(line).map_err(|error| HarnessError::format(&path, error));
+        text.lines().map(line).collect()
     }
 
     /// Fails unless the application ended by itself with code 0 after so many frames.
