@@ -29,6 +29,8 @@ pub use features::AudioFeatures;
 pub use loudness::Loudness;
 pub use mel::{BANDS, FilterBank, GREATEST_KILOMEL, LEAST_KILOMEL, gamma_fq, hz_of_mel, mel_of_hz};
 
+use crate::range::within;
+
 /// How the window T_a is summed up (`audio.mode`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
@@ -69,12 +71,12 @@ impl AudioSettings {
     #[must_use]
     pub fn limited(self) -> Self {
         let default = Self::default();
-        let least_lufs = limited(self.least_lufs, -70.0, 0.0, default.least_lufs);
+        let least_lufs = within(self.least_lufs, [-70.0, 0.0], default.least_lufs);
         Self {
             mode: self.mode,
-            window_s: limited(self.window_s, 0.4, 120.0, default.window_s),
+            window_s: within(self.window_s, [0.4, 120.0], default.window_s),
             least_lufs,
-            greatest_lufs: limited(self.greatest_lufs, -70.0, 0.0, default.greatest_lufs).max(least_lufs),
+            greatest_lufs: within(self.greatest_lufs, [-70.0, 0.0], default.greatest_lufs).max(least_lufs),
         }
     }
 }
@@ -85,11 +87,6 @@ pub fn gamma_ld(loudness_lufs: f32, settings: &AudioSettings) -> f32 {
     let AudioSettings { least_lufs, greatest_lufs, .. } = settings.limited();
     // `max` takes the other side of a NaN.
     loudness_lufs.max(least_lufs).min(greatest_lufs) - least_lufs
-}
-
-/// `value` within `low..=high`; `default` where it is NaN.
-fn limited(value: f32, low: f32, high: f32, default: f32) -> f32 {
-    if value.is_nan() { default } else { value.clamp(low, high) }
 }
 
 #[cfg(test)]

@@ -56,8 +56,8 @@ impl Coefficients {
     /// alpha of Eq. 17 with E_0 = d, as the paper has it: the visual loss that sound pays for, in Tursun's units.
     ///
     /// Features beyond what the paper studied, [`GAMMA_LD`] and [`LEAST_KILOMEL`]`..=`[`GREATEST_KILOMEL`], count as its
-    /// end. 0 where gamma_fq is not above 0, which no sound has, and where a feature or coefficient is NaN or infinite. 0 too where c is not above 0: a study in
-    /// which visual loss cost nothing says nothing about how much of it is free.
+    /// end. 0 where gamma_fq is not above 0, which no sound has, and where a feature or coefficient is NaN or infinite. 0
+    /// too where c is not above 0: a study in which visual loss cost nothing says nothing about how much of it is free.
     pub fn alpha(&self, gamma_ld: f32, gamma_fq_kilomel: f32) -> f32 {
         self.alpha_above(self.d, gamma_ld, gamma_fq_kilomel)
     }
@@ -66,8 +66,7 @@ impl Coefficients {
     ///
     /// Negative where even full rendering stays below E_0. Otherwise as [`Self::alpha`].
     pub fn alpha_above(&self, threshold: f32, gamma_ld: f32, gamma_fq_kilomel: f32) -> f32 {
-        let heard = gamma_ld.is_finite() && gamma_fq_kilomel.is_finite() && gamma_fq_kilomel > 0.0;
-        if !heard || self.c.is_nan() || self.c <= 0.0 {
+        if !says_something(gamma_ld, gamma_fq_kilomel) || self.c.is_nan() || self.c <= 0.0 {
             return 0.0;
         }
         let loudness = gamma_ld.clamp(GAMMA_LD[0], GAMMA_LD[1]);
@@ -78,6 +77,11 @@ impl Coefficients {
         let alpha = VISUAL_LOSS_SCALE / self.c * score;
         if alpha.is_finite() { alpha } else { 0.0 }
     }
+}
+
+/// Whether both features can be of a sound: finite, and gamma_fq above 0.
+fn says_something(gamma_ld: f32, gamma_fq_kilomel: f32) -> bool {
+    gamma_ld.is_finite() && gamma_fq_kilomel.is_finite() && gamma_fq_kilomel > 0.0
 }
 
 #[cfg(test)]

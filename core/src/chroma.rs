@@ -71,10 +71,5 @@ impl Default for ChromaSettings {
     }
 }
 
-/// `value` within `low..=high`; `default` where it is NaN.
-fn limited(value: f32, low: f32, high: f32, default: f32) -> f32 {
-    if value.is_nan() { default } else { value.clamp(low, high) }
-}
-
 #[cfg(test)]
 mod tests;

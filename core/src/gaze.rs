@@ -65,7 +65,7 @@ impl GazeState {
     }
 
     /// Whether a tile may become coarser, or be rendered less often, than a frame ago. Becoming finer is always
-    /// allowed (DESIGN, safety rails).
+    /// allowed.
     pub fn may_coarsen(&self) -> bool {
         self.phase == GazePhase::Fixation
     }

@@ -11,7 +11,7 @@ mod tile;
 
 pub use cap::Cap;
 pub use depth::{DepthRange, MAX_VIEW_DISTANCE_M, view_distance};
-pub(crate) use reprojection::unit as rotation;
+pub(crate) use reprojection::rotation;
 pub use reprojection::{Reprojection, View};
 pub use resolution::{Resolution, pixels_per_degree, resolution};
 pub use tile::{EccentricityRange, PixelRect, tile_eccentricity};
@@ -101,6 +101,11 @@ pub fn eccentricity(a: Vec3, b: Vec3) -> f32 {
     let (a, b) = (scaled_to_one(a), scaled_to_one(b));
     // + 0: the dot product of nothing may be -0, for which atan2 gives pi.
     a.cross(b).length().atan2(a.dot(b) + 0.0)
+}
+
+/// `v` with a length of 1, for any that is finite and not zero.
+pub(crate) fn unit_direction(v: Vec3) -> Option<Vec3> {
+    scaled_to_one(v).try_normalize()
 }
 
 /// `v` divided by its largest component, so that products of two such neither overflow nor vanish.

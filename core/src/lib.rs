@@ -24,5 +24,6 @@ pub mod layout;
 pub mod perception;
 pub mod plan;
 pub mod presets;
+mod range;
 pub mod rate;
 pub mod schedule;

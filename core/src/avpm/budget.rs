@@ -1,6 +1,6 @@
 //! What a frame may lose by what is heard, in silence too, and in the units of the sensitivity function in use.
 
-use super::{Coefficients, PAPER, PAPER_THRESHOLD};
+use super::{Coefficients, PAPER, PAPER_THRESHOLD, says_something};
 
 /// How the sensitivity is scaled that a budget is compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -92,9 +92,8 @@ impl BudgetSettings {
     /// `silent`, and where a feature says nothing (NaN, infinite, or gamma_fq of 0, which no sound has), the
     /// [`SilenceRule`] holds.
     pub fn budget(&self, gamma_ld: f32, gamma_fq_kilomel: f32, silent: bool) -> Budget {
-        let heard = gamma_ld.is_finite() && gamma_fq_kilomel.is_finite() && gamma_fq_kilomel > 0.0;
         match self.silence {
-            _ if heard && !silent => {
+            _ if !silent && says_something(gamma_ld, gamma_fq_kilomel) => {
                 let alpha = self.coefficients.alpha_above(self.threshold, gamma_ld, gamma_fq_kilomel);
                 Budget::Alpha(alpha / self.unit.kappa())
             }

@@ -92,6 +92,9 @@ fn list(features: &[Feature]) -> String {
 /// (Algorithm 1, line 8), whatever their order.
 ///
 /// In double precision inside. [`super::study::parse`] gives entries from text.
+///
+/// # Errors
+/// Where the entries do not determine all four coefficients, or are no numbers: see [`FitError`].
 pub fn fit(entries: &[Entry]) -> Result<Fit, FitError> {
     if let Some(index) = entries.iter().position(|entry| !usable(entry)) {
         return Err(FitError::NotFinite { index });

@@ -121,7 +121,10 @@ fn same(value: f32) -> f32 {
 
 /// Reads a study, row by row, as it is: see [`averaged`] for line 8 of the algorithm.
 ///
-/// Surrounding spaces do not matter. A header without rows is an empty study. The first thing that is wrong is the error.
+/// Surrounding spaces do not matter. A header without rows is an empty study.
+///
+/// # Errors
+/// Says where the first thing is that is wrong, and what is allowed there: see [`StudyError`].
 pub fn parse(text: &str) -> Result<Vec<Entry>, StudyError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader = ReaderBuilder::new().trim(Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());

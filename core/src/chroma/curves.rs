@@ -1,6 +1,7 @@
 //! The two curves of paper C, how eccentricity in radians is mapped onto them, and the bounds of our default mode.
 
-use super::{ChromaSettings, Mode, floor, limited};
+use super::{ChromaSettings, Mode, floor};
+use crate::range::within;
 use std::f32::consts::{FRAC_PI_2, LN_2};
 
 /// Gain of Cb at normalised eccentricity `e`: (1 - e^2)^z, paper C Eq. 1; 1 at 0, 0 from 1 on. NaN counts as 0.
@@ -82,9 +83,9 @@ impl Curves {
     pub fn new(settings: &ChromaSettings) -> Self {
         let default = ChromaSettings::default();
         let end =
-            limited(settings.max_eccentricity_deg, 20.0, 110.0, default.max_eccentricity_deg).to_radians();
-        let cb_bound = limited(settings.cb_bound, 0.70, 0.85, default.cb_bound);
-        let cr_bound = limited(settings.cr_bound, 0.35, 0.55, default.cr_bound);
+            within(settings.max_eccentricity_deg, [20.0, 110.0], default.max_eccentricity_deg).to_radians();
+        let cb_bound = within(settings.cb_bound, [0.70, 0.85], default.cb_bound);
+        let cr_bound = within(settings.cr_bound, [0.35, 0.55], default.cr_bound);
         match settings.mode {
             Mode::Paper => Self {
                 plateau: 0.0,
@@ -97,13 +98,13 @@ impl Curves {
             },
             Mode::Default => {
                 let fall_off = floor::fall_off();
-                let plateau = limited(settings.plateau_deg, 1.1, 30.0, default.plateau_deg).to_radians();
+                let plateau = within(settings.plateau_deg, [1.1, 30.0], default.plateau_deg).to_radians();
                 Self {
                     plateau,
                     range_scale: 1.0 / (end - plateau).max(MIN_RANGE),
                     cb_bound,
                     cr_bound,
-                    rim_scale: 1.0 / limited(settings.rim_fade, 0.25, 1.0, default.rim_fade),
+                    rim_scale: 1.0 / within(settings.rim_fade, [0.25, 1.0], default.rim_fade),
                     cb_fall_off: fall_off.cb,
                     cr_fall_off: fall_off.cr,
                 }
@@ -119,7 +120,7 @@ impl Curves {
     /// long before.
     pub fn gains(&self, eccentricity: f32) -> Gains {
         let e = unit((eccentricity - self.plateau) * self.range_scale);
-        let floor = |fall_off: f32| (-fall_off * eccentricity.max(0.0)).exp2();
+        let floor = |fall_off: f32| floor::relative(fall_off, eccentricity);
         let rim = 1.0 - e * self.rim_scale;
         Gains {
             cb: cb_gain(e, self.cb_bound).max(floor(self.cb_fall_off)),

@@ -26,7 +26,11 @@ pub(super) fn fall_off() -> Gains {
 /// Sensitivity to large fields at an eccentricity (radians), relative to that at 0, of both channels: 1 at 0, falling
 /// towards 0. Negative counts as 0, and so does NaN.
 pub fn floor(eccentricity: f32) -> Gains {
-    let relative = |fall_off: f32| (-fall_off * eccentricity.max(0.0)).exp2();
     let Gains { cb, cr } = fall_off();
-    Gains { cb: relative(cb), cr: relative(cr) }
+    Gains { cb: relative(cb, eccentricity), cr: relative(cr, eccentricity) }
+}
+
+/// [`floor`] of a channel that falls by `fall_off` octaves per radian.
+pub(super) fn relative(fall_off: f32, eccentricity: f32) -> f32 {
+    (-fall_off * eccentricity.max(0.0)).exp2()
 }

@@ -5,8 +5,9 @@
 //! where the gaze goes, and contracts towards it so slowly that no direction leaves it faster than the curves'
 //! steepest descent allows.
 
-use super::{ChromaSettings, Curves, Mode, limited};
-use crate::geometry::Cap;
+use super::{ChromaSettings, Curves, Mode};
+use crate::geometry::{Cap, unit_direction};
+use crate::range::within;
 use glam::Vec3;
 
 /// Where colour is kept in full, and how strongly it is attenuated elsewhere.
@@ -51,7 +52,7 @@ impl Trail {
     /// counts as switching on. A clock that stands still or goes back lets nothing fall. In paper mode nothing is
     /// limited.
     pub fn update(&mut self, gaze: Option<Vec3>, time_ns: i64, settings: &ChromaSettings) -> Option<Focus> {
-        let Some(gaze) = gaze.and_then(unit) else {
+        let Some(gaze) = gaze.and_then(unit_direction) else {
             self.switched_off(time_ns);
             return None;
         };
@@ -69,14 +70,9 @@ impl Trail {
     }
 }
 
-/// `direction` with a length of 1, if it has a meaning.
-fn unit(direction: Vec3) -> Option<Vec3> {
-    direction.is_finite().then(|| direction / direction.abs().max_element())?.try_normalize()
-}
-
 /// The next focus after `last`, with no gain falling by more than the time since then allows.
 fn follow(last: &Shown, gaze: Vec3, time_ns: i64, settings: &ChromaSettings) -> Focus {
-    let limit = limited(settings.max_change_per_s, 0.1, 100.0, ChromaSettings::default().max_change_per_s);
+    let limit = within(settings.max_change_per_s, [0.1, 100.0], ChromaSettings::default().max_change_per_s);
     let elapsed_s = time_ns.saturating_sub(last.time_ns).max(0) as f32 * 1e-9;
     let allowed = limit * elapsed_s;
     let Some((focus, _)) = last.attenuated.filter(|(_, before)| before == settings) else {

@@ -54,6 +54,9 @@ impl FixedFoveation {
     ///
     /// Where `mean` moves in steps, the radii are the widest found whose mean is at most `wanted`. Radii reach up
     /// to 180 degrees. One that is not above 0, or NaN, is not scaled.
+    ///
+    /// # Errors
+    /// Where `wanted` is NaN or outside of what radii of 0 and the widest ones shade.
     pub fn with_mean_rate(&self, wanted: f32, mean: impl Fn(&Self) -> f32) -> Result<Self, MeanRateError> {
         let scaled = |scale: f32| Self {
             foveal_deg: scale_radius(self.foveal_deg, scale),

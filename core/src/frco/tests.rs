@@ -1,4 +1,6 @@
 use super::*;
+use crate::avpm::SensitivityUnit;
+use crate::plan::Sensitivity;
 use crate::rate::{PAPER_RATES, VULKAN_RATES};
 use proptest::prelude::*;
 
@@ -102,6 +104,30 @@ proptest! {
     ) {
         let (poor, rich) = (coarsest(bands, alpha, &rates), coarsest(bands, alpha + more, &rates));
         prop_assert!(rich.octaves() >= poor.octaves());
+    }
+
+    /// By either sensitivity function: what is farther out is seen worse, hence never shaded finer.
+    #[test]
+    fn equal_content_farther_out_never_gets_a_finer_rate(
+        contrast in prop::array::uniform4(0.0f32..4.0),
+        part in 0.0f32..1.0,
+        pixels_per_degree in 4.0f32..60.0,
+        luminance_cd_m2 in 0.01f32..1e3,
+        eccentricity_deg in 0.0f32..90.0,
+        farther_deg in 0.0f32..40.0,
+    ) {
+        for unit in [SensitivityUnit::CastleCsf, SensitivityUnit::Tursun] {
+            let function = Sensitivity::new(unit);
+            let visible = |eccentricity_deg| {
+                let sensitivity = function.bands(pixels_per_degree, eccentricity_deg, luminance_cd_m2);
+                [0, 1, 2, 3].map(|band: usize| contrast[band] * sensitivity[band])
+            };
+            // A budget that at the gaze is worth some rate between 1x1 and 4x4.
+            let alpha = part * loss(visible(0.0), ShadingRate::R4X4);
+            let rate = |eccentricity_deg| coarsest(visible(eccentricity_deg), alpha, &VULKAN_RATES);
+            let (near, far) = (rate(eccentricity_deg), rate(eccentricity_deg + farther_deg));
+            prop_assert!(far.octaves() >= near.octaves(), "{unit:?}: {near:?}, then {far:?}");
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! From samples of the eye tracker to the state of the gaze.
 
 use super::{GazePhase, GazeSample, GazeState};
+use crate::geometry::unit_direction;
 use glam::Vec3;
 
 mod velocity;
@@ -11,7 +12,7 @@ use velocity::Recent;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GazeSettings {
     /// How long the gaze may be missing as in a blink, milliseconds; the last one is held meanwhile. A blink takes 100
-    /// to 400 ms, the longest about 500 (seeds, section 5).
+    /// to 400 ms (BioNumbers; Volkmann et al. 1980), the longest about 500.
     pub hold_ms: f32,
     /// How long trust takes from 1 to 0 after that, milliseconds. 200 ms keeps the change to uniform rates from
     /// showing as a flash; it is our choice.
@@ -216,21 +217,11 @@ fn usable(sample: &GazeSample) -> Option<[Vec3; 2]> {
     if !sample.valid {
         return None;
     }
-    match sample.directions.map(unit) {
+    match sample.directions.map(unit_direction) {
         [Some(left), Some(right)] => Some([left, right]),
         [Some(one), None] | [None, Some(one)] => Some([one; 2]),
         [None, None] => None,
     }
-}
-
-/// `direction` with length 1, for any finite length above 0.
-fn unit(direction: Vec3) -> Option<Vec3> {
-    // Scaled first: squares of very large or small components leave the range of f32.
-    let largest = direction.abs().max_element();
-    if !direction.is_finite() || largest == 0.0 {
-        return None;
-    }
-    (direction / largest).try_normalize()
 }
 
 /// How far apart two times are, whichever is first.

@@ -25,7 +25,7 @@ impl Reprojection {
     /// The map from pixels of `from` to pixels of `to`. `None` where there is none: an orientation that is no
     /// rotation (zero or not finite), or a `to` that spans no angle.
     pub fn between(from: &View, to: &View) -> Option<Self> {
-        let turn = unit(to.orientation)?.inverse() * unit(from.orientation)?;
+        let turn = rotation(to.orientation)?.inverse() * rotation(from.orientation)?;
         let matrix = to_pixels(&to.plane)? * Mat3::from_quat(turn) * to_directions(&from.plane);
         matrix.is_finite().then_some(Self { matrix })
     }
@@ -44,8 +44,8 @@ impl Reprojection {
     }
 }
 
-/// The rotation that a quaternion of any length means.
-pub(crate) fn unit(orientation: Quat) -> Option<Quat> {
+/// The rotation that a quaternion of any length means; none for one that is zero or not finite.
+pub(crate) fn rotation(orientation: Quat) -> Option<Quat> {
     let vector = glam::Vec4::from(orientation);
     let scaled = vector / vector.abs().max_element();
     (vector.is_finite() && scaled.is_finite()).then(|| Quat::from_vec4(scaled.normalize()))

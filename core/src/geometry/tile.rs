@@ -1,6 +1,6 @@
 //! Nearest and farthest eccentricity of a rectangle of pixels.
 
-use super::{ImagePlane, eccentricity};
+use super::{ImagePlane, eccentricity, scaled_to_one};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -26,7 +26,8 @@ pub struct EccentricityRange {
 ///
 /// A gaze without a meaning (zero, infinite, NaN) gives 0 for both, as [`eccentricity`] does.
 pub fn tile_eccentricity(plane: &ImagePlane, rect: PixelRect, gaze: Vec3) -> EccentricityRange {
-    if !gaze.is_finite() || gaze == Vec3::ZERO {
+    let gaze = scaled_to_one(gaze);
+    if gaze == Vec3::ZERO {
         return EccentricityRange { min: 0.0, max: 0.0 };
     }
     let corners = [

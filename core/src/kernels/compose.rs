@@ -9,7 +9,7 @@ mod image;
 pub use image::{PixelFormat, compose_image};
 
 use crate::chroma::{ChromaSettings, Curves, Focus, Gamut, Mode, attenuate};
-use crate::geometry::{Fov, ImagePlane, PixelRect, eccentricity, tile_eccentricity};
+use crate::geometry::{Fov, ImagePlane, PixelRect, eccentricity, tile_eccentricity, unit_direction};
 use crate::layout::uniform;
 use glam::{UVec2, Vec2, Vec3};
 
@@ -86,7 +86,7 @@ impl ComposeParams {
             rect_extent,
             plane_origin: plane.origin.into(),
             plane_step: plane.step.into(),
-            gaze: gaze.try_normalize().unwrap_or(Vec3::ZERO).into(),
+            gaze: unit_direction(gaze).unwrap_or(Vec3::ZERO).into(),
             plateau: curves.plateau,
             red_weight: weights.x,
             blue_weight: weights.z,
@@ -105,7 +105,7 @@ impl ComposeParams {
 
     /// With a focus in place of the gaze; its direction is in that eye's view space too.
     pub fn following(mut self, focus: Focus) -> Self {
-        self.gaze = focus.direction.try_normalize().unwrap_or(Vec3::ZERO).into();
+        self.gaze = unit_direction(focus.direction).unwrap_or(Vec3::ZERO).into();
         self.radius = focus.radius;
         self.strength = focus.strength;
         self

@@ -8,6 +8,7 @@ pub mod castle;
 mod exp2;
 pub mod tursun;
 
+use crate::range::within;
 use exp2::exp2;
 
 /// What is shown, and where.
@@ -64,10 +65,6 @@ impl Default for Stimulus {
             area_deg2: 1.0,
         }
     }
-}
-
-fn within(value: f32, [least, greatest]: [f32; 2], if_nan: f32) -> f32 {
-    if value.is_nan() { if_nan } else { value.clamp(least, greatest) }
 }
 
 /// Side of the gaze, as one eye sees it. Sensitivity falls differently towards both.

@@ -13,7 +13,7 @@ use glam::Quat;
 /// One view: where its tiles look, and what they remember.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EyeMemory {
-    view: Option<(LatticeShape, Quat)>,
+    shape: Option<LatticeShape>,
     pub(super) lattice: TileLattice,
     pub(super) renewal: Renewal,
     pub(super) tiles: TileMemory,
@@ -21,15 +21,16 @@ pub(super) struct EyeMemory {
 }
 
 impl EyeMemory {
-    /// Makes room for the view as it is now, and forgets the tiles where that has changed. Returns the rotation from
+    /// Makes room for the view as it is now, and forgets the tiles where its shape has changed. Returns the rotation from
     /// the view's space to the common one, unless the view does not show anything that could be judged.
+    ///
+    /// A view that only turns keeps its tiles: orientations that are computed from poses tremble in their last bits.
     pub(super) fn set_view(&mut self, input: &EyeInput, texel: [u32; 2], out: &mut EyePlan) -> Option<Quat> {
         let usable = usable(input);
         let fov = if usable.is_some() { input.fov } else { NO_FOV };
         let shape = LatticeShape { fov, ..input.shape(texel) };
-        let view = Some((shape, usable.unwrap_or(Quat::IDENTITY)));
-        if self.view != view {
-            self.view = view;
+        if self.shape != Some(shape) {
+            self.shape = Some(shape);
             self.lattice.set(&shape);
             let [columns, rows] = self.lattice.tiles();
             let tiles = columns as usize * rows as usize;

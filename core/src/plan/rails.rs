@@ -4,6 +4,7 @@ use super::reasons::{Reason, Reasons};
 use super::rings::STEPS_PER_OCTAVE;
 use super::settings::RailSettings;
 use crate::gaze::{GazePhase, GazeState, foveal_inflation_deg};
+use crate::geometry::unit_direction;
 use glam::Vec3;
 
 /// Longest time that one frame accounts for, nanoseconds: after a pause tiles do not become coarse at once.
@@ -47,6 +48,8 @@ pub(super) struct RailMemory {
 }
 
 impl RailMemory {
+    /// The rails of the frame that is shown at `time_ns`. All numbers of `settings` are usable
+    /// ([`RailSettings::usable`]).
     pub(super) fn frame(
         &mut self,
         settings: &RailSettings,
@@ -97,23 +100,16 @@ fn area(gaze: &GazeState, trust: f32) -> Area {
         return Area::AroundAhead;
     }
     // An eye without a direction is taken to look where the other one does.
-    match gaze.directions.map(unit) {
+    match gaze.directions.map(unit_direction) {
         [Some(left), Some(right)] => Area::AroundGaze([left, right]),
         [Some(one), None] | [None, Some(one)] => Area::AroundGaze([one; 2]),
         [None, None] => Area::Nowhere,
     }
 }
 
-/// A direction of any length as a unit vector, unless it is zero or not finite. Divided by its largest component first, so
-/// that its square neither overflows nor vanishes.
-fn unit(direction: Vec3) -> Option<Vec3> {
-    (direction / direction.abs().max_element()).try_normalize()
-}
-
 /// Tracker error, the turn of the eyes within the latency, and, as trust falls to 0, everything.
 fn inflation_deg(settings: &RailSettings, gaze: &GazeState, trust: f32) -> f32 {
-    let base =
-        if settings.least_foveal_deg.is_nan() { 0.0 } else { settings.least_foveal_deg.clamp(0.0, 180.0) };
+    let base = settings.least_foveal_deg;
     let radius =
         foveal_inflation_deg(base, settings.tracker_error_deg, gaze.velocity_deg_s, settings.latency_s);
     (radius - base + (1.0 - trust) * 180.0).clamp(0.0, 180.0)

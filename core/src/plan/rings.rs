@@ -95,12 +95,12 @@ impl Rings {
     /// Every rate anywhere.
     pub const OPEN: Self = Self { from_deg: [0.0; COARSER_RATES] };
 
-    /// The rings of fixed foveation: a rate is permitted from where [`FixedFoveation::rate_at`] has fallen to its
-    /// fraction. Rates below the peripheral one are permitted nowhere.
+    /// The rings of fixed foveation: a rate is permitted from where [`FixedFoveation::reaches_deg`] says. Rates below
+    /// the peripheral one are permitted nowhere.
     pub fn new(map: &FixedFoveation, available: &AvailableRates) -> Self {
         let mut rings = Self::FULL;
         for (from, rate) in rings.from_deg.iter_mut().zip(available.coarser()) {
-            *from = falls_to(map, rate.fraction());
+            *from = map.reaches_deg(rate.fraction());
         }
         rings
     }
@@ -131,16 +131,4 @@ impl Rings {
 /// Squared chord of a radius; never reached from 180 degrees on, or where the radius is not a number.
 pub(super) fn chord_or_never(radius_deg: f32) -> f32 {
     if radius_deg < 180.0 { chord_of_deg(radius_deg) } else { NEVER }
-}
-
-/// Eccentricity at which the linear fall from 1 at `foveal_deg` to the peripheral rate at `transitional_deg` reaches
-/// `fraction`, below 1; infinite where it never does, or where the map is not made of numbers.
-fn falls_to(map: &FixedFoveation, fraction: f32) -> f32 {
-    let peripheral = map.peripheral.fraction();
-    let (inner, outer) = (map.foveal_deg, map.transitional_deg);
-    if fraction < peripheral || inner.is_nan() || outer.is_nan() {
-        return f32::INFINITY;
-    }
-    let (inner, outer) = (inner.max(0.0), outer.max(inner).max(0.0));
-    inner + (outer - inner) * ((1.0 - fraction) / (1.0 - peripheral))
 }

@@ -3,7 +3,7 @@ use crate::fixed_foveation::eccentricities_deg;
 use crate::geometry::Fov;
 use glam::Vec3;
 
-/// The fovea that DESIGN's safety rails ask for, with the tracker's error.
+/// The fovea that the plan's rails keep at full rate, with the tracker's error: `RailSettings::default`.
 const LEAST_FOVEA_DEG: f32 = 5.0 + 1.1;
 
 /// Mean rate on a PICO 4 with the preset's rates.

@@ -5,6 +5,7 @@ mod due;
 use super::cells::{CELLS, Cell, PATCH_SIDE, PATCHES, SIDE, centre, patch_phase};
 use super::tiles::{Cells, TileCells, Touched};
 use super::{Phase, REGIONS, Schedule};
+use crate::geometry::unit_direction;
 use due::reach;
 use glam::Vec3;
 
@@ -125,7 +126,7 @@ impl CellAges {
     /// The period of each cell, from its point nearest to either gaze.
     fn find_periods(&mut self, schedule: &Schedule, gaze: [Vec3; 2]) {
         let factors = schedule.configuration.factors();
-        let known = gaze.map(|gaze| gaze.try_normalize().filter(|gaze| gaze.is_finite()));
+        let known = gaze.map(unit_direction);
         let [Some(left), Some(right)] = [known[0].or(known[1]), known[1].or(known[0])] else {
             self.periods.fill(factors[0]);
             return;

@@ -1,5 +1,5 @@
-//! The rail that the periphery is not rendered more slowly than 30 times a second (DESIGN, "Safety rails"):
-//! paper B's slowest regions, 22.5 and 18 Hz, lie where flicker is most provocative (15 to 25 Hz).
+//! The rail that the periphery is not rendered more slowly than 30 times a second: paper B's slowest regions, 22.5 and
+//! 18 Hz, lie where flicker is most likely to provoke seizures (15 to 25 Hz; Fisher et al., Epilepsia 46(9), 2005).
 
 /// The slowest that a region is rendered unless asked for, times a second.
 pub const MIN_UPDATE_HZ: f32 = 30.0;

@@ -54,6 +54,9 @@ impl UpdateConfiguration {
     ];
 
     /// A configuration from its factors, the centre's first.
+    ///
+    /// # Errors
+    /// Where a factor is not within 1..=9, or not equal to the one before it or one more.
     pub fn new(factors: [u8; REGIONS]) -> Result<Self, ConfigurationError> {
         for (index, factor) in factors.into_iter().enumerate() {
             if !(1..=MAX_FACTOR).contains(&factor) {

@@ -6,7 +6,8 @@ use parafovea_core::schedule::{Regions, UpdateConfiguration, pixel_rate};
 use parafovea_models::checks::checks;
 use parafovea_models::reference::schedule as reference;
 
-/// The display that the paper's table fits (seeds, section 1): 1440 x 1600 pixels, 110.5 degrees high.
+/// The display that the paper's table fits best, as the paper does not state its field of view: 1440 x 1600 pixels,
+/// 110.5 degrees high.
 const EXTENT: [u32; 2] = [1440, 1600];
 const HALF_FOV_DEG: f64 = 55.25;
 

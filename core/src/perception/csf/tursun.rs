@@ -4,8 +4,9 @@
 //! Fitted to a study, not physical: the values are about 1000 times those of [`super::castle`], do not fall steadily with
 //! frequency, and mean something only together with paper A's constants.
 
-use super::{SensitivityFall, Stimulus, within};
+use super::{SensitivityFall, Stimulus, VisualField};
 use crate::perception::BANDS;
+use crate::range::within;
 use std::f32::consts::{LOG2_10, LOG2_E};
 
 /// Sensitivity by [`Fit::QUARTER`], the fit that matches paper A's quarter-resolution frame; >= 0.
@@ -44,7 +45,7 @@ impl Fit {
     /// Out of domain or NaN: as [`Stimulus::clamped`] says, except that there is no least frequency.
     pub fn sensitivity(&self, frequency_cpd: f32, eccentricity_deg: f32, adaptation_cd_m2: f32) -> f32 {
         let eccentricity = within(eccentricity_deg, Stimulus::ECCENTRICITY_DEG, 0.0);
-        self.at(frequency_cpd, adaptation_cd_m2).at(eccentricity, super::VisualField::Worst)
+        self.at(frequency_cpd, adaptation_cd_m2).at(eccentricity, VisualField::Worst)
     }
 
     /// [`Self::sensitivity`] as a function of eccentricity, the same towards both sides.

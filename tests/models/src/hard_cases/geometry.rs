@@ -68,6 +68,8 @@ fn gazes() -> Vec<Case> {
         ("at 90 degrees", Vec3::X),
         ("behind", Vec3::new(0.3, 0.0, 1.0)),
         ("straight behind", Vec3::Z),
+        ("off the screen, of length 1e38", Vec3::new(3e38, 0.0, -1e38)),
+        ("off the screen, of length 1e-38", Vec3::new(3e-38, 0.0, -1e-38)),
     ];
     let known = known.into_iter().map(|(name, gaze)| {
         let found = tile_eccentricity(&plane, tile, gaze);

@@ -2,7 +2,8 @@
 
 use super::{ACHROMATIC_FALL, achromatic_foveal, log2};
 use crate::perception::BANDS;
-use crate::perception::csf::{SensitivityFall, Stimulus, VisualField, within};
+use crate::perception::csf::{SensitivityFall, Stimulus, VisualField};
+use crate::range::within;
 
 /// Steps of the table for each octave of frequency and of luminance.
 const STEPS: f32 = 4.0;

@@ -15,7 +15,7 @@ pub fn mean_mel(rate_hz: u32, length: usize, channels: &[(f64, Vec<f64>)]) -> Op
     let window: Vec<f64> = circle.iter().map(|(_, cos)| 0.54 - 0.46 * cos).collect();
     let window_sum: f64 = window.iter().sum();
     let (mut weighted, mut sum) = (0.0, 0.0);
-    for (weight, samples) in channels {
+    for (weight, samples) in channels.iter().filter(|(weight, _)| *weight > 0.0) {
         for frame in samples.windows(length).step_by(length / 2) {
             // From the first sample, so that a constant leaves 0 and not what rounding leaves of it.
             let frame: Vec<f64> = frame.iter().map(|x| x - frame[0]).collect();
@@ -26,11 +26,14 @@ pub fn mean_mel(rate_hz: u32, length: usize, channels: &[(f64, Vec<f64>)]) -> Op
                 if !(20.0..=20_000.0).contains(&hz) {
                     continue;
                 }
-                let (mut re, mut im) = (0.0, 0.0);
-                for (n, x) in frame.iter().enumerate() {
-                    let (sin, cos) = circle[bin * n % length];
+                let (mut re, mut im, mut at) = (0.0, 0.0, 0);
+                for x in &frame {
+                    let (sin, cos) = circle[at];
                     re += x * cos;
                     im += x * sin;
+                    // bin * n modulo length, without dividing millions of times.
+                    at += bin;
+                    at -= if at >= length { length } else { 0 };
                 }
                 let power = weight * (re * re + im * im);
                 weighted += power * mel(hz);

@@ -1,0 +1,121 @@
+//! The safety rails: what they hold, limit and leave off.
+
+use super::*;
+
+#[test]
+fn nothing_coarsens_in_blinks_and_after_saccades() {
+    for phase in [GazePhase::Blink, GazePhase::Saccade, GazePhase::PostSaccade] {
+        let mut planner = Planner::new(fixed());
+        settled(&mut planner, input());
+        let looking_right = gaze(Vec3::new(0.6, 0.0, -0.8), Vec3::new(0.6, 0.0, -0.8));
+        let mut before = planner.plan(&PlanInput { frame: 101, time_ns: 101 * FRAME_NS, ..input() }).clone();
+        for frame in 102..110 {
+            let gaze = GazeState { phase, ..looking_right };
+            let plan = planner.plan(&PlanInput { frame, time_ns: frame as i64 * FRAME_NS, gaze, ..input() });
+            for (x, y) in (0..40).flat_map(|x| (0..35).map(move |y| (x, y))) {
+                let (was, is) = (before.eyes[0].rate(x, y), plan.eyes[0].rate(x, y));
+                assert!(is.octaves() <= was.octaves(), "{phase:?}: tile {x}, {y} from {was:?} to {is:?}");
+            }
+            before = plan.clone();
+        }
+        let at_gaze = before.eyes[0].gaze_pixel().expect("the gaze is in view");
+        let [x, y] = before.eyes[0].tile_of([at_gaze.x as u32, at_gaze.y as u32]);
+        assert_eq!(before.eyes[0].rate(x, y), ShadingRate::R1X1, "refined where the gaze went");
+    }
+}
+
+#[test]
+fn lost_gaze_ramps_to_full_rate_and_then_to_wide_fixed_rates() {
+    let mut planner = Planner::new(with_schedule(UpdateConfiguration::F11233, Phase::Staggered));
+    let to_the_side = gaze(Vec3::new(0.6, 0.0, -0.8), Vec3::new(0.6, 0.0, -0.8));
+    settled(&mut planner, PlanInput { gaze: to_the_side, ..input() });
+    let mut lost = |frame: u64, trust: f32| {
+        let gaze = GazeState { phase: GazePhase::Lost, trust, ..to_the_side };
+        planner.plan(&PlanInput { frame, time_ns: frame as i64 * FRAME_NS, gaze, ..input() }).clone()
+    };
+    let shares = [0.95, 0.9, 0.8, 0.5].map(|trust| lost(101, trust).eyes[0].statistics.mean_rate);
+    assert!(shares.is_sorted() && shares[0] < shares[3] && shares[3] == 1.0, "{shares:?}");
+    let plan = lost(102, 0.0);
+    assert!(plan.reasons.contains(Reason::GazeLost));
+    let plan = (103..200).map(|frame| lost(frame, 0.0)).last().expect("a hundred frames");
+    for eye in &plan.eyes {
+        assert!(eye.ages.texels().iter().all(|age| *age == 0), "nothing is re-used");
+        assert_eq!(eye.gaze, Vec3::ZERO);
+        let lost = RailSettings::default().lost.expect("wide rates");
+        for (x, y) in (0..40).flat_map(|x| (0..35).map(move |y| (x, y))) {
+            let angle = eccentricity(eye.centres[0], middle_of(eye, x, y)).to_degrees();
+            let rate = eye.rate(x, y);
+            assert!(rate == ShadingRate::R1X1 || angle > lost.foveal_deg, "{rate:?} at {angle}");
+            assert!(rate.octaves() <= lost.peripheral.octaves(), "{rate:?} at {angle}");
+        }
+        assert_eq!(eye.rate(0, 0), ShadingRate::R2X2, "the corner, 50 degrees out");
+    }
+}
+
+#[test]
+fn small_motion_does_not_change_rates() {
+    // There and back by 0.3 degrees, less than the hysteresis, each for long enough to grow by 2 octaves.
+    let turned = Vec3::new(0.3f32.to_radians().sin(), 0.0, -1.0).normalize();
+    for (hysteresis_deg, changes) in [(0.5, false), (0.0, true)] {
+        let rails = RailSettings { hysteresis_deg, ..RailSettings::default() };
+        let mut planner = Planner::new(PlanSettings { rails, ..fixed() });
+        let mut plan_of = |frame: u64| {
+            let direction = if (frame / 50).is_multiple_of(2) { Vec3::NEG_Z } else { turned };
+            let gaze = gaze(direction, direction);
+            let input = PlanInput { frame, time_ns: frame as i64 * FRAME_NS, gaze, ..input() };
+            planner.plan(&input).eyes[0].rates.clone()
+        };
+        // Tiles grow to what both directions permit.
+        let settled = (0..300).map(&mut plan_of).last();
+        let changed = (300..400).any(|frame| Some(plan_of(frame)) != settled);
+        assert_eq!(changed, changes, "{hysteresis_deg} degrees");
+    }
+}
+
+#[test]
+fn clock_that_stands_or_goes_back_coarsens_nothing() {
+    let mut planner = Planner::new(fixed());
+    planner.plan(&input());
+    for (frame, time_ns) in [(1, 0), (2, -5_000_000), (3, i64::MIN)] {
+        let plan = planner.plan(&PlanInput { frame, time_ns, ..input() });
+        assert!(is_full(&plan.eyes[0]) && plan.reasons.contains(Reason::ClockStopped), "{time_ns}");
+    }
+    // 292 years later, a tenth of a second counts.
+    let plan = planner.plan(&PlanInput { frame: 4, time_ns: i64::MAX, ..input() });
+    assert_eq!(plan.eyes[0].rate(0, 0).octaves(), 0.0, "2x2 is an octave away, .4 are allowed");
+}
+
+#[test]
+fn updates_are_faster_in_pursuit_and_at_low_frame_rates() {
+    let periods = |frame_rate_hz: f32, velocity_deg_s: f32, uncapped: bool| {
+        let schedule = Schedule { configuration: UpdateConfiguration::F12345, ..Schedule::default() };
+        let updates = UpdateSettings { uncapped, ..UpdateSettings::from(schedule) };
+        let mut planner = Planner::new(PlanSettings { schedule: Some(updates), ..fixed() });
+        let gaze = GazeState { velocity_deg_s, ..input().gaze };
+        let plan = planner.plan(&PlanInput { frame_rate_hz, gaze, ..input() });
+        let pursuit = plan.reasons.contains(Reason::Pursuit);
+        assert_eq!(pursuit, velocity_deg_s > 5.0);
+        assert_eq!(plan.reasons.contains(Reason::LeastFrequency), !uncapped);
+        plan.periods
+    };
+    assert_eq!(periods(90.0, 1.0, false), [1, 2, 3, 3, 3], "30 Hz");
+    assert_eq!(periods(72.0, 1.0, false), [1, 2, 2, 2, 2], "36 Hz");
+    assert_eq!(periods(59.0, 1.0, false), [1; 5], "nothing is left out");
+    assert_eq!(periods(90.0, 1.0, true), [1, 2, 3, 4, 5]);
+    assert_eq!(periods(90.0, 20.0, true), [1, 1, 2, 3, 4], "pursuit");
+}
+
+#[test]
+fn rails_that_are_no_numbers_are_the_usual_ones() {
+    let wild = RailSettings {
+        least_foveal_deg: f32::NAN,
+        tracker_error_deg: f32::NAN,
+        latency_s: f32::NAN,
+        hysteresis_deg: f32::NAN,
+        hysteresis_budget: f32::NAN,
+        coarsening_octaves_per_s: f32::NAN,
+        ..RailSettings::default()
+    };
+    let planner = Planner::new(PlanSettings { rails: wild, ..fixed() });
+    assert_eq!(planner.settings().rails, RailSettings::default());
+}
