@@ -49,7 +49,8 @@ pub struct PresetSettings {
     pub rates: &'static [ShadingRate],
     /// How often each region is rendered while the eyes rest.
     pub update: UpdateConfiguration,
-    /// Whether the eyes following something makes that one step faster.
+    /// Whether the eyes following something makes that one step faster ([`UpdateConfiguration::faster`]): paper B's
+    /// participants then noticed 11223 and 11233 more often than not.
     pub faster_in_pursuit: bool,
     /// Where the regions end.
     pub regions: Regions,
@@ -59,14 +60,6 @@ pub struct PresetSettings {
     pub chroma: Option<ChromaSettings>,
     /// How sound becomes a budget, where sound is listened to.
     pub budget: BudgetSettings,
-}
-
-impl PresetSettings {
-    /// How often each region is rendered. While following an object, paper B's participants noticed 11223 and 11233
-    /// more often than not, so that pursuit takes one step less ([`UpdateConfiguration::faster`]).
-    pub fn update_while(&self, pursuit: bool) -> UpdateConfiguration {
-        if pursuit && self.faster_in_pursuit { self.update.faster() } else { self.update }
-    }
 }
 
 impl Preset {

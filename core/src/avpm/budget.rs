@@ -16,7 +16,8 @@ impl SensitivityUnit {
     /// kappa: units of Tursun's sensitivity for one of castleCSF's, 4.7e4 to 5.6e4.
     ///
     /// Both were evaluated on the pictures that come with AwareFoveation, in the geometry of paper A's headset: `C_v`
-    /// of the full picture is 1.7e4 to 2.8e4 by Tursun's and 0.36 to 0.49 by castleCSF. In the middle of the range the
+    /// of the full picture is 1.7e4 to 2.8e4 by Tursun's (with its
+    /// [`BAND_GAIN`](crate::perception::csf::tursun::BAND_GAIN)) and 0.36 to 0.49 by castleCSF. In the middle of the range the
     /// divisor 10 000 of Eq. 12 becomes 0.2. One number cannot make two functions of different shape equal.
     pub const TURSUN_PER_CASTLE: f32 = 5.0e4;
 

@@ -67,7 +67,7 @@ impl RailMemory {
         FrameRails {
             area,
             inflation_deg: if lost { 0.0 } else { inflation_deg(settings, gaze, trust) },
-            coarsening: self.coarsening(settings, seconds, lost || may_coarsen(gaze.phase, reasons)),
+            coarsening: self.coarsening(settings, seconds, lost || may_coarsen(gaze, reasons)),
             pursuit: gaze.phase == GazePhase::Fixation && gaze.velocity_deg_s > PURSUIT_DEG_S,
         }
     }
@@ -115,9 +115,9 @@ fn inflation_deg(settings: &RailSettings, gaze: &GazeState, trust: f32) -> f32 {
     (radius - base + (1.0 - trust) * 180.0).clamp(0.0, 180.0)
 }
 
-fn may_coarsen(phase: GazePhase, reasons: &mut Reasons) -> bool {
-    reasons.insert_if(phase == GazePhase::Blink, Reason::GazeHeld);
-    reasons.insert_if(phase == GazePhase::Saccade, Reason::Saccade);
-    reasons.insert_if(phase == GazePhase::PostSaccade, Reason::AfterSaccade);
-    phase == GazePhase::Fixation
+fn may_coarsen(gaze: &GazeState, reasons: &mut Reasons) -> bool {
+    reasons.insert_if(gaze.phase == GazePhase::Blink, Reason::GazeHeld);
+    reasons.insert_if(gaze.phase == GazePhase::Saccade, Reason::Saccade);
+    reasons.insert_if(gaze.phase == GazePhase::PostSaccade, Reason::AfterSaccade);
+    gaze.may_coarsen()
 }

@@ -2,7 +2,7 @@
 
 use crate::avpm::SensitivityUnit;
 use crate::perception::csf::castle::FovealTable;
-use crate::perception::csf::tursun::Fit;
+use crate::perception::csf::tursun::{BAND_GAIN, Fit};
 use crate::perception::csf::{Stimulus, VisualField};
 use crate::perception::{BANDS, BandFrequencies};
 
@@ -11,7 +11,8 @@ use crate::perception::{BANDS, BandFrequencies};
 pub enum Sensitivity {
     /// castleCSF's to still pictures, 1 square degree, the greater of both visual fields, where the bands respond.
     CastleCsf(FovealTable),
-    /// Tursun's, with the frequencies and the fit that paper A used.
+    /// Tursun's, with the frequencies and the fit that paper A used, times [`BAND_GAIN`]: contrast here is physical, and
+    /// that of the pyramid that was fitted is not.
     Tursun,
 }
 
@@ -49,9 +50,13 @@ impl Sensitivity {
                 let finest_cpd = BandFrequencies::Response.cpd(pixels_per_degree)[0];
                 table.sensitivities(finest_cpd, adaptation_cd_m2, eccentricity_deg, VisualField::Worst)
             }
-            Self::Tursun => BandFrequencies::Paper
-                .cpd(pixels_per_degree)
-                .map(|cpd| Fit::QUARTER.at(cpd, adaptation_cd_m2).at(eccentricity_deg, VisualField::Worst)),
+            Self::Tursun => {
+                let cpd = BandFrequencies::Paper.cpd(pixels_per_degree);
+                std::array::from_fn(|band| {
+                    let fall = Fit::QUARTER.at(cpd[band], adaptation_cd_m2);
+                    BAND_GAIN[band] * fall.at(eccentricity_deg, VisualField::Worst)
+                })
+            }
         }
     }
 }

@@ -63,17 +63,3 @@ fn every_fovea_is_wide_enough_and_rates_are_coarsest_first() {
         assert_eq!(settings.chroma.is_some(), preset == Preset::Streaming);
     }
 }
-
-#[test]
-fn pursuit_takes_one_step_faster() {
-    for (preset, resting, pursuit) in [
-        (Preset::Quality, "11112", "11111"),
-        (Preset::Balanced, "11223", "11112"),
-        (Preset::Performance, "11233", "11122"),
-        (Preset::Paper, "11223", "11223"),
-    ] {
-        let settings = preset.settings();
-        assert_eq!(settings.update_while(false).to_string(), resting);
-        assert_eq!(settings.update_while(true).to_string(), pursuit, "{preset}");
-    }
-}

@@ -119,3 +119,21 @@ fn rails_that_are_no_numbers_are_the_usual_ones() {
     let planner = Planner::new(PlanSettings { rails: wild, ..fixed() });
     assert_eq!(planner.settings().rails, RailSettings::default());
 }
+
+#[test]
+fn presets_are_one_step_faster_in_pursuit_but_for_the_paper_s() {
+    for (preset, resting, pursuit) in [
+        (Preset::Quality, [1, 1, 1, 1, 2], [1, 1, 1, 1, 1]),
+        (Preset::Balanced, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
+        (Preset::Performance, [1, 1, 2, 3, 3], [1, 1, 1, 2, 2]),
+        (Preset::Streaming, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
+        (Preset::Paper, [1, 1, 2, 2, 3], [1, 1, 2, 2, 3]),
+    ] {
+        let periods = |velocity_deg_s: f32| {
+            let mut planner = Planner::new(PlanSettings::of(preset, false, &VULKAN_RATES, [16, 16]));
+            let gaze = GazeState { velocity_deg_s, ..input().gaze };
+            planner.plan(&PlanInput { frame_rate_hz: 90.0, gaze, ..input() }).periods
+        };
+        assert_eq!((periods(1.0), periods(20.0)), (resting, pursuit), "{preset}");
+    }
+}

@@ -112,7 +112,7 @@ pub fn fixed_rate(map: &FixedFoveation, eccentricity_deg: f64, rates: &[ShadingR
 pub enum Sensitivity {
     /// castleCSF at the frequencies where the bands respond, the greater of both visual fields.
     Castle,
-    /// Tursun's at the upper ends of the bands.
+    /// Tursun's at the upper ends of the bands, with the gain of the pyramid that it was fitted to.
     Tursun,
 }
 
@@ -141,13 +141,16 @@ pub fn contrast_rate(
                     });
                     temporal.max(nasal)
                 }
-                Sensitivity::Tursun => csf::tursun(
-                    [5.28964, 6.22567, 3.40410, 4.01061],
-                    0.0398141,
-                    pixels_per_degree / 2.0 * octave,
-                    eccentricity_deg,
-                    l,
-                ),
+                // The pyramid that was fitted doubles its coefficients from band to band.
+                Sensitivity::Tursun => {
+                    csf::tursun(
+                        [5.28964, 6.22567, 3.40410, 4.01061],
+                        0.0398141,
+                        pixels_per_degree / 2.0 * octave,
+                        eccentricity_deg,
+                        l,
+                    ) / octave
+                }
             };
             f64::from(tile.bands[band]) * s
         })
