@@ -26,14 +26,17 @@ pub fn mean_mel(rate_hz: u32, length: usize, channels: &[(f64, Vec<f64>)]) -> Op
                 if !(20.0..=20_000.0).contains(&hz) {
                     continue;
                 }
-                let (mut re, mut im, mut at) = (0.0, 0.0, 0);
-                for x in &frame {
-                    let (sin, cos) = circle[at];
-                    re += x * cos;
-                    im += x * sin;
+                // Samples n and length - n share a cosine, and have opposite sines.
+                let (mut re, mut im) =
+                    (frame[0] + frame[length / 2] * circle[bin * (length / 2) % length].1, 0.0);
+                let mut at = 0;
+                for (n, x) in frame[..length / 2].iter().enumerate().skip(1) {
                     // bin * n modulo length, without dividing millions of times.
                     at += bin;
                     at -= if at >= length { length } else { 0 };
+                    let ((sin, cos), mirrored) = (circle[at], frame[length - n]);
+                    re += (x + mirrored) * cos;
+                    im += (x - mirrored) * sin;
                 }
                 let power = weight * (re * re + im * im);
                 weighted += power * mel(hz);

@@ -6,10 +6,11 @@ use proptest::prelude::*;
 proptest! {
     #[test]
     fn close_to_the_formula(
-        octave in -1.0..6.0f32, decade in -3.0..4.0f32, omega in 0.0..20.0f32, eccentricity_deg in 0.0..100.0f32,
+        octave in -1.0..6.0f32, omega in 0.0..20.0f32, eccentricity_deg in 0.0..100.0f32,
+        // But for the step between 0.009 and 0.032 cd/m^2.
+        decade in prop_oneof![1 => -3.0..-2.046f32, 5 => -1.494..4.0f32],
     ) {
         let luminance_cd_m2 = 10f32.powf(decade);
-        prop_assume!(!(0.009..0.032).contains(&luminance_cd_m2));
         let falls = FovealTable::new(omega, 0.6).falls(octave.exp2(), luminance_cd_m2);
         for (band, fall) in falls.into_iter().enumerate() {
             let stimulus = Stimulus {
