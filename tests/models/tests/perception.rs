@@ -129,7 +129,7 @@ fn castle_agrees_with_color_video_vdp() {
     }
 }
 
-/// The fall of red-green at low frequency that the research for the chroma floor found.
+/// From the published constants by hand: 10^(-0.0591402 e), at any frequency.
 #[test]
 fn red_green_falls_towards_the_temple_as_known() {
     let at = |eccentricity_deg| {
