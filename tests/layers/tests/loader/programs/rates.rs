@@ -3,6 +3,7 @@
 mod commands;
 mod compute;
 mod objects;
+mod pipelines;
 mod setup;
 
 use setup::Setup;

@@ -44,6 +44,20 @@ fn of_devices() {
     );
 }
 
+/// A device that has neither fails to be made, behind the check.
+#[test]
+fn of_features_that_exclude_it() {
+    for (broken, name, ids) in [
+        ("density map", "fragmentDensityMap", ["04481", "04482", "04483"]),
+        ("shading rate image", "shadingRateImage", ["04478", "04479", "04480"]),
+    ] {
+        for id in ids {
+            let rule: &'static str = format!("VUID-VkDeviceCreateInfo-{name}-{id}").leak();
+            are_found(LAYERED, "device", &[(broken, rule)]);
+        }
+    }
+}
+
 #[test]
 fn of_images() {
     are_found(
@@ -60,6 +74,9 @@ fn of_images() {
     );
     for profile in [RDNA, UNLAYERED] {
         are_found(profile, "objects", &[("layered view", "VUID-VkImageViewCreateInfo-usage-04551")]);
+        for form in ["objects framebuffer", "recorded dynamic"] {
+            are_found(profile, form, &[("layered view", "layeredShadingRateAttachments")]);
+        }
     }
 }
 
@@ -204,6 +221,11 @@ fn of_pipelines() {
             ("library flag", "libraries have the flag of the pipeline"),
         ],
     );
+    are_found(
+        LAYERED,
+        "objects libraries chained",
+        &[("library rate", "VUID-VkGraphicsPipelineCreateInfo-flags-06638")],
+    );
 }
 
 /// Only recorded: a driver may write anywhere when it is told of layers that are not there.
@@ -304,6 +326,7 @@ fn of_barriers_and_execution() {
             ("old layout", "VUID-VkImageMemoryBarrier-oldLayout-01197"),
             ("layout at use", "VUID-vkCmdBeginRenderPass-initialLayout-00900"),
             ("access without stage", "VUID-vkCmdPipelineBarrier-dstAccessMask-02816"),
+            ("source access without stage", "VUID-vkCmdPipelineBarrier-srcAccessMask-02815"),
             ("usage", "VUID-VkImageMemoryBarrier-oldLayout-02088"),
             ("stage", "rate attachment is readable"),
             ("access", "rate attachment is readable"),

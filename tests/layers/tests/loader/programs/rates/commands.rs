@@ -1,9 +1,8 @@
 //! Two frames: the map is written, and a pass reads it.
 
 use super::compute::{TEXELS, Writer};
-use super::objects::{
-    COLOUR, framebuffer, pipelines, rate, rate_image, rate_view, render_pass, view, view_mask,
-};
+use super::objects::{COLOUR, framebuffer, rate_image, rate_view, render_pass, view, view_mask};
+use super::pipelines::{pipelines, rate};
 use super::setup::{SIZE, Setup, extent};
 use crate::device::whole;
 use ash::vk;
@@ -164,8 +163,12 @@ impl Writing<'_> {
             plan.unless("old layout", rate_layout(self.setup), vk::ImageLayout::TRANSFER_SRC_OPTIMAL)
         };
         let before = plan.unless("read not waited for", RATE_STAGE, vk::PipelineStageFlags2::TOP_OF_PIPE);
-        let to_write =
-            Barrier { layouts: [old, while_written], src: (before, vk::AccessFlags2::NONE), dst: written };
+        let src = plan.unless(
+            "source access without stage",
+            (before, vk::AccessFlags2::NONE),
+            (vk::PipelineStageFlags2::FRAGMENT_SHADER, RATE_READ),
+        );
+        let to_write = Barrier { layouts: [old, while_written], src, dst: written };
         let dst = match plan.broken.as_str() {
             "stage" => (vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::AccessFlags2::SHADER_READ),
             "access" => (RATE_STAGE, vk::AccessFlags2::NONE),

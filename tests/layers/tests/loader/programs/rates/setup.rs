@@ -89,6 +89,9 @@ impl Setup {
             let mut v12 = vk::PhysicalDeviceVulkan12Features::default().imageless_framebuffer(true);
             let mut v13 =
                 vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
+            let mut density =
+                vk::PhysicalDeviceFragmentDensityMapFeaturesEXT::default().fragment_density_map(true);
+            let mut image = vk::PhysicalDeviceShadingRateImageFeaturesNV::default().shading_rate_image(true);
             let mut libraries = vk::PhysicalDeviceGraphicsPipelineLibraryFeaturesEXT::default()
                 .graphics_pipeline_library(true);
             let mut names = vec![name.as_ptr()];
@@ -109,6 +112,12 @@ impl Setup {
             }
             if !plan.is("without_extension") || plan.breaks("features without extension") {
                 info = info.push_next(&mut rate_features);
+            }
+            if plan.breaks("density map") {
+                info = info.push_next(&mut density);
+            }
+            if plan.breaks("shading rate image") {
+                info = info.push_next(&mut image);
             }
             if plan.breaks("features twice") {
                 info = info.push_next(&mut twice);
