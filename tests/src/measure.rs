@@ -2,7 +2,7 @@
 //! the machine does falls on all of them alike.
 //!
 //! A [`Subject`] is a scene with somebody in it; a [`Technique`] is what is done to it. [`time`] gives each its turns and
-//! makes [`Timing`]s of them, [`errors()`] judges the pictures, [`rows`] and [`Summary`] print both.
+//! makes [`Timing`]s of them, [`errors()`] judges the pictures, [`rows()`] and [`Summary`] print both.
 
 mod errors;
 mod rows;
