@@ -1,4 +1,4 @@
-//! What the models of `parafovea-core` are held against: [`reference`]s in double precision, the papers' numbers
+//! What the models of `parafovea-core` are held against: [`mod@reference`]s in double precision, the papers' numbers
 //! ([`checks`]), and a table of [`hard_cases`]. [`room`] is the example of `core/README.md`. The benches of the models are in
 //! `benches/`.
 
