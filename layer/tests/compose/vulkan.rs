@@ -4,7 +4,7 @@ use ash::{ext, vk};
 use parafovea::gpu::Gpu;
 use parafovea::link::DeviceRecord;
 use std::ffi::{CStr, c_void};
-use std::sync::{Arc, Mutex, Once};
+use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
 
 const VALIDATION: &CStr = c"VK_LAYER_KHRONOS_validation";
 
@@ -24,6 +24,16 @@ pub struct Vulkan {
     messages: &'static Messages,
 }
 
+static TURN: Mutex<()> = Mutex::new(());
+
+thread_local! {
+    /// Taken by a test, which has a thread of its own, with its first device, and given back when the thread ends.
+    ///
+    /// Validation layers 1.3.239 keep their devices in maps without a lock: a call for one device while another is
+    /// being made crashes in them now and then.
+    static MY_TURN: MutexGuard<'static, ()> = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+}
+
 impl Vulkan {
     /// The first device; none, with a printed reason, where there is none.
     pub fn new() -> Option<Self> {
@@ -32,6 +42,7 @@ impl Vulkan {
 
     /// As [`Vulkan::new`], with what our half of the library is told of the device changed by `edit`.
     pub fn with(edit: impl FnOnce(DeviceRecord) -> DeviceRecord) -> Option<Self> {
+        MY_TURN.with(|_| ());
         static QUEUE_SUBMIT_CHECKS: Once = Once::new();
         QUEUE_SUBMIT_CHECKS.call_once(|| {
             // The only switch of validation layers 1.3.239 for hazards between submits.
