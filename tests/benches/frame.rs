@@ -96,12 +96,24 @@ fn describe(error: &dyn Error) -> String {
     }
 }
 
-fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
+/// All techniques, or the first, which the others are compared with, and those that are `wanted`.
+fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
     let mut techniques = Technique::baselines();
     techniques.push(Technique::layer("chroma", "[chroma]\nmode = \"default\"\n"));
-    if let Some(wanted) = &request.techniques {
-        techniques.retain(|technique| technique.name == "off" || wanted.contains(&technique.name));
+    let Some(wanted) = wanted else { return Ok(techniques) };
+    let known = |name: &String| techniques.iter().any(|technique| technique.name == *name);
+    if let Some(unknown) = wanted.iter().find(|name| !known(name)) {
+        let names: Vec<&str> = techniques.iter().map(|technique| technique.name.as_str()).collect();
+        return Err(format!("there is no technique `{unknown}`; there are {}", names.join(", ")));
     }
+    let first = techniques.first().map(|technique| technique.name.clone());
+    techniques
+        .retain(|technique| Some(&technique.name) == first.as_ref() || wanted.contains(&technique.name));
+    Ok(techniques)
+}
+
+fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
+    let techniques = techniques(request.techniques.as_deref())?;
     let (timed, judged) = (request.timed, request.judged);
     let with_errors = judged.frames > 0;
     let runs = request.scenes.len() * techniques.len() * (timed.turns + 1 + usize::from(with_errors));

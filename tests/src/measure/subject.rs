@@ -25,12 +25,6 @@ impl Subject {
         Self { script: Script::new(scene), tracker, first_frame }
     }
 
-    /// The scenes that figures are taken on, each from half a second before its first saccade of 10 degrees or more.
-    pub fn all(tracker: Tracker) -> Vec<Self> {
-        let measured = SceneName::ALL.into_iter().filter(|scene| *scene != SceneName::Courtyard);
-        measured.map(|scene| Self::around_a_saccade(scene, tracker)).collect()
-    }
-
     /// The script of `scene` from half a second before its first saccade of 10 degrees or more.
     pub fn around_a_saccade(scene: SceneName, tracker: Tracker) -> Self {
         let saccades = Script::new(scene).gaze.saccades();

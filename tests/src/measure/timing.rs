@@ -23,7 +23,8 @@ pub struct Timing {
     pub with_layer: bool,
     /// CPU time of the application's process, milliseconds a frame. On a CPU device this is rendering too.
     pub cpu_ms: Samples,
-    /// Fragment shader invocations of a frame that the application caused; the layer's own are not among them.
+    /// Fragment shader invocations of a frame that the application caused, by pipeline statistics; the layer's own are
+    /// not among them. lavapipe 22.3.6 counts those too that an early depth test rejects.
     pub fragments: u64,
 }
 
