@@ -16,6 +16,7 @@ pub mod link;
 pub mod log;
 pub mod passes;
 mod registry;
+pub mod scene;
 #[allow(unsafe_code)]
 pub mod vk;
 #[allow(unsafe_code)]

@@ -5,6 +5,13 @@
 //! `vkGetDeviceProcAddr(device, "parafovea_vkGetLink")`, which only our Vulkan layer answers, and gets a
 //! [`LinkTable`] of whichever copy sits in that device's chain.
 
+mod records;
+
+pub use records::{
+    BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, EyeMapRecord, NO_EYE, NO_IMAGE, OfferRecord,
+    PlanRecord, SettingsRecord, ShownRecord, ShownViewRecord, SwapchainRecord,
+};
+
 use ash::vk;
 use std::ffi::{CStr, c_char, c_void};
 

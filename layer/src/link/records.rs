@@ -1,0 +1,123 @@
+//! What the halves tell each other, as C structures. Pointers in them are valid during the call only.
+
+use ash::vk;
+
+/// [`OfferRecord::backend`]: nothing can be made coarser on this device; the log says why.
+pub const BACKEND_NONE: u32 = 0;
+/// [`OfferRecord::backend`]: a rate attachment (`VK_KHR_fragment_shading_rate`).
+pub const BACKEND_RATE_ATTACHMENT: u32 = 1;
+/// [`OfferRecord::backend`]: a mask of skipped blocks.
+pub const BACKEND_MASK: u32 = 2;
+
+/// What the device's backend can do; the plan is made for it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OfferRecord {
+    /// `BACKEND_*`.
+    pub backend: u32,
+    /// Size of a tile, pixels.
+    pub texel: [u32; 2],
+    /// How many of `rates` there are.
+    pub rate_count: u32,
+    /// Rates that the device has, as texels of a rate image (`ShadingRate::texel`), in any order.
+    pub rates: [u8; 16],
+    /// 1 where the device is a CPU (`VK_PHYSICAL_DEVICE_TYPE_CPU`).
+    pub is_cpu: u32,
+}
+
+/// The images of a swapchain, as the application has them: the runtime's, or ours where it is substituted. Told after
+/// they are first known, and again with no images when the swapchain is about to be destroyed.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct SwapchainRecord {
+    /// The XrSwapchain.
+    pub swapchain: u64,
+    /// `image_count` images, by their index.
+    pub images: *const vk::Image,
+    /// Number of images; 0: the swapchain is about to be destroyed.
+    pub image_count: u32,
+    /// Size, pixels.
+    pub extent: [u32; 2],
+    /// Array layers.
+    pub layers: u32,
+    /// Its format.
+    pub format: vk::Format,
+    /// Samples of a pixel.
+    pub samples: u32,
+    /// Usage of the images that the application has.
+    pub usage: vk::ImageUsageFlags,
+}
+
+/// The newest plan.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct PlanRecord {
+    /// Counts up from 1 with every plan of the device; a plan with an older number is ignored.
+    pub serial: u64,
+    /// Of the left and of the right eye.
+    pub eyes: [EyeMapRecord; 2],
+}
+
+/// Rates of one eye's picture.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EyeMapRecord {
+    /// Size of the picture that it is made for, pixels. It is laid over pictures of other sizes proportionally.
+    pub extent: [u32; 2],
+    /// Size of a tile, pixels; the first tile begins at pixel 0, 0.
+    pub texel: [u32; 2],
+    /// Number of tiles, columns and rows: those that it takes to cover `extent`.
+    pub tiles: [u32; 2],
+    /// A texel of a rate image (`ShadingRate::texel`) for each tile, row by row, top row first.
+    pub rates: *const u8,
+}
+
+/// What the application shows with one xrEndFrame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct ShownRecord {
+    /// `view_count` views of projection layers.
+    pub views: *const ShownViewRecord,
+    /// Number of views.
+    pub view_count: u32,
+    /// `flat_count` swapchains (XrSwapchain) of layers of other kinds.
+    pub flat: *const u64,
+    /// Number of swapchains in `flat`.
+    pub flat_count: u32,
+    /// `depth_count` swapchains (XrSwapchain) that are submitted as depth.
+    pub depth: *const u64,
+    /// Number of swapchains in `depth`.
+    pub depth_count: u32,
+}
+
+/// [`ShownViewRecord::eye`] of a view that is neither eye's whole picture, such as an inset of quad views.
+pub const NO_EYE: u32 = 2;
+
+/// [`ShownViewRecord::image_index`] where it is not known which image was released last.
+pub const NO_IMAGE: u32 = u32::MAX;
+
+/// One view of a projection layer.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShownViewRecord {
+    /// 0: left, 1: right, [`NO_EYE`].
+    pub eye: u32,
+    /// The XrSwapchain.
+    pub swapchain: u64,
+    /// Index of the image that was released last, or [`NO_IMAGE`].
+    pub image_index: u32,
+    /// `imageArrayIndex`.
+    pub layer: u32,
+    /// `imageRect`: x, y, width, height, pixels.
+    pub rect: [u32; 4],
+    /// 1 where the field of view is upside-down (angleUp < angleDown), else 0.
+    pub is_upside_down: u32,
+}
+
+/// What the Vulkan half shall do, from the configuration; told when it changes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SettingsRecord {
+    /// 1: passes that are recognised get the plan's rates; 0: all stays at 1x1.
+    pub is_on: u32,
+}

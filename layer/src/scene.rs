@@ -1,0 +1,10 @@
+//! Which of the application's passes make the picture of an eye.
+//!
+//! The Vulkan half writes down what submitted command buffers do as [`Event`]s; at xrEndFrame the OpenXR half says what
+//! the application [`Shown`]. From both, recognition works out which targets are the scene, and of which eye.
+
+mod event;
+mod shown;
+
+pub use event::{Event, ImageDescription, ImageKey, Pass, PassFacts, Target, Transfer, TransferKind};
+pub use shown::{Eye, Shown, ShownView, SwapchainKey};

@@ -1,0 +1,112 @@
+//! What submitted command buffers do to images, in submission order.
+
+use super::SwapchainKey;
+use ash::vk;
+use smallvec::SmallVec;
+
+/// An image of the application. A key is never given twice, so it cannot be mistaken for an image that was destroyed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ImageKey(pub u64);
+
+/// What recognition needs to know of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImageDescription {
+    /// Which image.
+    pub key: ImageKey,
+    /// Size of level 0, pixels.
+    pub extent: [u32; 2],
+    /// Array layers.
+    pub layers: u32,
+    /// Its format.
+    pub format: vk::Format,
+    /// Samples of a pixel: 1, 2, 4, ...
+    pub samples: u32,
+    /// Whether views may be cubes (`VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT`).
+    pub is_cube: bool,
+    /// Whether it is one of an XR swapchain's.
+    pub swapchain: Option<SwapchainKey>,
+}
+
+/// One level and some layers of an image, as an attachment or one end of a transfer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Target {
+    /// The image.
+    pub image: ImageKey,
+    /// Mip level.
+    pub level: u32,
+    /// First array layer.
+    pub base_layer: u32,
+    /// Number of array layers.
+    pub layers: u32,
+}
+
+/// Something that a command buffer does, as far as it says where a picture comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// A render pass or an instance of dynamic rendering, from its begin to its end.
+    Pass(Pass),
+    /// A copy, blit or resolve outside of render passes.
+    Transfer(Transfer),
+}
+
+/// One render pass instance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pass {
+    /// Colour attachments of all subpasses, each once, input attachments that are also written among them.
+    pub colors: SmallVec<[Target; 4]>,
+    /// Where colour attachments are resolved to at the end, in the order of `colors`.
+    pub resolves: SmallVec<[Target; 4]>,
+    /// Depth attachment, if any.
+    pub depth: Option<Target>,
+    /// The render area: x, y, width, height in pixels.
+    pub area: [u32; 4],
+    /// Multiview's mask; 0 without.
+    pub view_mask: u32,
+    /// What limits what may be done to it.
+    pub facts: PassFacts,
+}
+
+/// Facts of a pass that decide what a backend may do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct PassFacts {
+    /// Depth is cleared at the begin (`loadOp` CLEAR).
+    pub clears_depth: bool,
+    /// Depth is stored at the end.
+    pub stores_depth: bool,
+    /// Stencil is loaded at the begin.
+    pub loads_stencil: bool,
+    /// vkCmdClearAttachments clears depth in it.
+    pub clears_depth_later: bool,
+    /// An occlusion query or conditional rendering is active in it.
+    pub is_queried: bool,
+    /// It has a shading-rate attachment of the application's own.
+    pub has_own_rates: bool,
+    /// Part of suspended and resumed rendering.
+    pub is_suspended: bool,
+}
+
+/// A copy, blit or resolve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transfer {
+    /// Copy, blit or resolve.
+    pub kind: TransferKind,
+    /// Read.
+    pub from: Target,
+    /// x, y, width, height in pixels, of what is read; a negative extent is mirrored (blits only).
+    pub from_rect: [i32; 4],
+    /// Written.
+    pub to: Target,
+    /// As `from_rect`, of what is written.
+    pub to_rect: [i32; 4],
+}
+
+/// Kinds of transfers between images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TransferKind {
+    /// vkCmdCopyImage.
+    Copy,
+    /// vkCmdBlitImage.
+    Blit,
+    /// vkCmdResolveImage.
+    Resolve,
+}
