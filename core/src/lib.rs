@@ -5,8 +5,9 @@
 //! there is and how much of it is seen; [`avpm`] turns both into a budget and [`frco`] the budget into a
 //! [`rate::ShadingRate`], for which [`fixed_foveation`] is the baseline; [`schedule`] says which parts are rendered
 //! anew, [`chroma`] how much colour the eye resolves. [`plan`] holds the answer for one frame, and [`presets`]
-//! are the settings that people choose. [`color`] says how colours are coded, [`image`] how pictures are kept, and
-//! [`kernels`] are the CPU references of what the layer does on the GPU, with parameters laid out as [`layout`] states.
+//! are the settings that people choose; [`gate`] judges by what frames cost whether a technique pays. [`color`] says how
+//! colours are coded, [`image`] how pictures are kept, and [`kernels`] are the CPU references of what the layer does on the
+//! GPU, with parameters laid out as [`layout`] states.
 
 #![forbid(unsafe_code)]
 
@@ -16,6 +17,7 @@ pub mod chroma;
 pub mod color;
 pub mod fixed_foveation;
 pub mod frco;
+pub mod gate;
 pub mod gaze;
 pub mod geometry;
 pub mod image;
