@@ -4,7 +4,10 @@
 //! the application [`Shown`]. From both, recognition works out which targets are the scene, and of which eye.
 
 mod event;
+pub mod lay;
+mod matched;
 mod shown;
 
 pub use event::{Event, ImageDescription, ImageKey, Pass, PassFacts, Target, Transfer, TransferKind};
+pub use matched::{Eyes, How, Match, Orientation, Part, Unmatched};
 pub use shown::{Eye, Shown, ShownView, SwapchainKey};

@@ -1,0 +1,76 @@
+//! The plan of one eye.
+
+use super::rates::{FULL, RateSet, unary};
+use parafovea_core::rate::ShadingRate;
+
+/// Rates of one eye's picture, see [`crate::link::EyeMapRecord`].
+#[derive(Clone, Debug, Default)]
+pub struct EyeMap {
+    extent: [u32; 2],
+    texel: [u32; 2],
+    tiles: [u32; 2],
+    texels: Vec<u8>,
+    unary: Vec<u8>,
+    used: RateSet,
+}
+
+impl EyeMap {
+    /// Takes a plan: the size of its picture and of a tile in pixels, columns and rows of tiles, and their texels. Texels
+    /// that are no rate count as 1x1. Memory is only asked for beyond the largest plan so far.
+    ///
+    /// Where the numbers contradict each other the map becomes empty: everything is 1x1.
+    pub fn set(&mut self, extent: [u32; 2], texel: [u32; 2], tiles: [u32; 2], texels: &[u8]) {
+        let covers = |axis: usize| {
+            texel[axis] > 0 && extent[axis] > 0 && tiles[axis] == extent[axis].div_ceil(texel[axis])
+        };
+        self.clear();
+        if !covers(0) || !covers(1) || tiles[0] as usize * tiles[1] as usize != texels.len() {
+            return;
+        }
+        (self.extent, self.texel, self.tiles) = (extent, texel, tiles);
+        for texel in texels {
+            let rate = ShadingRate::from_texel(*texel).unwrap_or(ShadingRate::R1X1);
+            self.texels.push(rate.texel());
+            self.unary.push(unary(rate));
+            self.used.insert(rate);
+        }
+    }
+
+    /// Everything is 1x1.
+    pub fn clear(&mut self) {
+        (self.extent, self.texel, self.tiles) = ([0; 2], [0; 2], [0; 2]);
+        self.texels.clear();
+        self.unary.clear();
+        self.used = RateSet::default();
+    }
+
+    /// Size of the picture, pixels; 0 where there is no plan.
+    pub fn extent(&self) -> [u32; 2] {
+        self.extent
+    }
+
+    /// Size of a tile, pixels.
+    pub fn texel(&self) -> [u32; 2] {
+        self.texel
+    }
+
+    /// Columns and rows of tiles.
+    pub fn tiles(&self) -> [u32; 2] {
+        self.tiles
+    }
+
+    /// Texels of the tiles, row by row.
+    pub fn texels(&self) -> &[u8] {
+        &self.texels
+    }
+
+    pub(super) fn used(&self) -> RateSet {
+        self.used
+    }
+
+    /// Unary rates of a row; 1x1 beyond the plan.
+    pub(super) fn unary_row(&self, row: usize) -> &[u8] {
+        let columns = self.tiles[0] as usize;
+        self.unary.get(row * columns..(row + 1) * columns).filter(|row| !row.is_empty()).unwrap_or(&[FULL])
+    }
+}

@@ -1,0 +1,62 @@
+//! The rates of a device, and unary.
+
+use parafovea_core::rate::ShadingRate;
+
+/// Unary of 1x1.
+pub(super) const FULL: u8 = 0;
+
+/// Number of rates in unary, those that cannot be among them.
+const UNARY: usize = 16;
+
+/// What a device offers, as a table from what is permitted to what there is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DeviceRates {
+    /// Texel of the coarsest rate that a unary rate permits.
+    texels: [u8; UNARY],
+    offered: RateSet,
+}
+
+impl DeviceRates {
+    /// From the rates offered, in any order; 1x1 is always there. Of two that are as coarse (4x2 and 2x4 where 4x4
+    /// is permitted) the one offered first is taken.
+    pub fn new(offered: impl Iterator<Item = ShadingRate> + Clone) -> Self {
+        let texels = std::array::from_fn(|permitted| {
+            let permits = |rate: &ShadingRate| unary(*rate) & !(permitted as u8) == 0;
+            let coarser = |best: ShadingRate, rate: ShadingRate| {
+                if rate.fraction() < best.fraction() { rate } else { best }
+            };
+            offered.clone().filter(permits).fold(ShadingRate::R1X1, coarser).texel()
+        });
+        let mut set = RateSet::default();
+        set.insert(ShadingRate::R1X1);
+        offered.for_each(|rate| set.insert(rate));
+        Self { texels, offered: set }
+    }
+
+    /// The texel of the coarsest rate of the device that is as fine as a unary one.
+    pub(super) fn of_unary(&self, permitted: u8) -> u8 {
+        self.texels[usize::from(permitted) % UNARY]
+    }
+
+    /// Whether the device has all of `rates`.
+    pub(super) fn has_all(&self, rates: RateSet) -> bool {
+        rates.0 & !self.offered.0 == 0
+    }
+}
+
+/// Some rates, a bit for each texel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct RateSet(u16);
+
+impl RateSet {
+    pub(super) fn insert(&mut self, rate: ShadingRate) {
+        self.0 |= 1 << rate.texel();
+    }
+}
+
+/// A rate as unary: two bits a side, of which the lower ones are set first.
+pub(super) fn unary(rate: ShadingRate) -> u8 {
+    // 1, 2, 4 pixels: 0b00, 0b01, 0b11.
+    let side = |pixels: u32| (pixels - 1) as u8;
+    side(rate.width()) << 2 | side(rate.height())
+}

@@ -1,0 +1,64 @@
+//! Ranges of rows or columns.
+
+use super::{EyeMap, Place, RateImage, area};
+use std::ops::Range;
+
+/// Some rows or columns that follow each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Span {
+    first: u32,
+    end: u32,
+}
+
+impl Span {
+    /// Those of `from..to` that are within `0..count`.
+    pub(super) fn within(from: i64, to: i64, count: u32) -> Self {
+        let limit = |at: i64| at.clamp(0, i64::from(count)) as u32;
+        Self { first: limit(from), end: limit(to) }
+    }
+
+    pub(super) fn is_empty(self) -> bool {
+        self.first >= self.end
+    }
+
+    pub(super) fn contains(self, at: u32) -> bool {
+        (self.first..self.end).contains(&at)
+    }
+
+    pub(super) fn range(self) -> Range<usize> {
+        self.first as usize..self.end as usize
+    }
+}
+
+/// The columns (`axis` 0) or rows (1) of the plan that a column or row of the rate image meets, where the plan is laid
+/// over `place`. Exact, in whole numbers. A plan without tiles counts as one tile at 1x1.
+pub(super) fn met(
+    map: &EyeMap,
+    place: &Place,
+    image: &RateImage,
+    axis: usize,
+    index: u32,
+    flipped: bool,
+) -> Span {
+    let (first, end) = place.axes[axis];
+    let (area, area_end) = area(image, axis);
+    let texel = i64::from(image.texel[axis]);
+    let from = (i64::from(index) * texel).max(area).max(first);
+    let to = ((i64::from(index) + 1) * texel).min(area_end).min(end);
+    if from >= to {
+        return Span::default();
+    }
+    let (extent, tile, tiles) =
+        (i64::from(map.extent()[axis]), i64::from(map.texel()[axis]), map.tiles()[axis]);
+    if tiles == 0 {
+        return Span { first: 0, end: 1 };
+    }
+    let (from, to) = if flipped { (end - to, end - from) } else { (from - first, to - first) };
+    let scaled = i128::from(extent);
+    let whole = i128::from(end - first) * i128::from(tile);
+    let begin = i128::from(from) * scaled / whole;
+    let past = (i128::from(to) * scaled + whole - 1) / whole;
+    let last = i64::from(tiles) - 1;
+    let begin = i64::try_from(begin).unwrap_or(last).min(last);
+    Span::within(begin, i64::try_from(past).unwrap_or(i64::MAX).max(begin + 1), tiles)
+}

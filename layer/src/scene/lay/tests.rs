@@ -1,0 +1,225 @@
+//! The texels of a rate image against a look at every pixel.
+
+use super::*;
+use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
+use proptest::prelude::*;
+
+fn map(extent: [u32; 2], texel: [u32; 2], mut rate: impl FnMut(u32, u32) -> ShadingRate) -> EyeMap {
+    let tiles = [0, 1].map(|axis| extent[axis].div_ceil(texel[axis]));
+    let places = (0..tiles[1]).flat_map(|y| (0..tiles[0]).map(move |x| (x, y)));
+    let texels: Vec<u8> = places.map(|(x, y)| rate(x, y).texel()).collect();
+    let mut map = EyeMap::default();
+    map.set(extent, texel, tiles, &texels);
+    map
+}
+
+fn whole(eyes: Eyes, orientation: Orientation) -> Part {
+    Part { eyes, layer: 0, rect: [0.0, 0.0, 1.0, 1.0], orientation }
+}
+
+fn image(area: [u32; 4], texel: [u32; 2], layers: u32) -> RateImage {
+    let tiles = [0, 1].map(|axis| (area[axis] + area[axis + 2]).div_ceil(texel[axis]));
+    RateImage { area, texel, tiles, layers }
+}
+
+fn laid(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage, rates: &DeviceRates) -> Vec<u8> {
+    let mut out = vec![0xff; image.len()];
+    lay(eyes, parts, image, rates, &mut Scratch::default(), &mut out);
+    out
+}
+
+fn all_rates() -> DeviceRates {
+    DeviceRates::new(VULKAN_RATES.into_iter())
+}
+
+/// The finest that a pixel of a layer asks for.
+fn at_pixel(
+    eyes: [&EyeMap; 2],
+    parts: &[Part],
+    image: &RateImage,
+    layer: u32,
+    pixel: [u32; 2],
+) -> ShadingRate {
+    let mut finest = None;
+    for part in parts.iter().filter(|part| image.layers == 1 || part.layer == layer) {
+        let axes = Place::new(part, image).axes;
+        if (0..2).any(|axis| !(axes[axis].0..axes[axis].1).contains(&i64::from(pixel[axis]))) {
+            continue;
+        }
+        let maps = match part.eyes {
+            Eyes::Left => vec![eyes[0]],
+            Eyes::Right => vec![eyes[1]],
+            Eyes::Finer => eyes.to_vec(),
+        };
+        for map in maps {
+            let flips: &[bool] = match part.orientation {
+                Orientation::Upright => &[false],
+                Orientation::UpsideDown => &[true],
+                Orientation::Unknown => &[false, true],
+            };
+            for flipped in flips {
+                // Both ends of the pixel in the plan, in 1 / size of its place.
+                let ends = [0, 1].map(|axis| {
+                    let (first, end) = axes[axis];
+                    let at = i64::from(pixel[axis]);
+                    let (from, to) = if axis == 1 && *flipped {
+                        (end - at - 1, end - at)
+                    } else {
+                        (at - first, at + 1 - first)
+                    };
+                    let extent = i64::from(map.extent()[axis]);
+                    (from * extent, to * extent, (end - first) * i64::from(map.texel()[axis]))
+                });
+                for y in ends[1].0 / ends[1].2..=(ends[1].1 - 1) / ends[1].2 {
+                    for x in ends[0].0 / ends[0].2..=(ends[0].1 - 1) / ends[0].2 {
+                        let texel = map.texels()[(y * i64::from(map.tiles()[0]) + x) as usize];
+                        let rate = ShadingRate::from_texel(texel).unwrap();
+                        finest = Some(finest.map_or(rate, |finest: ShadingRate| finest.finer(rate)));
+                    }
+                }
+            }
+        }
+    }
+    finest.unwrap_or(ShadingRate::R1X1)
+}
+
+/// What each texel should be: the finest of its pixels within the area.
+fn expected(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage) -> Vec<u8> {
+    let [x, y, width, height] = image.area;
+    let mut texels = Vec::new();
+    for layer in 0..image.layers {
+        for row in 0..image.tiles[1] {
+            for column in 0..image.tiles[0] {
+                let mut finest = None;
+                for pixel_y in (row * image.texel[1]).max(y)..((row + 1) * image.texel[1]).min(y + height) {
+                    for pixel_x in
+                        (column * image.texel[0]).max(x)..((column + 1) * image.texel[0]).min(x + width)
+                    {
+                        let rate = at_pixel(eyes, parts, image, layer, [pixel_x, pixel_y]);
+                        finest = Some(finest.map_or(rate, |finest: ShadingRate| finest.finer(rate)));
+                    }
+                }
+                texels.push(finest.unwrap_or(ShadingRate::R1X1).texel());
+            }
+        }
+    }
+    texels
+}
+
+fn any_map() -> impl Strategy<Value = EyeMap> {
+    let sizes = (1..70u32, 1..70u32, 3..20u32, 3..20u32);
+    (sizes, prop::collection::vec(0..7usize, 600)).prop_map(|((width, height, texel_x, texel_y), rates)| {
+        let mut rates = rates.into_iter().cycle();
+        map([width, height], [texel_x, texel_y], |_, _| VULKAN_RATES[rates.next().unwrap()])
+    })
+}
+
+fn any_part() -> impl Strategy<Value = Part> {
+    let eyes = prop_oneof![Just(Eyes::Left), Just(Eyes::Right), Just(Eyes::Finer)];
+    let ways = [Orientation::Upright, Orientation::UpsideDown, Orientation::Unknown];
+    let rect = prop_oneof![
+        3 => Just([0.0, 0.0, 1.0, 1.0]),
+        1 => Just([0.0, 0.0, 0.5, 1.0]),
+        1 => Just([0.5, 0.0, 0.5, 1.0]),
+        2 => prop::array::uniform4(-0.5..1.5f32),
+    ];
+    (eyes, 0..3u32, rect, prop::sample::select(ways.to_vec()))
+        .prop_map(|(eyes, layer, rect, orientation)| Part { eyes, layer, rect, orientation })
+}
+
+fn any_image() -> impl Strategy<Value = RateImage> {
+    let area = (0..20u32, 0..20u32, 1..80u32, 1..80u32).prop_map(|(x, y, w, h)| [x, y, w, h]);
+    (area, 3..20u32, 3..20u32, 1..3u32).prop_map(|(area, x, y, layers)| image(area, [x, y], layers))
+}
+
+proptest! {
+    /// Never coarser than the plan at a pixel, and no finer than its pixels need.
+    #[test]
+    fn each_texel_is_as_fine_as_its_finest_pixel(
+        left in any_map(), right in any_map(), parts in prop::collection::vec(any_part(), 0..4),
+        image in any_image(),
+    ) {
+        let eyes = [&left, &right];
+        prop_assert_eq!(laid(eyes, &parts, &image, &all_rates()), expected(eyes, &parts, &image));
+    }
+
+    /// With the rates that there are: never coarser, and 1x1 where that is asked for.
+    #[test]
+    fn only_rates_of_the_device_are_used(
+        left in any_map(), right in any_map(), part in any_part(), image in any_image(),
+        offered in prop::sample::subsequence(VULKAN_RATES.to_vec(), 0..7),
+    ) {
+        let eyes = [&left, &right];
+        let rates = DeviceRates::new(offered.iter().copied());
+        let permitted = expected(eyes, &[part], &image);
+        for (texel, permitted) in laid(eyes, &[part], &image, &rates).into_iter().zip(permitted) {
+            let rate = ShadingRate::from_texel(texel).unwrap();
+            let permitted = ShadingRate::from_texel(permitted).unwrap();
+            prop_assert!(rate == ShadingRate::R1X1 || offered.contains(&rate));
+            prop_assert_eq!(rate.finer(permitted), rate);
+            if offered.contains(&permitted) {
+                prop_assert_eq!(rate, permitted);
+            }
+        }
+    }
+
+    /// Nothing that the link or an application could say makes it panic.
+    #[test]
+    fn anything_can_be_laid(
+        extent in prop::array::uniform2(any::<u32>()), texel in prop::array::uniform2(any::<u32>()),
+        area in prop::array::uniform4(any::<u32>()), image_texel in prop::array::uniform2(0..64u32),
+        tiles in prop::array::uniform2(0..9u32), rect in prop::array::uniform4(any::<f32>()), len in 0..200usize,
+    ) {
+        let mut map = EyeMap::default();
+        map.set(extent, texel, tiles, &vec![10; (tiles[0] * tiles[1]) as usize]);
+        let part = Part { rect, ..whole(Eyes::Finer, Orientation::Unknown) };
+        let image = RateImage { area, texel: image_texel, tiles, layers: 2 };
+        let mut out = vec![0xff; len];
+        lay([&map, &map], &[part, part], &image, &all_rates(), &mut Scratch::default(), &mut out);
+        prop_assert!(out.iter().all(|texel| ShadingRate::from_texel(*texel).is_some()));
+    }
+}
+
+#[test]
+fn a_plan_of_the_same_size_is_copied() {
+    let mut rates = VULKAN_RATES.into_iter().cycle();
+    let map = map([100, 70], [16, 16], |_, _| rates.next().unwrap());
+    let image = image([0, 0, 100, 70], [16, 16], 1);
+    let part = whole(Eyes::Right, Orientation::Upright);
+    assert_eq!(laid([&EyeMap::default(), &map], &[part], &image, &all_rates()), map.texels());
+}
+
+#[test]
+fn an_eye_without_a_plan_is_at_full_rate() {
+    let coarse = map([64, 64], [16, 16], |_, _| ShadingRate::R4X4);
+    let image = image([0, 0, 64, 64], [16, 16], 1);
+    let part = whole(Eyes::Finer, Orientation::Upright);
+    assert_eq!(laid([&coarse, &EyeMap::default()], &[part], &image, &all_rates()), [0; 16]);
+    assert_eq!(laid([&coarse, &coarse], &[part], &image, &all_rates()), [10; 16]);
+    assert_eq!(laid([&coarse, &coarse], &[], &image, &all_rates()), [0; 16]);
+}
+
+#[test]
+fn a_layer_each_or_the_finer_of_both() {
+    let left = map([32, 16], [16, 16], |x, _| [ShadingRate::R4X4, ShadingRate::R1X1][x as usize]);
+    let right = map([32, 16], [16, 16], |x, _| [ShadingRate::R2X4, ShadingRate::R2X2][x as usize]);
+    let parts = [
+        whole(Eyes::Left, Orientation::Upright),
+        Part { layer: 1, ..whole(Eyes::Right, Orientation::Upright) },
+    ];
+    let two = image([0, 0, 32, 16], [16, 16], 2);
+    assert_eq!(laid([&left, &right], &parts, &two, &all_rates()), [10, 0, 6, 5]);
+    let one = RateImage { layers: 1, ..two };
+    assert_eq!(laid([&left, &right], &parts, &one, &all_rates()), [6, 0]);
+}
+
+/// Two eyes side by side whose border cuts a column of texels: that column is the finer of both.
+#[test]
+fn texels_on_the_border_of_two_eyes_are_the_finer_of_both() {
+    let left = map([24, 16], [16, 16], |_, _| ShadingRate::R4X4);
+    let right = map([24, 16], [16, 16], |_, _| ShadingRate::R2X2);
+    let half = |eyes, x| Part { rect: [x, 0.0, 0.5, 1.0], ..whole(eyes, Orientation::Upright) };
+    let parts = [half(Eyes::Left, 0.0), half(Eyes::Right, 0.5)];
+    let image = image([0, 0, 48, 16], [16, 16], 1);
+    assert_eq!(laid([&left, &right], &parts, &image, &all_rates()), [10, 5, 5]);
+}

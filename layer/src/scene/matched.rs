@@ -1,0 +1,135 @@
+//! What recognition answers.
+
+use ash::vk;
+use smallvec::SmallVec;
+use std::fmt;
+
+/// A pass that makes the picture of an eye, or of both.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Match {
+    /// Which parts of its target show what. They may lie over each other: then each pixel is both, and what is finer
+    /// holds. What is in none of them is no eye's.
+    pub parts: SmallVec<[Part; 4]>,
+    /// How this is known.
+    pub how: How,
+}
+
+/// A rectangle of a target that shows the whole picture of an eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Of which eye.
+    pub eyes: Eyes,
+    /// Array layer, counted from the first one of the target (with multiview: the view).
+    pub layer: u32,
+    /// x, y, width, height as fractions of the render area, so that it follows where that is resized. It may reach
+    /// beyond 0..1, where the pass draws a part of the picture only.
+    pub rect: [f32; 4],
+    /// Which way up it is.
+    pub orientation: Orientation,
+}
+
+/// Whose picture it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Eyes {
+    /// The left eye's.
+    Left,
+    /// The right eye's.
+    Right,
+    /// One's or the other's, or both eyes': what either plan wants finer holds.
+    Finer,
+}
+
+/// Which way up a picture is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Orientation {
+    /// The first row is the top, as in the plan.
+    Upright,
+    /// The first row is the bottom.
+    UpsideDown,
+    /// Not proven: what is finer of both holds.
+    Unknown,
+}
+
+/// What a match rests on, surest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum How {
+    /// A colour attachment, or what it is resolved to in the pass, is an image of an XR swapchain.
+    Swapchain,
+    /// It is copied, blitted or resolved into one afterwards.
+    Transferred,
+    /// It looks like the picture of an eye, and comes before the pass that writes the swapchain.
+    Shape,
+}
+
+impl fmt::Display for How {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Swapchain => "draws into the swapchain",
+            Self::Transferred => "is copied, blitted or resolved into the swapchain",
+            Self::Shape => "has the shape of the eye's picture and comes before it",
+        })
+    }
+}
+
+/// Why a pass is not the scene. `Display` completes "not the scene: ...".
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Unmatched {
+    /// No colour attachment: shadow maps, depth pre-passes.
+    NoColour,
+    /// The image can be a cube map.
+    Cube,
+    /// Into a mip level other than 0.
+    Level(u32),
+    /// What it draws turns up in a quad, a cylinder or the like.
+    Flat,
+    /// Into a swapchain, or a part of one, that no projection view shows.
+    NotShown,
+    /// Into a swapchain that is shown for neither eye's whole picture: insets of quad views.
+    Inset,
+    /// Nothing is known of the image.
+    UnknownImage,
+    /// Smaller than half of the eye's picture.
+    Small,
+    /// Larger than twice the eye's picture.
+    Large,
+    /// Another aspect than the eye's picture.
+    Aspect,
+    /// Its format does not hold colours.
+    Format(vk::Format),
+    /// Nothing that is shown is drawn after it.
+    After,
+    /// The scene is drawn straight into the swapchain.
+    DrawnDirectly,
+    /// Images of the same shape serve different ends in one frame.
+    Ambiguous,
+    /// The picture's rectangle changes while the render area does not.
+    Unsteady,
+    /// The profile excludes it.
+    Excluded,
+    /// Seen for the first time: earlier frames are the evidence.
+    New,
+}
+
+impl fmt::Display for Unmatched {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoColour => "no colour: a shadow map or a depth pre-pass",
+            Self::Cube => "a cube map",
+            Self::Level(level) => return write!(f, "into mip level {level}"),
+            Self::Flat => "shown in a quad or another flat layer",
+            Self::NotShown => "into a part of a swapchain that no projection layer shows",
+            Self::Inset => "an inset of quad views",
+            Self::UnknownImage => "nothing is known of its image",
+            Self::Small => "smaller than half of the eye's picture",
+            Self::Large => "larger than twice the eye's picture",
+            Self::Aspect => "another aspect than the eye's picture",
+            Self::Format(format) => return write!(f, "{format:?} holds no colours"),
+            Self::After => "nothing that is shown is drawn after it",
+            Self::DrawnDirectly => "the scene is drawn straight into the swapchain",
+            Self::Ambiguous => "images of its shape serve different ends",
+            Self::Unsteady => "the picture's rectangle changes while the render area does not",
+            Self::Excluded => "excluded by the profile",
+            Self::New => "not seen in an earlier frame",
+        })
+    }
+}
