@@ -1,11 +1,17 @@
 //! The configuration that holds at this moment, and noticing that its file changed.
 
+mod chroma;
 mod executable;
+mod plan;
 
+pub use chroma::chroma_settings;
 pub use executable::executable;
 pub use parafovea_manifest::config::Config;
-pub use parafovea_manifest::options::{ChromaMatrix, ChromaMode, GazeSource, LogLevel};
+pub use parafovea_manifest::options::{
+    ChromaMatrix, ChromaMode, GazeSource, LogLevel, PeripheralRate, Preset, RatesBackend, RatesMode,
+};
 pub use parafovea_manifest::paths::Environment;
+pub use plan::{gaze_settings, plan_settings};
 
 use arc_swap::ArcSwap;
 use parafovea_manifest::config::{ConfigErrors, Watch};

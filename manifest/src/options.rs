@@ -32,10 +32,48 @@ choice! {
 choice! {
     /// Where the gaze comes from.
     GazeSource {
-        /// the eye tracker; without one nothing is done that depends on gaze
+        /// the eye tracker; without one, colour stays, and rates fall off from straight ahead, widely
         Eyes = "eyes",
-        /// straight ahead, always: for headsets without an eye tracker
+        /// straight ahead, always, as if the eyes never moved: for headsets without an eye tracker
         Centre = "centre",
+    }
+}
+
+choice! {
+    /// Whether and how shading becomes coarser.
+    RatesMode {
+        /// every pixel is shaded
+        Off = "off",
+        /// by the angle from the gaze alone, in rings
+        Fixed = "fixed",
+    }
+}
+
+choice! {
+    /// How the application's passes are made to shade more coarsely.
+    RatesBackend {
+        /// by a rate attachment where the device has such, else by a mask
+        Auto = "auto",
+        /// by a rate attachment (VK_KHR_fragment_shading_rate) or not at all
+        Attachment = "attachment",
+        /// by a mask: pixels are skipped, and filled in from those around them
+        Mask = "mask",
+        /// not at all
+        Off = "off",
+    }
+}
+
+choice! {
+    /// How many pixels are shaded at once.
+    PeripheralRate {
+        /// two
+        R2x1 = "2x1",
+        /// four
+        R2x2 = "2x2",
+        /// eight
+        R4x2 = "4x2",
+        /// sixteen
+        R4x4 = "4x4",
     }
 }
 
@@ -66,10 +104,18 @@ choice! {
 presets! {
     /// Values that belong together, for what is not set itself.
     Preset {
-        /// the defaults
-        None = "none" {}
-        /// for pictures that are sent to the headset as video: less colour to encode
+        /// every technique is off
+        None = "none" { rates.mode = RatesMode::Off; }
+        /// what few notice: a periphery of a quarter of the shading
+        Quality = "quality" { rates.peripheral = PeripheralRate::R2x2; }
+        /// the state of the art: a sixteenth from 27 degrees on
+        Balanced = "balanced" {}
+        /// noticed at times: a sixteenth from 18 degrees on
+        Performance = "performance" { rates.transitional_deg = 18.39; }
+        /// balanced, and less colour to encode, for pictures that are sent to the headset as video
         Streaming = "streaming" { chroma.mode = ChromaMode::Default; }
+        /// balanced as it was published, without what makes it safe: to compare with
+        Paper = "paper" {}
     }
 }
 
@@ -79,7 +125,7 @@ options! {
         /// Whether anything is done at all; false leaves the application as it is.
         enabled: bool = true;
         /// Values that belong together, for what is not set itself.
-        preset: Preset = Preset::None;
+        preset: Preset = Preset::Balanced;
     }
 
     /// What is written down.
@@ -94,6 +140,20 @@ options! {
         source: GazeSource = GazeSource::Eyes;
         /// For how long the last gaze is kept when the tracker loses the eyes, as in a blink.
         hold_ms: u32 = 500, 0..=500 "milliseconds";
+    }
+
+    /// Shading, coarser where the eye does not resolve it.
+    rates: Rates {
+        /// Whether and how shading becomes coarser.
+        mode: RatesMode = RatesMode::Fixed;
+        /// How the application's passes are made to shade more coarsely.
+        backend: RatesBackend = RatesBackend::Auto;
+        /// Every pixel is shaded up to this angle from the gaze; the tracker's error and the eyes' motion are added.
+        foveal_deg: f32 = 14.34, 5.0..=110.0 "degrees";
+        /// The angle from the gaze from which on the peripheral rate holds; rates in between fall to it step by step.
+        transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
+        /// The coarsest rate, in pixels that are shaded at once; a device without it uses the next finer one.
+        peripheral: PeripheralRate = PeripheralRate::R4x4;
     }
 
     /// Colour, removed where the eye does not resolve it.

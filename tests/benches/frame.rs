@@ -99,7 +99,7 @@ fn describe(error: &dyn Error) -> String {
 /// All techniques, or the first, which the others are compared with, and those that are `wanted`.
 fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
     let mut techniques = Technique::baselines();
-    techniques.push(Technique::layer("chroma", "[chroma]\nmode = \"default\"\n"));
+    techniques.push(Technique::layer("chroma", "preset = \"none\"\n[chroma]\nmode = \"default\"\n"));
     let Some(wanted) = wanted else { return Ok(techniques) };
     let known = |name: &String| techniques.iter().any(|technique| technique.name == *name);
     if let Some(unknown) = wanted.iter().find(|name| !known(name)) {

@@ -21,7 +21,7 @@ use serde::Serialize;
 use std::path::Path;
 
 /// The configuration of the runs with the layer on: colour goes at once, so that few frames show the steady state.
-const CONFIG: &str = "[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
+const CONFIG: &str = "preset = \"none\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 
 /// Where the eyes rest, in degrees to the left and upwards: not the centre, so that following them shows.
 const GAZE_DEG: (f32, f32) = (-12.0, 4.0);

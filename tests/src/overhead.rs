@@ -37,7 +37,7 @@ impl Case {
             Case::None => run,
             Case::PassThrough => run.test_layer(TestLayer::PassThrough),
             Case::Inert => run.layer(LayerMode::On("enabled = false\n".to_owned())),
-            Case::On => run.layer(LayerMode::On("[chroma]\nmode = \"off\"\n".to_owned())),
+            Case::On => run.layer(LayerMode::On("preset = \"none\"\n".to_owned())),
         }
     }
 }

@@ -5,7 +5,8 @@ use parafovea::gpu::barrier::{ALL, ImageBarrier};
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
-const CHROMA: &str = "[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
+const CHROMA: &str =
+    "preset = \"none\"\n[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 /// In the first frames the gaze is not known yet, and images are only copied.
 const FRAMES: u64 = 20;
 const SAVED: [u64; 2] = [1, 18];

@@ -76,7 +76,7 @@ fn a_file_that_cannot_be_read_is_named() {
 
 #[test]
 fn an_edit_applies_within_a_second() {
-    const CHROMA: &str = "[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\n";
+    const CHROMA: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\n";
     /// The edit is made once this frame is there ...
     const BEFORE: u64 = 60;
     /// ... and holds a second of frames later, with half a second for a busy machine to come to making it.
@@ -85,7 +85,7 @@ fn an_edit_applies_within_a_second() {
     let mut scenario = Scenario::new(AFTER + 5).sized(96, 96).in_real_time().saving(&[BEFORE, AFTER]);
     let running = Run::new(&application, &scenario).on(CHROMA).start().unwrap();
     wait_until(|| running.has_submitted(1, BEFORE));
-    std::fs::write(running.config_file(), "[chroma]\nmode = \"off\"\n").unwrap();
+    std::fs::write(running.config_file(), "preset = \"none\"\n").unwrap();
     let edited = running.finish().unwrap().expect_frames(AFTER + 5).unwrap();
 
     scenario.clock.mode = ClockMode::Simulated;

@@ -10,7 +10,8 @@ fn chroma_attenuation_adds_no_fragments_of_the_application() {
     let scenario = Scenario::new(FRAMES).sized(128, 128).saving(&[FRAMES - 1]);
     let finish = |run: Run| run.counted().finish().unwrap().expect_frames(FRAMES).unwrap();
     let off = finish(Run::new(&application, &scenario));
-    let on = finish(Run::new(&application, &scenario).on("[chroma]\nmode = \"default\"\n"));
+    let on =
+        finish(Run::new(&application, &scenario).on("preset = \"none\"\n[chroma]\nmode = \"default\"\n"));
 
     let last = FRAMES - 1;
     assert!(off.submitted(0, last).unwrap() != on.submitted(0, last).unwrap(), "nothing was processed");

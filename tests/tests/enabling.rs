@@ -5,7 +5,7 @@ use parafovea_tests::artifacts::Library;
 use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
-const CHROMA: &str = "[chroma]\nmode = \"default\"\n";
+const CHROMA: &str = "preset = \"none\"\n[chroma]\nmode = \"default\"\n";
 const FRAMES: u64 = 30;
 const SAVED: u64 = 25;
 

@@ -9,7 +9,7 @@ use parafovea_tests::measure::{Effort, RUN_UP, Subject, Technique, errors, rows,
 #[test]
 fn techniques_take_turns_and_fragments_are_counted() {
     let subject = Subject::around_a_saccade(SceneName::Courtyard, Tracker::IDEAL);
-    let chroma = Technique::layer("chroma", "[chroma]\nmode = \"default\"\n");
+    let chroma = Technique::layer("chroma", "preset = \"none\"\n[chroma]\nmode = \"default\"\n");
     let techniques = [Technique::off(), chroma, Technique::render_scale(0.5)];
     let mut order = Vec::new();
     let effort = Effort { turns: 2, frames: 20, size: 64 };
@@ -33,7 +33,7 @@ fn techniques_take_turns_and_fragments_are_counted() {
 }
 
 /// Chroma, with nothing that hides what a late gaze does.
-const IMPATIENT_CHROMA: &str = "[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
+const IMPATIENT_CHROMA: &str = "preset = \"none\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 
 fn judged(subject: &Subject, frames: u64) -> Report {
     let techniques = [Technique::off(), Technique::layer("chroma", IMPATIENT_CHROMA)];

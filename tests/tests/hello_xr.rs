@@ -18,7 +18,7 @@ fn with_vulkan_enable2() {
 fn check(graphics: &str) {
     let reference = run(graphics, None);
     // On with nothing to do, and on with images of ours, and work on them, in every frame.
-    for config in ["", "[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\n"] {
+    for config in ["", "preset = \"none\"\n[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\n"] {
         let with_us = run(graphics, Some(config));
         let new = with_us.findings.beyond(&reference.findings);
         assert!(new.is_empty(), "{new:#?}");

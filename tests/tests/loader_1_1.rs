@@ -6,7 +6,8 @@ use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
 const FRAMES: u64 = 30;
 const LAST: u64 = FRAMES - 1;
-const CHROMA: &str = "[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
+const CHROMA: &str =
+    "preset = \"none\"\n[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 
 #[test]
 fn hello_xr_with_vulkan_enable() {

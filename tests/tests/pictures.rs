@@ -10,8 +10,9 @@ use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
-const OFF: &str = "[chroma]\nmode = \"off\"\n";
-const CHROMA: &str = "[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
+const OFF: &str = "preset = \"none\"\n";
+const CHROMA: &str =
+    "preset = \"none\"\n[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 
 struct Subject {
     application: Application,

@@ -13,7 +13,7 @@ use parafovea_tests::scenario::{Head, Input, InputValue, Scenario};
 use runs::{Finished, run};
 
 /// The layer with every technique off.
-const OFF: &str = "[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"off\"\n";
+const OFF: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"off\"\n";
 
 /// A case and what is expected of the layer in it.
 struct Case {
@@ -59,10 +59,10 @@ impl Case {
     fn config(&self) -> &'static str {
         match self.gaze {
             Gaze::Centre => {
-                "[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n"
+                "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n"
             }
             Gaze::Tracker => {
-                "[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n"
+                "preset = \"none\"\n[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n"
             }
         }
     }

@@ -1,6 +1,5 @@
 //! Frames. What happens at `xrEndFrame`, from top to bottom, is [`deliver`].
 
-mod chroma;
 mod layers;
 mod regions;
 mod work;
@@ -9,11 +8,10 @@ use super::instance::next_of_any;
 use super::session::{self, Active, Health, Session, Tools};
 use super::swapchain;
 use crate::abi::guard;
-use crate::config::{Config, GazeSource};
+use crate::config::{Config, GazeSource, chroma_settings};
 use crate::gpu::GpuError;
 use crate::inputs::gaze;
 use crate::passes::compose::ComposeJob;
-use chroma::chroma_settings;
 use glam::Vec3;
 use layers::{Projection, Shown};
 use openxr_sys as xr;

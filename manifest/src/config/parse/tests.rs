@@ -1,5 +1,5 @@
 use super::*;
-use crate::options::{Allowed, ChromaMode, GazeSource, LogLevel, Preset};
+use crate::options::{Allowed, ChromaMode, GazeSource, LogLevel, Preset, RatesMode};
 use proptest::prelude::*;
 
 fn read(text: &str) -> Result<Config, String> {
@@ -25,22 +25,30 @@ fn what_is_not_set_keeps_its_default() {
 #[test]
 fn a_preset_sets_what_the_file_does_not() {
     let config = read("preset = 'streaming'").unwrap();
-    assert_eq!(config.chroma.mode, ChromaMode::Default);
     let mut expected = Config { preset: Preset::Streaming, ..Config::default() };
     expected.chroma.mode = ChromaMode::Default;
     assert_eq!(config, expected, "and nothing else");
     for own in ["chroma.mode = 'off'\npreset = 'streaming'", "preset = 'streaming'\n[chroma]\nmode = 'off'"] {
         assert_eq!(read(own).unwrap().chroma.mode, ChromaMode::Off, "{own}");
     }
-    assert_eq!(read("preset = 'none'"), Ok(Config::default()));
+    assert_eq!(read("preset = 'balanced'"), Ok(Config::default()));
     assert_eq!(
         rejected("preset = 'steaming'"),
-        "game.toml: line 1: preset = 'steaming' is not allowed; allowed: \"none\" or \"streaming\""
+        "game.toml: line 1: preset = 'steaming' is not allowed; allowed: \"none\", \"quality\", \"balanced\", \
+         \"performance\", \"streaming\" or \"paper\""
     );
     assert_eq!(
         rejected("[chroma]\npreset = 'streaming'"),
         "game.toml: line 2: unknown key chroma.preset; did you mean preset?"
     );
+}
+
+#[test]
+fn with_the_preset_none_every_technique_is_off() {
+    let config = read("preset = 'none'").unwrap();
+    assert_eq!((config.rates.mode, config.chroma.mode), (RatesMode::Off, ChromaMode::Off));
+    let config = read("preset = 'none'\n[rates]\nmode = 'fixed'").unwrap();
+    assert_eq!(config.rates, Config::default().rates, "but what is set itself");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Chroma attenuation as the configuration asks for it.
 
-use crate::config::{ChromaMatrix, ChromaMode, Config};
+use super::{ChromaMatrix, ChromaMode, Config};
 use parafovea_core::chroma::{ChromaSettings, Matrix, Mode};
 
 /// The settings; `None` where chroma attenuation is off.
