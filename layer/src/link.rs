@@ -19,7 +19,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"parafovea_vkGetLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 1;
+pub const LINK_VERSION: u32 = 2;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
@@ -39,6 +39,16 @@ pub struct LinkTable {
     /// Enters (1) or leaves (0) a section of this thread whose submits are the runtime's or ours, not the
     /// application's. Sections nest.
     pub runtime_section: unsafe extern "C" fn(enter: u32),
+    /// Writes what the device's backend can do to `record`; returns 1, or 0 when the device is not armed.
+    pub offer: unsafe extern "C" fn(device: vk::Device, record: *mut OfferRecord) -> u32,
+    /// Tells the images of a swapchain, or that they are about to be destroyed.
+    pub swapchain: unsafe extern "C" fn(device: vk::Device, record: *const SwapchainRecord),
+    /// Tells the newest plan.
+    pub plan: unsafe extern "C" fn(device: vk::Device, record: *const PlanRecord),
+    /// Tells what an xrEndFrame shows, before or after the runtime's: it ends the frame of this device.
+    pub shown: unsafe extern "C" fn(device: vk::Device, record: *const ShownRecord),
+    /// Tells what shall be done, from the configuration.
+    pub settings: unsafe extern "C" fn(device: vk::Device, record: *const SettingsRecord),
 }
 
 /// One device as the Vulkan half tracked it.

@@ -9,11 +9,13 @@
 
 use std::ffi::CStr;
 
+mod armed;
 mod chain;
 mod device;
 mod dispatch;
 mod dispatch_key;
 mod enablement;
+mod frame;
 mod instance;
 mod link_table;
 mod negotiate;

@@ -1,5 +1,6 @@
 //! Devices: creation, tracking, destruction.
 
+use super::armed::Armed;
 use super::chain::{self, NextDevice, SetDeviceLoaderData};
 use super::dispatch::DeviceTable;
 use super::dispatch_key::DispatchKey;
@@ -13,8 +14,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// One live device.
 pub struct Device {
-    /// What the OpenXR half may know; `None` for an inert device.
-    pub record: Option<DeviceRecord>,
+    /// What is done on it; `None` for an inert device.
+    pub armed: Option<Arc<Armed>>,
     pub next: DeviceTable,
     pub get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
     active: AtomicBool,
@@ -107,9 +108,9 @@ unsafe fn track(
         let key = DispatchKey::of(device)?;
         let table = DeviceTable::load(|name| (next.get_device_proc_addr)(device, name.as_ptr()))?;
         let set_device_loader_data = next.set_device_loader_data.filter(|_| instance.enabled);
-        let record =
-            set_device_loader_data.map(|callback| record(instance, physical_device, device, next, callback));
-        let state = match (&record, instance.enabled) {
+        let armed = set_device_loader_data
+            .map(|callback| Arc::new(Armed::new(record(instance, physical_device, device, next, callback))));
+        let state = match (&armed, instance.enabled) {
             (Some(_), _) => "armed",
             (None, false) => "inert",
             (None, true) => "inert: the Vulkan loader gave no vkSetDeviceLoaderData",
@@ -117,7 +118,7 @@ unsafe fn track(
         DEVICES.insert(
             key,
             Arc::new(Device {
-                record,
+                armed,
                 next: table,
                 get_device_proc_addr: next.get_device_proc_addr,
                 active: AtomicBool::new(false),

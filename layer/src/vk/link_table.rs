@@ -1,8 +1,12 @@
 //! What this half offers to the OpenXR half; see [`crate::link`].
 
+use super::armed::Armed;
 use super::{device, runtime_section};
 use crate::abi::guard;
-use crate::link::{DeviceRecord, GetLink, LINK_VERSION, LinkTable};
+use crate::link::{
+    DeviceRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord, PlanRecord, SettingsRecord, ShownRecord,
+    SwapchainRecord,
+};
 use ash::vk;
 
 static TABLE: LinkTable = LinkTable {
@@ -11,6 +15,11 @@ static TABLE: LinkTable = LinkTable {
     device: device_record,
     set_active,
     runtime_section: set_runtime_section,
+    offer,
+    swapchain,
+    plan,
+    shown,
+    settings,
 };
 
 /// The function behind [`crate::link::GET_LINK_NAME`].
@@ -30,7 +39,7 @@ unsafe extern "C" fn device_record(device: vk::Device, record: *mut DeviceRecord
         "parafovea_vkGetLink.device",
         || 0,
         |_| unsafe {
-            let known = device::of(device).and_then(|device| device.record);
+            let known = device::of(device).and_then(|device| Some(device.armed.as_ref()?.record));
             match (known, record.as_mut()) {
                 (Some(known), Some(record)) => {
                     *record = known;
@@ -57,4 +66,98 @@ unsafe extern "C" fn set_active(device: vk::Device, active: u32) {
 
 unsafe extern "C" fn set_runtime_section(enter: u32) {
     runtime_section::set(enter != 0);
+}
+
+/// Runs `act` for an armed device and a record.
+///
+/// # Safety
+///
+/// The device is live; `record` is null, or valid with what it points to during the call.
+unsafe fn told<T>(call: &'static str, device: vk::Device, record: *const T, act: impl FnOnce(&Armed, &T)) {
+    guard(
+        call,
+        || (),
+        |_| {
+            // SAFETY: the caller vouches for both.
+            let (device, record) = unsafe { (device::of(device), record.as_ref()) };
+            if let (Some(armed), Some(record)) = (device.as_ref().and_then(|d| d.armed.as_ref()), record) {
+                act(armed, record);
+            }
+        },
+    );
+}
+
+unsafe extern "C" fn offer(device: vk::Device, record: *mut OfferRecord) -> u32 {
+    // SAFETY: the other half passes a live device, and a record to write to (link.rs).
+    guard(
+        "parafovea_vkGetLink.offer",
+        || 0,
+        |_| unsafe {
+            let known = device::of(device);
+            match (known.as_ref().and_then(|known| known.armed.as_ref()), record.as_mut()) {
+                (Some(armed), Some(record)) => {
+                    *record = armed.offer();
+                    1
+                }
+                _ => 0,
+            }
+        },
+    )
+}
+
+unsafe extern "C" fn swapchain(device: vk::Device, record: *const SwapchainRecord) {
+    // SAFETY: the other half passes a live device and a valid record (link.rs).
+    unsafe {
+        told("parafovea_vkGetLink.swapchain", device, record, |armed, record| {
+            armed.frame.swapchain(record, slice(record.images, record.image_count as usize));
+        });
+    }
+}
+
+unsafe extern "C" fn plan(device: vk::Device, record: *const PlanRecord) {
+    // SAFETY: as above; each map has a rate for each tile.
+    unsafe {
+        told("parafovea_vkGetLink.plan", device, record, |armed, record| {
+            let rates = record.eyes.map(|eye| {
+                let [columns, rows] = eye.tiles.map(|count| count as usize);
+                slice(eye.rates, columns.saturating_mul(rows))
+            });
+            armed.frame.set_plan(record, rates);
+        });
+    }
+}
+
+unsafe extern "C" fn shown(device: vk::Device, record: *const ShownRecord) {
+    // SAFETY: as above.
+    unsafe {
+        told("parafovea_vkGetLink.shown", device, record, |armed, record| {
+            armed.frame.shown(
+                slice(record.views, record.view_count as usize),
+                slice(record.flat, record.flat_count as usize),
+                slice(record.depth, record.depth_count as usize),
+            );
+        });
+    }
+}
+
+unsafe extern "C" fn settings(device: vk::Device, record: *const SettingsRecord) {
+    // SAFETY: as above.
+    unsafe {
+        told("parafovea_vkGetLink.settings", device, record, |armed, record| {
+            armed.frame.set_settings(record)
+        });
+    }
+}
+
+/// An array of a record; empty where there is none.
+///
+/// # Safety
+///
+/// `first` is null, or `count` values begin there that nobody changes for `'a`.
+unsafe fn slice<'a, T>(first: *const T, count: usize) -> &'a [T] {
+    if first.is_null() || count == 0 {
+        return &[];
+    }
+    // SAFETY: the caller vouches for the values.
+    unsafe { std::slice::from_raw_parts(first, count) }
 }

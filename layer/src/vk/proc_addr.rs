@@ -42,7 +42,7 @@ pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) ->
             let name = text(&name)?;
             let known = device::of(handle)?;
             if name == GET_LINK_NAME {
-                return known.record.is_some().then(link_table::get_link);
+                return known.armed.is_some().then(link_table::get_link);
             }
             let next = (known.get_device_proc_addr)(handle, name.as_ptr())?;
             device_hook(name).or(Some(next))
