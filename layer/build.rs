@@ -79,7 +79,8 @@ fn stems(folder: &Path, extension: &str) -> Result<BTreeSet<String>, String> {
 fn compile(path: &Path, uniforms: &[Declared]) -> Result<Vec<u32>, String> {
     let source = fs::read_to_string(path).map_err(|error| error.to_string())?;
     let module = naga::front::wgsl::parse_str(&source).map_err(|error| error.emit_to_string(&source))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+    // Packing of half floats is an instruction of GLSL.std.450, which needs no feature of the device.
+    let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
         .validate(&module)
         .map_err(|error| error.emit_to_string(&source))?;
     check_uniforms(&module, uniforms)?;

@@ -4,3 +4,4 @@
 //! [`crate::plan::decide()`] and [`crate::perception::analyze`].
 
 pub mod compose;
+pub mod fill;

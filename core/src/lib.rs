@@ -5,9 +5,10 @@
 //! there is and how much of it is seen; [`avpm`] turns both into a budget and [`frco`] the budget into a
 //! [`rate::ShadingRate`], for which [`fixed_foveation`] is the baseline; [`schedule`] says which parts are rendered
 //! anew, [`chroma`] how much colour the eye resolves. [`plan`] holds the answer for one frame, and [`presets`]
-//! are the settings that people choose; [`gate`] judges by what frames cost whether a technique pays. [`color`] says how
-//! colours are coded, [`image`] how pictures are kept, and [`kernels`] are the CPU references of what the layer does on the
-//! GPU, with parameters laid out as [`layout`] states.
+//! are the settings that people choose; [`gate`] judges by what frames cost whether a technique pays. Where a device has
+//! no shading rates, [`mask`] says which blocks are skipped. [`color`] says how colours are coded, [`image`] how pictures
+//! are kept, and [`kernels`] are the CPU references of what the layer does on the GPU, with parameters laid out as
+//! [`layout`] states.
 
 #![forbid(unsafe_code)]
 
@@ -23,6 +24,7 @@ pub mod geometry;
 pub mod image;
 pub mod kernels;
 pub mod layout;
+pub mod mask;
 pub mod perception;
 pub mod plan;
 pub mod presets;

@@ -4,9 +4,11 @@
 //! object lives until it is dropped, and whoever owns objects that command buffers use also owns a `Uses`,
 //! dropped before them, which waits for the last of those command buffers.
 
+mod app_commands;
 pub mod barrier;
 mod buffer;
 mod commands;
+mod compute;
 mod descriptor;
 mod draw;
 mod error;
@@ -16,16 +18,20 @@ mod memory;
 mod owned;
 mod pipeline;
 mod recorder;
+mod storage;
 
+pub use app_commands::{AppCommands, ImagePart, Scope};
 pub(crate) use buffer::UniformRing;
 pub(crate) use commands::Uses;
+pub(crate) use compute::{ComputeLayout, ComputeSet};
 pub(crate) use descriptor::{TextureSets, UniformSet};
 pub(crate) use draw::{ColorTarget, color_pass};
 pub use error::GpuError;
-pub(crate) use image::{ImageDescription, OwnedImage, color_view};
+pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view};
 pub(crate) use owned::Owned;
 pub(crate) use pipeline::{TilePipeline, tile_pipeline};
 pub(crate) use recorder::Recorder;
+pub(crate) use storage::StorageBuffer;
 
 use crate::link::DeviceRecord;
 use ash::vk;

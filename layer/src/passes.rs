@@ -2,3 +2,4 @@
 //! shader in `layer/shaders`, the CPU reference in `parafovea_core::kernels`, and the pass here.
 
 pub mod compose;
+pub mod fill;

@@ -15,7 +15,7 @@ const INSTANCE: [&CStr; 5] = [
 ];
 
 /// Functions of the device that this crate's `gpu` calls.
-const DEVICE: [&CStr; 51] = [
+const DEVICE: [&CStr; 53] = [
     c"vkAllocateCommandBuffers",
     c"vkAllocateDescriptorSets",
     c"vkAllocateMemory",
@@ -26,6 +26,7 @@ const DEVICE: [&CStr; 51] = [
     c"vkCmdBindDescriptorSets",
     c"vkCmdBindPipeline",
     c"vkCmdCopyImage",
+    c"vkCmdDispatchIndirect",
     c"vkCmdDraw",
     c"vkCmdEndRenderPass",
     c"vkCmdPipelineBarrier",
@@ -33,6 +34,7 @@ const DEVICE: [&CStr; 51] = [
     c"vkCmdSetViewport",
     c"vkCreateBuffer",
     c"vkCreateCommandPool",
+    c"vkCreateComputePipelines",
     c"vkCreateDescriptorPool",
     c"vkCreateDescriptorSetLayout",
     c"vkCreateFence",

@@ -1,6 +1,6 @@
 //! Colour images of ours, with their memory, and views.
 
-use super::{Gpu, GpuError, Owned};
+use super::{Gpu, GpuError, ImagePart, Owned};
 use ash::vk;
 use std::sync::Arc;
 
@@ -109,6 +109,36 @@ pub(crate) fn color_view(
             layer_count: 1,
         });
     // SAFETY: the image is a live one of this device with this format and layer.
+    unsafe {
+        let handle =
+            gpu.device.create_image_view(&info, None).map_err(GpuError::from_call("vkCreateImageView"))?;
+        Ok(Owned::new(gpu, handle, |device, handle| device.destroy_image_view(handle, None)))
+    }
+}
+
+/// A view of a part of an image as an array, in the given format and for the given usage alone.
+pub(crate) fn array_view(
+    gpu: &Arc<Gpu>,
+    part: ImagePart,
+    format: vk::Format,
+    usage: vk::ImageUsageFlags,
+) -> Result<Owned<vk::ImageView>, GpuError> {
+    let mut usage = vk::ImageViewUsageCreateInfo::default().usage(usage);
+    let mut info = vk::ImageViewCreateInfo::default()
+        .image(part.image)
+        .view_type(vk::ImageViewType::TYPE_2D_ARRAY)
+        .format(format)
+        .subresource_range(vk::ImageSubresourceRange {
+            aspect_mask: part.aspects,
+            base_mip_level: part.level,
+            level_count: 1,
+            base_array_layer: part.first_layer,
+            layer_count: part.layers,
+        });
+    if gpu.api_version >= vk::API_VERSION_1_1 {
+        info = info.push_next(&mut usage);
+    }
+    // SAFETY: the image is a live one of this device that such views may be made of.
     unsafe {
         let handle =
             gpu.device.create_image_view(&info, None).map_err(GpuError::from_call("vkCreateImageView"))?;

@@ -76,7 +76,7 @@ pub(crate) fn tile_pipeline(
     Ok(TilePipeline { pipeline, layout })
 }
 
-fn shader_module(gpu: &Arc<Gpu>, spirv: &[u8]) -> Result<Owned<vk::ShaderModule>, GpuError> {
+pub(super) fn shader_module(gpu: &Arc<Gpu>, spirv: &[u8]) -> Result<Owned<vk::ShaderModule>, GpuError> {
     let words: Vec<u32> =
         spirv.chunks_exact(4).map(|word| u32::from_ne_bytes([word[0], word[1], word[2], word[3]])).collect();
     let info = vk::ShaderModuleCreateInfo::default().code(&words);

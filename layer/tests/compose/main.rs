@@ -9,6 +9,7 @@ mod failures;
 mod pictures;
 mod swapchain;
 mod transfer;
+#[allow(dead_code, reason = "shared with the tests of fill")]
 mod vulkan;
 
 use ash::vk;

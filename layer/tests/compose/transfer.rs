@@ -23,7 +23,20 @@ impl Vulkan {
         layers: u32,
         usage: vk::ImageUsageFlags,
     ) -> vk::Image {
+        self.image(vk::ImageCreateFlags::empty(), format, extent, layers, usage)
+    }
+
+    /// As [`Self::runtime_image`], with flags.
+    pub fn image(
+        &self,
+        flags: vk::ImageCreateFlags,
+        format: vk::Format,
+        extent: vk::Extent2D,
+        layers: u32,
+        usage: vk::ImageUsageFlags,
+    ) -> vk::Image {
         let info = vk::ImageCreateInfo::default()
+            .flags(flags)
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
             .extent(extent.into())
@@ -109,7 +122,7 @@ impl Vulkan {
     }
 
     /// Records and submits, without waiting.
-    fn run(&self, record: impl FnOnce(vk::CommandBuffer)) {
+    pub fn run(&self, record: impl FnOnce(vk::CommandBuffer)) {
         let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
         // SAFETY: plain use of Vulkan; command buffers are never freed.
         unsafe {

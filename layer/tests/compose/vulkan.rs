@@ -40,8 +40,17 @@ impl Vulkan {
         Self::with(|record| record)
     }
 
+    /// As [`Vulkan::new`], with a later version of Vulkan.
+    pub fn at(api_version: u32) -> Option<Self> {
+        Self::made(api_version, |record| record)
+    }
+
     /// As [`Vulkan::new`], with what our half of the library is told of the device changed by `edit`.
     pub fn with(edit: impl FnOnce(DeviceRecord) -> DeviceRecord) -> Option<Self> {
+        Self::made(vk::API_VERSION_1_0, edit)
+    }
+
+    fn made(api_version: u32, edit: impl FnOnce(DeviceRecord) -> DeviceRecord) -> Option<Self> {
         MY_TURN.with(|_| ());
         static QUEUE_SUBMIT_CHECKS: Once = Once::new();
         QUEUE_SUBMIT_CHECKS.call_once(|| {
@@ -61,7 +70,7 @@ impl Vulkan {
                 Err(error) => return skip(&format!("no Vulkan loader: {error}")),
             };
             let messages: &'static Messages = Box::leak(Box::default());
-            let (instance, validated) = instance(&entry, messages);
+            let (instance, validated) = instance(&entry, api_version, messages);
             let devices = instance.enumerate_physical_devices().unwrap_or_default();
             let Some(&physical_device) = devices.first() else { return skip("no Vulkan device") };
             let priorities = [1.0];
@@ -72,7 +81,7 @@ impl Vulkan {
                 instance: instance.handle(),
                 physical_device,
                 device: device.handle(),
-                api_version: vk::API_VERSION_1_0,
+                api_version,
                 next_get_instance_proc_addr: entry.static_fn().get_instance_proc_addr,
                 next_get_device_proc_addr: instance.fp_v1_0().get_device_proc_addr,
                 set_device_loader_data,
@@ -113,8 +122,12 @@ fn skip(reason: &str) -> Option<Vulkan> {
     None
 }
 
-unsafe fn instance(entry: &ash::Entry, messages: &'static Messages) -> (ash::Instance, bool) {
-    let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_0);
+unsafe fn instance(
+    entry: &ash::Entry,
+    api_version: u32,
+    messages: &'static Messages,
+) -> (ash::Instance, bool) {
+    let application = vk::ApplicationInfo::default().api_version(api_version);
     let mut info = vk::InstanceCreateInfo::default().application_info(&application);
     // SAFETY: plain queries.
     let layers = unsafe { entry.enumerate_instance_layer_properties() }.unwrap_or_default();

@@ -1,0 +1,212 @@
+//! Which pixels are skipped on devices without shading rates: the plan's rates as blocks that are shaded or left out.
+//!
+//! A picture is divided into blocks of [`BLOCK`] x [`BLOCK`] pixels, counted from its corner: a rasteriser in software
+//! shades eight pixels at a time, and a GPU two by two, so that single pixels save nothing. In a tile whose rate shades
+//! a fraction f of the pixels, a fraction f of the blocks is shaded, with the [`pattern`] of that fraction; what is
+//! left out is filled in afterwards by [`crate::kernels::fill`] from the nearest shaded blocks around, which a
+//! [`SkipList`] names for each skipped block.
+//!
+//! A block is skipped only where it lies wholly inside of one view, and has a shaded block of that view within
+//! [`REACH`]: what is outside of all views is shaded, and nothing is ever interpolated across two views.
+
+mod list;
+mod pattern;
+mod sources;
+
+pub use list::{BLOCKS_PER_GROUP, HEADER_WORDS, SkipList, SkippedBlock};
+pub use pattern::Pattern;
+pub use sources::{REACH, SOURCES, Source};
+
+use crate::image::Plane;
+use crate::kernels::fill::{FillFormat, fill_image};
+use crate::plan::EyePlan;
+use crate::rate::ShadingRate;
+use glam::UVec2;
+use sources::{PatternSources, SourceFinder};
+
+/// Side of a block, pixels. The shader has the same constant.
+pub const BLOCK: u32 = 4;
+
+/// Longest side of a picture, pixels; beyond it nothing is skipped. Positions of blocks have 12 bits in a [`SkipList`].
+pub const MAX_SIDE: u32 = BLOCK << 12;
+
+/// Most array layers of a picture that can have skipped blocks.
+pub const MAX_LAYERS: u32 = 1 << 8;
+
+/// A rectangle of one array layer that shows a view, with the rates of its tiles.
+#[derive(Clone, Copy, Debug)]
+pub struct MaskView<'a> {
+    /// The array layer.
+    pub layer: u32,
+    /// First pixel of the rectangle.
+    pub offset: [u32; 2],
+    /// Size of the rectangle, pixels.
+    pub extent: [u32; 2],
+    /// Size of a tile, pixels. The first tile begins at `offset` rounded down to a multiple of this.
+    pub texel: [u32; 2],
+    /// [`ShadingRate::texel`] of each tile; beyond them, and where a byte is no rate, every pixel is shaded.
+    pub rates: &'a Plane<u8>,
+}
+
+impl<'a> MaskView<'a> {
+    /// The view of a plan, in array layer `layer`.
+    pub fn of(plan: &'a EyePlan, layer: u32) -> Self {
+        Self { layer, offset: plan.offset, extent: plan.extent, texel: plan.texel, rates: &plan.rates }
+    }
+
+    /// The rate of a tile of the picture, counted from its corner.
+    fn tile_rate(&self, tile: UVec2) -> ShadingRate {
+        let texel = UVec2::from(self.texel).max(UVec2::ONE);
+        let first = UVec2::from(self.offset) / texel;
+        let in_view = tile - first.min(tile);
+        let inside =
+            tile.cmpge(first).all() && in_view.x < self.rates.width() && in_view.y < self.rates.height();
+        let rate = inside.then(|| ShadingRate::from_texel(self.rates.at(in_view.x, in_view.y))).flatten();
+        rate.unwrap_or(ShadingRate::R1X1)
+    }
+
+    fn rate_at(&self, pixel: UVec2) -> ShadingRate {
+        self.tile_rate(pixel / UVec2::from(self.texel).max(UVec2::ONE))
+    }
+
+    /// The rate of a block: as fine as all the tiles that it touches.
+    fn rate(&self, block: UVec2) -> ShadingRate {
+        let first = block * BLOCK;
+        let rate = self.rate_at(first);
+        if self.texel.iter().all(|side| side.is_multiple_of(BLOCK)) {
+            return rate;
+        }
+        let last = BLOCK - 1;
+        let corners = [UVec2::new(last, 0), UVec2::new(0, last), UVec2::splat(last)];
+        corners.iter().fold(rate, |rate, corner| rate.finer(self.rate_at(first + corner)))
+    }
+
+    fn overlaps(&self, other: &Self) -> bool {
+        let range = |view: &Self, axis: usize| {
+            (view.offset[axis], view.offset[axis].saturating_add(view.extent[axis]))
+        };
+        let on = |axis: usize| {
+            let ((a, a_end), (b, b_end)) = (range(self, axis), range(other, axis));
+            a < b_end && b < a_end
+        };
+        self.layer == other.layer && on(0) && on(1)
+    }
+
+    /// The blocks that lie wholly inside: the first one, and the one after the last.
+    fn blocks(&self, extent: [u32; 2]) -> (UVec2, UVec2) {
+        let offset = UVec2::from(self.offset);
+        let end = offset.saturating_add(UVec2::from(self.extent)).min(extent.into());
+        let first = UVec2::new(offset.x.div_ceil(BLOCK), offset.y.div_ceil(BLOCK));
+        (first, (end / BLOCK).max(first))
+    }
+}
+
+/// Which blocks of a picture are skipped, and from where they are filled. Kept, so that a frame allocates nothing.
+#[derive(Clone, Debug)]
+pub struct Mask {
+    extent: [u32; 2],
+    layers: Vec<Plane<bool>>,
+    list: SkipList,
+    patterns: PatternSources,
+}
+
+impl Mask {
+    /// A mask for pictures of `extent` pixels with `layers` array layers, with all memory that it will ever need;
+    /// nothing is skipped yet. Layers beyond [`MAX_LAYERS`] never have skipped blocks.
+    pub fn new(extent: [u32; 2], layers: u32) -> Self {
+        let blocks = extent.map(|side| side.div_ceil(BLOCK));
+        let plane = || Plane::filled(blocks[0], blocks[1], false);
+        let layers: Vec<_> = (0..layers.min(MAX_LAYERS)).map(|_| plane()).collect();
+        let skippable: usize = layers.iter().map(|plane| plane.texels().len()).sum();
+        let list = SkipList::with_capacity(skippable);
+        Self { extent, layers, list, patterns: PatternSources::new() }
+    }
+
+    /// Lays the rates of `views` over the picture, in place of what was there. A view that overlaps an earlier one is
+    /// shaded, where that one does not skip.
+    pub fn lay(&mut self, views: &[MaskView]) {
+        self.list.clear();
+        for layer in &mut self.layers {
+            layer.texels_mut().fill(false);
+        }
+        if self.extent.iter().any(|side| *side > MAX_SIDE) {
+            return;
+        }
+        for (index, view) in views.iter().enumerate() {
+            if !views[..index].iter().any(|earlier| earlier.overlaps(view)) {
+                self.skip(view);
+                self.find_sources(view);
+            }
+        }
+        self.list.seal();
+    }
+
+    fn skip(&mut self, view: &MaskView) {
+        let Some(skipped) = self.layers.get_mut(view.layer as usize) else { return };
+        let (first, end) = view.blocks(self.extent);
+        for y in first.y..end.y {
+            for x in first.x..end.x {
+                let block = UVec2::new(x, y);
+                let pattern = Pattern::of(view.rate(block));
+                skipped.row_mut(y)[x as usize] = !pattern.shades(block, first, end);
+            }
+        }
+    }
+
+    fn find_sources(&mut self, view: &MaskView) {
+        let Some(skipped) = self.layers.get_mut(view.layer as usize) else { return };
+        let (first, end) = view.blocks(self.extent);
+        let mut finder = SourceFinder::new(view, &self.patterns, (first, end));
+        for y in first.y..end.y {
+            for x in first.x..end.x {
+                let block = UVec2::new(x, y);
+                if !skipped.at(x, y) {
+                    continue;
+                }
+                match finder.sources(skipped, block) {
+                    Some(sources) => self.list.push(SkippedBlock { block, layer: view.layer, sources }),
+                    None => skipped.row_mut(y)[x as usize] = false,
+                }
+            }
+        }
+    }
+
+    /// Size of the picture, pixels.
+    pub fn extent(&self) -> [u32; 2] {
+        self.extent
+    }
+
+    /// For each block of an array layer, whether it is skipped; nothing for a layer that there is not.
+    pub fn skipped(&self, layer: u32) -> Option<&Plane<bool>> {
+        self.layers.get(layer as usize)
+    }
+
+    /// Whether a pixel is skipped; false outside of the picture.
+    pub fn skips(&self, layer: u32, [x, y]: [u32; 2]) -> bool {
+        let inside = x < self.extent[0] && y < self.extent[1];
+        inside && self.skipped(layer).is_some_and(|plane| plane.at(x / BLOCK, y / BLOCK))
+    }
+
+    /// The skipped blocks with their sources.
+    pub fn list(&self) -> &SkipList {
+        &self.list
+    }
+
+    /// Share of the pixels that is shaded, 0..=1; 1 for an empty picture.
+    pub fn shaded(&self) -> f32 {
+        let pixels = f64::from(self.extent[0]) * f64::from(self.extent[1]) * self.layers.len() as f64;
+        let skipped = self.list.len() as f64 * f64::from(BLOCK * BLOCK);
+        if pixels > 0.0 { (1.0 - skipped / pixels) as f32 } else { 1.0 }
+    }
+}
+
+/// What an application's picture becomes with the mask, given the picture that it draws without the layer: shaded blocks
+/// are as they were, and skipped ones are filled. That of the GPU is within one code value of this.
+///
+/// `pixels` are the rows of one array layer without gaps, [`FillFormat::texel_size`] bytes for each pixel.
+pub fn predict(pixels: &mut [u8], format: FillFormat, mask: &Mask, layer: u32) {
+    fill_image(pixels, mask.extent(), format, mask.list(), layer);
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,152 @@
+//! From which shaded blocks a skipped one is filled: the nearest one in each quarter around it.
+
+use super::{BLOCK, MaskView, Pattern};
+use crate::image::Plane;
+use crate::rate::ShadingRate;
+use glam::{IVec2, UVec2};
+
+/// Blocks that a skipped one is filled from, at most: one for each quarter, of which the first lies to the right and the
+/// others follow clockwise. Those two apart are opposite to each other.
+pub const SOURCES: usize = 4;
+
+/// How far a source may be, blocks in each direction. All patterns have every fourth block of every eighth row in common.
+pub const REACH: u32 = 7;
+
+/// How far the sources of [`Pattern::sources`] are at most, blocks in each direction.
+const REACH_IN_PATTERN: u32 = 4;
+
+/// Where a shaded block is, from the skipped one on: columns and rows, -7..=7, not both 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Source(IVec2);
+
+impl Source {
+    /// Columns and rows from the skipped block on.
+    pub fn offset(self) -> IVec2 {
+        self.0
+    }
+
+    /// Both in four bits, two's complement, columns in the lower ones.
+    pub(super) fn byte(self) -> u8 {
+        (self.0.x & 15 | (self.0.y & 15) << 4) as u8
+    }
+
+    /// The inverse of [`Self::byte`]; nothing for 0.
+    pub(super) fn from_byte(byte: u8) -> Option<Self> {
+        let signed = |nibble: u8| i32::from((nibble << 4) as i8 >> 4);
+        let offset = IVec2::new(signed(byte & 15), signed(byte >> 4));
+        (offset != IVec2::ZERO).then_some(Self(offset))
+    }
+}
+
+/// The sources of one block.
+pub(super) type Sources = [Option<Source>; SOURCES];
+
+/// The nearest offset of each quarter that is `shaded`, within [`REACH`]. Of two at one distance the one nearer to the
+/// quarter's axis counts.
+fn nearest(shaded: impl Fn(IVec2) -> bool) -> Sources {
+    [IVec2::X, IVec2::Y, IVec2::NEG_X, IVec2::NEG_Y].map(|along| {
+        let across = along.perp();
+        let (reach, mut found, mut limit) = (REACH as i32, None, i32::MAX);
+        for side in 0..=reach {
+            for ahead in 1..=reach {
+                let distance = ahead * ahead + side * side;
+                if distance >= limit {
+                    break;
+                }
+                let offset = along * ahead + across * side;
+                if shaded(offset) {
+                    (found, limit) = (Some(Source(offset)), distance);
+                    break;
+                }
+            }
+        }
+        found
+    })
+}
+
+impl Pattern {
+    /// The sources of each skipped block of this pattern alone, by column and row modulo [`Pattern::PERIOD`].
+    fn sources(self) -> Vec<Sources> {
+        let [columns, rows] = Self::PERIOD;
+        // Far enough from 0 that no source is left of or above it.
+        let around = UVec2::new(columns, rows) * 2;
+        let blocks = (0..rows).flat_map(|y| (0..columns).map(move |x| UVec2::new(x, y)));
+        let of = |block: UVec2| {
+            nearest(|offset| self.shades_inside((around + block).saturating_add_signed(offset)))
+        };
+        blocks.map(of).collect()
+    }
+}
+
+/// The sources within each pattern, computed once.
+#[derive(Clone, Debug)]
+pub(super) struct PatternSources(Vec<(Pattern, Vec<Sources>)>);
+
+impl PatternSources {
+    pub(super) fn new() -> Self {
+        let rates = [ShadingRate::R2X1, ShadingRate::R2X2, ShadingRate::R4X2, ShadingRate::R4X4];
+        Self(rates.map(Pattern::of).map(|pattern| (pattern, pattern.sources())).to_vec())
+    }
+
+    fn get(&self, pattern: Pattern, block: UVec2) -> Option<Sources> {
+        let (_, sources) = self.0.iter().find(|(known, _)| *known == pattern)?;
+        let [columns, rows] = Pattern::PERIOD;
+        sources.get((block.y % rows * columns + block.x % columns) as usize).copied()
+    }
+}
+
+/// Finds the sources of the blocks of one view, best asked row by row.
+pub(super) struct SourceFinder<'a, 'b> {
+    view: &'a MaskView<'b>,
+    patterns: &'a PatternSources,
+    /// The first block, and the one after the last.
+    blocks: (UVec2, UVec2),
+    /// The last tile that was asked for, with its pattern where all tiles around have the same one.
+    tile: Option<(UVec2, Option<Pattern>)>,
+}
+
+impl<'a, 'b> SourceFinder<'a, 'b> {
+    /// For a view that has the blocks from the first of `blocks` on up to, not including, the second.
+    pub(super) fn new(view: &'a MaskView<'b>, patterns: &'a PatternSources, blocks: (UVec2, UVec2)) -> Self {
+        Self { view, patterns, blocks, tile: None }
+    }
+
+    /// The sources of a skipped block of the view; nothing where there is none within reach.
+    pub(super) fn sources(&mut self, skipped: &Plane<bool>, block: UVec2) -> Option<Sources> {
+        let (first, end) = self.blocks;
+        let margin = REACH_IN_PATTERN + 1;
+        let inner = block.cmpge(first + margin).all() && (block + margin).cmple(end).all();
+        let alike = if inner { self.pattern_around(block) } else { None };
+        if let Some(sources) = alike.and_then(|pattern| self.patterns.get(pattern, block)) {
+            return Some(sources);
+        }
+        let found = nearest(|offset| {
+            let source = block.as_ivec2() + offset;
+            let inside = source.cmpge(first.as_ivec2()).all() && source.cmplt(end.as_ivec2()).all();
+            inside && !skipped.at(source.x as u32, source.y as u32)
+        });
+        found.iter().any(Option::is_some).then_some(found)
+    }
+
+    /// The pattern of a block's tile, where all tiles have it that [`Pattern::sources`] could reach.
+    fn pattern_around(&mut self, block: UVec2) -> Option<Pattern> {
+        let texel = UVec2::from(self.view.texel).max(UVec2::ONE);
+        if texel % BLOCK != UVec2::ZERO {
+            return None;
+        }
+        let tile = block * BLOCK / texel;
+        if let Some((known, pattern)) = self.tile
+            && known == tile
+        {
+            return pattern;
+        }
+        let reach = (texel - 1 + REACH_IN_PATTERN * BLOCK) / texel;
+        let pattern = Pattern::of(self.view.tile_rate(tile));
+        let rows = tile.y.saturating_sub(reach.y)..=tile.y + reach.y;
+        let mut around = rows
+            .flat_map(|y| (tile.x.saturating_sub(reach.x)..=tile.x + reach.x).map(move |x| UVec2::new(x, y)));
+        let alike = around.all(|other| Pattern::of(self.view.tile_rate(other)) == pattern);
+        self.tile = Some((tile, alike.then_some(pattern)));
+        alike.then_some(pattern)
+    }
+}

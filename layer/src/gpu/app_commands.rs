@@ -1,0 +1,114 @@
+//! Commands of ours in a command buffer of the application's.
+
+use super::compute::{ComputeLayout, ComputeSet};
+use super::{Gpu, Owned};
+use ash::vk;
+
+/// A command buffer that the application is recording, outside of any render pass.
+///
+/// Of its state, only what is bound for compute is changed: pipeline and descriptor set 0.
+pub struct AppCommands<'a> {
+    gpu: &'a Gpu,
+    commands: vk::CommandBuffer,
+}
+
+/// What a barrier orders: stages, and the accesses in them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scope {
+    /// The stages.
+    pub stages: vk::PipelineStageFlags,
+    /// The accesses.
+    pub access: vk::AccessFlags,
+}
+
+impl Scope {
+    /// Everything that an application may do.
+    pub const ALL: Self = Self {
+        stages: vk::PipelineStageFlags::ALL_COMMANDS,
+        access: vk::AccessFlags::from_raw(
+            vk::AccessFlags::MEMORY_READ.as_raw() | vk::AccessFlags::MEMORY_WRITE.as_raw(),
+        ),
+    };
+}
+
+/// A part of an image that a barrier is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImagePart {
+    /// The image.
+    pub image: vk::Image,
+    /// Aspects: of a depth-stencil image both.
+    pub aspects: vk::ImageAspectFlags,
+    /// The mip level.
+    pub level: u32,
+    /// The first array layer.
+    pub first_layer: u32,
+    /// How many there are.
+    pub layers: u32,
+}
+
+impl<'a> AppCommands<'a> {
+    /// Adds to `commands`.
+    ///
+    /// # Safety
+    /// `commands` is a primary command buffer of the device of `gpu` that is being recorded, outside of a render pass,
+    /// by nobody else during the life of the result, for a queue that can draw and compute. The images that the methods
+    /// are given are live, and so are they and all of ours until its last submission has finished.
+    pub unsafe fn new(gpu: &'a Gpu, commands: vk::CommandBuffer) -> Self {
+        Self { gpu, commands }
+    }
+
+    /// Orders accesses to a part of an image, and changes its layout.
+    pub(crate) fn barrier(
+        &self,
+        part: ImagePart,
+        (old_layout, from): (vk::ImageLayout, Scope),
+        (new_layout, to): (vk::ImageLayout, Scope),
+    ) {
+        let info = vk::ImageMemoryBarrier::default()
+            .image(part.image)
+            .old_layout(old_layout)
+            .new_layout(new_layout)
+            .src_access_mask(from.access)
+            .dst_access_mask(to.access)
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .subresource_range(vk::ImageSubresourceRange {
+                aspect_mask: part.aspects,
+                base_mip_level: part.level,
+                level_count: 1,
+                base_array_layer: part.first_layer,
+                layer_count: part.layers,
+            });
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: the command buffer is being recorded outside of a render pass, and the image is live, as `new` demands.
+        unsafe {
+            self.gpu.device.cmd_pipeline_barrier(
+                self.commands,
+                from.stages,
+                to.stages,
+                none,
+                &[],
+                &[],
+                &[info],
+            );
+        }
+    }
+
+    /// Runs as many workgroups as the first three words of `arguments` say.
+    pub(crate) fn dispatch_indirect(
+        &self,
+        layout: &ComputeLayout,
+        pipeline: &Owned<vk::Pipeline>,
+        set: &ComputeSet,
+        arguments: vk::Buffer,
+    ) {
+        let (device, commands, compute) = (&self.gpu.device, self.commands, vk::PipelineBindPoint::COMPUTE);
+        // SAFETY: the command buffer is being recorded outside of a render pass, as `new` demands; pipeline and set have
+        // this layout, and the buffer is a live one that holds the arguments.
+        unsafe {
+            device.cmd_bind_pipeline(commands, compute, pipeline.handle());
+            device.cmd_bind_descriptor_sets(commands, compute, layout.handle(), 0, &[set.handle()], &[]);
+            device.cmd_dispatch_indirect(commands, arguments, 0);
+        }
+    }
+}

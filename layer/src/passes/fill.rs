@@ -1,0 +1,152 @@
+//! `fill`: the skipped blocks of a picture, in place, directly after the pass that drew it.
+//!
+//! The blocks come from a [`SkipBuffer`], which is the argument of the dispatch too: a list without blocks costs an
+//! empty dispatch. The image is seen through a view of its bits (`R32_UINT`), so that every format of 32 bits can be
+//! filled on every device, whatever it can store; half floats through their own format.
+
+pub use parafovea_core::kernels::fill::FillFormat;
+
+use crate::gpu::array_view;
+use crate::gpu::{
+    AppCommands, ComputeLayout, ComputeSet, Gpu, GpuError, ImagePart, Owned, Scope, StorageBuffer,
+};
+use ash::vk;
+use parafovea_core::mask::SkipList;
+use std::ffi::CStr;
+use std::sync::Arc;
+
+/// What a picture to be filled must have been created with, besides what `view_format` needs: MUTABLE_FORMAT where
+/// that is another one, and EXTENDED_USAGE where its own format cannot be stored to.
+pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::STORAGE;
+
+/// How a picture of a format is filled, and the format of the view through which it is; nothing for formats that are not
+/// filled.
+pub fn fill_format(format: vk::Format) -> Option<(FillFormat, vk::Format)> {
+    let (kind, view) = match format {
+        vk::Format::R8G8B8A8_UNORM | vk::Format::B8G8R8A8_UNORM | vk::Format::A8B8G8R8_UNORM_PACK32 => {
+            (FillFormat::Unorm8, vk::Format::R32_UINT)
+        }
+        vk::Format::R8G8B8A8_SRGB | vk::Format::B8G8R8A8_SRGB | vk::Format::A8B8G8R8_SRGB_PACK32 => {
+            (FillFormat::Srgb8, vk::Format::R32_UINT)
+        }
+        vk::Format::A2B10G10R10_UNORM_PACK32 | vk::Format::A2R10G10B10_UNORM_PACK32 => {
+            (FillFormat::Unorm10, vk::Format::R32_UINT)
+        }
+        vk::Format::B10G11R11_UFLOAT_PACK32 => (FillFormat::Float11, vk::Format::R32_UINT),
+        vk::Format::R16G16B16A16_SFLOAT => (FillFormat::Float16, vk::Format::R16G16B16A16_SFLOAT),
+        _ => return None,
+    };
+    Some((kind, view))
+}
+
+/// The entry point of a format, and the binding of its images.
+fn entry(format: FillFormat) -> (&'static CStr, u32) {
+    match format {
+        FillFormat::Unorm8 => (c"unorm8", 1),
+        FillFormat::Srgb8 => (c"srgb8", 1),
+        FillFormat::Unorm10 => (c"unorm10", 1),
+        FillFormat::Float11 => (c"float11", 1),
+        FillFormat::Float16 => (c"float16", 2),
+    }
+}
+
+/// The pass.
+pub struct Fill {
+    pipelines: [Owned<vk::Pipeline>; FillFormat::ALL.len()],
+    layout: ComputeLayout,
+    gpu: Arc<Gpu>,
+}
+
+/// A skip list on the GPU. It belongs to one kind of pass of the application; what it lists may change between two
+/// submits, by a copy to [`SkipBuffer::handle`].
+pub struct SkipBuffer {
+    buffer: StorageBuffer,
+}
+
+impl SkipBuffer {
+    /// A buffer with room for `blocks` blocks, that holds `list` at first.
+    ///
+    /// # Errors
+    /// A failed call, or [`GpuError::Unsupported`] for more blocks than the device takes.
+    pub fn new(gpu: &Arc<Gpu>, blocks: usize, list: &SkipList) -> Result<Self, GpuError> {
+        let buffer = StorageBuffer::new(gpu, SkipList::capacity_words(blocks), list.words())?;
+        Ok(Self { buffer })
+    }
+
+    /// The buffer, which copies may write, valid as long as `self`.
+    pub fn handle(&self) -> vk::Buffer {
+        self.buffer.handle()
+    }
+
+    /// How many 32-bit words it has room for.
+    pub fn capacity_words(&self) -> usize {
+        self.buffer.words()
+    }
+}
+
+/// One mip level of an image, to be filled.
+pub struct FillTarget {
+    set: ComputeSet,
+    _view: Owned<vk::ImageView>,
+    format: FillFormat,
+    part: ImagePart,
+}
+
+impl Fill {
+    /// Prepares the pass, for all formats: which of them an application uses shows only while it records.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
+        let layout = ComputeLayout::new(gpu)?;
+        let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/fill.spv"));
+        let [a, b, c, d, e] = FillFormat::ALL.map(|format| layout.pipeline(spirv, entry(format).0));
+        Ok(Self { pipelines: [a?, b?, c?, d?, e?], layout, gpu: Arc::clone(gpu) })
+    }
+
+    /// Prepares one mip level of a live image of `format`, from array layer `first_layer` on, to be filled by a list,
+    /// whose layer 0 is that one. The image and the list outlive the result.
+    ///
+    /// # Errors
+    /// [`GpuError::Unsupported`] for formats that cannot be filled; a failed call.
+    pub fn target(
+        &self,
+        image: vk::Image,
+        format: vk::Format,
+        level: u32,
+        [first_layer, layers]: [u32; 2],
+        list: &SkipBuffer,
+    ) -> Result<FillTarget, GpuError> {
+        let (kind, view_format) =
+            fill_format(format).ok_or(GpuError::Unsupported("filling pictures of this format"))?;
+        let aspects = vk::ImageAspectFlags::COLOR;
+        let part = ImagePart { image, aspects, level, first_layer, layers };
+        let view = array_view(&self.gpu, part, view_format, vk::ImageUsageFlags::STORAGE)?;
+        let set = ComputeSet::new(&self.layout, list.handle(), (entry(kind).1, view.handle()))?;
+        Ok(FillTarget { set, _view: view, format: kind, part })
+    }
+
+    /// Records the fill of `target` by `list`, the one that it was made with. The picture was drawn by what was recorded before,
+    /// and is in `layout` before and after.
+    pub fn record(
+        &self,
+        commands: &AppCommands,
+        target: &FillTarget,
+        list: &SkipBuffer,
+        layout: vk::ImageLayout,
+    ) {
+        // What the application waits for is its own pass: the fill comes between that and all of its waiting.
+        commands.barrier(target.part, (layout, Scope::ALL), (vk::ImageLayout::GENERAL, FILLS));
+        let pipeline = &self.pipelines[target.format as usize];
+        commands.dispatch_indirect(&self.layout, pipeline, &target.set, list.handle());
+        commands.barrier(target.part, (vk::ImageLayout::GENERAL, FILLS), (layout, Scope::ALL));
+    }
+}
+
+/// What the fill does with the picture.
+const FILLS: Scope = Scope {
+    stages: vk::PipelineStageFlags::COMPUTE_SHADER,
+    access: vk::AccessFlags::from_raw(
+        vk::AccessFlags::SHADER_READ.as_raw() | vk::AccessFlags::SHADER_WRITE.as_raw(),
+    ),
+};
