@@ -6,8 +6,10 @@
 mod event;
 pub mod lay;
 mod matched;
+mod recognition;
 mod shown;
 
 pub use event::{Event, ImageDescription, ImageKey, Pass, PassFacts, Target, Transfer, TransferKind};
 pub use matched::{Eyes, How, Match, Orientation, Part, Unmatched};
+pub use recognition::Recognition;
 pub use shown::{Eye, Shown, ShownView, SwapchainKey};

@@ -3,11 +3,15 @@
 
 mod choice;
 mod default_file;
+mod pass_rules;
 mod preset;
 mod setting;
 mod table;
 
 pub use default_file::default_file;
+pub use pass_rules::{
+    COLOR_FORMATS, ColorFormat, MOST_RULES, PassKind, PassRule, PassRules, PassRulesError, WayUp,
+};
 pub use setting::{Allowed, Setting};
 pub use table::OptionSpec;
 

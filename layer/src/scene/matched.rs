@@ -59,6 +59,8 @@ pub enum How {
     Transferred,
     /// It looks like the picture of an eye, and comes before the pass that writes the swapchain.
     Shape,
+    /// The profile says so.
+    Profile,
 }
 
 impl fmt::Display for How {
@@ -67,6 +69,7 @@ impl fmt::Display for How {
             Self::Swapchain => "draws into the swapchain",
             Self::Transferred => "is copied, blitted or resolved into the swapchain",
             Self::Shape => "has the shape of the eye's picture and comes before it",
+            Self::Profile => "the profile says so",
         })
     }
 }
@@ -94,6 +97,8 @@ pub enum Unmatched {
     Large,
     /// Another aspect than the eye's picture.
     Aspect,
+    /// So many array layers: more than eyes, or two beside each other in each.
+    Layers(u32),
     /// Its format does not hold colours.
     Format(vk::Format),
     /// Nothing that is shown is drawn after it.
@@ -123,6 +128,7 @@ impl fmt::Display for Unmatched {
             Self::Small => "smaller than half of the eye's picture",
             Self::Large => "larger than twice the eye's picture",
             Self::Aspect => "another aspect than the eye's picture",
+            Self::Layers(layers) => return write!(f, "{layers} array layers"),
             Self::Format(format) => return write!(f, "{format:?} holds no colours"),
             Self::After => "nothing that is shown is drawn after it",
             Self::DrawnDirectly => "the scene is drawn straight into the swapchain",

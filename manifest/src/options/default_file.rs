@@ -25,7 +25,7 @@ pub fn default_file() -> String {
                     let _ = writeln!(text, "#   \"{name}\": {}", about.trim_ascii());
                 }
             }
-            Allowed::Flag | Allowed::Number { .. } | Allowed::Whole { .. } => {
+            Allowed::Flag | Allowed::Number { .. } | Allowed::Whole { .. } | Allowed::Text(_) => {
                 let _ = writeln!(text, "# Allowed: {}.", option.allowed_with_unit());
             }
         }

@@ -23,6 +23,8 @@ pub enum Allowed {
         /// The greatest.
         max: u32,
     },
+    /// A text, and how it is made up.
+    Text(&'static str),
     /// One of some names, each with what it means.
     Choice(&'static [(&'static str, &'static str)]),
 }
@@ -33,6 +35,7 @@ impl fmt::Display for Allowed {
             Self::Flag => f.write_str("true or false"),
             Self::Number { min, max } => write!(f, "a number from {min} to {max}"),
             Self::Whole { min, max } => write!(f, "a whole number from {min} to {max}"),
+            Self::Text(syntax) => f.write_str(syntax),
             Self::Choice(choices) => {
                 for (index, (name, _)) in choices.iter().enumerate() {
                     let separator = match index {

@@ -206,6 +206,8 @@ fn every_option_takes_its_default_and_its_bounds_and_nothing_beyond() {
                 vec![min.to_string(), max.to_string()],
                 vec![(i64::from(min) - 1).to_string(), (max + 1).to_string(), format!("{min}.0")],
             ),
+            // An empty text is no rules, no names, ...: the one value that each such option takes.
+            Allowed::Text(_) => (vec!["\"\"".into()], vec!["1".into(), "true".into()]),
             Allowed::Choice(choices) => (
                 choices.iter().map(|(name, _)| format!("\"{name}\"")).collect(),
                 vec!["\"\"".into(), "\"OFF\"".into(), "0".into()],

@@ -1,0 +1,280 @@
+//! Recognition: from what earlier frames did and showed, which passes are the scene, and of which eye.
+//!
+//! What is learned is kept by image and by XR swapchain, not by frame, because the passes of a frame may be submitted
+//! before or after another frame's xrEndFrame. Images that are made anew in every frame are known by their shape and
+//! their place among the passes of that shape.
+
+mod candidate;
+mod cast;
+mod memory;
+mod placement;
+mod profile;
+mod projected;
+mod trace;
+
+use super::{Event, How, ImageDescription, ImageKey, Match, Part, Pass, Shown, Unmatched};
+use cast::{Cast, Shape};
+use memory::Memory;
+use parafovea_manifest::options::PassRules;
+use projected::Swapchains;
+use smallvec::SmallVec;
+
+/// Recognises the passes of one device.
+#[derive(Debug, Default)]
+pub struct Recognition {
+    /// Number of the last frame, from 1.
+    frame: u64,
+    memory: Memory,
+    swapchains: Swapchains,
+    cast: Cast,
+    /// Images drawn after the last pass that could have read them: in the next frame's log something may.
+    tail: Vec<ImageKey>,
+    /// When the picture was last seen to be drawn without passes before it.
+    drawn_directly_at: Option<u64>,
+    rules: PassRules,
+}
+
+/// So many frames after it was last seen, something that was drawn straight or shown flat is no longer held to be.
+const HOLD: u64 = 120;
+
+impl Recognition {
+    /// Learns from a frame: what was submitted since the last one, and what is now shown. With several sessions on a device,
+    /// each xrEndFrame is a frame of its own.
+    ///
+    /// `describe` knows the images that occur in `events`, also those that were destroyed since.
+    pub fn frame(
+        &mut self,
+        events: &[Event],
+        describe: impl Fn(ImageKey) -> Option<ImageDescription>,
+        shown: &Shown,
+    ) {
+        self.frame += 1;
+        self.memory.meet(self.frame, events, describe);
+        self.swapchains.show(self.frame, shown, &mut self.memory);
+        trace::transfers(self.frame, events, &self.swapchains, &mut self.memory);
+        self.find_candidates(events);
+        if !shown.views.is_empty() {
+            self.memory.count_misses(self.frame);
+        }
+        let mut cast = std::mem::take(&mut self.cast);
+        cast.take(events, |target| self.memory.description(target.image));
+        cast.judge(|pass| self.by_image(pass, |image| self.memory.description(image)));
+        self.cast = cast;
+        self.memory.forget(self.frame);
+        self.swapchains.forget(self.frame);
+    }
+
+    /// What `pass` is, which is about to be submitted after `earlier`, the passes and transfers since the last
+    /// [`Self::frame`].
+    ///
+    /// # Errors
+    ///
+    /// Why it is not the scene.
+    pub fn of(
+        &self,
+        pass: &Pass,
+        earlier: &[Event],
+        describe: impl Fn(ImageKey) -> Option<ImageDescription>,
+    ) -> Result<Match, Unmatched> {
+        let description = |image| self.memory.description(image).or_else(|| describe(image));
+        let judged = match self.by_image(pass, description) {
+            Err(unsettled) if self.is_young(pass, unsettled) => {
+                let shape = Shape::new(pass, description).ok_or(Unmatched::UnknownImage)?;
+                self.cast.like(&shape, earlier, description).unwrap_or(Err(unsettled))
+            }
+            judged => judged,
+        };
+        self.by_rules(pass, earlier, description, judged)
+    }
+
+    /// Takes the profile's rules, which hold from now on.
+    pub fn set_rules(&mut self, rules: PassRules) {
+        self.rules = rules;
+    }
+
+    /// The scene of which this pass without colour draws only the depth, into the same image, as far as the last frames tell.
+    pub fn depth_of(&self, pass: &Pass) -> Option<&Match> {
+        let depth = pass.depth.filter(|_| pass.colors.is_empty())?;
+        self.cast.scene_with_depth(depth)
+    }
+
+    /// The passes with colour of the last frame with what they were recognised as, for a listing.
+    pub fn last(&self) -> impl Iterator<Item = (&Pass, Option<ImageDescription>, &Result<Match, Unmatched>)> {
+        self.cast.last().map(|(pass, outcome)| {
+            let first = pass.colors.first();
+            (pass, first.and_then(|target| self.memory.description(target.image)), outcome)
+        })
+    }
+
+    /// What is known of the pass by its images.
+    fn by_image(
+        &self,
+        pass: &Pass,
+        description: impl Fn(ImageKey) -> Option<ImageDescription>,
+    ) -> Result<Match, Unmatched> {
+        if pass.colors.is_empty() {
+            return Err(Unmatched::NoColour);
+        }
+        let mut parts = Parts::new();
+        let mut how = None;
+        let mut reason = None;
+        for target in pass.colors.iter().chain(&pass.resolves) {
+            let described = description(target.image).ok_or(Unmatched::UnknownImage)?;
+            if described.is_cube {
+                return Err(Unmatched::Cube);
+            }
+            if target.level != 0 {
+                return Err(Unmatched::Level(target.level));
+            }
+            let found = match described.swapchain {
+                Some(swapchain) => self.swapchains.parts(self.frame, swapchain, target, pass.area),
+                None => self.memory.parts(self.frame, target, pass.area),
+            };
+            match found {
+                Err(Unmatched::Flat) => return Err(Unmatched::Flat),
+                Err(Unmatched::New) => {}
+                Err(other) => reason = reason.or(Some(other)),
+                Ok(found) => {
+                    let by = if described.swapchain.is_some() { How::Swapchain } else { How::Transferred };
+                    how = Some(how.map_or(by, |how: How| how.min(by)));
+                    merge(&mut parts, &found);
+                }
+            }
+        }
+        match (how, reason) {
+            (Some(_), Some(Unmatched::Unsteady)) => Err(Unmatched::Unsteady),
+            (Some(_), _) if parts.len() > MOST_PARTS => Err(Unmatched::Ambiguous),
+            (Some(how), _) => Ok(Match { parts, how }),
+            (None, Some(reason)) => Err(reason),
+            (None, None) => self.by_looks(pass, description),
+        }
+    }
+
+    /// What it may be by its size, its format and its place in the frame.
+    fn by_looks(
+        &self,
+        pass: &Pass,
+        description: impl Fn(ImageKey) -> Option<ImageDescription>,
+    ) -> Result<Match, Unmatched> {
+        let parts = candidate::looks(pass, description, &self.swapchains)?;
+        if pass.colors.iter().any(|target| self.memory.precedes(target.image)) {
+            return Ok(Match { parts, how: How::Shape });
+        }
+        let directly = self.drawn_directly_at.is_some_and(|at| self.frame < at + HOLD);
+        Err(match pass.colors.iter().all(|target| self.memory.is_known(target.image)) {
+            false => Unmatched::New,
+            true if directly => Unmatched::DrawnDirectly,
+            true => Unmatched::After,
+        })
+    }
+
+    /// Marks the images that are drawn before a pass which may read them and writes the picture.
+    fn find_candidates(&mut self, events: &[Event]) {
+        let Some(last) = self.last_reader(events) else { return };
+        let mut found = false;
+        for event in &events[..last] {
+            let Event::Pass(pass) = event else { continue };
+            if self.writes_picture(pass) {
+                continue;
+            }
+            let looks = candidate::looks(pass, |image| self.memory.description(image), &self.swapchains);
+            found |= looks.is_ok();
+            for target in &pass.colors {
+                self.memory.set_precedes(self.frame, target.image);
+            }
+        }
+        let tail = std::mem::take(&mut self.tail);
+        if !found {
+            for image in &tail {
+                self.memory.set_precedes(self.frame, *image);
+            }
+        }
+        self.tail = tail;
+        self.tail.clear();
+        for event in &events[last..] {
+            if let Event::Pass(pass) = event
+                && !self.writes_picture(pass)
+            {
+                self.tail.extend(pass.colors.iter().map(|target| target.image));
+            }
+        }
+    }
+
+    /// The last event that writes the picture and may do so from other images: by a pass that does not clear its depth,
+    /// or by a copy from an image that no pass draws (a compute shader does).
+    fn last_reader(&mut self, events: &[Event]) -> Option<usize> {
+        let mut is_written = false;
+        let reader = events.iter().rposition(|event| match event {
+            Event::Pass(pass) => {
+                let writes = self.writes_picture(pass);
+                is_written |= writes;
+                writes && (pass.depth.is_none() || !pass.facts.clears_depth)
+            }
+            Event::Transfer(transfer) => {
+                self.memory.is_placed(self.frame, transfer.from.image)
+                    && !self.memory.is_drawn(transfer.from.image)
+            }
+        });
+        if is_written && reader.is_none() {
+            self.drawn_directly_at = Some(self.frame);
+        }
+        reader
+    }
+
+    fn writes_picture(&self, pass: &Pass) -> bool {
+        pass.colors.iter().chain(&pass.resolves).any(|target| {
+            match self.memory.description(target.image).and_then(|image| image.swapchain) {
+                Some(swapchain) => self.swapchains.shows_eyes(swapchain, target),
+                None => self.memory.is_placed(self.frame, target.image),
+            }
+        })
+    }
+
+    /// Whether an image of the pass is so new that others of its shape know more.
+    fn is_young(&self, pass: &Pass, reason: Unmatched) -> bool {
+        let settled = !matches!(reason, Unmatched::New | Unmatched::After | Unmatched::DrawnDirectly);
+        !settled && pass.colors.iter().any(|target| self.memory.is_young(self.frame, target.image))
+    }
+
+    fn by_rules(
+        &self,
+        pass: &Pass,
+        earlier: &[Event],
+        description: impl Fn(ImageKey) -> Option<ImageDescription> + Copy,
+        judged: Result<Match, Unmatched>,
+    ) -> Result<Match, Unmatched> {
+        // What could never be a picture of the scene is none because of a rule either.
+        let never = matches!(
+            judged,
+            Err(Unmatched::NoColour
+                | Unmatched::Cube
+                | Unmatched::Level(_)
+                | Unmatched::Flat
+                | Unmatched::UnknownImage)
+        );
+        if never {
+            return judged;
+        }
+        match profile::judge(&self.rules, pass, earlier, description) {
+            None => judged,
+            Some(ruled) => ruled.map(|parts| Match { parts, how: How::Profile }),
+        }
+    }
+}
+
+type Parts = SmallVec<[Part; 4]>;
+
+/// More parts than the eyes of one picture have: no longer one thing.
+const MOST_PARTS: usize = 8;
+
+/// Adds those of `more` that are not there yet.
+fn merge(parts: &mut Parts, more: &[Part]) {
+    for part in more {
+        if !parts.contains(part) {
+            parts.push(*part);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,163 @@
+//! The passes of the last frames in their order: what an image is that was made anew is seen from others of its shape.
+
+use super::merge;
+use crate::scene::{Event, ImageDescription, ImageKey, Match, Pass, Target, Unmatched};
+use ash::vk;
+
+/// Frames that are kept: what a pass was may be known one frame later, and places in the order count once two frames
+/// agree.
+const KEPT: usize = 3;
+
+/// The passes of the last frames, the newest frame first. Frames without passes do not count.
+#[derive(Debug, Default)]
+pub(super) struct Cast {
+    frames: [Vec<Role>; KEPT],
+}
+
+/// One pass and what it was.
+#[derive(Debug)]
+struct Role {
+    shape: Shape,
+    pass: Pass,
+    outcome: Outcome,
+}
+
+type Outcome = Result<Match, Unmatched>;
+
+/// What passes of one kind have in common from frame to frame, if nothing else.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shape {
+    format: vk::Format,
+    extent: [u32; 2],
+    samples: u32,
+    layers: u32,
+    base_layer: u32,
+    view_mask: u32,
+    colors: usize,
+    has_depth: bool,
+}
+
+impl Shape {
+    /// The shape of a pass with colour, by its first target.
+    pub(super) fn new(
+        pass: &Pass,
+        description: impl Fn(ImageKey) -> Option<ImageDescription>,
+    ) -> Option<Self> {
+        let first = pass.colors.first()?;
+        let image = description(first.image)?;
+        Some(Self {
+            format: image.format,
+            extent: image.extent,
+            samples: image.samples,
+            layers: first.layers,
+            base_layer: first.base_layer,
+            view_mask: pass.view_mask,
+            colors: pass.colors.len(),
+            has_depth: pass.depth.is_some(),
+        })
+    }
+
+    /// Whether `self` is `other` at another size: dynamic resolution.
+    fn is_resized(&self, other: &Self) -> bool {
+        let scale = [0, 1].map(|axis: usize| self.extent[axis] as f32 / other.extent[axis] as f32);
+        let short = other.extent[0].min(other.extent[1]) as f32;
+        *self == Self { extent: self.extent, ..*other }
+            && scale.iter().all(|scale| (0.5..=2.0).contains(scale))
+            && (scale[0] / scale[1] - 1.0).abs() * short <= 16.0
+    }
+}
+
+impl Cast {
+    /// Takes the passes of a frame.
+    pub(super) fn take(
+        &mut self,
+        events: &[Event],
+        description: impl Fn(&Target) -> Option<ImageDescription>,
+    ) {
+        let passes = events.iter().filter_map(|event| match event {
+            Event::Pass(pass) if !pass.colors.is_empty() => Some(pass),
+            _ => None,
+        });
+        if passes.clone().next().is_none() {
+            return;
+        }
+        self.frames.rotate_right(1);
+        self.frames[0].clear();
+        for pass in passes {
+            let described = |_| pass.colors.first().and_then(&description);
+            if let Some(shape) = Shape::new(pass, described) {
+                self.frames[0].push(Role { shape, pass: pass.clone(), outcome: Err(Unmatched::New) });
+            }
+        }
+    }
+
+    /// Judges all passes with what is known now.
+    pub(super) fn judge(&mut self, judge: impl Fn(&Pass) -> Outcome) {
+        for role in self.frames.iter_mut().flatten() {
+            role.outcome = judge(&role.pass);
+        }
+    }
+
+    /// What a pass of this shape was in the last frames, after the passes of `earlier`; nothing where there was none.
+    pub(super) fn like(
+        &self,
+        shape: &Shape,
+        earlier: &[Event],
+        description: impl Fn(ImageKey) -> Option<ImageDescription> + Copy,
+    ) -> Option<Outcome> {
+        let before = || {
+            let is_same = |event: &&Event| matches!(event, Event::Pass(pass) if Shape::new(pass, description) == Some(*shape));
+            earlier.iter().filter(is_same).count()
+        };
+        self.agreed(|other| other == shape, before)
+            // Of another size it may be anything else just as well, unless all were the scene.
+            .or_else(|| self.agreed(|other| shape.is_resized(other), before).filter(Result::is_ok))
+    }
+
+    /// What the passes of some shape were, in the newest frame that leaves no doubt.
+    fn agreed(&self, is_like: impl Fn(&Shape) -> bool, before: impl Fn() -> usize) -> Option<Outcome> {
+        let outcomes = |frame: usize| {
+            let roles = self.frames.get(frame).map_or(&[][..], Vec::as_slice);
+            roles.iter().filter(|role| is_like(&role.shape)).map(|role| &role.outcome)
+        };
+        let mut doubtful = None;
+        for frame in 0..KEPT - 1 {
+            let Some(first) = outcomes(frame).next() else { continue };
+            let alike = outcomes(frame).all(|outcome| outcome == first);
+            let stable = outcomes(frame).eq(outcomes(frame + 1));
+            if alike && (first.is_ok() || stable) {
+                return Some(first.clone());
+            }
+            if stable && let Some(outcome) = outcomes(frame).nth(before()) {
+                return Some(outcome.clone());
+            }
+            if let Some(all) = union(outcomes(frame)) {
+                return Some(Ok(all));
+            }
+            doubtful = Some(Err(if alike { first.clone().err()? } else { Unmatched::Ambiguous }));
+        }
+        doubtful
+    }
+
+    /// What the pass with this depth attachment was, in the newest frame with one that was the scene.
+    pub(super) fn scene_with_depth(&self, depth: Target) -> Option<&Match> {
+        let is_like = |role: &&Role| role.pass.depth == Some(depth);
+        self.frames.iter().flatten().filter(is_like).find_map(|role| role.outcome.as_ref().ok())
+    }
+
+    /// The newest frame's passes.
+    pub(super) fn last(&self) -> impl Iterator<Item = (&Pass, &Outcome)> {
+        self.frames[0].iter().map(|role| (&role.pass, &role.outcome))
+    }
+}
+
+/// All matches as one, where all are matches.
+fn union<'a>(mut outcomes: impl Iterator<Item = &'a Outcome>) -> Option<Match> {
+    let mut all = outcomes.next()?.clone().ok()?;
+    for outcome in outcomes {
+        let Match { parts, how } = outcome.as_ref().ok()?;
+        merge(&mut all.parts, parts);
+        all.how = all.how.max(*how);
+    }
+    Some(all)
+}

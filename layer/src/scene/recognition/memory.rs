@@ -1,0 +1,306 @@
+//! What is remembered of images.
+
+use super::placement::{self, Areas, Placement, Placements};
+use super::projected::UNSTEADY;
+use super::{HOLD, Parts};
+use crate::scene::{Event, ImageDescription, ImageKey, SwapchainKey, Target, Unmatched};
+use std::collections::HashMap;
+
+/// What holds of an image is given up when it was drawn in so many frames without being seen again.
+const MOST_MISSES: u32 = 60;
+
+/// So many frames after it last occurred, an image is forgotten.
+const FORGOTTEN_AFTER: u64 = 120;
+
+/// An image that was first met within so many frames is young.
+const YOUNG: u64 = 3;
+
+/// All images that lately occurred.
+#[derive(Debug, Default)]
+pub(super) struct Memory {
+    images: HashMap<ImageKey, Image>,
+}
+
+#[derive(Debug)]
+struct Image {
+    description: ImageDescription,
+    /// First frame with it.
+    met_at: u64,
+    /// Last frame with it.
+    at: u64,
+    /// Last frame with a pass that draws it; 0 before any.
+    drawn_at: u64,
+    /// Render areas of the passes that drew it since it was last read or shown.
+    areas: Areas,
+    is_used: bool,
+    /// Pictures of eyes that are made of it by transfers.
+    placed: Placed,
+    /// It is drawn before a pass that may read it and writes the picture.
+    precedes: Evidence,
+    flat_at: Option<u64>,
+}
+
+#[derive(Debug, Default)]
+struct Placed {
+    evidence: Evidence,
+    placements: Placements,
+    /// Render areas of the passes that drew what was transferred.
+    areas: Areas,
+    /// Both, as they were the last time.
+    before: (Placements, Areas),
+    unsteady_at: Option<u64>,
+}
+
+/// Something that earlier frames have shown.
+#[derive(Clone, Copy, Debug, Default)]
+struct Evidence {
+    /// Last frame that showed it; 0: none.
+    at: u64,
+    /// Frames since then in which it could have been shown.
+    misses: u32,
+}
+
+impl Evidence {
+    fn confirm(&mut self, frame: u64) {
+        *self = Self { at: frame, misses: 0 };
+    }
+
+    fn miss(&mut self, frame: u64) {
+        if self.at != frame {
+            self.misses = self.misses.saturating_add(1);
+        }
+    }
+
+    fn holds(self) -> bool {
+        self.at > 0 && self.misses < MOST_MISSES
+    }
+}
+
+impl Memory {
+    /// Takes the images of a frame's events, first to last.
+    pub(super) fn meet(
+        &mut self,
+        frame: u64,
+        events: &[Event],
+        describe: impl Fn(ImageKey) -> Option<ImageDescription>,
+    ) {
+        for event in events {
+            match event {
+                Event::Pass(pass) => {
+                    for target in pass.colors.iter().chain(&pass.resolves) {
+                        if let Some(image) = self.entry(frame, target.image, &describe) {
+                            image.draw(frame, target, pass.area);
+                        }
+                    }
+                }
+                Event::Transfer(transfer) => {
+                    self.entry(frame, transfer.to.image, &describe);
+                    if let Some(image) = self.entry(frame, transfer.from.image, &describe) {
+                        image.read(frame);
+                    }
+                }
+            }
+        }
+    }
+
+    fn entry(
+        &mut self,
+        frame: u64,
+        key: ImageKey,
+        describe: impl Fn(ImageKey) -> Option<ImageDescription>,
+    ) -> Option<&mut Image> {
+        use std::collections::hash_map::Entry;
+        let image = match self.images.entry(key) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(vacant) => vacant.insert(Image::new(describe(key)?, frame)),
+        };
+        image.at = frame;
+        Some(image)
+    }
+
+    pub(super) fn description(&self, image: ImageKey) -> Option<ImageDescription> {
+        self.images.get(&image).map(|image| image.description)
+    }
+
+    pub(super) fn is_known(&self, image: ImageKey) -> bool {
+        self.images.contains_key(&image)
+    }
+
+    /// Whether it was first met lately, or never.
+    pub(super) fn is_young(&self, frame: u64, image: ImageKey) -> bool {
+        self.images.get(&image).is_none_or(|image| frame < image.met_at + YOUNG)
+    }
+
+    /// Whether a pass draws it, as far as is known.
+    pub(super) fn is_drawn(&self, image: ImageKey) -> bool {
+        self.images.get(&image).is_some_and(|image| image.drawn_at > 0)
+    }
+
+    /// Takes note that an image is shown: adds the render areas of the passes that drew it.
+    pub(super) fn shown(&mut self, image: ImageKey, areas: &mut Areas) {
+        if let Some(image) = self.images.get_mut(&image) {
+            add_areas(areas, &image.areas);
+            image.is_used = true;
+        }
+    }
+
+    /// Adds the render areas of the passes that drew images of `swapchain` in this frame.
+    pub(super) fn drawn_in(&self, frame: u64, swapchain: SwapchainKey, areas: &mut Areas) {
+        let is_drawn =
+            |image: &&Image| image.drawn_at == frame && image.description.swapchain == Some(swapchain);
+        for image in self.images.values().filter(is_drawn) {
+            add_areas(areas, &image.areas);
+        }
+    }
+
+    /// What a pass with the render area `area` draws into `target`. [`Unmatched::New`] where nothing is known.
+    pub(super) fn parts(&self, frame: u64, target: &Target, area: [u32; 4]) -> Result<Parts, Unmatched> {
+        let image = self.images.get(&target.image).ok_or(Unmatched::New)?;
+        if image.is_flat(frame) {
+            return Err(Unmatched::Flat);
+        }
+        let placed = &image.placed;
+        if !placed.evidence.holds() {
+            return Err(Unmatched::New);
+        }
+        if placed.unsteady_at.is_some_and(|at| frame < at + UNSTEADY) {
+            return Err(Unmatched::Unsteady);
+        }
+        let parts = placement::parts(&placed.placements, &placed.areas, target, area);
+        if parts.is_empty() { Err(Unmatched::NotShown) } else { Ok(parts) }
+    }
+
+    /// The pictures of eyes that transfers make of it.
+    pub(super) fn placements(&self, image: ImageKey) -> &[Placement] {
+        match self.images.get(&image) {
+            Some(image) if image.placed.evidence.holds() => &image.placed.placements,
+            _ => &[],
+        }
+    }
+
+    /// Whether transfers make a picture of an eye of it, and nothing flat.
+    pub(super) fn is_placed(&self, frame: u64, image: ImageKey) -> bool {
+        !self.is_flat(frame, image) && !self.placements(image).is_empty()
+    }
+
+    /// Takes note of a picture that is made of an image in this frame.
+    pub(super) fn place(&mut self, frame: u64, image: ImageKey, placement: Placement) {
+        if let Some(image) = self.images.get_mut(&image) {
+            image.placed.add(frame, placement);
+        }
+    }
+
+    pub(super) fn is_flat(&self, frame: u64, image: ImageKey) -> bool {
+        self.images.get(&image).is_some_and(|image| image.is_flat(frame))
+    }
+
+    pub(super) fn set_flat(&mut self, frame: u64, image: ImageKey) {
+        if let Some(image) = self.images.get_mut(&image) {
+            image.flat_at = Some(frame);
+        }
+    }
+
+    pub(super) fn precedes(&self, image: ImageKey) -> bool {
+        self.images.get(&image).is_some_and(|image| image.precedes.holds())
+    }
+
+    pub(super) fn set_precedes(&mut self, frame: u64, image: ImageKey) {
+        if let Some(image) = self.images.get_mut(&image) {
+            image.precedes.confirm(frame);
+        }
+    }
+
+    /// Looks which images' pictures moved while the passes that draw them did not.
+    pub(super) fn compare(&mut self, frame: u64) {
+        for image in self.images.values_mut() {
+            image.placed.compare(frame);
+        }
+    }
+
+    /// Counts for images that were drawn in this frame what this frame did not confirm.
+    pub(super) fn count_misses(&mut self, frame: u64) {
+        for image in self.images.values_mut().filter(|image| image.drawn_at == frame) {
+            image.placed.evidence.miss(frame);
+            image.precedes.miss(frame);
+        }
+    }
+
+    /// Forgets images that did not occur for long.
+    pub(super) fn forget(&mut self, frame: u64) {
+        self.images.retain(|_, image| frame < image.at + FORGOTTEN_AFTER);
+    }
+}
+
+impl Image {
+    fn new(description: ImageDescription, frame: u64) -> Self {
+        Self {
+            description,
+            met_at: frame,
+            at: frame,
+            drawn_at: 0,
+            areas: Areas::new(),
+            is_used: false,
+            placed: Placed::default(),
+            precedes: Evidence::default(),
+            flat_at: None,
+        }
+    }
+
+    fn is_flat(&self, frame: u64) -> bool {
+        self.flat_at.is_some_and(|at| frame < at + HOLD)
+    }
+
+    fn draw(&mut self, frame: u64, target: &Target, area: [u32; 4]) {
+        self.drawn_at = frame;
+        if target.level > 0 {
+            return;
+        }
+        if self.is_used {
+            self.areas.clear();
+            self.is_used = false;
+        }
+        add_areas(&mut self.areas, &[area]);
+    }
+
+    fn read(&mut self, frame: u64) {
+        self.is_used = true;
+        self.placed.remember(frame);
+        if !self.areas.is_empty() {
+            self.placed.areas.clone_from(&self.areas);
+        }
+    }
+}
+
+impl Placed {
+    /// Keeps what was known, once, before a frame's first change.
+    fn remember(&mut self, frame: u64) {
+        if self.evidence.at != frame && self.evidence.at > 0 {
+            self.before = (self.placements.clone(), self.areas.clone());
+        }
+    }
+
+    fn add(&mut self, frame: u64, placement: Placement) {
+        if self.evidence.at != frame {
+            self.placements.clear();
+            self.evidence.confirm(frame);
+        }
+        placement::add(&mut self.placements, placement);
+    }
+
+    fn compare(&mut self, frame: u64) {
+        let (placements, areas) = &self.before;
+        let is_compared = self.evidence.at == frame && !areas.is_empty();
+        if is_compared && *areas == self.areas && *placements != self.placements {
+            self.unsteady_at = Some(frame);
+        }
+    }
+}
+
+/// Adds areas that are not there yet, as far as they are few.
+fn add_areas(areas: &mut Areas, more: &[[u32; 4]]) {
+    for area in more {
+        if areas.len() < areas.inline_size() && !areas.contains(area) {
+            areas.push(*area);
+        }
+    }
+}
