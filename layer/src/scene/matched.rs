@@ -101,6 +101,8 @@ pub enum Unmatched {
     Layers(u32),
     /// Its format does not hold colours.
     Format(vk::Format),
+    /// The picture that is shown fills only a part of the render area, which could be so before it too.
+    Viewport,
     /// Nothing that is shown is drawn after it.
     After,
     /// The scene is drawn straight into the swapchain.
@@ -130,6 +132,7 @@ impl fmt::Display for Unmatched {
             Self::Aspect => "another aspect than the eye's picture",
             Self::Layers(layers) => return write!(f, "{layers} array layers"),
             Self::Format(format) => return write!(f, "{format:?} holds no colours"),
+            Self::Viewport => "the picture that is shown fills only a part of the render area",
             Self::After => "nothing that is shown is drawn after it",
             Self::DrawnDirectly => "the scene is drawn straight into the swapchain",
             Self::Ambiguous => "images of its shape serve different ends",

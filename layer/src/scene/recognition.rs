@@ -6,6 +6,7 @@
 
 mod candidate;
 mod cast;
+mod listing;
 mod memory;
 mod placement;
 mod profile;
@@ -14,10 +15,12 @@ mod trace;
 
 use super::{Event, How, ImageDescription, ImageKey, Match, Part, Pass, Shown, Unmatched};
 use cast::{Cast, Shape};
+use listing::Listing;
 use memory::Memory;
 use parafovea_manifest::options::PassRules;
 use projected::Swapchains;
 use smallvec::SmallVec;
+use std::fmt;
 
 /// Recognises the passes of one device.
 #[derive(Debug, Default)]
@@ -27,12 +30,16 @@ pub struct Recognition {
     memory: Memory,
     swapchains: Swapchains,
     cast: Cast,
+    listing: Listing,
     /// Images drawn after the last pass that could have read them: in the next frame's log something may.
     tail: Vec<ImageKey>,
     /// When the picture was last seen to be drawn without passes before it.
     drawn_directly_at: Option<u64>,
     rules: PassRules,
 }
+
+/// By this frame what can be recognised is; before it nothing is listed.
+const SETTLED: u64 = 4;
 
 /// So many frames after it was last seen, something that was drawn straight or shown flat is no longer held to be.
 const HOLD: u64 = 120;
@@ -57,7 +64,7 @@ impl Recognition {
             self.memory.count_misses(self.frame);
         }
         let mut cast = std::mem::take(&mut self.cast);
-        cast.take(events, |target| self.memory.description(target.image));
+        cast.take(events, |image| self.memory.description(image));
         cast.judge(|pass| self.by_image(pass, |image| self.memory.description(image)));
         self.cast = cast;
         self.memory.forget(self.frame);
@@ -98,12 +105,11 @@ impl Recognition {
         self.cast.scene_with_depth(depth)
     }
 
-    /// The passes with colour of the last frame with what they were recognised as, for a listing.
-    pub fn last(&self) -> impl Iterator<Item = (&Pass, Option<ImageDescription>, &Result<Match, Unmatched>)> {
-        self.cast.last().map(|(pass, outcome)| {
-            let first = pass.colors.first();
-            (pass, first.and_then(|target| self.memory.description(target.image)), outcome)
-        })
+    /// What is new in the listing of passes: a line for each kind of pass that was not seen before, or was something else.
+    pub fn news(&mut self, tell: impl FnMut(&dyn fmt::Display)) {
+        if self.frame >= SETTLED {
+            self.listing.news(self.cast.last(), tell);
+        }
     }
 
     /// What is known of the pass by its images.
@@ -230,10 +236,21 @@ impl Recognition {
         })
     }
 
-    /// Whether an image of the pass is so new that others of its shape know more.
+    /// Whether an image of the pass is so new that others of its shape know more than its looks.
     fn is_young(&self, pass: &Pass, reason: Unmatched) -> bool {
-        let settled = !matches!(reason, Unmatched::New | Unmatched::After | Unmatched::DrawnDirectly);
-        !settled && pass.colors.iter().any(|target| self.memory.is_young(self.frame, target.image))
+        let by_looks = matches!(
+            reason,
+            Unmatched::New
+                | Unmatched::After
+                | Unmatched::DrawnDirectly
+                | Unmatched::Viewport
+                | Unmatched::Small
+                | Unmatched::Large
+                | Unmatched::Aspect
+                | Unmatched::Layers(_)
+                | Unmatched::Format(_)
+        );
+        by_looks && pass.colors.iter().any(|target| self.memory.is_young(self.frame, target.image))
     }
 
     fn by_rules(

@@ -62,12 +62,14 @@ enum Arrangement {
 /// The arrangement in which pictures as they are shown fit `size`. Of reasons why none does, a fitting aspect counts first.
 fn arrangement(size: [f32; 2], swapchains: &Swapchains) -> Result<Arrangement, Unmatched> {
     let mut reason = Unmatched::New;
-    for picture in swapchains.pictures() {
+    for (picture, is_filled) in swapchains.pictures() {
         let [_, _, width, height] = picture.rect;
         for (arrangement, width) in [(Arrangement::Single, width), (Arrangement::DoubleWide, width * 2.0)] {
             match fit(size, [width, height]) {
-                Ok(()) => return Ok(arrangement),
+                Ok(()) if is_filled => return Ok(arrangement),
+                Ok(()) => reason = Unmatched::Viewport,
                 Err(Unmatched::Aspect) if reason != Unmatched::New => {}
+                Err(_) if reason == Unmatched::Viewport => {}
                 Err(why) => reason = why,
             }
         }

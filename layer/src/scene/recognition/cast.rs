@@ -3,6 +3,7 @@
 use super::merge;
 use crate::scene::{Event, ImageDescription, ImageKey, Match, Pass, Target, Unmatched};
 use ash::vk;
+use std::fmt;
 
 /// Frames that are kept: what a pass was may be known one frame later, and places in the order count once two frames
 /// agree.
@@ -25,7 +26,7 @@ struct Role {
 type Outcome = Result<Match, Unmatched>;
 
 /// What passes of one kind have in common from frame to frame, if nothing else.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Shape {
     format: vk::Format,
     extent: [u32; 2],
@@ -38,12 +39,12 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// The shape of a pass with colour, by its first target.
+    /// The shape of a pass, by its first target: depth where there is no colour.
     pub(super) fn new(
         pass: &Pass,
         description: impl Fn(ImageKey) -> Option<ImageDescription>,
     ) -> Option<Self> {
-        let first = pass.colors.first()?;
+        let first = first_target(pass)?;
         let image = description(first.image)?;
         Some(Self {
             format: image.format,
@@ -67,16 +68,41 @@ impl Shape {
     }
 }
 
+impl fmt::Display for Shape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [width, height] = self.extent;
+        write!(f, "{width}x{height} {:?}", self.format)?;
+        if self.colors > 1 {
+            write!(f, " and {} more", self.colors - 1)?;
+        }
+        if self.layers > 1 {
+            write!(f, ", {} layers", self.layers)?;
+        }
+        if self.base_layer > 0 {
+            write!(f, ", layer {}", self.base_layer)?;
+        }
+        if self.samples > 1 {
+            write!(f, ", {} samples", self.samples)?;
+        }
+        Ok(())
+    }
+}
+
+/// The first colour target, or depth.
+fn first_target(pass: &Pass) -> Option<&Target> {
+    pass.colors.first().or(pass.depth.as_ref())
+}
+
 impl Cast {
     /// Takes the passes of a frame.
     pub(super) fn take(
         &mut self,
         events: &[Event],
-        description: impl Fn(&Target) -> Option<ImageDescription>,
+        description: impl Fn(ImageKey) -> Option<ImageDescription> + Copy,
     ) {
         let passes = events.iter().filter_map(|event| match event {
-            Event::Pass(pass) if !pass.colors.is_empty() => Some(pass),
-            _ => None,
+            Event::Pass(pass) => Some(pass),
+            Event::Transfer(_) => None,
         });
         if passes.clone().next().is_none() {
             return;
@@ -84,8 +110,7 @@ impl Cast {
         self.frames.rotate_right(1);
         self.frames[0].clear();
         for pass in passes {
-            let described = |_| pass.colors.first().and_then(&description);
-            if let Some(shape) = Shape::new(pass, described) {
+            if let Some(shape) = Shape::new(pass, description) {
                 self.frames[0].push(Role { shape, pass: pass.clone(), outcome: Err(Unmatched::New) });
             }
         }
@@ -146,8 +171,8 @@ impl Cast {
     }
 
     /// The newest frame's passes.
-    pub(super) fn last(&self) -> impl Iterator<Item = (&Pass, &Outcome)> {
-        self.frames[0].iter().map(|role| (&role.pass, &role.outcome))
+    pub(super) fn last(&self) -> impl Iterator<Item = (&Shape, &Outcome)> {
+        self.frames[0].iter().map(|role| (&role.shape, &role.outcome))
     }
 }
 

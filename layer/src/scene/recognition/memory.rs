@@ -87,7 +87,9 @@ impl Memory {
         for event in events {
             match event {
                 Event::Pass(pass) => {
-                    for target in pass.colors.iter().chain(&pass.resolves) {
+                    // Depth counts only where there is nothing else: for the listing.
+                    let depth = pass.depth.iter().filter(|_| pass.colors.is_empty());
+                    for target in pass.colors.iter().chain(&pass.resolves).chain(depth) {
                         if let Some(image) = self.entry(frame, target.image, &describe) {
                             image.draw(frame, target, pass.area);
                         }
@@ -139,18 +141,23 @@ impl Memory {
     /// Takes note that an image is shown: adds the render areas of the passes that drew it.
     pub(super) fn shown(&mut self, image: ImageKey, areas: &mut Areas) {
         if let Some(image) = self.images.get_mut(&image) {
-            add_areas(areas, &image.areas);
-            image.is_used = true;
+            image.show(areas);
         }
     }
 
-    /// Adds the render areas of the passes that drew images of `swapchain` in this frame.
-    pub(super) fn drawn_in(&self, frame: u64, swapchain: SwapchainKey, areas: &mut Areas) {
+    /// The same for those images of `swapchain` that were drawn in this frame, where it is not known which is shown.
+    pub(super) fn shown_of(&mut self, frame: u64, swapchain: SwapchainKey, areas: &mut Areas) {
         let is_drawn =
-            |image: &&Image| image.drawn_at == frame && image.description.swapchain == Some(swapchain);
-        for image in self.images.values().filter(is_drawn) {
-            add_areas(areas, &image.areas);
+            |image: &&mut Image| image.drawn_at == frame && image.description.swapchain == Some(swapchain);
+        for image in self.images.values_mut().filter(is_drawn) {
+            image.show(areas);
         }
+    }
+
+    /// The size of a swapchain's images, pixels, where one of them occurred.
+    pub(super) fn extent_of(&self, swapchain: SwapchainKey) -> Option<[u32; 2]> {
+        let mut own = self.images.values().filter(|image| image.description.swapchain == Some(swapchain));
+        own.next().map(|image| image.description.extent)
     }
 
     /// What a pass with the render area `area` draws into `target`. [`Unmatched::New`] where nothing is known.
@@ -260,6 +267,11 @@ impl Image {
             self.is_used = false;
         }
         add_areas(&mut self.areas, &[area]);
+    }
+
+    fn show(&mut self, areas: &mut Areas) {
+        add_areas(areas, &self.areas);
+        self.is_used = true;
     }
 
     fn read(&mut self, frame: u64) {

@@ -102,11 +102,14 @@ pub(super) fn parts(placements: &[Placement], areas: &[[u32; 4]], target: &Targe
 
 /// The render area that was the size of a picture, or of them all, and now is `area`.
 fn resized_from(placements: &[Placement], areas: &[[u32; 4]], area: [u32; 4]) -> Option<[u32; 4]> {
-    let is_picture = |old: &&[u32; 4]| {
-        let old = old.map(|pixels| pixels as f32);
-        placements.iter().any(|placement| is_near(placement.rect, old)) || is_near(bounds(placements), old)
-    };
-    areas.iter().filter(is_picture).find(|old| is_resized(old, area)).copied()
+    let pictures = areas.iter().filter(|old| is_picture(placements, **old));
+    pictures.copied().find(|old| is_resized(old, area))
+}
+
+/// Whether a render area is a picture, or all of them.
+pub(super) fn is_picture(placements: &[Placement], area: [u32; 4]) -> bool {
+    let area = area.map(|pixels| pixels as f32);
+    placements.iter().any(|placement| is_near(placement.rect, area)) || is_near(bounds(placements), area)
 }
 
 /// Whether `new` may be `old` resized: the same aspect, and the origin the same or moved along.

@@ -23,6 +23,8 @@ struct Swapchain {
     placements: Placements,
     /// Render areas of the passes that drew the image which was shown.
     areas: Areas,
+    /// Size of its images, pixels; 0 before one of them occurred.
+    extent: [u32; 2],
     has_inset: bool,
     flat_at: Option<u64>,
     unsteady_at: Option<u64>,
@@ -54,6 +56,7 @@ impl Swapchains {
                 at: 0,
                 placements: Placements::new(),
                 areas: Areas::new(),
+                extent: [0; 2],
                 has_inset: false,
                 flat_at: None,
                 unsteady_at: None,
@@ -103,9 +106,13 @@ impl Swapchains {
         target.level == 0 && self.placements(key).iter().any(|placement| within(placement.layer))
     }
 
-    /// All pictures of eyes.
-    pub(super) fn pictures(&self) -> impl Iterator<Item = &Placement> {
-        self.known.iter().flat_map(|swapchain| &swapchain.placements)
+    /// All pictures of eyes, and whether they fill the render area: where the viewport is smaller, so it may be in the passes
+    /// before, and nobody knows where.
+    pub(super) fn pictures(&self) -> impl Iterator<Item = (&Placement, bool)> {
+        self.known.iter().flat_map(|swapchain| {
+            let is_filled = swapchain.is_filled();
+            swapchain.placements.iter().map(move |placement| (placement, is_filled))
+        })
     }
 
     /// Whether both eyes lie beside each other in one image, the left one on the left.
@@ -127,6 +134,14 @@ impl Swapchains {
 }
 
 impl Swapchain {
+    /// Whether a pass that draws it, or else its images, are as large as a picture or all of them.
+    fn is_filled(&self) -> bool {
+        let [width, height] = self.extent;
+        let images: &[[u32; 4]] = &[[0, 0, width, height]];
+        let areas = if self.areas.is_empty() { images } else { &self.areas };
+        areas.iter().any(|area| placement::is_picture(&self.placements, *area))
+    }
+
     fn project<'a>(
         &mut self,
         frame: u64,
@@ -139,7 +154,7 @@ impl Swapchain {
             memory.shown(image, &mut areas);
         }
         if areas.is_empty() {
-            memory.drawn_in(frame, self.key, &mut areas);
+            memory.shown_of(frame, self.key, &mut areas);
         }
         let same_areas = !areas.is_empty() && areas == self.areas;
         if same_areas && self.at > 0 && placements != self.placements {
@@ -148,6 +163,7 @@ impl Swapchain {
         if !areas.is_empty() {
             self.areas = areas;
         }
+        self.extent = memory.extent_of(self.key).unwrap_or(self.extent);
         self.at = frame;
         self.placements = placements;
         self.has_inset = views.clone().any(|view| view.eye.is_none());

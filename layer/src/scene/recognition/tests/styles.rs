@@ -516,25 +516,48 @@ fn dynamic(frame: u64) -> [u32; 2] {
     [EYE[0] - 8 * step, EYE[1] - 8 * step]
 }
 
+/// Whether it is known which image was shown, or not.
 #[test]
 fn dynamic_resolution_in_the_swapchain() {
+    for knows_image in [true, false] {
+        let mut app = Application::default();
+        let eyes = app.eyes();
+        app.run(20, |app| {
+            let [width, height] = dynamic(app.frame);
+            for (chain, name) in eyes.iter().zip(["left", "right"]) {
+                let mut pass = whole(EYE, &[app.current(chain)]);
+                pass.area = [0, 0, width, height];
+                app.pass(name, pass);
+            }
+            let mut shown = app.both(&eyes);
+            for view in &mut shown.views {
+                view.rect = [0, 0, width, height];
+                view.image = view.image.filter(|_| knows_image);
+            }
+            app.show(&shown);
+        });
+        app.expect("left", &straight(Eyes::Left));
+        app.expect("right", &straight(Eyes::Right));
+    }
+}
+
+/// Resized by the viewport alone, where a pass before it may be too: nobody knows which part of it is the picture.
+#[test]
+fn tone_mapped_into_a_part_of_the_render_area() {
     let mut app = Application::default();
     let eyes = app.eyes();
+    let image = app.image(EYE, HDR);
     app.run(20, |app| {
-        let [width, height] = dynamic(app.frame);
-        for chain in &eyes {
-            let mut pass = whole(EYE, &[app.current(chain)]);
-            pass.area = [0, 0, width, height];
-            app.pass("scene", pass);
-        }
+        app.scene("scene", image);
+        app.full_screen("tone-map", app.current(&eyes[0]));
         let mut shown = app.both(&eyes);
-        shown.views.iter_mut().for_each(|view| view.rect = [0, 0, width, height]);
+        shown.views.truncate(1);
+        shown.views[0].rect = [0, 0, 150, 180];
         app.show(&shown);
     });
-    for (frame, outcome) in app.outcomes("scene").into_iter().skip(2) {
-        let parts = outcome.unwrap_or_else(|why| panic!("frame {frame}: {why}")).parts;
-        assert_eq!(parts[0].rect, WHOLE, "frame {frame}");
-    }
+    app.expect("scene", &Err(Unmatched::Viewport));
+    let part = (Eyes::Left, 0, [0.0, 0.0, 0.75, 0.75]);
+    app.expect("tone-map", &matched(How::Swapchain, Orientation::Upright, &[part]));
 }
 
 #[test]
@@ -596,6 +619,21 @@ fn new_images_each_frame() {
     app.expect("left", &transferred(Eyes::Left));
     app.expect("right", &transferred(Eyes::Right));
     assert!(app.outcomes("spectator").iter().all(|(_, outcome)| outcome.is_err()));
+}
+
+/// Smaller than its looks would allow.
+#[test]
+fn new_images_each_frame_upscaled_from_little() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    let size = [EYE[0] * 2 / 5, EYE[1] * 2 / 5];
+    app.run(8, |app| {
+        let image = app.image(size, LDR);
+        app.scene("scene", image);
+        app.blit((image, rect_of(size)), (app.current(&eyes[0]), rect_of(EYE)));
+        app.show(&app.both(&eyes));
+    });
+    app.expect("scene", &transferred(Eyes::Left));
 }
 
 /// The same command buffers for each image of the ring, recorded once: as passes they are no different.
@@ -757,4 +795,27 @@ fn the_profile_decides() {
     app.expect("included", &one(How::Profile, Orientation::Upright, Eyes::Right));
     app.expect("other", &one(How::Profile, Orientation::Unknown, Eyes::Left));
     app.expect("shadow", &Err(Unmatched::NoColour));
+}
+
+#[test]
+fn every_kind_of_pass_is_listed_once() {
+    let mut app = Application::default();
+    let chain = app.chain(EYE, 2);
+    let (shadow, image) = (app.image([256, 256], vk::Format::D32_SFLOAT), app.image([64, 48], HDR));
+    let mut lines = Vec::new();
+    app.run(20, |app| {
+        let mut pass = whole([256, 256], &[]);
+        pass.depth = Some(target(shadow));
+        app.pass("shadow", pass);
+        app.full_screen("mirror", image);
+        app.pass("scene", multiview(whole(EYE, &[app.current(&chain)])));
+        app.show(&array_shown(app, &chain));
+        app.recognition.news(|line| lines.push((app.frame, line.to_string())));
+    });
+    let expected = [
+        "pass 256x256 D32_SFLOAT: not the scene: no colour: a shadow map or a depth pre-pass",
+        "pass 64x48 R16G16B16A16_SFLOAT: not the scene: another aspect than the eye's picture",
+        "pass 200x240 R8G8B8A8_SRGB, 2 layers: the scene: left eye and right eye: draws into the swapchain",
+    ];
+    assert_eq!(lines, expected.map(|line| (SETTLED, line.to_owned())));
 }
