@@ -9,10 +9,12 @@
 //! A block is skipped only where it lies wholly inside of one view, and has a shaded block of that view within
 //! [`REACH`]: what is outside of all views is shaded, and nothing is ever interpolated across two views.
 
+mod depth;
 mod list;
 mod pattern;
 mod sources;
 
+pub use depth::{DepthFormat, Direction, NoNearValue, TemplateDepths, near_value, write_template};
 pub use list::{BLOCKS_PER_GROUP, HEADER_WORDS, SkipList, SkippedBlock};
 pub use pattern::Pattern;
 pub use sources::{REACH, SOURCES, Source};
@@ -33,6 +35,31 @@ pub const MAX_SIDE: u32 = BLOCK << 12;
 /// Most array layers of a picture that can have skipped blocks.
 pub const MAX_LAYERS: u32 = 1 << 8;
 
+/// Rates of tiles.
+#[derive(Clone, Copy, Debug)]
+pub struct TileRates<'a> {
+    /// Size of a tile, pixels. Tiles are counted from the picture's corner.
+    pub texel: [u32; 2],
+    /// Column and row of the first tile that there is a rate of.
+    pub first: [u32; 2],
+    /// How many columns there are.
+    pub columns: u32,
+    /// [`ShadingRate::texel`] of each tile, row by row; beyond them, and where a byte is no rate, every pixel is shaded.
+    pub rates: &'a [u8],
+}
+
+impl TileRates<'_> {
+    /// The rate of a tile of the picture.
+    fn rate(&self, tile: UVec2) -> ShadingRate {
+        let first = UVec2::from(self.first);
+        let at = tile - first.min(tile);
+        let inside = tile.cmpge(first).all() && at.x < self.columns;
+        let index = at.y as usize * self.columns as usize + at.x as usize;
+        let byte = if inside { self.rates.get(index) } else { None };
+        byte.and_then(|byte| ShadingRate::from_texel(*byte)).unwrap_or(ShadingRate::R1X1)
+    }
+}
+
 /// A rectangle of one array layer that shows a view, with the rates of its tiles.
 #[derive(Clone, Copy, Debug)]
 pub struct MaskView<'a> {
@@ -42,38 +69,29 @@ pub struct MaskView<'a> {
     pub offset: [u32; 2],
     /// Size of the rectangle, pixels.
     pub extent: [u32; 2],
-    /// Size of a tile, pixels. The first tile begins at `offset` rounded down to a multiple of this.
-    pub texel: [u32; 2],
-    /// [`ShadingRate::texel`] of each tile; beyond them, and where a byte is no rate, every pixel is shaded.
-    pub rates: &'a Plane<u8>,
+    /// The rates.
+    pub tiles: TileRates<'a>,
 }
 
 impl<'a> MaskView<'a> {
     /// The view of a plan, in array layer `layer`.
     pub fn of(plan: &'a EyePlan, layer: u32) -> Self {
-        Self { layer, offset: plan.offset, extent: plan.extent, texel: plan.texel, rates: &plan.rates }
-    }
-
-    /// The rate of a tile of the picture, counted from its corner.
-    fn tile_rate(&self, tile: UVec2) -> ShadingRate {
-        let texel = UVec2::from(self.texel).max(UVec2::ONE);
-        let first = UVec2::from(self.offset) / texel;
-        let in_view = tile - first.min(tile);
-        let inside =
-            tile.cmpge(first).all() && in_view.x < self.rates.width() && in_view.y < self.rates.height();
-        let rate = inside.then(|| ShadingRate::from_texel(self.rates.at(in_view.x, in_view.y))).flatten();
-        rate.unwrap_or(ShadingRate::R1X1)
+        let EyePlan { offset, extent, texel, rates, .. } = plan;
+        let first = UVec2::from(*offset) / UVec2::from(*texel).max(UVec2::ONE);
+        let tiles =
+            TileRates { texel: *texel, first: first.into(), columns: rates.width(), rates: rates.texels() };
+        Self { layer, offset: *offset, extent: *extent, tiles }
     }
 
     fn rate_at(&self, pixel: UVec2) -> ShadingRate {
-        self.tile_rate(pixel / UVec2::from(self.texel).max(UVec2::ONE))
+        self.tiles.rate(pixel / UVec2::from(self.tiles.texel).max(UVec2::ONE))
     }
 
     /// The rate of a block: as fine as all the tiles that it touches.
     fn rate(&self, block: UVec2) -> ShadingRate {
         let first = block * BLOCK;
         let rate = self.rate_at(first);
-        if self.texel.iter().all(|side| side.is_multiple_of(BLOCK)) {
+        if self.tiles.texel.iter().all(|side| side.is_multiple_of(BLOCK)) {
             return rate;
         }
         let last = BLOCK - 1;

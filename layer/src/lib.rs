@@ -14,6 +14,7 @@ pub mod gpu;
 pub mod inputs;
 pub mod link;
 pub mod log;
+pub mod mask;
 pub mod passes;
 mod registry;
 pub mod scene;

@@ -130,7 +130,7 @@ impl<'a, 'b> SourceFinder<'a, 'b> {
 
     /// The pattern of a block's tile, where all tiles have it that [`Pattern::sources`] could reach.
     fn pattern_around(&mut self, block: UVec2) -> Option<Pattern> {
-        let texel = UVec2::from(self.view.texel).max(UVec2::ONE);
+        let texel = UVec2::from(self.view.tiles.texel).max(UVec2::ONE);
         if texel % BLOCK != UVec2::ZERO {
             return None;
         }
@@ -141,11 +141,11 @@ impl<'a, 'b> SourceFinder<'a, 'b> {
             return pattern;
         }
         let reach = (texel - 1 + REACH_IN_PATTERN * BLOCK) / texel;
-        let pattern = Pattern::of(self.view.tile_rate(tile));
+        let pattern = Pattern::of(self.view.tiles.rate(tile));
         let rows = tile.y.saturating_sub(reach.y)..=tile.y + reach.y;
         let mut around = rows
             .flat_map(|y| (tile.x.saturating_sub(reach.x)..=tile.x + reach.x).map(move |x| UVec2::new(x, y)));
-        let alike = around.all(|other| Pattern::of(self.view.tile_rate(other)) == pattern);
+        let alike = around.all(|other| Pattern::of(self.view.tiles.rate(other)) == pattern);
         self.tile = Some((tile, alike.then_some(pattern)));
         alike.then_some(pattern)
     }

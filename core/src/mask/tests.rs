@@ -2,12 +2,14 @@ use super::*;
 use crate::rate::VULKAN_RATES;
 use proptest::prelude::*;
 
-fn rates(tiles: [u32; 2], rate: ShadingRate) -> Plane<u8> {
+pub(super) fn rates(tiles: [u32; 2], rate: ShadingRate) -> Plane<u8> {
     Plane::filled(tiles[0], tiles[1], rate.texel())
 }
 
-fn view(rates: &Plane<u8>, offset: [u32; 2], extent: [u32; 2], texel: u32) -> MaskView<'_> {
-    MaskView { layer: 0, offset, extent, texel: [texel; 2], rates }
+pub(super) fn view(rates: &Plane<u8>, offset: [u32; 2], extent: [u32; 2], texel: u32) -> MaskView<'_> {
+    let first = offset.map(|side| side / texel);
+    let tiles = TileRates { texel: [texel; 2], first, columns: rates.width(), rates: rates.texels() };
+    MaskView { layer: 0, offset, extent, tiles }
 }
 
 /// A mask of one view that is the whole picture.
@@ -193,4 +195,21 @@ proptest! {
             prop_assert_eq!(found, least, "{}", block);
         }
     }
+}
+
+#[test]
+fn a_plan_is_laid_where_its_view_is() {
+    let texel = [16; 2];
+    let plan = EyePlan {
+        offset: [40, 8],
+        extent: [80, 64],
+        texel,
+        rates: rates([6, 5], ShadingRate::R2X1),
+        ..EyePlan::default()
+    };
+    let (mut by_plan, mut by_hand) = (Mask::new([160, 96], 2), Mask::new([160, 96], 2));
+    by_plan.lay(&[MaskView::of(&plan, 1)]);
+    by_hand.lay(&[MaskView { layer: 1, ..view(&plan.rates, [40, 8], [80, 64], 16) }]);
+    assert_eq!(by_plan.list(), by_hand.list());
+    assert!(by_plan.skips(1, [49, 13]) && !by_plan.skips(1, [36, 13]) && !by_plan.skips(1, [124, 13]));
 }

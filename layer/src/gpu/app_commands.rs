@@ -1,7 +1,7 @@
 //! Commands of ours in a command buffer of the application's.
 
 use super::compute::{ComputeLayout, ComputeSet};
-use super::{Gpu, Owned};
+use super::{DeviceBuffer, Gpu, Owned};
 use ash::vk;
 
 /// A command buffer that the application is recording, outside of any render pass.
@@ -94,21 +94,30 @@ impl<'a> AppCommands<'a> {
         }
     }
 
+    /// Copies from a buffer to a part of an image that is in TRANSFER_DST_OPTIMAL; the region lies in both.
+    pub(crate) fn copy_to_image(&self, from: &DeviceBuffer, to: vk::Image, region: vk::BufferImageCopy) {
+        let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        // SAFETY: the command buffer is being recorded outside of a render pass, and the image is live, as `new` demands.
+        unsafe {
+            self.gpu.device.cmd_copy_buffer_to_image(self.commands, from.handle(), to, layout, &[region]);
+        }
+    }
+
     /// Runs as many workgroups as the first three words of `arguments` say.
     pub(crate) fn dispatch_indirect(
         &self,
         layout: &ComputeLayout,
         pipeline: &Owned<vk::Pipeline>,
         set: &ComputeSet,
-        arguments: vk::Buffer,
+        arguments: &DeviceBuffer,
     ) {
         let (device, commands, compute) = (&self.gpu.device, self.commands, vk::PipelineBindPoint::COMPUTE);
         // SAFETY: the command buffer is being recorded outside of a render pass, as `new` demands; pipeline and set have
-        // this layout, and the buffer is a live one that holds the arguments.
+        // this layout, and the buffer was made to hold the arguments.
         unsafe {
             device.cmd_bind_pipeline(commands, compute, pipeline.handle());
             device.cmd_bind_descriptor_sets(commands, compute, layout.handle(), 0, &[set.handle()], &[]);
-            device.cmd_dispatch_indirect(commands, arguments, 0);
+            device.cmd_dispatch_indirect(commands, arguments.handle(), 0);
         }
     }
 }

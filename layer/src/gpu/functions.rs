@@ -15,7 +15,7 @@ const INSTANCE: [&CStr; 5] = [
 ];
 
 /// Functions of the device that this crate's `gpu` calls.
-const DEVICE: [&CStr; 53] = [
+const DEVICE: [&CStr; 54] = [
     c"vkAllocateCommandBuffers",
     c"vkAllocateDescriptorSets",
     c"vkAllocateMemory",
@@ -25,6 +25,7 @@ const DEVICE: [&CStr; 53] = [
     c"vkCmdBeginRenderPass",
     c"vkCmdBindDescriptorSets",
     c"vkCmdBindPipeline",
+    c"vkCmdCopyBufferToImage",
     c"vkCmdCopyImage",
     c"vkCmdDispatchIndirect",
     c"vkCmdDraw",

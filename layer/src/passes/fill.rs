@@ -8,7 +8,7 @@ pub use parafovea_core::kernels::fill::FillFormat;
 
 use crate::gpu::array_view;
 use crate::gpu::{
-    AppCommands, ComputeLayout, ComputeSet, Gpu, GpuError, ImagePart, Owned, Scope, StorageBuffer,
+    AppCommands, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, ImagePart, Owned, Scope,
 };
 use ash::vk;
 use parafovea_core::mask::SkipList;
@@ -60,7 +60,8 @@ pub struct Fill {
 /// A skip list on the GPU. It belongs to one kind of pass of the application; what it lists may change between two
 /// submits, by a copy to [`SkipBuffer::handle`].
 pub struct SkipBuffer {
-    buffer: StorageBuffer,
+    buffer: DeviceBuffer,
+    words: usize,
 }
 
 impl SkipBuffer {
@@ -69,8 +70,16 @@ impl SkipBuffer {
     /// # Errors
     /// A failed call, or [`GpuError::Unsupported`] for more blocks than the device takes.
     pub fn new(gpu: &Arc<Gpu>, blocks: usize, list: &SkipList) -> Result<Self, GpuError> {
-        let buffer = StorageBuffer::new(gpu, SkipList::capacity_words(blocks), list.words())?;
-        Ok(Self { buffer })
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::INDIRECT_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        let words = SkipList::capacity_words(blocks).max(list.words().len());
+        let buffer = DeviceBuffer::new(gpu, usage, words as u64 * 4, |bytes| {
+            for (bytes, word) in bytes.chunks_exact_mut(4).zip(list.words()) {
+                bytes.copy_from_slice(&word.to_ne_bytes());
+            }
+        })?;
+        Ok(Self { buffer, words })
     }
 
     /// The buffer, which copies may write, valid as long as `self`.
@@ -80,7 +89,7 @@ impl SkipBuffer {
 
     /// How many 32-bit words it has room for.
     pub fn capacity_words(&self) -> usize {
-        self.buffer.words()
+        self.words
     }
 }
 
@@ -138,7 +147,7 @@ impl Fill {
         // What the application waits for is its own pass: the fill comes between that and all of its waiting.
         commands.barrier(target.part, (layout, Scope::ALL), (vk::ImageLayout::GENERAL, FILLS));
         let pipeline = &self.pipelines[target.format as usize];
-        commands.dispatch_indirect(&self.layout, pipeline, &target.set, list.handle());
+        commands.dispatch_indirect(&self.layout, pipeline, &target.set, &list.buffer);
         commands.barrier(target.part, (vk::ImageLayout::GENERAL, FILLS), (layout, Scope::ALL));
     }
 }

@@ -8,6 +8,7 @@ mod canaries;
 mod failures;
 mod pictures;
 mod swapchain;
+#[allow(dead_code, reason = "shared with the tests of mask")]
 mod transfer;
 #[allow(dead_code, reason = "shared with the tests of fill")]
 mod vulkan;

@@ -92,6 +92,90 @@ impl Vulkan {
         }
     }
 
+    /// An image for depth, to be copied to.
+    pub fn depth_image(&self, format: vk::Format, extent: vk::Extent2D) -> vk::Image {
+        let info = vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(format)
+            .extent(extent.into())
+            .mip_levels(1)
+            .array_layers(1)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .usage(vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST);
+        // SAFETY: plain use of Vulkan; the image is never destroyed.
+        unsafe {
+            let image = self.device.create_image(&info, None).unwrap();
+            let memory = self.allocate(self.device.get_image_memory_requirements(image));
+            self.device.bind_image_memory(image, memory, 0).unwrap();
+            image
+        }
+    }
+
+    /// A view of an image's first layer, for one usage.
+    pub fn view(
+        &self,
+        image: vk::Image,
+        format: vk::Format,
+        aspects: vk::ImageAspectFlags,
+        usage: vk::ImageUsageFlags,
+    ) -> vk::ImageView {
+        let mut usage = vk::ImageViewUsageCreateInfo::default().usage(usage);
+        let range = vk::ImageSubresourceRange {
+            aspect_mask: aspects,
+            base_mip_level: 0,
+            level_count: 1,
+            base_array_layer: 0,
+            layer_count: 1,
+        };
+        let info = vk::ImageViewCreateInfo::default()
+            .image(image)
+            .view_type(vk::ImageViewType::TYPE_2D)
+            .format(format)
+            .subresource_range(range)
+            .push_next(&mut usage);
+        // SAFETY: plain use of Vulkan; the view is never destroyed.
+        unsafe { self.device.create_image_view(&info, None) }.unwrap()
+    }
+
+    /// Waits for everything.
+    pub fn idle(&self) {
+        // SAFETY: plain use of Vulkan.
+        unsafe { self.device.queue_wait_idle(self.queue) }.unwrap();
+    }
+
+    /// Writes to memory that is visible to the host and not in use.
+    pub fn write_memory(&self, memory: vk::DeviceMemory, bytes: &[u8]) {
+        // SAFETY: plain use of Vulkan; the memory is at least as large.
+        unsafe {
+            let mapped =
+                self.device.map_memory(memory, 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty()).unwrap();
+            std::ptr::copy_nonoverlapping(bytes.as_ptr(), mapped.cast(), bytes.len());
+            self.device.unmap_memory(memory);
+        }
+    }
+
+    /// Reads from memory that is visible to the host and not in use.
+    pub fn read_memory(&self, memory: vk::DeviceMemory, size: usize) -> Vec<u8> {
+        // SAFETY: plain use of Vulkan; the memory is at least as large.
+        unsafe {
+            let mapped =
+                self.device.map_memory(memory, 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty()).unwrap();
+            let bytes = std::slice::from_raw_parts(mapped.cast::<u8>(), size).to_vec();
+            self.device.unmap_memory(memory);
+            bytes
+        }
+    }
+
+    /// Fills a buffer by a copy, and waits for it.
+    pub fn write_buffer(&self, to: vk::Buffer, bytes: &[u8]) {
+        let (from, memory) = self.buffer(bytes.len());
+        self.write_memory(memory, bytes);
+        let region = vk::BufferCopy { src_offset: 0, dst_offset: 0, size: bytes.len() as u64 };
+        // SAFETY: plain use of Vulkan.
+        self.run(|commands| unsafe { self.device.cmd_copy_buffer(commands, from, to, &[region]) });
+        self.idle();
+    }
+
     unsafe fn allocate(&self, requirements: vk::MemoryRequirements) -> vk::DeviceMemory {
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
         let fits = |index: u32, wanted| {
@@ -110,7 +194,11 @@ impl Vulkan {
     }
 
     fn buffer(&self, size: usize) -> (vk::Buffer, vk::DeviceMemory) {
-        let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
+        self.buffer_of(size, vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST)
+    }
+
+    /// A buffer in memory that is visible to the host; neither is ever destroyed.
+    pub fn buffer_of(&self, size: usize, usage: vk::BufferUsageFlags) -> (vk::Buffer, vk::DeviceMemory) {
         let info = vk::BufferCreateInfo::default().size(size as u64).usage(usage);
         // SAFETY: plain use of Vulkan.
         unsafe {

@@ -13,6 +13,7 @@ type Messages = Mutex<Vec<String>>;
 
 /// One device with one queue. Never destroyed: the process ends soon.
 pub struct Vulkan {
+    instance: ash::Instance,
     pub device: ash::Device,
     pub queue: vk::Queue,
     pub memory: vk::PhysicalDeviceMemoryProperties,
@@ -75,7 +76,12 @@ impl Vulkan {
             let Some(&physical_device) = devices.first() else { return skip("no Vulkan device") };
             let priorities = [1.0];
             let queues = [vk::DeviceQueueCreateInfo::default().queue_priorities(&priorities)];
-            let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+            // What later versions are asked for may also count what is shaded.
+            let counts = api_version > vk::API_VERSION_1_0
+                && instance.get_physical_device_features(physical_device).fragment_stores_and_atomics != 0;
+            let features = vk::PhysicalDeviceFeatures::default().fragment_stores_and_atomics(counts);
+            let info =
+                vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_features(&features);
             let device = instance.create_device(physical_device, &info, None).unwrap();
             let record = edit(DeviceRecord {
                 instance: instance.handle(),
@@ -93,6 +99,7 @@ impl Vulkan {
                 gpu: Gpu::new(&record, 0, 0).unwrap(),
                 pool: device.create_command_pool(&pool_info, None).unwrap(),
                 device,
+                instance,
                 record,
                 validated,
                 messages,
@@ -105,6 +112,15 @@ impl Vulkan {
 }
 
 impl Vulkan {
+    /// Whether images of this format can be depth attachments.
+    pub fn draws_depth(&self, format: vk::Format) -> bool {
+        // SAFETY: plain query.
+        let properties = unsafe {
+            self.instance.get_physical_device_format_properties(self.record.physical_device, format)
+        };
+        properties.optimal_tiling_features.contains(vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT)
+    }
+
     /// What validation said so far.
     pub fn messages(&self) -> Vec<String> {
         self.messages.lock().unwrap().clone()

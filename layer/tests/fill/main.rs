@@ -16,7 +16,7 @@ use parafovea::gpu::AppCommands;
 use parafovea::passes::fill::{Fill, SkipBuffer, fill_format};
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::fill::FillFormat;
-use parafovea_core::mask::{Mask, MaskView, SkipList, predict};
+use parafovea_core::mask::{Mask, MaskView, SkipList, TileRates, predict};
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use picture::{assert_matches, picture};
 use transfer::Layer;
@@ -86,8 +86,14 @@ fn rings(extent: [u32; 2], layers: u32, texel: u32) -> Mask {
         })
         .collect();
     let mut mask = Mask::new(extent, layers);
-    let view = |(layer, rates)| MaskView { layer, offset: [0; 2], extent, texel: [texel; 2], rates };
-    let views: Vec<_> = (0..).zip(&rates).map(view).collect();
+    let views: Vec<_> = (0..)
+        .zip(&rates)
+        .map(|(layer, rates)| {
+            let (columns, rates) = (rates.width(), rates.texels());
+            let tiles = TileRates { texel: [texel; 2], first: [0; 2], columns, rates };
+            MaskView { layer, offset: [0; 2], extent, tiles }
+        })
+        .collect();
     mask.lay(&views);
     mask
 }
@@ -138,7 +144,8 @@ fn large_pictures_are_filled_whole() {
     let extent = [2048, 1536];
     let rates = Plane::filled(32, 24, ShadingRate::R4X4.texel());
     let mut mask = Mask::new(extent, 1);
-    mask.lay(&[MaskView { layer: 0, offset: [0; 2], extent, texel: [64; 2], rates: &rates }]);
+    let tiles = TileRates { texel: [64; 2], first: [0; 2], columns: 32, rates: rates.texels() };
+    mask.lay(&[MaskView { layer: 0, offset: [0; 2], extent, tiles }]);
     assert!(mask.list().words()[1] > 1, "one row");
     let format = FillFormat::Unorm8;
     let before = [picture(format, extent, 0)];

@@ -1,6 +1,6 @@
 use super::*;
 use crate::image::Plane;
-use crate::mask::{Mask, MaskView, predict};
+use crate::mask::{Mask, MaskView, TileRates, predict};
 use crate::rate::{ShadingRate, VULKAN_RATES};
 use proptest::prelude::*;
 
@@ -9,7 +9,8 @@ const SIDE: u32 = 64;
 fn mask(rate: ShadingRate) -> Mask {
     let rates = Plane::filled(8, 8, rate.texel());
     let mut mask = Mask::new([SIDE; 2], 1);
-    mask.lay(&[MaskView { layer: 0, offset: [0; 2], extent: [SIDE; 2], texel: [8; 2], rates: &rates }]);
+    let tiles = TileRates { texel: [8; 2], first: [0; 2], columns: 8, rates: rates.texels() };
+    mask.lay(&[MaskView { layer: 0, offset: [0; 2], extent: [SIDE; 2], tiles }]);
     mask
 }
 

@@ -1,28 +1,29 @@
-//! Buffers that shaders read as a whole.
+//! Buffers that live on the device, with a first content.
 
 use super::{Gpu, GpuError, Owned};
 use ash::vk;
 use std::sync::Arc;
 
-/// A storage buffer with memory of its own, that copies write and indirect commands read too.
-pub(crate) struct StorageBuffer {
+/// A buffer with memory of its own.
+pub(crate) struct DeviceBuffer {
     // Dropped before the memory that it is bound to.
     buffer: Owned<vk::Buffer>,
     _memory: Owned<vk::DeviceMemory>,
-    words: usize,
 }
 
-impl StorageBuffer {
-    /// Makes a buffer of `words` 32-bit words that begins with those of `content`.
-    pub(crate) fn new(gpu: &Arc<Gpu>, words: usize, content: &[u32]) -> Result<Self, GpuError> {
-        let words = words.max(content.len()).max(1);
-        let size = words as u64 * 4;
-        if size > u64::from(gpu.limits.max_storage_buffer_range) {
+impl DeviceBuffer {
+    /// Makes a buffer of `size` bytes, at least 1, that holds what `write` writes into zeroes.
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        usage: vk::BufferUsageFlags,
+        size: u64,
+        write: impl FnOnce(&mut [u8]),
+    ) -> Result<Self, GpuError> {
+        let size = size.max(1);
+        let is_storage = usage.contains(vk::BufferUsageFlags::STORAGE_BUFFER);
+        if is_storage && size > u64::from(gpu.limits.max_storage_buffer_range) {
             return Err(GpuError::Unsupported("a storage buffer of this size"));
         }
-        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
-            | vk::BufferUsageFlags::INDIRECT_BUFFER
-            | vk::BufferUsageFlags::TRANSFER_DST;
         let info = vk::BufferCreateInfo::default().size(size).usage(usage);
         // SAFETY: the device is live.
         let buffer = unsafe {
@@ -36,7 +37,8 @@ impl StorageBuffer {
         let memory = gpu
             .allocate(&requirements, coherent | vk::MemoryPropertyFlags::DEVICE_LOCAL)
             .or_else(|_| gpu.allocate(&requirements, coherent))?;
-        // SAFETY: both are new; the memory is what the buffer requires, hence as long as the content, and not mapped yet.
+        // SAFETY: both are new; the memory is what the buffer requires, hence as long as the slice, and mapped by nobody
+        // else. Zeroes make it initialised before it is seen as a slice.
         unsafe {
             gpu.device
                 .bind_buffer_memory(buffer.handle(), memory.handle(), 0)
@@ -44,20 +46,17 @@ impl StorageBuffer {
             let mapped = gpu
                 .device
                 .map_memory(memory.handle(), 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty())
-                .map_err(GpuError::from_call("vkMapMemory"))?;
-            std::ptr::copy_nonoverlapping(content.as_ptr(), mapped.cast::<u32>(), content.len());
+                .map_err(GpuError::from_call("vkMapMemory"))?
+                .cast::<u8>();
+            mapped.write_bytes(0, size as usize);
+            write(std::slice::from_raw_parts_mut(mapped, size as usize));
             gpu.device.unmap_memory(memory.handle());
         }
-        Ok(Self { buffer, _memory: memory, words })
+        Ok(Self { buffer, _memory: memory })
     }
 
     /// The handle, valid as long as `self`.
     pub(crate) fn handle(&self) -> vk::Buffer {
         self.buffer.handle()
-    }
-
-    /// Number of 32-bit words.
-    pub(crate) fn words(&self) -> usize {
-        self.words
     }
 }

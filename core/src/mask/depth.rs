@@ -1,0 +1,199 @@
+//! The depth template: what a depth buffer holds before the application draws, so that what it draws in skipped blocks
+//! fails its own depth test.
+//!
+//! Shaded blocks hold the value that the application clears to; skipped ones the value that is nearest to the viewer.
+//! Whatever passes nonetheless is drawn and then replaced by the fill: it costs time, but never shows. Pipelines save:
+//! - LESS, GREATER: always, also with depth clamp, which brings a fragment onto the near value at most;
+//! - LESS_OR_EQUAL, GREATER_OR_EQUAL: but for what lies on the near plane exactly, as clamped fragments do;
+//! - EQUAL: after a depth pre-pass that the template kept out of the skipped blocks;
+//! - NEVER: nothing to save. ALWAYS, NOT_EQUAL and no depth test: nothing is skipped, and where they write depth, nothing
+//!   that comes after them either.
+
+use super::{BLOCK, Mask};
+use thiserror::Error;
+
+/// How depth is laid out in a buffer that is copied to or from the depth aspect of an image (Vulkan specification,
+/// "Buffer and Image Addressing").
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum DepthFormat {
+    /// 16 bits, UNORM.
+    Unorm16,
+    /// 24 bits, UNORM, in the lower bits of a word.
+    Unorm24,
+    /// 32 bits, floating point.
+    Float32,
+}
+
+impl DepthFormat {
+    /// Bytes of a texel in the buffer.
+    pub const fn texel_size(self) -> usize {
+        match self {
+            Self::Unorm16 => 2,
+            Self::Unorm24 | Self::Float32 => 4,
+        }
+    }
+
+    /// The bytes of a depth, 0..=1, of which [`Self::texel_size`] count.
+    fn encode(self, depth: f32) -> [u8; 4] {
+        // In double precision: 24 bits do not fit beside a half.
+        let unorm = |steps: u32| (f64::from(depth.clamp(0.0, 1.0)) * f64::from(steps)).round() as u32;
+        match self {
+            Self::Unorm16 => unorm(0xffff),
+            Self::Unorm24 => unorm(0xff_ffff),
+            Self::Float32 => depth.to_bits(),
+        }
+        .to_le_bytes()
+    }
+}
+
+/// Which way depth tests go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Direction {
+    /// LESS, LESS_OR_EQUAL: nearer is smaller.
+    Less,
+    /// GREATER, GREATER_OR_EQUAL: nearer is larger, as with reversed Z.
+    Greater,
+}
+
+/// What a template holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TemplateDepths {
+    /// In shaded blocks: what the application clears to.
+    pub shaded: f32,
+    /// In skipped blocks.
+    pub skipped: f32,
+}
+
+/// Why there is no value that is surely nearest.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum NoNearValue {
+    /// Beyond what every depth format holds, or not a number.
+    #[error("depth is cleared to {0}, which is not within 0..1")]
+    Clear(f32),
+    /// No direction is known, or both are used, and the clear value is neither the farthest of one nor of the other.
+    #[error("depth is cleared to {0}, and which way its tests go is uncertain")]
+    Direction(f32),
+    /// Depth is cleared to the near value itself: nothing passes anywhere.
+    #[error("depth is cleared to {0}, the nearest value there is")]
+    Nearest(f32),
+}
+
+/// What to keep fragments out with, in a pass that clears depth to `clear`: by the directions of the depth tests that
+/// were `seen` in it, and where they differ or there were none, by the clear value, which is the farthest one.
+///
+/// # Errors
+/// What makes it uncertain.
+pub fn near_value(
+    seen: impl IntoIterator<Item = Direction>,
+    clear: f32,
+) -> Result<TemplateDepths, NoNearValue> {
+    if !(0.0..=1.0).contains(&clear) {
+        return Err(NoNearValue::Clear(clear));
+    }
+    let by_clear = match clear {
+        1.0 => Some(Direction::Less),
+        0.0 => Some(Direction::Greater),
+        _ => None,
+    };
+    let mut seen = seen.into_iter();
+    let first = seen.next();
+    let alike = seen.all(|direction| Some(direction) == first);
+    let direction = first.filter(|_| alike).or(by_clear).ok_or(NoNearValue::Direction(clear))?;
+    let skipped = match direction {
+        Direction::Less => 0.0,
+        Direction::Greater => 1.0,
+    };
+    if clear == skipped {
+        Err(NoNearValue::Nearest(clear))
+    } else {
+        Ok(TemplateDepths { shaded: clear, skipped })
+    }
+}
+
+/// Writes one array layer of the template of `mask` to `out`, row by row without gaps. Of an `out` that is too short the
+/// rows that fit are written; a layer that the mask has not is shaded throughout.
+pub fn write_template(mask: &Mask, layer: u32, format: DepthFormat, depths: TemplateDepths, out: &mut [u8]) {
+    let size = format.texel_size();
+    let [width, _] = mask.extent().map(|side| side as usize);
+    let shaded = &format.encode(depths.shaded)[..size];
+    let skipped = &format.encode(depths.skipped)[..size];
+    let row_size = width * size;
+    if row_size == 0 {
+        return;
+    }
+    let Some(blocks) = mask.skipped(layer) else {
+        out.chunks_exact_mut(size).for_each(|texel| texel.copy_from_slice(shaded));
+        return;
+    };
+    for (index, rows) in
+        (0u32..).zip(out.chunks_mut(row_size * BLOCK as usize)).take(blocks.height() as usize)
+    {
+        let (first, others) = rows.split_at_mut(row_size.min(rows.len()));
+        for (texels, skip) in first.chunks_mut(size * BLOCK as usize).zip(blocks.row(index)) {
+            let value = if *skip { skipped } else { shaded };
+            texels.chunks_exact_mut(size).for_each(|texel| texel.copy_from_slice(value));
+        }
+        for row in others.chunks_exact_mut(row_size) {
+            row.copy_from_slice(first);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{rates, view};
+    use super::*;
+    use crate::rate::ShadingRate;
+    use Direction::{Greater, Less};
+
+    #[test]
+    fn the_near_value_follows_the_tests() {
+        let of =
+            |seen: &[Direction], clear| near_value(seen.iter().copied(), clear).map(|depths| depths.skipped);
+        assert_eq!(of(&[Less, Less], 1.0), Ok(0.0));
+        assert_eq!(of(&[Greater], 0.0), Ok(1.0));
+        // Seen beats guessed; guessed where nothing, or both, was seen.
+        assert_eq!(of(&[Less], 0.5), Ok(0.0));
+        assert_eq!(of(&[Greater], 0.5), Ok(1.0));
+        assert_eq!((of(&[], 1.0), of(&[], 0.0)), (Ok(0.0), Ok(1.0)));
+        assert_eq!((of(&[Less, Greater], 1.0), of(&[Less, Greater], 0.0)), (Ok(0.0), Ok(1.0)));
+        assert_eq!(of(&[], 0.5), Err(NoNearValue::Direction(0.5)));
+        assert_eq!(of(&[Greater, Less], 0.25), Err(NoNearValue::Direction(0.25)));
+        assert_eq!(of(&[Less], 0.0), Err(NoNearValue::Nearest(0.0)));
+        assert_eq!(of(&[Greater], 1.0), Err(NoNearValue::Nearest(1.0)));
+        assert_eq!(of(&[Less], 1.5), Err(NoNearValue::Clear(1.5)));
+        assert!(matches!(of(&[Less], f32::NAN), Err(NoNearValue::Clear(_))));
+    }
+
+    #[test]
+    fn depths_are_laid_out_as_copies_want_them() {
+        assert_eq!(DepthFormat::Unorm16.encode(1.0)[..2], [0xff, 0xff]);
+        assert_eq!(DepthFormat::Unorm24.encode(1.0), [0xff, 0xff, 0xff, 0]);
+        assert_eq!(DepthFormat::Unorm24.encode(0.5), 0x80_0000u32.to_le_bytes());
+        assert_eq!(DepthFormat::Float32.encode(0.25), 0.25f32.to_le_bytes());
+    }
+
+    #[test]
+    fn templates_hold_the_near_value_in_skipped_blocks() {
+        let coarse = rates([8; 2], ShadingRate::R2X2);
+        let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
+        for (format, extent) in [
+            (DepthFormat::Unorm16, [61, 42]),
+            (DepthFormat::Unorm24, [64, 64]),
+            (DepthFormat::Float32, [37, 3]),
+        ] {
+            let mut mask = Mask::new(extent, 1);
+            mask.lay(&[view(&coarse, [0; 2], extent, 8)]);
+            let size = format.texel_size();
+            let mut out = vec![0xaa; (extent[0] * extent[1]) as usize * size];
+            write_template(&mask, 0, format, depths, &mut out);
+            for (index, texel) in (0u32..).zip(out.chunks_exact(size)) {
+                let skips = mask.skips(0, [index % extent[0], index / extent[0]]);
+                let depth = if skips { depths.skipped } else { depths.shaded };
+                assert_eq!(texel, &format.encode(depth)[..size], "{format:?} {index}");
+            }
+            write_template(&mask, 7, format, depths, &mut out);
+            assert!(out.chunks_exact(size).all(|texel| texel == &format.encode(1.0)[..size]));
+        }
+    }
+}

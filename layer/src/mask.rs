@@ -1,0 +1,17 @@
+//! Shading rates on devices without any: pixels that need no shading are kept from it by a depth template, and filled
+//! after the pass.
+//!
+//! For a pass that is [`eligible`], the depth buffer is filled from a [`DepthTemplate`] ahead of the pass, which then
+//! loads depth where the application clears it; directly after the pass, [`crate::passes::fill`] fills what was skipped,
+//! in every colour attachment that is stored. Both are recorded once; what is skipped is up to the content of the
+//! template and of the skip list, which change between submits.
+
+mod eligibility;
+mod template;
+mod views;
+
+pub use eligibility::{
+    ColorFacts, DepthFacts, Directions, Eligible, MaskFacts, PipelineFacts, Reason, depth_format, eligible,
+};
+pub use template::DepthTemplate;
+pub use views::lay_mask;

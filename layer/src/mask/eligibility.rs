@@ -1,0 +1,245 @@
+//! Which passes can have a mask without anybody noticing, and why others cannot.
+
+use crate::passes::fill::fill_format;
+use crate::scene::PassFacts;
+use ash::vk;
+use parafovea_core::mask::{DepthFormat, Direction, NoNearValue, TemplateDepths, near_value};
+use std::fmt;
+
+/// What is known of a pass.
+#[derive(Clone, Copy, Debug)]
+pub struct MaskFacts<'a> {
+    /// What was recorded.
+    pub pass: PassFacts,
+    /// Its depth attachment.
+    pub depth: Option<DepthFacts>,
+    /// Its colour attachments, and what they are resolved to in the pass.
+    pub colors: &'a [ColorFacts],
+    /// The pipelines that are used in it, together.
+    pub pipelines: PipelineFacts,
+}
+
+/// The depth attachment of a pass.
+#[derive(Clone, Copy, Debug)]
+pub struct DepthFacts {
+    /// Its format.
+    pub format: vk::Format,
+    /// Its samples.
+    pub samples: vk::SampleCountFlags,
+    /// What the application made the image for.
+    pub usage: vk::ImageUsageFlags,
+    /// What it is cleared to, if it is.
+    pub clear: f32,
+    /// Whether stencil is stored at the end.
+    pub stores_stencil: bool,
+    /// Whether another pass was seen to load it.
+    pub is_loaded_later: bool,
+    /// Whether it is one of an XR swapchain's images.
+    pub is_submitted: bool,
+}
+
+/// A colour attachment of a pass, or what one is resolved to.
+#[derive(Clone, Copy, Debug)]
+pub struct ColorFacts {
+    /// Its format.
+    pub format: vk::Format,
+    /// Its samples.
+    pub samples: vk::SampleCountFlags,
+    /// Whether it is stored at the end, as what is resolved to always is.
+    pub is_stored: bool,
+    /// Whether it has been made to be filled, see [`crate::passes::fill::USAGE`].
+    pub is_fillable: bool,
+}
+
+/// Ways of the depth tests that were seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Directions {
+    /// LESS or LESS_OR_EQUAL.
+    pub less: bool,
+    /// GREATER or GREATER_OR_EQUAL.
+    pub greater: bool,
+}
+
+impl Directions {
+    /// Notes a depth test; those that go neither way say nothing.
+    pub fn see(&mut self, compare: vk::CompareOp) {
+        self.less |= matches!(compare, vk::CompareOp::LESS | vk::CompareOp::LESS_OR_EQUAL);
+        self.greater |= matches!(compare, vk::CompareOp::GREATER | vk::CompareOp::GREATER_OR_EQUAL);
+    }
+
+    fn iter(self) -> impl Iterator<Item = Direction> {
+        let less = self.less.then_some(Direction::Less);
+        less.into_iter().chain(self.greater.then_some(Direction::Greater))
+    }
+}
+
+/// What the pipelines of a pass do, as far as it matters here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PipelineFacts {
+    /// One has a fragment shader that writes to a buffer or to a storage image, or counts atomically.
+    pub have_side_effects: bool,
+    /// Their depth tests.
+    pub directions: Directions,
+}
+
+/// What a mask needs to know of a pass that can have one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Eligible {
+    /// What its template holds.
+    pub depths: TemplateDepths,
+    /// How the template is laid out.
+    pub format: DepthFormat,
+}
+
+/// Why a pass is left alone. `Display` completes "no mask: ...".
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reason {
+    /// There is no depth attachment: nothing that could keep fragments out.
+    NoDepth,
+    /// What earlier passes left there is needed.
+    DepthLoaded,
+    /// Copies to depth of this format are not known.
+    DepthFormat(vk::Format),
+    /// Depth with several samples cannot be copied to from a buffer.
+    Samples(vk::SampleCountFlags),
+    /// The depth image has no memory that could be copied to.
+    Transient,
+    /// Depth is stored, and made to be read by shaders or copies.
+    DepthRead,
+    /// Depth is stored, and another pass goes on with it.
+    DepthLoadedLater,
+    /// Depth is shown to the runtime.
+    DepthSubmitted,
+    /// Depth is cleared within the pass.
+    DepthClearedLater,
+    /// What earlier passes left in stencil is needed.
+    StencilLoaded,
+    /// Stencil is stored: in skipped blocks it would be as if nothing were there.
+    StencilStored,
+    /// Samples are counted, or what they count decides what is drawn.
+    Queried,
+    /// Fragment shaders write elsewhere than to the attachments.
+    SideEffects,
+    /// The application has shading rates of its own.
+    OwnRates,
+    /// Rendering that is suspended and resumed.
+    Suspended,
+    /// Nothing is stored that shows.
+    NothingStored,
+    /// Pictures of this format cannot be interpolated.
+    ColorFormat(vk::Format),
+    /// A picture with several samples is stored itself.
+    ColorSamples(vk::SampleCountFlags),
+    /// The image does not allow to write it in a shader.
+    NotFillable,
+    /// The nearest depth is uncertain.
+    Near(NoNearValue),
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoDepth => "no depth attachment",
+            Self::DepthLoaded => "depth is loaded, not cleared",
+            Self::DepthFormat(format) => return write!(f, "depth of the format {format:?}"),
+            Self::Samples(samples) => return write!(f, "depth with several samples ({samples:?})"),
+            Self::Transient => "depth is a transient attachment",
+            Self::DepthRead => "depth is stored, and made to be read",
+            Self::DepthLoadedLater => "another pass goes on with its depth",
+            Self::DepthSubmitted => "its depth is submitted to the runtime",
+            Self::DepthClearedLater => "depth is cleared within the pass",
+            Self::StencilLoaded => "stencil is loaded",
+            Self::StencilStored => "stencil is stored",
+            Self::Queried => "an occlusion query or conditional rendering in it",
+            Self::SideEffects => "its fragment shaders write to buffers or storage images",
+            Self::OwnRates => "shading rates of the application's own",
+            Self::Suspended => "suspended or resumed rendering",
+            Self::NothingStored => "no colour attachment is stored",
+            Self::ColorFormat(format) => return write!(f, "{format:?} cannot be interpolated"),
+            Self::ColorSamples(samples) => {
+                return write!(f, "colour with several samples ({samples:?}) is stored");
+            }
+            Self::NotFillable => "a colour image that cannot be written in a shader",
+            Self::Near(reason) => return reason.fmt(f),
+        })
+    }
+}
+
+/// How the depth aspect of a format is laid out in buffers.
+pub fn depth_format(format: vk::Format) -> Option<DepthFormat> {
+    match format {
+        vk::Format::D16_UNORM | vk::Format::D16_UNORM_S8_UINT => Some(DepthFormat::Unorm16),
+        vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D24_UNORM_S8_UINT => Some(DepthFormat::Unorm24),
+        vk::Format::D32_SFLOAT | vk::Format::D32_SFLOAT_S8_UINT => Some(DepthFormat::Float32),
+        _ => None,
+    }
+}
+
+/// Usages by which what a pass has stored is read.
+const READS: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::SAMPLED.as_raw()
+        | vk::ImageUsageFlags::STORAGE.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_SRC.as_raw()
+        | vk::ImageUsageFlags::INPUT_ATTACHMENT.as_raw(),
+);
+
+/// Whether a pass can have a mask: what is shaded is bit for bit as without, and nobody reads what is not.
+///
+/// # Errors
+/// The first reason against it.
+pub fn eligible(facts: &MaskFacts) -> Result<Eligible, Reason> {
+    of_pass(&facts.pass)?;
+    if facts.pipelines.have_side_effects {
+        return Err(Reason::SideEffects);
+    }
+    let depth = facts.depth.ok_or(Reason::NoDepth)?;
+    let format = of_depth(&depth, &facts.pass)?;
+    of_colors(facts.colors)?;
+    let depths = near_value(facts.pipelines.directions.iter(), depth.clear).map_err(Reason::Near)?;
+    Ok(Eligible { depths, format })
+}
+
+fn of_pass(pass: &PassFacts) -> Result<(), Reason> {
+    let against = [
+        (pass.has_own_rates, Reason::OwnRates),
+        (pass.is_suspended, Reason::Suspended),
+        (pass.is_queried, Reason::Queried),
+        (pass.loads_stencil, Reason::StencilLoaded),
+        (pass.clears_depth_later, Reason::DepthClearedLater),
+    ];
+    first(&against)
+}
+
+fn of_depth(depth: &DepthFacts, pass: &PassFacts) -> Result<DepthFormat, Reason> {
+    let is_read = pass.stores_depth && depth.usage.intersects(READS);
+    let is_transient = depth.usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT);
+    first(&[
+        (!pass.clears_depth, Reason::DepthLoaded),
+        (depth.samples != vk::SampleCountFlags::TYPE_1, Reason::Samples(depth.samples)),
+        (is_transient, Reason::Transient),
+        (depth.is_submitted, Reason::DepthSubmitted),
+        (is_read, Reason::DepthRead),
+        (pass.stores_depth && depth.is_loaded_later, Reason::DepthLoadedLater),
+        (depth.stores_stencil, Reason::StencilStored),
+    ])?;
+    depth_format(depth.format).ok_or(Reason::DepthFormat(depth.format))
+}
+
+fn of_colors(colors: &[ColorFacts]) -> Result<(), Reason> {
+    let stored = || colors.iter().filter(|color| color.is_stored);
+    for color in stored() {
+        first(&[
+            (fill_format(color.format).is_none(), Reason::ColorFormat(color.format)),
+            (color.samples != vk::SampleCountFlags::TYPE_1, Reason::ColorSamples(color.samples)),
+            (!color.is_fillable, Reason::NotFillable),
+        ])?;
+    }
+    first(&[(stored().next().is_none(), Reason::NothingStored)])
+}
+
+fn first(against: &[(bool, Reason)]) -> Result<(), Reason> {
+    against.iter().find(|(holds, _)| *holds).map_or(Ok(()), |(_, reason)| Err(*reason))
+}
+
+#[cfg(test)]
+mod tests;

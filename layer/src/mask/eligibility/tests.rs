@@ -1,0 +1,192 @@
+use super::*;
+
+const ONE: vk::SampleCountFlags = vk::SampleCountFlags::TYPE_1;
+const FOUR: vk::SampleCountFlags = vk::SampleCountFlags::TYPE_4;
+
+/// A plain forward pass, changed by `change`.
+fn judged(
+    change: impl FnOnce(&mut PassFacts, &mut DepthFacts, &mut ColorFacts, &mut PipelineFacts),
+) -> Result<Eligible, Reason> {
+    let mut pass = PassFacts { clears_depth: true, ..PassFacts::default() };
+    let mut depth = DepthFacts {
+        format: vk::Format::D32_SFLOAT,
+        samples: ONE,
+        usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+        clear: 1.0,
+        stores_stencil: false,
+        is_loaded_later: false,
+        is_submitted: false,
+    };
+    let mut color =
+        ColorFacts { format: vk::Format::R8G8B8A8_SRGB, samples: ONE, is_stored: true, is_fillable: true };
+    let mut pipelines = PipelineFacts::default();
+    pipelines.directions.see(vk::CompareOp::LESS);
+    change(&mut pass, &mut depth, &mut color, &mut pipelines);
+    eligible(&MaskFacts { pass, depth: Some(depth), colors: &[color], pipelines })
+}
+
+fn refused(
+    change: impl FnOnce(&mut PassFacts, &mut DepthFacts, &mut ColorFacts, &mut PipelineFacts),
+) -> Reason {
+    judged(change).unwrap_err()
+}
+
+const FORWARD: Eligible =
+    Eligible { depths: TemplateDepths { shaded: 1.0, skipped: 0.0 }, format: DepthFormat::Float32 };
+
+#[test]
+fn a_forward_pass_is_eligible() {
+    assert_eq!(judged(|_, _, _, _| ()), Ok(FORWARD));
+}
+
+#[test]
+fn reversed_depth_is_eligible() {
+    let reversed = judged(|_, depth, _, pipelines| {
+        depth.clear = 0.0;
+        pipelines.directions = Directions::default();
+        pipelines.directions.see(vk::CompareOp::GREATER_OR_EQUAL);
+        pipelines.directions.see(vk::CompareOp::EQUAL);
+    });
+    assert_eq!(reversed.map(|found| found.depths), Ok(TemplateDepths { shaded: 0.0, skipped: 1.0 }));
+}
+
+#[test]
+fn samples_that_are_resolved_and_not_stored_are_no_obstacle() {
+    let resolved =
+        ColorFacts { format: vk::Format::R8G8B8A8_SRGB, samples: ONE, is_stored: true, is_fillable: true };
+    let drawn = ColorFacts { samples: FOUR, is_stored: false, is_fillable: false, ..resolved };
+    assert_eq!(of_colors(&[drawn, resolved]), Ok(()));
+}
+
+#[test]
+fn stored_depth_that_nobody_can_read_is_no_obstacle() {
+    assert_eq!(judged(|pass, _, _, _| pass.stores_depth = true), Ok(FORWARD));
+    assert_eq!(
+        judged(|_, depth, _, _| depth.usage |= vk::ImageUsageFlags::SAMPLED),
+        Ok(FORWARD),
+        "not stored"
+    );
+    assert_eq!(judged(|_, depth, _, _| depth.is_loaded_later = true), Ok(FORWARD), "not stored");
+}
+
+#[test]
+fn no_depth() {
+    let color =
+        ColorFacts { format: vk::Format::R8G8B8A8_SRGB, samples: ONE, is_stored: true, is_fillable: true };
+    let (pass, pipelines) = (PassFacts::default(), PipelineFacts::default());
+    let facts = MaskFacts { pass, depth: None, colors: &[color], pipelines };
+    assert_eq!(eligible(&facts), Err(Reason::NoDepth));
+}
+
+#[test]
+fn loaded_depth() {
+    assert_eq!(refused(|pass, _, _, _| pass.clears_depth = false), Reason::DepthLoaded);
+}
+
+#[test]
+fn unknown_depth_formats() {
+    let format = vk::Format::S8_UINT;
+    assert_eq!(refused(|_, depth, _, _| depth.format = format), Reason::DepthFormat(format));
+}
+
+#[test]
+fn depth_with_several_samples() {
+    assert_eq!(refused(|_, depth, _, _| depth.samples = FOUR), Reason::Samples(FOUR));
+}
+
+#[test]
+fn transient_depth() {
+    let transient = vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
+    assert_eq!(refused(|_, depth, _, _| depth.usage |= transient), Reason::Transient);
+}
+
+#[test]
+fn depth_that_can_be_read() {
+    for usage in [
+        vk::ImageUsageFlags::SAMPLED,
+        vk::ImageUsageFlags::TRANSFER_SRC,
+        vk::ImageUsageFlags::INPUT_ATTACHMENT,
+    ] {
+        let reason = refused(|pass, depth, _, _| {
+            pass.stores_depth = true;
+            depth.usage |= usage;
+        });
+        assert_eq!(reason, Reason::DepthRead);
+    }
+}
+
+#[test]
+fn depth_that_another_pass_loads() {
+    let reason = refused(|pass, depth, _, _| {
+        pass.stores_depth = true;
+        depth.is_loaded_later = true;
+    });
+    assert_eq!(reason, Reason::DepthLoadedLater);
+}
+
+#[test]
+fn submitted_depth() {
+    assert_eq!(refused(|_, depth, _, _| depth.is_submitted = true), Reason::DepthSubmitted);
+}
+
+#[test]
+fn depth_cleared_in_the_pass() {
+    assert_eq!(refused(|pass, _, _, _| pass.clears_depth_later = true), Reason::DepthClearedLater);
+}
+
+#[test]
+fn loaded_and_stored_stencil() {
+    assert_eq!(refused(|pass, _, _, _| pass.loads_stencil = true), Reason::StencilLoaded);
+    assert_eq!(refused(|_, depth, _, _| depth.stores_stencil = true), Reason::StencilStored);
+}
+
+#[test]
+fn queries() {
+    assert_eq!(refused(|pass, _, _, _| pass.is_queried = true), Reason::Queried);
+}
+
+#[test]
+fn side_effects() {
+    assert_eq!(refused(|_, _, _, pipelines| pipelines.have_side_effects = true), Reason::SideEffects);
+}
+
+#[test]
+fn rates_of_the_application() {
+    assert_eq!(refused(|pass, _, _, _| pass.has_own_rates = true), Reason::OwnRates);
+}
+
+#[test]
+fn suspended_rendering() {
+    assert_eq!(refused(|pass, _, _, _| pass.is_suspended = true), Reason::Suspended);
+}
+
+#[test]
+fn nothing_stored() {
+    assert_eq!(refused(|_, _, color, _| color.is_stored = false), Reason::NothingStored);
+}
+
+#[test]
+fn integer_colours() {
+    let format = vk::Format::R32_UINT;
+    assert_eq!(refused(|_, _, color, _| color.format = format), Reason::ColorFormat(format));
+}
+
+#[test]
+fn stored_samples() {
+    assert_eq!(refused(|_, _, color, _| color.samples = FOUR), Reason::ColorSamples(FOUR));
+}
+
+#[test]
+fn images_that_cannot_be_filled() {
+    assert_eq!(refused(|_, _, color, _| color.is_fillable = false), Reason::NotFillable);
+}
+
+#[test]
+fn uncertain_directions() {
+    let reason = refused(|_, depth, _, pipelines| {
+        depth.clear = 0.5;
+        pipelines.directions.see(vk::CompareOp::GREATER);
+    });
+    assert_eq!(reason, Reason::Near(NoNearValue::Direction(0.5)));
+    assert_eq!(reason.to_string(), "depth is cleared to 0.5, and which way its tests go is uncertain");
+}

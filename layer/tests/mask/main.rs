@@ -1,0 +1,147 @@
+//! A pass of an application with a mask, end to end on a Vulkan device: template, load, fill. What it shades is as
+//! without, bit for bit; what it skips is as predicted, and is not shaded. Where there is no Vulkan device the tests print
+//! so and pass.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+mod application;
+#[path = "../fill/picture.rs"]
+#[allow(dead_code, reason = "shared with the tests of fill")]
+mod picture;
+#[path = "../compose/transfer.rs"]
+#[allow(dead_code, reason = "shared with the tests of compose")]
+mod transfer;
+#[path = "../compose/vulkan.rs"]
+#[allow(dead_code, reason = "shared with the tests of compose")]
+mod vulkan;
+
+use application::{Application, LAYERS_DRAWN, Setup};
+use ash::vk;
+use parafovea::gpu::AppCommands;
+use parafovea::mask::{DepthTemplate, Directions, depth_format};
+use parafovea::passes::fill::{Fill, SkipBuffer};
+use parafovea_core::kernels::fill::FillFormat;
+use parafovea_core::mask::{Mask, MaskView, TemplateDepths, TileRates, predict};
+use parafovea_core::rate::VULKAN_RATES;
+use picture::assert_matches;
+use vulkan::Vulkan;
+
+const EXTENT: [u32; 2] = [132, 98];
+
+/// Every rate, finest in the middle, within a view that is the render area.
+fn mask(area: vk::Rect2D) -> Mask {
+    let rates: Vec<u8> = (0..18 * 18)
+        .map(|tile: u32| {
+            let away = (tile % 18).abs_diff(8) + (tile / 18).abs_diff(6);
+            VULKAN_RATES[6usize.saturating_sub(away as usize / 2)].texel()
+        })
+        .collect();
+    let offset = [area.offset.x as u32, area.offset.y as u32];
+    let tiles = TileRates { texel: [8; 2], first: [0; 2], columns: 18, rates: &rates };
+    let extent = [area.extent.width, area.extent.height];
+    let mut mask = Mask::new(EXTENT, 1);
+    mask.lay(&[MaskView { layer: 0, offset, extent, tiles }]);
+    assert!((0.2..0.8).contains(&mask.shaded()), "{}", mask.shaded());
+    mask
+}
+
+/// Pixels of the render area that are shaded.
+fn shaded(mask: &Mask, area: vk::Rect2D) -> u32 {
+    let skipped = mask.list().len() as u32 * 16;
+    area.extent.width * area.extent.height - skipped
+}
+
+fn check(vulkan: &Vulkan, setup: Setup) {
+    let application = Application::new(vulkan, setup, EXTENT);
+    let (off, off_count) = application.frame(vulkan, |commands, draw| draw(commands, false));
+    let mask = mask(setup.area);
+    let gpu = &vulkan.gpu;
+    let mut directions = Directions::default();
+    directions.see(setup.compare);
+    let near = if directions.less { 0.0 } else { 1.0 };
+    let depths = TemplateDepths { shaded: setup.clear, skipped: near };
+    let template = DepthTemplate::new(gpu, depth_format(setup.depth).unwrap(), depths, EXTENT, 1).unwrap();
+    let fill = Fill::new(gpu).unwrap();
+    let list = SkipBuffer::new(gpu, mask.list().len(), mask.list()).unwrap();
+    let target = fill.target(application.color, vk::Format::R8G8B8A8_SRGB, 0, [0, 1], &list).unwrap();
+    let masked = |commands: vk::CommandBuffer, draw: &dyn Fn(vk::CommandBuffer, bool)| {
+        // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
+        let ours = unsafe { AppCommands::new(gpu, commands) };
+        template.record(&ours, application.depth_part(), setup.area, application.depth_layouts());
+        draw(commands, true);
+        fill.record(&ours, &target, &list, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+    };
+    // Nothing is skipped at first: the list is not empty here, but what it fills was shaded.
+    let (_, count) = application.frame(vulkan, masked);
+    assert_eq!(count, off_count, "{setup:?}: a new template");
+    let mut bytes = vec![0; template.size() as usize];
+    template.write(&mask, &mut bytes);
+    vulkan.write_buffer(template.handle(), &bytes);
+    let (on, on_count) = application.frame(vulkan, masked);
+    let mut expected = off.clone();
+    predict(&mut expected, FillFormat::Srgb8, &mask, 0);
+    assert_matches(FillFormat::Srgb8, &expected, &on, |pixel| mask.skips(0, pixel), EXTENT);
+    assert_ne!(off, on, "{setup:?}: nothing was done");
+    let area = setup.area.extent.width * setup.area.extent.height;
+    assert_eq!(off_count, LAYERS_DRAWN * area, "{setup:?}");
+    assert_eq!(on_count, LAYERS_DRAWN * shaded(&mask, setup.area), "{setup:?}");
+    drop(target);
+}
+
+fn whole() -> vk::Rect2D {
+    let [width, height] = EXTENT;
+    vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } }
+}
+
+#[test]
+fn skipped_pixels_are_not_shaded_and_look_as_predicted() {
+    let Some(vulkan) = Vulkan::at(vk::API_VERSION_1_1) else { return };
+    let all = [
+        vk::Format::D16_UNORM,
+        vk::Format::X8_D24_UNORM_PACK32,
+        vk::Format::D32_SFLOAT,
+        vk::Format::D24_UNORM_S8_UINT,
+        vk::Format::D32_SFLOAT_S8_UINT,
+    ];
+    let there: Vec<_> = all.into_iter().filter(|format| vulkan.draws_depth(*format)).collect();
+    assert!(there.len() >= 2, "every device has D16 and one of D32 and X8_D24: {there:?}");
+    for depth in there {
+        for (compare, clear) in [
+            (vk::CompareOp::LESS, 1.0),
+            (vk::CompareOp::LESS_OR_EQUAL, 1.0),
+            (vk::CompareOp::GREATER, 0.0),
+            (vk::CompareOp::GREATER_OR_EQUAL, 0.0),
+        ] {
+            check(&vulkan, Setup { depth, compare, clear, area: whole() });
+        }
+    }
+    vulkan.assert_valid();
+}
+
+#[test]
+fn render_areas_are_kept_to() {
+    let Some(vulkan) = Vulkan::at(vk::API_VERSION_1_1) else { return };
+    let area =
+        vk::Rect2D { offset: vk::Offset2D { x: 22, y: 7 }, extent: vk::Extent2D { width: 90, height: 71 } };
+    for depth in [vk::Format::D16_UNORM, vk::Format::D32_SFLOAT] {
+        check(&vulkan, Setup { depth, compare: vk::CompareOp::LESS, clear: 1.0, area });
+    }
+    vulkan.assert_valid();
+}
+
+#[test]
+fn templates_take_areas_that_can_be_copied() {
+    let Some(vulkan) = Vulkan::at(vk::API_VERSION_1_1) else { return };
+    let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
+    let of = |format, extent| {
+        let format = depth_format(format).unwrap();
+        DepthTemplate::new(&vulkan.gpu, format, depths, extent, 2).unwrap()
+    };
+    let at =
+        |x, y| vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width: 8, height: 8 } };
+    let (two_bytes, four_bytes) = (of(vk::Format::D16_UNORM, [32, 32]), of(vk::Format::D32_SFLOAT, [31, 31]));
+    assert!(two_bytes.takes(at(2, 1)) && !two_bytes.takes(at(1, 0)));
+    assert!(four_bytes.takes(at(1, 1)) && four_bytes.takes(at(23, 23)));
+    assert!(!four_bytes.takes(at(24, 0)) && !four_bytes.takes(at(-1, 0)));
+    vulkan.assert_valid();
+}
