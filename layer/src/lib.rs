@@ -16,6 +16,7 @@ pub mod link;
 pub mod log;
 pub mod mask;
 pub mod passes;
+pub mod planning;
 mod registry;
 pub mod scene;
 #[allow(unsafe_code)]

@@ -8,8 +8,8 @@
 mod records;
 
 pub use records::{
-    BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, EyeMapRecord, NO_EYE, NO_IMAGE, OfferRecord,
-    PlanRecord, SettingsRecord, ShownRecord, ShownViewRecord, SwapchainRecord,
+    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, EyeMapRecord, NO_EYE, NO_IMAGE,
+    OfferRecord, PlanRecord, SettingsRecord, ShownRecord, ShownViewRecord, SwapchainRecord,
 };
 
 use ash::vk;

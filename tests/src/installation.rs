@@ -45,9 +45,7 @@ impl Installation {
             }
         }
         let test_layers = Library::TestLayers.path()?;
-        let explicit =
-            [TestLayer::PassThrough, TestLayer::Samples, TestLayer::DropBarrier, TestLayer::ShadingRate];
-        for layer in explicit {
+        for layer in [TestLayer::PassThrough, TestLayer::DropBarrier, TestLayer::ShadingRate] {
             let file = data.join(format!("vulkan/explicit_layer.d/{}.json", layer.stem()));
             write(&file, &layer.manifest(&test_layers))?;
         }

@@ -70,6 +70,11 @@ impl Planner {
         }
     }
 
+    /// The plan that was made last; before the first, one of views without pixels.
+    pub fn newest(&self) -> &FramePlan {
+        &self.plan
+    }
+
     /// Plans a frame.
     pub fn plan(&mut self, input: &PlanInput) -> &FramePlan {
         let mut reasons = Reasons::default();

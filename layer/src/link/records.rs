@@ -8,6 +8,8 @@ pub const BACKEND_NONE: u32 = 0;
 pub const BACKEND_RATE_ATTACHMENT: u32 = 1;
 /// [`OfferRecord::backend`]: a mask of skipped blocks.
 pub const BACKEND_MASK: u32 = 2;
+/// [`SettingsRecord::backend`]: the best of them.
+pub const BACKEND_ANY: u32 = 3;
 
 /// What the device's backend can do; the plan is made for it.
 #[repr(C)]
@@ -120,4 +122,6 @@ pub struct ShownViewRecord {
 pub struct SettingsRecord {
     /// 1: passes that are recognised get the plan's rates; 0: all stays at 1x1.
     pub is_on: u32,
+    /// The only `BACKEND_*` that is allowed, or [`BACKEND_ANY`].
+    pub backend: u32,
 }

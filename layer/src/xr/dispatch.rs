@@ -3,7 +3,7 @@
 //! A line `c"xrName" field: Type => hook` gives the field of [`Next`], its loader and the answer of
 //! `xrGetInstanceProcAddr`; a line without `=> hook` is only called. All are OpenXR 1.0 core.
 
-use super::{actions, frame, instance, session, swapchain};
+use super::{actions, frame, instance, plan, session, swapchain};
 use openxr_sys::pfn;
 use std::ffi::CStr;
 
@@ -66,6 +66,7 @@ functions! {
     c"xrWaitFrame" wait_frame: WaitFrame => frame::wait;
     c"xrBeginFrame" begin_frame: BeginFrame => frame::begin;
     c"xrEndFrame" end_frame: EndFrame => frame::end;
+    c"xrLocateViews" locate_views: LocateViews => plan::locate_views;
 
     c"xrCreateActionSet" create_action_set: CreateActionSet => actions::create_action_set;
     c"xrDestroyActionSet" destroy_action_set: DestroyActionSet;
@@ -76,5 +77,6 @@ functions! {
         AttachSessionActionSets => actions::attach;
     c"xrSyncActions" sync_actions: SyncActions => actions::sync;
     c"xrCreateActionSpace" create_action_space: CreateActionSpace;
+    c"xrCreateReferenceSpace" create_reference_space: CreateReferenceSpace;
     c"xrLocateSpace" locate_space: LocateSpace;
 }

@@ -2,19 +2,19 @@
 
 mod layers;
 mod regions;
+mod shown;
 mod work;
 
 use super::instance::next_of_any;
+use super::plan;
 use super::session::{self, Active, Health, Session, Tools};
 use super::swapchain;
 use crate::abi::guard;
-use crate::config::{Config, GazeSource, chroma_settings};
 use crate::gpu::GpuError;
-use crate::inputs::gaze;
 use crate::passes::compose::ComposeJob;
-use glam::Vec3;
 use layers::{Projection, Shown};
 use openxr_sys as xr;
+use parafovea_core::chroma::Focus;
 use smallvec::SmallVec;
 use std::time::Instant;
 use work::Work;
@@ -35,7 +35,14 @@ pub unsafe extern "system" fn wait(
         if let Some(known) = &known {
             known.instance.config.poll(Instant::now());
         }
-        answer.record(below())
+        let result = answer.record(below());
+        if let (true, Some(active)) =
+            (result.into_raw() >= 0, known.as_ref().and_then(|known| known.active.as_ref()))
+        {
+            // SAFETY: the call succeeded, so `state` is valid.
+            active.plan.frame_awaited(unsafe { (*state).predicted_display_time });
+        }
+        result
     })
 }
 
@@ -48,8 +55,14 @@ pub unsafe extern "system" fn begin(handle: xr::Session, info: *const xr::FrameB
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.begin_frame)(handle, info) };
     guard("xrBeginFrame", below, |answer| {
-        let _section = known.as_ref().and_then(|known| known.runtime_section());
-        answer.record(below())
+        let section = known.as_ref().and_then(|known| known.runtime_section());
+        let result = answer.record(below());
+        drop(section);
+        let active = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)));
+        if let (true, Some((known, active))) = (result.into_raw() >= 0, active) {
+            plan::frame_begun(known, active);
+        }
+        result
     })
 }
 
@@ -70,11 +83,31 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
             if let Some(info) = unsafe { info.as_ref() } {
                 known.actions.frame_ended(known);
                 // SAFETY: as above.
-                unsafe { deliver(known, active, info) };
+                unsafe {
+                    shown::tell(active, info);
+                    show_views(known, active, info);
+                    deliver(known, active, info);
+                }
             }
         }
         answer.record(below())
     })
+}
+
+/// Takes the views of the first projection layer, which is the scene, for the plan.
+///
+/// # Safety
+///
+/// As for [`deliver`].
+unsafe fn show_views(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
+    // SAFETY: the caller vouches for `info`.
+    let scene = unsafe { layers::of(info) }.find_map(|shown| match shown {
+        Shown::Projection(layer) => Some(layer),
+        Shown::Flat(_) | Shown::Cube(_) => None,
+    });
+    if let Some(scene) = scene {
+        plan::views_shown(session, active, info.display_time, scene.views);
+    }
 }
 
 /// A frame's work, without allocation for up to eight virtual swapchains.
@@ -97,7 +130,7 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
 
     let mut works: Works = swapchains.iter().filter_map(|swapchain| Work::begin(swapchain)).collect();
     // SAFETY: the caller vouches for `info`.
-    unsafe { plan(session, active, info, &mut works) };
+    unsafe { process(session, active, info, &mut works) };
     works.retain(|work| work.is_due());
     works.retain(|work| work.take_image(next));
     if works.is_empty() {
@@ -124,32 +157,21 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
 /// # Safety
 ///
 /// As for [`deliver`].
-unsafe fn plan(session: &Session, active: &Active, info: &xr::FrameEndInfo, works: &mut Works) {
-    let config = session.instance.config.get();
-    let chroma = chroma_settings(&config).filter(|_| active.health() == Health::Works);
-    let time = info.display_time.as_nanos();
-    if chroma.is_none() {
-        active.trail().switched_off(time);
-    }
+unsafe fn process(session: &Session, active: &Active, info: &xr::FrameEndInfo, works: &mut Works) {
     let mut flat: SmallVec<[&xr::SwapchainSubImage; 16]> = SmallVec::new();
     // SAFETY: the caller vouches for `info`.
     for shown in unsafe { layers::of(info) } {
         match shown {
             Shown::Flat(image) => flat.push(image),
+            Shown::Cube(_) => {}
             Shown::Projection(layer) => {
                 let mut is_virtual = false;
                 for work in works.iter_mut().filter(|work| layer.shows(work.swapchain.handle)) {
                     work.is_projected = true;
                     is_virtual = true;
                 }
-                let Some(chroma) = chroma.as_ref().filter(|_| is_virtual) else { continue };
-                let gaze = gaze_of(session, active, &config, &layer, info.display_time);
-                let Some(focus) = active.trail().update(gaze, time, chroma) else { continue };
-                for view in layer.views {
-                    let shows = |work: &&mut Work| work.swapchain.handle == view.sub_image.swapchain;
-                    if let Some(work) = works.iter_mut().find(shows) {
-                        work.process(view, focus, chroma);
-                    }
+                if is_virtual && active.health() == Health::Works {
+                    process_layer(session, active, &layer, info.display_time, works);
                 }
             }
         }
@@ -160,21 +182,28 @@ unsafe fn plan(session: &Session, active: &Active, info: &xr::FrameEndInfo, work
     }
 }
 
-/// The gaze, in the space of a projection layer.
-fn gaze_of(
+/// Adds the rectangles of a projection layer in which colour is attenuated.
+fn process_layer(
     session: &Session,
     active: &Active,
-    config: &Config,
     layer: &Projection<'_>,
     time: xr::Time,
-) -> Option<Vec3> {
-    let mut orientations = layer.views.iter().filter_map(regions::orientation);
-    if config.gaze.source == GazeSource::Centre {
-        return gaze::straight_ahead(orientations);
+    works: &mut Works,
+) {
+    let focuses = active.plan.focuses();
+    if focuses.iter().all(Option::is_none) {
+        return;
     }
-    let tracked = session.actions.locate(session, layer.space, time);
-    let hold_nanos = i64::from(config.gaze.hold_ms) * 1_000_000;
-    active.hold().update(tracked, orientations.next()?, time.as_nanos(), hold_nanos)
+    let config = session.instance.config.get();
+    let Some(head) = plan::head_in_layer(session, &config, layer.space, time, layer.views) else { return };
+    for (index, view) in layer.views.iter().enumerate() {
+        let shows = |work: &&mut Work| work.swapchain.handle == view.sub_image.swapchain;
+        // Of quad views, the third and fourth are insets of the first two.
+        let Some((focus, chroma)) = &focuses[index % 2] else { continue };
+        if let Some(work) = works.iter_mut().find(shows) {
+            work.process(view, Focus { direction: head * focus.direction, ..*focus }, chroma);
+        }
+    }
 }
 
 /// Submits a frame's work. When that fails with processing, it is tried without, from then on.

@@ -6,6 +6,7 @@ pub use active::{Active, Health, Tools};
 
 use super::actions::SessionActions;
 use super::instance::{self, Instance, next_of_any};
+use super::spaces::Spaces;
 use super::structures::{VulkanBinding, extending};
 use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
@@ -23,6 +24,8 @@ pub struct Session {
     pub instance: Arc<Instance>,
     /// What work on its device needs; `None` for an inert session.
     pub active: Option<Active>,
+    /// Spaces of ours, if it is active and they could be made.
+    pub spaces: Option<Spaces>,
     /// What is known of its actions, and ours.
     pub actions: SessionActions,
 }
@@ -111,7 +114,7 @@ unsafe fn vulkan_device(info: &xr::SessionCreateInfo) -> Option<VulkanDevice> {
 /// # Safety
 ///
 /// The device is live, and outlives the session, as `XrGraphicsBindingVulkanKHR` demands.
-unsafe fn track(
+pub(super) unsafe fn track(
     instance: Arc<Instance>,
     system: xr::SystemId,
     handle: xr::Session,
@@ -120,14 +123,18 @@ unsafe fn track(
     // SAFETY: the caller vouches for the device.
     let active = device.map(|device| unsafe { Active::new(device) });
     let actions = SessionActions::new(active.is_some() && instance.reports_eye_gaze(system));
+    let spaces = active.as_ref().and_then(|_| Spaces::create(&instance.next, handle));
     if let Some(active) = &active {
         active.device.set_active(true);
+        active.plan.tell_settings(active, &instance.config.get());
         match actions.may_have_gaze() {
             true => tracing::info!("session active, with an eye tracker"),
-            false => tracing::info!("session active, without an eye tracker: nothing follows the gaze"),
+            false => tracing::info!(
+                "session active, without an eye tracker: nothing follows the gaze, and rates fall off from straight ahead"
+            ),
         }
     }
-    SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, actions }));
+    SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, spaces, actions }));
 }
 
 /// `xrDestroySession`.

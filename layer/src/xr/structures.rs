@@ -29,6 +29,8 @@ structures! {
     CompositionLayerCylinderKHR: COMPOSITION_LAYER_CYLINDER_KHR;
     CompositionLayerEquirectKHR: COMPOSITION_LAYER_EQUIRECT_KHR;
     CompositionLayerEquirect2KHR: COMPOSITION_LAYER_EQUIRECT2_KHR;
+    CompositionLayerCubeKHR: COMPOSITION_LAYER_CUBE_KHR;
+    CompositionLayerDepthInfoKHR: COMPOSITION_LAYER_DEPTH_INFO_KHR;
 }
 
 /// The chain that extends `structure`, without itself.

@@ -4,11 +4,13 @@
 //! our own ring; the runtime's images are taken and returned in [`super::frame`].
 
 mod create;
+mod description;
 mod eligibility;
 mod images;
 mod ring;
 mod substitute;
 mod target;
+mod turns;
 
 pub use create::create;
 pub use images::{acquire_image, enumerate_images, release_image, wait_image};
@@ -21,10 +23,15 @@ use super::instance::next_of_any;
 use super::session::Session;
 use crate::abi::guard;
 use crate::registry::Registry;
+use ash::vk;
+use description::Description;
 use openxr_sys as xr;
+use openxr_sys::Handle;
 use ring::Ring;
 use smallvec::SmallVec;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use turns::Turns;
 
 /// A swapchain of a session that is not inert.
 pub struct Swapchain {
@@ -33,6 +40,60 @@ pub struct Swapchain {
     session: Arc<Session>,
     /// Our images, if it is virtual.
     pub substitute: Option<Substitute>,
+    description: Description,
+    turns: Mutex<Turns>,
+    is_told: AtomicBool,
+}
+
+impl Swapchain {
+    fn new(
+        session: &Arc<Session>,
+        handle: xr::Swapchain,
+        info: &xr::SwapchainCreateInfo,
+        substitute: Option<Substitute>,
+    ) -> Self {
+        Self {
+            handle,
+            session: Arc::clone(session),
+            substitute,
+            description: Description::new(info),
+            turns: Mutex::default(),
+            is_told: AtomicBool::new(false),
+        }
+    }
+
+    fn turns(&self) -> MutexGuard<'_, Turns> {
+        self.turns.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The image that the application released last.
+    fn newest_image(&self) -> Option<u32> {
+        match &self.substitute {
+            Some(substitute) => substitute.ring().newest().map(|newest| newest.index),
+            None => self.turns().newest(),
+        }
+    }
+
+    /// Tells the Vulkan half which images the application has, once.
+    fn tell_images(&self, images: &[vk::Image]) {
+        if !images.is_empty() && !self.is_told.swap(true, Ordering::Relaxed) {
+            self.tell(images);
+        }
+    }
+
+    /// Tells the Vulkan half that the images are about to be destroyed.
+    fn tell_end(&self) {
+        if self.is_told.swap(false, Ordering::Relaxed) {
+            self.tell(&[]);
+        }
+    }
+
+    fn tell(&self, images: &[vk::Image]) {
+        let Some(active) = &self.session.active else { return };
+        let record = self.description.record(self.handle.into_raw(), images);
+        // SAFETY: the record points to `images`.
+        unsafe { active.device.tell_swapchain(&record) };
+    }
 }
 
 static SWAPCHAINS: Registry<xr::Swapchain, Swapchain> = Registry::new();
@@ -44,7 +105,14 @@ pub fn virtual_ones(session: xr::Session) -> SmallVec<[Arc<Swapchain>; 8]> {
 
 /// Forgets the swapchains of a session, before it is destroyed: they go with it.
 pub fn forget_all_of(session: xr::Session) {
-    drop(SWAPCHAINS.remove_where(|swapchain| swapchain.session.handle == session));
+    for swapchain in SWAPCHAINS.remove_where(|swapchain| swapchain.session.handle == session) {
+        swapchain.tell_end();
+    }
+}
+
+/// The image of that swapchain that the application released last, if that is known.
+pub fn newest_image(handle: xr::Swapchain) -> Option<u32> {
+    SWAPCHAINS.get(handle)?.newest_image()
 }
 
 /// The swapchain of that handle, if it is tracked, and the functions below.
@@ -61,7 +129,9 @@ pub unsafe extern "system" fn destroy(handle: xr::Swapchain) -> xr::Result {
     let below = || unsafe { (next.destroy_swapchain)(handle) };
     guard("xrDestroySwapchain", below, |answer| {
         let _section = known.as_ref().and_then(|known| known.session.runtime_section());
-        SWAPCHAINS.remove(handle);
+        if let Some(known) = SWAPCHAINS.remove(handle) {
+            known.tell_end();
+        }
         if let Some(substitute) = known.as_ref().and_then(|known| known.substitute.as_ref()) {
             substitute.target().let_go();
         }

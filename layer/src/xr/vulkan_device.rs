@@ -2,7 +2,10 @@
 //! holds it (see [`crate::link`]).
 
 use super::structures::VulkanBinding;
-use crate::link::{DeviceRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr};
+use crate::link::{
+    DeviceRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr, OfferRecord,
+    PlanRecord, SettingsRecord, ShownRecord, SwapchainRecord,
+};
 use ash::vk;
 use ash::vk::Handle;
 use std::mem::MaybeUninit;
@@ -74,10 +77,61 @@ impl VulkanDevice {
         }
     }
 
+    /// A device behind a stand-in for the Vulkan half.
+    #[cfg(test)]
+    pub fn of_table(table: LinkTable, record: DeviceRecord) -> Self {
+        Self { table, record, queue: (0, 0) }
+    }
+
     /// Tells the Vulkan half whether a session is bound to the device.
     pub fn set_active(&self, active: bool) {
         // SAFETY: the session that holds this says that the device is live: it outlives its session.
         unsafe { (self.table.set_active)(self.record.device, u32::from(active)) }
+    }
+
+    /// What the device's backend can do; `None` where the Vulkan half does not say.
+    pub fn offer(&self) -> Option<OfferRecord> {
+        let mut record = MaybeUninit::uninit();
+        // SAFETY: the device is live, as above; the function writes the record if it returns 1.
+        unsafe {
+            ((self.table.offer)(self.record.device, record.as_mut_ptr()) == 1).then(|| record.assume_init())
+        }
+    }
+
+    /// Tells the images of a swapchain, or, without any, that it is about to be destroyed.
+    ///
+    /// # Safety
+    ///
+    /// What the record points to is valid.
+    pub unsafe fn tell_swapchain(&self, record: &SwapchainRecord) {
+        // SAFETY: the device is live, as above; the caller vouches for the record.
+        unsafe { (self.table.swapchain)(self.record.device, record) }
+    }
+
+    /// Tells the newest plan.
+    ///
+    /// # Safety
+    ///
+    /// What the record points to is valid.
+    pub unsafe fn tell_plan(&self, record: &PlanRecord) {
+        // SAFETY: the device is live, as above; the caller vouches for the record.
+        unsafe { (self.table.plan)(self.record.device, record) }
+    }
+
+    /// Tells what a frame shows.
+    ///
+    /// # Safety
+    ///
+    /// What the record points to is valid.
+    pub unsafe fn tell_shown(&self, record: &ShownRecord) {
+        // SAFETY: the device is live, as above; the caller vouches for the record.
+        unsafe { (self.table.shown)(self.record.device, record) }
+    }
+
+    /// Tells what the configuration asks for.
+    pub fn tell_settings(&self, record: &SettingsRecord) {
+        // SAFETY: the device is live, as above.
+        unsafe { (self.table.settings)(self.record.device, record) }
     }
 
     /// Marks this thread's submits as the runtime's or ours until the result is dropped.

@@ -2,9 +2,10 @@
 
 use super::gaze_action::GazeAction;
 use crate::config::GazeSource;
-use crate::inputs::gaze::{FORWARD, rotation};
+use crate::inputs::gaze::{FORWARD, believable};
+use crate::planning::Look;
 use crate::xr::session::Session;
-use glam::Vec3;
+use crate::xr::spaces;
 use openxr_sys as xr;
 use std::ptr;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -140,26 +141,20 @@ impl SessionActions {
         }
     }
 
-    /// Where the eyes look at `time`, as a direction in `space`, if they are tracked.
-    pub fn locate(&self, session: &Session, space: xr::Space, time: xr::Time) -> Option<Vec3> {
-        let gaze = match self.state().attachment {
-            Attachment::WithApplication { space, .. } | Attachment::Alone { space, .. } => space,
-            Attachment::Not | Attachment::Never => return None,
-        };
-        let mut location = xr::SpaceLocation {
-            ty: xr::SpaceLocation::TYPE,
-            next: ptr::null_mut(),
-            location_flags: xr::SpaceLocationFlags::EMPTY,
-            pose: xr::Posef::IDENTITY,
-        };
-        // SAFETY: the next layer's function, live spaces and a valid structure to write to.
-        let result = unsafe { (session.instance.next.locate_space)(gaze, space, time, &mut location) };
-        let tracked = xr::SpaceLocationFlags::ORIENTATION_VALID | xr::SpaceLocationFlags::ORIENTATION_TRACKED;
-        if result.into_raw() < 0 || !location.location_flags.contains(tracked) {
-            return None;
+    /// Where the eyes look at `time`, as a direction in the space of the head.
+    pub fn look(&self, session: &Session, time: xr::Time) -> Look {
+        if !self.may_have_gaze() {
+            return Look::NoTracker;
         }
-        let xr::Quaternionf { x, y, z, w } = location.pose.orientation;
-        Some(rotation(x, y, z, w)? * FORWARD)
+        let attachment = self.state().attachment;
+        let gaze = match attachment {
+            Attachment::WithApplication { space, .. } | Attachment::Alone { space, .. } => space,
+            Attachment::Not | Attachment::Never => return Look::Unseen,
+        };
+        let Some(spaces) = session.spaces else { return Look::NoTracker };
+        let tracked = xr::SpaceLocationFlags::ORIENTATION_TRACKED;
+        let turned = spaces::orientation(&session.instance.next, gaze, spaces.head, time, tracked);
+        turned.and_then(|turned| believable(turned * FORWARD)).map_or(Look::Unseen, Look::At)
     }
 }
 

@@ -9,6 +9,8 @@ pub enum Shown<'a> {
     Projection(Projection<'a>),
     /// A rectangle of a swapchain, on a surface of its own.
     Flat(&'a xr::SwapchainSubImage),
+    /// A swapchain whose images are cubes.
+    Cube(xr::Swapchain),
 }
 
 /// A projection layer.
@@ -55,6 +57,9 @@ unsafe fn shown(layer: &xr::CompositionLayerBaseHeader) -> Option<Shown<'_>> {
         let cylinder = || cast::<xr::CompositionLayerCylinderKHR>(layer).map(|layer| &layer.sub_image);
         let equirect = || cast::<xr::CompositionLayerEquirectKHR>(layer).map(|layer| &layer.sub_image);
         let equirect2 = || cast::<xr::CompositionLayerEquirect2KHR>(layer).map(|layer| &layer.sub_image);
+        if let Some(layer) = cast::<xr::CompositionLayerCubeKHR>(layer) {
+            return Some(Shown::Cube(layer.swapchain));
+        }
         quad().or_else(cylinder).or_else(equirect).or_else(equirect2).map(Shown::Flat)
     }
 }

@@ -1,10 +1,9 @@
 //! What an active session has: our work on its device.
 
 use crate::gpu::{Gpu, GpuError};
-use crate::inputs::gaze::Hold;
 use crate::passes::compose::Compose;
+use crate::xr::plan::SessionPlan;
 use crate::xr::vulkan_device::VulkanDevice;
-use parafovea_core::chroma::Trail;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -12,9 +11,9 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 pub struct Active {
     /// The device.
     pub device: VulkanDevice,
+    /// What its frames shall do.
+    pub plan: SessionPlan,
     tools: OnceLock<Option<Tools>>,
-    hold: Mutex<Hold>,
-    trail: Mutex<Trail>,
     health: AtomicU8,
 }
 
@@ -46,9 +45,8 @@ impl Active {
     pub unsafe fn new(device: VulkanDevice) -> Self {
         Self {
             device,
+            plan: SessionPlan::default(),
             tools: OnceLock::new(),
-            hold: Mutex::default(),
-            trail: Mutex::default(),
             health: AtomicU8::new(Health::Works as u8),
         }
     }
@@ -65,16 +63,6 @@ impl Active {
         let make_or_log =
             || make().inspect_err(|error: &GpuError| tracing::error!("no work on this device: {error}")).ok();
         self.tools.get_or_init(make_or_log).as_ref()
-    }
-
-    /// The gaze of the frames before.
-    pub fn hold(&self) -> MutexGuard<'_, Hold> {
-        self.hold.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Where colour was kept in the frames before.
-    pub fn trail(&self) -> MutexGuard<'_, Trail> {
-        self.trail.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What may be tried.

@@ -56,7 +56,10 @@ pub unsafe extern "system" fn create(
             }
             if answer.record(result).into_raw() >= 0 {
                 // SAFETY: the call succeeded, so `swapchain` points to the new handle.
-                track(known, active, unsafe { *swapchain }, planned);
+                let made = unsafe { (asked, *swapchain) };
+                if let (Some(asked), handle) = made {
+                    track(known, active, asked, handle, planned);
+                }
             }
             result
         },
@@ -88,6 +91,7 @@ unsafe fn plan(
 fn track(
     session: &Arc<Session>,
     active: &Active,
+    info: &xr::SwapchainCreateInfo,
     handle: xr::Swapchain,
     planned: Result<SwapchainShape, NotSubstituted>,
 ) {
@@ -101,7 +105,11 @@ fn track(
             None
         }
     };
-    SWAPCHAINS.insert(handle, Arc::new(Swapchain { handle, session: Arc::clone(session), substitute }));
+    let swapchain = Arc::new(Swapchain::new(session, handle, info, substitute));
+    if let Some(substitute) = &swapchain.substitute {
+        swapchain.tell_images(substitute.app.images());
+    }
+    SWAPCHAINS.insert(handle, swapchain);
 }
 
 fn substitute(

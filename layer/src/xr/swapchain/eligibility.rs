@@ -100,8 +100,9 @@ unsafe fn view_formats(info: &xr::SwapchainCreateInfo) -> Result<Vec<vk::Format>
     Ok(formats.iter().map(|&format| vk::Format::from_raw(format as i32)).collect())
 }
 
-const USAGES: [(xr::SwapchainUsageFlags, vk::ImageUsageFlags); 6] = [
+const USAGES: [(xr::SwapchainUsageFlags, vk::ImageUsageFlags); 7] = [
     (xr::SwapchainUsageFlags::COLOR_ATTACHMENT, vk::ImageUsageFlags::COLOR_ATTACHMENT),
+    (xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT),
     (xr::SwapchainUsageFlags::UNORDERED_ACCESS, vk::ImageUsageFlags::STORAGE),
     (xr::SwapchainUsageFlags::TRANSFER_SRC, vk::ImageUsageFlags::TRANSFER_SRC),
     (xr::SwapchainUsageFlags::TRANSFER_DST, vk::ImageUsageFlags::TRANSFER_DST),
@@ -110,7 +111,7 @@ const USAGES: [(xr::SwapchainUsageFlags, vk::ImageUsageFlags); 6] = [
 ];
 
 /// Usage in Vulkan's terms ("XR_KHR_vulkan_enable", table of usage flags).
-fn vulkan_usage(usage: xr::SwapchainUsageFlags) -> vk::ImageUsageFlags {
+pub fn vulkan_usage(usage: xr::SwapchainUsageFlags) -> vk::ImageUsageFlags {
     let pairs = USAGES.into_iter().filter(|(openxr, _)| usage.contains(*openxr));
     pairs.fold(vk::ImageUsageFlags::empty(), |all, (_, vulkan)| all | vulkan)
 }

@@ -3,8 +3,10 @@
 use super::ring::CallOrderInvalid;
 use super::{Substitute, Swapchain, find};
 use crate::abi::guard;
+use ash::vk;
 use ash::vk::Handle;
 use openxr_sys as xr;
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 fn substitute_of(known: &Option<Arc<Swapchain>>) -> Option<&Substitute> {
@@ -23,7 +25,12 @@ pub unsafe extern "system" fn enumerate_images(
     let below = || unsafe { (next.enumerate_swapchain_images)(handle, capacity, count, images) };
     guard("xrEnumerateSwapchainImages", below, |answer| {
         let Some(substitute) = substitute_of(&known) else {
-            return answer.record(below());
+            let result = answer.record(below());
+            if let (xr::Result::SUCCESS, Some(known)) = (result, &known) {
+                // SAFETY: the call succeeded with these arguments.
+                known.tell_images(&unsafe { runtimes(capacity, count, images) });
+            }
+            return result;
         };
         let ours = substitute.app.images();
         // SAFETY: valid usage of the function: `count` is valid, `images` an array of `capacity`
@@ -53,6 +60,31 @@ pub unsafe extern "system" fn enumerate_images(
     })
 }
 
+/// The images that the runtime has written; none where it only counted them.
+///
+/// # Safety
+///
+/// `xrEnumerateSwapchainImages` succeeded with these arguments.
+unsafe fn runtimes(
+    capacity: u32,
+    count: *const u32,
+    images: *const xr::SwapchainImageBaseHeader,
+) -> SmallVec<[vk::Image; 8]> {
+    if capacity == 0 || count.is_null() || images.is_null() {
+        return SmallVec::new();
+    }
+    let images = images.cast::<xr::SwapchainImageVulkanKHR>();
+    // SAFETY: the caller vouches for an array of `capacity` structures, of which `count` were written; in a Vulkan
+    // session each is an XrSwapchainImageVulkanKHR, which its type confirms.
+    unsafe {
+        let written = (0..(*count).min(capacity) as usize).map(|at| &*images.add(at));
+        written
+            .filter(|image| image.ty == xr::SwapchainImageVulkanKHR::TYPE)
+            .map(|image| vk::Image::from_raw(image.image))
+            .collect()
+    }
+}
+
 /// `xrAcquireSwapchainImage`.
 pub unsafe extern "system" fn acquire_image(
     handle: xr::Swapchain,
@@ -65,7 +97,12 @@ pub unsafe extern "system" fn acquire_image(
     guard("xrAcquireSwapchainImage", below, |answer| {
         let _section = known.as_ref().and_then(|known| known.session.runtime_section());
         let Some(substitute) = substitute_of(&known) else {
-            return answer.record(below());
+            let result = answer.record(below());
+            if let (true, Some(known)) = (result.into_raw() >= 0, &known) {
+                // SAFETY: the call succeeded, so `index` is valid.
+                known.turns().acquired(unsafe { *index });
+            }
+            return result;
         };
         // SAFETY: valid usage: `info` is null or valid, `index` is valid.
         let (info, index) = unsafe { (info.as_ref(), index.as_mut()) };
@@ -107,7 +144,11 @@ pub unsafe extern "system" fn release_image(
     guard("xrReleaseSwapchainImage", below, |answer| {
         let _section = known.as_ref().and_then(|known| known.session.runtime_section());
         let Some(substitute) = substitute_of(&known) else {
-            return answer.record(below());
+            let result = answer.record(below());
+            if let (true, Some(known)) = (result.into_raw() >= 0, &known) {
+                known.turns().released();
+            }
+            return result;
         };
         // SAFETY: valid usage: `info` is null or valid.
         match unsafe { info.as_ref() } {

@@ -1,5 +1,8 @@
 //! A stand-in for the runtime below, as little of it as the tests need. It notes what it is called with.
 
+pub mod frames;
+pub mod vulkan_half;
+
 use openxr_sys as xr;
 use openxr_sys::{Handle, pfn};
 use std::cell::RefCell;
@@ -19,7 +22,8 @@ thread_local! {
     pub static ATTACHED: RefCell<Vec<Vec<u64>>> = const { RefCell::new(Vec::new()) };
 }
 
-fn new_handle() -> u64 {
+/// A handle that was never used before.
+pub fn new_handle() -> u64 {
     HANDLES.fetch_add(1, Ordering::Relaxed)
 }
 
@@ -80,7 +84,8 @@ unsafe extern "system" fn get_instance_proc_addr(
 ) -> xr::Result {
     // SAFETY: any function pointer may be carried as PFN_xrVoidFunction; the arguments are valid.
     unsafe {
-        let found = match CStr::from_ptr(name).to_str().unwrap() {
+        let name = CStr::from_ptr(name).to_str().unwrap();
+        let found = match name {
             "xrCreateSession" => transmute::<pfn::CreateSession, pfn::VoidFunction>(create_session),
             "xrDestroyInstance" => transmute::<pfn::DestroyInstance, pfn::VoidFunction>(destroy_instance),
             "xrAttachSessionActionSets" => {
@@ -88,7 +93,7 @@ unsafe extern "system" fn get_instance_proc_addr(
             }
             "xrEndFrame" => transmute::<pfn::EndFrame, pfn::VoidFunction>(end_frame),
             "xrNoSuchFunction" => return xr::Result::ERROR_FUNCTION_UNSUPPORTED,
-            _ => never_called,
+            _ => frames::function(name).unwrap_or(never_called),
         };
         *function = Some(found);
     }

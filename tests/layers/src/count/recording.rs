@@ -1,34 +1,17 @@
 //! The hooks for command pools, command buffers and draws.
 
-use super::{Counter, Counting, Invocations, Kind};
-use crate::layer::{device_of, hooks};
+use super::Counter;
+use crate::layer::{Layer, device_of};
 use ash::vk;
-use std::ffi::CStr;
 use std::sync::Arc;
-
-/// The layer's hook of that name.
-pub(super) fn hook<L: Counting>(name: &CStr) -> vk::PFN_vkVoidFunction {
-    hooks! { name;
-        c"vkCreateCommandPool": PFN_vkCreateCommandPool = create_pool::<L>;
-        c"vkDestroyCommandPool": PFN_vkDestroyCommandPool = destroy_pool::<L>;
-        c"vkResetCommandPool": PFN_vkResetCommandPool = reset_pool::<L>;
-        c"vkAllocateCommandBuffers": PFN_vkAllocateCommandBuffers = allocate::<L>;
-        c"vkFreeCommandBuffers": PFN_vkFreeCommandBuffers = free::<L>;
-        c"vkBeginCommandBuffer": PFN_vkBeginCommandBuffer = begin::<L>;
-        c"vkEndCommandBuffer": PFN_vkEndCommandBuffer = end::<L>;
-        c"vkResetCommandBuffer": PFN_vkResetCommandBuffer = reset::<L>;
-        c"vkCmdExecuteCommands": PFN_vkCmdExecuteCommands = execute::<L>;
-    }
-    None
-}
 
 /// # Safety
 ///
 /// `buffer` is a live command buffer.
-pub(super) unsafe fn counting<L: Counting>(buffer: vk::CommandBuffer) -> Arc<L> {
+unsafe fn counter(buffer: vk::CommandBuffer) -> Arc<Counter> {
     // SAFETY: the caller vouches for it.
     match unsafe { device_of(buffer) } {
-        Some(layer) => layer,
+        Some(counter) => counter,
         None => panic!("a command buffer of a device that was created without this layer"),
     }
 }
@@ -36,10 +19,10 @@ pub(super) unsafe fn counting<L: Counting>(buffer: vk::CommandBuffer) -> Arc<L> 
 /// # Safety
 ///
 /// `device` is a live device.
-pub(super) unsafe fn counting_of_device<L: Counting>(device: vk::Device) -> Arc<L> {
+unsafe fn counter_of_device(device: vk::Device) -> Arc<Counter> {
     // SAFETY: the caller vouches for it.
     match unsafe { device_of(device) } {
-        Some(layer) => layer,
+        Some(counter) => counter,
         None => panic!("a device that was created without this layer"),
     }
 }
@@ -55,7 +38,7 @@ pub(super) unsafe fn slice<'a, T>(first: *const T, count: u32) -> &'a [T] {
     unsafe { std::slice::from_raw_parts(first, count as usize) }
 }
 
-unsafe extern "system" fn create_pool<L: Counting>(
+pub(super) unsafe extern "system" fn create_pool(
     device: vk::Device,
     info: *const vk::CommandPoolCreateInfo<'_>,
     allocator: *const vk::AllocationCallbacks<'_>,
@@ -63,9 +46,8 @@ unsafe extern "system" fn create_pool<L: Counting>(
 ) -> vk::Result {
     // SAFETY: the application's valid arguments.
     unsafe {
-        let layer = counting_of_device::<L>(device);
-        let counter = layer.counter();
-        let result = (counter.next.functions.fp_v1_0().create_command_pool)(device, info, allocator, pool);
+        let counter = counter_of_device(device);
+        let result = (counter.next().functions.fp_v1_0().create_command_pool)(device, info, allocator, pool);
         if result == vk::Result::SUCCESS {
             counter.buffers().add_pool(*pool, (*info).queue_family_index, (*info).flags);
         }
@@ -73,32 +55,30 @@ unsafe extern "system" fn create_pool<L: Counting>(
     }
 }
 
-unsafe extern "system" fn destroy_pool<L: Counting>(
+pub(super) unsafe extern "system" fn destroy_pool(
     device: vk::Device,
     pool: vk::CommandPool,
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
     // SAFETY: the application's valid arguments; none of the pool's buffers is pending.
     unsafe {
-        let layer = counting_of_device::<L>(device);
-        let counter = layer.counter();
-        collect_pool(counter, pool);
-        (counter.next.functions.fp_v1_0().destroy_command_pool)(device, pool, allocator);
+        let counter = counter_of_device(device);
+        collect_pool(&counter, pool);
+        (counter.next().functions.fp_v1_0().destroy_command_pool)(device, pool, allocator);
         counter.buffers().remove_pool(pool);
     }
 }
 
-unsafe extern "system" fn reset_pool<L: Counting>(
+pub(super) unsafe extern "system" fn reset_pool(
     device: vk::Device,
     pool: vk::CommandPool,
     flags: vk::CommandPoolResetFlags,
 ) -> vk::Result {
     // SAFETY: the application's valid arguments; none of the pool's buffers is pending.
     unsafe {
-        let layer = counting_of_device::<L>(device);
-        let counter = layer.counter();
-        collect_pool(counter, pool);
-        (counter.next.functions.fp_v1_0().reset_command_pool)(device, pool, flags)
+        let counter = counter_of_device(device);
+        collect_pool(&counter, pool);
+        (counter.next().functions.fp_v1_0().reset_command_pool)(device, pool, flags)
     }
 }
 
@@ -113,16 +93,15 @@ unsafe fn collect_pool(counter: &Counter, pool: vk::CommandPool) {
     }
 }
 
-unsafe extern "system" fn allocate<L: Counting>(
+pub(super) unsafe extern "system" fn allocate(
     device: vk::Device,
     info: *const vk::CommandBufferAllocateInfo<'_>,
     allocated: *mut vk::CommandBuffer,
 ) -> vk::Result {
     // SAFETY: the application's valid arguments.
     unsafe {
-        let layer = counting_of_device::<L>(device);
-        let counter = layer.counter();
-        let result = (counter.next.functions.fp_v1_0().allocate_command_buffers)(device, info, allocated);
+        let counter = counter_of_device(device);
+        let result = (counter.next().functions.fp_v1_0().allocate_command_buffers)(device, info, allocated);
         if result == vk::Result::SUCCESS {
             let new = slice(allocated.cast_const(), (*info).command_buffer_count);
             counter.buffers().add((*info).command_pool, (*info).level, new);
@@ -131,7 +110,7 @@ unsafe extern "system" fn allocate<L: Counting>(
     }
 }
 
-unsafe extern "system" fn free<L: Counting>(
+pub(super) unsafe extern "system" fn free(
     device: vk::Device,
     pool: vk::CommandPool,
     count: u32,
@@ -139,27 +118,25 @@ unsafe extern "system" fn free<L: Counting>(
 ) {
     // SAFETY: the application's valid arguments; the buffers are not pending.
     unsafe {
-        let layer = counting_of_device::<L>(device);
-        let counter = layer.counter();
+        let counter = counter_of_device(device);
         let buffers = slice(freed, count);
         for &buffer in buffers {
             counter.buffers().collect(buffer);
         }
-        (counter.next.functions.fp_v1_0().free_command_buffers)(device, pool, count, freed);
+        (counter.next().functions.fp_v1_0().free_command_buffers)(device, pool, count, freed);
         counter.buffers().remove(buffers);
     }
 }
 
-unsafe extern "system" fn begin<L: Counting>(
+pub(super) unsafe extern "system" fn begin(
     buffer: vk::CommandBuffer,
     info: *const vk::CommandBufferBeginInfo<'_>,
 ) -> vk::Result {
     // SAFETY: the application's valid arguments; the buffer is not pending.
     unsafe {
-        let layer = counting::<L>(buffer);
-        let counter = layer.counter();
+        let counter = counter(buffer);
         counter.buffers().collect(buffer);
-        let next = counter.next.functions.fp_v1_0().begin_command_buffer;
+        let next = counter.next().functions.fp_v1_0().begin_command_buffer;
         let secondary = counter.buffers().is_secondary(buffer);
         let inheritance =
             (*info).p_inheritance_info.as_ref().filter(|_| secondary && counter.inherited_queries);
@@ -167,16 +144,8 @@ unsafe extern "system" fn begin<L: Counting>(
             // It runs while the primary buffer's query is active, and must say so.
             Some(inheritance) => {
                 let mut inheritance = *inheritance;
-                match counter.kind {
-                    Kind::Invocations => {
-                        inheritance.pipeline_statistics |=
-                            vk::QueryPipelineStatisticFlags::FRAGMENT_SHADER_INVOCATIONS;
-                    }
-                    Kind::Samples => {
-                        inheritance.occlusion_query_enable = vk::TRUE;
-                        inheritance.query_flags |= vk::QueryControlFlags::PRECISE;
-                    }
-                }
+                inheritance.pipeline_statistics |=
+                    vk::QueryPipelineStatisticFlags::FRAGMENT_SHADER_INVOCATIONS;
                 let info = vk::CommandBufferBeginInfo { p_inheritance_info: &inheritance, ..*info };
                 next(buffer, &info)
             }
@@ -189,42 +158,39 @@ unsafe extern "system" fn begin<L: Counting>(
     }
 }
 
-unsafe extern "system" fn end<L: Counting>(buffer: vk::CommandBuffer) -> vk::Result {
+pub(super) unsafe extern "system" fn end(buffer: vk::CommandBuffer) -> vk::Result {
     // SAFETY: the application's valid argument.
     unsafe {
-        let layer = counting::<L>(buffer);
-        let counter = layer.counter();
+        let counter = counter(buffer);
         counter.buffers().end(buffer);
-        (counter.next.functions.fp_v1_0().end_command_buffer)(buffer)
+        (counter.next().functions.fp_v1_0().end_command_buffer)(buffer)
     }
 }
 
-unsafe extern "system" fn reset<L: Counting>(
+pub(super) unsafe extern "system" fn reset(
     buffer: vk::CommandBuffer,
     flags: vk::CommandBufferResetFlags,
 ) -> vk::Result {
     // SAFETY: the application's valid arguments; the buffer is not pending.
     unsafe {
-        let layer = counting::<L>(buffer);
-        let counter = layer.counter();
+        let counter = counter(buffer);
         counter.buffers().collect(buffer);
-        (counter.next.functions.fp_v1_0().reset_command_buffer)(buffer, flags)
+        (counter.next().functions.fp_v1_0().reset_command_buffer)(buffer, flags)
     }
 }
 
-unsafe extern "system" fn execute<L: Counting>(
+pub(super) unsafe extern "system" fn execute(
     primary: vk::CommandBuffer,
     count: u32,
     secondary: *const vk::CommandBuffer,
 ) {
     // SAFETY: the application's valid arguments.
     unsafe {
-        let layer = counting::<L>(primary);
-        let counter = layer.counter();
-        let why_not = (counter.kind == Kind::Invocations && !counter.inherited_queries)
+        let counter = counter(primary);
+        let why_not = (!counter.inherited_queries)
             .then_some("secondary command buffers, and the device has no inheritedQueries");
         counter.buffers().execute(primary, slice(secondary, count), why_not);
-        (counter.next.functions.fp_v1_0().cmd_execute_commands)(primary, count, secondary);
+        (counter.next().functions.fp_v1_0().cmd_execute_commands)(primary, count, secondary);
     }
 }
 
@@ -233,10 +199,9 @@ macro_rules! draws {
         $(pub(super) unsafe extern "system" fn $hook(buffer: vk::CommandBuffer, $($argument: $type),*) {
             // SAFETY: the application's valid arguments.
             unsafe {
-                let layer = counting::<Invocations>(buffer);
-        let counter = layer.counter();
+                let counter = counter(buffer);
                 counter.buffers().add_draws(buffer, u64::from($draws));
-                (counter.next.functions.fp_v1_0().$next)(buffer, $($argument),*);
+                (counter.next().functions.fp_v1_0().$next)(buffer, $($argument),*);
             }
         })*
     };

@@ -1,22 +1,11 @@
 //! The hooks for submits.
 
+use super::Counter;
 use super::recording::slice;
-use super::{Counter, Counting};
-use crate::layer::{device_of, hooks};
+use crate::layer::{Layer, device_of};
 use ash::vk;
-use std::ffi::CStr;
 
-/// The layer's hook of that name.
-pub(super) fn hook<L: Counting>(name: &CStr) -> vk::PFN_vkVoidFunction {
-    hooks! { name;
-        c"vkQueueSubmit": PFN_vkQueueSubmit = queue_submit::<L>;
-        c"vkQueueSubmit2": PFN_vkQueueSubmit2 = queue_submit2::<L>;
-        c"vkQueueSubmit2KHR": PFN_vkQueueSubmit2 = queue_submit2::<L>;
-    }
-    None
-}
-
-unsafe extern "system" fn queue_submit<L: Counting>(
+pub(super) unsafe extern "system" fn queue_submit(
     queue: vk::Queue,
     count: u32,
     submits: *const vk::SubmitInfo<'_>,
@@ -24,20 +13,19 @@ unsafe extern "system" fn queue_submit<L: Counting>(
 ) -> vk::Result {
     // SAFETY: the application's valid arguments.
     unsafe {
-        let Some(layer) = device_of::<L>(queue) else { return vk::Result::ERROR_DEVICE_LOST };
-        let counter = layer.counter();
+        let Some(counter) = device_of::<Counter>(queue) else { return vk::Result::ERROR_DEVICE_LOST };
         let buffers: Vec<_> = slice(submits, count)
             .iter()
             .flat_map(|submit| slice(submit.p_command_buffers, submit.command_buffer_count))
             .copied()
             .collect();
-        counted(counter, &buffers, || {
-            (counter.next.functions.fp_v1_0().queue_submit)(queue, count, submits, fence)
+        counted(&counter, &buffers, || {
+            (counter.next().functions.fp_v1_0().queue_submit)(queue, count, submits, fence)
         })
     }
 }
 
-unsafe extern "system" fn queue_submit2<L: Counting>(
+pub(super) unsafe extern "system" fn queue_submit2(
     queue: vk::Queue,
     count: u32,
     submits: *const vk::SubmitInfo2<'_>,
@@ -45,15 +33,14 @@ unsafe extern "system" fn queue_submit2<L: Counting>(
 ) -> vk::Result {
     // SAFETY: the application's valid arguments.
     unsafe {
-        let Some(layer) = device_of::<L>(queue) else { return vk::Result::ERROR_DEVICE_LOST };
-        let counter = layer.counter();
-        let Some(next) = counter.functions.queue_submit2 else { return vk::Result::ERROR_DEVICE_LOST };
+        let known = device_of::<Counter>(queue).and_then(|counter| Some((counter.queue_submit2?, counter)));
+        let Some((next, counter)) = known else { return vk::Result::ERROR_DEVICE_LOST };
         let buffers: Vec<_> = slice(submits, count)
             .iter()
             .flat_map(|submit| slice(submit.p_command_buffer_infos, submit.command_buffer_info_count))
             .map(|info| info.command_buffer)
             .collect();
-        counted(counter, &buffers, || next(queue, count, submits, fence))
+        counted(&counter, &buffers, || next(queue, count, submits, fence))
     }
 }
 

@@ -1,0 +1,218 @@
+//! From what the OpenXR half sees of views and eyes to the plan: which rates the Vulkan half gets, and where colour stays.
+//!
+//! Pure: gaze, views and times come from [`crate::xr`]. What stays as it is allocates nothing, and gives the same plan.
+
+mod frame_rate;
+mod handed;
+mod offer;
+mod views;
+
+pub use offer::Offer;
+pub use views::{ShownView, View, Views, head_of};
+
+use crate::config::{Config, GazeSource, RatesBackend, RatesMode, gaze_settings, plan_settings};
+use crate::link::PlanRecord;
+use frame_rate::FrameRate;
+use glam::{Quat, Vec3};
+use handed::Handed;
+use parafovea_core::chroma::{ChromaSettings, Focus};
+use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker};
+use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings};
+
+/// A display time that is earlier than the one before by less than this belongs to another thread that is behind; by more,
+/// the runtime's clock has started anew.
+const LONGEST_STEP_BACK_NS: i64 = 1_000_000_000;
+
+/// What the eye tracker says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Look {
+    /// There is none, or it cannot be asked any more.
+    NoTracker,
+    /// It does not see the eyes, or is not believed.
+    Unseen,
+    /// Where the eyes look, in the space of the head (-z is straight ahead), of unit length.
+    At(Vec3),
+}
+
+/// Plans the frames of one session.
+pub struct Planning {
+    /// What is known of the views.
+    pub views: Views,
+    offer: Offer,
+    gaze_settings: GazeSettings,
+    gaze: GazeTracker,
+    frame_rate: FrameRate,
+    frame: u64,
+    /// Present while there is something to plan.
+    planner: Option<Planner>,
+    settings: PlanSettings,
+    /// Frames went by without anything to plan.
+    was_idle: bool,
+    last: Option<Last>,
+    handed: Handed,
+}
+
+/// When the newest plan was made, and of what.
+#[derive(Clone, Copy, Debug)]
+struct Last {
+    time_ns: i64,
+    frame: u64,
+}
+
+impl Default for Planning {
+    fn default() -> Self {
+        let gaze_settings = GazeSettings::default();
+        Self {
+            views: Views::default(),
+            offer: Offer::default(),
+            gaze_settings,
+            gaze: GazeTracker::new(gaze_settings),
+            frame_rate: FrameRate::default(),
+            frame: 0,
+            planner: None,
+            settings: PlanSettings::default(),
+            was_idle: false,
+            last: None,
+            handed: Handed::default(),
+        }
+    }
+}
+
+/// Whether the configuration asks for shading rates.
+pub fn wants_rates(config: &Config) -> bool {
+    config.enabled && config.rates.mode != RatesMode::Off && config.rates.backend != RatesBackend::Off
+}
+
+impl Planning {
+    /// What the device's backend can do, as it was told last.
+    pub fn set_offer(&mut self, offer: Offer) {
+        self.offer = offer;
+    }
+
+    /// A frame begins, to be shown at `time_ns`.
+    pub fn frame_begins(&mut self, time_ns: i64) {
+        self.frame += 1;
+        self.frame_rate.frame_at(time_ns);
+    }
+
+    /// Whether there is anything to plan: rates that the device has, or chroma where `can_attenuate`.
+    pub fn has_work(&self, config: &Config, can_attenuate: bool) -> bool {
+        self.has_rates(config) || self.chroma(config, can_attenuate).is_some()
+    }
+
+    /// A frame goes by without a plan.
+    pub fn idle(&mut self) {
+        self.planner = None;
+        self.handed.forget();
+        self.was_idle = self.views.are_known();
+    }
+
+    /// Takes what the eye tracker says of the eyes at `time_ns`.
+    pub fn look(&mut self, config: &Config, look: Look, time_ns: i64) {
+        let settings = gaze_settings(config);
+        if settings != self.gaze_settings {
+            self.gaze_settings = settings;
+            self.gaze = GazeTracker::new(settings);
+        }
+        let (direction, valid) = match look {
+            Look::NoTracker => return self.gaze.source_ended(time_ns),
+            Look::Unseen => (Vec3::ZERO, false),
+            Look::At(direction) => (direction, true),
+        };
+        self.gaze.push(&GazeSample { directions: [direction; 2], time_ns, valid });
+    }
+
+    /// Plans the frame that is shown at `time_ns`. `head` leads from the space of the head to one that rests in the world.
+    /// False where there is nothing to plan for yet, or a later frame is planned already.
+    pub fn plan(&mut self, config: &Config, can_attenuate: bool, head: Quat, time_ns: i64) -> bool {
+        let is_behind =
+            |last: Last| (1..LONGEST_STEP_BACK_NS).contains(&last.time_ns.saturating_sub(time_ns));
+        let Some(eyes) = self.views.eyes() else { return false };
+        if self.last.is_some_and(is_behind) {
+            return false;
+        }
+        let settings = self.plan_settings(config, can_attenuate);
+        let gaze = match config.gaze.source {
+            GazeSource::Eyes => self.gaze.state(time_ns),
+            GazeSource::Centre => STRAIGHT_AHEAD,
+        };
+        let input = PlanInput {
+            time_ns,
+            frame: self.frame,
+            frame_rate_hz: self.frame_rate.hz(),
+            eyes,
+            head,
+            gaze,
+            audio: None,
+        };
+        let planner = match &mut self.planner {
+            Some(planner) => planner,
+            none => {
+                let planner = none.insert(Planner::new(settings));
+                self.settings = settings;
+                if self.was_idle {
+                    // Full colour was shown until now: it goes from there.
+                    planner.set_settings(PlanSettings { chroma: None, ..settings });
+                    planner.plan(&input);
+                    planner.set_settings(settings);
+                }
+                planner
+            }
+        };
+        if self.settings != settings {
+            self.settings = settings;
+            planner.set_settings(settings);
+        }
+        planner.plan(&input);
+        self.last = Some(Last { time_ns, frame: self.frame });
+        true
+    }
+
+    /// Whether this frame has a plan.
+    pub fn is_planned(&self) -> bool {
+        self.planner.is_some() && self.last.is_some_and(|last| last.frame == self.frame)
+    }
+
+    /// The rates of the newest plan, if they are others than those that were handed over last; `serial` numbers them.
+    /// What the record points to is valid until the next call of a method that changes anything.
+    pub fn new_rates(&mut self, config: &Config, serial: impl FnOnce() -> u64) -> Option<PlanRecord> {
+        let Some(planner) = self.planner.as_ref().filter(|_| self.has_rates(config)) else {
+            self.handed.forget();
+            return None;
+        };
+        self.handed.update(&planner.newest().eyes).then(|| self.handed.record(serial()))
+    }
+
+    /// Where an eye keeps colour by the newest plan, in the space of the head.
+    pub fn focus(&self, eye: usize) -> Option<(Focus, ChromaSettings)> {
+        let plan = self.planner.as_ref()?.newest();
+        let focus = plan.eyes[eye].focus?;
+        let direction = self.views.orientation(eye) * focus.direction;
+        Some((Focus { direction, ..focus }, plan.chroma?))
+    }
+
+    fn has_rates(&self, config: &Config) -> bool {
+        wants_rates(config) && !self.offer.rates().is_empty()
+    }
+
+    fn chroma(&self, config: &Config, can_attenuate: bool) -> Option<ChromaSettings> {
+        crate::config::chroma_settings(config).filter(|_| can_attenuate)
+    }
+
+    fn plan_settings(&self, config: &Config, can_attenuate: bool) -> PlanSettings {
+        let settings = plan_settings(config, self.offer.rates(), self.offer.texel());
+        let rails = match config.gaze.source {
+            GazeSource::Eyes => settings.rails,
+            // Nothing moves: there is no change that could be seen, and every frame has the same map.
+            GazeSource::Centre => RailSettings { coarsening_octaves_per_s: f32::INFINITY, ..settings.rails },
+        };
+        PlanSettings { rails, chroma: self.chroma(config, can_attenuate), ..settings }
+    }
+}
+
+/// The gaze of `gaze.source = "centre"`.
+const STRAIGHT_AHEAD: GazeState =
+    GazeState { directions: [Vec3::NEG_Z; 2], velocity_deg_s: 0.0, phase: GazePhase::Fixation, trust: 1.0 };
+
+#[cfg(test)]
+mod tests;

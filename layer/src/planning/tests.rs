@@ -1,0 +1,257 @@
+use super::*;
+use crate::config::{ChromaMode, Preset};
+use crate::link::{BACKEND_RATE_ATTACHMENT, EyeMapRecord, OfferRecord};
+use parafovea_core::geometry::Fov;
+use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
+
+/// 90 Hz.
+const FRAME_NS: i64 = 11_111_111;
+
+fn offer(rates: &[ShadingRate], texel: [u32; 2]) -> Offer {
+    let mut record = OfferRecord {
+        backend: BACKEND_RATE_ATTACHMENT,
+        texel,
+        rate_count: rates.len() as u32,
+        rates: [0; 16],
+        is_cpu: 0,
+    };
+    for (to, rate) in record.rates.iter_mut().zip(rates) {
+        *to = rate.texel();
+    }
+    Offer::from(&record)
+}
+
+/// A session with two views of 90 by 90 degrees that are canted outwards, as an application shows them.
+struct Session {
+    planning: Planning,
+    config: Config,
+    serial: u64,
+    time_ns: i64,
+}
+
+impl Session {
+    fn new(config: Config) -> Self {
+        let mut planning = Planning::default();
+        planning.set_offer(offer(&VULKAN_RATES, [16, 16]));
+        let edge = std::f32::consts::FRAC_PI_4;
+        let fov = Fov { left: -edge, right: edge, up: edge, down: -edge };
+        let views = [0.1, -0.1].map(|cant| View { orientation: Quat::from_rotation_y(cant), fov });
+        planning.views.located(&views);
+        planning.views.shown(&views.map(|view| ShownView { view, extent: [512, 512] }));
+        Self { planning, config, serial: 0, time_ns: 0 }
+    }
+
+    fn begin(&mut self) {
+        self.time_ns += FRAME_NS;
+        self.planning.frame_begins(self.time_ns);
+    }
+
+    /// Plans the frame with that gaze. Whether there are new rates.
+    fn plan(&mut self, look: Look) -> bool {
+        self.planning.look(&self.config, look, self.time_ns);
+        assert!(self.planning.plan(&self.config, true, Quat::IDENTITY, self.time_ns));
+        let (planning, serial) = (&mut self.planning, &mut self.serial);
+        let record = planning.new_rates(&self.config, || {
+            *serial += 1;
+            *serial
+        });
+        record.is_some()
+    }
+
+    fn frame(&mut self, look: Look) -> bool {
+        self.begin();
+        self.plan(look)
+    }
+
+    fn frames(&mut self, count: usize, look: Look) {
+        for _ in 0..count {
+            self.frame(look);
+        }
+    }
+
+    /// The part of the tiles of an eye that have full rate.
+    fn full(&self, eye: usize) -> f32 {
+        let rates = self.rates(eye);
+        rates.iter().filter(|rate| **rate == 0).count() as f32 / rates.len() as f32
+    }
+
+    fn rates(&self, eye: usize) -> &[u8] {
+        self.planning.planner.as_ref().unwrap().newest().eyes[eye].rates.texels()
+    }
+}
+
+fn centre(preset: Preset) -> Config {
+    let mut config = Config::of_preset(preset);
+    config.gaze.source = GazeSource::Centre;
+    config
+}
+
+fn yaw(degrees: f32) -> Look {
+    Look::At(Quat::from_rotation_y(degrees.to_radians()) * Vec3::NEG_Z)
+}
+
+#[test]
+fn the_centre_gives_one_map_from_the_first_frame_on() {
+    let mut session = Session::new(centre(Preset::Balanced));
+    assert!(session.frame(Look::NoTracker), "the first is news");
+    let first = session.rates(0).to_vec();
+    assert!(first.contains(&ShadingRate::R4X4.texel()) && first.contains(&ShadingRate::R1X1.texel()));
+    for _ in 0..100 {
+        assert!(!session.frame(Look::NoTracker));
+        assert_eq!(session.rates(0), first);
+    }
+}
+
+#[test]
+fn a_gaze_that_rests_comes_to_one_map() {
+    let mut session = Session::new(Config::default());
+    session.frames(90, yaw(10.0));
+    let serial = session.serial;
+    session.frames(90, yaw(10.0));
+    assert_eq!(session.serial, serial);
+    session.frames(1, yaw(-10.0));
+    assert_eq!(session.serial, serial + 1, "until it moves");
+}
+
+#[test]
+fn a_gaze_that_moves_within_a_frame_is_refined_at_once() {
+    let mut session = Session::new(Config::default());
+    session.frames(90, yaw(30.0));
+    session.begin();
+    session.plan(yaw(30.0));
+    let right_edge = session.rates(1).len() / 2 + 31;
+    assert_eq!(session.rates(1)[right_edge], ShadingRate::R4X4.texel());
+    assert!(session.plan(yaw(-40.0)), "another map in the same frame");
+    assert_eq!(session.rates(1)[right_edge], ShadingRate::R1X1.texel());
+}
+
+#[test]
+fn both_eyes_give_one_direction_the_same_rate() {
+    let mut session = Session::new(centre(Preset::Balanced));
+    session.frame(Look::NoTracker);
+    let mirrored: Vec<u8> = session.rates(0).chunks(32).flat_map(|row| row.iter().rev().copied()).collect();
+    assert_eq!(session.rates(1), mirrored, "views that mirror each other have maps that do");
+}
+
+#[test]
+fn without_a_tracker_rates_fall_off_widely_from_straight_ahead() {
+    let mut session = Session::new(Config::default());
+    session.frames(90, Look::NoTracker);
+    let mut centre = Session::new(centre(Preset::Balanced));
+    centre.frame(Look::NoTracker);
+    assert!(session.full(0) > 2.0 * centre.full(0), "{} {}", session.full(0), centre.full(0));
+    assert!(session.full(0) < 0.95, "{}", session.full(0));
+    assert!(session.rates(0).iter().all(|rate| *rate <= ShadingRate::R2X2.texel()));
+    assert!(session.planning.focus(0).is_none(), "colour needs a gaze");
+}
+
+#[test]
+fn a_blink_holds_the_map_and_a_lost_gaze_ends_in_wide_rates() {
+    let mut config = Config::of_preset(Preset::Streaming);
+    config.gaze.hold_ms = 100;
+    let mut session = Session::new(config);
+    session.frames(90, yaw(0.0));
+    let (full, serial) = (session.full(0), session.serial);
+    session.frames(8, Look::Unseen);
+    assert_eq!(session.serial, serial, "within 100 ms");
+    assert!(session.planning.focus(0).is_some());
+    session.frames(4, Look::Unseen);
+    assert!(session.full(0) > full);
+    assert!(session.planning.focus(0).is_none());
+    session.frames(200, Look::Unseen);
+    let lost = session.full(0);
+    assert!(lost > full && lost < 0.95, "{full} {lost}");
+}
+
+#[test]
+fn plans_have_the_tiles_and_the_rates_of_the_device() {
+    let mut session = Session::new(centre(Preset::Balanced));
+    session.planning.set_offer(offer(&[ShadingRate::R2X2, ShadingRate::R1X1], [8, 8]));
+    session.begin();
+    session.planning.plan(&session.config, true, Quat::IDENTITY, session.time_ns);
+    let record = session.planning.new_rates(&session.config, || 7).unwrap();
+    assert_eq!(record.serial, 7);
+    for EyeMapRecord { extent, texel, tiles, rates } in record.eyes {
+        assert_eq!((extent, texel, tiles), ([512, 512], [8, 8], [64, 64]));
+        assert!(!rates.is_null());
+    }
+    let coarsest = session.rates(0).iter().max().copied();
+    assert_eq!(coarsest, Some(ShadingRate::R2X2.texel()));
+}
+
+#[test]
+fn nothing_is_planned_for_what_is_off_or_not_there() {
+    let mut session = Session::new(Config::default());
+    assert!(session.planning.has_work(&session.config, true));
+    session.planning.set_offer(Offer::default());
+    assert!(!session.planning.has_work(&session.config, true), "no backend, no chroma");
+    session.config.chroma.mode = ChromaMode::Default;
+    assert!(session.planning.has_work(&session.config, true));
+    assert!(!session.planning.has_work(&session.config, false), "chroma cannot be done");
+    assert!(!session.frame(yaw(0.0)), "chroma needs a plan, but no rates are handed over");
+    assert!(session.planning.focus(1).is_some());
+    for off in [RatesBackend::Off, RatesBackend::Auto] {
+        let mut config = Config::default();
+        config.rates.backend = off;
+        config.enabled = off == RatesBackend::Off;
+        assert!(!wants_rates(&config));
+    }
+}
+
+#[test]
+fn rates_that_were_off_for_a_while_are_handed_over_again() {
+    let mut session = Session::new(centre(Preset::Balanced));
+    assert!(session.frame(Look::NoTracker));
+    session.begin();
+    session.planning.idle();
+    assert!(!session.planning.is_planned());
+    assert!(session.frame(Look::NoTracker));
+}
+
+#[test]
+fn colour_that_was_there_goes_by_degrees() {
+    let mut session = Session::new(centre(Preset::Streaming));
+    session.frame(Look::NoTracker);
+    assert_eq!(session.planning.focus(0).unwrap().0.strength, 1.0, "nothing was shown before");
+    session.begin();
+    session.planning.idle();
+    session.frame(Look::NoTracker);
+    assert!(session.planning.focus(0).unwrap().0.strength < 0.1);
+}
+
+#[test]
+fn the_focus_is_where_the_eyes_look_from_the_head() {
+    let mut session = Session::new(Config::of_preset(Preset::Streaming));
+    session.frames(30, yaw(20.0));
+    let Look::At(direction) = yaw(20.0) else { panic!() };
+    for eye in 0..2 {
+        let (focus, _) = session.planning.focus(eye).unwrap();
+        assert!(focus.direction.abs_diff_eq(direction, 1e-5), "{eye}: {focus:?}");
+    }
+}
+
+#[test]
+fn a_thread_that_is_behind_does_not_undo_a_later_plan() {
+    let mut session = Session::new(centre(Preset::Balanced));
+    session.time_ns = 5 * LONGEST_STEP_BACK_NS;
+    session.frame(Look::NoTracker);
+    let mut plan = |time_ns| session.planning.plan(&session.config, true, Quat::IDENTITY, time_ns);
+    let now = session.time_ns;
+    assert!(!plan(now - FRAME_NS));
+    assert!(plan(now));
+    assert!(plan(now - 2 * LONGEST_STEP_BACK_NS), "but a clock may start anew");
+}
+
+#[test]
+fn a_frame_has_a_plan_once_there_are_views() {
+    let mut session = Session::new(centre(Preset::Balanced));
+    let views = std::mem::take(&mut session.planning.views);
+    session.begin();
+    assert!(!session.planning.plan(&session.config, true, Quat::IDENTITY, session.time_ns));
+    assert!(!session.planning.is_planned());
+    session.planning.views = views;
+    session.plan(Look::NoTracker);
+    assert!(session.planning.is_planned());
+    session.begin();
+    assert!(!session.planning.is_planned());
+}

@@ -1,0 +1,276 @@
+//! The views of the eyes, as the application locates and shows them.
+//!
+//! Poses and fields of view that are computed anew in each frame tremble in their last bits, which must not make another
+//! plan; and an application that changes its resolution from frame to frame must not lose what tiles remember.
+
+use glam::Quat;
+use parafovea_core::geometry::Fov;
+use parafovea_core::plan::EyeInput;
+
+/// What differs by less is the same, radians: 0.06 degrees, a pixel or so, an eighth of the hysteresis of the rings.
+const TREMOR: f32 = 1e-3;
+
+/// A view, as xrLocateViews gives it or a projection layer shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// From the view's space to that in which it was located.
+    pub orientation: Quat,
+    /// Angles of its edges.
+    pub fov: Fov,
+}
+
+/// A view of a projection layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShownView {
+    /// What it shows.
+    pub view: View,
+    /// Size of its picture, pixels.
+    pub extent: [u32; 2],
+}
+
+/// How the head is turned that has these views: as their mean, as the VIEW space is defined. `None` without views.
+pub fn head_of(views: impl IntoIterator<Item = Quat>) -> Option<Quat> {
+    let mut views = views.into_iter();
+    let first = views.next()?;
+    let near_first = |view: Quat| if first.dot(view) < 0.0 { -view } else { view };
+    let sum = views.fold(first, |sum, view| sum + near_first(view));
+    (sum.length() > 0.1).then(|| sum.normalize())
+}
+
+/// The left and the right view.
+#[derive(Debug, Default)]
+pub struct Views {
+    eyes: [Eye; 2],
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Eye {
+    located: Option<Fov>,
+    shown: Option<ShownFov>,
+    /// In the space of the head.
+    orientation: Quat,
+    /// Field of view to plan with; of the row above as the top.
+    fov: Option<Fov>,
+    extent: [u32; 2],
+}
+
+/// What a projection layer showed.
+#[derive(Clone, Copy, Debug)]
+struct ShownFov {
+    fov: Fov,
+    /// What xrLocateViews had said then.
+    located: Option<Fov>,
+}
+
+impl Views {
+    /// The application located its views. Only the first two are eyes.
+    pub fn located(&mut self, views: &[View]) {
+        let views = &views[..views.len().min(2)];
+        let Some(head) = head_of(views.iter().map(|view| view.orientation)) else { return };
+        for (eye, view) in self.eyes.iter_mut().zip(views) {
+            eye.located = Some(view.fov);
+            eye.turn(head.inverse() * view.orientation);
+            eye.settle();
+        }
+    }
+
+    /// A projection layer shows these views.
+    pub fn shown(&mut self, views: &[ShownView]) {
+        let views = &views[..views.len().min(2)];
+        let Some(head) = head_of(views.iter().map(|shown| shown.view.orientation)) else { return };
+        self.eyes[views.len()..].fill(Eye::default());
+        for (eye, ShownView { view, extent }) in self.eyes.iter_mut().zip(views) {
+            eye.shown = Some(ShownFov { fov: view.fov, located: eye.located });
+            if eye.located.is_none() {
+                eye.turn(head.inverse() * view.orientation);
+            }
+            eye.resize(*extent);
+            eye.settle();
+        }
+    }
+
+    /// Whether enough is known to plan.
+    pub fn are_known(&self) -> bool {
+        self.eyes[0].fov.is_some() && self.eyes.iter().any(|eye| !eye.extent.contains(&0))
+    }
+
+    /// What is to be planned; nothing before a projection layer was shown.
+    pub fn eyes(&self) -> Option<[EyeInput<'static>; 2]> {
+        self.are_known().then(|| self.eyes.each_ref().map(Eye::input))
+    }
+
+    /// How an eye's view is turned against the head.
+    pub fn orientation(&self, eye: usize) -> Quat {
+        self.eyes[eye].orientation
+    }
+}
+
+impl Eye {
+    fn turn(&mut self, orientation: Quat) {
+        // Twice the length of the vector part is the angle: exact where arc cosines are not.
+        let apart = (self.orientation.inverse() * orientation).xyz().length() * 2.0;
+        // What is no number is taken, for the planner to refuse.
+        if apart.is_nan() || apart >= TREMOR {
+            self.orientation = orientation;
+        }
+    }
+
+    /// Plans are laid over pictures of other sizes proportionally, so that only another order of sizes counts.
+    fn resize(&mut self, extent: [u32; 2]) {
+        let is_like = |new: u32, old: u32| new > old / 2 && new / 2 < old;
+        if !(is_like(extent[0], self.extent[0]) && is_like(extent[1], self.extent[1])) {
+            self.extent = extent;
+        }
+    }
+
+    /// What an application shows counts more than what it was told to, as long as that does not change.
+    fn settle(&mut self) {
+        let fov = match (self.located, self.shown) {
+            (Some(located), Some(shown)) if shown.located.is_some_and(|then| is_same(located, then)) => {
+                shown.fov
+            }
+            (Some(located), _) => located,
+            (None, Some(shown)) => shown.fov,
+            (None, None) => return,
+        };
+        // The plan's first row is the top, whichever way up a picture is.
+        let fov = if fov.up < fov.down { Fov { up: fov.down, down: fov.up, ..fov } } else { fov };
+        if !self.fov.is_some_and(|kept| is_same(kept, fov)) {
+            self.fov = Some(fov);
+        }
+    }
+
+    fn input(&self) -> EyeInput<'static> {
+        EyeInput {
+            offset: [0; 2],
+            extent: self.extent,
+            fov: self.fov.unwrap_or(Fov { left: 0.0, right: 0.0, up: 0.0, down: 0.0 }),
+            orientation: self.orientation,
+            contrast: None,
+            refresh: false,
+        }
+    }
+}
+
+fn is_same(a: Fov, b: Fov) -> bool {
+    [a.left - b.left, a.right - b.right, a.up - b.up, a.down - b.down].iter().all(|by| by.abs() < TREMOR)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FOV: Fov = Fov { left: -0.9, right: 0.7, up: 0.8, down: -0.8 };
+
+    fn canted(head: Quat) -> [View; 2] {
+        [0.1, -0.1].map(|cant| View { orientation: head * Quat::from_rotation_y(cant), fov: FOV })
+    }
+
+    fn shown(views: [View; 2], extent: [u32; 2]) -> [ShownView; 2] {
+        views.map(|view| ShownView { view, extent })
+    }
+
+    fn known() -> Views {
+        let mut views = Views::default();
+        views.located(&canted(Quat::IDENTITY));
+        views.shown(&shown(canted(Quat::IDENTITY), [1000, 900]));
+        views
+    }
+
+    fn fov(views: &Views) -> Fov {
+        views.eyes().unwrap()[0].fov
+    }
+
+    #[test]
+    fn nothing_is_known_before_something_was_shown() {
+        let mut views = Views::default();
+        assert!(views.eyes().is_none());
+        views.located(&canted(Quat::IDENTITY));
+        assert!(views.eyes().is_none());
+        views.shown(&[]);
+        assert!(views.eyes().is_none());
+        views.shown(&shown(canted(Quat::IDENTITY), [1000, 900]));
+        assert_eq!(views.eyes().unwrap()[1].extent, [1000, 900]);
+    }
+
+    #[test]
+    fn a_turning_head_that_trembles_leaves_the_eyes_as_they_are() {
+        let mut views = known();
+        let before = views.eyes().unwrap();
+        for step in 1..200 {
+            let head = Quat::from_euler(glam::EulerRot::YXZ, step as f32 * 0.031, step as f32 * 0.007, 0.2);
+            let mut located = canted(if step % 2 == 0 { head } else { -head });
+            located[0].fov.left += 1e-4 * (step as f32).sin();
+            views.located(&located);
+            views.shown(&shown(located, [1000, 900]));
+        }
+        for (before, after) in before.iter().zip(views.eyes().unwrap()) {
+            assert_eq!((before.fov, before.orientation), (after.fov, after.orientation));
+        }
+        let angle = views.orientation(0).angle_between(Quat::from_rotation_y(0.1));
+        assert!(angle < 2e-3, "the left display is turned left by {angle} too much");
+    }
+
+    #[test]
+    fn what_drifts_is_followed() {
+        let mut views = known();
+        let mut located = canted(Quat::IDENTITY);
+        for _ in 0..100 {
+            located[0].fov.left -= 1e-4;
+            views.located(&located);
+        }
+        assert!((fov(&views).left - located[0].fov.left).abs() <= TREMOR);
+    }
+
+    #[test]
+    fn an_application_that_shows_another_field_of_view_is_believed() {
+        let mut views = known();
+        let narrow = Fov { left: -0.5, ..FOV };
+        views.shown(&shown(canted(Quat::IDENTITY).map(|view| View { fov: narrow, ..view }), [1000, 900]));
+        views.located(&canted(Quat::IDENTITY));
+        assert_eq!(fov(&views), narrow);
+        let wider = Fov { left: -1.0, ..FOV };
+        views.located(&canted(Quat::IDENTITY).map(|view| View { fov: wider, ..view }));
+        assert_eq!(fov(&views), wider, "until the headset has another one");
+    }
+
+    #[test]
+    fn pictures_that_are_upside_down_have_the_same_plan() {
+        let mut views = known();
+        let flipped = Fov { up: FOV.down, down: FOV.up, ..FOV };
+        views.shown(&shown(canted(Quat::IDENTITY).map(|view| View { fov: flipped, ..view }), [1000, 900]));
+        assert_eq!(fov(&views), FOV);
+    }
+
+    #[test]
+    fn dynamic_resolution_keeps_the_tiles() {
+        let mut views = known();
+        for (extent, expected) in [
+            ([700, 630], [1000, 900]),
+            ([1900, 1700], [1000, 900]),
+            ([500, 450], [500, 450]),
+            ([900, 800], [500, 450]),
+            ([1000, 900], [1000, 900]),
+        ] {
+            views.shown(&shown(canted(Quat::IDENTITY), extent));
+            assert_eq!(views.eyes().unwrap()[0].extent, expected, "{extent:?}");
+        }
+    }
+
+    #[test]
+    fn one_view_is_the_left_eye() {
+        let mut views = known();
+        views.shown(&shown(canted(Quat::IDENTITY), [1000, 900])[..1]);
+        assert_eq!(views.eyes().unwrap().map(|eye| eye.extent), [[1000, 900], [0, 0]]);
+    }
+
+    #[test]
+    fn opposite_views_have_no_head() {
+        assert_eq!(head_of([]), None);
+        let half_turn = Quat::from_rotation_y(std::f32::consts::PI);
+        assert!(head_of([Quat::IDENTITY, half_turn]).is_none_or(|head| head.is_finite()));
+        let head = Quat::from_rotation_x(0.4);
+        let mean = head_of(canted(head).map(|view| view.orientation)).unwrap();
+        assert!(mean.angle_between(head) < 1e-3);
+    }
+}

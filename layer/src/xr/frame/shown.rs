@@ -1,0 +1,65 @@
+//! What a frame shows, as the Vulkan half is told.
+
+use super::layers::{self, Shown};
+use crate::link::{NO_EYE, NO_IMAGE, ShownRecord, ShownViewRecord};
+use crate::xr::session::Active;
+use crate::xr::structures::extending;
+use crate::xr::swapchain;
+use openxr_sys as xr;
+use openxr_sys::Handle;
+use smallvec::SmallVec;
+
+/// Tells what is submitted.
+///
+/// # Safety
+///
+/// `info` and what it points to are valid, as `xrEndFrame` demands.
+pub unsafe fn tell(active: &Active, info: &xr::FrameEndInfo) {
+    let mut views: SmallVec<[ShownViewRecord; 8]> = SmallVec::new();
+    let mut flat: SmallVec<[u64; 16]> = SmallVec::new();
+    let mut depth: SmallVec<[u64; 8]> = SmallVec::new();
+    // SAFETY: the caller vouches for `info`.
+    for layer in unsafe { layers::of(info) } {
+        match layer {
+            Shown::Flat(image) => flat.push(image.swapchain.into_raw()),
+            Shown::Cube(swapchain) => flat.push(swapchain.into_raw()),
+            Shown::Projection(layer) => {
+                for (index, view) in layer.views.iter().enumerate() {
+                    views.extend(shown_view(index, view));
+                    // SAFETY: as above, for the chain of each view.
+                    let submitted = unsafe { extending(view.next) };
+                    if let Some(submitted) = submitted.find::<xr::CompositionLayerDepthInfoKHR>() {
+                        depth.push(submitted.sub_image.swapchain.into_raw());
+                    }
+                }
+            }
+        }
+    }
+    let record = ShownRecord {
+        views: views.as_ptr(),
+        view_count: views.len() as u32,
+        flat: flat.as_ptr(),
+        flat_count: flat.len() as u32,
+        depth: depth.as_ptr(),
+        depth_count: depth.len() as u32,
+    };
+    // SAFETY: the arrays live until the end of this function.
+    unsafe { active.device.tell_shown(&record) };
+}
+
+/// One view; `None` for a rectangle that the runtime refuses.
+fn shown_view(index: usize, view: &xr::CompositionLayerProjectionView) -> Option<ShownViewRecord> {
+    let xr::SwapchainSubImage { swapchain, image_rect, image_array_index } = view.sub_image;
+    let xr::Rect2Di { offset, extent } = image_rect;
+    let sides = [offset.x, offset.y, extent.width, extent.height];
+    let [x, y, width, height] = sides.map(u32::try_from);
+    Some(ShownViewRecord {
+        // The first two views are the eyes' in every configuration; what comes after is an inset in them.
+        eye: if index < 2 { index as u32 } else { NO_EYE },
+        swapchain: swapchain.into_raw(),
+        image_index: swapchain::newest_image(swapchain).unwrap_or(NO_IMAGE),
+        layer: image_array_index,
+        rect: [x.ok()?, y.ok()?, width.ok()?, height.ok()?],
+        is_upside_down: u32::from(view.fov.angle_up < view.fov.angle_down),
+    })
+}

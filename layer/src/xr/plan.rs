@@ -1,0 +1,248 @@
+//! When a session's frames are planned, and who is told: at xrBeginFrame, again where the application locates its views,
+//! and at xrEndFrame only where nothing could be planned before.
+//!
+//! Gaze is located on these threads, never inside a call of Vulkan: engines hold the locks of their queues there, and a
+//! locate may wait for another process. No lock of ours is held meanwhile.
+
+use super::instance::next_of_any;
+use super::session::{self, Active, Health, Session};
+use crate::abi::guard;
+use crate::config::{Config, GazeSource, RatesBackend};
+use crate::inputs::gaze::rotation;
+use crate::link::{BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, SettingsRecord};
+use crate::planning::{Look, Offer, Planning, ShownView, View, head_of, wants_rates};
+use glam::Quat;
+use openxr_sys as xr;
+use parafovea_core::chroma::{ChromaSettings, Focus};
+use parafovea_core::geometry::Fov;
+use smallvec::SmallVec;
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Numbers of plans rise in all sessions alike: one device may have one session after the other.
+static SERIAL: AtomicU64 = AtomicU64::new(0);
+
+/// No time yet.
+const NEVER: i64 = i64::MIN;
+
+/// The plan of an active session.
+pub struct SessionPlan {
+    planning: Mutex<Planning>,
+    told: Mutex<Option<SettingsRecord>>,
+    /// Display time of the frame that xrWaitFrame returned last.
+    awaited: AtomicI64,
+    /// Display time for which views were located last.
+    located: AtomicI64,
+    has_failed: AtomicBool,
+}
+
+impl Default for SessionPlan {
+    fn default() -> Self {
+        Self {
+            planning: Mutex::default(),
+            told: Mutex::default(),
+            awaited: AtomicI64::new(NEVER),
+            located: AtomicI64::new(NEVER),
+            has_failed: AtomicBool::new(false),
+        }
+    }
+}
+
+impl SessionPlan {
+    /// What is planned with.
+    pub fn planning(&self) -> MutexGuard<'_, Planning> {
+        self.planning.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// xrWaitFrame returned a frame to be shown at `time`.
+    pub fn frame_awaited(&self, time: xr::Time) {
+        self.awaited.store(time.as_nanos(), Ordering::Relaxed);
+    }
+
+    /// Where colour is kept in the left and in the right view, in the space of the head, and how it falls off from there.
+    pub fn focuses(&self) -> [Option<(Focus, ChromaSettings)>; 2] {
+        if self.has_failed() {
+            return [None; 2];
+        }
+        let planning = self.planning();
+        [planning.focus(0), planning.focus(1)]
+    }
+
+    fn has_failed(&self) -> bool {
+        self.has_failed.load(Ordering::Relaxed)
+    }
+
+    /// Tells the Vulkan half what the configuration asks for, and hears what it can do, where that is news.
+    pub fn tell_settings(&self, active: &Active, config: &Config) {
+        let record = settings_record(config, self.has_failed());
+        let is_news = {
+            let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+            told.replace(record) != Some(record)
+        };
+        if is_news {
+            active.device.tell_settings(&record);
+            let offer = active.device.offer().as_ref().map(Offer::from).unwrap_or_default();
+            self.planning().set_offer(offer);
+        }
+    }
+}
+
+fn settings_record(config: &Config, has_failed: bool) -> SettingsRecord {
+    SettingsRecord {
+        is_on: u32::from(wants_rates(config) && !has_failed),
+        backend: match config.rates.backend {
+            RatesBackend::Auto => BACKEND_ANY,
+            RatesBackend::Attachment => BACKEND_RATE_ATTACHMENT,
+            RatesBackend::Mask => BACKEND_MASK,
+            RatesBackend::Off => BACKEND_NONE,
+        },
+    }
+}
+
+/// xrBeginFrame succeeded.
+pub fn frame_begun(session: &Session, active: &Active) {
+    let time = active.plan.awaited.load(Ordering::Relaxed);
+    if time == NEVER {
+        return;
+    }
+    active.plan.tell_settings(active, &session.instance.config.get());
+    active.plan.planning().frame_begins(time);
+    plan(session, active, xr::Time::from_nanos(time));
+}
+
+/// `xrLocateViews`: what the application will draw, and with it the newest gaze.
+pub unsafe extern "system" fn locate_views(
+    handle: xr::Session,
+    info: *const xr::ViewLocateInfo,
+    state: *mut xr::ViewState,
+    capacity: u32,
+    count: *mut u32,
+    views: *mut xr::View,
+) -> xr::Result {
+    let known = session::find(handle);
+    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+        return xr::Result::ERROR_HANDLE_INVALID;
+    };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.locate_views)(handle, info, state, capacity, count, views) };
+    guard("xrLocateViews", below, |answer| {
+        let result = answer.record(below());
+        let active = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)));
+        if let (true, Some((known, active))) = (result.into_raw() >= 0, active) {
+            // SAFETY: the call succeeded: its arguments are valid, and as many views were written as it says.
+            unsafe {
+                if let (Some(info), Some(state), Some(count)) =
+                    (info.as_ref(), state.as_ref(), count.as_ref())
+                {
+                    let is_valid = state.view_state_flags.contains(xr::ViewStateFlags::ORIENTATION_VALID);
+                    if is_valid && !views.is_null() && *count <= capacity {
+                        let views = std::slice::from_raw_parts(views, *count as usize);
+                        views_located(known, active, info.display_time, views);
+                    }
+                }
+            }
+        }
+        result
+    })
+}
+
+/// The application located its views. Of several calls for one frame the first plans it.
+fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr::View]) {
+    let views: SmallVec<[View; 4]> = views.iter().filter_map(|view| of_pose(&view.pose, &view.fov)).collect();
+    active.plan.planning().views.located(&views);
+    if active.plan.located.swap(time.as_nanos(), Ordering::Relaxed) != time.as_nanos() {
+        plan(session, active, time);
+    }
+}
+
+/// Projection views are shown at `time`: the frame is planned now if that was not possible before.
+pub fn views_shown(
+    session: &Session,
+    active: &Active,
+    time: xr::Time,
+    views: &[xr::CompositionLayerProjectionView],
+) {
+    let shown = views.iter().map(|view| {
+        let extent = view.sub_image.image_rect.extent;
+        let extent = [extent.width.max(0) as u32, extent.height.max(0) as u32];
+        Some(ShownView { view: of_pose(&view.pose, &view.fov)?, extent })
+    });
+    let Some(shown) = shown.collect::<Option<SmallVec<[ShownView; 4]>>>() else { return };
+    let is_planned = {
+        let mut planning = active.plan.planning();
+        planning.views.shown(&shown);
+        planning.is_planned()
+    };
+    if !is_planned {
+        plan(session, active, time);
+    }
+}
+
+/// A pose and a field of view, if the pose makes sense.
+fn of_pose(pose: &xr::Posef, fov: &xr::Fovf) -> Option<View> {
+    let xr::Quaternionf { x, y, z, w } = pose.orientation;
+    let fov = Fov { left: fov.angle_left, right: fov.angle_right, up: fov.angle_up, down: fov.angle_down };
+    Some(View { orientation: rotation(x, y, z, w)?, fov })
+}
+
+/// Plans the frame that is shown at `time`, and hands its rates over.
+fn plan(session: &Session, active: &Active, time: xr::Time) {
+    let state = &active.plan;
+    if state.has_failed() {
+        return;
+    }
+    let _give_up = GiveUpOnPanic(state);
+    let config = session.instance.config.get();
+    let can_attenuate = active.health() == Health::Works;
+    if !state.planning().has_work(&config, can_attenuate) {
+        return state.planning().idle();
+    }
+    let look = match config.gaze.source {
+        GazeSource::Eyes => session.actions.look(session, time),
+        GazeSource::Centre => Look::NoTracker,
+    };
+    let head = session.head_in_world(time);
+
+    let mut planning = state.planning();
+    let time = time.as_nanos();
+    planning.look(&config, look, time);
+    if planning.plan(&config, can_attenuate, head, time) {
+        let serial = || SERIAL.fetch_add(1, Ordering::Relaxed) + 1;
+        if let Some(record) = planning.new_rates(&config, serial) {
+            // SAFETY: what the record points to is `planning`'s, which is locked. The Vulkan half copies it, and calls
+            // nobody.
+            unsafe { active.device.tell_plan(&record) };
+        }
+    }
+}
+
+/// How the head was turned when a projection layer's pictures were drawn, in the layer's space: the direction of the gaze
+/// is known relative to the head.
+pub fn head_in_layer(
+    session: &Session,
+    config: &Config,
+    space: xr::Space,
+    time: xr::Time,
+    views: &[xr::CompositionLayerProjectionView],
+) -> Option<Quat> {
+    let of_views = || {
+        let poses = views.iter().take(2).map(|view| of_pose(&view.pose, &view.fov));
+        head_of(poses.flatten().map(|view| view.orientation))
+    };
+    match config.gaze.source {
+        // Straight ahead of the picture, whenever it was drawn.
+        GazeSource::Centre => of_views(),
+        GazeSource::Eyes => session.head_in(space, time).or_else(of_views),
+    }
+}
+
+/// Gives planning up when it panics, so that it does not do so in every frame.
+struct GiveUpOnPanic<'a>(&'a SessionPlan);
+
+impl Drop for GiveUpOnPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.has_failed.store(true, Ordering::Relaxed);
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Spaces of ours, in which gaze and head are located whatever spaces the application has.
+
+use super::dispatch::Next;
+use super::session::Session;
+use crate::inputs::gaze::rotation;
+use glam::Quat;
+use openxr_sys as xr;
+use std::ptr;
+
+/// Spaces of one session; they go with it.
+#[derive(Debug, Clone, Copy)]
+pub struct Spaces {
+    /// Of the head: between the eyes, -z is straight ahead.
+    pub head: xr::Space,
+    /// One that rests in the world.
+    world: xr::Space,
+}
+
+impl Spaces {
+    /// Makes them; `None`, with one line in the log, where the runtime refuses.
+    pub fn create(next: &Next, session: xr::Session) -> Option<Self> {
+        let create = |kind| {
+            let info = xr::ReferenceSpaceCreateInfo {
+                ty: xr::ReferenceSpaceCreateInfo::TYPE,
+                next: ptr::null(),
+                reference_space_type: kind,
+                pose_in_reference_space: xr::Posef::IDENTITY,
+            };
+            let mut space = xr::Space::default();
+            // SAFETY: the next layer's function, a live session, a valid structure and a place for the handle.
+            let result = unsafe { (next.create_reference_space)(session, &info, &mut space) };
+            let succeeded = result.into_raw() >= 0;
+            if !succeeded {
+                tracing::info!("no gaze: xrCreateReferenceSpace returned {result:?}");
+            }
+            succeeded.then_some(space)
+        };
+        Some(Self {
+            head: create(xr::ReferenceSpaceType::VIEW)?,
+            world: create(xr::ReferenceSpaceType::LOCAL)?,
+        })
+    }
+}
+
+impl Session {
+    /// How the head is turned in the world at `time`; not at all where that is not known.
+    pub fn head_in_world(&self, time: xr::Time) -> Quat {
+        self.spaces.and_then(|spaces| self.head_in(spaces.world, time)).unwrap_or(Quat::IDENTITY)
+    }
+
+    /// How the head is turned in `space` at `time`.
+    pub fn head_in(&self, space: xr::Space, time: xr::Time) -> Option<Quat> {
+        orientation(&self.instance.next, self.spaces?.head, space, time, xr::SpaceLocationFlags::EMPTY)
+    }
+}
+
+/// The orientation of one space in another at `time`, if it is valid, and `wanted` too.
+pub fn orientation(
+    next: &Next,
+    space: xr::Space,
+    base: xr::Space,
+    time: xr::Time,
+    wanted: xr::SpaceLocationFlags,
+) -> Option<Quat> {
+    let mut location = xr::SpaceLocation {
+        ty: xr::SpaceLocation::TYPE,
+        next: ptr::null_mut(),
+        location_flags: xr::SpaceLocationFlags::EMPTY,
+        pose: xr::Posef::IDENTITY,
+    };
+    // SAFETY: the next layer's function, live spaces and a valid structure to write to.
+    let result = unsafe { (next.locate_space)(space, base, time, &mut location) };
+    let wanted = xr::SpaceLocationFlags::ORIENTATION_VALID | wanted;
+    if result.into_raw() < 0 || !location.location_flags.contains(wanted) {
+        return None;
+    }
+    let xr::Quaternionf { x, y, z, w } = location.pose.orientation;
+    rotation(x, y, z, w)
+}

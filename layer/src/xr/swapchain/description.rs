@@ -1,0 +1,43 @@
+//! What a swapchain's images are like, for the Vulkan half.
+
+use super::eligibility::vulkan_usage;
+use crate::link::SwapchainRecord;
+use ash::vk;
+use openxr_sys as xr;
+
+/// What the application asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Description {
+    extent: [u32; 2],
+    layers: u32,
+    format: vk::Format,
+    samples: u32,
+    usage: vk::ImageUsageFlags,
+}
+
+impl Description {
+    /// Of a swapchain that was created with `info`.
+    pub fn new(info: &xr::SwapchainCreateInfo) -> Self {
+        Self {
+            extent: [info.width, info.height],
+            layers: info.array_size.saturating_mul(info.face_count.max(1)),
+            format: i32::try_from(info.format).map_or(vk::Format::UNDEFINED, vk::Format::from_raw),
+            samples: info.sample_count,
+            usage: vulkan_usage(info.usage_flags),
+        }
+    }
+
+    /// The record for these images, to which it points.
+    pub fn record(&self, swapchain: u64, images: &[vk::Image]) -> SwapchainRecord {
+        SwapchainRecord {
+            swapchain,
+            images: images.as_ptr(),
+            image_count: images.len() as u32,
+            extent: self.extent,
+            layers: self.layers,
+            format: self.format,
+            samples: self.samples,
+            usage: self.usage,
+        }
+    }
+}

@@ -1,0 +1,288 @@
+//! Frames, views, spaces, actions and swapchains of the stand-in: a headset of two views, as this thread has set it up.
+
+use super::new_handle;
+use glam::Quat;
+use openxr_sys as xr;
+use openxr_sys::{Handle, pfn};
+use std::cell::{Cell, RefCell};
+use std::mem::transmute;
+
+thread_local! {
+    /// The next frame's display time.
+    pub static DISPLAY_TIME: Cell<i64> = const { Cell::new(1_000_000_000) };
+    /// How the head is turned in every space but its own.
+    pub static HEAD: Cell<Quat> = const { Cell::new(Quat::IDENTITY) };
+    /// How the eyes are turned in the head; not tracked without.
+    pub static EYES: Cell<Option<Quat>> = const { Cell::new(None) };
+    /// Runs inside xrLocateSpace.
+    pub static IN_LOCATE: RefCell<Option<Box<dyn FnMut()>>> = const { RefCell::new(None) };
+    /// How often the gaze was located.
+    pub static GAZE_LOCATED: Cell<usize> = const { Cell::new(0) };
+    /// Calls of action functions, in order.
+    pub static ACTIONS: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };
+    static HEAD_SPACES: RefCell<Vec<xr::Space>> = const { RefCell::new(Vec::new()) };
+    static GAZE_SPACES: RefCell<Vec<xr::Space>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Each view's angle of each edge, radians.
+pub const EDGE: f32 = std::f32::consts::FRAC_PI_4;
+
+/// The images of every swapchain.
+pub const IMAGES: [u64; 3] = [501, 502, 503];
+
+/// The function of that name, if it is here.
+pub fn function(name: &str) -> Option<pfn::VoidFunction> {
+    macro_rules! table {
+        ($($name:literal $type:ident $function:ident;)*) => {
+            match name {
+                // SAFETY: any function pointer may be carried as PFN_xrVoidFunction.
+                $($name => Some(unsafe { transmute::<pfn::$type, pfn::VoidFunction>($function) }),)*
+                _ => None,
+            }
+        };
+    }
+    table! {
+        "xrGetSystemProperties" GetSystemProperties get_system_properties;
+        "xrStringToPath" StringToPath string_to_path;
+        "xrWaitFrame" WaitFrame wait_frame;
+        "xrBeginFrame" BeginFrame begin_frame;
+        "xrLocateViews" LocateViews locate_views;
+        "xrLocateSpace" LocateSpace locate_space;
+        "xrCreateReferenceSpace" CreateReferenceSpace create_reference_space;
+        "xrCreateActionSpace" CreateActionSpace create_action_space;
+        "xrCreateActionSet" CreateActionSet create_action_set;
+        "xrCreateAction" CreateAction create_action;
+        "xrSuggestInteractionProfileBindings" SuggestInteractionProfileBindings suggest;
+        "xrSyncActions" SyncActions sync_actions;
+        "xrCreateSwapchain" CreateSwapchain create_swapchain;
+        "xrDestroySwapchain" DestroySwapchain destroy_swapchain;
+        "xrEnumerateSwapchainImages" EnumerateSwapchainImages enumerate_images;
+        "xrAcquireSwapchainImage" AcquireSwapchainImage acquire_image;
+        "xrReleaseSwapchainImage" ReleaseSwapchainImage release_image;
+        "xrDestroySession" DestroySession destroy_session;
+    }
+}
+
+fn note(call: &'static str) {
+    ACTIONS.with_borrow_mut(|calls| calls.push(call));
+}
+
+unsafe extern "system" fn get_system_properties(
+    _: xr::Instance,
+    _: xr::SystemId,
+    properties: *mut xr::SystemProperties,
+) -> xr::Result {
+    // SAFETY: the layer chains this structure.
+    unsafe {
+        let gaze = (*properties).next.cast::<xr::SystemEyeGazeInteractionPropertiesEXT>();
+        (*gaze).supports_eye_gaze_interaction = xr::TRUE;
+    }
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn string_to_path(
+    _: xr::Instance,
+    _: *const std::ffi::c_char,
+    path: *mut xr::Path,
+) -> xr::Result {
+    // SAFETY: the layer passes a place for the path.
+    unsafe { *path = xr::Path::from_raw(1) };
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn wait_frame(
+    _: xr::Session,
+    _: *const xr::FrameWaitInfo,
+    state: *mut xr::FrameState,
+) -> xr::Result {
+    // SAFETY: the tests pass a valid structure.
+    unsafe { (*state).predicted_display_time = xr::Time::from_nanos(DISPLAY_TIME.get()) };
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn begin_frame(_: xr::Session, _: *const xr::FrameBeginInfo) -> xr::Result {
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn locate_views(
+    _: xr::Session,
+    _: *const xr::ViewLocateInfo,
+    state: *mut xr::ViewState,
+    capacity: u32,
+    count: *mut u32,
+    views: *mut xr::View,
+) -> xr::Result {
+    // SAFETY: the tests pass an array of `capacity` views, and valid structures.
+    unsafe {
+        *count = 2;
+        (*state).view_state_flags = xr::ViewStateFlags::ORIENTATION_VALID;
+        for at in 0..capacity.min(2) as usize {
+            (*views.add(at)).pose = pose(HEAD.get());
+            (*views.add(at)).fov = fov();
+        }
+    }
+    xr::Result::SUCCESS
+}
+
+/// Of every view.
+pub fn fov() -> xr::Fovf {
+    xr::Fovf { angle_left: -EDGE, angle_right: EDGE, angle_up: EDGE, angle_down: -EDGE }
+}
+
+/// At the origin.
+pub fn pose(orientation: Quat) -> xr::Posef {
+    let [x, y, z, w] = orientation.to_array();
+    xr::Posef { orientation: xr::Quaternionf { x, y, z, w }, ..xr::Posef::IDENTITY }
+}
+
+unsafe extern "system" fn locate_space(
+    space: xr::Space,
+    base: xr::Space,
+    _: xr::Time,
+    location: *mut xr::SpaceLocation,
+) -> xr::Result {
+    let in_locate = IN_LOCATE.take();
+    if let Some(mut run) = in_locate {
+        run();
+    }
+    let is_head = |space| HEAD_SPACES.with_borrow(|spaces| spaces.contains(&space));
+    let is_gaze = GAZE_SPACES.with_borrow(|spaces| spaces.contains(&space));
+    let turned = match (is_gaze, is_head(space)) {
+        (true, _) => {
+            GAZE_LOCATED.set(GAZE_LOCATED.get() + 1);
+            EYES.get().map(|eyes| if is_head(base) { eyes } else { HEAD.get() * eyes })
+        }
+        (_, true) => Some(if is_head(base) { Quat::IDENTITY } else { HEAD.get() }),
+        _ => Some(Quat::IDENTITY),
+    };
+    // SAFETY: the layer passes a valid structure.
+    unsafe {
+        (*location).pose = pose(turned.unwrap_or_default());
+        (*location).location_flags = match turned {
+            Some(_) => {
+                xr::SpaceLocationFlags::ORIENTATION_VALID | xr::SpaceLocationFlags::ORIENTATION_TRACKED
+            }
+            None => xr::SpaceLocationFlags::EMPTY,
+        };
+    }
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn create_reference_space(
+    _: xr::Session,
+    info: *const xr::ReferenceSpaceCreateInfo,
+    space: *mut xr::Space,
+) -> xr::Result {
+    let made = xr::Space::from_raw(new_handle());
+    // SAFETY: the layer passes a valid structure and a place for the handle.
+    unsafe {
+        if (*info).reference_space_type == xr::ReferenceSpaceType::VIEW {
+            HEAD_SPACES.with_borrow_mut(|spaces| spaces.push(made));
+        }
+        *space = made;
+    }
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn create_action_space(
+    _: xr::Session,
+    _: *const xr::ActionSpaceCreateInfo,
+    space: *mut xr::Space,
+) -> xr::Result {
+    let made = xr::Space::from_raw(new_handle());
+    GAZE_SPACES.with_borrow_mut(|spaces| spaces.push(made));
+    // SAFETY: the layer passes a place for the handle.
+    unsafe { *space = made };
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn create_action_set(
+    _: xr::Instance,
+    _: *const xr::ActionSetCreateInfo,
+    set: *mut xr::ActionSet,
+) -> xr::Result {
+    note("xrCreateActionSet");
+    // SAFETY: the layer passes a place for the handle.
+    unsafe { *set = xr::ActionSet::from_raw(new_handle()) };
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn create_action(
+    _: xr::ActionSet,
+    _: *const xr::ActionCreateInfo,
+    action: *mut xr::Action,
+) -> xr::Result {
+    note("xrCreateAction");
+    // SAFETY: the layer passes a place for the handle.
+    unsafe { *action = xr::Action::from_raw(new_handle()) };
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn suggest(
+    _: xr::Instance,
+    _: *const xr::InteractionProfileSuggestedBinding,
+) -> xr::Result {
+    note("xrSuggestInteractionProfileBindings");
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn sync_actions(_: xr::Session, _: *const xr::ActionsSyncInfo) -> xr::Result {
+    note("xrSyncActions");
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn create_swapchain(
+    _: xr::Session,
+    _: *const xr::SwapchainCreateInfo,
+    swapchain: *mut xr::Swapchain,
+) -> xr::Result {
+    // SAFETY: the layer passes a place for the handle.
+    unsafe { *swapchain = xr::Swapchain::from_raw(new_handle()) };
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn destroy_swapchain(_: xr::Swapchain) -> xr::Result {
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn enumerate_images(
+    _: xr::Swapchain,
+    capacity: u32,
+    count: *mut u32,
+    images: *mut xr::SwapchainImageBaseHeader,
+) -> xr::Result {
+    // SAFETY: the tests pass an array of `capacity` images.
+    unsafe {
+        *count = IMAGES.len() as u32;
+        let images = images.cast::<xr::SwapchainImageVulkanKHR>();
+        for (at, image) in IMAGES.into_iter().enumerate().take(capacity as usize) {
+            (*images.add(at)).image = image;
+        }
+    }
+    xr::Result::SUCCESS
+}
+
+thread_local! {
+    static TURN: Cell<u32> = const { Cell::new(0) };
+}
+
+unsafe extern "system" fn acquire_image(
+    _: xr::Swapchain,
+    _: *const xr::SwapchainImageAcquireInfo,
+    index: *mut u32,
+) -> xr::Result {
+    // SAFETY: the tests pass a place for the index.
+    unsafe { *index = TURN.replace((TURN.get() + 1) % IMAGES.len() as u32) };
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn release_image(
+    _: xr::Swapchain,
+    _: *const xr::SwapchainImageReleaseInfo,
+) -> xr::Result {
+    xr::Result::SUCCESS
+}
+
+unsafe extern "system" fn destroy_session(_: xr::Session) -> xr::Result {
+    xr::Result::SUCCESS
+}

@@ -1,0 +1,148 @@
+//! A stand-in for the Vulkan half: it notes what it is told.
+
+use crate::link::{
+    BACKEND_RATE_ATTACHMENT, DeviceRecord, LINK_VERSION, LinkTable, OfferRecord, PlanRecord, SettingsRecord,
+    ShownRecord, ShownViewRecord, SwapchainRecord,
+};
+use ash::vk;
+use ash::vk::Handle;
+use parafovea_core::rate::VULKAN_RATES;
+use std::cell::RefCell;
+use std::ffi::{c_char, c_void};
+
+/// Something that was told.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Told {
+    Active(bool),
+    Settings(SettingsRecord),
+    Swapchain { swapchain: u64, images: Vec<u64>, extent: [u32; 2], usage: vk::ImageUsageFlags },
+    Plan { serial: u64, extents: [[u32; 2]; 2], rates: [Vec<u8>; 2] },
+    Shown { views: Vec<ShownViewRecord>, flat: Vec<u64>, depth: Vec<u64> },
+}
+
+thread_local! {
+    static TOLD: RefCell<Vec<Told>> = const { RefCell::new(Vec::new()) };
+}
+
+/// What this thread told since the last call.
+pub fn told() -> Vec<Told> {
+    TOLD.take()
+}
+
+fn tell(what: Told) {
+    TOLD.with_borrow_mut(|told| told.push(what));
+}
+
+/// A device with tiles of 16 x 16 pixels and all rates.
+pub fn table() -> LinkTable {
+    LinkTable {
+        version: LINK_VERSION,
+        size: size_of::<LinkTable>() as u32,
+        device,
+        set_active,
+        runtime_section,
+        offer,
+        swapchain,
+        plan,
+        shown,
+        settings,
+    }
+}
+
+/// Of a device that nobody calls.
+pub fn record() -> DeviceRecord {
+    DeviceRecord {
+        instance: vk::Instance::null(),
+        physical_device: vk::PhysicalDevice::null(),
+        device: vk::Device::from_raw(1),
+        api_version: vk::API_VERSION_1_0,
+        next_get_instance_proc_addr: no_instance_function,
+        next_get_device_proc_addr: no_device_function,
+        set_device_loader_data,
+    }
+}
+
+unsafe extern "system" fn no_instance_function(_: vk::Instance, _: *const c_char) -> vk::PFN_vkVoidFunction {
+    None
+}
+
+unsafe extern "system" fn no_device_function(_: vk::Device, _: *const c_char) -> vk::PFN_vkVoidFunction {
+    None
+}
+
+unsafe extern "system" fn set_device_loader_data(_: vk::Device, _: *mut c_void) -> vk::Result {
+    vk::Result::SUCCESS
+}
+
+unsafe extern "C" fn device(_: vk::Device, _: *mut DeviceRecord) -> u32 {
+    0
+}
+
+unsafe extern "C" fn set_active(_: vk::Device, active: u32) {
+    tell(Told::Active(active == 1));
+}
+
+unsafe extern "C" fn runtime_section(_: u32) {}
+
+unsafe extern "C" fn offer(_: vk::Device, record: *mut OfferRecord) -> u32 {
+    let mut rates = [0; 16];
+    for (to, rate) in rates.iter_mut().zip(VULKAN_RATES) {
+        *to = rate.texel();
+    }
+    let offer = OfferRecord {
+        backend: BACKEND_RATE_ATTACHMENT,
+        texel: [16, 16],
+        rate_count: VULKAN_RATES.len() as u32,
+        rates,
+        is_cpu: 1,
+    };
+    // SAFETY: the other half passes a place for the record.
+    unsafe { *record = offer };
+    1
+}
+
+unsafe extern "C" fn swapchain(_: vk::Device, record: *const SwapchainRecord) {
+    // SAFETY: the other half passes a valid record.
+    unsafe {
+        let SwapchainRecord { swapchain, images, image_count, extent, usage, .. } = *record;
+        let images = slice(images, image_count).iter().map(|image| image.as_raw()).collect();
+        tell(Told::Swapchain { swapchain, images, extent, usage });
+    }
+}
+
+unsafe extern "C" fn plan(_: vk::Device, record: *const PlanRecord) {
+    // SAFETY: the other half passes a valid record.
+    unsafe {
+        let PlanRecord { serial, eyes } = *record;
+        let rates = eyes.map(|eye| slice(eye.rates, eye.tiles[0] * eye.tiles[1]).to_vec());
+        tell(Told::Plan { serial, extents: eyes.map(|eye| eye.extent), rates });
+    }
+}
+
+unsafe extern "C" fn shown(_: vk::Device, record: *const ShownRecord) {
+    // SAFETY: the other half passes a valid record.
+    unsafe {
+        let record = &*record;
+        tell(Told::Shown {
+            views: slice(record.views, record.view_count).to_vec(),
+            flat: slice(record.flat, record.flat_count).to_vec(),
+            depth: slice(record.depth, record.depth_count).to_vec(),
+        });
+    }
+}
+
+unsafe extern "C" fn settings(_: vk::Device, record: *const SettingsRecord) {
+    // SAFETY: the other half passes a valid record.
+    tell(Told::Settings(unsafe { *record }));
+}
+
+/// # Safety
+///
+/// `count` values begin at `first`.
+unsafe fn slice<'a, T>(first: *const T, count: u32) -> &'a [T] {
+    if count == 0 {
+        return &[];
+    }
+    // SAFETY: the caller vouches for it.
+    unsafe { std::slice::from_raw_parts(first, count as usize) }
+}

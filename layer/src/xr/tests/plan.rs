@@ -1,0 +1,403 @@
+//! An active session above the stand-ins for the runtime and for the Vulkan half: what is planned when, and who is told.
+
+use super::fake::frames::{self, DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, IMAGES, IN_LOCATE, fov, pose};
+use super::fake::vulkan_half::{self, Told, told};
+use super::{create_instance, fake};
+use crate::link::{BACKEND_ANY, NO_EYE, NO_IMAGE, SettingsRecord, ShownViewRecord};
+use crate::xr::vulkan_device::VulkanDevice;
+use crate::xr::{actions, frame, instance, plan, session, swapchain};
+use ash::vk;
+use glam::Quat;
+use openxr_sys as xr;
+use openxr_sys::Handle;
+use parafovea_core::rate::ShadingRate;
+use std::ptr;
+use std::sync::mpsc::channel;
+use std::time::Duration;
+
+const FRAME_NS: i64 = 11_111_111;
+const SIDE: i32 = 512;
+
+/// An application with a session, an action set and a double-wide swapchain.
+struct Application {
+    session: xr::Session,
+    space: xr::Space,
+    swapchain: xr::Swapchain,
+}
+
+/// Gives the layer its device, which stays where it is.
+fn session_of_tests() -> xr::Session {
+    let instance = create_instance(&[]).unwrap();
+    let handle = xr::Session::from_raw(fake::new_handle());
+    let device = VulkanDevice::of_table(vulkan_half::table(), vulkan_half::record());
+    // SAFETY: nothing is done on this device: no swapchain is substituted.
+    unsafe {
+        session::track(instance::hooked(instance).unwrap(), xr::SystemId::from_raw(1), handle, Some(device))
+    };
+    handle
+}
+
+impl Application {
+    fn new() -> Self {
+        let session = session_of_tests();
+        let swapchain = create_swapchain(session, xr::SwapchainUsageFlags::COLOR_ATTACHMENT, SIDE as u32 * 2);
+        let sets = [xr::ActionSet::from_raw(fake::new_handle())];
+        let info = xr::SessionActionSetsAttachInfo {
+            ty: xr::SessionActionSetsAttachInfo::TYPE,
+            next: ptr::null(),
+            count_action_sets: 1,
+            action_sets: sets.as_ptr(),
+        };
+        // SAFETY: valid arguments.
+        assert_eq!(unsafe { actions::attach(session, &info) }, xr::Result::SUCCESS);
+        Self { session, space: xr::Space::from_raw(fake::new_handle()), swapchain }
+    }
+
+    fn begin(&self) {
+        DISPLAY_TIME.set(DISPLAY_TIME.get() + FRAME_NS);
+        // SAFETY: valid arguments; the structures are plain data, for which all zero is a valid value.
+        unsafe {
+            let mut state: xr::FrameState = std::mem::zeroed();
+            assert_eq!(frame::wait(self.session, ptr::null(), &mut state), xr::Result::SUCCESS);
+            assert_eq!(frame::begin(self.session, ptr::null()), xr::Result::SUCCESS);
+        }
+    }
+
+    fn locate(&self) {
+        locate(self.session, self.space);
+    }
+
+    fn view(&self, eye: i32) -> xr::CompositionLayerProjectionView {
+        let offset = xr::Offset2Di { x: eye * SIDE, y: 0 };
+        let extent = xr::Extent2Di { width: SIDE, height: SIDE };
+        xr::CompositionLayerProjectionView {
+            ty: xr::CompositionLayerProjectionView::TYPE,
+            next: ptr::null(),
+            pose: pose(HEAD.get()),
+            fov: fov(),
+            sub_image: xr::SwapchainSubImage {
+                swapchain: self.swapchain,
+                image_rect: xr::Rect2Di { offset, extent },
+                image_array_index: 0,
+            },
+        }
+    }
+
+    fn end(&self, views: &[xr::CompositionLayerProjectionView], quad: Option<xr::Swapchain>) {
+        let layer = xr::CompositionLayerProjection {
+            ty: xr::CompositionLayerProjection::TYPE,
+            next: ptr::null(),
+            layer_flags: xr::CompositionLayerFlags::EMPTY,
+            space: self.space,
+            view_count: views.len() as u32,
+            views: views.as_ptr(),
+        };
+        // SAFETY: the structure is plain data, for which all zero is a valid value.
+        let mut flat: xr::CompositionLayerQuad = unsafe { std::mem::zeroed() };
+        flat.ty = xr::CompositionLayerQuad::TYPE;
+        flat.sub_image.swapchain = quad.unwrap_or_default();
+        let layers: [*const xr::CompositionLayerBaseHeader; 2] =
+            [ptr::from_ref(&layer).cast(), ptr::from_ref(&flat).cast()];
+        let info = xr::FrameEndInfo {
+            ty: xr::FrameEndInfo::TYPE,
+            next: ptr::null(),
+            display_time: xr::Time::from_nanos(DISPLAY_TIME.get()),
+            environment_blend_mode: xr::EnvironmentBlendMode::OPAQUE,
+            layer_count: 1 + u32::from(quad.is_some()),
+            layers: layers.as_ptr(),
+        };
+        // SAFETY: valid arguments. The stand-in answers with an error, which is not ours to judge.
+        unsafe { frame::end(self.session, &info) };
+    }
+
+    fn frame(&self) {
+        self.begin();
+        self.locate();
+        self.end(&[self.view(0), self.view(1)], None);
+    }
+
+    /// Frames until the gaze is trusted and nothing becomes coarser any more.
+    fn settle(&self) {
+        for _ in 0..90 {
+            self.frame();
+        }
+        told();
+    }
+}
+
+fn locate(session: xr::Session, space: xr::Space) {
+    let info = xr::ViewLocateInfo {
+        ty: xr::ViewLocateInfo::TYPE,
+        next: ptr::null(),
+        view_configuration_type: xr::ViewConfigurationType::PRIMARY_STEREO,
+        display_time: xr::Time::from_nanos(DISPLAY_TIME.get()),
+        space,
+    };
+    // SAFETY: valid arguments; the structures are plain data, for which all zero is a valid value.
+    unsafe {
+        let mut state: xr::ViewState = std::mem::zeroed();
+        let mut views: [xr::View; 2] = std::mem::zeroed();
+        let mut count = 0;
+        let result = plan::locate_views(session, &info, &mut state, 2, &mut count, views.as_mut_ptr());
+        assert_eq!((result, count), (xr::Result::SUCCESS, 2));
+        assert_eq!(views[1].fov.angle_right, EDGE, "what the runtime said");
+    }
+}
+
+fn create_swapchain(session: xr::Session, usage: xr::SwapchainUsageFlags, width: u32) -> xr::Swapchain {
+    let info = xr::SwapchainCreateInfo {
+        ty: xr::SwapchainCreateInfo::TYPE,
+        next: ptr::null(),
+        create_flags: xr::SwapchainCreateFlags::EMPTY,
+        usage_flags: usage,
+        format: i64::from(vk::Format::R8G8B8A8_SRGB.as_raw()),
+        sample_count: 1,
+        width,
+        height: SIDE as u32,
+        face_count: 1,
+        array_size: 1,
+        mip_count: 1,
+    };
+    let mut handle = xr::Swapchain::NULL;
+    // SAFETY: valid arguments.
+    assert_eq!(unsafe { swapchain::create(session, &info, &mut handle) }, xr::Result::SUCCESS);
+    handle
+}
+
+fn look(yaw_deg: f32) {
+    EYES.set(Some(Quat::from_rotation_y(yaw_deg.to_radians())));
+}
+
+/// The plans among what was told since the last call: serial and rates of the left eye.
+fn plans() -> Vec<(u64, Vec<u8>)> {
+    let plan = |told| match told {
+        Told::Plan { serial, rates: [left, _], .. } => Some((serial, left)),
+        _ => None,
+    };
+    told().into_iter().filter_map(plan).collect()
+}
+
+#[test]
+fn the_vulkan_half_learns_what_is_wanted_before_the_first_frame() {
+    session_of_tests();
+    let settings = SettingsRecord { is_on: 1, backend: BACKEND_ANY };
+    assert_eq!(told(), [Told::Active(true), Told::Settings(settings)]);
+}
+
+#[test]
+fn a_steady_frame_hands_over_nothing_new() {
+    let application = Application::new();
+    look(5.0);
+    application.settle();
+    application.frame();
+    assert_eq!(plans(), []);
+}
+
+#[test]
+fn a_plan_has_the_size_of_what_is_shown_and_serials_rise() {
+    let application = Application::new();
+    look(0.0);
+    application.begin();
+    application.locate();
+    assert_eq!(plans(), [], "nothing was shown yet");
+    application.end(&[application.view(0), application.view(1)], None);
+    let first = told();
+    let Some(Told::Plan { serial, extents, rates }) =
+        first.iter().find(|told| matches!(told, Told::Plan { .. }))
+    else {
+        panic!("no plan: {first:?}")
+    };
+    assert_eq!(*extents, [[SIDE as u32; 2]; 2]);
+    assert!(rates.iter().all(|rates| rates.len() == 32 * 32));
+    let mut last = *serial;
+    for yaw in [10.0, -10.0, 20.0] {
+        application.settle();
+        look(yaw);
+        application.frame();
+        let plans = plans();
+        assert!(plans[0].0 > last && plans.windows(2).all(|pair| pair[0].0 < pair[1].0), "{yaw}");
+        last = plans[plans.len() - 1].0;
+    }
+}
+
+#[test]
+fn a_gaze_that_moves_between_begin_and_locate_is_in_the_plan_before_the_application_draws() {
+    let application = Application::new();
+    look(-30.0);
+    application.settle();
+    let left_edge = 16 * 32;
+    application.begin();
+    let before = plans();
+    assert!(before.is_empty(), "the gaze has not moved");
+    look(35.0);
+    application.locate();
+    let after = plans();
+    assert_eq!(after.len(), 1);
+    assert_eq!(after[0].1[left_edge], ShadingRate::R1X1.texel(), "where the eyes look now");
+    look(-30.0);
+    application.locate();
+    assert_eq!(plans(), [], "once a frame");
+}
+
+#[test]
+fn gaze_is_located_at_begin_and_with_the_views_and_nowhere_else() {
+    let application = Application::new();
+    look(0.0);
+    application.settle();
+    GAZE_LOCATED.set(0);
+    application.begin();
+    assert_eq!(GAZE_LOCATED.get(), 1);
+    application.locate();
+    application.locate();
+    assert_eq!(GAZE_LOCATED.get(), 2);
+    application.end(&[application.view(0), application.view(1)], None);
+    assert_eq!(GAZE_LOCATED.get(), 2);
+}
+
+#[test]
+fn a_turning_head_with_resting_eyes_changes_no_plan() {
+    let application = Application::new();
+    look(8.0);
+    application.settle();
+    for step in 0..50 {
+        HEAD.set(Quat::from_euler(glam::EulerRot::YXZ, step as f32 * 0.04, step as f32 * 0.01, 0.1));
+        application.frame();
+    }
+    assert_eq!(plans(), []);
+}
+
+#[test]
+fn the_actions_of_the_application_are_as_they_were() {
+    let application = Application::new();
+    let made = frames::ACTIONS.take();
+    assert_eq!(made, ["xrCreateActionSet", "xrCreateAction", "xrSuggestInteractionProfileBindings"]);
+    application.settle();
+    assert_eq!(frames::ACTIONS.take(), [""; 0], "frames synchronise nothing: the application does");
+}
+
+#[test]
+fn a_runtime_that_blocks_in_a_locate_blocks_nobody_else() {
+    let application = Application::new();
+    look(0.0);
+    application.settle();
+    let (session, space, time) = (application.session, application.space, DISPLAY_TIME.get());
+    let (sender, receiver) = channel();
+    IN_LOCATE.set(Some(Box::new(move || {
+        let sender = sender.clone();
+        std::thread::spawn(move || {
+            DISPLAY_TIME.set(time + 2 * FRAME_NS);
+            locate(session, space);
+            sender.send(()).unwrap();
+        });
+        receiver.recv_timeout(Duration::from_secs(30)).expect("another thread waits for a lock of ours");
+    })));
+    application.begin();
+    assert!(IN_LOCATE.take().is_none(), "nothing was located");
+}
+
+#[test]
+fn images_are_told_once_and_their_end_before_it_comes() {
+    let application = Application::new();
+    told();
+    // SAFETY: valid arguments; the structures are plain data, for which all zero is a valid value.
+    unsafe {
+        let mut count = 0;
+        let swapchain = application.swapchain;
+        swapchain::enumerate_images(swapchain, 0, &mut count, ptr::null_mut());
+        assert_eq!(told(), [], "only counted");
+        let mut images: [xr::SwapchainImageVulkanKHR; 3] = std::mem::zeroed();
+        images.iter_mut().for_each(|image| image.ty = xr::SwapchainImageVulkanKHR::TYPE);
+        for expected in [true, false] {
+            swapchain::enumerate_images(swapchain, 3, &mut count, images.as_mut_ptr().cast());
+            let told = told();
+            assert_eq!(!told.is_empty(), expected, "{told:?}");
+            let record = Told::Swapchain {
+                swapchain: swapchain.into_raw(),
+                images: IMAGES.to_vec(),
+                extent: [SIDE as u32 * 2, SIDE as u32],
+                usage: vk::ImageUsageFlags::COLOR_ATTACHMENT,
+            };
+            assert!(told.iter().all(|told| *told == record), "{told:?}");
+        }
+        assert_eq!(swapchain::destroy(swapchain), xr::Result::SUCCESS);
+        let told = told();
+        let [Told::Swapchain { images, .. }] = &told[..] else { panic!("{told:?}") };
+        assert!(images.is_empty());
+    }
+}
+
+#[test]
+fn what_is_shown_is_told_with_the_image_that_was_released_last() {
+    let application = Application::new();
+    let ui = create_swapchain(application.session, xr::SwapchainUsageFlags::COLOR_ATTACHMENT, 64);
+    let depth_usage = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+    let depth = create_swapchain(application.session, depth_usage, SIDE as u32);
+    let mut depth_info = xr::CompositionLayerDepthInfoKHR {
+        ty: xr::CompositionLayerDepthInfoKHR::TYPE,
+        next: ptr::null(),
+        sub_image: application.view(0).sub_image,
+        min_depth: 0.0,
+        max_depth: 1.0,
+        near_z: 0.1,
+        far_z: 100.0,
+    };
+    depth_info.sub_image.swapchain = depth;
+    let mut views: Vec<_> = (0..4).map(|index| application.view(index % 2)).collect();
+    views[1].next = ptr::from_ref(&depth_info).cast();
+    views[1].fov = xr::Fovf { angle_up: -EDGE, angle_down: EDGE, ..fov() };
+    let shown = || {
+        told().into_iter().find_map(|told| match told {
+            Told::Shown { views, flat, depth } => Some((views, flat, depth)),
+            _ => None,
+        })
+    };
+    application.begin();
+    application.end(&views, Some(ui));
+    let (told_views, flat, depths) = shown().unwrap();
+    assert_eq!((flat, depths), (vec![ui.into_raw()], vec![depth.into_raw()]));
+    let side = SIDE as u32;
+    let expected = |eye, x, is_upside_down| ShownViewRecord {
+        eye,
+        swapchain: application.swapchain.into_raw(),
+        image_index: NO_IMAGE,
+        layer: 0,
+        rect: [x, 0, side, side],
+        is_upside_down,
+    };
+    let eyes = [expected(0, 0, 0), expected(1, side, 1), expected(NO_EYE, 0, 0), expected(NO_EYE, side, 0)];
+    assert_eq!(told_views, eyes);
+
+    let swapchain = application.swapchain;
+    let mut index = 0;
+    // SAFETY: valid arguments.
+    unsafe {
+        for _ in 0..2 {
+            swapchain::acquire_image(swapchain, ptr::null(), &mut index);
+        }
+        swapchain::release_image(swapchain, ptr::null());
+    }
+    application.begin();
+    application.end(&views[..2], None);
+    assert_eq!(shown().unwrap().0[0].image_index, 0, "acquired first, released first");
+    // SAFETY: valid arguments.
+    unsafe { swapchain::release_image(swapchain, ptr::null()) };
+    application.begin();
+    application.end(&views[..2], None);
+    assert_eq!(shown().unwrap().0[0].image_index, 1);
+}
+
+#[test]
+fn a_session_that_ends_takes_its_images_along() {
+    let application = Application::new();
+    // SAFETY: valid arguments; the structures are plain data, for which all zero is a valid value.
+    unsafe {
+        let mut count = 0;
+        let mut images: [xr::SwapchainImageVulkanKHR; 3] = std::mem::zeroed();
+        images.iter_mut().for_each(|image| image.ty = xr::SwapchainImageVulkanKHR::TYPE);
+        swapchain::enumerate_images(application.swapchain, 3, &mut count, images.as_mut_ptr().cast());
+        told();
+        assert_eq!(session::destroy(application.session), xr::Result::SUCCESS);
+    }
+    let told = told();
+    assert!(matches!(&told[..], [Told::Swapchain { images, .. }, Told::Active(false)] if images.is_empty()));
+}

@@ -1,0 +1,65 @@
+//! Planning costs a steady frame no heap.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+#[path = "../compose/allocations.rs"]
+mod allocations;
+
+use glam::{Quat, Vec3};
+use parafovea::config::{Config, Preset};
+use parafovea::link::{BACKEND_RATE_ATTACHMENT, OfferRecord};
+use parafovea::planning::{Look, Offer, Planning, ShownView, View};
+use parafovea_core::geometry::Fov;
+use parafovea_core::rate::VULKAN_RATES;
+
+const FRAME_NS: i64 = 11_111_111;
+
+fn offer() -> Offer {
+    let mut record = OfferRecord {
+        backend: BACKEND_RATE_ATTACHMENT,
+        texel: [16, 16],
+        rate_count: VULKAN_RATES.len() as u32,
+        rates: [0; 16],
+        is_cpu: 0,
+    };
+    for (to, rate) in record.rates.iter_mut().zip(VULKAN_RATES) {
+        *to = rate.texel();
+    }
+    Offer::from(&record)
+}
+
+/// One frame as the OpenXR half goes through it, with a gaze and a resolution that change all the time. Whether rates were
+/// handed over.
+fn frame(planning: &mut Planning, config: &Config, number: i64) -> bool {
+    let time_ns = number * FRAME_NS;
+    let wobble = (number as f32 * 0.02).sin();
+    let head = Quat::from_rotation_y(wobble);
+    let fov = Fov { left: -0.8, right: 0.8, up: 0.8, down: -0.8 };
+    let views = [0.05, -0.05].map(|cant| View { orientation: head * Quat::from_rotation_y(cant), fov });
+    planning.frame_begins(time_ns);
+    planning.views.located(&views);
+    planning.look(config, Look::At(Quat::from_rotation_y(0.3 * wobble) * Vec3::NEG_Z), time_ns);
+    let is_planned = planning.plan(config, true, head, time_ns);
+    let is_new = is_planned && planning.new_rates(config, || number as u64).is_some();
+    let side = 800 + (100.0 * wobble) as u32;
+    planning.views.shown(&views.map(|view| ShownView { view, extent: [side, side] }));
+    is_new
+}
+
+#[test]
+fn a_steady_frame_does_not_allocate() {
+    let config = Config::of_preset(Preset::Streaming);
+    let mut planning = Planning::default();
+    planning.set_offer(offer());
+    for number in 0..4 {
+        frame(&mut planning, &config, number);
+    }
+    let mut handed_over = 0;
+    let allocations = allocations::count(|| {
+        for number in 4..200 {
+            handed_over += usize::from(frame(&mut planning, &config, number));
+        }
+    });
+    assert_eq!(allocations, 0);
+    assert!(handed_over > 20, "rates were handed over {handed_over} times only");
+}
