@@ -8,10 +8,11 @@ pub use chroma::chroma_settings;
 pub use executable::executable;
 pub use parafovea_manifest::config::Config;
 pub use parafovea_manifest::options::{
-    ChromaMatrix, ChromaMode, GazeSource, LogLevel, PeripheralRate, Preset, RatesBackend, RatesMode,
+    ChromaMatrix, ChromaMode, GazeSource, LogLevel, PeripheralRate, Preset, RatesBackend, RatesGate,
+    RatesMode,
 };
 pub use parafovea_manifest::paths::Environment;
-pub use plan::{gaze_settings, plan_settings};
+pub use plan::{gate_mode, gaze_settings, plan_settings};
 
 use arc_swap::ArcSwap;
 use parafovea_manifest::config::{ConfigErrors, Watch};

@@ -10,6 +10,8 @@
 use std::ffi::CStr;
 
 mod armed;
+mod backend;
+mod candidates;
 mod chain;
 mod device;
 mod dispatch;
@@ -19,9 +21,13 @@ mod frame;
 mod instance;
 mod link_table;
 mod negotiate;
+mod objects;
 mod proc_addr;
 mod properties;
+mod recording;
 mod runtime_section;
+mod submit;
+mod table;
 
 pub use chain::NegotiateLayerInterface;
 pub use enablement::Enablement;

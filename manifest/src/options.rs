@@ -68,6 +68,18 @@ choice! {
 }
 
 choice! {
+    /// Whether rates stay where they do not pay.
+    RatesGate {
+        /// they are dropped where frames cost more with them, by time spent; tried anew from time to time
+        Auto = "auto",
+        /// they stay, whatever they cost
+        On = "on",
+        /// none, but everything else is ready for them: to compare with
+        Off = "off",
+    }
+}
+
+choice! {
     /// How many pixels are shaded at once.
     PeripheralRate {
         /// two
@@ -152,6 +164,8 @@ options! {
         mode: RatesMode = RatesMode::Fixed;
         /// How the application's passes are made to shade more coarsely.
         backend: RatesBackend = RatesBackend::Auto;
+        /// Whether rates stay in an application that becomes slower with them.
+        gate: RatesGate = RatesGate::Auto;
         /// Every pixel is shaded up to this angle from the gaze; the tracker's error and the eyes' motion are added.
         foveal_deg: f32 = 14.34, 5.0..=110.0 "degrees";
         /// The angle from the gaze from which on the peripheral rate holds; rates in between fall to it step by step.

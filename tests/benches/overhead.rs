@@ -1,7 +1,7 @@
 //! `cargo dev bench overhead [--json]`.
 
 use parafovea_tests::HarnessError;
-use parafovea_tests::overhead::{Effort, Figure, draws, hello_xr};
+use parafovea_tests::overhead::{Effort, Figure, hello_xr, recording};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -20,7 +20,7 @@ fn main() -> ExitCode {
 }
 
 fn measure() -> Result<Vec<Figure>, HarnessError> {
-    Ok([hello_xr(Effort::FULL)?, draws(Effort::FULL)?].concat())
+    Ok([hello_xr(Effort::FULL)?, recording(Effort::FULL)?].concat())
 }
 
 fn print_json(figure: &Figure) {
@@ -33,7 +33,7 @@ fn print_json(figure: &Figure) {
 fn print_row(figure: &Figure) {
     let added = figure.value - figure.baseline;
     println!(
-        "{:<18} {:<18} {:<12} {:>9.4} {}  {added:>+8.4}  x {:.3}",
-        figure.app, figure.metric, figure.case, figure.value, figure.unit, figure.ratio
+        "{:<25} {:<18} {:<12} {:>9.4} {}  {added:>+8.4}  x {:.3} ± {:.3}",
+        figure.app, figure.metric, figure.case, figure.value, figure.unit, figure.ratio, figure.spread
     );
 }

@@ -44,6 +44,16 @@ pub struct Cost {
     pub cpu_ms: f64,
     /// Fragment shader invocations of a frame that the application caused; the layer's own are not among them.
     pub fragments: u64,
+    /// Samples of a frame that passed the depth test in the application's render passes; none where it has occlusion
+    /// queries itself.
+    pub samples: Option<u64>,
+}
+
+impl Cost {
+    fn new(subject: &Subject, cpu_ms: f64, counted: &Outcome) -> Result<Self, HarnessError> {
+        let samples = counted.samples().ok().map(|samples| samples / subject.frames);
+        Ok(Self { cpu_ms, fragments: counted.fragments()? / subject.frames, samples })
+    }
 }
 
 /// What the demo found for one application.
@@ -91,8 +101,8 @@ pub fn run(subject: &Subject, pictures: &Path) -> Result<Finding, HarnessError> 
     let mut finding = Finding {
         app: subject.application.name().to_owned(),
         frames: subject.frames,
-        off: Cost { cpu_ms: off_ms, fragments: off.fragments()? / subject.frames },
-        on: Cost { cpu_ms: on_ms, fragments: on.fragments()? / subject.frames },
+        off: Cost::new(subject, off_ms, &off)?,
+        on: Cost::new(subject, on_ms, &on)?,
         fovea_max_error: 0,
         outside_psnr_db: f64::INFINITY,
         chroma_kept: 0.0,

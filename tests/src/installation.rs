@@ -45,7 +45,9 @@ impl Installation {
             }
         }
         let test_layers = Library::TestLayers.path()?;
-        for layer in [TestLayer::PassThrough, TestLayer::DropBarrier, TestLayer::ShadingRate] {
+        let explicit =
+            [TestLayer::PassThrough, TestLayer::Samples, TestLayer::DropBarrier, TestLayer::ShadingRate];
+        for layer in explicit {
             let file = data.join(format!("vulkan/explicit_layer.d/{}.json", layer.stem()));
             write(&file, &layer.manifest(&test_layers))?;
         }

@@ -1,11 +1,12 @@
 //! Running real applications through the real loaders, with and without the layer, and judging the result.
 //!
-//! From the outside in: [`demo`] and [`overhead`] are what people run; [`run::Run`] starts one application with a
+//! From the outside in: [`demo`], [`overhead`] and [`break_even`] are what people run; [`run::Run`] starts one application with a
 //! [`scenario::Scenario`] for the mock runtime in an environment of its own ([`installation`]), from the libraries
 //! and programs that cargo built ([`artifacts`]); what it did comes back as a [`record::Record`] and as
 //! [`picture::Picture`]s, which [`compare`] compares.
 
 pub mod artifacts;
+pub mod break_even;
 pub mod compare;
 pub mod demo;
 pub mod error;

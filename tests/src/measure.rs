@@ -13,8 +13,8 @@ mod technique;
 mod timing;
 
 pub use errors::{Judged, RUN_UP, errors};
-pub use rows::{Row, error_rows, print_json, rows};
-pub use statistics::Samples;
+pub use rows::{Comparison, Row, error_rows, print_json, rows};
+pub use statistics::{Ratio, Samples};
 pub use subject::Subject;
 pub use summary::Summary;
 pub use technique::Technique;

@@ -2,9 +2,12 @@
 //!
 //! Four cases, by turns, so that what else the machine does falls on all of them alike, and of each the turn that it
 //! disturbed least: nothing of ours; an empty Vulkan layer that passes every call on, which is what any layer costs;
-//! Parafovea told to be inert; Parafovea on, with every technique off.
+//! Parafovea told to be inert; Parafovea on: for a frame with every technique off, for recording with shading rates, so that
+//! its Vulkan half is armed, and active in an OpenXR application.
 
 use crate::HarnessError;
+use crate::break_even::WITH_RATES;
+use crate::measure::Samples;
 use crate::record::median;
 use crate::run::{Application, LayerMode, Run};
 use crate::scenario::{Scenario, ScenarioExt};
@@ -32,12 +35,13 @@ impl Case {
         }
     }
 
-    fn set_up(self, run: Run) -> Run {
+    /// Prepares a run; `on` is the configuration of [`Case::On`].
+    fn set_up(self, run: Run, on: &str) -> Run {
         match self {
             Case::None => run,
             Case::PassThrough => run.test_layer(TestLayer::PassThrough),
             Case::Inert => run.layer(LayerMode::On("enabled = false\n".to_owned())),
-            Case::On => run.layer(LayerMode::On("preset = \"none\"\n".to_owned())),
+            Case::On => run.layer(LayerMode::On(on.to_owned())),
         }
     }
 }
@@ -65,7 +69,7 @@ impl Effort {
 pub struct Figure {
     /// `overhead`.
     pub bench: &'static str,
-    /// The application.
+    /// The application, or how it records.
     pub app: String,
     /// `none`, `pass_through`, `inert` or `on`.
     pub case: &'static str,
@@ -79,6 +83,8 @@ pub struct Figure {
     pub baseline: f64,
     /// `value / baseline`.
     pub ratio: f64,
+    /// Half of the range in which the middle half of the turns' own ratios lies.
+    pub spread: f64,
 }
 
 /// CPU time of the whole process for one frame of hello_xr.
@@ -90,33 +96,49 @@ pub fn hello_xr(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
     // Small pictures: what the layer adds is the same, and less of the driver's own work hides it.
     let scenario = Scenario::new(effort.frames).sized(64, 64);
     let [frame] = by_turns(effort, |case| {
-        let outcome =
-            case.set_up(Run::new(&application, &scenario)).finish()?.expect_frames(effort.frames)?;
+        let outcome = case.set_up(Run::new(&application, &scenario), "preset = \"none\"\n").finish()?;
+        let outcome = outcome.expect_frames(effort.frames)?;
         Ok([outcome.record.cpu_ms_of_frames()])
     })?;
-    Ok(figures(&application, "cpu_per_frame", "ms", frame))
+    Ok(figures(application.name(), "cpu_per_frame", "ms", &frame))
 }
 
-/// Draw calls in a command buffer of [`draws`].
+/// Draw calls in a command buffer of [`recording`], and the render passes that they are in.
 const DRAWS: u32 = 10_000;
+const PASSES: u32 = 50;
 
-/// CPU time of the recording thread for a command buffer of 10,000 draw calls and for its submit, in a program that
-/// uses Vulkan alone: on, the layer is armed.
+/// How [`recording`] records: the name in the results, and the arguments for it.
+const STYLES: [(&str, &[&str]); 4] = [
+    ("render-pass", &["--style", "render-pass"]),
+    ("dynamic-rendering", &["--style", "dynamic-rendering"]),
+    ("render-pass-openxr", &["--style", "render-pass", "--openxr"]),
+    ("dynamic-rendering-openxr", &["--style", "dynamic-rendering", "--openxr"]),
+];
+
+/// CPU time of the recording thread for a command buffer of 10,000 draw calls in 50 render passes and for its submit, with
+/// render pass objects and with dynamic rendering: in a program that uses Vulkan alone, where the layer is armed when it is
+/// on, and in an OpenXR application, where it is active.
 ///
 /// # Errors
 /// Those of the harness, and a program that prints something else than its figures.
-pub fn draws(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
-    let arguments = ["--draws", &DRAWS.to_string(), "--rounds", &effort.rounds.to_string()];
-    let application = Application::ours("parafovea-overhead", &arguments)?;
-    let scenario = Scenario::new(1);
-    let [record, submit] = by_turns(effort, |case| {
-        let outcome = case.set_up(Run::new(&application, &scenario)).finish()?;
-        let times = outcome.output.lines().find_map(|line| serde_json::from_str::<DrawTimes>(line).ok());
-        let times = times.ok_or_else(|| outcome.failed("it printed no figures"))?;
-        Ok([vec![times.record_ns_per_draw * f64::from(DRAWS) / 1e6], vec![times.submit_ns / 1e6]])
-    })?;
-    let mut all = figures(&application, "record_10000_draws", "ms", record);
-    all.extend(figures(&application, "submit", "ms", submit));
+pub fn recording(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
+    let mut all = Vec::new();
+    for (style, arguments) in STYLES {
+        let rounds = effort.rounds.to_string();
+        let (draws, passes) = (DRAWS.to_string(), PASSES.to_string());
+        let amounts = ["record", "--draws", &draws, "--passes", &passes, "--rounds", &rounds];
+        let application = Application::ours("parafovea-overhead", &[&amounts, arguments].concat())?;
+        // The program ends by itself.
+        let scenario = Scenario::new(100_000).sized(64, 64);
+        let [record, submit] = by_turns(effort, |case| {
+            let outcome = case.set_up(Run::new(&application, &scenario), WITH_RATES).finish()?;
+            let times = outcome.output.lines().find_map(|line| serde_json::from_str::<DrawTimes>(line).ok());
+            let times = times.ok_or_else(|| outcome.failed("it printed no figures"))?;
+            Ok([vec![times.record_ns_per_draw * f64::from(DRAWS) / 1e6], vec![times.submit_ns / 1e6]])
+        })?;
+        all.extend(figures(style, "record_10000_draws", "ms", &record));
+        all.extend(figures(style, "submit", "ms", &submit));
+    }
     Ok(all)
 }
 
@@ -127,39 +149,43 @@ struct DrawTimes {
     submit_ns: f64,
 }
 
-/// Measures all cases by turns. A turn gives samples of each metric; of their medians the lowest come back, by metric
-/// and case.
+/// Medians of the turns, by case.
+type Turns = [Vec<f64>; Case::ALL.len()];
+
+/// Measures all cases by turns. A turn gives samples of each metric, of which the median counts.
 fn by_turns<const METRICS: usize>(
     effort: Effort,
     mut turn: impl FnMut(Case) -> Result<[Vec<f64>; METRICS], HarnessError>,
-) -> Result<[[f64; Case::ALL.len()]; METRICS], HarnessError> {
-    let mut lowest = [[f64::INFINITY; Case::ALL.len()]; METRICS];
+) -> Result<[Turns; METRICS], HarnessError> {
+    let mut medians = std::array::from_fn(|_| Turns::default());
     for _ in 0..effort.turns {
         for (index, case) in Case::ALL.into_iter().enumerate() {
-            for (lowest, samples) in lowest.iter_mut().zip(turn(case)?) {
-                lowest[index] = lowest[index].min(median(samples).unwrap_or(f64::INFINITY));
+            for (medians, samples) in medians.iter_mut().zip(turn(case)?) {
+                medians[index].push(median(samples).unwrap_or(f64::NAN));
             }
         }
     }
-    Ok(lowest)
+    Ok(medians)
 }
 
-fn figures(
-    application: &Application,
-    metric: &'static str,
-    unit: &'static str,
-    values: [f64; Case::ALL.len()],
-) -> Vec<Figure> {
-    let baseline = values[0];
-    let figure = |(case, value): (Case, f64)| Figure {
+fn figures(app: &str, metric: &'static str, unit: &'static str, turns: &Turns) -> Vec<Figure> {
+    let lowest = |turns: &[f64]| turns.iter().copied().fold(f64::INFINITY, f64::min);
+    let samples = |turns: &[f64]| {
+        let mut samples = Samples::default();
+        turns.iter().for_each(|&median| samples.push(vec![median]));
+        samples
+    };
+    let baseline = lowest(&turns[0]);
+    let figure = |(case, own): (Case, &Vec<f64>)| Figure {
         bench: "overhead",
-        app: application.name().to_owned(),
+        app: app.to_owned(),
         case: case.name(),
         metric,
-        value,
+        value: lowest(own),
         unit,
         baseline,
-        ratio: value / baseline,
+        ratio: lowest(own) / baseline,
+        spread: samples(own).ratio_to(&samples(&turns[0])).spread,
     };
-    Case::ALL.into_iter().zip(values).map(figure).collect()
+    Case::ALL.into_iter().zip(turns).map(figure).collect()
 }

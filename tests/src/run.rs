@@ -15,8 +15,8 @@ use child::Child;
 use outcome::Folder;
 use parafovea_test_layers::validation::VALIDATION_LAYER;
 use parafovea_test_layers::{
-    COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, SHADING_RATE_FILE_VARIABLE, SHADING_RATE_PROFILE_VARIABLE,
-    ShadingRateProfile, TestLayer,
+    COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, SAMPLES_FILE_VARIABLE, SHADING_RATE_FILE_VARIABLE,
+    SHADING_RATE_PROFILE_VARIABLE, ShadingRateProfile, TestLayer,
 };
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -140,8 +140,10 @@ impl Run {
         self
     }
 
-    /// Counts the fragments that the application shades, above our layer: what that draws itself is not counted.
-    pub fn counted(self) -> Self {
+    /// Counts the fragments that the application shades, above our layer: what that draws itself is not counted. Counts
+    /// also the samples that pass the depth test in the application's render passes, directly below ours.
+    pub fn counted(mut self) -> Self {
+        self.test_layers.insert(0, TestLayer::Samples);
         self.env(&TestLayer::Count.implicit_variable(), "1")
     }
 
@@ -201,6 +203,7 @@ impl Run {
         }
         command.env("VK_INSTANCE_LAYERS", vulkan_layers.join(":"));
         command.env(COUNT_FILE_VARIABLE, folder.path().join(COUNT_FILE));
+        command.env(SAMPLES_FILE_VARIABLE, folder.path().join(SAMPLES_FILE));
         command.env(SHADING_RATE_FILE_VARIABLE, folder.path().join(SHADING_RATE_FILE));
         command.envs(self.environment.iter().map(|(name, value)| (name, value)));
         let child = Child::start(command, folder.path(), self.timeout)?;
@@ -231,6 +234,9 @@ impl Run {
 
 /// Where the counting layer writes.
 const COUNT_FILE: &str = "count.jsonl";
+
+/// Where the layer that counts samples writes.
+const SAMPLES_FILE: &str = "samples.jsonl";
 
 /// Where the layer that stands in for shading rates writes, in the run's folder.
 const SHADING_RATE_FILE: &str = "shading_rates.jsonl";

@@ -17,4 +17,22 @@ fn chroma_attenuation_adds_no_fragments_of_the_application() {
     assert!(off.submitted(0, last).unwrap() != on.submitted(0, last).unwrap(), "nothing was processed");
     assert!(off.fragments().unwrap() >= FRAMES * 2 * 128 * 128, "{}", off.fragments().unwrap());
     assert_eq!(off.fragments().unwrap(), on.fragments().unwrap());
+    assert_eq!(off.samples().unwrap(), on.samples().unwrap());
+}
+
+/// The scene draws front to back, so little of what it draws passes the depth test and is then hidden. With its own template,
+/// each pixel is either shaded or filled, by a pass of the scene's too: what the template hides is not among the samples.
+#[test]
+fn what_a_depth_template_hides_is_not_among_the_samples() {
+    let samples = |frames: u64, arguments: &[&str]| {
+        let application = Application::ours("parafovea-scene", arguments).unwrap();
+        let run = Run::new(&application, &Scenario::new(frames).sized(128, 128)).counted();
+        run.finish().unwrap().expect_frames(frames).unwrap().samples().unwrap()
+    };
+    let pixels = 6 * 2 * 128 * 128;
+    for arguments in [&[][..], &["--foveation", "0,0,1/16"]] {
+        // The template itself is drawn once, in the first frame.
+        let of_six_frames = samples(12, arguments) - samples(6, arguments);
+        assert!((pixels..pixels * 11 / 10).contains(&of_six_frames), "{of_six_frames}, {arguments:?}");
+    }
 }

@@ -1,7 +1,8 @@
 //! What may be planned, as the configuration asks for it.
 
-use super::{Config, PeripheralRate, Preset, RatesMode, chroma_settings};
+use super::{Config, PeripheralRate, Preset, RatesGate, RatesMode, chroma_settings};
 use parafovea_core::fixed_foveation::FixedFoveation;
+use parafovea_core::gate::GateMode;
 use parafovea_core::gaze::GazeSettings;
 use parafovea_core::plan::{PlanSettings, RateSettings};
 use parafovea_core::presets;
@@ -28,6 +29,15 @@ pub fn plan_settings(config: &Config, offered: &[ShadingRate], texel: [u32; 2]) 
 /// How the gaze is judged.
 pub fn gaze_settings(config: &Config) -> GazeSettings {
     GazeSettings { hold_ms: config.gaze.hold_ms as f32, ..GazeSettings::default() }
+}
+
+/// Who decides whether rates pay.
+pub fn gate_mode(config: &Config) -> GateMode {
+    match config.rates.gate {
+        RatesGate::Auto => GateMode::Auto,
+        RatesGate::On => GateMode::On,
+        RatesGate::Off => GateMode::Off,
+    }
 }
 
 /// The preset of the models that has what the options do not say: the rates to choose from and the safety rails.

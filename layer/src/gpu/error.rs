@@ -33,7 +33,7 @@ pub enum GpuError {
 
 impl GpuError {
     /// For `map_err`: names the call that failed.
-    pub(super) fn from_call(call: &'static str) -> impl Fn(vk::Result) -> Self {
+    pub(crate) fn from_call(call: &'static str) -> impl Fn(vk::Result) -> Self {
         move |result| Self::Call { call, result }
     }
 }

@@ -15,7 +15,7 @@ const INSTANCE: [&CStr; 5] = [
 ];
 
 /// Functions of the device that this crate's `gpu` calls.
-const DEVICE: [&CStr; 54] = [
+const DEVICE: &[&CStr] = &[
     c"vkAllocateCommandBuffers",
     c"vkAllocateDescriptorSets",
     c"vkAllocateMemory",
@@ -62,10 +62,12 @@ const DEVICE: [&CStr; 54] = [
     c"vkFreeMemory",
     c"vkGetBufferMemoryRequirements",
     c"vkGetDeviceQueue",
+    c"vkGetFenceStatus",
     c"vkGetImageMemoryRequirements",
     c"vkMapMemory",
     c"vkQueueSubmit",
     c"vkResetCommandBuffer",
+    c"vkResetCommandPool",
     c"vkResetFences",
     c"vkUnmapMemory",
     c"vkUpdateDescriptorSets",
@@ -73,9 +75,9 @@ const DEVICE: [&CStr; 54] = [
 ];
 
 /// Instance and device as ash knows them.
-pub(super) struct Functions {
-    pub(super) instance: ash::Instance,
-    pub(super) device: ash::Device,
+pub(crate) struct Functions {
+    pub(crate) instance: ash::Instance,
+    pub(crate) device: ash::Device,
 }
 
 impl Functions {
@@ -83,7 +85,7 @@ impl Functions {
     ///
     /// # Safety
     /// `record` is of a live device.
-    pub(super) unsafe fn load(record: &DeviceRecord) -> Result<Self, GpuError> {
+    pub(crate) unsafe fn load(record: &DeviceRecord) -> Result<Self, GpuError> {
         // SAFETY: the handles are live, and the names are C strings.
         let instance_function =
             |name: &CStr| unsafe { (record.next_get_instance_proc_addr)(record.instance, name.as_ptr()) };
@@ -93,7 +95,7 @@ impl Functions {
         if let Some(name) = INSTANCE.into_iter().find(|name| instance_function(name).is_none()) {
             return Err(GpuError::Missing(name));
         }
-        if let Some(name) = DEVICE.into_iter().find(|name| device_function(name).is_none()) {
+        if let Some(name) = DEVICE.iter().copied().find(|name| device_function(name).is_none()) {
             return Err(GpuError::Missing(name));
         }
         let address =
@@ -112,7 +114,7 @@ impl Functions {
 ///
 /// # Safety
 /// `object` is a queue or command buffer of the record's live device.
-pub(super) unsafe fn init_dispatch<H: Handle>(record: &DeviceRecord, object: H) -> Result<(), GpuError> {
+pub(crate) unsafe fn init_dispatch<H: Handle>(record: &DeviceRecord, object: H) -> Result<(), GpuError> {
     // A dispatchable handle is a pointer on every platform.
     let pointer = object.as_raw() as usize as *mut c_void;
     // SAFETY: the caller vouches for the object; the callback is the loader's own.

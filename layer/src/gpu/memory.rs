@@ -25,7 +25,7 @@ impl Gpu {
 }
 
 /// The first memory type among `allowed` (a bit each) with all of `needed`: drivers list better ones first.
-fn memory_type(
+pub(crate) fn memory_type(
     memory: &vk::PhysicalDeviceMemoryProperties,
     allowed: u32,
     needed: vk::MemoryPropertyFlags,

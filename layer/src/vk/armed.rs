@@ -1,24 +1,96 @@
 //! Everything that is kept of an armed device.
 
+use super::backend::Backend;
+use super::candidates::Candidates;
+use super::dispatch::ArmedTable;
 use super::frame::Frame;
-use crate::link::{BACKEND_NONE, DeviceRecord, OfferRecord};
+use super::objects::{Image, Objects};
+use super::submit::Prologues;
+use super::table::Table;
+use crate::gpu::functions::Functions;
+use crate::link::{BACKEND_NONE, DeviceRecord, OfferRecord, SwapchainRecord};
+use crate::scene::SwapchainKey;
+use crate::scene::lay::DeviceRates;
+use ash::vk;
+use parafovea_core::rate::ShadingRate;
+use std::sync::{Arc, OnceLock};
 
 /// A device of an enabled process whose loader lets layers make objects of their own.
 pub struct Armed {
     /// What the OpenXR half may know.
     pub record: DeviceRecord,
+    /// The next layer's functions under our hooks.
+    pub next: ArmedTable,
+    /// What makes passes coarser, if anything can.
+    pub backend: Option<Box<dyn Backend>>,
+    /// The rates that the backend offers.
+    pub rates: DeviceRates,
+    /// The application's objects.
+    pub objects: Objects,
+    /// What passes draw to that may be the scene.
+    pub candidates: Candidates,
     /// What the OpenXR half told, and what the frame under way did.
     pub frame: Frame,
+    /// What we submit ahead of the application's submits, by queue.
+    pub prologues: Table<vk::Queue, Arc<Prologues>>,
+    functions: OnceLock<Option<Functions>>,
 }
 
 impl Armed {
     /// For the device of that record.
-    pub fn new(record: DeviceRecord) -> Self {
-        Self { record, frame: Frame::default() }
+    pub fn new(record: DeviceRecord, next: ArmedTable, backend: Option<Box<dyn Backend>>) -> Self {
+        let offer = backend.as_ref().map_or(NO_OFFER, |backend| backend.offer());
+        let count = (offer.rate_count as usize).min(offer.rates.len());
+        let rates = offer.rates[..count].iter().filter_map(|&texel| ShadingRate::from_texel(texel));
+        Self {
+            record,
+            next,
+            rates: DeviceRates::new(rates),
+            backend,
+            objects: Objects::default(),
+            candidates: Candidates::default(),
+            frame: Frame::default(),
+            prologues: Table::default(),
+            functions: OnceLock::new(),
+        }
     }
 
     /// What the device's backend can do.
     pub fn offer(&self) -> OfferRecord {
-        OfferRecord { backend: BACKEND_NONE, texel: [1, 1], rate_count: 0, rates: [0; 16], is_cpu: 0 }
+        self.backend.as_ref().map_or(NO_OFFER, |backend| backend.offer())
+    }
+
+    /// The next layer's functions for work of our own; nothing where one that is needed is missing.
+    pub fn functions(&self) -> Option<&Functions> {
+        let load = || {
+            // SAFETY: the record is of this device, which is live as long as calls for it come in.
+            unsafe { Functions::load(&self.record) }
+                .inspect_err(|error| tracing::warn!("no shading rates on this device: {error}"))
+                .ok()
+        };
+        self.functions.get_or_init(load).as_ref()
+    }
+
+    /// Takes the images of a swapchain, or, without any, forgets it.
+    pub fn tell_swapchain(&self, record: &SwapchainRecord, images: &[vk::Image]) {
+        let swapchain = SwapchainKey(record.swapchain);
+        for former in self.frame.set_swapchain(swapchain, images) {
+            self.objects.leave_swapchain(former);
+        }
+        for &image in images {
+            self.objects.join_swapchain(image, swapchain, || Image::of_swapchain(image, record));
+        }
+    }
+
+    /// Waits for work of ours, and destroys what is ours, before the device is destroyed.
+    pub fn destroy_own(&self) {
+        for prologues in self.prologues.remove_where(|_, _| true) {
+            prologues.destroy(self);
+        }
+        self.candidates.clear();
     }
 }
+
+/// What a device without a backend offers.
+const NO_OFFER: OfferRecord =
+    OfferRecord { backend: BACKEND_NONE, texel: [1, 1], rate_count: 0, rates: [0; 16], is_cpu: 0 };

@@ -3,6 +3,7 @@
 //! Source: `vulkan/vk_layer.h` and "Layer Interface" of the Vulkan loader's documentation
 //! (LoaderLayerInterface.md).
 
+use crate::abi::pnext;
 use ash::vk;
 use std::ffi::{c_char, c_void};
 
@@ -152,6 +153,20 @@ pub unsafe fn advance_device(info: *const vk::DeviceCreateInfo<'_>) -> Option<Ne
             get_device_proc_addr: link.get_device_proc_addr,
             set_device_loader_data,
         })
+    }
+}
+
+/// The first structure of type `T` in a pNext chain.
+///
+/// # Safety
+///
+/// `p_next` is null or starts a valid pNext chain, unchanged for `'a`.
+pub unsafe fn extension<'a, T: vk::TaggedStructure>(p_next: *const c_void) -> Option<&'a T> {
+    // SAFETY: the caller vouches for the chain; a structure of that type is a T.
+    unsafe {
+        let mut chain = pnext::chain(p_next);
+        let found = Iterator::find(&mut chain, |header| header.ty == T::STRUCTURE_TYPE.as_raw())?;
+        Some(&*std::ptr::from_ref(found).cast::<T>())
     }
 }
 

@@ -2,9 +2,10 @@
 
 use super::armed::Armed;
 use super::chain::{self, NextDevice, SetDeviceLoaderData};
-use super::dispatch::DeviceTable;
+use super::dispatch::{ArmedTable, DeviceTable};
 use super::dispatch_key::DispatchKey;
 use super::instance::{self, Instance};
+use super::recording;
 use crate::abi::guard;
 use crate::link::DeviceRecord;
 use crate::registry::Registry;
@@ -17,6 +18,8 @@ pub struct Device {
     /// What is done on it; `None` for an inert device.
     pub armed: Option<Arc<Armed>>,
     pub next: DeviceTable,
+    /// The next layer's functions under the hooks of armed devices.
+    pub hooked: ArmedTable,
     pub get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
     active: AtomicBool,
 }
@@ -30,7 +33,6 @@ impl Device {
     }
 
     /// Whether an OpenXR session is bound to the device.
-    #[cfg(test)]
     pub fn is_active(&self) -> bool {
         self.active.load(Ordering::Relaxed)
     }
@@ -46,6 +48,22 @@ static DEVICES: Registry<DispatchKey, Device> = Registry::new();
 pub unsafe fn of<H: vk::Handle>(object: H) -> Option<Arc<Device>> {
     // SAFETY: the caller vouches for the handle.
     DEVICES.get(unsafe { DispatchKey::of(object) }?)
+}
+
+/// The device that an object belongs to, with the next layer's function that `choose` names. Hooks are given out only where
+/// there is that function, so that a call through one finds it.
+///
+/// # Safety
+///
+/// As for [`of`].
+pub unsafe fn with<H: vk::Handle, F>(
+    object: H,
+    choose: impl FnOnce(&ArmedTable) -> Option<F>,
+) -> Option<(Arc<Device>, F)> {
+    // SAFETY: the caller vouches for the handle.
+    let device = unsafe { of(object) }?;
+    let function = choose(&device.hooked)?;
+    Some((device, function))
 }
 
 /// `vkCreateDevice`. Fails with `ERROR_INITIALIZATION_FAILED` when the caller is not a Vulkan loader.
@@ -92,6 +110,18 @@ pub unsafe extern "system" fn create(
     )
 }
 
+/// The version that both the application asked for and the device has.
+///
+/// # Safety
+///
+/// `physical_device` is a live one of `instance`.
+unsafe fn api_version(instance: &Instance, physical_device: vk::PhysicalDevice) -> u32 {
+    let mut properties = vk::PhysicalDeviceProperties::default();
+    // SAFETY: the next layer's function, a live physical device and a structure to write to.
+    unsafe { (instance.next.physical_device_properties)(physical_device, &mut properties) };
+    instance.api_version.min(properties.api_version)
+}
+
 /// Begins to track a device, and says in which state.
 ///
 /// # Safety
@@ -108,8 +138,13 @@ unsafe fn track(
         let key = DispatchKey::of(device)?;
         let table = DeviceTable::load(|name| (next.get_device_proc_addr)(device, name.as_ptr()))?;
         let set_device_loader_data = next.set_device_loader_data.filter(|_| instance.enabled);
-        let armed = set_device_loader_data
-            .map(|callback| Arc::new(Armed::new(record(instance, physical_device, device, next, callback))));
+        let hooked = ArmedTable::load(api_version(instance, physical_device), |name| {
+            (next.get_device_proc_addr)(device, name.as_ptr())
+        });
+        let armed = set_device_loader_data.map(|callback| {
+            let record = record(instance, physical_device, device, next, callback);
+            Arc::new(Armed::new(record, hooked, None))
+        });
         let state = match (&armed, instance.enabled) {
             (Some(_), _) => "armed",
             (None, false) => "inert",
@@ -120,6 +155,7 @@ unsafe fn track(
             Arc::new(Device {
                 armed,
                 next: table,
+                hooked,
                 get_device_proc_addr: next.get_device_proc_addr,
                 active: AtomicBool::new(false),
             }),
@@ -140,14 +176,12 @@ unsafe fn record(
     next: NextDevice,
     set_device_loader_data: SetDeviceLoaderData,
 ) -> DeviceRecord {
-    let mut properties = vk::PhysicalDeviceProperties::default();
-    // SAFETY: the next layer's function, a live physical device and a structure to write to.
-    unsafe { (instance.next.physical_device_properties)(physical_device, &mut properties) };
     DeviceRecord {
         instance: instance.handle,
         physical_device,
         device,
-        api_version: instance.api_version.min(properties.api_version),
+        // SAFETY: the caller vouches for the physical device.
+        api_version: unsafe { api_version(instance, physical_device) },
         next_get_instance_proc_addr: instance.get_instance_proc_addr,
         next_get_device_proc_addr: next.get_device_proc_addr,
         set_device_loader_data,
@@ -163,6 +197,10 @@ pub unsafe extern "system" fn destroy(device: vk::Device, allocator: *const vk::
             // SAFETY: the application vouches that the device is null or live until the call down.
             let key = unsafe { DispatchKey::of(device) };
             if let Some(known) = key.and_then(|key| DEVICES.remove(key)) {
+                if let Some(armed) = &known.armed {
+                    recording::forget_device(armed);
+                    armed.destroy_own();
+                }
                 // SAFETY: the next layer's function with the application's own arguments.
                 unsafe { (known.next.destroy_device)(device, allocator) }
             }

@@ -1,7 +1,12 @@
 //! Every function that this layer calls below, and every function that it hooks: one list for each kind.
 //!
 //! A line is a name and its type, then `next(field)` where the next layer's function is kept in the table, and
-//! `hook(function)` where `proc_addr` answers with a function of ours.
+//! `hook(function)` where `proc_addr` answers with a function of ours. The list for armed devices, in [`armed`], has
+//! functions that a device may lack.
+
+mod armed;
+
+pub use armed::{ArmedTable, armed_hook};
 
 use super::{device, instance, proc_addr, properties};
 use ash::vk;

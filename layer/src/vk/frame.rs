@@ -1,52 +1,82 @@
-//! What the OpenXR half told of a device's frames.
+//! What the OpenXR half told of a device's frames, and what the application did since the last one ended.
 
+mod log;
 mod plan;
 mod swapchains;
 
-use plan::Plan;
-use swapchains::Swapchains;
+pub use log::Log;
+pub use plan::Plan;
 
-use crate::link::{PlanRecord, SettingsRecord, ShownViewRecord, SwapchainRecord};
+use super::objects::Objects;
+use crate::link::{PlanRecord, SettingsRecord, ShownViewRecord};
 use crate::scene::{Eye, Shown, ShownView, SwapchainKey};
 use ash::vk;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use swapchains::Swapchains;
 
 /// What holds for the frame under way. All of it is changed in place, so that a steady frame allocates nothing.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Frame {
     plan: Mutex<Plan>,
+    /// Number of the newest plan, to be looked at without the lock.
+    serial: AtomicU64,
     swapchains: Mutex<Swapchains>,
+    log: Mutex<Log>,
     shown: Mutex<Shown>,
     is_on: AtomicBool,
 }
 
 impl Frame {
-    /// Takes a newer plan, with the rates of both eyes. One that is not newer, or makes no sense, changes nothing.
+    /// Takes a newer plan, with the rates of both eyes; one that is not newer changes nothing.
     pub fn set_plan(&self, record: &PlanRecord, rates: [&[u8]; 2]) {
         let mut plan = lock(&self.plan);
-        let taken = plan.take(record, rates);
-        tracing::trace!("plan {} (taken: {taken}): {plan:?}", record.serial);
+        plan.take(record, rates);
+        self.serial.store(plan.serial(), Ordering::Release);
     }
 
-    /// Takes the images of a swapchain, or, without any, forgets it.
-    pub fn swapchain(&self, record: &SwapchainRecord, images: &[vk::Image]) {
-        let mut swapchains = lock(&self.swapchains);
-        swapchains.take(SwapchainKey(record.swapchain), images);
-        tracing::trace!("swapchains: {swapchains:?}");
+    /// The newest plan.
+    pub fn plan(&self) -> MutexGuard<'_, Plan> {
+        lock(&self.plan)
+    }
+
+    /// Number of the newest plan; 0 before the first.
+    pub fn plan_serial(&self) -> u64 {
+        self.serial.load(Ordering::Acquire)
+    }
+
+    /// Takes the images of a swapchain, or, without any, forgets it; returns those that it had.
+    pub fn set_swapchain(&self, swapchain: SwapchainKey, images: &[vk::Image]) -> Vec<vk::Image> {
+        lock(&self.swapchains).take(swapchain, images)
+    }
+
+    /// What the application did since the last frame ended.
+    pub fn log(&self) -> MutexGuard<'_, Log> {
+        lock(&self.log)
+    }
+
+    /// Whether passes that are recognised get the plan's rates.
+    pub fn is_on(&self) -> bool {
+        self.is_on.load(Ordering::Relaxed)
     }
 
     /// Ends a frame with what it shows: views of projection layers, swapchains of other layers, and those submitted
     /// as depth.
-    pub fn shown(&self, views: &[ShownViewRecord], flat: &[u64], depth: &[u64]) {
+    pub fn shown(&self, objects: &Objects, views: &[ShownViewRecord], flat: &[u64], depth: &[u64]) {
         let mut shown = lock(&self.shown);
+        let swapchains = lock(&self.swapchains);
+        let image = |view: &ShownViewRecord| {
+            let image = swapchains.image(SwapchainKey(view.swapchain), view.image_index)?;
+            Some(objects.image(image)?.description.key)
+        };
         shown.views.clear();
-        shown.views.extend(views.iter().map(shown_view));
+        shown.views.extend(views.iter().map(|view| ShownView { image: image(view), ..shown_view(view) }));
         shown.flat.clear();
         shown.flat.extend(flat.iter().copied().map(SwapchainKey));
         shown.depth.clear();
         shown.depth.extend(depth.iter().copied().map(SwapchainKey));
-        tracing::trace!("shown: {shown:?}");
+        drop(swapchains);
+        lock(&self.log).end_frame(objects, &shown);
     }
 
     /// Takes what shall be done.

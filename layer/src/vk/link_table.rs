@@ -109,7 +109,7 @@ unsafe extern "C" fn swapchain(device: vk::Device, record: *const SwapchainRecor
     // SAFETY: the other half passes a live device and a valid record (link.rs).
     unsafe {
         told("parafovea_vkGetLink.swapchain", device, record, |armed, record| {
-            armed.frame.swapchain(record, slice(record.images, record.image_count as usize));
+            armed.tell_swapchain(record, slice(record.images, record.image_count as usize));
         });
     }
 }
@@ -132,6 +132,7 @@ unsafe extern "C" fn shown(device: vk::Device, record: *const ShownRecord) {
     unsafe {
         told("parafovea_vkGetLink.shown", device, record, |armed, record| {
             armed.frame.shown(
+                &armed.objects,
                 slice(record.views, record.view_count as usize),
                 slice(record.flat, record.flat_count as usize),
                 slice(record.depth, record.depth_count as usize),

@@ -3,7 +3,7 @@
 //! A hook of ours is given out only where the next layer has the function too: what the driver lacks stays
 //! missing.
 
-use super::dispatch::{device_hook, global_hook, instance_hook, physical_device_hook};
+use super::dispatch::{armed_hook, device_hook, global_hook, instance_hook, physical_device_hook};
 use super::{device, instance, link_table};
 use crate::abi::guard;
 use crate::link::GET_LINK_NAME;
@@ -27,6 +27,7 @@ pub unsafe extern "system" fn instance(handle: vk::Instance, name: *const c_char
             instance_hook(name)
                 .or_else(|| physical_device_hook(name))
                 .or_else(|| device_hook(name))
+                .or_else(|| if known.enabled { armed_hook(name) } else { None })
                 .or(Some(next))
         },
     )
@@ -45,7 +46,8 @@ pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) ->
                 return known.armed.is_some().then(link_table::get_link);
             }
             let next = (known.get_device_proc_addr)(handle, name.as_ptr())?;
-            device_hook(name).or(Some(next))
+            let armed = || known.armed.as_ref().and_then(|_| known.hooked.hook(name));
+            device_hook(name).or_else(armed).or(Some(next))
         },
     )
 }

@@ -6,8 +6,12 @@ use std::path::Path;
 use std::process::Command;
 
 /// The benches, and the packages that they are in.
-const BENCHES: [(&str, &str); 3] =
-    [("frame", "parafovea-tests"), ("models", "parafovea-models"), ("overhead", "parafovea-tests")];
+const BENCHES: [(&str, &str); 4] = [
+    ("break-even", "parafovea-tests"),
+    ("frame", "parafovea-tests"),
+    ("models", "parafovea-models"),
+    ("overhead", "parafovea-tests"),
+];
 
 /// The unmodified application and our scene, off and on.
 pub fn demo(arguments: &[String]) -> Result<(), String> {

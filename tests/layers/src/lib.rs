@@ -1,8 +1,10 @@
-//! Four Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
+//! Five Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
 //! own ([`TestLayer::manifest`]), which maps the loader's entry point to that layer's.
 //!
 //! - `VK_LAYER_PARAFOVEA_TEST_pass_through` does nothing: the baseline for what any layer costs.
 //! - `VK_LAYER_PARAFOVEA_TEST_count` counts fragment shader invocations, draws and submits ([`Count`]).
+//! - `VK_LAYER_PARAFOVEA_TEST_samples` counts the samples that pass depth and stencil tests in the application's render
+//!   passes ([`SampleCount`]), below Parafovea, together with the former above it.
 //! - `VK_LAYER_PARAFOVEA_TEST_drop_barrier` leaves out chosen image barriers, to see that their absence is
 //!   noticed.
 //! - `VK_LAYER_PARAFOVEA_TEST_shading_rate` makes a device look as if it had `VK_KHR_fragment_shading_rate`,
@@ -29,7 +31,7 @@ mod report;
 mod shading_rate;
 pub mod validation;
 
-pub use count::{COUNT_FILE_VARIABLE, Count};
+pub use count::{COUNT_FILE_VARIABLE, Count, SAMPLES_FILE_VARIABLE, SampleCount};
 pub use drop_barrier::{DROP_BARRIER_VARIABLE, DROP_FILE_VARIABLE, Dropped};
 pub use manifest::TestLayer;
 pub use shading_rate::{
@@ -63,7 +65,20 @@ pub unsafe extern "system" fn count_vkNegotiateLoaderLayerInterfaceVersion(
     interface: *mut NegotiateLayerInterface,
 ) -> vk::Result {
     // SAFETY: the loader vouches for it.
-    unsafe { layer::negotiate::<count::Counter>(interface) }
+    unsafe { layer::negotiate::<count::Invocations>(interface) }
+}
+
+/// The Vulkan loader's first call to the layer `samples`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn samples_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<count::Samples>(interface) }
 }
 
 /// The Vulkan loader's first call to the layer `drop_barrier`.

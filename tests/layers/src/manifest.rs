@@ -10,6 +10,8 @@ pub enum TestLayer {
     PassThrough,
     /// Counts fragment shader invocations.
     Count,
+    /// Counts samples that pass depth and stencil tests.
+    Samples,
     /// Leaves out chosen barriers.
     DropBarrier,
     /// Offers fragment shading rates where the device has none.
@@ -18,14 +20,20 @@ pub enum TestLayer {
 
 impl TestLayer {
     /// All of them.
-    pub const ALL: [TestLayer; 4] =
-        [TestLayer::PassThrough, TestLayer::Count, TestLayer::DropBarrier, TestLayer::ShadingRate];
+    pub const ALL: [TestLayer; 5] = [
+        TestLayer::PassThrough,
+        TestLayer::Count,
+        TestLayer::Samples,
+        TestLayer::DropBarrier,
+        TestLayer::ShadingRate,
+    ];
 
     /// The last part of its name, which its entry point and its manifest's file have too.
     pub fn stem(self) -> &'static str {
         match self {
             TestLayer::PassThrough => "pass_through",
             TestLayer::Count => "count",
+            TestLayer::Samples => "samples",
             TestLayer::DropBarrier => "drop_barrier",
             TestLayer::ShadingRate => "shading_rate",
         }

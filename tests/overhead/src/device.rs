@@ -1,12 +1,16 @@
-//! Instance, device, queue: as a Vulkan 1.0 application makes them.
+//! Instance, device, queue.
 
+use crate::headset::Headset;
+use crate::style::Style;
 use anyhow::{Context, Result};
 use ash::vk;
+use std::ffi::CString;
 
 /// A device with one queue that draws.
 pub struct Device {
     _entry: ash::Entry,
-    instance: ash::Instance,
+    pub instance: ash::Instance,
+    pub physical_device: vk::PhysicalDevice,
     pub functions: ash::Device,
     pub family: u32,
     queue: vk::Queue,
@@ -14,21 +18,52 @@ pub struct Device {
     memory_types: vk::PhysicalDeviceMemoryProperties,
 }
 
+/// What an OpenXR runtime wants, names separated by spaces.
+#[derive(Default)]
+pub struct Wishes {
+    pub instance_extensions: String,
+    pub device_extensions: String,
+}
+
 impl Device {
-    /// Makes a device of the first physical device with a queue that draws.
-    pub fn new() -> Result<Self> {
+    /// Makes the headset's device, or else one of the first physical device with a queue that draws; as an application
+    /// of Vulkan 1.0 does, or of 1.3 where the style needs that.
+    pub fn new(style: Style, headset: Option<&Headset>) -> Result<Self> {
+        let wishes = headset.map(Headset::wishes).transpose()?.unwrap_or_default();
+        let version = match style {
+            Style::RenderPass => vk::API_VERSION_1_0,
+            Style::DynamicRendering => vk::API_VERSION_1_3,
+        };
+        let instance_extensions = names(&wishes.instance_extensions)?;
+        let device_extensions = names(&wishes.device_extensions)?;
         // SAFETY: plain use of Vulkan: valid structures, and the handles live as long as this object.
         unsafe {
             let entry = ash::Entry::load()?;
-            let instance = entry.create_instance(&vk::InstanceCreateInfo::default(), None)?;
-            let (physical_device, family) = instance
-                .enumerate_physical_devices()?
-                .into_iter()
-                .find_map(|device| Some((device, graphics_family(&instance, device)?)))
-                .context("no queue that draws")?;
+            let application = vk::ApplicationInfo::default().api_version(version);
+            let pointers: Vec<_> = instance_extensions.iter().map(|name| name.as_ptr()).collect();
+            let info = vk::InstanceCreateInfo::default()
+                .application_info(&application)
+                .enabled_extension_names(&pointers);
+            let instance = entry.create_instance(&info, None)?;
+            let physical_device = match headset {
+                Some(headset) => headset.physical_device(instance.handle())?,
+                None => instance
+                    .enumerate_physical_devices()?
+                    .into_iter()
+                    .find(|&device| graphics_family(&instance, device).is_some())
+                    .context("no queue that draws")?,
+            };
+            let family = graphics_family(&instance, physical_device).context("no queue that draws")?;
             let queue =
                 [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
-            let info = vk::DeviceCreateInfo::default().queue_create_infos(&queue);
+            let pointers: Vec<_> = device_extensions.iter().map(|name| name.as_ptr()).collect();
+            let mut modern =
+                vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
+            let mut info =
+                vk::DeviceCreateInfo::default().queue_create_infos(&queue).enabled_extension_names(&pointers);
+            if style == Style::DynamicRendering {
+                info = info.push_next(&mut modern);
+            }
             let functions = instance.create_device(physical_device, &info, None)?;
             Ok(Self {
                 queue: functions.get_device_queue(family, 0),
@@ -36,6 +71,7 @@ impl Device {
                 memory_types: instance.get_physical_device_memory_properties(physical_device),
                 family,
                 functions,
+                physical_device,
                 instance,
                 _entry: entry,
             })
@@ -75,6 +111,10 @@ impl Device {
         // SAFETY: a valid structure.
         unsafe { Ok(self.functions.allocate_memory(&info, None)?) }
     }
+}
+
+fn names(text: &str) -> Result<Vec<CString>> {
+    text.split_whitespace().map(|name| Ok(CString::new(name)?)).collect()
 }
 
 fn graphics_family(instance: &ash::Instance, device: vk::PhysicalDevice) -> Option<u32> {

@@ -6,7 +6,7 @@ use serde::Serialize;
 /// One figure.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// `frame`.
+    /// `frame` or `break-even`.
     pub bench: &'static str,
     /// The scene.
     pub app: String,
@@ -60,6 +60,9 @@ fn rows_of(app: &str, timing: &Timing, baseline: &Timing) -> Vec<Row> {
         row("cpu_worst", "ms", cpu.worst(), cpu_off.worst()),
         row("fragments", "invocations", timing.fragments as f64, baseline.fragments as f64),
     ];
+    if let (Some(samples), Some(baseline)) = (timing.samples, baseline.samples) {
+        rows.push(row("samples", "samples", samples as f64, baseline as f64));
+    }
     // Where the application shades as much as without the layer, all the difference is the layer's.
     if timing.with_layer && timing.fragments == baseline.fragments {
         let own = cpu.median() - cpu_off.median();

@@ -23,28 +23,34 @@ const PERIPHERAL: [Metric; 2] = [Metric::Transient, Metric::Flicker];
 impl Display for Summary<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(off) = self.timings.first() else { return Ok(()) };
-        write!(f, "\n### {}\n\n| technique | CPU ms | x off | p99 x off | fragments x off |", self.app)?;
+        write!(
+            f,
+            "\n### {}\n\n| technique | CPU ms | x off | p99 x off | fragments x off | samples x off |",
+            self.app
+        )?;
         let judged = !self.judged.is_empty();
         if judged {
             write!(f, " JOD | FLIP |")?;
             RING_NAMES.iter().try_for_each(|ring| write!(f, " {} {ring} |", BY_RING.name()))?;
             PERIPHERAL.iter().try_for_each(|metric| write!(f, " {} 10-20 |", metric.name()))?;
         }
-        let columns = if judged { 5 + 2 + RINGS + PERIPHERAL.len() } else { 5 };
+        let columns = if judged { 6 + 2 + RINGS + PERIPHERAL.len() } else { 6 };
         writeln!(f, "\n|---|{}", "---:|".repeat(columns - 1))?;
         for (index, timing) in self.timings.iter().enumerate() {
             let ratio = timing.cpu_ms.ratio_to(&off.cpu_ms);
             let p99 = timing.cpu_ms.quantile(0.99) / off.cpu_ms.quantile(0.99);
             let fragments = timing.fragments as f64 / off.fragments as f64;
+            let samples = timing.samples.zip(off.samples).map(|(own, off)| own as f64 / off as f64);
+            let samples = samples.map_or("-".to_owned(), |ratio| format!("{ratio:.3}"));
             let (name, cpu_ms) = (&timing.technique, timing.cpu_ms.median());
             write!(
                 f,
-                "| {name} | {cpu_ms:.1} | {:.3} ± {:.3} | {p99:.3} | {fragments:.3} |",
+                "| {name} | {cpu_ms:.1} | {:.3} ± {:.3} | {p99:.3} | {fragments:.3} | {samples} |",
                 ratio.value, ratio.spread
             )?;
             match index.checked_sub(1).and_then(|index| self.judged.get(index)) {
                 Some(judged) => errors(f, judged)?,
-                None if judged => write!(f, "{}", " |".repeat(columns - 5))?,
+                None if judged => write!(f, "{}", " |".repeat(columns - 6))?,
                 None => {}
             }
             writeln!(f)?;

@@ -26,6 +26,9 @@ pub struct Timing {
     /// Fragment shader invocations of a frame that the application caused, by pipeline statistics; the layer's own are
     /// not among them. lavapipe 22.3.6 counts those too that an early depth test rejects.
     pub fragments: u64,
+    /// Samples of a frame that passed the depth test in the application's render passes: what is shaded where the
+    /// driver tests early. None where the application has occlusion queries itself.
+    pub samples: Option<u64>,
 }
 
 /// Times all `techniques` on `subject`, the first of which is the baseline: turn by turn, each technique once, in an
@@ -50,6 +53,7 @@ pub fn time(
             with_layer: technique.has_layer(),
             cpu_ms: Samples::default(),
             fragments: outcome.fragments()? / effort.frames,
+            samples: outcome.samples().ok().map(|samples| samples / effort.frames),
         });
     }
     for turn in 0..effort.turns {

@@ -2,13 +2,14 @@
 
 use super::child::Exit;
 use super::validation::Findings;
-use super::{COUNT_FILE, SHADING_RATE_FILE};
+use super::{COUNT_FILE, SAMPLES_FILE, SHADING_RATE_FILE};
 use crate::HarnessError;
 use crate::installation::Installation;
 use crate::picture::Picture;
 use crate::record::Record;
 use crate::scenario::Scenario;
-use parafovea_test_layers::{Count, ShadingRateLine};
+use parafovea_test_layers::{Count, SampleCount, ShadingRateLine};
+use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
 /// An application's end, and everything that it left. Its folder goes with it, unless a test fails.
@@ -78,10 +79,28 @@ impl Outcome {
             let reason = count.reason.unwrap_or_default();
             count.fragment_invocations.ok_or_else(|| self.failed(&reason))
         };
-        let path = self.folder.path().join(COUNT_FILE);
+        self.reports(COUNT_FILE)?.into_iter().map(number).sum()
+    }
+
+    /// Samples that passed depth and stencil tests in the render passes that the application began, on all devices:
+    /// what is shaded where the driver tests early, which [`Self::fragments`] does not tell on every driver.
+    ///
+    /// # Errors
+    /// As for [`Self::fragments`].
+    pub fn samples(&self) -> Result<u64, HarnessError> {
+        let number = |count: SampleCount| {
+            let reason = count.reason.unwrap_or_default();
+            count.samples.ok_or_else(|| self.failed(&reason))
+        };
+        self.reports(SAMPLES_FILE)?.into_iter().map(number).sum()
+    }
+
+    /// What a layer reports of each device, a line each.
+    fn reports<T: DeserializeOwned>(&self, file: &str) -> Result<Vec<T>, HarnessError> {
+        let path = self.folder.path().join(file);
         let text = std::fs::read_to_string(&path).map_err(HarnessError::file(&path))?;
-        let count = |line| serde_json::from_str(line).map_err(|error| HarnessError::format(&path, error));
-        text.lines().map(|line| count(line).and_then(number)).sum()
+        let report = |line| serde_json::from_str(line).map_err(|error| HarnessError::format(&path, error));
+        text.lines().map(report).collect()
     }
 
     /// What [`Run::shading_rates`](super::Run::shading_rates) has to say, in its order; nothing where it was not

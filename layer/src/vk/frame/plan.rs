@@ -1,94 +1,79 @@
 //! The newest plan.
 
-use crate::link::{EyeMapRecord, PlanRecord};
+use crate::link::PlanRecord;
+use crate::scene::Part;
+use crate::scene::lay::{DeviceRates, EyeMap, RateImage, Scratch, lay};
 
-/// More tiles than this in a row or column make no sense: the smallest tiles have 4 pixels.
-const MAX_TILES: u32 = 16_384;
-
-/// The newest plan; before the first, number 0 without tiles.
+/// The newest plan; before the first, number 0 with all at 1x1.
 #[derive(Debug, Default)]
 pub struct Plan {
-    /// Counts up with every plan.
-    pub serial: u64,
-    /// Of the left and of the right eye.
-    pub eyes: [EyeMap; 2],
-}
-
-/// Rates of one eye's picture.
-#[derive(Debug, Default, Clone, PartialEq, Eq)]
-pub struct EyeMap {
-    /// Size of the picture, pixels.
-    pub extent: [u32; 2],
-    /// Size of a tile, pixels.
-    pub texel: [u32; 2],
-    /// Columns and rows of tiles.
-    pub tiles: [u32; 2],
-    /// A texel of a rate image for each tile, row by row, top row first.
-    pub rates: Vec<u8>,
+    serial: u64,
+    eyes: [EyeMap; 2],
+    scratch: Scratch,
 }
 
 impl Plan {
-    /// Takes a newer plan that makes sense; says whether it did.
-    pub fn take(&mut self, record: &PlanRecord, rates: [&[u8]; 2]) -> bool {
-        let makes_sense =
-            record.eyes.iter().zip(rates).all(|(eye, rates)| covers(eye) && rates.len() == count(eye.tiles));
-        if record.serial <= self.serial || !makes_sense {
-            return false;
+    /// Counts up with every plan.
+    pub fn serial(&self) -> u64 {
+        self.serial
+    }
+
+    /// Takes a newer plan, with the rates of both eyes; one that is not newer changes nothing.
+    pub fn take(&mut self, record: &PlanRecord, rates: [&[u8]; 2]) {
+        if record.serial <= self.serial {
+            return;
         }
         self.serial = record.serial;
         for ((map, eye), rates) in self.eyes.iter_mut().zip(&record.eyes).zip(rates) {
-            map.extent = eye.extent;
-            map.texel = eye.texel;
-            map.tiles = eye.tiles;
-            map.rates.clear();
-            map.rates.extend_from_slice(rates);
+            map.set(eye.extent, eye.texel, eye.tiles, rates);
         }
-        true
     }
-}
 
-fn count(tiles: [u32; 2]) -> usize {
-    tiles[0] as usize * tiles[1] as usize
-}
-
-/// Whether the tiles are those that it takes to cover the picture.
-fn covers(eye: &EyeMapRecord) -> bool {
-    (0..2).all(|axis| {
-        let (extent, texel, tiles) = (eye.extent[axis], eye.texel[axis], eye.tiles[axis]);
-        extent > 0 && texel > 0 && tiles <= MAX_TILES && extent.div_ceil(texel) == tiles
-    })
+    /// Lays the plan over what a pass draws; `texels` becomes the content of `image`.
+    pub fn lay(&mut self, parts: &[Part], image: &RateImage, rates: &DeviceRates, texels: &mut Vec<u8>) {
+        texels.clear();
+        texels.resize(image.len(), 0);
+        let [left, right] = &self.eyes;
+        if !parts.is_empty() {
+            lay([left, right], parts, image, rates, &mut self.scratch, texels);
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link::EyeMapRecord;
+    use crate::scene::{Eyes, Orientation};
+    use parafovea_core::rate::ShadingRate;
 
-    fn record(serial: u64, extent: [u32; 2], tiles: [u32; 2]) -> PlanRecord {
-        let eye = EyeMapRecord { extent, texel: [16, 8], tiles, rates: std::ptr::null() };
+    fn record(serial: u64) -> PlanRecord {
+        let eye = EyeMapRecord { extent: [32, 16], texel: [16, 16], tiles: [2, 1], rates: std::ptr::null() };
         PlanRecord { serial, eyes: [eye; 2] }
     }
 
     #[test]
-    fn newer_plans_replace_older_ones_and_no_others_do() {
+    fn only_newer_plans_are_laid() {
+        let rates = DeviceRates::new([ShadingRate::R2X2, ShadingRate::R4X4].into_iter());
+        let image = RateImage { area: [0, 0, 32, 16], texel: [16, 16], tiles: [2, 1], layers: 1 };
+        let part =
+            |eyes| Part { eyes, layer: 0, rect: [0.0, 0.0, 1.0, 1.0], orientation: Orientation::Upright };
+        let [r2, r4] = [ShadingRate::R2X2.texel(), ShadingRate::R4X4.texel()];
         let mut plan = Plan::default();
-        assert!(plan.take(&record(3, [33, 16], [3, 2]), [&[5; 6], &[0; 6]]));
-        assert_eq!((plan.serial, &plan.eyes[0].rates[..]), (3, &[5; 6][..]));
-        for refused in [
-            plan.take(&record(3, [33, 16], [3, 2]), [&[1; 6], &[1; 6]]),
-            plan.take(&record(2, [33, 16], [3, 2]), [&[1; 6], &[1; 6]]),
-            plan.take(&record(4, [33, 16], [3, 2]), [&[1; 6], &[1; 5]]),
-            plan.take(&record(4, [33, 17], [3, 2]), [&[1; 6], &[1; 6]]),
-            plan.take(&record(4, [0, 16], [0, 2]), [&[], &[]]),
-        ] {
-            assert!(!refused);
+        let mut texels = vec![9; 7];
+        let mut laid = |plan: &mut Plan, parts: &[Part]| {
+            plan.lay(parts, &image, &rates, &mut texels);
+            texels.clone()
+        };
+        assert_eq!(laid(&mut plan, &[part(Eyes::Left)]), [0, 0], "before the first");
+        plan.take(&record(2), [&[r2, r4], &[r4, r4]]);
+        for serial in [1, 2] {
+            plan.take(&record(serial), [&[0, 0], &[0, 0]]);
         }
-        assert_eq!((plan.serial, &plan.eyes[1].rates[..]), (3, &[0; 6][..]));
-        let before = plan.eyes[0].rates.as_ptr();
-        assert!(plan.take(&record(4, [16, 8], [1, 1]), [&[9], &[9]]));
-        assert_eq!(
-            (&plan.eyes[0].rates[..], plan.eyes[0].rates.as_ptr()),
-            (&[9][..], before),
-            "no allocation"
-        );
+        assert_eq!(laid(&mut plan, &[part(Eyes::Left)]), [r2, r4]);
+        assert_eq!(laid(&mut plan, &[part(Eyes::Right)]), [r4, r4]);
+        assert_eq!(laid(&mut plan, &[]), [0, 0]);
+        plan.take(&record(3), [&[r4], &[r4, r4]]);
+        assert_eq!(laid(&mut plan, &[part(Eyes::Left)]), [0, 0], "a plan that makes no sense is 1x1");
     }
 }

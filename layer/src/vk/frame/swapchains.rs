@@ -10,16 +10,17 @@ pub struct Swapchains {
 }
 
 impl Swapchains {
-    /// Takes the images of a swapchain, or, without any, forgets it.
-    pub fn take(&mut self, swapchain: SwapchainKey, images: &[vk::Image]) {
-        self.live.retain(|(known, _)| *known != swapchain);
+    /// Takes the images of a swapchain, or, without any, forgets it; returns those that it had.
+    pub fn take(&mut self, swapchain: SwapchainKey, images: &[vk::Image]) -> Vec<vk::Image> {
+        let known = self.live.iter().position(|(known, _)| *known == swapchain);
+        let former = known.map(|index| self.live.swap_remove(index).1);
         if !images.is_empty() {
             self.live.push((swapchain, images.to_vec()));
         }
+        former.unwrap_or_default()
     }
 
     /// An image of a swapchain.
-    #[cfg(test)]
     pub fn image(&self, swapchain: SwapchainKey, index: u32) -> Option<vk::Image> {
         let (_, images) = self.live.iter().find(|(known, _)| *known == swapchain)?;
         images.get(index as usize).copied()
@@ -40,7 +41,7 @@ mod tests {
         swapchains.take(b, &images[..1]);
         assert_eq!(swapchains.image(a, 2), Some(images[2]));
         assert_eq!((swapchains.image(b, 1), swapchains.image(SwapchainKey(3), 0)), (None, None));
-        swapchains.take(a, &images[1..]);
+        assert_eq!(swapchains.take(a, &images[1..]), images);
         assert_eq!(swapchains.image(a, 0), Some(images[1]));
         swapchains.take(a, &[]);
         assert_eq!((swapchains.image(a, 0), swapchains.image(b, 0)), (None, Some(images[0])));

@@ -1,8 +1,11 @@
 //! The command buffers of a device, and their queries.
 
-use super::Count;
+use super::Kind;
 use ash::vk;
 use std::collections::HashMap;
+
+/// Render passes of a command buffer whose samples are counted.
+pub(super) const MOST_PASSES: u32 = 256;
 
 struct Pool {
     /// Whether its buffers can be counted: they can draw, and are not protected.
@@ -13,37 +16,62 @@ struct Pool {
 struct Buffer {
     pool: vk::CommandPool,
     level: vk::CommandBufferLevel,
-    /// One query; null until it is needed.
-    query: vk::QueryPool,
-    /// Whether what is recorded uses the query.
+    /// One query, or one for each render pass; null until they are needed.
+    queries: vk::QueryPool,
+    /// Whether what is recorded can use the queries.
     counted: bool,
+    /// How many it does use.
+    used: u32,
+    /// Whether it is in a render pass with a query.
+    in_pass: bool,
     /// Submitted, and the result not read yet.
     pending: bool,
     draws: u64,
 }
 
+/// What was counted on a device.
+#[derive(Clone, Default)]
+pub(super) struct Sums {
+    sum: u64,
+    /// Why that is not all.
+    pub reason: Option<String>,
+    /// Primary command buffers executed.
+    pub command_buffers: u64,
+    /// Render passes executed, and counted.
+    pub passes: u64,
+    /// Draw calls executed.
+    pub draws: u64,
+    /// Calls of vkQueueSubmit and vkQueueSubmit2.
+    pub queue_submits: u64,
+}
+
+impl Sums {
+    /// What the queries counted, if that is all.
+    pub fn counted(&self) -> Option<u64> {
+        self.reason.is_none().then_some(self.sum)
+    }
+}
+
 /// All of a device's command buffers, and the sums.
 pub(super) struct Buffers {
+    kind: Kind,
     device: ash::Device,
     graphics_families: Vec<bool>,
     pools: HashMap<vk::CommandPool, Pool>,
     buffers: HashMap<vk::CommandBuffer, Buffer>,
-    invocations: u64,
-    count: Count,
+    sums: Sums,
 }
 
 impl Buffers {
     /// Nothing yet; with a reason, nothing will be counted.
-    pub fn new(device: ash::Device, graphics_families: Vec<bool>, reason: Option<&str>) -> Self {
-        let count = Count { reason: reason.map(str::to_owned), ..Count::default() };
-        Self {
-            device,
-            graphics_families,
-            pools: HashMap::new(),
-            buffers: HashMap::new(),
-            invocations: 0,
-            count,
-        }
+    pub fn new(kind: Kind, device: ash::Device, graphics_families: Vec<bool>, reason: Option<&str>) -> Self {
+        let sums = Sums { reason: reason.map(str::to_owned), ..Sums::default() };
+        Self { kind, device, graphics_families, pools: HashMap::new(), buffers: HashMap::new(), sums }
+    }
+
+    /// Something cannot be counted: from now on nothing is.
+    pub fn give_up(&mut self, reason: &str) {
+        self.sums.reason.get_or_insert_with(|| reason.to_owned());
     }
 
     pub fn add_pool(&mut self, pool: vk::CommandPool, family: u32, flags: vk::CommandPoolCreateFlags) {
@@ -57,9 +85,19 @@ impl Buffers {
             pool.buffers.extend(new);
         }
         for &buffer in new {
-            let query = vk::QueryPool::null();
-            self.buffers
-                .insert(buffer, Buffer { pool, level, query, counted: false, pending: false, draws: 0 });
+            self.buffers.insert(
+                buffer,
+                Buffer {
+                    pool,
+                    level,
+                    queries: vk::QueryPool::null(),
+                    counted: false,
+                    used: 0,
+                    in_pass: false,
+                    pending: false,
+                    draws: 0,
+                },
+            );
         }
     }
 
@@ -72,7 +110,7 @@ impl Buffers {
         self.buffers.get(&buffer).is_some_and(|known| known.level == vk::CommandBufferLevel::SECONDARY)
     }
 
-    /// Recording began: starts the query.
+    /// Recording began: starts the query, or makes queries ready.
     ///
     /// # Safety
     ///
@@ -81,30 +119,42 @@ impl Buffers {
         let Some(known) = self.buffers.get_mut(&buffer) else { return };
         known.draws = 0;
         known.counted = false;
+        known.used = 0;
+        known.in_pass = false;
         let counted = self.pools.get(&known.pool).is_some_and(|pool| pool.counted);
-        if known.level != vk::CommandBufferLevel::PRIMARY || !counted || self.count.reason.is_some() {
+        if known.level != vk::CommandBufferLevel::PRIMARY || !counted || self.sums.reason.is_some() {
             return;
         }
-        if known.query == vk::QueryPool::null() {
-            let info = vk::QueryPoolCreateInfo::default()
-                .query_type(vk::QueryType::PIPELINE_STATISTICS)
-                .query_count(1)
-                .pipeline_statistics(vk::QueryPipelineStatisticFlags::FRAGMENT_SHADER_INVOCATIONS);
+        let (info, count) = match self.kind {
+            Kind::Invocations => {
+                let info = vk::QueryPoolCreateInfo::default()
+                    .query_type(vk::QueryType::PIPELINE_STATISTICS)
+                    .pipeline_statistics(vk::QueryPipelineStatisticFlags::FRAGMENT_SHADER_INVOCATIONS);
+                (info, 1)
+            }
+            Kind::Samples => {
+                (vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::OCCLUSION), MOST_PASSES)
+            }
+        };
+        if known.queries == vk::QueryPool::null() {
             // SAFETY: the device is live and has the feature.
-            match unsafe { self.device.create_query_pool(&info, None) } {
-                Ok(query) => known.query = query,
+            match unsafe { self.device.create_query_pool(&info.query_count(count), None) } {
+                Ok(queries) => known.queries = queries,
                 Err(error) => {
-                    self.count.reason = Some(format!("vkCreateQueryPool: {error}"));
+                    self.sums.reason = Some(format!("vkCreateQueryPool: {error}"));
                     return;
                 }
             }
         }
         known.counted = true;
         // SAFETY: the caller vouches for the buffer; it is outside of render passes, of a family that draws,
-        // and the query's last use has completed, or the buffer could not be recorded.
+        // and the queries' last use has completed, or the buffer could not be recorded.
         unsafe {
-            self.device.cmd_reset_query_pool(buffer, known.query, 0, 1);
-            self.device.cmd_begin_query(buffer, known.query, 0, vk::QueryControlFlags::empty());
+            self.device.cmd_reset_query_pool(buffer, known.queries, 0, count);
+            if self.kind == Kind::Invocations {
+                known.used = 1;
+                self.device.cmd_begin_query(buffer, known.queries, 0, vk::QueryControlFlags::empty());
+            }
         }
     }
 
@@ -114,9 +164,54 @@ impl Buffers {
     ///
     /// `buffer` is in the recording state, at its end.
     pub unsafe fn end(&self, buffer: vk::CommandBuffer) {
-        if let Some(known) = self.buffers.get(&buffer).filter(|known| known.counted) {
+        let known = self.buffers.get(&buffer).filter(|known| known.counted);
+        if let (Kind::Invocations, Some(known)) = (self.kind, known) {
             // SAFETY: the caller vouches for the buffer; `begin` began the query, outside of render passes.
-            unsafe { self.device.cmd_end_query(buffer, known.query, 0) }
+            unsafe { self.device.cmd_end_query(buffer, known.queries, 0) }
+        }
+    }
+
+    /// A render pass is about to begin: starts a query. `why_not` says why its samples cannot be counted.
+    ///
+    /// # Safety
+    ///
+    /// `buffer` is in the recording state, outside of render passes.
+    pub unsafe fn begin_pass(&mut self, buffer: vk::CommandBuffer, why_not: Option<&str>) {
+        let Some(known) = self.buffers.get_mut(&buffer) else { return };
+        let why_not = match why_not {
+            None if known.level != vk::CommandBufferLevel::PRIMARY => {
+                Some("a render pass in a secondary command buffer")
+            }
+            None if known.used == MOST_PASSES => Some("too many render passes in a command buffer"),
+            _ => why_not,
+        };
+        if let Some(why_not) = why_not {
+            return self.give_up(why_not);
+        }
+        // Also where the reason not to count came during the recording.
+        if !known.counted || self.sums.reason.is_some() {
+            return;
+        }
+        // SAFETY: the caller vouches for the buffer; `begin` reset the query, and no other of its kind is active, as the
+        // application has none.
+        unsafe {
+            let precise = vk::QueryControlFlags::PRECISE;
+            self.device.cmd_begin_query(buffer, known.queries, known.used, precise);
+        }
+        known.used += 1;
+        known.in_pass = true;
+    }
+
+    /// A render pass has ended: ends its query.
+    ///
+    /// # Safety
+    ///
+    /// `buffer` is in the recording state, outside of render passes.
+    pub unsafe fn end_pass(&mut self, buffer: vk::CommandBuffer) {
+        let Some(known) = self.buffers.get_mut(&buffer) else { return };
+        if std::mem::take(&mut known.in_pass) {
+            // SAFETY: the caller vouches for the buffer; `begin_pass` began the query, outside of render passes.
+            unsafe { self.device.cmd_end_query(buffer, known.queries, known.used - 1) }
         }
     }
 
@@ -137,7 +232,7 @@ impl Buffers {
             secondary.iter().filter_map(|buffer| self.buffers.get(buffer)).map(|known| known.draws).sum();
         self.add_draws(primary, draws);
         if let Some(why_not) = why_not {
-            self.count.reason.get_or_insert_with(|| why_not.to_owned());
+            self.give_up(why_not);
         }
     }
 
@@ -148,27 +243,31 @@ impl Buffers {
     /// `buffer` is not being destroyed.
     pub unsafe fn collect(&mut self, buffer: vk::CommandBuffer) {
         let Some(known) = self.buffers.get_mut(&buffer) else { return };
-        if !std::mem::take(&mut known.pending) || !known.counted {
+        if !std::mem::take(&mut known.pending) || known.used == 0 {
             return;
         }
-        let mut result = [0u64];
+        let mut results = [0u64; MOST_PASSES as usize];
+        let results = &mut results[..known.used as usize];
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
-        // SAFETY: the query is live and was begun and ended in the submitted buffer.
-        match unsafe { self.device.get_query_pool_results(known.query, 0, &mut result, flags) } {
-            Ok(()) => self.invocations += result[0],
-            Err(error) => self.count.reason = Some(format!("vkGetQueryPoolResults: {error}")),
+        // SAFETY: the queries are live and were begun and ended in the submitted buffer.
+        match unsafe { self.device.get_query_pool_results(known.queries, 0, results, flags) } {
+            Ok(()) => self.sums.sum += results.iter().sum::<u64>(),
+            Err(error) => self.sums.reason = Some(format!("vkGetQueryPoolResults: {error}")),
         }
     }
 
     /// A submit of these buffers succeeded.
     pub fn submitted(&mut self, buffers: &[vk::CommandBuffer]) {
-        self.count.queue_submits += 1;
+        self.sums.queue_submits += 1;
         for buffer in buffers {
             let Some(known) = self.buffers.get_mut(buffer) else { continue };
-            self.count.command_buffers += 1;
-            self.count.draws += known.draws;
+            self.sums.command_buffers += 1;
+            self.sums.draws += known.draws;
+            if self.kind == Kind::Samples {
+                self.sums.passes += u64::from(known.used);
+            }
             if std::mem::replace(&mut known.pending, true) {
-                self.count.reason = Some("a command buffer is twice in one submit".to_owned());
+                self.sums.reason = Some("a command buffer is twice in one submit".to_owned());
             }
         }
     }
@@ -185,7 +284,7 @@ impl Buffers {
                 pool.buffers.retain(|other| other != buffer);
             }
             // SAFETY: nothing uses the query any more; null is allowed.
-            unsafe { self.device.destroy_query_pool(known.query, None) };
+            unsafe { self.device.destroy_query_pool(known.queries, None) };
         }
     }
 
@@ -201,7 +300,7 @@ impl Buffers {
     }
 
     /// The device is about to be destroyed: everything that was submitted has completed.
-    pub fn finish(&mut self) -> Count {
+    pub fn finish(&mut self) -> Sums {
         let left: Vec<_> = self.buffers.keys().copied().collect();
         for buffer in &left {
             // SAFETY: the device is still live.
@@ -209,7 +308,6 @@ impl Buffers {
         }
         // SAFETY: the device is idle and about to be destroyed.
         unsafe { self.remove(&left) };
-        let counted = self.count.reason.is_none().then_some(self.invocations);
-        Count { fragment_invocations: counted, ..self.count.clone() }
+        self.sums.clone()
     }
 }

@@ -1,11 +1,14 @@
 //! The features that counting needs, added to what the application asks for.
 
+use super::Kind;
 use crate::layer::{Instance, NextDevice};
 use ash::vk;
 
 /// What the device has.
 pub(super) struct Features {
-    statistics: bool,
+    kind: Kind,
+    /// The queries of that kind.
+    queries: bool,
     pub inherited_queries: bool,
 }
 
@@ -13,14 +16,15 @@ impl Features {
     /// # Safety
     ///
     /// The physical device is a live one of the instance.
-    pub unsafe fn of(instance: &Instance, physical_device: vk::PhysicalDevice) -> Self {
+    pub unsafe fn of(kind: Kind, instance: &Instance, physical_device: vk::PhysicalDevice) -> Self {
         let mut features = vk::PhysicalDeviceFeatures::default();
         // SAFETY: the caller vouches for the handle.
         unsafe { (instance.features)(physical_device, &mut features) };
-        Self {
-            statistics: features.pipeline_statistics_query == vk::TRUE,
-            inherited_queries: features.inherited_queries == vk::TRUE,
-        }
+        let queries = match kind {
+            Kind::Invocations => features.pipeline_statistics_query,
+            Kind::Samples => features.occlusion_query_precise,
+        };
+        Self { kind, queries: queries == vk::TRUE, inherited_queries: features.inherited_queries == vk::TRUE }
     }
 
     /// Creates the device with the features on; returns also why counting is not possible, if so.
@@ -40,22 +44,27 @@ impl Features {
         unsafe {
             let chained = chained_features(&info);
             let asked = chained.as_deref().or(info.p_enabled_features.as_ref());
-            let missing = if !self.statistics {
-                Some("the device has no pipelineStatisticsQuery")
-            } else if asked.is_some_and(|asked| asked.pipeline_statistics_query == vk::TRUE) {
-                Some("the application uses pipeline statistics itself")
-            } else {
-                None
+            let own_statistics = asked.is_some_and(|asked| asked.pipeline_statistics_query == vk::TRUE);
+            let missing = match (self.kind, self.queries) {
+                (Kind::Invocations, false) => Some("the device has no pipelineStatisticsQuery"),
+                (Kind::Samples, false) => Some("the device has no occlusionQueryPrecise"),
+                (Kind::Invocations, true) if own_statistics => {
+                    Some("the application uses pipeline statistics itself")
+                }
+                (_, true) => None,
             };
             if missing.is_some() {
                 return create(&info).map(|next| (next, missing));
             }
             let before = asked.copied().unwrap_or_default();
-            let amended = vk::PhysicalDeviceFeatures {
-                pipeline_statistics_query: vk::TRUE,
+            let mut amended = vk::PhysicalDeviceFeatures {
                 inherited_queries: before.inherited_queries | vk::Bool32::from(self.inherited_queries),
                 ..before
             };
+            match self.kind {
+                Kind::Invocations => amended.pipeline_statistics_query = vk::TRUE,
+                Kind::Samples => amended.occlusion_query_precise = vk::TRUE,
+            }
             let created = if let Some(chained) = chained {
                 *chained = amended;
                 let created = create(&info);

@@ -1,17 +1,34 @@
 //! The hooks for command pools, command buffers and draws.
 
-use super::Counter;
-use crate::layer::{Layer, device_of};
+use super::{Counter, Counting, Invocations, Kind};
+use crate::layer::{device_of, hooks};
 use ash::vk;
+use std::ffi::CStr;
 use std::sync::Arc;
+
+/// The layer's hook of that name.
+pub(super) fn hook<L: Counting>(name: &CStr) -> vk::PFN_vkVoidFunction {
+    hooks! { name;
+        c"vkCreateCommandPool": PFN_vkCreateCommandPool = create_pool::<L>;
+        c"vkDestroyCommandPool": PFN_vkDestroyCommandPool = destroy_pool::<L>;
+        c"vkResetCommandPool": PFN_vkResetCommandPool = reset_pool::<L>;
+        c"vkAllocateCommandBuffers": PFN_vkAllocateCommandBuffers = allocate::<L>;
+        c"vkFreeCommandBuffers": PFN_vkFreeCommandBuffers = free::<L>;
+        c"vkBeginCommandBuffer": PFN_vkBeginCommandBuffer = begin::<L>;
+        c"vkEndCommandBuffer": PFN_vkEndCommandBuffer = end::<L>;
+        c"vkResetCommandBuffer": PFN_vkResetCommandBuffer = reset::<L>;
+        c"vkCmdExecuteCommands": PFN_vkCmdExecuteCommands = execute::<L>;
+    }
+    None
+}
 
 /// # Safety
 ///
 /// `buffer` is a live command buffer.
-unsafe fn counter(buffer: vk::CommandBuffer) -> Arc<Counter> {
+pub(super) unsafe fn counting<L: Counting>(buffer: vk::CommandBuffer) -> Arc<L> {
     // SAFETY: the caller vouches for it.
     match unsafe { device_of(buffer) } {
-        Some(counter) => counter,
+        Some(layer) => layer,
         None => panic!("a command buffer of a device that was created without this layer"),
     }
 }
@@ -19,10 +36,10 @@ unsafe fn counter(buffer: vk::CommandBuffer) -> Arc<Counter> {
 /// # Safety
 ///
 /// `device` is a live device.
-unsafe fn counter_of_device(device: vk::Device) -> Arc<Counter> {
+pub(super) unsafe fn counting_of_device<L: Counting>(device: vk::Device) -> Arc<L> {
     // SAFETY: the caller vouches for it.
     match unsafe { device_of(device) } {
-        Some(counter) => counter,
+        Some(layer) => layer,
         None => panic!("a device that was created without this layer"),
     }
 }
@@ -38,7 +55,7 @@ pub(super) unsafe fn slice<'a, T>(first: *const T, count: u32) -> &'a [T] {
     unsafe { std::slice::from_raw_parts(first, count as usize) }
 }
 
-pub(super) unsafe extern "system" fn create_pool(
+unsafe extern "system" fn create_pool<L: Counting>(
     device: vk::Device,
     info: *const vk::CommandPoolCreateInfo<'_>,
     allocator: *const vk::AllocationCallbacks<'_>,
@@ -46,8 +63,9 @@ pub(super) unsafe extern "system" fn create_pool(
 ) -> vk::Result {
     // SAFETY: the application's valid arguments.
     unsafe {
-        let counter = counter_of_device(device);
-        let result = (counter.next().functions.fp_v1_0().create_command_pool)(device, info, allocator, pool);
+        let layer = counting_of_device::<L>(device);
+        let counter = layer.counter();
+        let result = (counter.next.functions.fp_v1_0().create_command_pool)(device, info, allocator, pool);
         if result == vk::Result::SUCCESS {
             counter.buffers().add_pool(*pool, (*info).queue_family_index, (*info).flags);
         }
@@ -55,30 +73,32 @@ pub(super) unsafe extern "system" fn create_pool(
     }
 }
 
-pub(super) unsafe extern "system" fn destroy_pool(
+unsafe extern "system" fn destroy_pool<L: Counting>(
     device: vk::Device,
     pool: vk::CommandPool,
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
     // SAFETY: the application's valid arguments; none of the pool's buffers is pending.
     unsafe {
-        let counter = counter_of_device(device);
-        collect_pool(&counter, pool);
-        (counter.next().functions.fp_v1_0().destroy_command_pool)(device, pool, allocator);
+        let layer = counting_of_device::<L>(device);
+        let counter = layer.counter();
+        collect_pool(counter, pool);
+        (counter.next.functions.fp_v1_0().destroy_command_pool)(device, pool, allocator);
         counter.buffers().remove_pool(pool);
     }
 }
 
-pub(super) unsafe extern "system" fn reset_pool(
+unsafe extern "system" fn reset_pool<L: Counting>(
     device: vk::Device,
     pool: vk::CommandPool,
     flags: vk::CommandPoolResetFlags,
 ) -> vk::Result {
     // SAFETY: the application's valid arguments; none of the pool's buffers is pending.
     unsafe {
-        let counter = counter_of_device(device);
-        collect_pool(&counter, pool);
-        (counter.next().functions.fp_v1_0().reset_command_pool)(device, pool, flags)
+        let layer = counting_of_device::<L>(device);
+        let counter = layer.counter();
+        collect_pool(counter, pool);
+        (counter.next.functions.fp_v1_0().reset_command_pool)(device, pool, flags)
     }
 }
 
@@ -93,15 +113,16 @@ unsafe fn collect_pool(counter: &Counter, pool: vk::CommandPool) {
     }
 }
 
-pub(super) unsafe extern "system" fn allocate(
+unsafe extern "system" fn allocate<L: Counting>(
     device: vk::Device,
     info: *const vk::CommandBufferAllocateInfo<'_>,
     allocated: *mut vk::CommandBuffer,
 ) -> vk::Result {
     // SAFETY: the application's valid arguments.
     unsafe {
-        let counter = counter_of_device(device);
-        let result = (counter.next().functions.fp_v1_0().allocate_command_buffers)(device, info, allocated);
+        let layer = counting_of_device::<L>(device);
+        let counter = layer.counter();
+        let result = (counter.next.functions.fp_v1_0().allocate_command_buffers)(device, info, allocated);
         if result == vk::Result::SUCCESS {
             let new = slice(allocated.cast_const(), (*info).command_buffer_count);
             counter.buffers().add((*info).command_pool, (*info).level, new);
@@ -110,7 +131,7 @@ pub(super) unsafe extern "system" fn allocate(
     }
 }
 
-pub(super) unsafe extern "system" fn free(
+unsafe extern "system" fn free<L: Counting>(
     device: vk::Device,
     pool: vk::CommandPool,
     count: u32,
@@ -118,25 +139,27 @@ pub(super) unsafe extern "system" fn free(
 ) {
     // SAFETY: the application's valid arguments; the buffers are not pending.
     unsafe {
-        let counter = counter_of_device(device);
+        let layer = counting_of_device::<L>(device);
+        let counter = layer.counter();
         let buffers = slice(freed, count);
         for &buffer in buffers {
             counter.buffers().collect(buffer);
         }
-        (counter.next().functions.fp_v1_0().free_command_buffers)(device, pool, count, freed);
+        (counter.next.functions.fp_v1_0().free_command_buffers)(device, pool, count, freed);
         counter.buffers().remove(buffers);
     }
 }
 
-pub(super) unsafe extern "system" fn begin(
+unsafe extern "system" fn begin<L: Counting>(
     buffer: vk::CommandBuffer,
     info: *const vk::CommandBufferBeginInfo<'_>,
 ) -> vk::Result {
     // SAFETY: the application's valid arguments; the buffer is not pending.
     unsafe {
-        let counter = counter(buffer);
+        let layer = counting::<L>(buffer);
+        let counter = layer.counter();
         counter.buffers().collect(buffer);
-        let next = counter.next().functions.fp_v1_0().begin_command_buffer;
+        let next = counter.next.functions.fp_v1_0().begin_command_buffer;
         let secondary = counter.buffers().is_secondary(buffer);
         let inheritance =
             (*info).p_inheritance_info.as_ref().filter(|_| secondary && counter.inherited_queries);
@@ -144,8 +167,16 @@ pub(super) unsafe extern "system" fn begin(
             // It runs while the primary buffer's query is active, and must say so.
             Some(inheritance) => {
                 let mut inheritance = *inheritance;
-                inheritance.pipeline_statistics |=
-                    vk::QueryPipelineStatisticFlags::FRAGMENT_SHADER_INVOCATIONS;
+                match counter.kind {
+                    Kind::Invocations => {
+                        inheritance.pipeline_statistics |=
+                            vk::QueryPipelineStatisticFlags::FRAGMENT_SHADER_INVOCATIONS;
+                    }
+                    Kind::Samples => {
+                        inheritance.occlusion_query_enable = vk::TRUE;
+                        inheritance.query_flags |= vk::QueryControlFlags::PRECISE;
+                    }
+                }
                 let info = vk::CommandBufferBeginInfo { p_inheritance_info: &inheritance, ..*info };
                 next(buffer, &info)
             }
@@ -158,39 +189,42 @@ pub(super) unsafe extern "system" fn begin(
     }
 }
 
-pub(super) unsafe extern "system" fn end(buffer: vk::CommandBuffer) -> vk::Result {
+unsafe extern "system" fn end<L: Counting>(buffer: vk::CommandBuffer) -> vk::Result {
     // SAFETY: the application's valid argument.
     unsafe {
-        let counter = counter(buffer);
+        let layer = counting::<L>(buffer);
+        let counter = layer.counter();
         counter.buffers().end(buffer);
-        (counter.next().functions.fp_v1_0().end_command_buffer)(buffer)
+        (counter.next.functions.fp_v1_0().end_command_buffer)(buffer)
     }
 }
 
-pub(super) unsafe extern "system" fn reset(
+unsafe extern "system" fn reset<L: Counting>(
     buffer: vk::CommandBuffer,
     flags: vk::CommandBufferResetFlags,
 ) -> vk::Result {
     // SAFETY: the application's valid arguments; the buffer is not pending.
     unsafe {
-        let counter = counter(buffer);
+        let layer = counting::<L>(buffer);
+        let counter = layer.counter();
         counter.buffers().collect(buffer);
-        (counter.next().functions.fp_v1_0().reset_command_buffer)(buffer, flags)
+        (counter.next.functions.fp_v1_0().reset_command_buffer)(buffer, flags)
     }
 }
 
-pub(super) unsafe extern "system" fn execute(
+unsafe extern "system" fn execute<L: Counting>(
     primary: vk::CommandBuffer,
     count: u32,
     secondary: *const vk::CommandBuffer,
 ) {
     // SAFETY: the application's valid arguments.
     unsafe {
-        let counter = counter(primary);
-        let why_not = (!counter.inherited_queries)
+        let layer = counting::<L>(primary);
+        let counter = layer.counter();
+        let why_not = (counter.kind == Kind::Invocations && !counter.inherited_queries)
             .then_some("secondary command buffers, and the device has no inheritedQueries");
         counter.buffers().execute(primary, slice(secondary, count), why_not);
-        (counter.next().functions.fp_v1_0().cmd_execute_commands)(primary, count, secondary);
+        (counter.next.functions.fp_v1_0().cmd_execute_commands)(primary, count, secondary);
     }
 }
 
@@ -199,9 +233,10 @@ macro_rules! draws {
         $(pub(super) unsafe extern "system" fn $hook(buffer: vk::CommandBuffer, $($argument: $type),*) {
             // SAFETY: the application's valid arguments.
             unsafe {
-                let counter = counter(buffer);
+                let layer = counting::<Invocations>(buffer);
+        let counter = layer.counter();
                 counter.buffers().add_draws(buffer, u64::from($draws));
-                (counter.next().functions.fp_v1_0().$next)(buffer, $($argument),*);
+                (counter.next.functions.fp_v1_0().$next)(buffer, $($argument),*);
             }
         })*
     };

@@ -1,11 +1,22 @@
 //! The hooks for submits.
 
-use super::Counter;
 use super::recording::slice;
-use crate::layer::{Layer, device_of};
+use super::{Counter, Counting};
+use crate::layer::{device_of, hooks};
 use ash::vk;
+use std::ffi::CStr;
 
-pub(super) unsafe extern "system" fn queue_submit(
+/// The layer's hook of that name.
+pub(super) fn hook<L: Counting>(name: &CStr) -> vk::PFN_vkVoidFunction {
+    hooks! { name;
+        c"vkQueueSubmit": PFN_vkQueueSubmit = queue_submit::<L>;
+        c"vkQueueSubmit2": PFN_vkQueueSubmit2 = queue_submit2::<L>;
+        c"vkQueueSubmit2KHR": PFN_vkQueueSubmit2 = queue_submit2::<L>;
+    }
+    None
+}
+
+unsafe extern "system" fn queue_submit<L: Counting>(
     queue: vk::Queue,
     count: u32,
     submits: *const vk::SubmitInfo<'_>,
@@ -13,19 +24,20 @@ pub(super) unsafe extern "system" fn queue_submit(
 ) -> vk::Result {
     // SAFETY: the application's valid arguments.
     unsafe {
-        let Some(counter) = device_of::<Counter>(queue) else { return vk::Result::ERROR_DEVICE_LOST };
+        let Some(layer) = device_of::<L>(queue) else { return vk::Result::ERROR_DEVICE_LOST };
+        let counter = layer.counter();
         let buffers: Vec<_> = slice(submits, count)
             .iter()
             .flat_map(|submit| slice(submit.p_command_buffers, submit.command_buffer_count))
             .copied()
             .collect();
-        counted(&counter, &buffers, || {
-            (counter.next().functions.fp_v1_0().queue_submit)(queue, count, submits, fence)
+        counted(counter, &buffers, || {
+            (counter.next.functions.fp_v1_0().queue_submit)(queue, count, submits, fence)
         })
     }
 }
 
-pub(super) unsafe extern "system" fn queue_submit2(
+unsafe extern "system" fn queue_submit2<L: Counting>(
     queue: vk::Queue,
     count: u32,
     submits: *const vk::SubmitInfo2<'_>,
@@ -33,14 +45,15 @@ pub(super) unsafe extern "system" fn queue_submit2(
 ) -> vk::Result {
     // SAFETY: the application's valid arguments.
     unsafe {
-        let known = device_of::<Counter>(queue).and_then(|counter| Some((counter.queue_submit2?, counter)));
-        let Some((next, counter)) = known else { return vk::Result::ERROR_DEVICE_LOST };
+        let Some(layer) = device_of::<L>(queue) else { return vk::Result::ERROR_DEVICE_LOST };
+        let counter = layer.counter();
+        let Some(next) = counter.functions.queue_submit2 else { return vk::Result::ERROR_DEVICE_LOST };
         let buffers: Vec<_> = slice(submits, count)
             .iter()
             .flat_map(|submit| slice(submit.p_command_buffer_infos, submit.command_buffer_info_count))
             .map(|info| info.command_buffer)
             .collect();
-        counted(&counter, &buffers, || next(queue, count, submits, fence))
+        counted(counter, &buffers, || next(queue, count, submits, fence))
     }
 }
 

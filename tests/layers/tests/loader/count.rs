@@ -1,7 +1,9 @@
-//! `count` counts what the device itself counts, submit by submit, and validation has nothing to say to it.
+//! `count` counts what the device itself counts, submit by submit, `samples` what passes the depth test, and validation has
+//! nothing to say to either.
 
+use crate::device::SIDE;
 use crate::process::{Ended, Process};
-use parafovea_test_layers::{COUNT_FILE_VARIABLE, Count, TestLayer};
+use parafovea_test_layers::{COUNT_FILE_VARIABLE, Count, SAMPLES_FILE_VARIABLE, SampleCount, TestLayer};
 
 fn counted(program: &str) -> (Count, Ended) {
     let process = Process::new(program).layer(TestLayer::Count.name()).validated();
@@ -46,6 +48,53 @@ fn an_application_with_its_own_queries_keeps_them() {
     assert_eq!(count.fragment_invocations, None);
     assert!(count.reason.unwrap().contains("itself"));
     assert_eq!(ended.findings, [""; 0]);
+}
+
+fn samples(program: &str) -> (SampleCount, Ended) {
+    let process = Process::new(program).layer(TestLayer::Count.name()).layer(TestLayer::Samples.name());
+    let ended = process.validated().file(SAMPLES_FILE_VARIABLE, "samples.json").run();
+    let count = serde_json::from_str(ended.read("samples.json").trim()).unwrap();
+    (count, ended)
+}
+
+const PIXELS: u64 = SIDE as u64 * SIDE as u64;
+
+#[test]
+fn samples_are_those_that_pass_the_depth_test() {
+    for (program, passed, passes) in [
+        ("triangle_once", PIXELS, 1),
+        ("triangle_thrice_with_chained_features", 3 * PIXELS, 3),
+        ("half_a_triangle", 2 * PIXELS / 2, 2),
+    ] {
+        let (count, ended) = samples(program);
+        assert_eq!(count, SampleCount { samples: Some(passed), reason: None, passes }, "{program}");
+        assert_eq!(ended.findings, [""; 0]);
+    }
+}
+
+#[test]
+fn an_application_with_its_own_occlusion_queries_keeps_them() {
+    let (count, ended) = samples("triangle_with_own_occlusion_query");
+    assert_eq!((count.samples, count.passes), (None, 0));
+    assert!(count.reason.unwrap().contains("itself"));
+    assert_eq!(ended.findings, [""; 0]);
+}
+
+/// Without `count` above, no pass is the application's.
+#[test]
+fn samples_of_passes_that_are_not_the_applications_are_not_counted() {
+    let process = Process::new("triangle_once").layer(TestLayer::Samples.name());
+    let ended = process.file(SAMPLES_FILE_VARIABLE, "samples.json").run();
+    let count: SampleCount = serde_json::from_str(ended.read("samples.json").trim()).unwrap();
+    assert_eq!(count, SampleCount { samples: Some(0), reason: None, passes: 0 });
+}
+
+/// Why there are samples: a driver may count as invocations what its early depth test then rejects, as lavapipe 22.3.6
+/// does; 25.0.7 does not. The blocks are made of whole quads, so there is nothing between.
+#[test]
+fn invocations_may_have_what_is_hidden_in_them() {
+    let half: u64 = Process::new("half_a_triangle_with_own_query").run().result.parse().unwrap();
+    assert!([whole_image(), whole_image() / 2].contains(&half), "{half} of {}", whole_image());
 }
 
 /// As the last layer of the chain too: there, the next layer is the loader itself.

@@ -104,16 +104,22 @@ impl Device {
         unsafe { self.device.allocate_memory(&info, None).unwrap() }
     }
 
-    /// An image of SIDE x SIDE, and its memory.
+    /// A colour image of SIDE x SIDE, and its memory.
     pub fn image(&self) -> (vk::Image, vk::DeviceMemory) {
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST;
+        self.image_of(vk::Format::R8G8B8A8_UNORM, usage)
+    }
+
+    /// As [`Self::image`], of a format and usage.
+    pub fn image_of(&self, format: vk::Format, usage: vk::ImageUsageFlags) -> (vk::Image, vk::DeviceMemory) {
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
-            .format(vk::Format::R8G8B8A8_UNORM)
+            .format(format)
             .extent(vk::Extent3D { width: SIDE, height: SIDE, depth: 1 })
             .mip_levels(1)
             .array_layers(1)
             .samples(vk::SampleCountFlags::TYPE_1)
-            .usage(vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST);
+            .usage(usage);
         // SAFETY: plain use of Vulkan.
         unsafe {
             let image = self.device.create_image(&info, None).unwrap();

@@ -28,6 +28,25 @@ fn triangle_thrice_with_chained_features() {
     draw(Drawing { asks: Asks::Chained, submits: 3, ..Drawing::default() });
 }
 
+#[test]
+#[ignore = "started by other tests"]
+fn half_a_triangle() {
+    draw(Drawing { hidden: true, submits: 2, ..Drawing::default() });
+}
+
+#[test]
+#[ignore = "started by other tests"]
+fn half_a_triangle_with_own_query() {
+    let invocations = draw(Drawing { hidden: true, own_query: true, ..Drawing::default() });
+    println!("result {}", invocations.unwrap());
+}
+
+#[test]
+#[ignore = "started by other tests"]
+fn triangle_with_own_occlusion_query() {
+    draw(Drawing { own_occlusion: true, ..Drawing::default() });
+}
+
 /// One write and one read of a buffer, each in a submit of its own, with nothing that orders them.
 #[test]
 #[ignore = "started by other tests"]

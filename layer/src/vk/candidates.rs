@@ -1,0 +1,60 @@
+//! What passes draw to that may be the scene: colour targets, each with a map of rates.
+//!
+//! Every texel is 1x1 until recognition says what a pass shows; then the newest plan is laid over it.
+
+mod content;
+
+pub use content::{Content, Need};
+
+use super::armed::Armed;
+use super::backend::RateMap;
+use super::table::Table;
+use crate::scene::{ImageKey, Pass, Target};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// The candidates of a device.
+#[derive(Default)]
+pub struct Candidates {
+    live: Table<Target, Arc<Candidate>>,
+}
+
+/// A colour target that may be the scene.
+pub struct Candidate {
+    /// The first colour target of its passes.
+    pub target: Target,
+    /// Its map on the GPU.
+    pub map: Box<dyn RateMap>,
+    content: Mutex<Content>,
+}
+
+impl Candidate {
+    /// What its map holds, or shall hold.
+    pub fn content(&self) -> MutexGuard<'_, Content> {
+        self.content.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Candidates {
+    /// The candidate that a pass draws to, if it draws colour and can be made coarser.
+    pub fn of(&self, armed: &Armed, pass: &Pass) -> Option<Arc<Candidate>> {
+        let backend = armed.backend.as_deref()?;
+        let target = *pass.colors.first()?;
+        if let Some(known) = self.live.get(target) {
+            return Some(known);
+        }
+        let image = armed.objects.image_of(target.image)?;
+        let map = backend.map(armed, pass, &image)?;
+        let new = Arc::new(Candidate { target, map, content: Mutex::default() });
+        Some(self.live.get_or_insert(target, new))
+    }
+
+    /// Forgets what was drawn to an image that is about to be destroyed: the GPU is done with passes that draw to it.
+    pub fn forget(&self, image: ImageKey) {
+        drop(self.live.remove_where(|target, _| target.image == image));
+    }
+
+    /// Forgets all, before the device is destroyed.
+    pub fn clear(&self) {
+        drop(self.live.remove_where(|_, _| true));
+    }
+}

@@ -1,0 +1,155 @@
+//! What the map of a candidate holds, and what it shall hold.
+
+use crate::scene::Part;
+use ash::vk;
+use smallvec::SmallVec;
+
+/// So many rectangles of one target are told apart in a frame; with more, all is 1x1.
+const MOST_USES: usize = 8;
+
+/// Parts of the target that show an eye, as fractions of `area`.
+type Parts = SmallVec<[Part; 4]>;
+
+/// The content of a map.
+#[derive(Debug, Default)]
+pub struct Content {
+    /// What passes do with the target, by render area.
+    uses: SmallVec<[Use; MOST_USES]>,
+    /// Whether the GPU's map has any content.
+    is_initialised: bool,
+    /// Whether the map on the GPU is 1x1 all over.
+    is_coarse: bool,
+    /// Whether `uses` changed since the last upload.
+    is_changed: bool,
+    /// The plan that the map was last laid from.
+    plan: u64,
+    /// The queue that it is used on.
+    queue: vk::Queue,
+    /// Whether several queues use it, so that it cannot be written in the order of one.
+    is_shared: bool,
+}
+
+/// One rectangle of a target that a pass draws.
+#[derive(Debug, Clone, PartialEq)]
+struct Use {
+    /// Number of the frame that it was last seen in.
+    frame: u64,
+    /// The render area: x, y, width, height in pixels.
+    area: [u32; 4],
+    /// What it shows; empty where that is not known.
+    parts: Parts,
+}
+
+/// What has to be done before a submit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Need {
+    /// Nothing.
+    None,
+    /// The map is out of date; it may stay so for a while.
+    Upload,
+    /// The map has no content yet.
+    Initialise,
+}
+
+impl Content {
+    /// Notes that a pass is submitted to `queue` in frame number `frame`, and what of the area it shows.
+    pub fn note(&mut self, queue: vk::Queue, frame: u64, area: [u32; 4], parts: &[Part]) {
+        if self.queue == vk::Queue::null() {
+            self.queue = queue;
+        } else if self.queue != queue && !self.is_shared {
+            self.is_shared = true;
+            self.is_changed = true;
+            tracing::info!("passes on several queues draw to one target: its rates stay as they are");
+        }
+        let before = self.uses.len();
+        self.uses.retain(|used| {
+            let is_this = used.area == area && used.parts.as_slice() == parts;
+            let is_outdated = used.frame + 1 < frame || (used.frame < frame && overlap(used.area, area));
+            is_this || !is_outdated
+        });
+        self.is_changed |= self.uses.len() != before;
+        match self.uses.iter_mut().find(|used| used.area == area && used.parts.as_slice() == parts) {
+            Some(known) => known.frame = frame,
+            None => {
+                self.is_changed = true;
+                if self.uses.len() < MOST_USES {
+                    self.uses.push(Use { frame, area, parts: parts.into() });
+                }
+            }
+        }
+    }
+
+    /// Whether the map has to be written, from plan number `plan`.
+    pub fn need(&self, plan: u64) -> Need {
+        if !self.is_initialised {
+            return Need::Initialise;
+        }
+        let has_parts = self.uses.iter().any(|used| !used.parts.is_empty());
+        let is_outdated = self.is_changed || (has_parts && self.plan < plan);
+        if is_outdated && !self.is_shared && (has_parts || self.is_coarse) {
+            Need::Upload
+        } else {
+            Need::None
+        }
+    }
+
+    /// Notes that the map on the GPU becomes what [`Self::whole`] says, from plan number `plan`.
+    pub fn uploaded(&mut self, plan: u64) {
+        self.is_initialised = true;
+        self.is_changed = false;
+        self.is_coarse = self.uses.iter().any(|used| !used.parts.is_empty());
+        self.plan = plan;
+    }
+
+    /// All uses as one: the area around all render areas, and the parts as fractions of it. Where a pass draws that shows
+    /// nothing known, nothing is shown.
+    pub fn whole(&self) -> ([u32; 4], Parts) {
+        let (Some(area), true) = (self.uses.iter().map(|used| used.area).reduce(around), self.is_known())
+        else {
+            return ([0; 4], Parts::new());
+        };
+        let parts =
+            self.uses.iter().flat_map(|used| used.parts.iter().map(|part| within(*part, used.area, area)));
+        (area, parts.collect())
+    }
+
+    /// Whether every use is of something that is known, or beside all that are.
+    fn is_known(&self) -> bool {
+        let (known, unknown): (SmallVec<[&Use; MOST_USES]>, SmallVec<[&Use; MOST_USES]>) =
+            self.uses.iter().partition(|used| !used.parts.is_empty());
+        self.uses.len() < MOST_USES
+            && !known.iter().any(|used| unknown.iter().any(|other| overlap(used.area, other.area)))
+    }
+}
+
+/// A part, given as fractions of an area, as fractions of another.
+fn within(part: Part, area: [u32; 4], whole: [u32; 4]) -> Part {
+    if area == whole {
+        return part;
+    }
+    let rect = std::array::from_fn(|index| {
+        let axis = index % 2;
+        let size = area[axis + 2] as f32;
+        let pixels = part.rect[index] * size;
+        let offset = if index < 2 { area[axis] as f32 - whole[axis] as f32 } else { 0.0 };
+        (pixels + offset) / (whole[axis + 2] as f32).max(1.0)
+    });
+    Part { rect, ..part }
+}
+
+fn end(area: [u32; 4], axis: usize) -> u32 {
+    area[axis].saturating_add(area[axis + 2])
+}
+
+fn overlap(a: [u32; 4], b: [u32; 4]) -> bool {
+    (0..2).all(|axis| a[axis] < end(b, axis) && b[axis] < end(a, axis))
+}
+
+fn around(a: [u32; 4], b: [u32; 4]) -> [u32; 4] {
+    let [x, y] = [0, 1].map(|axis| a[axis].min(b[axis]));
+    let [right, bottom] = [0, 1].map(|axis| end(a, axis).max(end(b, axis)));
+    [x, y, right - x, bottom - y]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,100 @@
+use super::*;
+use crate::scene::{Eyes, Orientation};
+use ash::vk::Handle;
+
+const QUEUE: u64 = 1;
+const AREA: [u32; 4] = [0, 0, 100, 50];
+
+fn part(rect: [f32; 4]) -> Part {
+    Part { eyes: Eyes::Left, layer: 0, rect, orientation: Orientation::Upright }
+}
+
+fn full() -> [Part; 1] {
+    [part([0.0, 0.0, 1.0, 1.0])]
+}
+
+fn note(content: &mut Content, frame: u64, area: [u32; 4], parts: &[Part]) {
+    content.note(vk::Queue::from_raw(QUEUE), frame, area, parts);
+}
+
+#[test]
+fn unknown_passes_cost_one_upload_and_matched_ones_follow_the_plan() {
+    let mut content = Content::default();
+    note(&mut content, 1, AREA, &[]);
+    assert_eq!(content.need(0), Need::Initialise);
+    content.uploaded(0);
+    for frame in 2..5 {
+        note(&mut content, frame, AREA, &[]);
+        assert_eq!(content.need(frame), Need::None, "1x1 does not change with the plan");
+    }
+    note(&mut content, 5, AREA, &full());
+    assert_eq!(content.need(5), Need::Upload);
+    assert_eq!(content.whole(), (AREA, full()[..].into()));
+    content.uploaded(5);
+    note(&mut content, 5, AREA, &full());
+    assert_eq!((content.need(5), content.need(6)), (Need::None, Need::Upload));
+    content.uploaded(6);
+    note(&mut content, 6, AREA, &[]);
+    note(&mut content, 7, AREA, &[]);
+    assert_eq!(content.need(6), Need::Upload, "back to 1x1");
+    assert!(content.whole().1.is_empty());
+    content.uploaded(6);
+    assert_eq!(content.need(9), Need::None);
+}
+
+#[test]
+fn two_halves_drawn_by_two_passes_are_one_map() {
+    let mut content = Content::default();
+    note(&mut content, 1, [0, 0, 50, 50], &full());
+    note(&mut content, 1, [50, 0, 50, 50], &full());
+    let (area, parts) = content.whole();
+    assert_eq!(area, AREA);
+    assert_eq!(parts.as_slice(), [part([0.0, 0.0, 0.5, 1.0]), part([0.5, 0.0, 0.5, 1.0])]);
+    content.uploaded(1);
+    note(&mut content, 2, [0, 0, 50, 50], &full());
+    assert_eq!(content.need(1), Need::None, "the other half of the last frame is kept");
+    assert_eq!(content.whole().1.len(), 2);
+}
+
+#[test]
+fn a_render_area_that_moves_leaves_nothing_behind() {
+    let mut content = Content::default();
+    for frame in 1..10 {
+        let area = [0, 0, 40 + frame as u32, 30];
+        note(&mut content, frame, area, &full());
+        assert_eq!(content.whole(), (area, full()[..].into()));
+        assert_ne!(content.need(0), Need::None);
+        content.uploaded(0);
+    }
+}
+
+#[test]
+fn where_a_pass_that_is_unknown_draws_over_the_scene_all_is_1x1() {
+    let mut content = Content::default();
+    note(&mut content, 1, AREA, &full());
+    note(&mut content, 1, [10, 10, 5, 5], &[]);
+    assert!(content.whole().1.is_empty());
+    let mut beside = Content::default();
+    note(&mut beside, 1, AREA, &full());
+    note(&mut beside, 1, [100, 0, 5, 5], &[]);
+    assert_eq!(beside.whole().1.len(), 1);
+}
+
+#[test]
+fn many_rectangles_are_too_many() {
+    let mut content = Content::default();
+    for x in 0..20 {
+        note(&mut content, 1, [x * 10, 0, 10, 10], &full());
+    }
+    assert!(content.whole().1.is_empty());
+}
+
+#[test]
+fn a_target_on_two_queues_is_not_written_any_more() {
+    let mut content = Content::default();
+    note(&mut content, 1, AREA, &full());
+    content.uploaded(1);
+    assert_eq!(content.need(2), Need::Upload);
+    content.note(vk::Queue::from_raw(2), 2, AREA, &full());
+    assert_eq!(content.need(2), Need::None);
+}

@@ -1,0 +1,123 @@
+//! The functions of armed devices.
+//!
+//! A line is the field of the table and its type, the name, where the function came into Vulkan's core later the version
+//! and the extension's name for it, and our hook.
+
+use crate::vk::objects::{framebuffers, images, queues, render_passes, views};
+use crate::vk::recording::{buffers, passes, queries, rendering, transfers};
+use crate::vk::submit;
+use ash::vk;
+use std::ffi::CStr;
+
+macro_rules! armed_functions {
+    ($($field:ident: $pfn:ident = $name:literal $(since $version:ident, before $extension:literal)? => $hook:path;)*) => {
+        /// The next layer's functions under the hooks of armed devices; nothing where the device lacks one.
+        #[derive(Clone, Copy)]
+        pub struct ArmedTable {
+            $(pub $field: Option<vk::$pfn>,)*
+        }
+
+        impl ArmedTable {
+            /// Resolves every function beforehand. Of two names the core's is taken where the version has it, which
+            /// is the one that both the application asked for and the device has: layers below may answer for names
+            /// that the driver lacks.
+            ///
+            /// # Safety
+            ///
+            /// For a name, `get` returns the function of that name, or `None`.
+            pub unsafe fn load(version: u32, get: impl Fn(&CStr) -> vk::PFN_vkVoidFunction) -> Self {
+                Self {
+                    $($field: {
+                        let name: &CStr = $name;
+                        $(let name = if version >= vk::$version { name } else { $extension };)?
+                        // SAFETY: the caller vouches that the pointer is the function of that name, and the list
+                        // gives each name its type.
+                        unsafe {
+                            std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::$pfn>>(get(name))
+                        }
+                    },)*
+                }
+            }
+
+            /// Our hook for a function of an armed device, where the device has the function.
+            pub fn hook(&self, name: &CStr) -> vk::PFN_vkVoidFunction {
+                $(if (name == $name $(|| name == $extension)?) && self.$field.is_none() {
+                    return None;
+                })*
+                armed_hook(name)
+            }
+        }
+
+        /// Our hook for a function of an armed device.
+        pub fn armed_hook(name: &CStr) -> vk::PFN_vkVoidFunction {
+            $(if name == $name $(|| name == $extension)? {
+                let hook: vk::$pfn = $hook;
+                // SAFETY: PFN_vkVoidFunction may carry any function; the receiver casts it back to the type that
+                // belongs to the name.
+                return Some(unsafe {
+                    std::mem::transmute::<vk::$pfn, unsafe extern "system" fn()>(hook)
+                });
+            })*
+            None
+        }
+    };
+}
+
+armed_functions! {
+    create_image: PFN_vkCreateImage = c"vkCreateImage" => images::create;
+    destroy_image: PFN_vkDestroyImage = c"vkDestroyImage" => images::destroy;
+    create_image_view: PFN_vkCreateImageView = c"vkCreateImageView" => views::create;
+    destroy_image_view: PFN_vkDestroyImageView = c"vkDestroyImageView" => views::destroy;
+    create_render_pass: PFN_vkCreateRenderPass = c"vkCreateRenderPass" => render_passes::create;
+    create_render_pass2: PFN_vkCreateRenderPass2 = c"vkCreateRenderPass2"
+        since API_VERSION_1_2, before c"vkCreateRenderPass2KHR" => render_passes::create2;
+    destroy_render_pass: PFN_vkDestroyRenderPass = c"vkDestroyRenderPass" => render_passes::destroy;
+    create_framebuffer: PFN_vkCreateFramebuffer = c"vkCreateFramebuffer" => framebuffers::create;
+    destroy_framebuffer: PFN_vkDestroyFramebuffer = c"vkDestroyFramebuffer" => framebuffers::destroy;
+    get_device_queue: PFN_vkGetDeviceQueue = c"vkGetDeviceQueue" => queues::get;
+    get_device_queue2: PFN_vkGetDeviceQueue2 = c"vkGetDeviceQueue2" => queues::get2;
+    create_query_pool: PFN_vkCreateQueryPool = c"vkCreateQueryPool" => queues::create_query_pool;
+    destroy_query_pool: PFN_vkDestroyQueryPool = c"vkDestroyQueryPool" => queues::destroy_query_pool;
+
+    create_command_pool: PFN_vkCreateCommandPool = c"vkCreateCommandPool" => buffers::create_pool;
+    destroy_command_pool: PFN_vkDestroyCommandPool = c"vkDestroyCommandPool" => buffers::destroy_pool;
+    reset_command_pool: PFN_vkResetCommandPool = c"vkResetCommandPool" => buffers::reset_pool;
+    allocate_command_buffers: PFN_vkAllocateCommandBuffers = c"vkAllocateCommandBuffers" => buffers::allocate;
+    free_command_buffers: PFN_vkFreeCommandBuffers = c"vkFreeCommandBuffers" => buffers::free;
+    begin_command_buffer: PFN_vkBeginCommandBuffer = c"vkBeginCommandBuffer" => buffers::begin;
+    reset_command_buffer: PFN_vkResetCommandBuffer = c"vkResetCommandBuffer" => buffers::reset;
+    cmd_execute_commands: PFN_vkCmdExecuteCommands = c"vkCmdExecuteCommands" => buffers::execute;
+
+    cmd_begin_render_pass: PFN_vkCmdBeginRenderPass = c"vkCmdBeginRenderPass" => passes::begin;
+    cmd_begin_render_pass2: PFN_vkCmdBeginRenderPass2 = c"vkCmdBeginRenderPass2"
+        since API_VERSION_1_2, before c"vkCmdBeginRenderPass2KHR" => passes::begin2;
+    cmd_end_render_pass: PFN_vkCmdEndRenderPass = c"vkCmdEndRenderPass" => passes::end;
+    cmd_end_render_pass2: PFN_vkCmdEndRenderPass2 = c"vkCmdEndRenderPass2"
+        since API_VERSION_1_2, before c"vkCmdEndRenderPass2KHR" => passes::end2;
+    cmd_begin_rendering: PFN_vkCmdBeginRendering = c"vkCmdBeginRendering"
+        since API_VERSION_1_3, before c"vkCmdBeginRenderingKHR" => rendering::begin;
+    cmd_end_rendering: PFN_vkCmdEndRendering = c"vkCmdEndRendering"
+        since API_VERSION_1_3, before c"vkCmdEndRenderingKHR" => rendering::end;
+    cmd_clear_attachments: PFN_vkCmdClearAttachments = c"vkCmdClearAttachments" => passes::clear_attachments;
+
+    cmd_begin_query: PFN_vkCmdBeginQuery = c"vkCmdBeginQuery" => queries::begin;
+    cmd_end_query: PFN_vkCmdEndQuery = c"vkCmdEndQuery" => queries::end;
+    cmd_begin_conditional_rendering: PFN_vkCmdBeginConditionalRenderingEXT =
+        c"vkCmdBeginConditionalRenderingEXT" => queries::begin_conditional;
+    cmd_end_conditional_rendering: PFN_vkCmdEndConditionalRenderingEXT =
+        c"vkCmdEndConditionalRenderingEXT" => queries::end_conditional;
+
+    cmd_copy_image: PFN_vkCmdCopyImage = c"vkCmdCopyImage" => transfers::copy;
+    cmd_copy_image2: PFN_vkCmdCopyImage2 = c"vkCmdCopyImage2"
+        since API_VERSION_1_3, before c"vkCmdCopyImage2KHR" => transfers::copy2;
+    cmd_blit_image: PFN_vkCmdBlitImage = c"vkCmdBlitImage" => transfers::blit;
+    cmd_blit_image2: PFN_vkCmdBlitImage2 = c"vkCmdBlitImage2"
+        since API_VERSION_1_3, before c"vkCmdBlitImage2KHR" => transfers::blit2;
+    cmd_resolve_image: PFN_vkCmdResolveImage = c"vkCmdResolveImage" => transfers::resolve;
+    cmd_resolve_image2: PFN_vkCmdResolveImage2 = c"vkCmdResolveImage2"
+        since API_VERSION_1_3, before c"vkCmdResolveImage2KHR" => transfers::resolve2;
+
+    queue_submit: PFN_vkQueueSubmit = c"vkQueueSubmit" => submit::submit;
+    queue_submit2: PFN_vkQueueSubmit2 = c"vkQueueSubmit2"
+        since API_VERSION_1_3, before c"vkQueueSubmit2KHR" => submit::submit2;
+}

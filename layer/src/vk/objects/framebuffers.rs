@@ -1,0 +1,93 @@
+//! Framebuffers.
+
+use super::Objects;
+use crate::abi::guard;
+use crate::scene::Target;
+use crate::vk::device;
+use ash::vk;
+use smallvec::SmallVec;
+use std::sync::Arc;
+
+/// A live framebuffer.
+#[derive(Debug, Clone)]
+pub struct Framebuffer {
+    /// What it attaches, in the order of the render pass; nothing where the view is not known. Empty where the
+    /// attachments come with vkCmdBeginRenderPass (imageless).
+    pub attachments: SmallVec<[Option<Target>; 8]>,
+    /// Whether the attachments come with vkCmdBeginRenderPass.
+    pub is_imageless: bool,
+    /// Size, pixels.
+    #[allow(dead_code, reason = "backends read it")]
+    pub extent: [u32; 2],
+    /// Layers.
+    #[allow(dead_code, reason = "backends read it")]
+    pub layers: u32,
+}
+
+impl Framebuffer {
+    /// # Safety
+    ///
+    /// Valid usage of vkCreateFramebuffer.
+    unsafe fn created(objects: &Objects, info: &vk::FramebufferCreateInfo<'_>) -> Self {
+        let is_imageless = info.flags.contains(vk::FramebufferCreateFlags::IMAGELESS);
+        let mut attachments = SmallVec::new();
+        if !is_imageless && info.attachment_count > 0 {
+            // SAFETY: without the flag there is an array of this many views.
+            let views =
+                unsafe { std::slice::from_raw_parts(info.p_attachments, info.attachment_count as usize) };
+            attachments.extend(views.iter().map(|&view| Some(objects.view(view)?.target)));
+        }
+        Self { attachments, is_imageless, extent: [info.width, info.height], layers: info.layers }
+    }
+}
+
+/// `vkCreateFramebuffer`.
+pub unsafe extern "system" fn create(
+    device: vk::Device,
+    info: *const vk::FramebufferCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    framebuffer: *mut vk::Framebuffer,
+) -> vk::Result {
+    guard(
+        "vkCreateFramebuffer",
+        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        |answer| {
+            // SAFETY: the application's own arguments; on success `info` and `framebuffer` are valid.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.create_framebuffer) else {
+                    return vk::Result::ERROR_INITIALIZATION_FAILED;
+                };
+                let result = answer.record(next(device, info, allocator, framebuffer));
+                if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
+                    let created = Framebuffer::created(&armed.objects, &*info);
+                    armed.objects.framebuffers.insert(*framebuffer, Arc::new(created));
+                }
+                result
+            }
+        },
+    )
+}
+
+/// `vkDestroyFramebuffer`.
+pub unsafe extern "system" fn destroy(
+    device: vk::Device,
+    framebuffer: vk::Framebuffer,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    guard(
+        "vkDestroyFramebuffer",
+        || (),
+        |_| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.destroy_framebuffer) else {
+                    return;
+                };
+                if let Some(armed) = &known.armed {
+                    armed.objects.framebuffers.remove(framebuffer);
+                }
+                next(device, framebuffer, allocator);
+            }
+        },
+    );
+}

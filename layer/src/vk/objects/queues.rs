@@ -1,0 +1,111 @@
+//! Queues, and pools of queries.
+
+use crate::abi::guard;
+use crate::vk::device;
+use ash::vk;
+
+/// Which queue of a device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct QueueId {
+    /// Its family.
+    pub family: u32,
+    /// Its index in the family.
+    pub index: u32,
+}
+
+/// `vkGetDeviceQueue`.
+pub unsafe extern "system" fn get(device: vk::Device, family: u32, index: u32, queue: *mut vk::Queue) {
+    guard(
+        "vkGetDeviceQueue",
+        || (),
+        |_| {
+            // SAFETY: the application's own arguments; the call writes a queue.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.get_device_queue) else { return };
+                next(device, family, index, queue);
+                if let Some(armed) = &known.armed {
+                    armed.objects.queues.insert(*queue, QueueId { family, index });
+                }
+            }
+        },
+    );
+}
+
+/// `vkGetDeviceQueue2`.
+pub unsafe extern "system" fn get2(
+    device: vk::Device,
+    info: *const vk::DeviceQueueInfo2<'_>,
+    queue: *mut vk::Queue,
+) {
+    guard(
+        "vkGetDeviceQueue2",
+        || (),
+        |_| {
+            // SAFETY: the application's own arguments; the call writes a queue, or null.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.get_device_queue2) else { return };
+                next(device, info, queue);
+                // Protected queues take protected work only.
+                if let Some(armed) = &known.armed
+                    && *queue != vk::Queue::null()
+                    && !(*info).flags.contains(vk::DeviceQueueCreateFlags::PROTECTED)
+                {
+                    let id = QueueId { family: (*info).queue_family_index, index: (*info).queue_index };
+                    armed.objects.queues.insert(*queue, id);
+                }
+            }
+        },
+    );
+}
+
+/// `vkCreateQueryPool`.
+pub unsafe extern "system" fn create_query_pool(
+    device: vk::Device,
+    info: *const vk::QueryPoolCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    pool: *mut vk::QueryPool,
+) -> vk::Result {
+    guard(
+        "vkCreateQueryPool",
+        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        |answer| {
+            // SAFETY: the application's own arguments; on success `info` and `pool` are valid.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.create_query_pool) else {
+                    return vk::Result::ERROR_INITIALIZATION_FAILED;
+                };
+                let result = answer.record(next(device, info, allocator, pool));
+                if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result)
+                    && (*info).query_type == vk::QueryType::OCCLUSION
+                {
+                    armed.objects.occlusion_pools.insert(*pool, ());
+                }
+                result
+            }
+        },
+    )
+}
+
+/// `vkDestroyQueryPool`.
+pub unsafe extern "system" fn destroy_query_pool(
+    device: vk::Device,
+    pool: vk::QueryPool,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    guard(
+        "vkDestroyQueryPool",
+        || (),
+        |_| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.destroy_query_pool) else {
+                    return;
+                };
+                if let Some(armed) = &known.armed {
+                    armed.objects.occlusion_pools.remove(pool);
+                }
+                next(device, pool, allocator);
+            }
+        },
+    );
+}

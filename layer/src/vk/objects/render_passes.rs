@@ -1,0 +1,143 @@
+//! Render passes.
+
+mod describe;
+
+use crate::abi::guard;
+use crate::scene::PassFacts;
+use crate::vk::device;
+use ash::vk;
+use smallvec::SmallVec;
+use std::sync::Arc;
+
+/// A live render pass, as the application created it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RenderPass {
+    /// Its attachments.
+    pub attachments: Vec<Attachment>,
+    /// Its subpasses.
+    pub subpasses: Vec<Subpass>,
+    /// Attachments that any subpass draws colour to, each once.
+    pub colors: SmallVec<[u32; 8]>,
+    /// Attachments that any subpass resolves colour to, each once.
+    pub resolves: SmallVec<[u32; 4]>,
+    /// The first subpass's depth attachment, or that of the first that has one.
+    pub depth: Option<u32>,
+    /// The views of all subpasses (multiview); 0 without.
+    pub view_mask: u32,
+    /// What is known of every instance of it.
+    pub facts: PassFacts,
+}
+
+/// One attachment of a render pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attachment {
+    /// Its format.
+    pub format: vk::Format,
+    /// Samples of a pixel.
+    pub samples: vk::SampleCountFlags,
+    /// What happens to colour or depth at the begin.
+    pub load: vk::AttachmentLoadOp,
+    /// What happens to colour or depth at the end.
+    pub store: vk::AttachmentStoreOp,
+    /// What happens to stencil at the begin.
+    pub stencil_load: vk::AttachmentLoadOp,
+    /// What happens to stencil at the end.
+    pub stencil_store: vk::AttachmentStoreOp,
+    /// Layout at the begin.
+    pub initial_layout: vk::ImageLayout,
+    /// Layout at the end.
+    pub final_layout: vk::ImageLayout,
+}
+
+/// One subpass. Attachments are named by their index in the render pass.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Subpass {
+    /// Colour attachments, by location.
+    pub colors: SmallVec<[Option<u32>; 4]>,
+    /// What each of `colors` is resolved to; empty without resolves.
+    pub resolves: SmallVec<[Option<u32>; 4]>,
+    /// Depth attachment, with its layout.
+    pub depth: Option<(u32, vk::ImageLayout)>,
+    /// Input attachments.
+    pub inputs: SmallVec<[Option<u32>; 4]>,
+    /// Multiview's mask; 0 without.
+    pub view_mask: u32,
+    /// Whether the application gives it rates of its own, or a density map.
+    pub has_own_rates: bool,
+}
+
+/// `vkCreateRenderPass`.
+pub unsafe extern "system" fn create(
+    device: vk::Device,
+    info: *const vk::RenderPassCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    pass: *mut vk::RenderPass,
+) -> vk::Result {
+    guard(
+        "vkCreateRenderPass",
+        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        |answer| {
+            // SAFETY: the application's own arguments; on success `info` and `pass` are valid.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.create_render_pass) else {
+                    return vk::Result::ERROR_INITIALIZATION_FAILED;
+                };
+                let result = answer.record(next(device, info, allocator, pass));
+                if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
+                    armed.objects.render_passes.insert(*pass, Arc::new(RenderPass::of_version_1(&*info)));
+                }
+                result
+            }
+        },
+    )
+}
+
+/// `vkCreateRenderPass2`.
+pub unsafe extern "system" fn create2(
+    device: vk::Device,
+    info: *const vk::RenderPassCreateInfo2<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    pass: *mut vk::RenderPass,
+) -> vk::Result {
+    guard(
+        "vkCreateRenderPass2",
+        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        |answer| {
+            // SAFETY: the application's own arguments; on success `info` and `pass` are valid.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.create_render_pass2) else {
+                    return vk::Result::ERROR_INITIALIZATION_FAILED;
+                };
+                let result = answer.record(next(device, info, allocator, pass));
+                if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
+                    armed.objects.render_passes.insert(*pass, Arc::new(RenderPass::of_version_2(&*info)));
+                }
+                result
+            }
+        },
+    )
+}
+
+/// `vkDestroyRenderPass`.
+pub unsafe extern "system" fn destroy(
+    device: vk::Device,
+    pass: vk::RenderPass,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    guard(
+        "vkDestroyRenderPass",
+        || (),
+        |_| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.destroy_render_pass) else {
+                    return;
+                };
+                if let Some(armed) = &known.armed {
+                    armed.objects.render_passes.remove(pass);
+                }
+                next(device, pass, allocator);
+            }
+        },
+    );
+}

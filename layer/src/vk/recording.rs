@@ -1,0 +1,165 @@
+//! What each command buffer of an armed device does, as far as the rest needs to know it.
+//!
+//! Command buffers are recorded on several threads: each has a lock of its own, which nobody else takes meanwhile. Its
+//! lists keep their memory when it is recorded again.
+
+pub mod buffers;
+pub mod passes;
+pub mod queries;
+pub mod rendering;
+pub mod transfers;
+
+use super::armed::Armed;
+use super::candidates::Candidate;
+use super::device;
+use super::dispatch::ArmedTable;
+use super::table::Table;
+use crate::scene::{Event, Pass};
+use ash::vk;
+use smallvec::SmallVec;
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
+
+/// Command buffers of all armed devices: their handles are addresses, so that no two live ones are the same.
+static BUFFERS: LazyLock<Table<vk::CommandBuffer, Arc<Buffer>>> = LazyLock::new(Table::default);
+
+/// A live command buffer.
+pub struct Buffer {
+    /// Its device.
+    pub armed: Arc<Armed>,
+    recorded: Mutex<Recorded>,
+}
+
+/// What a command buffer does.
+#[derive(Default)]
+pub struct Recorded {
+    /// In the order of its commands.
+    pub events: Vec<Event>,
+    /// What its passes draw to that may be the scene.
+    pub candidates: SmallVec<[Arc<Candidate>; 8]>,
+    /// Which of `events` is the pass that is being recorded.
+    open: Option<usize>,
+    /// For a secondary that continues a pass: what that pass must know of it.
+    within: Within,
+    /// Occlusion queries that are active.
+    queries: u32,
+    /// Whether conditional rendering is active.
+    is_conditional: bool,
+}
+
+/// What commands within a pass say of it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Within {
+    clears_depth: bool,
+    is_queried: bool,
+}
+
+impl Buffer {
+    fn new(armed: Arc<Armed>) -> Self {
+        Self { armed, recorded: Mutex::default() }
+    }
+
+    /// What it does.
+    pub fn recorded(&self) -> MutexGuard<'_, Recorded> {
+        self.recorded.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A live command buffer of an armed device.
+pub fn buffer(handle: vk::CommandBuffer) -> Option<Arc<Buffer>> {
+    BUFFERS.get(handle)
+}
+
+/// Forgets the command buffers of a device that is about to be destroyed.
+pub fn forget_device(armed: &Arc<Armed>) {
+    drop(BUFFERS.remove_where(|_, buffer| Arc::ptr_eq(&buffer.armed, armed)));
+}
+
+impl Recorded {
+    /// Forgets all; the memory stays.
+    fn clear(&mut self) {
+        self.events.clear();
+        self.candidates.clear();
+        self.open = None;
+        self.within = Within::default();
+        self.queries = 0;
+        self.is_conditional = false;
+    }
+
+    /// A pass begins.
+    fn begin(&mut self, mut pass: Pass, candidate: Option<Arc<Candidate>>) {
+        pass.facts.is_queried |= self.is_queried();
+        if let Some(candidate) = candidate
+            && !self.candidates.iter().any(|known| Arc::ptr_eq(known, &candidate))
+        {
+            self.candidates.push(candidate);
+        }
+        self.open = Some(self.events.len());
+        self.events.push(Event::Pass(pass));
+    }
+
+    /// The pass that is being recorded ends.
+    fn end(&mut self) {
+        self.open = None;
+    }
+
+    /// Commands within a pass say more of it.
+    fn tell(&mut self, more: Within) {
+        self.within.clears_depth |= more.clears_depth;
+        self.within.is_queried |= more.is_queried;
+        if let Some(Event::Pass(pass)) = self.open.and_then(|open| self.events.get_mut(open)) {
+            pass.facts.clears_depth_later |= more.clears_depth;
+            pass.facts.is_queried |= more.is_queried;
+        }
+    }
+
+    fn is_queried(&self) -> bool {
+        self.queries > 0 || self.is_conditional
+    }
+
+    /// A secondary is executed: its events follow, and what it does within the pass counts for that.
+    fn execute(&mut self, secondary: &Self) {
+        let is_queried = self.is_queried();
+        let events = secondary.events.iter().cloned().map(|mut event| {
+            if let Event::Pass(pass) = &mut event {
+                pass.facts.is_queried |= is_queried;
+            }
+            event
+        });
+        self.events.extend(events);
+        for candidate in &secondary.candidates {
+            if !self.candidates.iter().any(|known| Arc::ptr_eq(known, candidate)) {
+                self.candidates.push(Arc::clone(candidate));
+            }
+        }
+        self.tell(secondary.within);
+    }
+}
+
+/// A command buffer with the next layer's function that `choose` names. What is kept of it is missing where its device is
+/// not armed, or it did not come through this layer.
+///
+/// # Safety
+///
+/// `handle` is a live command buffer.
+unsafe fn with_buffer<F>(
+    handle: vk::CommandBuffer,
+    choose: impl FnOnce(&ArmedTable) -> Option<F>,
+) -> Option<(Option<Arc<Buffer>>, F)> {
+    if let Some(known) = buffer(handle) {
+        let next = choose(&known.armed.next)?;
+        return Some((Some(known), next));
+    }
+    // SAFETY: the caller vouches for the handle.
+    let (_, next) = unsafe { device::with(handle, choose) }?;
+    Some((None, next))
+}
+
+/// x, y, width, height; what is left of or above the corner is cut.
+fn area(rect: vk::Rect2D) -> [u32; 4] {
+    [
+        rect.offset.x.max(0).cast_unsigned(),
+        rect.offset.y.max(0).cast_unsigned(),
+        rect.extent.width,
+        rect.extent.height,
+    ]
+}

@@ -1,0 +1,206 @@
+//! Command pools and command buffers.
+
+use super::{BUFFERS, Buffer, buffer, with_buffer};
+use crate::abi::guard;
+use crate::vk::device;
+use ash::vk;
+use std::slice;
+use std::sync::Arc;
+
+const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
+
+/// `vkCreateCommandPool`.
+pub unsafe extern "system" fn create_pool(
+    device: vk::Device,
+    info: *const vk::CommandPoolCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    pool: *mut vk::CommandPool,
+) -> vk::Result {
+    // SAFETY: the application's own arguments; on success `info` and `pool` are valid.
+    guard(
+        "vkCreateCommandPool",
+        || FAILED,
+        |answer| unsafe {
+            let Some((known, next)) = device::with(device, |next| next.create_command_pool) else {
+                return FAILED;
+            };
+            let result = answer.record(next(device, info, allocator, pool));
+            if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
+                armed.objects.add_pool(*pool);
+            }
+            result
+        },
+    )
+}
+
+/// `vkDestroyCommandPool`, which frees its command buffers.
+pub unsafe extern "system" fn destroy_pool(
+    device: vk::Device,
+    pool: vk::CommandPool,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    // SAFETY: the application's own arguments.
+    guard(
+        "vkDestroyCommandPool",
+        || (),
+        |_| unsafe {
+            let Some((known, next)) = device::with(device, |next| next.destroy_command_pool) else { return };
+            if let Some(armed) = &known.armed
+                && let Some(known_pool) = armed.objects.remove_pool(pool)
+            {
+                known_pool.buffers().iter().for_each(|&freed| drop(BUFFERS.remove(freed)));
+            }
+            next(device, pool, allocator);
+        },
+    );
+}
+
+/// `vkResetCommandPool`, which resets its command buffers.
+pub unsafe extern "system" fn reset_pool(
+    device: vk::Device,
+    pool: vk::CommandPool,
+    flags: vk::CommandPoolResetFlags,
+) -> vk::Result {
+    // SAFETY: the application's own arguments.
+    guard(
+        "vkResetCommandPool",
+        || FAILED,
+        |answer| unsafe {
+            let Some((known, next)) = device::with(device, |next| next.reset_command_pool) else {
+                return FAILED;
+            };
+            let result = answer.record(next(device, pool, flags));
+            if let Some(pool) = known.armed.as_ref().and_then(|armed| armed.objects.pool(pool)) {
+                let buffers = pool.buffers();
+                buffers.iter().filter_map(|&reset| buffer(reset)).for_each(|reset| reset.recorded().clear());
+            }
+            result
+        },
+    )
+}
+
+/// `vkAllocateCommandBuffers`.
+pub unsafe extern "system" fn allocate(
+    device: vk::Device,
+    info: *const vk::CommandBufferAllocateInfo<'_>,
+    buffers: *mut vk::CommandBuffer,
+) -> vk::Result {
+    // SAFETY: the application's own arguments; on success `buffers` has as many as `info` says.
+    guard(
+        "vkAllocateCommandBuffers",
+        || FAILED,
+        |answer| unsafe {
+            let Some((known, next)) = device::with(device, |next| next.allocate_command_buffers) else {
+                return FAILED;
+            };
+            let result = answer.record(next(device, info, buffers));
+            if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result)
+                && let Some(pool) = armed.objects.pool((*info).command_pool)
+            {
+                let made = slice::from_raw_parts(buffers, (*info).command_buffer_count as usize);
+                pool.buffers().extend_from_slice(made);
+                for &handle in made {
+                    BUFFERS.insert(handle, Arc::new(Buffer::new(Arc::clone(armed))));
+                }
+            }
+            result
+        },
+    )
+}
+
+/// `vkFreeCommandBuffers`.
+pub unsafe extern "system" fn free(
+    device: vk::Device,
+    pool: vk::CommandPool,
+    count: u32,
+    buffers: *const vk::CommandBuffer,
+) {
+    // SAFETY: the application's own arguments: `count` command buffers of the pool, or null.
+    guard(
+        "vkFreeCommandBuffers",
+        || (),
+        |_| unsafe {
+            let Some((known, next)) = device::with(device, |next| next.free_command_buffers) else { return };
+            let known_pool = known.armed.as_ref().and_then(|armed| armed.objects.pool(pool));
+            if let Some(known_pool) = known_pool
+                && count > 0
+            {
+                let freed = slice::from_raw_parts(buffers, count as usize);
+                known_pool.buffers().retain(|live| !freed.contains(live));
+                freed.iter().for_each(|&freed| drop(BUFFERS.remove(freed)));
+            }
+            next(device, pool, count, buffers);
+        },
+    );
+}
+
+/// `vkBeginCommandBuffer`, which resets it.
+pub unsafe extern "system" fn begin(
+    handle: vk::CommandBuffer,
+    info: *const vk::CommandBufferBeginInfo<'_>,
+) -> vk::Result {
+    // SAFETY: the application's own arguments.
+    guard(
+        "vkBeginCommandBuffer",
+        || FAILED,
+        |answer| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.begin_command_buffer) else {
+                return FAILED;
+            };
+            let result = answer.record(next(handle, info));
+            if let Some(known) = known {
+                known.recorded().clear();
+            }
+            result
+        },
+    )
+}
+
+/// `vkResetCommandBuffer`.
+pub unsafe extern "system" fn reset(
+    handle: vk::CommandBuffer,
+    flags: vk::CommandBufferResetFlags,
+) -> vk::Result {
+    // SAFETY: the application's own arguments.
+    guard(
+        "vkResetCommandBuffer",
+        || FAILED,
+        |answer| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.reset_command_buffer) else {
+                return FAILED;
+            };
+            let result = answer.record(next(handle, flags));
+            if let Some(known) = known {
+                known.recorded().clear();
+            }
+            result
+        },
+    )
+}
+
+/// `vkCmdExecuteCommands`.
+pub unsafe extern "system" fn execute(
+    handle: vk::CommandBuffer,
+    count: u32,
+    secondaries: *const vk::CommandBuffer,
+) {
+    // SAFETY: the application's own arguments: `count` command buffers.
+    guard(
+        "vkCmdExecuteCommands",
+        || (),
+        |_| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_execute_commands) else { return };
+            next(handle, count, secondaries);
+            let Some(known) = known else { return };
+            let mut recorded = known.recorded();
+            for secondary in slice::from_raw_parts(secondaries, count as usize) {
+                // Whoever records a command buffer that is executed breaks the rules, and must not lock up.
+                if let Some(secondary) = buffer(*secondary)
+                    && let Ok(secondary) = secondary.recorded.try_lock()
+                {
+                    recorded.execute(&secondary);
+                }
+            }
+        },
+    );
+}

@@ -1,0 +1,90 @@
+//! Occlusion queries and conditional rendering: what they see depends on what is drawn.
+
+use super::{Recorded, Within, with_buffer};
+use crate::abi::guard;
+use ash::vk;
+
+/// `vkCmdBeginQuery`.
+pub unsafe extern "system" fn begin(
+    handle: vk::CommandBuffer,
+    pool: vk::QueryPool,
+    query: u32,
+    flags: vk::QueryControlFlags,
+) {
+    // SAFETY: the application's own arguments.
+    guard(
+        "vkCmdBeginQuery",
+        || (),
+        |_| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_query) else { return };
+            next(handle, pool, query, flags);
+            if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
+                let mut recorded = known.recorded();
+                recorded.queries += 1;
+                tell_queried(&mut recorded);
+            }
+        },
+    );
+}
+
+/// `vkCmdEndQuery`.
+pub unsafe extern "system" fn end(handle: vk::CommandBuffer, pool: vk::QueryPool, query: u32) {
+    // SAFETY: the application's own arguments.
+    guard(
+        "vkCmdEndQuery",
+        || (),
+        |_| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_query) else { return };
+            next(handle, pool, query);
+            if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
+                let mut recorded = known.recorded();
+                recorded.queries = recorded.queries.saturating_sub(1);
+            }
+        },
+    );
+}
+
+/// `vkCmdBeginConditionalRenderingEXT`.
+pub unsafe extern "system" fn begin_conditional(
+    handle: vk::CommandBuffer,
+    info: *const vk::ConditionalRenderingBeginInfoEXT<'_>,
+) {
+    // SAFETY: the application's own arguments.
+    guard(
+        "vkCmdBeginConditionalRenderingEXT",
+        || (),
+        |_| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_conditional_rendering) else {
+                return;
+            };
+            next(handle, info);
+            if let Some(known) = known {
+                let mut recorded = known.recorded();
+                recorded.is_conditional = true;
+                tell_queried(&mut recorded);
+            }
+        },
+    );
+}
+
+/// `vkCmdEndConditionalRenderingEXT`.
+pub unsafe extern "system" fn end_conditional(handle: vk::CommandBuffer) {
+    // SAFETY: the application's own argument.
+    guard(
+        "vkCmdEndConditionalRenderingEXT",
+        || (),
+        |_| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_conditional_rendering) else {
+                return;
+            };
+            next(handle);
+            if let Some(known) = known {
+                known.recorded().is_conditional = false;
+            }
+        },
+    );
+}
+
+fn tell_queried(recorded: &mut Recorded) {
+    recorded.tell(Within { is_queried: true, ..Within::default() });
+}

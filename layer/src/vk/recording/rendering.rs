@@ -1,0 +1,98 @@
+//! Dynamic rendering.
+
+use super::with_buffer;
+use crate::abi::guard;
+use crate::scene::{Pass, PassFacts, Target};
+use crate::vk::chain::extension;
+use crate::vk::objects::Objects;
+use ash::vk;
+use std::slice;
+
+/// `vkCmdBeginRendering`.
+pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::RenderingInfo<'_>) {
+    // SAFETY: the application's own arguments; `info` is valid.
+    guard(
+        "vkCmdBeginRendering",
+        || (),
+        |_| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_rendering) else { return };
+            next(handle, info);
+            if let Some(known) = known {
+                let pass = instance(&known.armed.objects, &*info);
+                let candidate = known.armed.candidates.of(&known.armed, &pass);
+                known.recorded().begin(pass, candidate);
+            }
+        },
+    );
+}
+
+/// `vkCmdEndRendering`.
+pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
+    // SAFETY: the application's own argument.
+    guard(
+        "vkCmdEndRendering",
+        || (),
+        |_| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_rendering) else { return };
+            next(handle);
+            if let Some(known) = known {
+                known.recorded().end();
+            }
+        },
+    );
+}
+
+/// An instance of dynamic rendering.
+///
+/// # Safety
+///
+/// Valid usage of vkCmdBeginRendering.
+unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
+    // SAFETY: the caller vouches for the structure, its arrays and its chain.
+    let (colors, depth, stencil, has_own_rates) = unsafe {
+        let colors = match info.color_attachment_count {
+            0 => &[][..],
+            count => slice::from_raw_parts(info.p_color_attachments, count as usize),
+        };
+        let is_attached =
+            |found: &&vk::RenderingAttachmentInfo<'_>| found.image_view != vk::ImageView::null();
+        let has_rates = extension::<vk::RenderingFragmentShadingRateAttachmentInfoKHR<'_>>(info.p_next)
+            .is_some_and(|found| found.image_view != vk::ImageView::null());
+        let has_density =
+            extension::<vk::RenderingFragmentDensityMapAttachmentInfoEXT<'_>>(info.p_next).is_some();
+        (
+            colors,
+            info.p_depth_attachment.as_ref().filter(is_attached),
+            info.p_stencil_attachment.as_ref().filter(is_attached),
+            has_rates || has_density,
+        )
+    };
+    // Without multiview the pass draws to `layer_count` layers of each view, and with it to those of the mask.
+    let target = |view: vk::ImageView| -> Option<Target> {
+        let mut target = objects.view(view)?.target;
+        if info.view_mask == 0 {
+            target.layers = target.layers.min(info.layer_count);
+        }
+        Some(target)
+    };
+    let suspended = vk::RenderingFlags::SUSPENDING | vk::RenderingFlags::RESUMING;
+    Pass {
+        colors: colors.iter().filter_map(|found| target(found.image_view)).collect(),
+        resolves: colors
+            .iter()
+            .filter(|found| found.resolve_mode != vk::ResolveModeFlags::NONE)
+            .filter_map(|found| target(found.resolve_image_view))
+            .collect(),
+        depth: depth.and_then(|found| target(found.image_view)),
+        area: super::area(info.render_area),
+        view_mask: info.view_mask,
+        facts: PassFacts {
+            clears_depth: depth.is_some_and(|found| found.load_op == vk::AttachmentLoadOp::CLEAR),
+            stores_depth: depth.is_some_and(|found| found.store_op == vk::AttachmentStoreOp::STORE),
+            loads_stencil: stencil.is_some_and(|found| found.load_op == vk::AttachmentLoadOp::LOAD),
+            has_own_rates,
+            is_suspended: info.flags.intersects(suspended),
+            ..PassFacts::default()
+        },
+    }
+}

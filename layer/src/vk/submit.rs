@@ -1,0 +1,148 @@
+//! Submits of the application: what their command buffers do is noted, and the maps of their candidates are brought up to
+//! date ahead of them, on the same queue.
+
+mod prologues;
+mod slot;
+
+pub use prologues::Prologues;
+
+use super::armed::Armed;
+use super::candidates::{Candidate, Need};
+use super::{device, recording, runtime_section};
+use crate::abi::guard;
+use crate::scene::{Event, Part};
+use ash::vk;
+use smallvec::SmallVec;
+use std::slice;
+use std::sync::Arc;
+
+/// `vkQueueSubmit`.
+pub unsafe extern "system" fn submit(
+    queue: vk::Queue,
+    count: u32,
+    submits: *const vk::SubmitInfo<'_>,
+    fence: vk::Fence,
+) -> vk::Result {
+    // SAFETY: the application's own arguments: `count` valid structures with their arrays.
+    guard(
+        "vkQueueSubmit",
+        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        |answer| unsafe {
+            let Some((known, next)) = device::with(queue, |next| next.queue_submit) else {
+                return vk::Result::ERROR_INITIALIZATION_FAILED;
+            };
+            if let Some(armed) = &known.armed {
+                let buffers = array(submits, count)
+                    .iter()
+                    .flat_map(|submit| array(submit.p_command_buffers, submit.command_buffer_count));
+                prepare(armed, known.is_active(), queue, buffers.copied());
+            }
+            answer.record(next(queue, count, submits, fence))
+        },
+    )
+}
+
+/// `vkQueueSubmit2`.
+pub unsafe extern "system" fn submit2(
+    queue: vk::Queue,
+    count: u32,
+    submits: *const vk::SubmitInfo2<'_>,
+    fence: vk::Fence,
+) -> vk::Result {
+    // SAFETY: the application's own arguments: `count` valid structures with their arrays.
+    guard(
+        "vkQueueSubmit2",
+        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        |answer| unsafe {
+            let Some((known, next)) = device::with(queue, |next| next.queue_submit2) else {
+                return vk::Result::ERROR_INITIALIZATION_FAILED;
+            };
+            if let Some(armed) = &known.armed {
+                let buffers = array(submits, count).iter().flat_map(|submit| {
+                    array(submit.p_command_buffer_infos, submit.command_buffer_info_count)
+                });
+                prepare(armed, known.is_active(), queue, buffers.map(|info| info.command_buffer));
+            }
+            answer.record(next(queue, count, submits, fence))
+        },
+    )
+}
+
+/// Candidates whose maps have to be written, the urgent ones too.
+type Outdated = SmallVec<[Arc<Candidate>; 8]>;
+
+/// Notes what is about to be submitted, and brings the maps of its candidates up to date.
+///
+/// # Safety
+///
+/// The queue is a live one of the device, and this thread may use it now.
+unsafe fn prepare(
+    armed: &Armed,
+    is_active: bool,
+    queue: vk::Queue,
+    buffers: impl Iterator<Item = vk::CommandBuffer>,
+) {
+    // What the runtime submits, or we do, is none of the application's frame.
+    let is_followed = is_active && !runtime_section::in_runtime_section();
+    let mut touched = Outdated::new();
+    for buffer in buffers.filter_map(recording::buffer) {
+        let recorded = buffer.recorded();
+        if is_followed {
+            note(armed, queue, &recorded);
+        }
+        for candidate in &recorded.candidates {
+            if !touched.iter().any(|known| Arc::ptr_eq(known, candidate)) {
+                touched.push(Arc::clone(candidate));
+            }
+        }
+    }
+    let plan = armed.frame.plan_serial();
+    touched.retain(|candidate| match candidate.content().need(plan) {
+        Need::None => false,
+        Need::Upload => is_followed,
+        Need::Initialise => true,
+    });
+    if touched.is_empty() {
+        return;
+    }
+    let Some(functions) = armed.functions() else { return };
+    let prologues = match armed.prologues.get(queue) {
+        Some(known) => known,
+        None => match armed.objects.queue(queue) {
+            Some(id) => armed.prologues.get_or_insert(queue, Arc::new(Prologues::new(id.family))),
+            None => return,
+        },
+    };
+    // SAFETY: the caller vouches for the queue.
+    unsafe { prologues.submit(armed, functions, queue, touched) };
+}
+
+/// Notes what a command buffer of the application does, and what its passes show.
+fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded) {
+    let mut log = armed.frame.log();
+    let is_on = armed.frame.is_on();
+    for event in &recorded.events {
+        if let Event::Pass(pass) = event
+            && let Some(target) = pass.colors.first()
+            && let Some(candidate) = recorded.candidates.iter().find(|known| known.target == *target)
+        {
+            let matched = if is_on { log.recognise(&armed.objects, pass).ok() } else { None };
+            let parts: &[Part] = matched.as_ref().map_or(&[], |found| &found.parts);
+            candidate.content().note(queue, log.frame(), pass.area, parts);
+        }
+        log.push(event);
+    }
+}
+
+/// An array of the application's; empty where there is none.
+///
+/// # Safety
+///
+/// `first` is null, or `count` values are there for `'a`.
+unsafe fn array<'a, T>(first: *const T, count: u32) -> &'a [T] {
+    if first.is_null() || count == 0 {
+        return &[];
+    }
+    // SAFETY: the caller vouches for the values.
+    unsafe { slice::from_raw_parts(first, count as usize) }
+}

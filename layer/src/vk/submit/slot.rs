@@ -1,0 +1,265 @@
+//! One prologue: a command buffer, its fence, and the staging memory that it reads.
+
+use super::Outdated;
+use crate::gpu::GpuError;
+use crate::gpu::functions::{Functions, init_dispatch};
+use crate::gpu::memory::memory_type;
+use crate::vk::armed::Armed;
+use ash::vk;
+use std::time::Duration;
+
+/// How long a fence of ours may take when the device is destroyed.
+const FENCE_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Staging memory is asked for in steps of this many bytes.
+const STEP: usize = 64 * 1024;
+
+/// A command buffer that is used again and again.
+pub struct Slot {
+    pool: vk::CommandPool,
+    commands: vk::CommandBuffer,
+    fence: vk::Fence,
+    memory: vk::PhysicalDeviceMemoryProperties,
+    staging: Option<Staging>,
+    /// Space to lay a map in.
+    pub texels: Vec<u8>,
+    /// What the command buffer uses while it is under way.
+    uses: Outdated,
+    is_pending: bool,
+}
+
+/// A buffer that stays mapped.
+struct Staging {
+    buffer: vk::Buffer,
+    memory: vk::DeviceMemory,
+    mapped: *mut u8,
+    len: usize,
+}
+
+// SAFETY: the pointer is to memory that stays mapped as long as the value lives, and writing through it takes `&mut`.
+unsafe impl Send for Staging {}
+
+impl Slot {
+    /// # Safety
+    ///
+    /// The device is live and has queues of that family; `functions` are its own.
+    pub unsafe fn new(armed: &Armed, functions: &Functions, family: u32) -> Result<Self, GpuError> {
+        let device = &functions.device;
+        let info = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT)
+            .queue_family_index(family);
+        // SAFETY: the caller vouches for the device; what is made is destroyed where a later step fails.
+        unsafe {
+            let memory =
+                functions.instance.get_physical_device_memory_properties(armed.record.physical_device);
+            let pool = device
+                .create_command_pool(&info, None)
+                .map_err(GpuError::from_call("vkCreateCommandPool"))?;
+            let mut slot = Self {
+                pool,
+                commands: vk::CommandBuffer::null(),
+                fence: vk::Fence::null(),
+                memory,
+                staging: None,
+                texels: Vec::new(),
+                uses: Outdated::new(),
+                is_pending: false,
+            };
+            match slot.make(armed, device) {
+                Ok(()) => Ok(slot),
+                Err(error) => {
+                    slot.destroy(device);
+                    Err(error)
+                }
+            }
+        }
+    }
+
+    /// # Safety
+    ///
+    /// As for [`Self::new`].
+    unsafe fn make(&mut self, armed: &Armed, device: &ash::Device) -> Result<(), GpuError> {
+        let info = vk::CommandBufferAllocateInfo::default()
+            .command_pool(self.pool)
+            .level(vk::CommandBufferLevel::PRIMARY)
+            .command_buffer_count(1);
+        // SAFETY: the caller vouches for the device, of which the pool is.
+        unsafe {
+            let made = device
+                .allocate_command_buffers(&info)
+                .map_err(GpuError::from_call("vkAllocateCommandBuffers"))?;
+            self.commands = made.first().copied().unwrap_or_default();
+            init_dispatch(&armed.record, self.commands)?;
+            self.fence = device
+                .create_fence(&vk::FenceCreateInfo::default(), None)
+                .map_err(GpuError::from_call("vkCreateFence"))?;
+        }
+        Ok(())
+    }
+
+    /// Whether the GPU may still work on it.
+    pub fn is_pending(&self) -> bool {
+        self.is_pending
+    }
+
+    /// Looks whether the GPU is done with it.
+    pub fn poll(&mut self, device: &ash::Device) {
+        // SAFETY: the fence is one of this live device.
+        if self.is_pending && unsafe { device.get_fence_status(self.fence) } == Ok(true) {
+            self.is_pending = false;
+            self.uses.clear();
+        }
+    }
+
+    /// The command buffer, recording since [`Self::begin`].
+    pub fn commands(&self) -> vk::CommandBuffer {
+        self.commands
+    }
+
+    /// The staging memory.
+    pub fn buffer(&self) -> vk::Buffer {
+        self.staging.as_ref().map_or(vk::Buffer::null(), |staging| staging.buffer)
+    }
+
+    /// Begins to record, with staging memory for so many bytes.
+    ///
+    /// # Safety
+    ///
+    /// It is not pending.
+    pub unsafe fn begin(&mut self, functions: &Functions, len: usize) -> Result<(), GpuError> {
+        let device = &functions.device;
+        if self.staging.as_ref().is_none_or(|staging| staging.len < len) {
+            if let Some(small) = self.staging.take() {
+                small.destroy(device);
+            }
+            self.staging = Some(Staging::new(device, &self.memory, len.next_multiple_of(STEP))?);
+        }
+        let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: nothing of the pool is pending.
+        unsafe {
+            device
+                .reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty())
+                .map_err(GpuError::from_call("vkResetCommandPool"))?;
+            device
+                .begin_command_buffer(self.commands, &info)
+                .map_err(GpuError::from_call("vkBeginCommandBuffer"))
+        }
+    }
+
+    /// Writes staging memory from `texels`.
+    pub fn stage(&mut self, offset: usize, len: usize, write: impl FnOnce(&[u8], &mut [u8])) {
+        let Some(staging) = &self.staging else { return };
+        if offset + len <= staging.len {
+            // SAFETY: within the mapped memory, which nobody else writes, and the GPU does not read: not pending.
+            let bytes = unsafe { std::slice::from_raw_parts_mut(staging.mapped.add(offset), len) };
+            write(&self.texels, bytes);
+        }
+    }
+
+    /// Ends the recording and submits it.
+    ///
+    /// # Safety
+    ///
+    /// This thread may use the queue now, which is of the pool's family; the slot is recording.
+    pub unsafe fn submit(
+        &mut self,
+        functions: &Functions,
+        submit: vk::PFN_vkQueueSubmit,
+        queue: vk::Queue,
+        uses: Outdated,
+    ) -> Result<(), GpuError> {
+        let device = &functions.device;
+        let commands = [self.commands];
+        let info = vk::SubmitInfo::default().command_buffers(&commands);
+        // SAFETY: the caller vouches for the queue; the fence is not in use, as the slot is not pending.
+        unsafe {
+            device.end_command_buffer(self.commands).map_err(GpuError::from_call("vkEndCommandBuffer"))?;
+            device.reset_fences(&[self.fence]).map_err(GpuError::from_call("vkResetFences"))?;
+            submit(queue, 1, &info, self.fence).result().map_err(GpuError::from_call("vkQueueSubmit"))?;
+        }
+        self.uses = uses;
+        self.is_pending = true;
+        Ok(())
+    }
+
+    /// Waits until the GPU is done with it, and destroys it; where that fails it is left.
+    pub fn destroy(mut self, device: &ash::Device) {
+        // SAFETY: fence and pool are of this live device; after the wait nothing is in use.
+        unsafe {
+            if self.is_pending
+                && device.wait_for_fences(&[self.fence], true, FENCE_TIMEOUT.as_nanos() as u64).is_err()
+            {
+                self.uses.drain(..).for_each(std::mem::forget);
+                return;
+            }
+            if let Some(staging) = self.staging.take() {
+                staging.destroy(device);
+            }
+            device.destroy_fence(self.fence, None);
+            device.destroy_command_pool(self.pool, None);
+        }
+    }
+}
+
+impl Staging {
+    fn new(
+        device: &ash::Device,
+        memory: &vk::PhysicalDeviceMemoryProperties,
+        len: usize,
+    ) -> Result<Self, GpuError> {
+        let info = vk::BufferCreateInfo::default()
+            .size(len as vk::DeviceSize)
+            .usage(vk::BufferUsageFlags::TRANSFER_SRC)
+            .sharing_mode(vk::SharingMode::EXCLUSIVE);
+        // SAFETY: the device is live; what is made is destroyed where a later step fails.
+        unsafe {
+            let buffer = device.create_buffer(&info, None).map_err(GpuError::from_call("vkCreateBuffer"))?;
+            let mut staging =
+                Self { buffer, memory: vk::DeviceMemory::null(), mapped: std::ptr::null_mut(), len };
+            match staging.bind(device, memory) {
+                Ok(()) => Ok(staging),
+                Err(error) => {
+                    staging.destroy(device);
+                    Err(error)
+                }
+            }
+        }
+    }
+
+    /// # Safety
+    ///
+    /// The buffer is a new one of the live device.
+    unsafe fn bind(
+        &mut self,
+        device: &ash::Device,
+        memory: &vk::PhysicalDeviceMemoryProperties,
+    ) -> Result<(), GpuError> {
+        let coherent = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
+        // SAFETY: the caller vouches for the buffer; the memory is what it requires.
+        unsafe {
+            let requirements = device.get_buffer_memory_requirements(self.buffer);
+            let kind = memory_type(memory, requirements.memory_type_bits, coherent)
+                .ok_or(GpuError::Unsupported("a device without a fitting memory type"))?;
+            let info =
+                vk::MemoryAllocateInfo::default().allocation_size(requirements.size).memory_type_index(kind);
+            self.memory =
+                device.allocate_memory(&info, None).map_err(GpuError::from_call("vkAllocateMemory"))?;
+            device
+                .bind_buffer_memory(self.buffer, self.memory, 0)
+                .map_err(GpuError::from_call("vkBindBufferMemory"))?;
+            self.mapped = device
+                .map_memory(self.memory, 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty())
+                .map_err(GpuError::from_call("vkMapMemory"))?
+                .cast();
+        }
+        Ok(())
+    }
+
+    fn destroy(self, device: &ash::Device) {
+        // SAFETY: both are of this live device and in no command buffer that is pending; freeing unmaps.
+        unsafe {
+            device.destroy_buffer(self.buffer, None);
+            device.free_memory(self.memory, None);
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! How passes are recorded.
+
+use clap::ValueEnum;
+
+/// How an application says what a pass draws to.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub enum Style {
+    /// Render pass objects and framebuffers, as of Vulkan 1.0.
+    RenderPass,
+    /// vkCmdBeginRendering, as of Vulkan 1.3.
+    DynamicRendering,
+}

@@ -1,0 +1,19 @@
+//! The bench `break-even` runs, and dearer pixels cost more.
+
+use parafovea_tests::break_even::{WITH_RATES, points, rows};
+use parafovea_tests::measure::Effort;
+
+#[test]
+fn dearer_pixels_cost_more() {
+    let effort = Effort { turns: 1, frames: 20, size: 128 };
+    let mut runs = 0;
+    let points = points(&[0, 256], effort, WITH_RATES, |_| runs += 1).unwrap();
+    assert_eq!(runs, 5, "one of nothing, two of each");
+    let [cheap, dear] = &points[..] else { panic!("{points:?}") };
+    // 256 rounds of 20 operations and more take a CPU at least 10 times as long as none.
+    assert!(dear.ns > 10.0 * cheap.ns.max(1.0), "{} ns and {} ns", cheap.ns, dear.ns);
+    let rows = rows(&points);
+    let of = |metric: &str| rows.iter().filter(|row| row.metric == metric).count();
+    assert_eq!((of("pixel"), of("cpu_median")), (2, 2));
+    assert!(rows.iter().filter_map(|row| row.comparison).all(|comparison| comparison.ratio > 0.0));
+}
