@@ -1,5 +1,6 @@
 //! The C side of both halves: what must hold at every function that a loader or an application calls.
 
+pub mod cpu_time;
 pub mod guard;
 pub mod pnext;
 

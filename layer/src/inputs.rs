@@ -1,3 +1,4 @@
 //! What the user does, as the latest values that a frame needs.
 
+pub mod cost;
 pub mod gaze;

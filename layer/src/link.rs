@@ -19,7 +19,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"parafovea_vkGetLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 2;
+pub const LINK_VERSION: u32 = 3;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
@@ -49,6 +49,8 @@ pub struct LinkTable {
     pub shown: unsafe extern "C" fn(device: vk::Device, record: *const ShownRecord),
     /// Tells what shall be done, from the configuration.
     pub settings: unsafe extern "C" fn(device: vk::Device, record: *const SettingsRecord),
+    /// How many passes were recognised and had the plan's rates in the frame that ended last.
+    pub passes_with_rates: unsafe extern "C" fn(device: vk::Device) -> u32,
 }
 
 /// One device as the Vulkan half tracked it.

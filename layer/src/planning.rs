@@ -2,11 +2,13 @@
 //!
 //! Pure: gaze, views and times come from [`crate::xr`]. What stays as it is allocates nothing, and gives the same plan.
 
+mod benefit;
 mod frame_rate;
 mod handed;
 mod offer;
 mod views;
 
+pub use benefit::{Benefit, EndedFrame};
 pub use offer::Offer;
 pub use views::{ShownView, View, Views, head_of};
 
@@ -166,6 +168,19 @@ impl Planning {
         planner.plan(&input);
         self.last = Some(Last { time_ns, frame: self.frame });
         true
+    }
+
+    /// What the eyes do at `time_ns`.
+    pub fn phase(&self, config: &Config, time_ns: i64) -> GazePhase {
+        match config.gaze.source {
+            GazeSource::Eyes => self.gaze.state(time_ns).phase,
+            GazeSource::Centre => STRAIGHT_AHEAD.phase,
+        }
+    }
+
+    /// Whether a CPU renders, whose time is known.
+    pub fn renders_on_cpu(&self) -> bool {
+        self.offer.is_cpu()
     }
 
     /// Whether this frame has a plan.

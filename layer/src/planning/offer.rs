@@ -9,6 +9,7 @@ use smallvec::SmallVec;
 pub struct Offer {
     rates: SmallVec<[ShadingRate; 16]>,
     texel: [u32; 2],
+    is_cpu: bool,
 }
 
 impl Offer {
@@ -21,6 +22,11 @@ impl Offer {
     pub fn texel(&self) -> [u32; 2] {
         self.texel
     }
+
+    /// Whether the device is a CPU.
+    pub fn is_cpu(&self) -> bool {
+        self.is_cpu
+    }
 }
 
 impl From<&OfferRecord> for Offer {
@@ -28,7 +34,11 @@ impl From<&OfferRecord> for Offer {
     fn from(record: &OfferRecord) -> Self {
         let count = if record.backend == BACKEND_NONE { 0 } else { record.rate_count as usize };
         let rates = record.rates.iter().take(count).filter_map(|texel| ShadingRate::from_texel(*texel));
-        Self { rates: rates.filter(|rate| *rate != ShadingRate::R1X1).collect(), texel: record.texel }
+        Self {
+            rates: rates.filter(|rate| *rate != ShadingRate::R1X1).collect(),
+            texel: record.texel,
+            is_cpu: record.is_cpu == 1,
+        }
     }
 }
 
@@ -49,7 +59,8 @@ mod tests {
             [ShadingRate::R2X2, ShadingRate::R2X2],
             "as many as it says, and no nonsense"
         );
-        assert_eq!(offer.texel(), [8, 16]);
+        assert_eq!((offer.texel(), offer.is_cpu()), ([8, 16], false));
+        assert!(Offer::from(&OfferRecord { is_cpu: 1, ..record }).is_cpu());
         assert!(Offer::from(&OfferRecord { rate_count: u32::MAX, ..record }).rates().len() == 3);
         assert_eq!(Offer::from(&OfferRecord { backend: BACKEND_NONE, ..record }).rates(), []);
     }

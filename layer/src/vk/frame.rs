@@ -83,7 +83,8 @@ impl Frame {
     pub fn set_settings(&self, record: &SettingsRecord) {
         let is_on = record.is_on != 0;
         if self.is_on.swap(is_on, Ordering::Relaxed) != is_on {
-            tracing::info!("shading rates {}", if is_on { "on" } else { "off" });
+            // The gate changes it for a few frames now and then; what the user or the gate decides is logged there.
+            tracing::debug!("shading rates {}", if is_on { "on" } else { "off" });
         }
     }
 }

@@ -20,6 +20,7 @@ static TABLE: LinkTable = LinkTable {
     plan,
     shown,
     settings,
+    passes_with_rates,
 };
 
 /// The function behind [`crate::link::GET_LINK_NAME`].
@@ -148,6 +149,21 @@ unsafe extern "C" fn settings(device: vk::Device, record: *const SettingsRecord)
             armed.frame.set_settings(record)
         });
     }
+}
+
+unsafe extern "C" fn passes_with_rates(device: vk::Device) -> u32 {
+    // SAFETY: the other half passes a live device (link.rs).
+    guard(
+        "parafovea_vkGetLink.passes_with_rates",
+        || 0,
+        |_| unsafe {
+            let known = device::of(device);
+            known
+                .as_ref()
+                .and_then(|known| known.armed.as_ref())
+                .map_or(0, |armed| armed.frame.log().with_rates())
+        },
+    )
 }
 
 /// An array of a record; empty where there is none.

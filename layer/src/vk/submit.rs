@@ -128,6 +128,9 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded) {
         {
             let matched = if is_on { log.recognise(&armed.objects, pass).ok() } else { None };
             let parts: &[Part] = matched.as_ref().map_or(&[], |found| &found.parts);
+            if !parts.is_empty() {
+                log.has_rates();
+            }
             candidate.content().note(queue, log.frame(), pass.area, parts);
         }
         log.push(event);

@@ -6,11 +6,12 @@
 
 use super::instance::next_of_any;
 use super::session::{self, Active, Health, Session};
+use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
-use crate::config::{Config, GazeSource, RatesBackend};
+use crate::config::{Config, GazeSource, RatesBackend, gate_mode};
 use crate::inputs::gaze::rotation;
 use crate::link::{BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, SettingsRecord};
-use crate::planning::{Look, Offer, Planning, ShownView, View, head_of, wants_rates};
+use crate::planning::{Benefit, EndedFrame, Look, Offer, Planning, ShownView, View, head_of, wants_rates};
 use glam::Quat;
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
@@ -29,6 +30,7 @@ const NEVER: i64 = i64::MIN;
 pub struct SessionPlan {
     planning: Mutex<Planning>,
     told: Mutex<Option<SettingsRecord>>,
+    benefit: Mutex<Benefit>,
     /// Display time of the frame that xrWaitFrame returned last.
     awaited: AtomicI64,
     /// Display time for which views were located last.
@@ -41,6 +43,7 @@ impl Default for SessionPlan {
         Self {
             planning: Mutex::default(),
             told: Mutex::default(),
+            benefit: Mutex::default(),
             awaited: AtomicI64::new(NEVER),
             located: AtomicI64::new(NEVER),
             has_failed: AtomicBool::new(false),
@@ -74,7 +77,12 @@ impl SessionPlan {
 
     /// Tells the Vulkan half what the configuration asks for, and hears what it can do, where that is news.
     pub fn tell_settings(&self, active: &Active, config: &Config) {
-        let record = settings_record(config, self.has_failed());
+        let pays = {
+            let mut benefit = self.benefit.lock().unwrap_or_else(PoisonError::into_inner);
+            benefit.set_mode(gate_mode(config));
+            benefit.is_on()
+        };
+        let record = settings_record(config, pays && !self.has_failed());
         let is_news = {
             let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
             told.replace(record) != Some(record)
@@ -87,15 +95,37 @@ impl SessionPlan {
     }
 }
 
-fn settings_record(config: &Config, has_failed: bool) -> SettingsRecord {
+fn settings_record(config: &Config, may_have_rates: bool) -> SettingsRecord {
     SettingsRecord {
-        is_on: u32::from(wants_rates(config) && !has_failed),
+        is_on: u32::from(wants_rates(config) && may_have_rates),
         backend: match config.rates.backend {
             RatesBackend::Auto => BACKEND_ANY,
             RatesBackend::Attachment => BACKEND_RATE_ATTACHMENT,
             RatesBackend::Mask => BACKEND_MASK,
             RatesBackend::Off => BACKEND_NONE,
         },
+    }
+}
+
+/// A frame that is shown at `time` ended: what it cost goes to the gate, whose answer the next xrBeginFrame tells.
+pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
+    let state = &active.plan;
+    let time_ns = time.as_nanos();
+    let (phase, on_cpu) = {
+        let planning = state.planning();
+        (planning.phase(config, time_ns), planning.renders_on_cpu())
+    };
+    let told = *state.told.lock().unwrap_or_else(PoisonError::into_inner);
+    let frame = EndedFrame {
+        time_ns,
+        process_cpu_ns: if on_cpu { process_cpu_ns() } else { None },
+        wanted_rates: told.is_some_and(|told| told.is_on == 1),
+        passes: active.device.passes_with_rates(),
+        phase,
+    };
+    let news = state.benefit.lock().unwrap_or_else(PoisonError::into_inner).frame_ended(&frame);
+    if let Some(news) = news {
+        tracing::info!("{news}");
     }
 }
 

@@ -134,6 +134,12 @@ impl VulkanDevice {
         unsafe { (self.table.settings)(self.record.device, record) }
     }
 
+    /// How many passes had the plan's rates in the frame that ended last.
+    pub fn passes_with_rates(&self) -> u32 {
+        // SAFETY: the device is live, as above.
+        unsafe { (self.table.passes_with_rates)(self.record.device) }
+    }
+
     /// Marks this thread's submits as the runtime's or ours until the result is dropped.
     pub fn runtime_section(&self) -> RuntimeSection {
         // SAFETY: the function takes any thread at any time.

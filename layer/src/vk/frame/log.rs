@@ -12,6 +12,8 @@ pub struct Log {
     frame: u64,
     events: Vec<Event>,
     recognition: Recognition,
+    /// Passes that got the plan's rates, in the frame under way and in the last.
+    with_rates: [u32; 2],
 }
 
 impl Log {
@@ -23,6 +25,16 @@ impl Log {
     /// What a pass is that is about to be submitted.
     pub fn recognise(&self, objects: &Objects, pass: &Pass) -> Result<Match, Unmatched> {
         self.recognition.of(pass, &self.events, |key| objects.describe(key))
+    }
+
+    /// A pass that is submitted has the plan's rates.
+    pub fn has_rates(&mut self) {
+        self.with_rates[0] = self.with_rates[0].saturating_add(1);
+    }
+
+    /// How many passes had the plan's rates in the last frame.
+    pub fn with_rates(&self) -> u32 {
+        self.with_rates[1]
     }
 
     /// Notes what is submitted.
@@ -39,5 +51,6 @@ impl Log {
         self.events.clear();
         objects.forget_departed();
         self.frame += 1;
+        self.with_rates = [0, self.with_rates[0]];
     }
 }

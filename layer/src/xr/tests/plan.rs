@@ -1,7 +1,7 @@
 //! An active session above the stand-ins for the runtime and for the Vulkan half: what is planned when, and who is told.
 
 use super::fake::frames::{self, DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, IMAGES, IN_LOCATE, fov, pose};
-use super::fake::vulkan_half::{self, Told, told};
+use super::fake::vulkan_half::{self, PASSES, Told, told};
 use super::{create_instance, fake};
 use crate::link::{BACKEND_ANY, NO_EYE, NO_IMAGE, SettingsRecord, ShownViewRecord};
 use crate::xr::vulkan_device::VulkanDevice;
@@ -400,4 +400,24 @@ fn a_session_that_ends_takes_its_images_along() {
     }
     let told = told();
     assert!(matches!(&told[..], [Told::Swapchain { images, .. }, Told::Active(false)] if images.is_empty()));
+}
+
+/// The gate looks how frames are without rates, and only where there are passes that have them.
+#[test]
+fn rates_are_left_off_for_a_look() {
+    let application = Application::new();
+    let looks = |frames: u32| -> Vec<u32> {
+        told();
+        (0..frames).for_each(|_| application.frame());
+        let settings = told().into_iter().filter_map(|told| match told {
+            Told::Settings(settings) => Some(settings.is_on),
+            _ => None,
+        });
+        settings.collect()
+    };
+    assert_eq!(looks(100), [0; 0]);
+    PASSES.set(2);
+    let looks = looks(100);
+    assert!(looks.len() >= 2, "{looks:?}");
+    assert!(looks.iter().enumerate().all(|(index, is_on)| *is_on == index as u32 % 2), "{looks:?}");
 }

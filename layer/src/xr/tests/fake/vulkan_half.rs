@@ -7,7 +7,7 @@ use crate::link::{
 use ash::vk;
 use ash::vk::Handle;
 use parafovea_core::rate::VULKAN_RATES;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ffi::{c_char, c_void};
 
 /// Something that was told.
@@ -21,6 +21,9 @@ pub enum Told {
 }
 
 thread_local! {
+    /// How many passes of a frame are recognised.
+    pub static PASSES: Cell<u32> = const { Cell::new(0) };
+    static IS_ON: Cell<bool> = const { Cell::new(false) };
     static TOLD: RefCell<Vec<Told>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -46,6 +49,7 @@ pub fn table() -> LinkTable {
         plan,
         shown,
         settings,
+        passes_with_rates,
     }
 }
 
@@ -133,7 +137,13 @@ unsafe extern "C" fn shown(_: vk::Device, record: *const ShownRecord) {
 
 unsafe extern "C" fn settings(_: vk::Device, record: *const SettingsRecord) {
     // SAFETY: the other half passes a valid record.
-    tell(Told::Settings(unsafe { *record }));
+    let record = unsafe { *record };
+    IS_ON.set(record.is_on == 1);
+    tell(Told::Settings(record));
+}
+
+unsafe extern "C" fn passes_with_rates(_: vk::Device) -> u32 {
+    if IS_ON.get() { PASSES.get() } else { 0 }
 }
 
 /// # Safety
