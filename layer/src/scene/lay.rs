@@ -220,10 +220,18 @@ fn limit(
         }
         for (texel, columns) in texels.iter_mut().zip(columns.iter()) {
             if !columns.is_empty() {
-                let met = row.get(columns.range()).unwrap_or(&[FULL]);
-                *texel &= met.iter().fold(COARSEST, |finest, rate| finest & rate);
+                *texel &= finest(&row[columns.range()]);
             }
         }
+    }
+}
+
+/// The finest of some unary rates; mostly there are one or two.
+fn finest(rates: &[u8]) -> u8 {
+    match rates {
+        [one] => *one,
+        [one, other] => one & other,
+        _ => rates.iter().fold(COARSEST, |finest, rate| finest & rate),
     }
 }
 

@@ -33,6 +33,8 @@ pub struct Recognition {
     listing: Listing,
     /// Images drawn after the last pass that could have read them: in the next frame's log something may.
     tail: Vec<ImageKey>,
+    /// When passes with the right looks were last seen before one that could read them.
+    found_at: Option<u64>,
     /// When the picture was last seen to be drawn without passes before it.
     drawn_directly_at: Option<u64>,
     rules: PassRules,
@@ -176,28 +178,34 @@ impl Recognition {
 
     /// Marks the images that are drawn before a pass which may read them and writes the picture.
     fn find_candidates(&mut self, events: &[Event]) {
-        let Some(last) = self.last_reader(events) else { return };
-        let mut found = false;
-        for event in &events[..last] {
+        let (last, is_written) = self.last_reader(events);
+        if is_written && last.is_none() {
+            self.drawn_directly_at = Some(self.frame);
+            self.tail.clear();
+            return;
+        }
+        let (before, after) = events.split_at(last.unwrap_or(0));
+        for event in before {
             let Event::Pass(pass) = event else { continue };
             if self.writes_picture(pass) {
                 continue;
             }
-            let looks = candidate::looks(pass, |image| self.memory.description(image), &self.swapchains);
-            found |= looks.is_ok();
+            if candidate::looks(pass, |image| self.memory.description(image), &self.swapchains).is_ok() {
+                self.found_at = Some(self.frame);
+            }
             for target in &pass.colors {
                 self.memory.set_precedes(self.frame, target.image);
             }
         }
-        let tail = std::mem::take(&mut self.tail);
-        if !found {
-            for image in &tail {
+        // Nothing before it, for long: so it reads what was submitted before the last xrEndFrame, as on a thread of its own.
+        let was_found = self.found_at.is_some_and(|at| self.frame < at + HOLD);
+        if last.is_some() && !was_found {
+            for image in &self.tail {
                 self.memory.set_precedes(self.frame, *image);
             }
         }
-        self.tail = tail;
         self.tail.clear();
-        for event in &events[last..] {
+        for event in after {
             if let Event::Pass(pass) = event
                 && !self.writes_picture(pass)
             {
@@ -207,8 +215,8 @@ impl Recognition {
     }
 
     /// The last event that writes the picture and may do so from other images: by a pass that does not clear its depth,
-    /// or by a copy from an image that no pass draws (a compute shader does).
-    fn last_reader(&mut self, events: &[Event]) -> Option<usize> {
+    /// or by a copy from an image that no pass draws (a compute shader does). And whether a pass after that writes it.
+    fn last_reader(&self, events: &[Event]) -> (Option<usize>, bool) {
         let mut is_written = false;
         let reader = events.iter().rposition(|event| match event {
             Event::Pass(pass) => {
@@ -221,10 +229,7 @@ impl Recognition {
                     && !self.memory.is_drawn(transfer.from.image)
             }
         });
-        if is_written && reader.is_none() {
-            self.drawn_directly_at = Some(self.frame);
-        }
-        reader
+        (reader, is_written)
     }
 
     fn writes_picture(&self, pass: &Pass) -> bool {

@@ -14,6 +14,8 @@ mod json;
 mod perception;
 #[path = "models/plan.rs"]
 mod plan;
+#[path = "models/scene.rs"]
+mod scene;
 #[path = "models/schedule.rs"]
 mod schedule;
 
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
         geometry::benches,
         perception::benches,
         plan::benches,
+        scene::benches,
         schedule::benches,
     ] {
         group(&mut criterion);

@@ -153,6 +153,10 @@ impl Cast {
             if alike && (first.is_ok() || stable) {
                 return Some(first.clone());
             }
+            // What turned up in a quad is given up at once, whatever it was before.
+            if !stable && outcomes(frame).any(|outcome| *outcome == Err(Unmatched::Flat)) {
+                return Some(Err(if alike { Unmatched::Flat } else { Unmatched::Ambiguous }));
+            }
             if stable && let Some(outcome) = outcomes(frame).nth(before()) {
                 return Some(outcome.clone());
             }

@@ -6,7 +6,7 @@ use super::{HOLD, Parts};
 use crate::scene::{Event, ImageDescription, ImageKey, SwapchainKey, Target, Unmatched};
 use std::collections::HashMap;
 
-/// What holds of an image is given up when it was drawn in so many frames without being seen again.
+/// What holds of an image is given up when it occurred in so many frames without being seen again.
 const MOST_MISSES: u32 = 60;
 
 /// So many frames after it last occurred, an image is forgotten.
@@ -46,8 +46,9 @@ struct Placed {
     placements: Placements,
     /// Render areas of the passes that drew what was transferred.
     areas: Areas,
-    /// Both, as they were the last time.
+    /// Both, as they were before the frame `remembered_at`.
     before: (Placements, Areas),
+    remembered_at: u64,
     unsteady_at: Option<u64>,
 }
 
@@ -224,9 +225,9 @@ impl Memory {
         }
     }
 
-    /// Counts for images that were drawn in this frame what this frame did not confirm.
+    /// Counts for images that occur in this frame what this frame did not confirm.
     pub(super) fn count_misses(&mut self, frame: u64) {
-        for image in self.images.values_mut().filter(|image| image.drawn_at == frame) {
+        for image in self.images.values_mut().filter(|image| image.at == frame) {
             image.placed.evidence.miss(frame);
             image.precedes.miss(frame);
         }
@@ -286,8 +287,10 @@ impl Image {
 impl Placed {
     /// Keeps what was known, once, before a frame's first change.
     fn remember(&mut self, frame: u64) {
-        if self.evidence.at != frame && self.evidence.at > 0 {
-            self.before = (self.placements.clone(), self.areas.clone());
+        if self.remembered_at != frame {
+            self.remembered_at = frame;
+            self.before.0.clone_from(&self.placements);
+            self.before.1.clone_from(&self.areas);
         }
     }
 

@@ -576,6 +576,27 @@ fn dynamic_resolution_upscaled_by_a_blit() {
     app.expect("scene", &transferred(Eyes::Left));
 }
 
+/// Through another image, for both eyes in turn.
+#[test]
+fn dynamic_resolution_of_one_image_for_both_eyes() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    let (image, middle) = (app.image(EYE, LDR), app.image(EYE, LDR));
+    app.run(20, |app| {
+        let [width, height] = dynamic(app.frame);
+        for chain in &eyes {
+            let mut pass = whole(EYE, &[image]);
+            pass.area = [0, 0, width, height];
+            app.pass("scene", pass);
+            app.blit((image, rect_of([width, height])), (middle, rect_of(EYE)));
+            app.copy(middle, app.current(chain));
+        }
+        app.show(&app.both(&eyes));
+    });
+    let both = [(Eyes::Right, 0, WHOLE), (Eyes::Left, 0, WHOLE)];
+    app.expect("scene", &matched(How::Transferred, Orientation::Upright, &both));
+}
+
 #[test]
 fn dynamic_resolution_with_a_new_image_each_frame() {
     let mut app = Application::default();
@@ -744,6 +765,67 @@ fn what_is_no_longer_copied_is_given_up_some_time_later() {
     let outcomes = app.outcomes("image");
     assert_eq!(outcomes[20].1, transferred(Eyes::Left));
     assert!(outcomes[100].1.is_err());
+}
+
+/// The same at the end of a chain, whose middle no pass draws.
+#[test]
+fn what_is_no_longer_copied_on_is_given_up_some_time_later() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    let (image, middle) = (app.image(EYE, LDR), app.image(EYE, LDR));
+    app.run(200, |app| {
+        app.scene("image", image);
+        app.copy(image, middle);
+        if app.frame < 10 {
+            app.copy(middle, app.current(&eyes[0]));
+        }
+        app.scene("scene", app.current(&eyes[1]));
+        app.show(&app.both(&eyes));
+    });
+    let outcomes = app.outcomes("image");
+    assert_eq!(outcomes[20].1, transferred(Eyes::Left));
+    assert!(outcomes[180].1.is_err());
+}
+
+/// Images made anew in each frame turn up in a quad: given up at once as well.
+#[test]
+fn new_images_that_turn_up_in_a_quad() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    let quad = app.chain(EYE, 1);
+    app.run(20, |app| {
+        let image = app.image(EYE, LDR);
+        app.scene("scene", image);
+        app.copy(image, app.current(&eyes[0]));
+        let mut shown = app.both(&eyes);
+        if app.frame >= 10 {
+            app.copy(image, app.current(&quad));
+            shown.flat.push(quad.key);
+        }
+        app.show(&shown);
+    });
+    for (frame, outcome) in app.outcomes("scene").into_iter().skip(1) {
+        let expected = if frame <= 10 { transferred(Eyes::Left) } else { Err(Unmatched::Flat) };
+        assert_eq!(outcome, expected, "frame {frame}");
+    }
+}
+
+/// A loading screen, drawn without depth and nothing before it, does not make a scene of the spectator's picture.
+#[test]
+fn a_spectator_while_nothing_else_is_drawn() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    let (image, spectator) = (app.image(EYE, HDR), app.image(EYE, HDR));
+    app.run(60, |app| {
+        if app.frame < 10 || app.frame > 40 {
+            app.scene("scene", image);
+        }
+        app.full_screen("tone-map", app.current(&eyes[0]));
+        app.scene("spectator", spectator);
+        app.show(&app.both(&eyes));
+    });
+    app.expect("scene", &looks(Eyes::Finer));
+    app.expect("spectator", &Err(Unmatched::After));
 }
 
 #[test]
