@@ -1,6 +1,7 @@
 //! What the OpenXR half told of a device's frames, and what the application did since the last one ended.
 
 mod log;
+mod passes_file;
 mod plan;
 mod swapchains;
 

@@ -122,18 +122,22 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded) {
     let mut log = armed.frame.log();
     let is_on = armed.frame.is_on();
     for event in &recorded.events {
-        if let Event::Pass(pass) = event
-            && let Some(target) = pass.colors.first()
-            && let Some(candidate) = recorded.candidates.iter().find(|known| known.target == *target)
-        {
-            let matched = if is_on { log.recognise(&armed.objects, pass).ok() } else { None };
+        let drawn = match event {
+            Event::Pass(pass) => pass.colors.first().zip(Some(pass.area)),
+            Event::Transfer(_) => None,
+        };
+        let candidate = drawn.and_then(|(target, area)| {
+            Some((recorded.candidates.iter().find(|known| known.target == *target)?, area))
+        });
+        let judged = log.push(&armed.objects, event, candidate.is_some());
+        if let Some((candidate, area)) = candidate {
+            let matched = judged.and_then(Result::ok).filter(|_| is_on);
             let parts: &[Part] = matched.as_ref().map_or(&[], |found| &found.parts);
             if !parts.is_empty() {
                 log.has_rates();
             }
-            candidate.content().note(queue, log.frame(), pass.area, parts);
+            candidate.content().note(queue, log.frame(), area, parts);
         }
-        log.push(event);
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the application did since the last frame ended, and recognition, which learns from it.
 
-use crate::scene::{Event, Match, Pass, Recognition, Unmatched};
+use super::passes_file;
+use crate::scene::{Event, Match, Pass, Recognition, Shown, Unmatched};
 use crate::vk::objects::Objects;
 
 /// An application that does more than this in a frame, or shows no frames, is not followed further.
@@ -11,6 +12,8 @@ const MOST_EVENTS: usize = 16_384;
 pub struct Log {
     frame: u64,
     events: Vec<Event>,
+    /// What each of `events` was taken for; empty where nobody wants to know.
+    judged: Vec<Option<Result<Match, Unmatched>>>,
     recognition: Recognition,
     /// Passes that got the plan's rates, in the frame under way and in the last.
     with_rates: [u32; 2],
@@ -20,11 +23,6 @@ impl Log {
     /// Number of the frame under way.
     pub fn frame(&self) -> u64 {
         self.frame
-    }
-
-    /// What a pass is that is about to be submitted.
-    pub fn recognise(&self, objects: &Objects, pass: &Pass) -> Result<Match, Unmatched> {
-        self.recognition.of(pass, &self.events, |key| objects.describe(key))
     }
 
     /// A pass that is submitted has the plan's rates.
@@ -37,18 +35,39 @@ impl Log {
         self.with_rates[1]
     }
 
-    /// Notes what is submitted.
-    pub fn push(&mut self, event: &Event) {
+    /// Notes what is submitted. Says of a pass what it is, where `is_candidate` or tests ask for that.
+    pub fn push(
+        &mut self,
+        objects: &Objects,
+        event: &Event,
+        is_candidate: bool,
+    ) -> Option<Result<Match, Unmatched>> {
+        let is_told = passes_file::is_wanted();
+        let judged = match event {
+            Event::Pass(pass) if is_candidate || is_told => Some(self.recognise(objects, pass)),
+            _ => None,
+        };
         if self.events.len() < MOST_EVENTS {
             self.events.push(event.clone());
+            if is_told {
+                self.judged.push(judged.clone());
+            }
         }
+        judged
+    }
+
+    /// What a pass is that is about to be submitted.
+    fn recognise(&self, objects: &Objects, pass: &Pass) -> Result<Match, Unmatched> {
+        self.recognition.of(pass, &self.events, |key| objects.describe(key))
     }
 
     /// Learns from the frame, and begins the next one.
-    pub fn end_frame(&mut self, objects: &Objects, shown: &crate::scene::Shown) {
+    pub fn end_frame(&mut self, objects: &Objects, shown: &Shown) {
+        passes_file::write(objects, self.frame, self.events.iter().zip(&self.judged));
         self.recognition.frame(&self.events, |key| objects.describe(key), shown);
         self.recognition.news(|line| tracing::info!("{line}"));
         self.events.clear();
+        self.judged.clear();
         objects.forget_departed();
         self.frame += 1;
         self.with_rates = [0, self.with_rates[0]];

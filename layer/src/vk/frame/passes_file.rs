@@ -1,0 +1,123 @@
+//! For tests: a file that says of each pass of each frame what it was taken for when it was submitted.
+//!
+//! `PARAFOVEA_PASSES_FILE` names it; it is only looked at where devices are armed, so not in processes with elevated
+//! rights. Each line is a JSON object:
+//!
+//! `{"frame":0,"index":0,"extent":[w,h],"area":[w,h],"layers":1,"samples":1,"format":"R8G8B8A8_SRGB","eyes":"left","why":"..."}`
+//!
+//! Frames count a device's xrEndFrame calls within a session from 0, indices the passes in the order of their submits.
+//! `extent`, `samples` and `format` are those of the first colour attachment, or of depth where there is none; `area` is the
+//! size of the render area, `layers` the number of views of multiview, else 1; `eyes` is left, right, both or none.
+
+use crate::scene::{Event, Eyes, Match, Pass, Unmatched};
+use crate::vk::objects::Objects;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::sync::{LazyLock, Mutex, PoisonError};
+
+const VARIABLE: &str = "PARAFOVEA_PASSES_FILE";
+
+static FILE: LazyLock<Option<Mutex<BufWriter<File>>>> = LazyLock::new(|| {
+    let path = std::env::var_os(VARIABLE)?;
+    match File::create(&path) {
+        Ok(file) => Some(Mutex::new(BufWriter::new(file))),
+        Err(error) => {
+            tracing::error!("{VARIABLE}: {}: {error}", path.display());
+            None
+        }
+    }
+});
+
+/// Whether somebody wants to know.
+pub fn is_wanted() -> bool {
+    FILE.is_some()
+}
+
+/// Writes the passes of a frame, each with what it was taken for.
+pub fn write<'a>(
+    objects: &Objects,
+    frame: u64,
+    passes: impl Iterator<Item = (&'a Event, &'a Option<Result<Match, Unmatched>>)>,
+) {
+    let Some(file) = &*FILE else { return };
+    let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
+    let judged = passes.filter_map(|(event, outcome)| match event {
+        Event::Pass(pass) => Some((pass, outcome.as_ref()?)),
+        Event::Transfer(_) => None,
+    });
+    let written = judged
+        .enumerate()
+        .try_for_each(|(index, (pass, outcome))| {
+            file.write_all(line(objects, frame, index, pass, outcome).as_bytes())
+        })
+        .and_then(|()| file.flush());
+    if let Err(error) = written {
+        tracing::error!("{VARIABLE}: {error}");
+    }
+}
+
+fn line(
+    objects: &Objects,
+    frame: u64,
+    index: usize,
+    pass: &Pass,
+    outcome: &Result<Match, Unmatched>,
+) -> String {
+    let image = pass.colors.first().or(pass.depth.as_ref()).and_then(|target| objects.describe(target.image));
+    let (extent, samples) = image.map_or(([0, 0], 0), |image| (image.extent, image.samples));
+    let format = image.map_or_else(|| "unknown".to_owned(), |image| format!("{:?}", image.format));
+    let [_, _, width, height] = pass.area;
+    let layers = pass.view_mask.count_ones().max(1);
+    let why = match outcome {
+        Ok(found) => found.how.to_string(),
+        Err(reason) => reason.to_string(),
+    };
+    format!(
+        "{{\"frame\":{frame},\"index\":{index},\"extent\":{extent:?},\"area\":[{width}, {height}],\"layers\":{layers},\
+         \"samples\":{samples},\"format\":{format:?},\"eyes\":\"{}\",\"why\":{why:?}}}\n",
+        eyes(outcome)
+    )
+}
+
+/// Whose picture it is, of all parts together.
+fn eyes(outcome: &Result<Match, Unmatched>) -> &'static str {
+    let parts = outcome.as_ref().map_or(&[][..], |found| &found.parts);
+    let shows = |eye| parts.iter().any(|part| part.eyes == eye || part.eyes == Eyes::Finer);
+    match (shows(Eyes::Left), shows(Eyes::Right)) {
+        (true, true) => "both",
+        (true, false) => "left",
+        (false, true) => "right",
+        (false, false) => "none",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{How, Orientation, Part};
+
+    #[test]
+    fn a_line_says_whose_picture_a_pass_makes() {
+        let part =
+            |eyes| Part { eyes, layer: 0, rect: [0.0, 0.0, 1.0, 1.0], orientation: Orientation::Upright };
+        let found = |parts: &[Part]| Ok(Match { parts: parts.into(), how: How::Swapchain });
+        assert_eq!(eyes(&found(&[part(Eyes::Left)])), "left");
+        assert_eq!(eyes(&found(&[part(Eyes::Right)])), "right");
+        assert_eq!(eyes(&found(&[part(Eyes::Right), part(Eyes::Left)])), "both");
+        assert_eq!(eyes(&found(&[part(Eyes::Finer)])), "both");
+        assert_eq!(eyes(&Err(Unmatched::Cube)), "none");
+        let pass = Pass {
+            colors: [].into(),
+            resolves: [].into(),
+            depth: None,
+            area: [1, 2, 30, 40],
+            view_mask: 0b11,
+            facts: crate::scene::PassFacts::default(),
+        };
+        assert_eq!(
+            line(&Objects::default(), 3, 1, &pass, &Err(Unmatched::NoColour)),
+            "{\"frame\":3,\"index\":1,\"extent\":[0, 0],\"area\":[30, 40],\"layers\":2,\"samples\":0,\
+             \"format\":\"unknown\",\"eyes\":\"none\",\"why\":\"no colour: a shadow map or a depth pre-pass\"}\n"
+        );
+    }
+}
