@@ -163,3 +163,6 @@ fn area(rect: vk::Rect2D) -> [u32; 4] {
         rect.extent.height,
     ]
 }
+
+#[cfg(test)]
+mod tests;

@@ -94,7 +94,8 @@ fn eyes(outcome: &Result<Match, Unmatched>) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{How, Orientation, Part};
+    use crate::scene::{How, Orientation, Part, PassFacts};
+    use smallvec::SmallVec;
 
     #[test]
     fn a_line_says_whose_picture_a_pass_makes() {
@@ -107,12 +108,12 @@ mod tests {
         assert_eq!(eyes(&found(&[part(Eyes::Finer)])), "both");
         assert_eq!(eyes(&Err(Unmatched::Cube)), "none");
         let pass = Pass {
-            colors: [].into(),
-            resolves: [].into(),
+            colors: SmallVec::new(),
+            resolves: SmallVec::new(),
             depth: None,
             area: [1, 2, 30, 40],
             view_mask: 0b11,
-            facts: crate::scene::PassFacts::default(),
+            facts: PassFacts::default(),
         };
         assert_eq!(
             line(&Objects::default(), 3, 1, &pass, &Err(Unmatched::NoColour)),

@@ -141,3 +141,6 @@ pub unsafe extern "system" fn destroy(
         },
     );
 }
+
+#[cfg(test)]
+mod tests;

@@ -72,3 +72,55 @@ macro_rules! regions_with_corners {
 
 regions_with_extent!(vk::ImageCopy, vk::ImageCopy2<'_>, vk::ImageResolve, vk::ImageResolve2<'_>);
 regions_with_corners!(vk::ImageBlit, vk::ImageBlit2<'_>);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::ImageKey;
+
+    const IMAGE: ImageDescription = ImageDescription {
+        key: ImageKey(7),
+        extent: [64, 64],
+        layers: 6,
+        format: vk::Format::R8G8B8A8_SRGB,
+        samples: 1,
+        is_cube: false,
+        swapchain: None,
+    };
+
+    fn layers(level: u32, base: u32, count: u32) -> vk::ImageSubresourceLayers {
+        vk::ImageSubresourceLayers {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            mip_level: level,
+            base_array_layer: base,
+            layer_count: count,
+        }
+    }
+
+    #[test]
+    fn a_copy_reads_and_writes_rectangles_of_one_size() {
+        let copy = vk::ImageCopy::default()
+            .src_subresource(layers(1, 0, 1))
+            .src_offset(vk::Offset3D { x: 3, y: 4, z: 0 })
+            .dst_subresource(layers(0, 2, vk::REMAINING_ARRAY_LAYERS))
+            .dst_offset(vk::Offset3D { x: 5, y: 6, z: 0 })
+            .extent(vk::Extent3D { width: 10, height: 20, depth: 1 });
+        let ends = copy.ends();
+        assert_eq!((ends.from.rect, ends.to.rect), ([3, 4, 10, 20], [5, 6, 10, 20]));
+        let target = |level, base_layer, layers| Target { image: ImageKey(7), level, base_layer, layers };
+        assert_eq!(ends.from.target(&IMAGE), target(1, 0, 1));
+        assert_eq!(ends.to.target(&IMAGE), target(0, 2, 4));
+    }
+
+    #[test]
+    fn a_mirrored_blit_has_a_negative_extent() {
+        let corner = |x, y| vk::Offset3D { x, y, z: 0 };
+        let blit = vk::ImageBlit2::default()
+            .src_subresource(layers(0, 0, 1))
+            .src_offsets([corner(0, 64), corner(32, 0)])
+            .dst_subresource(layers(0, 1, 1))
+            .dst_offsets([corner(8, 8), corner(24, 40)]);
+        let ends = blit.ends();
+        assert_eq!((ends.from.rect, ends.to.rect), ([0, 64, 32, -64], [8, 8, 16, 32]));
+    }
+}
