@@ -1,0 +1,96 @@
+//! What a style has at hand, and what it is given for each frame.
+
+use crate::gpu::{Gpu, Image, Kind, Pass, PassSpec, passes};
+use crate::scene::{Draw, Pipelines, Scene, Uniforms};
+use anyhow::Result;
+use ash::vk;
+use openxr as xr;
+use std::cell::{Cell, RefCell};
+
+/// Both eyes.
+pub const EYES: [usize; 2] = [0, 1];
+
+/// Records a frame into its command buffer.
+pub type Recorder<'a> = Box<dyn FnMut(&Frame) -> Result<()> + 'a>;
+
+/// What lives as long as the session.
+pub struct App<'g> {
+    pub gpu: &'g Gpu,
+    pub scene: Scene,
+    /// Width and height of an eye's picture.
+    pub size: [u32; 2],
+    /// Images of each colour swapchain.
+    pub color: Vec<Vec<Image>>,
+    /// Images of each depth swapchain; none where depth is not submitted.
+    pub depth: Vec<Vec<Image>>,
+    /// Images of the quad layer's swapchain; none without.
+    pub quad: Vec<Image>,
+    /// What of each view is never seen: triangles in the plane one metre ahead.
+    pub hidden: [Vec<[f32; 2]>; 2],
+}
+
+/// A frame that is being rendered.
+pub struct Frame<'f> {
+    /// Its number, from 0.
+    pub index: u64,
+    /// Which of the frames in flight it is: its part of the uniforms.
+    pub slot: usize,
+    /// Being recorded; submitted afterwards.
+    pub commands: vk::CommandBuffer,
+    pub views: &'f [xr::View; 2],
+    /// As they were written for this frame; a style may write others.
+    pub uniforms: Uniforms,
+    /// Number of the acquired image of each colour swapchain.
+    pub color: Vec<usize>,
+    /// Number of the acquired image of each depth swapchain.
+    pub depth: Vec<usize>,
+    /// Number of the acquired image of the quad layer's swapchain.
+    pub quad: usize,
+    /// Submitted with `commands`, after them.
+    pub after: RefCell<Vec<vk::CommandBuffer>>,
+    /// What the submission waits for.
+    pub waits: RefCell<Vec<vk::Semaphore>>,
+    /// Width and height of the part of an eye's picture that is shown.
+    pub shown: Cell<[u32; 2]>,
+}
+
+impl App<'_> {
+    /// For each eye a pass for each of its swapchain's images, or of the one swapchain's.
+    ///
+    /// # Errors
+    /// Those of [`Gpu::pass`].
+    pub fn eye_passes(&self, kind: Kind, spec: impl Fn(Image) -> PassSpec) -> Result<Vec<Vec<Pass>>> {
+        self.color.iter().map(|images| passes(self.gpu, kind, images, &spec)).collect()
+    }
+
+    /// Runs a pass that shows the scene to a view.
+    pub fn show(&self, frame: &Frame, pass: &Pass, pipelines: &Pipelines, view: usize) {
+        pass.begin(self.gpu, frame.commands);
+        self.draw(frame, pipelines, view);
+        pass.end(self.gpu, frame.commands);
+    }
+
+    /// Draws the scene for a view, in the pass that was begun.
+    pub fn draw(&self, frame: &Frame, pipelines: &Pipelines, view: usize) {
+        self.scene.draw(self.gpu, frame.commands, pipelines, frame.slot, view as u32);
+    }
+
+    /// Runs a pass with one triangle over all of it.
+    pub fn show_screen(
+        &self,
+        frame: &Frame,
+        pass: &Pass,
+        pipeline: vk::Pipeline,
+        set: vk::DescriptorSet,
+        draw: &Draw,
+    ) {
+        pass.begin(self.gpu, frame.commands);
+        self.scene.draw_screen(self.gpu, frame.commands, pipeline, (set, frame.slot), draw);
+        pass.end(self.gpu, frame.commands);
+    }
+}
+
+/// Two eyes' pictures beside each other.
+pub const fn wide([width, height]: [u32; 2]) -> [u32; 2] {
+    [2 * width, height]
+}

@@ -1,0 +1,292 @@
+//! The Vulkan device, and everything that a style makes on it: destroyed together, at the end.
+
+mod attachment;
+mod buffer;
+mod commands;
+mod image;
+mod libraries;
+mod pass;
+mod pipeline;
+mod subpasses;
+mod transfer;
+
+pub use attachment::Attachment;
+pub use buffer::Buffer;
+pub use image::{DEPTH, Image, ImageSpec};
+pub use pass::{Kind, Pass, PassSpec, Target, passes};
+pub use pipeline::{Depth, Making, PipelineSpec, Shader};
+pub use subpasses::{Subpasses, SubpassesSpec};
+
+use crate::support::{Feature, Features, Needs, Queues};
+use crate::truth::PassSeen;
+use anyhow::{Context, Result};
+use ash::vk;
+use openxr as xr;
+use std::ffi::c_void;
+use std::ops::Deref;
+use std::sync::Mutex;
+
+use ash::vk::Handle;
+
+/// The device that OpenXR chose, with one queue or two.
+pub struct Gpu {
+    pub instance: ash::Instance,
+    pub physical: vk::PhysicalDevice,
+    pub device: ash::Device,
+    pub family: u32,
+    /// Of the session.
+    pub queue: vk::Queue,
+    /// Another, or the same where there is one only.
+    pub second_queue: vk::Queue,
+    memory: vk::PhysicalDeviceMemoryProperties,
+    made: Mutex<Vec<Made>>,
+    begun: Mutex<Vec<PassSeen>>,
+    has_addresses: bool,
+    /// Whether the instance goes with it.
+    owns_instance: bool,
+    _entry: ash::Entry,
+}
+
+/// The device, or what it lacks.
+pub enum Opened {
+    /// It has all that was asked for.
+    Gpu(Box<Gpu>),
+    /// It lacks this.
+    Lacking(String),
+}
+
+/// What the device made, to be destroyed.
+#[derive(Clone, Copy)]
+pub enum Made {
+    Buffer(vk::Buffer),
+    CommandPool(vk::CommandPool),
+    DescriptorPool(vk::DescriptorPool),
+    Fence(vk::Fence),
+    Framebuffer(vk::Framebuffer),
+    Image(vk::Image),
+    Memory(vk::DeviceMemory),
+    Module(vk::ShaderModule),
+    Pipeline(vk::Pipeline),
+    PipelineLayout(vk::PipelineLayout),
+    QueryPool(vk::QueryPool),
+    RenderPass(vk::RenderPass),
+    Sampler(vk::Sampler),
+    Semaphore(vk::Semaphore),
+    SetLayout(vk::DescriptorSetLayout),
+    View(vk::ImageView),
+}
+
+impl Deref for Gpu {
+    type Target = ash::Device;
+
+    fn deref(&self) -> &ash::Device {
+        &self.device
+    }
+}
+
+impl Gpu {
+    /// Makes instance and device through XR_KHR_vulkan_enable2.
+    ///
+    /// # Errors
+    /// Those of the calls.
+    pub fn open(xr_instance: &xr::Instance, system: xr::SystemId, needs: &Needs) -> Result<Opened> {
+        // SAFETY: the library that is installed as the Vulkan loader is taken to be one.
+        let entry = unsafe { ash::Entry::load() }.context("the Vulkan loader cannot be loaded")?;
+        xr_instance.graphics_requirements::<xr::Vulkan>(system)?;
+        let application =
+            vk::ApplicationInfo::default().application_name(c"parafovea-zoo").api_version(needs.vulkan);
+        let info = vk::InstanceCreateInfo::default().application_info(&application);
+        // SAFETY: the create info and all that it points to outlive the call.
+        let instance = unsafe {
+            xr_instance.create_vulkan_instance(system, entry_point(&entry), (&raw const info).cast())
+        }?
+        .map_err(vk::Result::from_raw)?;
+        // SAFETY: the handle was just created through this entry.
+        let instance =
+            unsafe { ash::Instance::load(entry.static_fn(), vk::Instance::from_raw(instance as u64)) };
+        // SAFETY: the instance is live and was made with XR_KHR_vulkan_enable2.
+        let physical = unsafe {
+            xr_instance.vulkan_graphics_device(system, instance.handle().as_raw() as *const c_void)
+        }?;
+        let physical = vk::PhysicalDevice::from_raw(physical as u64);
+        if let Some(lacking) = needs.lacking(&instance, physical)? {
+            // SAFETY: nothing was made from the instance.
+            unsafe { instance.destroy_instance(None) };
+            return Ok(Opened::Lacking(lacking));
+        }
+        let (family, queues) = graphics_family(&instance, physical, needs)?;
+        let priorities = vec![1.0; queues as usize];
+        let create = |info: &vk::DeviceCreateInfo| {
+            // SAFETY: the physical device is the runtime's choice; the create info outlives the call.
+            let device = unsafe {
+                xr_instance.create_vulkan_device(
+                    system,
+                    entry_point(&entry),
+                    physical.as_raw() as *const c_void,
+                    std::ptr::from_ref(info).cast(),
+                )
+            };
+            device.context("xrCreateVulkanDeviceKHR")
+        };
+        let queue_info =
+            [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
+        let names = needs.extension_names();
+        let names: Vec<_> = names.iter().map(|name| name.as_ptr()).collect();
+        let device = Features::of(needs.features).chained(needs.features, |features| {
+            let info = vk::DeviceCreateInfo::default()
+                .queue_create_infos(&queue_info)
+                .enabled_extension_names(&names)
+                .push_next(features);
+            create(&info)
+        })?;
+        let device = device.map_err(vk::Result::from_raw)?;
+        // SAFETY: the handle was just created from this instance.
+        let device = unsafe { ash::Device::load(instance.fp_v1_0(), vk::Device::from_raw(device as u64)) };
+        // SAFETY: the device has so many queues of this family.
+        let (queue, second_queue) =
+            unsafe { (device.get_device_queue(family, 0), device.get_device_queue(family, queues - 1)) };
+        // SAFETY: the physical device is of this instance.
+        let memory = unsafe { instance.get_physical_device_memory_properties(physical) };
+        Ok(Opened::Gpu(Box::new(Self {
+            instance,
+            physical,
+            device,
+            family,
+            queue,
+            second_queue,
+            memory,
+            made: Mutex::default(),
+            begun: Mutex::default(),
+            has_addresses: needs.features.contains(&Feature::BufferDeviceAddress),
+            owns_instance: true,
+            _entry: entry,
+        })))
+    }
+
+    /// Another device from the same instance, with one queue and nothing enabled.
+    ///
+    /// # Errors
+    /// Those of vkCreateDevice.
+    pub fn another(&self) -> Result<Self> {
+        let queue_info =
+            [vk::DeviceQueueCreateInfo::default().queue_family_index(self.family).queue_priorities(&[1.0])];
+        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queue_info);
+        // SAFETY: the physical device is of this instance; the structure outlives the call.
+        let device = unsafe { self.instance.create_device(self.physical, &info, None) }?;
+        // SAFETY: the device has one queue of this family.
+        let queue = unsafe { device.get_device_queue(self.family, 0) };
+        Ok(Self {
+            instance: self.instance.clone(),
+            device,
+            queue,
+            second_queue: queue,
+            made: Mutex::default(),
+            begun: Mutex::default(),
+            has_addresses: false,
+            owns_instance: false,
+            _entry: self._entry.clone(),
+            physical: self.physical,
+            family: self.family,
+            memory: self.memory,
+        })
+    }
+
+    /// The graphics binding of an XrSession.
+    pub fn session_info(&self) -> xr::vulkan::SessionCreateInfo {
+        xr::vulkan::SessionCreateInfo {
+            instance: self.instance.handle().as_raw() as *const c_void,
+            physical_device: self.physical.as_raw() as *const c_void,
+            device: self.device.handle().as_raw() as *const c_void,
+            queue_family_index: self.family,
+            queue_index: 0,
+        }
+    }
+
+    /// Keeps an object until [`Self::destroy_made`].
+    pub fn keep(&self, made: Made) {
+        self.made.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(made);
+    }
+
+    /// Waits until the device is idle, and destroys what was kept, the newest first.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn destroy_made(&self) -> Result<()> {
+        // SAFETY: no other thread uses the device's queues any more.
+        unsafe { self.device.device_wait_idle() }?;
+        let mut made = self.made.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        for object in made.drain(..).rev() {
+            self.destroy(object);
+        }
+        Ok(())
+    }
+
+    /// Destroys an object that was not kept, and that no submitted command uses any more.
+    pub fn destroy(&self, object: Made) {
+        let device = &self.device;
+        // SAFETY: each object was made by this device and is destroyed once, after the last use of it: the caller
+        // says so, or the device is idle.
+        unsafe {
+            match object {
+                Made::Buffer(buffer) => device.destroy_buffer(buffer, None),
+                Made::CommandPool(pool) => device.destroy_command_pool(pool, None),
+                Made::DescriptorPool(pool) => device.destroy_descriptor_pool(pool, None),
+                Made::Fence(fence) => device.destroy_fence(fence, None),
+                Made::Framebuffer(framebuffer) => device.destroy_framebuffer(framebuffer, None),
+                Made::Image(image) => device.destroy_image(image, None),
+                Made::Memory(memory) => device.free_memory(memory, None),
+                Made::Module(module) => device.destroy_shader_module(module, None),
+                Made::Pipeline(pipeline) => device.destroy_pipeline(pipeline, None),
+                Made::PipelineLayout(layout) => device.destroy_pipeline_layout(layout, None),
+                Made::QueryPool(pool) => device.destroy_query_pool(pool, None),
+                Made::RenderPass(render_pass) => device.destroy_render_pass(render_pass, None),
+                Made::Sampler(sampler) => device.destroy_sampler(sampler, None),
+                Made::Semaphore(semaphore) => device.destroy_semaphore(semaphore, None),
+                Made::SetLayout(layout) => device.destroy_descriptor_set_layout(layout, None),
+                Made::View(view) => device.destroy_image_view(view, None),
+            }
+        }
+    }
+}
+
+impl Drop for Gpu {
+    fn drop(&mut self) {
+        // SAFETY: sessions are gone: they borrow this. What was kept is destroyed first; where that fails the
+        // device is lost.
+        unsafe {
+            let _ = self.destroy_made();
+            self.device.destroy_device(None);
+            if self.owns_instance {
+                self.instance.destroy_instance(None);
+            }
+        }
+    }
+}
+
+/// The family of the queues, and how many of them.
+fn graphics_family(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    needs: &Needs,
+) -> Result<(u32, u32)> {
+    // SAFETY: the physical device is of this instance.
+    let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
+    let (index, family) = (0..)
+        .zip(&families)
+        .find(|(_, family)| family.queue_flags.contains(vk::QueueFlags::GRAPHICS))
+        .context("the headset's GPU has no graphics queue")?;
+    let wanted = if needs.queues == Queues::One { 1 } else { 2 };
+    Ok((index, family.queue_count.min(wanted)))
+}
+
+/// The Vulkan loader's entry point in the type that the OpenXR crate wants.
+fn entry_point(entry: &ash::Entry) -> xr::sys::platform::VkGetInstanceProcAddr {
+    let function = entry.static_fn().get_instance_proc_addr;
+    // SAFETY: both are vkGetInstanceProcAddr of the Vulkan headers; only the crates' names for the handle and
+    // for the returned function pointer differ, both of one pointer's size.
+    unsafe {
+        std::mem::transmute::<vk::PFN_vkGetInstanceProcAddr, xr::sys::platform::VkGetInstanceProcAddr>(
+            function,
+        )
+    }
+}

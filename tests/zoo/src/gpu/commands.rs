@@ -1,0 +1,128 @@
+//! Command buffers, and the commands that every style needs.
+
+use super::{Gpu, Image, Made};
+use crate::truth::PassSeen;
+use anyhow::Result;
+use ash::vk;
+
+impl Gpu {
+    /// Makes so many command buffers in a pool of their own, which is kept.
+    ///
+    /// # Errors
+    /// Those of the calls.
+    pub fn command_buffers(
+        &self,
+        count: u32,
+        level: vk::CommandBufferLevel,
+    ) -> Result<Vec<vk::CommandBuffer>> {
+        let info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(self.family)
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
+        // SAFETY: the structure outlives the call.
+        let pool = unsafe { self.device.create_command_pool(&info, None) }?;
+        self.keep(Made::CommandPool(pool));
+        let info = vk::CommandBufferAllocateInfo::default()
+            .command_pool(pool)
+            .level(level)
+            .command_buffer_count(count);
+        // SAFETY: the pool is live.
+        Ok(unsafe { self.device.allocate_command_buffers(&info) }?)
+    }
+
+    /// Records a primary command buffer from its begin to its end.
+    ///
+    /// # Errors
+    /// Those of the calls and of `body`.
+    pub fn record(
+        &self,
+        commands: vk::CommandBuffer,
+        flags: vk::CommandBufferUsageFlags,
+        body: impl FnOnce(vk::CommandBuffer) -> Result<()>,
+    ) -> Result<()> {
+        let info = vk::CommandBufferBeginInfo::default().flags(flags);
+        // SAFETY: the command buffer is not in use: its slot's fence was waited for, or it is new.
+        unsafe { self.device.begin_command_buffer(commands, &info) }?;
+        body(commands)?;
+        // SAFETY: it is being recorded.
+        Ok(unsafe { self.device.end_command_buffer(commands) }?)
+    }
+
+    /// Sets viewport and scissor to a rectangle at 0, 0.
+    pub fn set_viewport(&self, commands: vk::CommandBuffer, [width, height]: [u32; 2]) {
+        self.set_rect(commands, [0, 0], [width, height]);
+    }
+
+    /// Sets viewport and scissor to a rectangle.
+    pub fn set_rect(&self, commands: vk::CommandBuffer, [x, y]: [u32; 2], [width, height]: [u32; 2]) {
+        let viewport = vk::Viewport {
+            x: x as f32,
+            y: y as f32,
+            width: width as f32,
+            height: height as f32,
+            min_depth: 0.0,
+            max_depth: 1.0,
+        };
+        let scissor = vk::Rect2D {
+            offset: vk::Offset2D { x: x as i32, y: y as i32 },
+            extent: vk::Extent2D { width, height },
+        };
+        // SAFETY: the command buffer is being recorded.
+        unsafe {
+            self.device.cmd_set_viewport(commands, 0, &[viewport]);
+            self.device.cmd_set_scissor(commands, 0, &[scissor]);
+        }
+    }
+
+    /// Brings an image from one layout to another, between all work before and all after; nothing where they are equal,
+    /// but the order.
+    pub fn transition(
+        &self,
+        commands: vk::CommandBuffer,
+        image: &Image,
+        from: vk::ImageLayout,
+        to: vk::ImageLayout,
+    ) {
+        let barrier = vk::ImageMemoryBarrier::default()
+            .image(image.handle)
+            .subresource_range(image.range())
+            .old_layout(from)
+            .new_layout(to)
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+            .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE);
+        self.barrier(commands, &[], &[barrier]);
+    }
+
+    /// A barrier between all work before and all after.
+    pub fn barrier(
+        &self,
+        commands: vk::CommandBuffer,
+        memory: &[vk::MemoryBarrier],
+        images: &[vk::ImageMemoryBarrier],
+    ) {
+        let all = vk::PipelineStageFlags::ALL_COMMANDS;
+        // SAFETY: the command buffer is being recorded, outside of a render pass; the images are live.
+        unsafe {
+            self.device.cmd_pipeline_barrier(
+                commands,
+                all,
+                all,
+                vk::DependencyFlags::empty(),
+                memory,
+                &[],
+                images,
+            );
+        }
+    }
+
+    /// Notes a pass that is being begun.
+    pub fn note_pass(&self, seen: PassSeen) {
+        self.begun.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(seen);
+    }
+
+    /// The passes that were begun since the last call.
+    pub fn take_begun(&self) -> Vec<PassSeen> {
+        std::mem::take(&mut *self.begun.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
+    }
+}

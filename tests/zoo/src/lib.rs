@@ -1,0 +1,32 @@
+//! Applications as there are many: each *style* renders the same small scene in another way, with OpenXR and plain
+//! Vulkan. They know nothing of any layer.
+//!
+//! A style also says what is known about it: which render passes it runs in a frame, and which of them make the
+//! picture of an eye ([`Style::passes`]).
+
+mod app;
+mod gpu;
+mod options;
+mod scene;
+mod style;
+mod styles;
+mod support;
+mod swapchain;
+mod truth;
+mod xr;
+
+pub use ash::vk::Format;
+pub use options::Options;
+pub use style::{Arrangement, Style, Threads};
+pub use styles::STYLES;
+pub use support::{Feature, Needs, OpenXr, Queues};
+pub use truth::{Eyes, PassSeen, PassTruth};
+pub use xr::{End, run};
+
+/// What the program prints in front of the reason why it cannot show a style on this machine.
+pub const SKIPPED: &str = "skipped: no device with ";
+
+/// The style of this name.
+pub fn style(name: &str) -> Option<&'static Style> {
+    STYLES.iter().copied().find(|style| style.name == name)
+}

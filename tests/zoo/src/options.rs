@@ -1,0 +1,26 @@
+//! The command line.
+
+use clap::Parser;
+
+/// An OpenXR application in plain Vulkan that shows one scene in the style that is asked for.
+///
+/// Where the device cannot do what the style needs, it says "skipped: no device with ..." and exits with 0.
+#[derive(Parser, Clone, Debug)]
+#[command(name = "parafovea-zoo", version)]
+pub struct Options {
+    /// Name of the style
+    #[arg(long, required_unless_present = "list")]
+    pub style: Option<String>,
+    /// Width and height of an eye's picture, in pixels
+    #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=8192))]
+    pub size: u32,
+    /// Frames after which it asks for the end of the session
+    #[arg(long, default_value_t = 120)]
+    pub frames: u64,
+    /// Print every render pass of every frame, one JSON object a line
+    #[arg(long)]
+    pub passes: bool,
+    /// Print the styles, one a line
+    #[arg(long)]
+    pub list: bool,
+}

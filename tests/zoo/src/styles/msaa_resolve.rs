@@ -1,0 +1,48 @@
+//! Four samples a pixel, resolved into the swapchain at the end of the pass.
+
+use crate::app::{App, EYES, Recorder};
+use crate::gpu::{Depth, ImageSpec, Kind, PassSpec, PipelineSpec};
+use crate::scene::{FORWARD, Shaders};
+use crate::style::Style;
+use crate::truth::PassTruth;
+use crate::xr::COLOR;
+use anyhow::Result;
+use ash::vk;
+
+pub const STYLE: Style = Style {
+    name: "msaa-resolve",
+    says: "four samples a pixel, resolved into the swapchain at the end of the pass",
+    direct: false,
+    likeness: Some(6.0),
+    passes: four_samples,
+    start: |app| start(app, &FORWARD, false),
+    ..Style::PLAIN
+};
+
+/// A pass with four samples for each eye.
+pub fn four_samples(size: [u32; 2], _: u64) -> Vec<PassTruth> {
+    let scene = PassTruth::each_eye(size, COLOR, "scene, resolved at its end");
+    scene.into_iter().map(|pass| pass.samples(4)).collect()
+}
+
+/// The scene with four samples a pixel.
+pub fn start<'a>(app: &'a App<'a>, shaders: &Shaders, alpha_to_coverage: bool) -> Result<Recorder<'a>> {
+    let gpu = app.gpu;
+    let transient = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
+    let color = gpu.image(&ImageSpec::new(COLOR, app.size).samples(4).usage(transient))?;
+    let depth = gpu.image(&ImageSpec::depth(app.size).samples(4))?;
+    let eyes = app.eye_passes(Kind::RenderPass, |image| {
+        PassSpec::new(color.overwritten().discarded(), depth.depth_cleared(1.0)).resolved(image.overwritten())
+    })?;
+    let cover = |spec: &mut PipelineSpec| {
+        // The sky has no holes.
+        spec.alpha_to_coverage = alpha_to_coverage && spec.depth.write == Depth::LESS.write;
+    };
+    let pipelines = app.scene.pipelines_with(gpu, &eyes[0][0].target, shaders, cover)?;
+    Ok(Box::new(move |frame| {
+        for eye in EYES {
+            app.show(frame, &eyes[eye][frame.color[eye]], &pipelines, eye);
+        }
+        Ok(())
+    }))
+}

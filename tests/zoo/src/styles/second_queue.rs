@@ -1,0 +1,45 @@
+//! The scene on another queue than the session's, which waits for it.
+
+use crate::app::{App, EYES, Recorder};
+use crate::gpu::{ImageSpec, Kind, PassSpec};
+use crate::scene::{FORWARD, IN_FLIGHT};
+use crate::style::Style;
+use crate::support::{Needs, Queues};
+use crate::truth::PassTruth;
+use crate::xr::COLOR;
+use anyhow::Result;
+use ash::vk;
+
+pub const STYLE: Style = Style {
+    name: "second-queue",
+    says: "the scene on another queue than the one that the session is bound to",
+    needs: Needs { queues: Queues::Two, ..Needs::NOTHING },
+    passes: |size, _| PassTruth::each_eye(size, COLOR, "scene, on the second queue"),
+    start,
+    ..Style::PLAIN
+};
+
+fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
+    let gpu = app.gpu;
+    let depth = gpu.image(&ImageSpec::depth(app.size))?;
+    let eyes = app
+        .eye_passes(Kind::RenderPass, |color| PassSpec::new(color.overwritten(), depth.depth_cleared(1.0)))?;
+    let pipelines = app.scene.pipelines(gpu, &eyes[0][0].target, &FORWARD)?;
+    let buffers = gpu.command_buffers(IN_FLIGHT as u32, vk::CommandBufferLevel::PRIMARY)?;
+    let done = (0..IN_FLIGHT).map(|_| gpu.semaphore()).collect::<Result<Vec<_>>>()?;
+    Ok(Box::new(move |frame| {
+        let commands = buffers[frame.slot];
+        gpu.record(commands, vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT, |commands| {
+            for eye in EYES {
+                let pass = &eyes[eye][frame.color[eye]];
+                pass.begin(gpu, commands);
+                app.scene.draw(gpu, commands, &pipelines, frame.slot, eye as u32);
+                pass.end(gpu, commands);
+            }
+            Ok(())
+        })?;
+        gpu.submit_aside(commands, done[frame.slot])?;
+        frame.waits.borrow_mut().push(done[frame.slot]);
+        Ok(())
+    }))
+}

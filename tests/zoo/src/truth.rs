@@ -1,0 +1,94 @@
+//! What is known about a style's render passes, and what a run says of them.
+
+use ash::vk::Format;
+use serde::{Deserialize, Serialize};
+
+/// Whose picture a render pass makes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Eyes {
+    /// The left eye's.
+    Left,
+    /// The right eye's.
+    Right,
+    /// Both: beside each other, or one a layer.
+    Both,
+    /// No eye's: a shadow map, a picture in the scene, a quad layer, a measurement.
+    None,
+}
+
+impl Eyes {
+    /// Of view 0 or 1.
+    pub const fn of(view: usize) -> Self {
+        if view == 0 { Eyes::Left } else { Eyes::Right }
+    }
+}
+
+/// One render pass of a frame, as it is meant.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PassTruth {
+    /// Width and height of its attachments, in texels.
+    pub extent: [u32; 2],
+    /// Width and height of its render area, which begins at 0, 0.
+    pub area: [u32; 2],
+    /// Views of a multiview pass, else 1.
+    pub layers: u32,
+    /// Samples of its first colour attachment, or of depth where there is none.
+    pub samples: u32,
+    /// Format of its first colour attachment, or of depth where there is none.
+    pub format: Format,
+    /// Whose picture it makes.
+    pub eyes: Eyes,
+    /// What it is for.
+    pub why: &'static str,
+}
+
+impl PassTruth {
+    /// A pass over the whole of single-sample attachments of one layer.
+    pub const fn new(extent: [u32; 2], format: Format, eyes: Eyes, why: &'static str) -> Self {
+        Self { extent, area: extent, layers: 1, samples: 1, format, eyes, why }
+    }
+
+    /// The same for each eye, one after the other: left, right.
+    pub fn each_eye(extent: [u32; 2], format: Format, why: &'static str) -> Vec<Self> {
+        [Eyes::Left, Eyes::Right].map(|eyes| Self::new(extent, format, eyes, why)).to_vec()
+    }
+
+    /// With so many layers.
+    pub const fn layers(self, layers: u32) -> Self {
+        Self { layers, ..self }
+    }
+
+    /// With so many samples.
+    pub const fn samples(self, samples: u32) -> Self {
+        Self { samples, ..self }
+    }
+
+    /// What a run is to say of it in this frame.
+    pub fn seen(&self, frame: u64) -> PassSeen {
+        PassSeen {
+            frame,
+            extent: self.extent,
+            area: self.area,
+            layers: self.layers,
+            samples: self.samples,
+            format: self.format.as_raw(),
+        }
+    }
+}
+
+/// One render pass that a run began (`--passes`), as Vulkan was told.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct PassSeen {
+    /// Number of the frame, from 0.
+    pub frame: u64,
+    /// As [`PassTruth::extent`].
+    pub extent: [u32; 2],
+    /// As [`PassTruth::area`].
+    pub area: [u32; 2],
+    /// As [`PassTruth::layers`].
+    pub layers: u32,
+    /// As [`PassTruth::samples`].
+    pub samples: u32,
+    /// The number of [`PassTruth::format`].
+    pub format: i32,
+}
