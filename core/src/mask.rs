@@ -99,6 +99,16 @@ impl<'a> MaskView<'a> {
         corners.iter().fold(rate, |rate, corner| rate.finer(self.rate_at(first + corner)))
     }
 
+    /// The column of blocks from which on a rate may be another than in column `x`.
+    fn tile_end(&self, x: u32) -> u32 {
+        let [texel, _] = self.tiles.texel;
+        if texel > 0 && texel.is_multiple_of(BLOCK) {
+            (x * BLOCK / texel + 1) * (texel / BLOCK)
+        } else {
+            x + 1
+        }
+    }
+
     fn overlaps(&self, other: &Self) -> bool {
         let range = |view: &Self, axis: usize| {
             (view.offset[axis], view.offset[axis].saturating_add(view.extent[axis]))
@@ -163,10 +173,16 @@ impl Mask {
         let Some(skipped) = self.layers.get_mut(view.layer as usize) else { return };
         let (first, end) = view.blocks(self.extent);
         for y in first.y..end.y {
-            for x in first.x..end.x {
-                let block = UVec2::new(x, y);
-                let pattern = Pattern::of(view.rate(block));
-                skipped.row_mut(y)[x as usize] = !pattern.shades(block, first, end);
+            let mut x = first.x;
+            while x < end.x {
+                let pattern = Pattern::of(view.rate(UVec2::new(x, y)));
+                // As far as the tile goes.
+                let run = x..view.tile_end(x).min(end.x);
+                x = run.end;
+                let row = &mut skipped.row_mut(y)[run.start as usize..run.end as usize];
+                for (skip, x) in row.iter_mut().zip(run) {
+                    *skip = !pattern.shades(UVec2::new(x, y), first, end);
+                }
             }
         }
     }
@@ -177,12 +193,12 @@ impl Mask {
         let mut finder = SourceFinder::new(view, &self.patterns, (first, end));
         for y in first.y..end.y {
             for x in first.x..end.x {
-                let block = UVec2::new(x, y);
                 if !skipped.at(x, y) {
                     continue;
                 }
+                let block = UVec2::new(x, y);
                 match finder.sources(skipped, block) {
-                    Some(sources) => self.list.push(SkippedBlock { block, layer: view.layer, sources }),
+                    Some(sources) => self.list.push(block, view.layer, sources),
                     None => skipped.row_mut(y)[x as usize] = false,
                 }
             }

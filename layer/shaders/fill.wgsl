@@ -105,9 +105,9 @@ struct Source {
     weight: f32,
 }
 
-fn source(place: Place, index: u32, color: vec4<f32>) -> Source {
+fn source(place: Place, index: u32, color: vec4<f32>, usable: bool) -> Source {
     let away = nearest(place, index) - place.pixel;
-    let there = any(source_offset(place.sources, index) != vec2(0)) && is_finite(color);
+    let there = usable && any(source_offset(place.sources, index) != vec2(0));
     // Selected, not multiplied: what is left out may be NaN.
     return Source(select(vec4(0.0), color, there), select(0.0, 1.0 / f32(max(dot(away, away), 1)), there));
 }
@@ -130,14 +130,15 @@ fn blend(a: Source, b: Source, c: Source, d: Source) -> vec4<f32> {
     let weighted = a.color * weights.x + b.color * weights.y + c.color * weights.z + d.color * weights.w;
     let all_weights = dot(weights, vec4(1.0));
     if all_weights > 0.0 {
-        return weighted / all_weights;
+        return weighted * (1.0 / all_weights);
     }
     return vec4(0.0);
 }
 
 fn word(place: Place, index: u32, format: u32) -> Source {
     let color = decode(textureLoad(words, nearest(place, index), place.layer).x, format);
-    return source(place, index, color);
+    // Whole numbers have no infinity.
+    return source(place, index, color, format != FLOAT11 || is_finite(color));
 }
 
 fn fill_words(place: Place, format: u32) {
@@ -153,7 +154,8 @@ fn fill_words(place: Place, format: u32) {
 }
 
 fn half(place: Place, index: u32) -> Source {
-    return source(place, index, textureLoad(halves, nearest(place, index), place.layer));
+    let color = textureLoad(halves, nearest(place, index), place.layer);
+    return source(place, index, color, is_finite(color));
 }
 
 fn fill_halves(place: Place) {

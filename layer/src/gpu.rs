@@ -43,7 +43,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// How many submits of ours may be under way before the next one waits.
 pub(crate) const SUBMITS_IN_FLIGHT: usize = 3;
 
-/// One device of the application, with the queue that our work goes to.
+/// One device of the application, with the queue that our work goes to, if it goes to one of its own.
 pub struct Gpu {
     instance: ash::Instance,
     device: ash::Device,
@@ -52,7 +52,8 @@ pub struct Gpu {
     limits: vk::PhysicalDeviceLimits,
     memory: vk::PhysicalDeviceMemoryProperties,
     queue: vk::Queue,
-    commands: Mutex<CommandRing>,
+    /// Nothing where there is no queue to submit to.
+    commands: Mutex<Option<CommandRing>>,
     abandoned: AtomicBool,
 }
 
@@ -74,16 +75,10 @@ impl Gpu {
         queue_index: u32,
     ) -> Result<Arc<Self>, GpuError> {
         // SAFETY: the caller vouches for the record.
-        let Functions { instance, device } = unsafe { Functions::load(record) }?;
-        let physical_device = record.physical_device;
-        // SAFETY: the physical device is one of this instance, both live; these only fill structures.
-        let (families, limits, memory) = unsafe {
-            (
-                instance.get_physical_device_queue_family_properties(physical_device),
-                instance.get_physical_device_properties(physical_device).limits,
-                instance.get_physical_device_memory_properties(physical_device),
-            )
-        };
+        let mut gpu = unsafe { Self::load(record) }?;
+        // SAFETY: the physical device is one of this instance, both live; this only fills structures.
+        let families =
+            unsafe { gpu.instance.get_physical_device_queue_family_properties(gpu.physical_device) };
         // The barriers name the stages of both.
         let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
         if !families.get(queue_family as usize).is_some_and(|family| family.queue_flags.contains(needed)) {
@@ -91,24 +86,52 @@ impl Gpu {
         }
         // SAFETY: the caller says that the device was created with this queue, which the loader's callback
         // may see again: it writes the same pointer.
-        let queue = unsafe {
-            let queue = device.get_device_queue(queue_family, queue_index);
-            functions::init_dispatch(record, queue)?;
-            queue
-        };
+        unsafe {
+            gpu.queue = gpu.device.get_device_queue(queue_family, queue_index);
+            functions::init_dispatch(record, gpu.queue)?;
+        }
         // SAFETY: the device is live and made of this record.
-        let commands = unsafe { CommandRing::new(&device, record, queue_family) }?;
-        Ok(Arc::new(Self {
+        let commands = unsafe { CommandRing::new(&gpu.device, record, queue_family) }?;
+        gpu.commands = Mutex::new(Some(commands));
+        Ok(Arc::new(gpu))
+    }
+
+    /// For objects that only the application's submits use: nothing can be submitted.
+    ///
+    /// # Safety
+    /// As for [`Gpu::new`], but for the queue.
+    ///
+    /// # Errors
+    /// [`GpuError::Missing`].
+    pub unsafe fn without_queue(record: &DeviceRecord) -> Result<Arc<Self>, GpuError> {
+        // SAFETY: the caller vouches for the record.
+        unsafe { Self::load(record) }.map(Arc::new)
+    }
+
+    /// # Safety
+    /// As for [`Gpu::without_queue`].
+    unsafe fn load(record: &DeviceRecord) -> Result<Self, GpuError> {
+        // SAFETY: the caller vouches for the record.
+        let Functions { instance, device } = unsafe { Functions::load(record) }?;
+        let physical_device = record.physical_device;
+        // SAFETY: the physical device is one of this instance, both live; these only fill structures.
+        let (limits, memory) = unsafe {
+            (
+                instance.get_physical_device_properties(physical_device).limits,
+                instance.get_physical_device_memory_properties(physical_device),
+            )
+        };
+        Ok(Self {
             instance,
             device,
             physical_device,
             api_version: record.api_version,
             limits,
             memory,
-            queue,
-            commands: Mutex::new(commands),
+            queue: vk::Queue::null(),
+            commands: Mutex::default(),
             abandoned: AtomicBool::new(false),
-        }))
+        })
     }
 
     /// Says that the device is lost, hangs, or is about to be destroyed: from now on nothing of ours is waited
@@ -132,7 +155,8 @@ impl Gpu {
             return Err(GpuError::Abandoned);
         }
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
-        self.abandon_if_stuck(commands.submit(&self.device, self.queue, record))
+        let ring = commands.as_mut().ok_or(GpuError::Invalid("a submit without a queue"))?;
+        self.abandon_if_stuck(ring.submit(&self.device, self.queue, record))
     }
 
     /// Waits until a submit has finished on the GPU.
@@ -141,7 +165,7 @@ impl Gpu {
             return Ok(());
         }
         let commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
-        self.abandon_if_stuck(commands.wait(&self.device, submit))
+        commands.as_ref().map_or(Ok(()), |ring| self.abandon_if_stuck(ring.wait(&self.device, submit)))
     }
 
     /// After a wait that failed, what the GPU still uses is unknown.
@@ -167,8 +191,10 @@ impl Drop for Gpu {
     fn drop(&mut self) {
         if !self.is_abandoned() {
             let commands = self.commands.get_mut().unwrap_or_else(PoisonError::into_inner);
-            // SAFETY: the device is live, as it was not abandoned, and nothing else uses the ring.
-            unsafe { commands.destroy(&self.device) };
+            if let Some(ring) = commands {
+                // SAFETY: the device is live, as it was not abandoned, and nothing else uses the ring.
+                unsafe { ring.destroy(&self.device) };
+            }
         }
     }
 }

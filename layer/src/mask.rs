@@ -7,11 +7,15 @@
 //! template and of the skip list, which change between submits.
 
 mod eligibility;
+mod images;
+mod map;
 mod template;
 mod views;
 
 pub use eligibility::{
     ColorFacts, DepthFacts, Directions, Eligible, MaskFacts, PipelineFacts, Reason, depth_format, eligible,
 };
+pub use images::{Additions, additions};
+pub use map::MaskMap;
 pub use template::DepthTemplate;
 pub use views::lay_mask;

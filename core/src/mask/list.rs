@@ -1,6 +1,6 @@
 //! The skipped blocks as the GPU reads them.
 
-use super::sources::{SOURCES, Source};
+use super::sources::{SOURCES, Source, decode};
 use glam::UVec2;
 
 /// Words ahead of the blocks: the three of `VkDispatchIndirectCommand`, and the number of blocks.
@@ -25,17 +25,11 @@ pub struct SkippedBlock {
 }
 
 impl SkippedBlock {
-    fn words(&self) -> [u32; 2] {
-        let place = self.block.x | self.block.y << 12 | self.layer << 24;
-        let sources = self.sources.map(|source| source.map_or(0, Source::byte));
-        [place, u32::from_le_bytes(sources)]
-    }
-
     fn from_words([place, sources]: [u32; 2]) -> Self {
         Self {
             block: UVec2::new(place & 0xfff, place >> 12 & 0xfff),
             layer: place >> 24,
-            sources: sources.to_le_bytes().map(Source::from_byte),
+            sources: decode(sources),
         }
     }
 }
@@ -93,8 +87,9 @@ impl SkipList {
         self.seal();
     }
 
-    pub(super) fn push(&mut self, block: SkippedBlock) {
-        self.words.extend(block.words());
+    /// Appends a block with its sources, as [`super::sources::encode`] gives them.
+    pub(super) fn push(&mut self, block: UVec2, layer: u32, sources: u32) {
+        self.words.extend([block.x | block.y << 12 | layer << 24, sources]);
     }
 
     /// Writes the header.

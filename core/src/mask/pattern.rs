@@ -10,7 +10,7 @@ use glam::UVec2;
 /// The blocks that are shaded in tiles of one rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Pattern {
-    /// Blocks from one shaded block to the next in a row, and from one row with shaded blocks to the next.
+    /// Blocks from one shaded block to the next in a row, and from one row with shaded blocks to the next: powers of two.
     step: UVec2,
 }
 
@@ -43,16 +43,17 @@ impl Pattern {
         let on_edge = |axis: usize| block[axis] == first[axis] || block[axis] + 1 == end[axis];
         match (on_edge(0), on_edge(1)) {
             (true, true) => true,
-            (true, false) => block.y.is_multiple_of(self.step.y),
-            (false, true) => block.x.is_multiple_of(self.step.x),
+            (true, false) => block.y & (self.step.y - 1) == 0,
+            (false, true) => block.x & (self.step.x - 1) == 0,
             (false, false) => self.shades_inside(block),
         }
     }
 
-    /// Whether a block is shaded that is on no edge.
-    pub(super) fn shades_inside(self, block: UVec2) -> bool {
-        let row = block.y / self.step.y;
-        let shift = if row % 2 == 1 { self.step.x / 2 } else { 0 };
-        block.y.is_multiple_of(self.step.y) && block.x % self.step.x == shift
+    /// Whether a block is shaded that is on no edge of its view.
+    pub fn shades_inside(self, block: UVec2) -> bool {
+        // Steps are powers of two.
+        let is_shifted = block.y & self.step.y != 0;
+        let shift = if is_shifted { self.step.x / 2 } else { 0 };
+        block.y & (self.step.y - 1) == 0 && block.x & (self.step.x - 1) == shift
     }
 }

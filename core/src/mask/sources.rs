@@ -26,12 +26,12 @@ impl Source {
     }
 
     /// Both in four bits, two's complement, columns in the lower ones.
-    pub(super) fn byte(self) -> u8 {
+    fn byte(self) -> u8 {
         (self.0.x & 15 | (self.0.y & 15) << 4) as u8
     }
 
     /// The inverse of [`Self::byte`]; nothing for 0.
-    pub(super) fn from_byte(byte: u8) -> Option<Self> {
+    fn from_byte(byte: u8) -> Option<Self> {
         let signed = |nibble: u8| i32::from((nibble << 4) as i8 >> 4);
         let offset = IVec2::new(signed(byte & 15), signed(byte >> 4));
         (offset != IVec2::ZERO).then_some(Self(offset))
@@ -39,7 +39,17 @@ impl Source {
 }
 
 /// The sources of one block.
-pub(super) type Sources = [Option<Source>; SOURCES];
+type Sources = [Option<Source>; SOURCES];
+
+/// Sources in a word, a byte each; 0 where there is none.
+pub(super) fn encode(sources: Sources) -> u32 {
+    u32::from_le_bytes(sources.map(|source| source.map_or(0, Source::byte)))
+}
+
+/// The inverse of [`encode`].
+pub(super) fn decode(word: u32) -> Sources {
+    word.to_le_bytes().map(Source::from_byte)
+}
 
 /// The nearest offset of each quarter that is `shaded`, within [`REACH`]. Of two at one distance the one nearer to the
 /// quarter's axis counts.
@@ -65,14 +75,14 @@ fn nearest(shaded: impl Fn(IVec2) -> bool) -> Sources {
 }
 
 impl Pattern {
-    /// The sources of each skipped block of this pattern alone, by column and row modulo [`Pattern::PERIOD`].
-    fn sources(self) -> Vec<Sources> {
+    /// The sources of each block of this pattern alone, by column and row modulo [`Pattern::PERIOD`].
+    fn sources(self) -> Vec<u32> {
         let [columns, rows] = Self::PERIOD;
         // Far enough from 0 that no source is left of or above it.
         let around = UVec2::new(columns, rows) * 2;
         let blocks = (0..rows).flat_map(|y| (0..columns).map(move |x| UVec2::new(x, y)));
         let of = |block: UVec2| {
-            nearest(|offset| self.shades_inside((around + block).saturating_add_signed(offset)))
+            encode(nearest(|offset| self.shades_inside((around + block).saturating_add_signed(offset))))
         };
         blocks.map(of).collect()
     }
@@ -80,7 +90,7 @@ impl Pattern {
 
 /// The sources within each pattern, computed once.
 #[derive(Clone, Debug)]
-pub(super) struct PatternSources(Vec<(Pattern, Vec<Sources>)>);
+pub(super) struct PatternSources(Vec<(Pattern, Vec<u32>)>);
 
 impl PatternSources {
     pub(super) fn new() -> Self {
@@ -88,7 +98,7 @@ impl PatternSources {
         Self(rates.map(Pattern::of).map(|pattern| (pattern, pattern.sources())).to_vec())
     }
 
-    fn get(&self, pattern: Pattern, block: UVec2) -> Option<Sources> {
+    fn get(&self, pattern: Pattern, block: UVec2) -> Option<u32> {
         let (_, sources) = self.0.iter().find(|(known, _)| *known == pattern)?;
         let [columns, rows] = Pattern::PERIOD;
         sources.get((block.y % rows * columns + block.x % columns) as usize).copied()
@@ -101,8 +111,8 @@ pub(super) struct SourceFinder<'a, 'b> {
     patterns: &'a PatternSources,
     /// The first block, and the one after the last.
     blocks: (UVec2, UVec2),
-    /// The last tile that was asked for, with its pattern where all tiles around have the same one.
-    tile: Option<(UVec2, Option<Pattern>)>,
+    /// The blocks of the last tile that was asked for, with its pattern where all tiles around have the same one.
+    tile: Option<(UVec2, UVec2, Option<Pattern>)>,
 }
 
 impl<'a, 'b> SourceFinder<'a, 'b> {
@@ -111,8 +121,8 @@ impl<'a, 'b> SourceFinder<'a, 'b> {
         Self { view, patterns, blocks, tile: None }
     }
 
-    /// The sources of a skipped block of the view; nothing where there is none within reach.
-    pub(super) fn sources(&mut self, skipped: &Plane<bool>, block: UVec2) -> Option<Sources> {
+    /// The sources of a skipped block of the view, as [`encode`] gives them; nothing where there is none within reach.
+    pub(super) fn sources(&mut self, skipped: &Plane<bool>, block: UVec2) -> Option<u32> {
         let (first, end) = self.blocks;
         let margin = REACH_IN_PATTERN + 1;
         let inner = block.cmpge(first + margin).all() && (block + margin).cmple(end).all();
@@ -125,28 +135,30 @@ impl<'a, 'b> SourceFinder<'a, 'b> {
             let inside = source.cmpge(first.as_ivec2()).all() && source.cmplt(end.as_ivec2()).all();
             inside && !skipped.at(source.x as u32, source.y as u32)
         });
-        found.iter().any(Option::is_some).then_some(found)
+        Some(encode(found)).filter(|word| *word != 0)
     }
 
     /// The pattern of a block's tile, where all tiles have it that [`Pattern::sources`] could reach.
     fn pattern_around(&mut self, block: UVec2) -> Option<Pattern> {
+        if let Some((first, end, pattern)) = self.tile
+            && block.cmpge(first).all()
+            && block.cmplt(end).all()
+        {
+            return pattern;
+        }
         let texel = UVec2::from(self.view.tiles.texel).max(UVec2::ONE);
         if texel % BLOCK != UVec2::ZERO {
             return None;
         }
         let tile = block * BLOCK / texel;
-        if let Some((known, pattern)) = self.tile
-            && known == tile
-        {
-            return pattern;
-        }
         let reach = (texel - 1 + REACH_IN_PATTERN * BLOCK) / texel;
         let pattern = Pattern::of(self.view.tiles.rate(tile));
         let rows = tile.y.saturating_sub(reach.y)..=tile.y + reach.y;
         let mut around = rows
             .flat_map(|y| (tile.x.saturating_sub(reach.x)..=tile.x + reach.x).map(move |x| UVec2::new(x, y)));
         let alike = around.all(|other| Pattern::of(self.view.tiles.rate(other)) == pattern);
-        self.tile = Some((tile, alike.then_some(pattern)));
+        let blocks = texel / BLOCK;
+        self.tile = Some((tile * blocks, (tile + 1) * blocks, alike.then_some(pattern)));
         alike.then_some(pattern)
     }
 }

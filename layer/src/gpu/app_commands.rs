@@ -31,6 +31,24 @@ impl Scope {
     };
 }
 
+/// How masked passes read their buffers: as list, as arguments, and as template.
+const BUFFER_READS: Scope = Scope {
+    stages: vk::PipelineStageFlags::from_raw(
+        vk::PipelineStageFlags::COMPUTE_SHADER.as_raw()
+            | vk::PipelineStageFlags::DRAW_INDIRECT.as_raw()
+            | vk::PipelineStageFlags::TRANSFER.as_raw(),
+    ),
+    access: vk::AccessFlags::from_raw(
+        vk::AccessFlags::SHADER_READ.as_raw()
+            | vk::AccessFlags::INDIRECT_COMMAND_READ.as_raw()
+            | vk::AccessFlags::TRANSFER_READ.as_raw(),
+    ),
+};
+
+/// How those buffers are written.
+const BUFFER_COPIES: Scope =
+    Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };
+
 /// A part of an image that a barrier is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImagePart {
@@ -100,6 +118,40 @@ impl<'a> AppCommands<'a> {
         // SAFETY: the command buffer is being recorded outside of a render pass, and the image is live, as `new` demands.
         unsafe {
             self.gpu.device.cmd_copy_buffer_to_image(self.commands, from.handle(), to, layout, &[region]);
+        }
+    }
+
+    /// Copies `size` bytes from a buffer, from an offset on, to the beginning of one; both are as long.
+    pub(crate) fn copy_buffer(&self, (from, offset): (vk::Buffer, u64), to: vk::Buffer, size: u64) {
+        let region = vk::BufferCopy { src_offset: offset, dst_offset: 0, size };
+        // SAFETY: the command buffer is being recorded outside of a render pass, and the buffers are live, as `new` demands.
+        unsafe { self.gpu.device.cmd_copy_buffer(self.commands, from, to, &[region]) };
+    }
+
+    /// Orders copies to buffers after all earlier reading of them by masked passes.
+    pub(crate) fn reads_to_copies(&self) {
+        self.memory_barrier(BUFFER_READS, BUFFER_COPIES);
+    }
+
+    /// Orders reading of buffers by masked passes after copies to them.
+    pub(crate) fn copies_to_reads(&self) {
+        self.memory_barrier(BUFFER_COPIES, BUFFER_READS);
+    }
+
+    fn memory_barrier(&self, from: Scope, to: Scope) {
+        let info = vk::MemoryBarrier::default().src_access_mask(from.access).dst_access_mask(to.access);
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: the command buffer is being recorded outside of a render pass, as `new` demands.
+        unsafe {
+            self.gpu.device.cmd_pipeline_barrier(
+                self.commands,
+                from.stages,
+                to.stages,
+                none,
+                &[info],
+                &[],
+                &[],
+            );
         }
     }
 

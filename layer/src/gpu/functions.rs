@@ -25,6 +25,7 @@ const DEVICE: &[&CStr] = &[
     c"vkCmdBeginRenderPass",
     c"vkCmdBindDescriptorSets",
     c"vkCmdBindPipeline",
+    c"vkCmdCopyBuffer",
     c"vkCmdCopyBufferToImage",
     c"vkCmdCopyImage",
     c"vkCmdDispatchIndirect",

@@ -101,6 +101,13 @@ pub struct FillTarget {
     part: ImagePart,
 }
 
+impl FillTarget {
+    /// What is filled.
+    pub fn part(&self) -> ImagePart {
+        self.part
+    }
+}
+
 impl Fill {
     /// Prepares the pass, for all formats: which of them an application uses shows only while it records.
     ///

@@ -166,14 +166,11 @@ impl Vulkan {
         }
     }
 
-    /// Fills a buffer by a copy, and waits for it.
-    pub fn write_buffer(&self, to: vk::Buffer, bytes: &[u8]) {
-        let (from, memory) = self.buffer(bytes.len());
+    /// A buffer that holds these bytes.
+    pub fn staging(&self, bytes: &[u8]) -> vk::Buffer {
+        let (buffer, memory) = self.buffer(bytes.len());
         self.write_memory(memory, bytes);
-        let region = vk::BufferCopy { src_offset: 0, dst_offset: 0, size: bytes.len() as u64 };
-        // SAFETY: plain use of Vulkan.
-        self.run(|commands| unsafe { self.device.cmd_copy_buffer(commands, from, to, &[region]) });
-        self.idle();
+        buffer
     }
 
     unsafe fn allocate(&self, requirements: vk::MemoryRequirements) -> vk::DeviceMemory {

@@ -8,7 +8,8 @@ use parafovea::gpu::ImagePart;
 /// Full-screen layers in a frame.
 pub const LAYERS_DRAWN: u32 = 3;
 
-const COLOR: vk::Format = vk::Format::R8G8B8A8_SRGB;
+/// Format of the picture.
+pub const COLOR: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const DEPTH_LAYOUT: vk::ImageLayout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
 
 /// Counts what is shaded: with early tests, only what has passed them.
@@ -39,7 +40,7 @@ pub struct Setup {
 pub struct Application {
     pub color: vk::Image,
     depth: vk::Image,
-    setup: Setup,
+    pub setup: Setup,
     extent: vk::Extent2D,
     /// Clearing, and loading depth.
     passes: [vk::RenderPass; 2],
@@ -76,6 +77,11 @@ impl Application {
         let (layout, set) = counter_set(device, counter.0);
         let pipeline = pipeline(device, layout, passes[0], setup);
         Self { color, depth, setup, extent, passes, framebuffer, pipeline, layout, set, counter }
+    }
+
+    pub fn color_part(&self) -> ImagePart {
+        let aspects = vk::ImageAspectFlags::COLOR;
+        ImagePart { image: self.color, aspects, level: 0, first_layer: 0, layers: 1 }
     }
 
     pub fn depth_part(&self) -> ImagePart {

@@ -15,21 +15,32 @@ mod transfer;
 #[allow(dead_code, reason = "shared with the tests of compose")]
 mod vulkan;
 
-use application::{Application, LAYERS_DRAWN, Setup};
+use application::{Application, COLOR, LAYERS_DRAWN, Setup};
 use ash::vk;
-use parafovea::gpu::AppCommands;
-use parafovea::mask::{DepthTemplate, Directions, depth_format};
-use parafovea::passes::fill::{Fill, SkipBuffer};
+use parafovea::gpu::{AppCommands, Gpu};
+use parafovea::mask::{
+    ColorFacts, DepthFacts, DepthTemplate, Eligible, MaskFacts, MaskMap, PipelineFacts, depth_format,
+};
+use parafovea::passes::fill::Fill;
+use parafovea::scene::lay::RateImage;
+use parafovea::scene::{Eyes, Orientation, Part, PassFacts};
 use parafovea_core::kernels::fill::FillFormat;
 use parafovea_core::mask::{Mask, MaskView, TemplateDepths, TileRates, predict};
 use parafovea_core::rate::VULKAN_RATES;
 use picture::assert_matches;
+use std::sync::Arc;
 use vulkan::Vulkan;
 
 const EXTENT: [u32; 2] = [132, 98];
 
+/// One picture, as large as the render area.
+fn parts() -> [Part; 1] {
+    let (eyes, orientation) = (Eyes::Left, Orientation::Upright);
+    [Part { eyes, layer: 0, rect: [0.0, 0.0, 1.0, 1.0], orientation }]
+}
+
 /// Every rate, finest in the middle, within a view that is the render area.
-fn mask(area: vk::Rect2D) -> Mask {
+fn mask(area: vk::Rect2D) -> (Mask, RateImage, Vec<u8>) {
     let rates: Vec<u8> = (0..18 * 18)
         .map(|tile: u32| {
             let away = (tile % 18).abs_diff(8) + (tile / 18).abs_diff(6);
@@ -42,7 +53,28 @@ fn mask(area: vk::Rect2D) -> Mask {
     let mut mask = Mask::new(EXTENT, 1);
     mask.lay(&[MaskView { layer: 0, offset, extent, tiles }]);
     assert!((0.2..0.8).contains(&mask.shaded()), "{}", mask.shaded());
-    mask
+    let area = [offset[0], offset[1], extent[0], extent[1]];
+    (mask, RateImage { area, texel: [8; 2], tiles: [18; 2], layers: 1 }, rates)
+}
+
+/// What the layer finds out about the pass.
+fn eligible(application: &Application) -> Eligible {
+    let setup = application.setup;
+    let mut pipelines = PipelineFacts::default();
+    pipelines.directions.see(setup.compare);
+    let samples = vk::SampleCountFlags::TYPE_1;
+    let depth = DepthFacts {
+        format: setup.depth,
+        samples,
+        usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+        clear: setup.clear,
+        stores_stencil: false,
+        is_loaded_later: false,
+        is_submitted: false,
+    };
+    let color = ColorFacts { format: COLOR, samples, is_stored: true, is_fillable: true };
+    let pass = PassFacts { clears_depth: true, ..PassFacts::default() };
+    parafovea::mask::eligible(&MaskFacts { pass, depth: Some(depth), colors: &[color], pipelines }).unwrap()
 }
 
 /// Pixels of the render area that are shaded.
@@ -54,29 +86,30 @@ fn shaded(mask: &Mask, area: vk::Rect2D) -> u32 {
 fn check(vulkan: &Vulkan, setup: Setup) {
     let application = Application::new(vulkan, setup, EXTENT);
     let (off, off_count) = application.frame(vulkan, |commands, draw| draw(commands, false));
-    let mask = mask(setup.area);
-    let gpu = &vulkan.gpu;
-    let mut directions = Directions::default();
-    directions.see(setup.compare);
-    let near = if directions.less { 0.0 } else { 1.0 };
-    let depths = TemplateDepths { shaded: setup.clear, skipped: near };
-    let template = DepthTemplate::new(gpu, depth_format(setup.depth).unwrap(), depths, EXTENT, 1).unwrap();
-    let fill = Fill::new(gpu).unwrap();
-    let list = SkipBuffer::new(gpu, mask.list().len(), mask.list()).unwrap();
-    let target = fill.target(application.color, vk::Format::R8G8B8A8_SRGB, 0, [0, 1], &list).unwrap();
+    // SAFETY: the device is never destroyed.
+    let gpu = &unsafe { Gpu::without_queue(&vulkan.record) }.unwrap();
+    let fill = Arc::new(Fill::new(gpu).unwrap());
+    let map = MaskMap::new(gpu, &fill, eligible(&application), EXTENT, 1).unwrap();
+    assert!(map.takes(setup.area));
+    let color = application.color_part();
     let masked = |commands: vk::CommandBuffer, draw: &dyn Fn(vk::CommandBuffer, bool)| {
         // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
         let ours = unsafe { AppCommands::new(gpu, commands) };
-        template.record(&ours, application.depth_part(), setup.area, application.depth_layouts());
+        map.begin(&ours, application.depth_part(), setup.area, application.depth_layouts());
         draw(commands, true);
-        fill.record(&ours, &target, &list, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+        map.end(&ours, color, COLOR, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL).unwrap();
     };
-    // Nothing is skipped at first: the list is not empty here, but what it fills was shaded.
-    let (_, count) = application.frame(vulkan, masked);
-    assert_eq!(count, off_count, "{setup:?}: a new template");
-    let mut bytes = vec![0; template.size() as usize];
-    template.write(&mask, &mut bytes);
-    vulkan.write_buffer(template.handle(), &bytes);
+    let (new, new_count) = application.frame(vulkan, masked);
+    assert!(new == off && new_count == off_count, "{setup:?}: everything is shaded at first");
+
+    let (mask, image, rates) = mask(setup.area);
+    let mut staging = vec![0xff; map.staging_len()];
+    map.stage(&parts(), &image, &rates, &mut staging);
+    let buffer = vulkan.staging(&staging);
+    vulkan.run(|commands| {
+        // SAFETY: as above.
+        map.upload(&unsafe { AppCommands::new(gpu, commands) }, buffer, 0);
+    });
     let (on, on_count) = application.frame(vulkan, masked);
     let mut expected = off.clone();
     predict(&mut expected, FillFormat::Srgb8, &mask, 0);
@@ -85,7 +118,6 @@ fn check(vulkan: &Vulkan, setup: Setup) {
     let area = setup.area.extent.width * setup.area.extent.height;
     assert_eq!(off_count, LAYERS_DRAWN * area, "{setup:?}");
     assert_eq!(on_count, LAYERS_DRAWN * shaded(&mask, setup.area), "{setup:?}");
-    drop(target);
 }
 
 fn whole() -> vk::Rect2D {

@@ -91,8 +91,8 @@ fn shaded_blocks_and_other_layers_are_untouched() {
     }
 }
 
-/// A straight edge across a checkerboard is followed: where plain weights mix both sides, at least two thirds come
-/// from the right one.
+/// A straight edge through blocks of a checkerboard is followed: by distance alone, 0.15 of what is on its other side
+/// would come across.
 #[test]
 fn edges_are_followed() {
     let upright = |x: u32, _: u32| if x < 34 { Vec4::ZERO } else { Vec4::ONE };
@@ -100,7 +100,7 @@ fn edges_are_followed() {
     predict(&mut after, FillFormat::Unorm8, &mask(ShadingRate::R2X1), 0);
     for (x, y) in (8..56).flat_map(|y| (8..56).map(move |x| (x, y))) {
         let (is, was) = (texel(&after, FillFormat::Unorm8, x, y).x, upright(x, y).x);
-        assert!((is - was).abs() < 0.34, "{is} instead of {was} at {x}, {y}");
+        assert!((is - was).abs() < 0.05, "{is} instead of {was} at {x}, {y}");
     }
 }
 

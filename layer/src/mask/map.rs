@@ -1,0 +1,153 @@
+//! Everything that one masked target needs on the GPU, and what is recorded for it.
+
+use super::{DepthTemplate, Eligible, lay_mask};
+use crate::gpu::{AppCommands, Gpu, GpuError, ImagePart};
+use crate::passes::fill::{Fill, FillTarget, SkipBuffer};
+use crate::scene::Part;
+use crate::scene::lay::RateImage;
+use ash::vk;
+use parafovea_core::mask::{BLOCK, Mask};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The mask of passes that draw to one target with depth of one kind: its content may change between two submits, by
+/// [`MaskMap::stage`] and [`MaskMap::upload`], and everything is shaded until it first does.
+pub struct MaskMap {
+    // Before `list`, which its sets name.
+    targets: Mutex<Vec<(vk::Image, Arc<FillTarget>)>>,
+    list: SkipBuffer,
+    template: DepthTemplate,
+    fill: Arc<Fill>,
+    mask: Mutex<Mask>,
+    eligible: Eligible,
+}
+
+impl MaskMap {
+    /// For targets of `extent` pixels and `layers` array layers.
+    ///
+    /// # Errors
+    /// A failed call, or [`GpuError::Unsupported`] for targets that are too large.
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        fill: &Arc<Fill>,
+        eligible: Eligible,
+        extent: [u32; 2],
+        layers: u32,
+    ) -> Result<Self, GpuError> {
+        let mask = Mask::new(extent, layers);
+        let [columns, rows] = extent.map(|side| u64::from(side.div_ceil(BLOCK)));
+        let blocks = usize::try_from(columns * rows * u64::from(layers))
+            .map_err(|_| GpuError::Unsupported("a mask of this size"))?;
+        Ok(Self {
+            targets: Mutex::default(),
+            list: SkipBuffer::new(gpu, blocks, mask.list())?,
+            template: DepthTemplate::new(gpu, eligible.format, eligible.depths, extent, layers)?,
+            fill: Arc::clone(fill),
+            mask: Mutex::new(mask),
+            eligible,
+        })
+    }
+
+    /// What it was made for: a pass that needs another template cannot use it.
+    pub fn eligible(&self) -> Eligible {
+        self.eligible
+    }
+
+    /// How many bytes [`Self::stage`] writes, a multiple of four.
+    pub fn staging_len(&self) -> usize {
+        self.list.capacity_words() * 4 + self.template.size() as usize
+    }
+
+    /// Lays `rates`, which [`crate::scene::lay::lay`] wrote for `image`, over the pictures that `parts` say, and writes what
+    /// is to be uploaded; nothing into a slice that is too short. Allocates nothing.
+    pub fn stage(&self, parts: &[Part], image: &RateImage, rates: &[u8], staging: &mut [u8]) {
+        let Some((list, template)) = staging.split_at_mut_checked(self.list.capacity_words() * 4) else {
+            return;
+        };
+        let mut mask = self.mask.lock().unwrap_or_else(PoisonError::into_inner);
+        lay_mask(&mut mask, parts, image, rates);
+        for (bytes, word) in list.chunks_exact_mut(4).zip(mask.list().words()) {
+            bytes.copy_from_slice(&word.to_ne_bytes());
+        }
+        self.template.write(&mask, template);
+    }
+
+    /// Records that the GPU gets what [`Self::stage`] wrote at `offset`, a multiple of four, of `staging`, in order with
+    /// earlier and later passes on this queue.
+    pub fn upload(&self, commands: &AppCommands, staging: vk::Buffer, offset: u64) {
+        commands.reads_to_copies();
+        let list = self.list.capacity_words() as u64 * 4;
+        commands.copy_buffer((staging, offset), self.list.handle(), list);
+        commands.copy_buffer((staging, offset + list), self.template.handle(), self.template.size());
+        commands.copies_to_reads();
+    }
+
+    /// Whether a pass with this render area can have the mask.
+    pub fn takes(&self, area: vk::Rect2D) -> bool {
+        self.template.takes(area)
+    }
+
+    /// Records what comes ahead of a pass, see [`DepthTemplate::record`].
+    pub fn begin(
+        &self,
+        commands: &AppCommands,
+        depth: ImagePart,
+        area: vk::Rect2D,
+        layouts: [vk::ImageLayout; 2],
+    ) {
+        self.template.record(commands, depth, area, layouts);
+    }
+
+    /// Records what comes after a pass: the fill of a colour image that it has stored, which is in `layout`. The image
+    /// lives until [`Self::forget`].
+    ///
+    /// # Errors
+    /// As for [`Fill::target`].
+    pub fn end(
+        &self,
+        commands: &AppCommands,
+        color: ImagePart,
+        format: vk::Format,
+        layout: vk::ImageLayout,
+    ) -> Result<(), GpuError> {
+        let target = self.target(color, format)?;
+        self.fill.record(commands, &target, &self.list, layout);
+        Ok(())
+    }
+
+    /// Prepares the fill of an image, so that [`Self::end`] cannot fail for it.
+    ///
+    /// # Errors
+    /// As for [`Fill::target`].
+    pub fn prepare(&self, color: ImagePart, format: vk::Format) -> Result<(), GpuError> {
+        self.target(color, format).map(drop)
+    }
+
+    fn target(&self, color: ImagePart, format: vk::Format) -> Result<Arc<FillTarget>, GpuError> {
+        let known = |targets: &[(vk::Image, Arc<FillTarget>)]| {
+            let found = targets.iter().find(|(_, target)| target.part() == color);
+            found.map(|(_, target)| Arc::clone(target))
+        };
+        if let Some(target) = known(&self.targets()) {
+            return Ok(target);
+        }
+        // Made without the lock, which is not held across calls down: another thread may have been faster.
+        let layers = [color.first_layer, color.layers];
+        let target = Arc::new(self.fill.target(color.image, format, color.level, layers, &self.list)?);
+        let mut targets = self.targets();
+        Ok(known(&targets).unwrap_or_else(|| {
+            targets.push((color.image, Arc::clone(&target)));
+            target
+        }))
+    }
+
+    /// Forgets an image that is about to be destroyed: the GPU is done with it.
+    pub fn forget(&self, image: vk::Image) {
+        let mut targets = std::mem::take(&mut *self.targets());
+        targets.retain(|(of, _)| *of != image);
+        self.targets().append(&mut targets);
+    }
+
+    fn targets(&self) -> std::sync::MutexGuard<'_, Vec<(vk::Image, Arc<FillTarget>)>> {
+        self.targets.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
