@@ -329,6 +329,24 @@ fn upscaled_by_a_pass() {
     app.expect("scene", &looks(Eyes::Finer));
 }
 
+/// What fills a corner of the picture only says nothing of where the picture comes from.
+#[test]
+fn a_display_copied_into_a_corner() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    let size = [EYE[0] / 4, EYE[1] / 4];
+    let (image, display) = (app.image(EYE, LDR), app.image(size, LDR));
+    app.run(8, |app| {
+        app.scene("scene", image);
+        app.scene("display", display);
+        app.copy(image, app.current(&eyes[0]));
+        app.copy(display, app.current(&eyes[0]));
+        app.show(&app.both(&eyes));
+    });
+    app.expect("scene", &transferred(Eyes::Left));
+    app.expect("display", &Err(Unmatched::Small));
+}
+
 #[test]
 fn flipped_by_a_blit() {
     let mut app = Application::default();
@@ -877,6 +895,22 @@ fn the_profile_decides() {
     app.expect("included", &one(How::Profile, Orientation::Upright, Eyes::Right));
     app.expect("other", &one(How::Profile, Orientation::Unknown, Eyes::Left));
     app.expect("shadow", &Err(Unmatched::NoColour));
+}
+
+#[test]
+fn the_profile_knows_arrangements() {
+    let mut app = Application::default();
+    let eyes = app.eyes();
+    let wide = app.image([64, 48], HDR);
+    let array = app.described(|key| ImageDescription { layers: 2, ..description(key, [48, 64], HDR) });
+    app.recognition.set_rules("double-wide 64x48 flipped; array 48x64 upright".parse().unwrap());
+    app.run(8, |app| {
+        app.scene("wide", wide);
+        app.pass("array", multiview(whole([48, 64], &[array])));
+        app.show(&app.both(&eyes));
+    });
+    app.expect("wide", &matched(How::Profile, Orientation::UpsideDown, &HALVES));
+    app.expect("array", &matched(How::Profile, Orientation::Upright, &BOTH_LAYERS));
 }
 
 #[test]
