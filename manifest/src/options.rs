@@ -166,6 +166,8 @@ options! {
         backend: RatesBackend = RatesBackend::Auto;
         /// Whether rates stay in an application that becomes slower with them.
         gate: RatesGate = RatesGate::Auto;
+        /// Which passes are the scene, where that is not recognised; empty: recognised.
+        passes: PassRules = PassRules::default();
         /// Every pixel is shaded up to this angle from the gaze; the tracker's error and the eyes' motion are added.
         foveal_deg: f32 = 14.34, 5.0..=110.0 "degrees";
         /// The angle from the gaze from which on the peripheral rate holds; rates in between fall to it step by step.

@@ -118,10 +118,14 @@ pub struct ShownViewRecord {
 
 /// What the Vulkan half shall do, from the configuration; told when it changes.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct SettingsRecord {
     /// 1: passes that are recognised get the plan's rates; 0: all stays at 1x1.
     pub is_on: u32,
     /// The only `BACKEND_*` that is allowed, or [`BACKEND_ANY`].
     pub backend: u32,
+    /// `rates.passes`: rules in UTF-8, as `PassRules` of the configuration reads and writes them.
+    pub passes: *const u8,
+    /// Bytes of `passes`.
+    pub passes_len: u32,
 }

@@ -8,7 +8,7 @@ use super::instance::next_of_any;
 use super::session::{self, Active, Health, Session};
 use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
-use crate::config::{Config, GazeSource, RatesBackend, gate_mode};
+use crate::config::{Config, GazeSource, PassRules, RatesBackend, gate_mode};
 use crate::inputs::gaze::rotation;
 use crate::link::{BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, SettingsRecord};
 use crate::planning::{Benefit, EndedFrame, Look, Offer, Planning, ShownView, View, head_of, wants_rates};
@@ -29,7 +29,7 @@ const NEVER: i64 = i64::MIN;
 /// The plan of an active session.
 pub struct SessionPlan {
     planning: Mutex<Planning>,
-    told: Mutex<Option<SettingsRecord>>,
+    told: Mutex<Option<Wanted>>,
     benefit: Mutex<Benefit>,
     /// Display time of the frame that xrWaitFrame returned last.
     awaited: AtomicI64,
@@ -82,28 +82,44 @@ impl SessionPlan {
             benefit.set_mode(gate_mode(config));
             benefit.is_on()
         };
-        let record = settings_record(config, pays && !self.has_failed());
+        let wanted = Wanted::new(config, pays && !self.has_failed());
         let is_news = {
             let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-            told.replace(record) != Some(record)
+            told.replace(wanted) != Some(wanted)
         };
         if is_news {
-            active.device.tell_settings(&record);
+            let passes = wanted.passes.to_string();
+            let record = SettingsRecord {
+                is_on: u32::from(wanted.is_on),
+                backend: wanted.backend,
+                passes: passes.as_ptr(),
+                passes_len: passes.len() as u32,
+            };
+            // SAFETY: the record points to `passes`.
+            unsafe { active.device.tell_settings(&record) };
             let offer = active.device.offer().as_ref().map(Offer::from).unwrap_or_default();
             self.planning().set_offer(offer);
         }
     }
 }
 
-fn settings_record(config: &Config, may_have_rates: bool) -> SettingsRecord {
-    SettingsRecord {
-        is_on: u32::from(wants_rates(config) && may_have_rates),
-        backend: match config.rates.backend {
+/// What the Vulkan half shall do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Wanted {
+    is_on: bool,
+    backend: u32,
+    passes: PassRules,
+}
+
+impl Wanted {
+    fn new(config: &Config, may_have_rates: bool) -> Self {
+        let backend = match config.rates.backend {
             RatesBackend::Auto => BACKEND_ANY,
             RatesBackend::Attachment => BACKEND_RATE_ATTACHMENT,
             RatesBackend::Mask => BACKEND_MASK,
             RatesBackend::Off => BACKEND_NONE,
-        },
+        };
+        Self { is_on: wants_rates(config) && may_have_rates, backend, passes: config.rates.passes }
     }
 }
 
@@ -119,7 +135,7 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
     let frame = EndedFrame {
         time_ns,
         process_cpu_ns: if on_cpu { process_cpu_ns() } else { None },
-        wanted_rates: told.is_some_and(|told| told.is_on == 1),
+        wanted_rates: told.is_some_and(|told| told.is_on),
         passes: active.device.passes_with_rates(),
         phase,
     };

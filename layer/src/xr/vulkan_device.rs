@@ -129,8 +129,12 @@ impl VulkanDevice {
     }
 
     /// Tells what the configuration asks for.
-    pub fn tell_settings(&self, record: &SettingsRecord) {
-        // SAFETY: the device is live, as above.
+    ///
+    /// # Safety
+    ///
+    /// What the record points to is valid.
+    pub unsafe fn tell_settings(&self, record: &SettingsRecord) {
+        // SAFETY: the device is live, as above; the caller vouches for the record.
         unsafe { (self.table.settings)(self.record.device, record) }
     }
 

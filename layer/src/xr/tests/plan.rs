@@ -3,7 +3,7 @@
 use super::fake::frames::{self, DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, IMAGES, IN_LOCATE, fov, pose};
 use super::fake::vulkan_half::{self, PASSES, Told, told};
 use super::{create_instance, fake};
-use crate::link::{BACKEND_ANY, NO_EYE, NO_IMAGE, SettingsRecord, ShownViewRecord};
+use crate::link::{BACKEND_ANY, NO_EYE, NO_IMAGE, ShownViewRecord};
 use crate::xr::vulkan_device::VulkanDevice;
 use crate::xr::{actions, frame, instance, plan, session, swapchain};
 use ash::vk;
@@ -180,8 +180,8 @@ fn plans() -> Vec<(u64, Vec<u8>)> {
 #[test]
 fn the_vulkan_half_learns_what_is_wanted_before_the_first_frame() {
     session_of_tests();
-    let settings = SettingsRecord { is_on: 1, backend: BACKEND_ANY };
-    assert_eq!(told(), [Told::Active(true), Told::Settings(settings)]);
+    let settings = Told::Settings { is_on: 1, backend: BACKEND_ANY, passes: String::new() };
+    assert_eq!(told(), [Told::Active(true), settings]);
 }
 
 #[test]
@@ -410,7 +410,7 @@ fn rates_are_left_off_for_a_look() {
         told();
         (0..frames).for_each(|_| application.frame());
         let settings = told().into_iter().filter_map(|told| match told {
-            Told::Settings(settings) => Some(settings.is_on),
+            Told::Settings { is_on, .. } => Some(is_on),
             _ => None,
         });
         settings.collect()

@@ -14,7 +14,7 @@ use std::ffi::{c_char, c_void};
 #[derive(Debug, Clone, PartialEq)]
 pub enum Told {
     Active(bool),
-    Settings(SettingsRecord),
+    Settings { is_on: u32, backend: u32, passes: String },
     Swapchain { swapchain: u64, images: Vec<u64>, extent: [u32; 2], usage: vk::ImageUsageFlags },
     Plan { serial: u64, extents: [[u32; 2]; 2], rates: [Vec<u8>; 2] },
     Shown { views: Vec<ShownViewRecord>, flat: Vec<u64>, depth: Vec<u64> },
@@ -137,9 +137,12 @@ unsafe extern "C" fn shown(_: vk::Device, record: *const ShownRecord) {
 
 unsafe extern "C" fn settings(_: vk::Device, record: *const SettingsRecord) {
     // SAFETY: the other half passes a valid record.
-    let record = unsafe { *record };
-    IS_ON.set(record.is_on == 1);
-    tell(Told::Settings(record));
+    unsafe {
+        let SettingsRecord { is_on, backend, passes, passes_len } = *record;
+        let passes = String::from_utf8(slice(passes, passes_len).to_vec()).unwrap();
+        IS_ON.set(is_on == 1);
+        tell(Told::Settings { is_on, backend, passes });
+    }
 }
 
 unsafe extern "C" fn passes_with_rates(_: vk::Device) -> u32 {
