@@ -1,13 +1,19 @@
-//! What the gaze is worth at this moment: tracked, held, lost; fixating or in a saccade.
+//! What the gaze is worth at this moment: tracked, held, lost; fixating, following or in a saccade.
 
 mod inflation;
+mod rejection;
+mod settings;
 mod tracker;
+mod vergence;
 
 pub use inflation::{MAX_FOVEAL_RADIUS_DEG, foveal_inflation_deg};
-pub use tracker::{GazeSettings, GazeTracker};
+pub use rejection::Rejection;
+pub use settings::GazeSettings;
+pub use tracker::GazeTracker;
+pub use vergence::{NEAREST_ASSUMED_M, eye_directions};
 
-use crate::geometry::eccentricity;
-use glam::Vec3;
+use crate::geometry::{eccentricity, rotation};
+use glam::{Quat, Vec2, Vec3};
 
 /// One answer of the eye tracker.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,8 +30,10 @@ pub struct GazeSample {
 /// What the eyes are doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum GazePhase {
-    /// Tracked, and slow enough to see with: fixation or pursuit.
+    /// Tracked, and resting.
     Fixation,
+    /// Tracked, and following something, or turning against the head: slow enough to see with.
+    Pursuit,
     /// Tracked, and too fast to see fine detail.
     Saccade,
     /// Just landed (or just found again): nothing may become coarser now.
@@ -39,11 +47,15 @@ pub enum GazePhase {
 /// The gaze as the models use it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GazeState {
-    /// Where each eye looks, left first, unit vectors in the space of [`GazeSample::directions`]; the last known
-    /// ones in a blink and when lost, straight ahead (-z) before there were any.
+    /// Where each eye looks at the time asked for, left first, unit vectors in the space of [`GazeSample::directions`];
+    /// where it is about to land in a saccade, the last known ones in a blink and when lost, straight ahead (-z) before there
+    /// were any. Both are the same where the source has one ray for both eyes: see [`Self::with_vergence`].
     pub directions: [Vec3; 2],
     /// Speed of the eyes, degrees a second, 0..=1000; 0 while not seen.
     pub velocity_deg_s: f32,
+    /// How far the eyes may be from `directions`, degrees, where these are a prediction: the landing of a saccade, or where a
+    /// pursuit leads to.
+    pub prediction_error_deg: Option<f32>,
     /// What the eyes are doing.
     pub phase: GazePhase,
     /// How far the directions may be relied on: 1 tracked .. 0 lost. Ramps, so that what follows it never jumps.
@@ -52,8 +64,13 @@ pub struct GazeState {
 
 impl GazeState {
     /// No gaze, and none ever known.
-    pub const LOST: Self =
-        Self { directions: [Vec3::NEG_Z; 2], velocity_deg_s: 0.0, phase: GazePhase::Lost, trust: 0.0 };
+    pub const LOST: Self = Self {
+        directions: [Vec3::NEG_Z; 2],
+        velocity_deg_s: 0.0,
+        prediction_error_deg: None,
+        phase: GazePhase::Lost,
+        trust: 0.0,
+    };
 
     /// Eccentricity of a direction, in the same space, from the nearer of the two eyes' gaze, in radians within
     /// 0..=pi: what either eye could be looking at counts as looked at, in both eyes.
@@ -67,9 +84,42 @@ impl GazeState {
     /// Whether a tile may become coarser, or be rendered less often, than a frame ago. Becoming finer is always
     /// allowed.
     pub fn may_coarsen(&self) -> bool {
-        self.phase == GazePhase::Fixation
+        matches!(self.phase, GazePhase::Fixation | GazePhase::Pursuit)
+    }
+
+    /// How far the eyes may be from [`Self::directions`] because they move, degrees: velocity * latency, where `latency_s` is
+    /// the time from the eye to the image; where the directions are a prediction, no more than the error of that.
+    pub fn motion_deg(&self, latency_s: f32) -> f32 {
+        let moved = self.velocity_deg_s * latency_s;
+        match self.prediction_error_deg {
+            Some(error) if error < moved => error.max(0.0),
+            _ => moved,
+        }
+    }
+
+    /// The same with a direction for each eye, where there is one ray for both: [`eye_directions`] has the parameters.
+    /// Directions that differ already are kept.
+    pub fn with_vergence(self, eyes_m: [Vec3; 2], distance_m: Option<f32>) -> Self {
+        let [left, right] = self.directions;
+        if left != right {
+            return self;
+        }
+        Self { directions: eye_directions(left, eyes_m, distance_m), ..self }
+    }
+
+    /// Where each eye's direction meets the plane one unit ahead of its view (x to the right, y up). `orientations` are
+    /// from each view's space to the common one, so that canted views need no special case. Nothing for a direction
+    /// 89 degrees or more from where the view looks, or an orientation that is none.
+    pub fn tangent_points(&self, orientations: [Quat; 2]) -> [Option<Vec2>; 2] {
+        [0, 1].map(|eye| {
+            let seen = rotation(orientations[eye])?.inverse() * self.directions[eye];
+            (seen.z < -LEAST_AHEAD).then(|| seen.truncate() / -seen.z)
+        })
     }
 }
+
+/// Cosine of 89 degrees.
+const LEAST_AHEAD: f32 = 0.017_452_406;
 
 #[cfg(test)]
 mod tests;

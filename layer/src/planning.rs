@@ -226,8 +226,7 @@ impl Planning {
 }
 
 /// The gaze of `gaze.source = "centre"`.
-const STRAIGHT_AHEAD: GazeState =
-    GazeState { directions: [Vec3::NEG_Z; 2], velocity_deg_s: 0.0, phase: GazePhase::Fixation, trust: 1.0 };
+const STRAIGHT_AHEAD: GazeState = GazeState { phase: GazePhase::Fixation, trust: 1.0, ..GazeState::LOST };
 
 #[cfg(test)]
 mod tests;

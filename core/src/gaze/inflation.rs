@@ -8,24 +8,19 @@
 /// landing nearly always lies inside.
 pub const MAX_FOVEAL_RADIUS_DEG: f32 = 30.0;
 
-/// Radius of the fovea as rendered, degrees: base + tracker error + velocity * latency.
+/// Radius of the fovea as rendered, degrees: base + tracker error + motion.
 ///
-/// `base_deg` is the fovea's own radius, `tracker_error_deg` what the tracker may be off by, `velocity_deg_s` the
-/// speed of the eyes ([`super::GazeState::velocity_deg_s`]) and `latency_s` the time from the eye to the image.
-/// The answer is at most [`MAX_FOVEAL_RADIUS_DEG`], but never below base + tracker error, and never above 180. Negative
-/// terms count as 0. An error, velocity or latency that is NaN or infinite gives [`MAX_FOVEAL_RADIUS_DEG`] or the base,
-/// whichever is larger (the gaze could be anywhere near); a NaN base gives 180.
-pub fn foveal_inflation_deg(
-    base_deg: f32,
-    tracker_error_deg: f32,
-    velocity_deg_s: f32,
-    latency_s: f32,
-) -> f32 {
+/// `base_deg` is the fovea's own radius, `tracker_error_deg` what the tracker may be off by, `motion_deg` what the eyes may
+/// have turned from the eye to the image ([`super::GazeState::motion_deg`]). The answer is at most
+/// [`MAX_FOVEAL_RADIUS_DEG`], but never below base + tracker error, and never above 180. Negative terms count as 0. An error or
+/// motion that is NaN or infinite gives [`MAX_FOVEAL_RADIUS_DEG`] or the base, whichever is larger (the gaze could be
+/// anywhere near); a NaN base gives 180.
+pub fn foveal_inflation_deg(base_deg: f32, tracker_error_deg: f32, motion_deg: f32) -> f32 {
     let base = if base_deg.is_nan() { 180.0 } else { base_deg.clamp(0.0, 180.0) };
-    if ![tracker_error_deg, velocity_deg_s, latency_s].into_iter().all(f32::is_finite) {
+    if ![tracker_error_deg, motion_deg].into_iter().all(f32::is_finite) {
         return base.max(MAX_FOVEAL_RADIUS_DEG);
     }
     let still = base + tracker_error_deg.max(0.0);
-    let moving = still + velocity_deg_s.max(0.0) * latency_s.max(0.0);
+    let moving = still + motion_deg.max(0.0);
     moving.min(still.max(MAX_FOVEAL_RADIUS_DEG)).min(180.0)
 }

@@ -1,117 +1,116 @@
 //! From samples of the eye tracker to the state of the gaze.
 
+use super::rejection::{Rejection, Views, plausible};
+use super::settings::GazeSettings;
 use super::{GazePhase, GazeSample, GazeState};
-use crate::geometry::unit_direction;
-use glam::Vec3;
+use crate::geometry::{Fov, rotation};
+use glam::Quat;
 
-mod velocity;
+mod flight;
+mod freeze;
+mod line;
+mod motion;
 
-use velocity::Recent;
-
-/// How the gaze is judged. The defaults suit any tracker of 60 Hz or more.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GazeSettings {
-    /// How long the gaze may be missing as in a blink, milliseconds; the last one is held meanwhile. A blink takes 100
-    /// to 400 ms (BioNumbers; Volkmann et al. 1980), the longest about 500.
-    pub hold_ms: f32,
-    /// How long trust takes from 1 to 0 after that, milliseconds. 200 ms keeps the change to uniform rates from
-    /// showing as a flash; it is our choice.
-    pub ramp_down_ms: f32,
-    /// How long trust takes from 0 to 1 once samples are valid again, milliseconds.
-    pub ramp_up_ms: f32,
-    /// Speed from which on the eyes are in a saccade, degrees a second: the velocity threshold of I-VT (Salvucci
-    /// and Goldberg 2000), above pursuit, which the eyes follow up to about 100.
-    pub saccade_onset_deg_s: f32,
-    /// Speed below which the saccade is over, degrees a second; lower than the onset, so that a speed near one
-    /// threshold does not flicker between the two.
-    pub saccade_end_deg_s: f32,
-    /// How long after a saccade nothing may become coarser, milliseconds: the 60 ms within which an update after
-    /// landing goes unnoticed (Loschky and Wolverton 2007).
-    pub post_saccade_ms: f32,
-}
-
-impl Default for GazeSettings {
-    fn default() -> Self {
-        Self {
-            hold_ms: 500.0,
-            ramp_down_ms: 200.0,
-            ramp_up_ms: 200.0,
-            saccade_onset_deg_s: 100.0,
-            saccade_end_deg_s: 50.0,
-            post_saccade_ms: 60.0,
-        }
-    }
-}
+use freeze::Freeze;
+use line::Moment;
+use motion::{Course, Motion};
 
 /// Without a sample for longer than this, the eyes are taken as not seen: three frames of a 60 Hz tracker.
 const SILENT_NS: i64 = 50_000_000;
 
-/// Longest saccade. 21 + 2.2 ms per degree (Carpenter) makes 80 degrees 197 ms; what stays fast for longer is the eye
-/// turning against the head, with which one does see.
-const LONGEST_SACCADE_NS: i64 = 200_000_000;
+/// The same of a slower tracker, in times between its samples.
+const SILENT_INTERVALS: f32 = 2.5;
 
-/// The gaze as a state machine over samples. Holds no clock: every time is passed in.
+/// Longest that a motion is carried on, and that a new time between samples counts: what lasts longer is an interruption.
+const LONGEST_NS: i64 = 150_000_000;
+
+/// The gaze as a state machine over samples. Holds no clock: every time is passed in. Allocates nothing.
 ///
-/// Samples may come late, twice or in the wrong order. One that is older than the newest by up to the hold
+/// In a frame: [`Self::push_at`] with what the source answers about the time when the frame is shown, and [`Self::state`] for
+/// that time. Samples may come late, twice or in the wrong order. One that is older than the newest by up to the hold
 /// time is dropped; by more, the source's clock has started anew, and trust with it.
 #[derive(Clone, Debug)]
 pub struct GazeTracker {
     settings: GazeSettings,
     /// Present once a sample was usable.
     seen: Option<Seen>,
-    /// The source said that it has ended ([`Self::source_ended`]).
+    /// The source said that it has ended ([`Self::source_ended`]), or is not believed any more.
     ended: bool,
+    rejection: Option<Rejection>,
+    freeze: Freeze,
+    views: Option<Views>,
 }
 
 /// What is known since the first usable sample.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
-    /// The newest usable samples.
-    recent: Recent,
-    /// Trust at the time of the newest usable sample.
+    motion: Motion,
+    /// When the newest sample came, on the clock of the samples.
+    arrived_ns: i64,
+    /// When one came last of which nothing was known before, or that ended a saccade.
+    settled_ns: i64,
+    /// Trust when the newest came.
     trust: f32,
     /// Whether an unusable sample came since.
     interrupted: bool,
-    motion: Motion,
 }
 
-/// What the eyes did last, with the time of the sample that showed it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Motion {
-    FastSince(i64),
-    SlowSince(i64),
+impl Seen {
+    /// Whether the newest sample is not long before a time.
+    fn is_fresh(&self, time_ns: i64) -> bool {
+        let age = time_ns.saturating_sub(self.motion.newest().time_ns);
+        (0..silent_ns(&self.motion) / 5 * 4).contains(&age)
+    }
 }
 
 impl GazeTracker {
-    /// A tracker that has seen nothing yet: [`GazeState::LOST`]. Settings that are negative or NaN count as 0.
+    /// A tracker that has seen nothing yet: [`GazeState::LOST`].
     pub fn new(settings: GazeSettings) -> Self {
-        Self { settings, seen: None, ended: false }
+        Self { settings, seen: None, ended: false, rejection: None, freeze: Freeze::default(), views: None }
     }
 
-    /// Takes one sample. One without `valid` or without a usable direction for either eye is a missing gaze.
+    /// Takes one sample at its own time: [`Self::push_at`] for a source without latency.
     pub fn push(&mut self, sample: &GazeSample) {
-        let Some(directions) = usable(sample) else {
-            if let Some(seen) = &mut self.seen {
-                seen.interrupted = true;
+        self.take(sample, sample.time_ns);
+    }
+
+    /// Takes one sample that was the newest when the source was asked about `now_ns` (in a frame, the time when it is shown,
+    /// which [`Self::state`] is asked about too). A time of 0 or less is not known, as in `XrEyeGazeSampleTimeEXT`: the sample
+    /// is taken to be as old as [`GazeSettings::latency_ms`], and to be the one before where it equals that in every bit. One
+    /// without `valid` or without a plausible direction is a missing gaze, see [`Self::rejection`].
+    pub fn push_at(&mut self, sample: &GazeSample, now_ns: i64) {
+        if sample.time_ns > 0 {
+            return self.take(sample, now_ns);
+        }
+        let time_ns = now_ns.saturating_sub(nanoseconds(self.settings.latency_ms));
+        let repeated = sample.valid && self.freeze.is_same(sample.directions);
+        match &mut self.seen {
+            // The same as in the last frame: the source is slower than the display. Before that would be silence, it is a
+            // gaze that rests.
+            Some(seen) if repeated && self.rejection.is_none() && seen.is_fresh(time_ns) => {
+                seen.arrived_ns = now_ns;
             }
-            return;
-        };
-        let time = sample.time_ns;
-        let next = match &self.seen {
-            Some(seen) if !self.ended => match self.follow(seen, directions, time) {
-                Some(next) => next,
-                None => return,
-            },
-            // Found for the first time, or again: trust begins with the next sample.
-            _ => Seen {
-                recent: Recent::new(directions, time),
-                trust: self.trust_at(time),
-                interrupted: false,
-                motion: Motion::SlowSince(time),
-            },
-        };
-        self.ended = false;
-        self.seen = Some(next);
+            _ => self.take(&GazeSample { time_ns, ..*sample }, now_ns),
+        }
+    }
+
+    /// Tells how the head is turned (any fixed space) at a time: eyes turn against it, so that a fast gaze is no saccade while
+    /// it turns, and one that does not change in any bit meanwhile is frozen. Without being told, the head counts as still.
+    pub fn head_turned(&mut self, head: Quat, time_ns: i64) {
+        if let Some(head) = rotation(head) {
+            self.freeze.head_turned(head, time_ns);
+        }
+    }
+
+    /// Tells what the views show: field of view, and rotation from the view's space to that of the samples, of the left and the
+    /// right one. A gaze outside of both by more than [`GazeSettings::outside_deg`] is not believed. Without, it may be anywhere.
+    pub fn set_views(&mut self, views: Option<[(Fov, Quat); 2]>) {
+        self.views = views.and_then(Views::new);
+    }
+
+    /// Why the newest sample was not used; nothing where it was.
+    pub fn rejection(&self) -> Option<Rejection> {
+        self.rejection
     }
 
     /// The source itself says that there is no gaze any more (an inactive action, an error): trust ramps down
@@ -122,80 +121,126 @@ impl GazeTracker {
             && !self.ended
         {
             seen.trust = trust;
-            seen.recent = Recent::new(seen.recent.directions(), time_ns);
+            seen.arrived_ns = time_ns;
             self.ended = true;
         }
     }
 
-    /// The gaze at `now_ns`, on the clock of the samples. A time before the newest sample
-    /// (samples may be predictions) is as good as one that is as far after it.
+    /// The gaze at `now_ns`, on the clock of the samples: when the frame is shown. A time before the newest sample
+    /// came (samples may be predictions) is as good as one that is as far after it.
     pub fn state(&self, now_ns: i64) -> GazeState {
         let Some(seen) = &self.seen else { return GazeState::LOST };
         let phase = self.phase(seen, now_ns);
         let visible = !matches!(phase, GazePhase::Blink | GazePhase::Lost);
+        let ahead = now_ns.saturating_sub(seen.motion.newest().time_ns).clamp(0, LONGEST_NS);
+        let (directions, prediction_error_deg) =
+            seen.motion.directions(&self.settings, (ahead as f64 * 1e-9) as f32);
+        // Where nothing becomes coarser, nothing is lost by what becomes finer at a place that may be wrong.
+        let doubted = seen.motion.in_doubt().filter(|_| visible);
         GazeState {
-            directions: seen.recent.directions(),
-            velocity_deg_s: if visible { seen.recent.velocity_deg_s() } else { 0.0 },
+            directions: doubted.unwrap_or(directions),
+            velocity_deg_s: if visible { seen.motion.speed_deg_s() } else { 0.0 },
+            prediction_error_deg: prediction_error_deg.filter(|_| visible),
             phase,
             trust: self.trust_at(now_ns),
         }
     }
 
-    /// The state after a usable sample, or nothing when the sample is too old to be used.
-    fn follow(&self, seen: &Seen, directions: [Vec3; 2], time: i64) -> Option<Seen> {
-        let gap = time.saturating_sub(seen.recent.time_ns());
-        let hold = nanoseconds(self.settings.hold_ms);
-        if gap < 0 && gap >= -hold {
-            return None;
+    fn take(&mut self, sample: &GazeSample, now_ns: i64) {
+        self.rejection = self.check(sample, now_ns).and_then(|moment| self.follow(moment, now_ns)).err();
+        match self.rejection {
+            None => self.ended = false,
+            Some(Rejection::Frozen) => self.source_ended(now_ns),
+            // One of these alone is no interruption; a stream of them is, as nothing else arrives.
+            Some(Rejection::TooFast | Rejection::OutOfOrder) => {}
+            Some(_) => {
+                if let Some(seen) = &mut self.seen {
+                    seen.interrupted = true;
+                }
+            }
         }
-        if !(0..=SILENT_NS).contains(&gap) || seen.interrupted {
-            // Where the eyes went meanwhile is unknown: no speed, and the same care as after a saccade.
-            let trust = if gap < 0 { 0.0 } else { self.trust_at(time) };
-            return Some(Seen {
-                recent: Recent::new(directions, time),
-                trust,
-                interrupted: false,
-                motion: Motion::SlowSince(time),
-            });
-        }
-        let recent = seen.recent.with(directions, time);
-        Some(Seen {
-            recent,
-            trust: (seen.trust + portion(gap, self.settings.ramp_up_ms)).min(1.0),
-            interrupted: false,
-            motion: self.motion_after(seen.motion, recent.velocity_deg_s(), time),
-        })
     }
 
-    fn motion_after(&self, before: Motion, velocity_deg_s: f32, time: i64) -> Motion {
-        let fast = match before {
-            Motion::FastSince(_) => velocity_deg_s >= self.settings.saccade_end_deg_s,
-            Motion::SlowSince(_) => velocity_deg_s >= self.settings.saccade_onset_deg_s,
-        };
-        match (before, fast) {
-            (Motion::FastSince(_), true) | (Motion::SlowSince(_), false) => before,
-            (Motion::FastSince(_), false) => Motion::SlowSince(time),
-            (Motion::SlowSince(_), true) => Motion::FastSince(time),
+    /// What the sample says, if that can be.
+    fn check(&mut self, sample: &GazeSample, now_ns: i64) -> Result<Moment, Rejection> {
+        if !sample.valid {
+            return Err(Rejection::NotTracked);
         }
+        let directions = plausible(sample.directions, self.settings.reach_deg)?;
+        if let Some(views) = &self.views
+            && !views.show(directions, self.settings.outside_deg)
+        {
+            return Err(Rejection::OutsideViews);
+        }
+        if self.freeze.is_frozen(&self.settings, sample.directions, now_ns) {
+            return Err(Rejection::Frozen);
+        }
+        Ok(Moment { directions, time_ns: sample.time_ns })
+    }
+
+    /// The state after a plausible sample.
+    fn follow(&mut self, moment: Moment, now_ns: i64) -> Result<(), Rejection> {
+        let trust = self.trust_at(now_ns);
+        let found = |motion: Motion, trust: f32| Seen {
+            motion,
+            arrived_ns: now_ns,
+            settled_ns: now_ns,
+            trust,
+            interrupted: false,
+        };
+        let (settings, head_deg_s) = (&self.settings, self.freeze.head_deg_s());
+        match &mut self.seen {
+            None => self.seen = Some(found(Motion::new(moment), trust)),
+            Some(seen) => {
+                let gap = moment.time_ns.saturating_sub(seen.motion.newest().time_ns);
+                if gap < 0 {
+                    if gap >= -nanoseconds(settings.hold_ms) {
+                        return Err(Rejection::OutOfOrder);
+                    }
+                    // The clock began anew.
+                    *seen = found(Motion::new(moment), 0.0);
+                } else if self.ended
+                    || seen.interrupted
+                    || gap > silent_ns(&seen.motion) && seen.motion.in_doubt().is_none()
+                {
+                    // Where the eyes went meanwhile is unknown: no speed, and the same care as after a saccade. Trust begins
+                    // with the next sample.
+                    let late = gap <= LONGEST_NS && !self.ended && !seen.interrupted;
+                    *seen = found(seen.motion.found_again(moment, late), trust);
+                } else {
+                    let (before, settled) = (seen.motion.newest().time_ns, seen.motion.settled_ns());
+                    seen.motion.add(settings, moment, head_deg_s).map_err(|_| Rejection::TooFast)?;
+                    if seen.motion.settled_ns() != settled {
+                        seen.settled_ns = now_ns;
+                    }
+                    if seen.motion.newest().time_ns != before {
+                        seen.arrived_ns = now_ns;
+                        seen.trust = (seen.trust + portion(gap.min(SILENT_NS), settings.ramp_up_ms)).min(1.0);
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     fn phase(&self, seen: &Seen, now: i64) -> GazePhase {
-        let age = distance_ns(now, seen.recent.time_ns());
+        let age = distance_ns(now, seen.arrived_ns);
         if self.ended || age > nanoseconds(self.settings.hold_ms) {
             return GazePhase::Lost;
         }
-        if seen.interrupted || age > SILENT_NS {
+        if seen.interrupted || age > silent_ns(&seen.motion) {
             return GazePhase::Blink;
         }
-        match seen.motion {
-            Motion::FastSince(onset) if now.saturating_sub(onset) <= LONGEST_SACCADE_NS => GazePhase::Saccade,
-            Motion::FastSince(_) => GazePhase::PostSaccade,
-            Motion::SlowSince(end)
-                if now.saturating_sub(end) < nanoseconds(self.settings.post_saccade_ms) =>
-            {
+        if seen.motion.in_doubt().is_some() {
+            return GazePhase::PostSaccade;
+        }
+        match seen.motion.course() {
+            Course::Jumping => GazePhase::Saccade,
+            _ if now.saturating_sub(seen.settled_ns) < nanoseconds(self.settings.post_saccade_ms) => {
                 GazePhase::PostSaccade
             }
-            Motion::SlowSince(_) => GazePhase::Fixation,
+            Course::Turning => GazePhase::Pursuit,
+            Course::Resting => GazePhase::Fixation,
         }
     }
 
@@ -203,7 +248,7 @@ impl GazeTracker {
     fn trust_at(&self, now: i64) -> f32 {
         let Some(seen) = &self.seen else { return 0.0 };
         let hold = if self.ended { 0 } else { nanoseconds(self.settings.hold_ms) };
-        let overdue = distance_ns(now, seen.recent.time_ns()) - hold;
+        let overdue = distance_ns(now, seen.arrived_ns) - hold;
         if overdue <= 0 {
             seen.trust
         } else {
@@ -212,16 +257,10 @@ impl GazeTracker {
     }
 }
 
-/// Unit directions of both eyes; an eye that is not seen takes the other's. Nothing if neither is.
-fn usable(sample: &GazeSample) -> Option<[Vec3; 2]> {
-    if !sample.valid {
-        return None;
-    }
-    match sample.directions.map(unit_direction) {
-        [Some(left), Some(right)] => Some([left, right]),
-        [Some(one), None] | [None, Some(one)] => Some([one; 2]),
-        [None, None] => None,
-    }
+/// After how long without a sample the eyes are taken as not seen.
+fn silent_ns(motion: &Motion) -> i64 {
+    let intervals = (f64::from(SILENT_INTERVALS * motion.interval_s()) * 1e9) as i64;
+    intervals.clamp(SILENT_NS, LONGEST_NS)
 }
 
 /// How far apart two times are, whichever is first.

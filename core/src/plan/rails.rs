@@ -10,11 +10,6 @@ use glam::Vec3;
 /// Longest time that one frame accounts for, nanoseconds: after a pause tiles do not become coarse at once.
 const LONGEST_FRAME_NS: i64 = 100_000_000;
 
-/// Speed from which on slow eyes follow something instead of resting, degrees a second: drift and tremor of fixation
-/// stay below about 1, smooth pursuit begins at a few (Carpenter, Movements of the Eyes, 1988), a tracker's noise
-/// is in between.
-const PURSUIT_DEG_S: f32 = 5.0;
-
 /// What the rails say about one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FrameRails {
@@ -68,7 +63,7 @@ impl RailMemory {
             area,
             inflation_deg: if lost { 0.0 } else { inflation_deg(settings, gaze, trust) },
             coarsening: self.coarsening(settings, seconds, lost || may_coarsen(gaze, reasons)),
-            pursuit: gaze.phase == GazePhase::Fixation && gaze.velocity_deg_s > PURSUIT_DEG_S,
+            pursuit: gaze.phase == GazePhase::Pursuit,
         }
     }
 
@@ -110,8 +105,7 @@ fn area(gaze: &GazeState, trust: f32) -> Area {
 /// Tracker error, the turn of the eyes within the latency, and, as trust falls to 0, everything.
 fn inflation_deg(settings: &RailSettings, gaze: &GazeState, trust: f32) -> f32 {
     let base = settings.least_foveal_deg;
-    let radius =
-        foveal_inflation_deg(base, settings.tracker_error_deg, gaze.velocity_deg_s, settings.latency_s);
+    let radius = foveal_inflation_deg(base, settings.tracker_error_deg, gaze.motion_deg(settings.latency_s));
     (radius - base + (1.0 - trust) * 180.0).clamp(0.0, 180.0)
 }
 

@@ -17,7 +17,7 @@ mod rails;
 const FRAME_NS: i64 = 10_000_000;
 
 pub(super) fn gaze(left: Vec3, right: Vec3) -> GazeState {
-    GazeState { directions: [left, right], velocity_deg_s: 0.0, phase: GazePhase::Fixation, trust: 1.0 }
+    GazeState { directions: [left, right], phase: GazePhase::Fixation, trust: 1.0, ..GazeState::LOST }
 }
 
 /// Two canted eyes of 640 x 560 pixels that look ahead.

@@ -19,7 +19,7 @@ cargo dev <task>, run anywhere in the repository:
   test                  formatting, clippy, build, all tests, docs: what CI runs
   run [--runtime mock|system] [--config FILE] -- CMD...
                         any OpenXR program with the layer (default: the mock runtime on lavapipe)
-  bench NAME [--json]   a bench: break-even (how dear pixels must be for the layer to gain), frame (what techniques save), models (what the models cost, and their hard cases), overhead (what the layer costs)
+  bench NAME [--json]   a bench: break-even (how dear pixels must be for the layer to gain), frame (what techniques save), models (what the models cost, their hard cases, and how well gaze is followed), overhead (what the layer costs)
   help                  this text
 ";
 

@@ -1,4 +1,4 @@
-//! `cargo dev bench models`: the table of hard cases, then what each model costs.
+//! `cargo dev bench models`: the table of hard cases, how well the gaze is followed, then what each model costs.
 
 #[path = "models/audio.rs"]
 mod audio;
@@ -6,6 +6,8 @@ mod audio;
 mod avpm;
 #[path = "models/chroma.rs"]
 mod chroma;
+#[path = "models/gaze.rs"]
+mod gaze;
 #[path = "models/geometry.rs"]
 mod geometry;
 #[path = "models/json.rs"]
@@ -20,7 +22,7 @@ mod scene;
 mod schedule;
 
 use criterion::Criterion;
-use parafovea_models::hard_cases;
+use parafovea_models::{eyes, hard_cases};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -28,8 +30,8 @@ fn main() -> ExitCode {
     if std::env::args().any(|argument| argument == json::FLAG) {
         return json::print();
     }
-    for case in hard_cases::table() {
-        println!("{case}");
+    if std::env::var_os(json::TIMES_ONLY).is_none() {
+        print_tables();
     }
     // Short: dozens of functions, each of which is called millions of times in that second.
     let mut criterion = Criterion::default()
@@ -41,6 +43,7 @@ fn main() -> ExitCode {
         audio::benches,
         avpm::benches,
         chroma::benches,
+        gaze::benches,
         geometry::benches,
         perception::benches,
         plan::benches,
@@ -51,4 +54,14 @@ fn main() -> ExitCode {
     }
     criterion.final_summary();
     ExitCode::SUCCESS
+}
+
+fn print_tables() {
+    for case in hard_cases::table() {
+        println!("{case}");
+    }
+    // Not in a test: `tests/gaze.rs` asserts the same.
+    if std::env::args().any(|argument| argument == "--bench") {
+        println!("\n{}", eyes::table(&eyes::rows()));
+    }
 }

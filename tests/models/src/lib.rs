@@ -1,8 +1,9 @@
 //! What the models of `parafovea-core` are held against: [`mod@reference`]s in double precision, the papers' numbers
-//! ([`checks`]), and a table of [`hard_cases`]. [`room`] is the example of `core/README.md`. The benches of the models are in
+//! ([`checks`]), synthetic [`eyes`] with known truth, and a table of [`hard_cases`]. [`room`] is the example of `core/README.md`. The benches of the models are in
 //! `benches/`.
 
 pub mod checks;
+pub mod eyes;
 pub mod hard_cases;
 pub mod reference;
 pub mod room;

@@ -27,7 +27,7 @@ fn input(eyes: [EyeInput<'_>; 2], gazes: [Vec3; 2]) -> PlanInput<'_> {
         frame_rate_hz: 90.0,
         eyes,
         head: Quat::IDENTITY,
-        gaze: GazeState { directions: gazes, velocity_deg_s: 0.0, phase: GazePhase::Fixation, trust: 1.0 },
+        gaze: GazeState { directions: gazes, phase: GazePhase::Fixation, trust: 1.0, ..GazeState::LOST },
         audio: None,
     }
 }

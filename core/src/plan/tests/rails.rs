@@ -91,7 +91,8 @@ fn updates_are_faster_in_pursuit_and_at_low_frame_rates() {
         let schedule = Schedule { configuration: UpdateConfiguration::F12345, ..Schedule::default() };
         let updates = UpdateSettings { uncapped, ..UpdateSettings::from(schedule) };
         let mut planner = Planner::new(PlanSettings { schedule: Some(updates), ..fixed() });
-        let gaze = GazeState { velocity_deg_s, ..input().gaze };
+        let phase = if velocity_deg_s > 5.0 { GazePhase::Pursuit } else { GazePhase::Fixation };
+        let gaze = GazeState { velocity_deg_s, phase, ..input().gaze };
         let plan = planner.plan(&PlanInput { frame_rate_hz, gaze, ..input() });
         let pursuit = plan.reasons.contains(Reason::Pursuit);
         assert_eq!(pursuit, velocity_deg_s > 5.0);
@@ -129,11 +130,15 @@ fn presets_are_one_step_faster_in_pursuit_but_for_the_paper_s() {
         (Preset::Streaming, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
         (Preset::Paper, [1, 1, 2, 2, 3], [1, 1, 2, 2, 3]),
     ] {
-        let periods = |velocity_deg_s: f32| {
+        let periods = |phase: GazePhase| {
             let mut planner = Planner::new(PlanSettings::of(preset, false, &VULKAN_RATES, [16, 16]));
-            let gaze = GazeState { velocity_deg_s, ..input().gaze };
+            let gaze = GazeState { phase, ..input().gaze };
             planner.plan(&PlanInput { frame_rate_hz: 90.0, gaze, ..input() }).periods
         };
-        assert_eq!((periods(1.0), periods(20.0)), (resting, pursuit), "{preset}");
+        assert_eq!(
+            (periods(GazePhase::Fixation), periods(GazePhase::Pursuit)),
+            (resting, pursuit),
+            "{preset}"
+        );
     }
 }

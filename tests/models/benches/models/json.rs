@@ -1,6 +1,6 @@
 //! The results as JSON, one object a line.
 
-use parafovea_models::hard_cases;
+use parafovea_models::{eyes, hard_cases};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::error::Error;
@@ -10,6 +10,9 @@ use std::process::{Command, ExitCode, Stdio};
 
 /// Asks for it.
 pub const FLAG: &str = "--json";
+
+/// Set in the environment, it leaves out the tables.
+pub const TIMES_ONLY: &str = "PARAFOVEA_MODELS_TIMES_ONLY";
 
 /// Runs this program once more, as criterion prints for people only, and prints what it wrote down.
 pub fn print() -> ExitCode {
@@ -32,12 +35,14 @@ fn rows() -> Result<Vec<Value>, Box<dyn Error>> {
     let status = Command::new(std::env::current_exe()?)
         .args(std::env::args_os().skip(1).filter(|argument| argument != FLAG))
         .env("CRITERION_HOME", folder.path())
+        .env(TIMES_ONLY, "1")
         .stdout(Stdio::null())
         .status()?;
     if !status.success() {
         return Err(format!("the benches ended with {status}").into());
     }
     let mut rows: Vec<Value> = hard_cases::table().iter().map(hard_case).collect();
+    rows.extend(eyes::rows().iter().map(followed));
     let mut results = results(folder.path())?;
     results.sort();
     for result in results {
@@ -52,6 +57,17 @@ fn hard_case(case: &hard_cases::Case) -> Value {
         "unit": "difference from double precision", "expected": case.expected, "got": case.got,
         "passed": case.passed,
     })
+}
+
+fn followed(row: &eyes::Row) -> Value {
+    let mut value = json!({
+        "bench": "models", "app": "gaze", "case": row.case, "metric": row.metric, "value": row.value, "unit": row.unit,
+    });
+    if let Some(baseline) = row.baseline {
+        value["baseline"] = json!(baseline);
+        value["ratio"] = json!(row.value / baseline);
+    }
+    value
 }
 
 /// The folders below `folder` that hold the newest result of one function.

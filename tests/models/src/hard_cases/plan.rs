@@ -47,7 +47,7 @@ fn input(eye: EyeInput<'_>) -> PlanInput<'_> {
 }
 
 fn looking(gaze: Vec3) -> GazeState {
-    GazeState { directions: [gaze; 2], velocity_deg_s: 0.0, phase: GazePhase::Fixation, trust: 1.0 }
+    GazeState { directions: [gaze; 2], phase: GazePhase::Fixation, trust: 1.0, ..GazeState::LOST }
 }
 
 /// A plan without rails, which is settled at once.

@@ -1,0 +1,60 @@
+//! How the gaze is judged.
+
+/// How the gaze is judged. The defaults suit any tracker of 60 Hz or more. What is negative or NaN counts as 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GazeSettings {
+    /// How long the gaze may be missing as in a blink, milliseconds; the last one is held meanwhile. A blink takes 100
+    /// to 400 ms (BioNumbers; Volkmann et al. 1980), the longest about 500.
+    pub hold_ms: f32,
+    /// How long trust takes from 1 to 0 after that, milliseconds. 200 ms keeps the change to uniform rates from
+    /// showing as a flash; it is our choice.
+    pub ramp_down_ms: f32,
+    /// How long trust takes from 0 to 1 once samples are valid again, milliseconds.
+    pub ramp_up_ms: f32,
+    /// How long after a saccade nothing may become coarser, milliseconds: the 60 ms within which an update after
+    /// landing goes unnoticed (Loschky and Wolverton 2007).
+    pub post_saccade_ms: f32,
+    /// Smallest jump that is taken for a saccade, degrees, however quiet the tracker is. What is smaller stays within the
+    /// least fovea, and the filter follows it.
+    pub least_saccade_deg: f32,
+    /// Speed below which a saccade is over, degrees a second: what the eyes follow smoothly stays below about 100, most of it
+    /// below 50 (Carpenter 1988).
+    pub saccade_end_deg_s: f32,
+    /// Slowest pursuit, degrees a second: drift and tremor of fixation stay below about 1 (Carpenter 1988), a tracker's
+    /// noise is in between.
+    pub pursuit_deg_s: f32,
+    /// Over how long the filter remembers, milliseconds.
+    pub memory_ms: f32,
+    /// Farthest that eyes turn from straight ahead, degrees, at most 90: about 55 (Carpenter 1988), and a tracker's error.
+    pub reach_deg: f32,
+    /// How far outside of the views the gaze may be, degrees: a tracker's error, and what the widest fovea still shows.
+    pub outside_deg: f32,
+    /// From when on a gaze that does not change in any bit is not believed, milliseconds, if also
+    /// [`Self::frozen_head_deg`] says so.
+    pub frozen_ms: f32,
+    /// By how much the head has to turn meanwhile, degrees: eyes that see turn against it.
+    pub frozen_head_deg: f32,
+    /// Age of a sample whose time is not known, milliseconds: 45 to 81 from eye to report in three headsets (Stein et al.
+    /// 2021), of which runtimes hide a part by prediction.
+    pub latency_ms: f32,
+}
+
+impl Default for GazeSettings {
+    fn default() -> Self {
+        Self {
+            hold_ms: 500.0,
+            ramp_down_ms: 200.0,
+            ramp_up_ms: 200.0,
+            post_saccade_ms: 60.0,
+            least_saccade_deg: 1.0,
+            saccade_end_deg_s: 50.0,
+            pursuit_deg_s: 4.0,
+            memory_ms: 150.0,
+            reach_deg: 65.0,
+            outside_deg: 10.0,
+            frozen_ms: 1000.0,
+            frozen_head_deg: 10.0,
+            latency_ms: 50.0,
+        }
+    }
+}

@@ -1,0 +1,347 @@
+//! What goes wrong with gaze in the field, one test each.
+
+use super::*;
+use crate::geometry::Fov;
+
+/// From the eye to the frame, in most of these.
+const LATENCY: i64 = 50 * MS;
+
+/// A tracker of `step_ms` between samples that are `LATENCY` old when they come, after a second of fixation at `yaw_deg`, and
+/// the time of the last sample.
+fn late(yaw_deg: f32, step_ms: i64) -> (GazeTracker, i64) {
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    let mut time = 1000 * MS;
+    while time < 2000 * MS {
+        time += step_ms * MS;
+        tracker.push_at(&sample(yaw_deg, time), time + LATENCY);
+    }
+    (tracker, time)
+}
+
+/// Where a saccade of least jerk is after a part of its time.
+fn way(s: f32) -> f32 {
+    let s = s.clamp(0.0, 1.0);
+    s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
+}
+
+#[test]
+fn a_sample_as_old_as_trackers_are_is_no_blink() {
+    for step_ms in [8, 11, 16] {
+        let (tracker, time) = late(4.0, step_ms);
+        let now = time + LATENCY + step_ms * MS + 11 * MS;
+        assert_eq!(tracker.state(now).phase, GazePhase::Fixation, "{step_ms} ms");
+    }
+}
+
+#[test]
+fn a_slow_tracker_is_no_blink_between_two_samples() {
+    let (tracker, time) = late(4.0, 66);
+    assert_eq!(tracker.state(time + LATENCY + 66 * MS + 11 * MS).phase, GazePhase::Fixation);
+    assert_eq!(tracker.state(time + LATENCY).trust, 1.0);
+    assert_eq!(tracker.state(time + LATENCY + 200 * MS).phase, GazePhase::Blink, "but three are missing");
+}
+
+#[test]
+fn a_sample_time_that_is_not_known_is_the_usual_latency_ago() {
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    let mut now = 5000 * MS;
+    // Follows at 20 deg/s; the source says what the eyes did 50 ms ago, and not that.
+    for frame in 0..90 {
+        now = 5000 * MS + frame * 11 * MS;
+        let yaw_deg = 20.0 * (frame * 11 - 50) as f32 * 1e-3;
+        tracker.push_at(&sample(yaw_deg, 0), now);
+    }
+    let state = tracker.state(now);
+    assert_eq!(state.phase, GazePhase::Pursuit);
+    let truth_deg = 20.0 * (89 * 11) as f32 * 1e-3;
+    assert!(eccentricity(state.directions[0], yaw(truth_deg)).to_degrees() < 0.1, "{state:?}");
+}
+
+#[test]
+fn without_times_a_repeated_answer_is_no_sample() {
+    // A tracker of 30 Hz that follows at 20 deg/s, read at 90 Hz: each answer comes three times.
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    let mut now = 0;
+    for frame in 0..180 {
+        now = 5000 * MS + frame * 11 * MS;
+        tracker.push_at(&sample(0.66 * (frame / 3) as f32, 0), now);
+        if frame > 60 {
+            assert_eq!(tracker.state(now).phase, GazePhase::Pursuit, "frame {frame}");
+        }
+    }
+    assert!((tracker.state(now).velocity_deg_s - 20.0).abs() < 0.5, "{:?}", tracker.state(now));
+}
+
+#[test]
+fn without_times_a_gaze_that_rests_in_every_bit_is_not_lost() {
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    for frame in 0..900 {
+        let now = 5000 * MS + frame * 11 * MS;
+        tracker.push_at(&sample(6.0, 0), now);
+        if frame > 60 {
+            assert_eq!(tracker.state(now).phase, GazePhase::Fixation, "frame {frame}");
+            assert_eq!(tracker.state(now).trust, 1.0);
+        }
+    }
+}
+
+#[test]
+fn a_tracker_that_repeats_its_last_sample_for_ever_is_lost() {
+    let (mut tracker, time) = late(4.0, 10);
+    let last = sample(4.0, time);
+    for frame in 0..90 {
+        tracker.push_at(&last, time + LATENCY + frame * 11 * MS);
+    }
+    assert_eq!(tracker.state(time + LATENCY + 990 * MS).phase, GazePhase::Lost);
+}
+
+/// SteamVR with a Pimax headset.
+#[test]
+fn a_gaze_out_of_the_back_of_the_head_is_rejected() {
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    for frame in 1..100 {
+        tracker.push_at(
+            &GazeSample { directions: [Vec3::Z; 2], time_ns: frame * 11 * MS, valid: true },
+            frame * 11 * MS,
+        );
+        assert_eq!(tracker.rejection(), Some(Rejection::Behind));
+        assert_eq!(tracker.state(frame * 11 * MS), GazeState::LOST);
+    }
+    let (mut tracker, time) = late(4.0, 10);
+    let behind = GazeSample { directions: [yaw(176.0); 2], ..sample(0.0, time + 10 * MS) };
+    tracker.push_at(&behind, time + 10 * MS + LATENCY);
+    let state = tracker.state(time + 10 * MS + LATENCY);
+    assert_eq!((state.phase, state.trust), (GazePhase::Blink, 1.0));
+    assert!(eccentricity(state.directions[0], yaw(4.0)).to_degrees() < 0.01, "the last one is held");
+}
+
+#[test]
+fn a_gaze_farther_to_the_side_than_eyes_turn_is_rejected() {
+    let (mut tracker, time) = late(4.0, 10);
+    tracker.push_at(&sample(80.0, time + 10 * MS), time + 10 * MS + LATENCY);
+    assert_eq!(tracker.rejection(), Some(Rejection::OutOfReach));
+}
+
+#[test]
+fn a_gaze_outside_of_both_views_is_held_and_then_lost() {
+    let (mut tracker, time) = late(30.0, 10);
+    let fov = |left_deg: f32, right_deg: f32| Fov {
+        left: left_deg.to_radians(),
+        right: right_deg.to_radians(),
+        up: 0.7,
+        down: -0.7,
+    };
+    // Canted by 5 degrees each: the left view ends at 35 to the right, the right one at 45.
+    let canted = |yaw_deg: f32| Quat::from_rotation_y(-yaw_deg.to_radians());
+    tracker.set_views(Some([(fov(-45.0, 40.0), canted(-5.0)), (fov(-40.0, 40.0), canted(5.0))]));
+    let mut phases = [None; 2];
+    for (index, yaw_deg, samples) in [(0, 50.0f32, 100), (1, 58.0, 30)] {
+        let mut tracker = tracker.clone();
+        for number in 1..samples {
+            // Slowly enough to get there.
+            let at = yaw_deg.min(30.0 + number as f32);
+            let time = time + number * 10 * MS;
+            tracker.push_at(&sample(at, time), time + LATENCY);
+            phases[index] = Some((tracker.rejection(), tracker.state(time + LATENCY).phase));
+        }
+    }
+    let seen = Some((None, GazePhase::Fixation));
+    let outside = Some((Some(Rejection::OutsideViews), GazePhase::Blink));
+    assert_eq!(phases[0], seen, "within the margin");
+    assert_eq!(phases[1], outside, "held, at first");
+    for number in 1..100 {
+        tracker.push_at(&sample(58.0, time + number * 10 * MS), time + number * 10 * MS + LATENCY);
+    }
+    assert_eq!(tracker.state(time + 990 * MS + LATENCY).phase, GazePhase::Lost);
+    // Views that say nothing leave it believed.
+    tracker.set_views(Some([(fov(f32::NAN, 40.0), canted(0.0)); 2]));
+    tracker.push_at(&sample(58.0, time + 1000 * MS), time + 1000 * MS + LATENCY);
+    assert_eq!(tracker.rejection(), None);
+}
+
+/// Windows Mixed Reality advertises a gaze that is the head's direction; trackers also hang.
+#[test]
+fn a_gaze_that_never_changes_while_the_head_turns_is_no_gaze() {
+    for (head_deg_s, frozen) in [(30.0, true), (0.0, false)] {
+        let mut tracker = GazeTracker::new(GazeSettings::default());
+        let mut lost_at = None;
+        for frame in 0..270i64 {
+            let now = 5000 * MS + frame * 11 * MS;
+            let seconds = frame as f32 * 0.011;
+            tracker.head_turned(Quat::from_rotation_y((head_deg_s * seconds).to_radians()), now);
+            tracker.push_at(&sample(0.0, now - LATENCY), now);
+            if tracker.rejection() == Some(Rejection::Frozen) {
+                lost_at.get_or_insert(seconds);
+                assert_eq!(tracker.state(now).phase, GazePhase::Lost);
+            }
+        }
+        assert_eq!(lost_at.is_some(), frozen, "head at {head_deg_s} deg/s");
+        assert!(lost_at.is_none_or(|seconds| (0.99..1.05).contains(&seconds)), "{lost_at:?}");
+        if frozen {
+            let now = 5000 * MS + 270 * 11 * MS;
+            assert_eq!(tracker.state(now).trust, 0.0);
+            tracker.push_at(&sample(0.01, now - LATENCY), now);
+            assert_eq!(tracker.rejection(), None, "a tracker that goes on is believed again");
+            assert_eq!(tracker.state(now).phase, GazePhase::PostSaccade);
+        }
+    }
+}
+
+#[test]
+fn eyes_that_turn_against_the_head_are_in_no_saccade() {
+    // The head starts to turn at once, at 200 deg/s, and the eyes rest on the world.
+    let mut phases = Vec::new();
+    for told in [true, false] {
+        let (mut tracker, time) = late(-20.0, 8);
+        let mut saccades = 0;
+        for number in 0..20 {
+            let (time, turned_deg) = (time + number * 8 * MS, 1.6 * number as f32);
+            if told {
+                tracker.head_turned(Quat::from_rotation_y(turned_deg.to_radians()), time + LATENCY);
+            }
+            tracker.push_at(&sample(-20.0 + turned_deg, time), time + LATENCY);
+            saccades += u32::from(tracker.state(time + LATENCY).phase == GazePhase::Saccade);
+        }
+        phases.push(saccades);
+    }
+    assert!(phases[0] <= 1, "{phases:?}");
+    assert!(phases[1] > 5, "without being told, it looks like one: {phases:?}");
+}
+
+#[test]
+fn a_lost_gaze_does_not_snap_to_the_centre() {
+    let (mut tracker, time) = late(20.0, 10);
+    for number in 1..200 {
+        let time = time + number * 10 * MS;
+        tracker.push_at(&missing(time), time + LATENCY);
+        assert_eq!(tracker.rejection(), Some(Rejection::NotTracked));
+        let direction = tracker.state(time + LATENCY).directions[0];
+        assert!(eccentricity(direction, yaw(20.0)).to_degrees() < 0.01, "{direction}");
+    }
+}
+
+#[test]
+fn a_jump_that_no_eye_makes_needs_a_second_sample() {
+    let (mut tracker, time) = late(0.0, 8);
+    let mut told = Vec::new();
+    for (number, yaw_deg) in [(1, 40.0), (2, 40.2)] {
+        let time = time + number * 8 * MS;
+        tracker.push_at(&sample(yaw_deg, time), time + LATENCY);
+        let state = tracker.state(time + LATENCY);
+        told.push((tracker.rejection(), state.phase, state.directions[0].x > 0.5));
+    }
+    assert_eq!(
+        told,
+        [(Some(Rejection::TooFast), GazePhase::PostSaccade, true), (None, GazePhase::PostSaccade, true)]
+    );
+}
+
+/// Between xrBeginFrame and xrLocateViews of one frame.
+#[test]
+fn a_later_answer_for_the_same_time_is_where_the_eyes_may_be() {
+    let (mut tracker, time) = late(0.0, 11);
+    tracker.push_at(&sample(-40.0, time), time + LATENCY);
+    let state = tracker.state(time + LATENCY);
+    assert!(eccentricity(state.directions[0], yaw(-40.0)).to_degrees() < 0.01, "{state:?}");
+    assert!(!state.may_coarsen());
+}
+
+#[test]
+fn answers_that_jump_about_are_no_gaze() {
+    let (mut tracker, time) = late(0.0, 8);
+    for number in 1..100 {
+        let time = time + number * 8 * MS;
+        tracker.push_at(&sample([40.0, -40.0, -10.0, 20.0][number as usize % 4], time), time + LATENCY);
+        assert!(tracker.state(time + LATENCY).phase != GazePhase::Saccade);
+    }
+    assert_eq!(tracker.state(time + 99 * 8 * MS + LATENCY).phase, GazePhase::Lost);
+}
+
+#[test]
+fn samples_in_the_wrong_order_are_dropped_with_a_reason() {
+    let (mut tracker, time) = late(4.0, 10);
+    let before = tracker.state(time + LATENCY);
+    tracker.push_at(&sample(9.0, time - 15 * MS), time + LATENCY);
+    assert_eq!(tracker.rejection(), Some(Rejection::OutOfOrder));
+    assert_eq!(tracker.state(time + LATENCY), before);
+}
+
+#[test]
+fn the_eyes_are_awaited_where_a_saccade_will_land() {
+    // Of 12 to 28 degrees at 120 Hz: half-way, the landing is known within a third of what is left.
+    for amplitude_deg in [12.0, 20.0, 28.0f32] {
+        let (mut tracker, time) = late(-10.0, 8);
+        let lasts_ms = 21.0 + 2.2 * amplitude_deg;
+        let mut awaited = Vec::new();
+        for number in 1..20 {
+            let s = (number as f32 * 8.33 - 4.0) / lasts_ms;
+            let time = time + number * 8_330_000;
+            tracker.push_at(&sample(-10.0 + amplitude_deg * way(s), time), time + LATENCY);
+            let state = tracker.state(time + LATENCY);
+            let off_deg = eccentricity(state.directions[0], yaw(-10.0 + amplitude_deg)).to_degrees();
+            if (0.55..0.9).contains(&s) {
+                assert_eq!(state.phase, GazePhase::Saccade, "{amplitude_deg} at {s}");
+                let error_deg = state.prediction_error_deg.expect("a landing");
+                assert!(off_deg < 0.2 * amplitude_deg, "{amplitude_deg} at {s}: {off_deg} off");
+                assert!(off_deg < 2.0 * error_deg + 0.5, "{off_deg} off, {error_deg} admitted");
+                awaited.push(off_deg);
+            }
+            if s > 1.5 {
+                assert!(off_deg < 0.2, "{amplitude_deg} at {s}: {off_deg} off");
+                assert_eq!(state.prediction_error_deg, None);
+            }
+        }
+        assert!(!awaited.is_empty());
+    }
+}
+
+/// Runtimes smooth: a saccade then looks slower, and ends slowly.
+#[test]
+fn a_smoothed_saccade_is_one_and_is_followed_to_its_end() {
+    let (mut tracker, time) = late(0.0, 11);
+    let (mut smoothed, mut saccades) = (0.0, 0);
+    for number in 1..40 {
+        smoothed += 0.35 * (20.0 * way(number as f32 * 11.0 / 65.0) - smoothed);
+        let time = time + number * 11 * MS;
+        tracker.push_at(&sample(smoothed, time), time + LATENCY);
+        let state = tracker.state(time + LATENCY);
+        saccades += u32::from(state.phase == GazePhase::Saccade);
+        if number > 12 {
+            let off_deg = eccentricity(state.directions[0], yaw(20.0)).to_degrees();
+            assert!(off_deg < 2.0, "{off_deg} degrees off after {} ms", number * 11);
+        }
+    }
+    assert!(saccades >= 3, "{saccades}");
+    assert_eq!(tracker.state(time + 39 * 11 * MS + LATENCY).phase, GazePhase::Fixation);
+}
+
+#[test]
+fn a_noisy_tracker_is_in_no_saccade_and_follows_nothing_at_rest() {
+    // 0.6 degrees of jitter; what is learnt of it takes a second.
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    let mut false_alarms = 0;
+    let mut bits = 1u32;
+    for number in 0..2000i64 {
+        let mut uniform = || {
+            bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (bits >> 8) as f32 / (1 << 24) as f32 - 0.5
+        };
+        // Four together are close to normal, of variance 1/3.
+        let jitter = (uniform() + uniform() + uniform() + uniform()) * 0.6 * 3f32.sqrt();
+        let time = 1000 * MS + number * 8 * MS;
+        tracker.push_at(&sample(jitter, time), time + LATENCY);
+        let state = tracker.state(time + LATENCY);
+        if number > 200 {
+            false_alarms += u32::from(matches!(state.phase, GazePhase::Saccade | GazePhase::Pursuit));
+            assert!(eccentricity(state.directions[0], yaw(0.0)).to_degrees() < 1.2, "{state:?}");
+        }
+    }
+    assert!(false_alarms < 18, "{false_alarms} of 1800 samples");
+}
+
+#[test]
+fn every_reason_reads_differently() {
+    let texts: std::collections::BTreeSet<String> =
+        Rejection::ALL.iter().map(|reason| reason.to_string()).collect();
+    assert_eq!(texts.len(), Rejection::ALL.len());
+}

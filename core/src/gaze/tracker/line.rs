@@ -1,0 +1,109 @@
+//! Where slow eyes are and how they turn: the straight line of least squares through the samples since they landed.
+//!
+//! The filter of growing memory of degree one (Morrison 1969, Introduction to Sequential Smoothing and Prediction): its
+//! first answers are the samples themselves, it averages more as it knows more, and it does not lag behind an even motion.
+//! Once it spans its memory, its gains stay as they are, and it forgets.
+
+use crate::geometry::eccentricity;
+use glam::Vec3;
+
+/// Both eyes' directions (unit vectors) at a time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moment {
+    pub(super) directions: [Vec3; 2],
+    pub(super) time_ns: i64,
+}
+
+impl Moment {
+    /// Mean of both eyes' angles to where they are in `other`, degrees.
+    pub(super) fn angle_deg(&self, other: [Vec3; 2]) -> f32 {
+        let angle = |eye: usize| eccentricity(self.directions[eye], other[eye]);
+        (0.5 * (angle(0) + angle(1))).to_degrees()
+    }
+
+    /// Seconds since an earlier time.
+    pub(super) fn seconds_since(&self, time_ns: i64) -> f32 {
+        (self.time_ns.saturating_sub(time_ns) as f64 * 1e-9) as f32
+    }
+}
+
+/// The line, of both eyes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    /// Where the eyes are at the time of the newest sample.
+    newest: Moment,
+    /// How they turn, a second; across the directions.
+    turns: [Vec3; 2],
+    /// Samples that the line is through, at least 1, no more than its memory holds.
+    count: u16,
+    /// Mean time between two of them, seconds.
+    interval_s: f32,
+}
+
+impl Line {
+    /// Nothing is known of before.
+    pub(super) fn new(moment: Moment) -> Self {
+        Self { newest: moment, turns: [Vec3::ZERO; 2], count: 1, interval_s: 0.0 }
+    }
+
+    /// Through two samples.
+    pub(super) fn through(older: &Moment, newer: Moment) -> Self {
+        let mut line = Self::new(*older);
+        line.add(newer, 2);
+        line
+    }
+
+    /// Takes one more sample, after the newest. The line remembers at most `memory` of them, at least 2.
+    pub(super) fn add(&mut self, moment: Moment, memory: u16) {
+        let seconds = moment.seconds_since(self.newest.time_ns);
+        let expected = self.at(moment.time_ns);
+        let steps = f32::from(self.count);
+        self.interval_s += (seconds - self.interval_s) / steps.min(8.0);
+        self.count = (self.count + 1).min(memory.max(2));
+        let n = f32::from(self.count);
+        let (position, slope) = (2.0 * (2.0 * n - 1.0) / (n * (n + 1.0)), 6.0 / (n * (n + 1.0)));
+        let eyes = self.newest.directions.iter_mut().zip(&mut self.turns);
+        for ((direction, turn), (seen, expected)) in eyes.zip(moment.directions.into_iter().zip(expected)) {
+            let missed = seen - expected;
+            *direction = (expected + missed * position).normalize_or(seen);
+            let turned = *turn + missed * (slope / seconds);
+            *turn = turned - *direction * turned.dot(*direction);
+        }
+        self.newest.time_ns = moment.time_ns;
+    }
+
+    /// Where the line is, with the time of the newest sample.
+    pub(super) fn newest(&self) -> &Moment {
+        &self.newest
+    }
+
+    /// Where the line leads to.
+    pub(super) fn at(&self, time_ns: i64) -> [Vec3; 2] {
+        self.ahead((time_ns.saturating_sub(self.newest.time_ns) as f64 * 1e-9) as f32)
+    }
+
+    /// Where it leads to in some seconds from its newest sample.
+    pub(super) fn ahead(&self, seconds: f32) -> [Vec3; 2] {
+        [0, 1].map(|eye| {
+            let direction = self.newest.directions[eye];
+            (direction + self.turns[eye] * seconds).normalize_or(direction)
+        })
+    }
+
+    /// Samples that it is through.
+    pub(super) fn count(&self) -> u16 {
+        self.count
+    }
+
+    /// How fast the eyes turn together, degrees a second.
+    pub(super) fn speed_deg_s(&self) -> f32 {
+        (0.5 * (self.turns[0] + self.turns[1])).length().to_degrees()
+    }
+
+    /// Standard deviation of that speed along either axis for samples that scatter by `noise_deg`, degrees a second: infinite
+    /// for one sample.
+    pub(super) fn speed_noise_deg_s(&self, noise_deg: f32) -> f32 {
+        let n = f32::from(self.count);
+        noise_deg / self.interval_s * (12.0 / (n * (n * n - 1.0))).sqrt()
+    }
+}

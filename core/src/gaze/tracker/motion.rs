@@ -1,0 +1,254 @@
+//! What the eyes do: rest or follow (a line through the samples), or jump (a saccade in flight).
+
+use super::flight::Flight;
+use super::line::{Line, Moment};
+use crate::gaze::GazeSettings;
+use glam::Vec3;
+
+/// Samples nearer in time than this are one sample: half of what a 1 kHz tracker's differ by. A speed over less
+/// would be noise divided by next to nothing.
+const LEAST_STEP_NS: i64 = 500_000;
+
+/// Fastest that eyes turn, degrees a second, above the 500 to 700 at which saccades peak (Carpenter 1988).
+pub(super) const FASTEST_DEG_S: f32 = 1000.0;
+
+/// Longest saccade: 80 degrees take 197 ms. What stays fast for longer is the eye turning against the head.
+const LONGEST_SACCADE_NS: i64 = 200_000_000;
+
+/// By how much the speed of slow eyes changes from one moment to the next, degrees a second: pursuit sets in with that.
+const PURSUIT_ONSET_DEG_S: f32 = 30.0;
+
+/// Longest time for which that counts, seconds: what comes after a longer one is as uncertain.
+const LONGEST_ALLOWANCE_S: f32 = 0.1;
+
+/// A sample is a jump where it is this many standard deviations from where it was expected, which of a million at rest 40
+/// are.
+const JUMP_SIGMAS: f32 = 4.5;
+
+/// Turning is told from noise at so many standard deviations, and is over at so many.
+const TURNING_SIGMAS: [f32; 2] = [3.5, 2.5];
+
+/// What a tracker's samples scatter by, standard deviation along either axis, degrees; before it is measured.
+const USUAL_NOISE_DEG: f32 = 0.3;
+
+/// What is believed of a measured one.
+const NOISE_DEG: std::ops::RangeInclusive<f32> = 0.05..=1.0;
+
+/// How much one sample counts in it.
+const NOISE_GAIN: f32 = 0.03;
+
+/// Least samples in a line before the next one measures noise.
+const NOISE_COUNT: u16 = 6;
+
+/// Not plausible: faster than eyes turn.
+#[derive(Debug)]
+pub(super) struct TooFast;
+
+/// What the eyes do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion {
+    line: Line,
+    /// Present in a saccade.
+    flight: Option<Flight>,
+    /// When nothing was known last, or a saccade ended.
+    settled_ns: i64,
+    turning: bool,
+    /// A sample that was too far away, until the next one says whether the eyes are there.
+    suspect: Option<Moment>,
+    noise_deg: f32,
+    interval_s: f32,
+}
+
+/// How the eyes turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Course {
+    Resting,
+    Turning,
+    Jumping,
+}
+
+impl Motion {
+    /// Nothing is known of before.
+    pub(super) fn new(moment: Moment) -> Self {
+        Self {
+            line: Line::new(moment),
+            flight: None,
+            settled_ns: moment.time_ns,
+            turning: false,
+            suspect: None,
+            noise_deg: USUAL_NOISE_DEG,
+            interval_s: 0.0,
+        }
+    }
+
+    /// Nothing is known of where the eyes were before, but still of the tracker. `late` says that this is the sample after
+    /// the newest, and that the tracker may be slow.
+    pub(super) fn found_again(&self, moment: Moment, late: bool) -> Self {
+        let mut found = Self { noise_deg: self.noise_deg, interval_s: self.interval_s, ..Self::new(moment) };
+        if late {
+            found.note_interval(moment.seconds_since(self.newest().time_ns));
+        }
+        found
+    }
+
+    /// Takes a sample that is not before the newest. `head_deg_s` is the speed of the head, against which eyes turn.
+    pub(super) fn add(
+        &mut self,
+        settings: &GazeSettings,
+        moment: Moment,
+        head_deg_s: f32,
+    ) -> Result<(), TooFast> {
+        let newest = *self.newest();
+        let repeated = moment.time_ns.saturating_sub(newest.time_ns) < LEAST_STEP_NS;
+        let seconds = if repeated { 0.0 } else { moment.seconds_since(newest.time_ns) };
+        let allowance_deg = (PURSUIT_ONSET_DEG_S + head_deg_s) * seconds.min(LONGEST_ALLOWANCE_S);
+        let limit_deg = settings.least_saccade_deg.max(JUMP_SIGMAS * self.noise_deg) + allowance_deg;
+        let missed_deg = match &self.flight {
+            Some(_) => moment.angle_deg(newest.directions),
+            None => moment.angle_deg(self.line.at(moment.time_ns)),
+        };
+        // After a sample in doubt, the next one confirms that or what was before it.
+        if missed_deg > limit_deg && (self.suspect.is_some() || missed_deg > FASTEST_DEG_S * seconds) {
+            return self.doubt(moment, limit_deg);
+        }
+        if repeated {
+            return Ok(());
+        }
+        self.suspect = None;
+        self.note_interval(seconds);
+        match self.flight {
+            Some(flight) => self.fly(settings, flight, moment, head_deg_s),
+            None if missed_deg > limit_deg => {
+                let start = Moment { directions: self.line.at(newest.time_ns), ..newest };
+                self.flight = Some(Flight::new(start, moment, self.noise_deg));
+                self.turning = false;
+            }
+            None => {
+                self.note_noise(missed_deg);
+                self.line.add(moment, self.memory(settings));
+                self.turning = self.is_turning(settings);
+            }
+        }
+        Ok(())
+    }
+
+    /// The newest sample that was believed, or the line at its time.
+    pub(super) fn newest(&self) -> &Moment {
+        self.flight.as_ref().map_or(self.line.newest(), Flight::newest)
+    }
+
+    /// Where the newest sample is, if that is too far away to be believed.
+    pub(super) fn in_doubt(&self) -> Option<[Vec3; 2]> {
+        self.suspect.map(|suspect| suspect.directions)
+    }
+
+    pub(super) fn course(&self) -> Course {
+        match (&self.flight, self.turning) {
+            (Some(_), _) => Course::Jumping,
+            (None, true) => Course::Turning,
+            (None, false) => Course::Resting,
+        }
+    }
+
+    /// When nothing was known last, or a saccade ended.
+    pub(super) fn settled_ns(&self) -> i64 {
+        self.settled_ns
+    }
+
+    /// Mean time between samples, seconds; 0 before there are two.
+    pub(super) fn interval_s(&self) -> f32 {
+        self.interval_s
+    }
+
+    /// Where the eyes are `ahead_s` after the newest sample, and how far that may be off where it is a prediction, degrees.
+    pub(super) fn directions(&self, settings: &GazeSettings, ahead_s: f32) -> ([Vec3; 2], Option<f32>) {
+        match &self.flight {
+            Some(flight) => (flight.landing.directions, Some(flight.landing.error_deg)),
+            None if self.turning => {
+                // What they follow may have stopped anywhere on this way.
+                let way_deg = self.line.speed_deg_s() * ahead_s.max(settings.latency_ms * 1e-3);
+                (self.line.ahead(ahead_s), Some(0.5 * way_deg))
+            }
+            None => (self.line.newest().directions, None),
+        }
+    }
+
+    /// How fast they turn, degrees a second.
+    pub(super) fn speed_deg_s(&self) -> f32 {
+        let speed = match (&self.flight, self.turning) {
+            (Some(flight), _) => flight.speed_deg_s,
+            (None, true) => self.line.speed_deg_s(),
+            (None, false) => 0.0,
+        };
+        speed.min(FASTEST_DEG_S)
+    }
+
+    /// A jump that no eye makes: either one sample is wrong, or the next one is there too.
+    fn doubt(&mut self, moment: Moment, limit_deg: f32) -> Result<(), TooFast> {
+        let confirmed = self.suspect.is_some_and(|suspect| {
+            let seconds = moment.seconds_since(suspect.time_ns);
+            moment.angle_deg(suspect.directions) < limit_deg.max(FASTEST_DEG_S * seconds)
+                && moment.time_ns.saturating_sub(suspect.time_ns) >= LEAST_STEP_NS
+        });
+        if confirmed {
+            *self = self.found_again(moment, false);
+            return Ok(());
+        }
+        self.suspect = Some(moment);
+        Err(TooFast)
+    }
+
+    fn fly(&mut self, settings: &GazeSettings, flight: Flight, moment: Moment, head_deg_s: f32) {
+        let before = *flight.newest();
+        let slow_deg_s = settings.saccade_end_deg_s.max(0.0) + head_deg_s;
+        let still_deg = slow_deg_s * moment.seconds_since(before.time_ns) + 3.0 * self.noise_deg;
+        let back_deg = moment.angle_deg(self.line.at(moment.time_ns));
+        if flight.is_single() && back_deg < settings.least_saccade_deg.max(JUMP_SIGMAS * self.noise_deg) {
+            // One sample was off, and the eyes never left.
+            self.flight = None;
+            self.line.add(moment, self.memory(settings));
+        } else if moment.angle_deg(before.directions) < still_deg {
+            self.flight = None;
+            self.line = Line::new(moment);
+            self.settled_ns = moment.time_ns;
+        } else if moment.time_ns.saturating_sub(flight.first_ns()) > LONGEST_SACCADE_NS {
+            self.flight = None;
+            self.line = Line::through(&before, moment);
+            self.settled_ns = moment.time_ns;
+            self.turning = true;
+        } else {
+            let mut flight = flight;
+            flight.add(moment, self.noise_deg);
+            self.flight = Some(flight);
+        }
+    }
+
+    fn is_turning(&self, settings: &GazeSettings) -> bool {
+        let sigmas = TURNING_SIGMAS[usize::from(self.turning)];
+        let least = settings.pursuit_deg_s.max(sigmas * self.line.speed_noise_deg_s(self.noise_deg));
+        self.line.speed_deg_s() > least
+    }
+
+    fn memory(&self, settings: &GazeSettings) -> u16 {
+        (settings.memory_ms.max(0.0) * 1e-3 / self.interval_s.max(1e-4)).clamp(3.0, 64.0) as u16
+    }
+
+    fn note_interval(&mut self, seconds: f32) {
+        if self.interval_s == 0.0 {
+            self.interval_s = seconds;
+        }
+        self.interval_s += 0.2 * (seconds - self.interval_s);
+    }
+
+    fn note_noise(&mut self, missed_deg: f32) {
+        if self.line.count() < NOISE_COUNT {
+            return;
+        }
+        // Along two axes, and where it was expected is off as well.
+        let n = f32::from(self.line.count());
+        let square = 0.5 * missed_deg * missed_deg / (1.0 + 4.0 / n);
+        let mean = self.noise_deg * self.noise_deg;
+        let noise = (mean + NOISE_GAIN * (square.min(9.0 * mean) - mean)).sqrt();
+        self.noise_deg = noise.clamp(*NOISE_DEG.start(), *NOISE_DEG.end());
+    }
+}

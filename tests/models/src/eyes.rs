@@ -1,0 +1,29 @@
+//! Synthetic gaze with known truth, what an eye tracker makes of it, and how well the region at full rate follows:
+//! [`GazeTracker`](parafovea_core::gaze::GazeTracker) beside an unfiltered tracker and the One Euro filter.
+//!
+//! All of it is made from seeds. Those of [`TUNING_SEEDS`] may be looked at to choose parameters (of both filters); what is
+//! reported comes from [`SEEDS`].
+
+mod baselines;
+mod path;
+mod random;
+mod region;
+mod report;
+mod score;
+mod tracker;
+
+pub use baselines::{OneEuro, TUNED};
+pub use path::{Event, EyePath, HALF_IPD_M, Look};
+pub use region::{Region, union_area_deg2};
+pub use report::{Row, rows, table};
+pub use score::{Follower, Method, Radius, Score, follow, rail_bases_deg};
+pub use tracker::{LATENCY_S, Report, TrackerModel, nanoseconds};
+
+/// Seeds of what is reported.
+pub const SEEDS: [u64; 5] = [7, 19, 42, 77, 105];
+
+/// Seeds on which parameters were chosen.
+pub const TUNING_SEEDS: [u64; 3] = [1001, 1002, 1003];
+
+/// Length of the gaze of one seed, seconds.
+pub const DURATION_S: f64 = 120.0;

@@ -1,0 +1,70 @@
+//! What an eye tracker makes of the gaze: one ray for both eyes, late, off, noisy, in steps, and blind while the lids are shut.
+
+use super::path::{Event, EyePath, turned};
+use super::random::Random;
+use glam::DVec3;
+use parafovea_core::gaze::GazeSample;
+
+/// From the eye to the first image that can be made with a sample, seconds.
+pub const LATENCY_S: f64 = 0.05;
+
+/// By how much the tracker is off in one fixation, degrees, in a direction that differs from each to the next.
+const BIAS_DEG: f64 = 1.1;
+
+/// Standard deviation of each sample along either axis, degrees.
+const JITTER_DEG: f64 = 0.3;
+
+/// An eye tracker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackerModel {
+    /// Samples a second.
+    pub rate_hz: f64,
+    /// Whether it tells when a sample was taken.
+    pub tells_time: bool,
+}
+
+/// One sample, and when it is known.
+#[derive(Clone, Copy, Debug)]
+pub struct Report {
+    /// The sample, at the time when it was taken; at time 0 where that is not told.
+    pub sample: GazeSample,
+    /// From when on images can be made with it, seconds.
+    pub known_s: f64,
+}
+
+impl TrackerModel {
+    /// What it reports of a path until `duration_s`.
+    pub fn reports(&self, path: &EyePath, seed: u64, duration_s: f64) -> Vec<Report> {
+        let random = &mut Random::new(seed, 3);
+        let phase = random.within(0.0, 1.0);
+        let biases: Vec<f64> =
+            path.looks().iter().map(|_| random.within(0.0, std::f64::consts::TAU)).collect();
+        let count = (duration_s * self.rate_hz) as u32;
+        (0..count)
+            .map(|number| {
+                // Its clock is no better than its samples are even.
+                let t = (f64::from(number) + phase + random.within(-0.03, 0.03)) / self.rate_hz;
+                let (truth, _) = path.at(t);
+                let off = |look: usize| turned(truth, biases[look], BIAS_DEG) - truth;
+                let bias = match path.event(t) {
+                    Event::Looking(look) => off(look),
+                    Event::Jumping(look) => off(look).lerp(off(look + 1), path.way(t)),
+                };
+                let (right, up) = truth.any_orthonormal_pair();
+                let jitter = [right, up].map(|axis| axis * random.normal() * JITTER_DEG.to_radians());
+                let seen = (truth + bias + jitter[0] + jitter[1]).normalize();
+                Report { sample: self.sample(seen, t, !path.is_blink(t)), known_s: t + LATENCY_S }
+            })
+            .collect()
+    }
+
+    fn sample(&self, seen: DVec3, t: f64, valid: bool) -> GazeSample {
+        let time_ns = if self.tells_time { nanoseconds(t) } else { 0 };
+        GazeSample { directions: [seen.as_vec3(); 2], time_ns, valid }
+    }
+}
+
+/// Seconds of a path on the clock of the samples, on which 0 is no time.
+pub fn nanoseconds(seconds: f64) -> i64 {
+    1_000_000_000 + (seconds * 1e9) as i64
+}
