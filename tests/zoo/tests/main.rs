@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use libtest_mimic::{Arguments, Failed, Trial};
+use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
@@ -58,7 +59,14 @@ fn run(style: &Style) -> Outcome {
     let arguments = ["--style", style.name, "--size", &size, "--frames", &frames, "--passes"];
     let application = Application::ours("parafovea-zoo", &arguments).unwrap();
     let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE).saving(&SAVED);
-    Run::new(&application, &scenario).validated().finish().unwrap()
+    let run = Run::new(&application, &scenario).validated();
+    // The one extension that there is a stand-in for.
+    let run = if style.needs.extensions.contains(&c"VK_KHR_fragment_shading_rate") {
+        run.shading_rates(ShadingRateProfile::Layered16)
+    } else {
+        run
+    };
+    run.finish().unwrap()
 }
 
 /// What was submitted for both eyes in the saved frames.
