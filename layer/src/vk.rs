@@ -24,6 +24,7 @@ mod negotiate;
 mod objects;
 mod proc_addr;
 mod properties;
+mod rates;
 mod recording;
 mod runtime_section;
 mod submit;

@@ -12,6 +12,7 @@ mod hello_xr;
 mod loader_1_1;
 mod overhead;
 mod pictures;
+mod rates;
 mod readme;
 mod shading_rate;
 mod swapchain_cases;

@@ -5,6 +5,7 @@ use super::candidates::Candidates;
 use super::dispatch::ArmedTable;
 use super::frame::Frame;
 use super::objects::{Image, Objects};
+use super::rates::Rates;
 use super::submit::Prologues;
 use super::table::Table;
 use crate::gpu::functions::Functions;
@@ -21,6 +22,8 @@ pub struct Armed {
     pub record: DeviceRecord,
     /// The next layer's functions under our hooks.
     pub next: ArmedTable,
+    /// Its rate attachments; nothing where there are none.
+    pub rate_attachments: Option<Arc<Rates>>,
     /// What makes passes coarser, if anything can.
     pub backend: Option<Box<dyn Backend>>,
     /// The rates that the backend offers.
@@ -38,7 +41,8 @@ pub struct Armed {
 
 impl Armed {
     /// For the device of that record.
-    pub fn new(record: DeviceRecord, next: ArmedTable, backend: Option<Box<dyn Backend>>) -> Self {
+    pub fn new(record: DeviceRecord, next: ArmedTable, rate_attachments: Option<Arc<Rates>>) -> Self {
+        let backend = rate_attachments.clone().map(|rates| -> Box<dyn Backend> { Box::new(rates) });
         let offer = backend.as_ref().map_or(NO_OFFER, |backend| backend.offer());
         let count = (offer.rate_count as usize).min(offer.rates.len());
         let rates = offer.rates[..count].iter().filter_map(|&texel| ShadingRate::from_texel(texel));
@@ -46,6 +50,7 @@ impl Armed {
             record,
             next,
             rates: DeviceRates::new(rates),
+            rate_attachments,
             backend,
             objects: Objects::default(),
             candidates: Candidates::default(),
@@ -88,6 +93,10 @@ impl Armed {
             prologues.destroy(self);
         }
         self.candidates.clear();
+        if let Some(rates) = &self.rate_attachments {
+            // SAFETY: the device is live until the call down, and the application does nothing on it any more.
+            unsafe { rates.end() };
+        }
     }
 }
 

@@ -48,6 +48,15 @@ impl Candidates {
         Some(self.live.get_or_insert(target, new))
     }
 
+    /// The candidate of a target whose map is at hand.
+    pub fn with_map<M: RateMap + 'static>(&self, target: Target, map: M) -> Arc<Candidate> {
+        if let Some(known) = self.live.get(target) {
+            return known;
+        }
+        let new = Arc::new(Candidate { target, map: Box::new(map), content: Mutex::default() });
+        self.live.get_or_insert(target, new)
+    }
+
     /// Forgets what was drawn to an image that is about to be destroyed: the GPU is done with passes that draw to it.
     pub fn forget(&self, image: ImageKey) {
         drop(self.live.remove_where(|target, _| target.image == image));

@@ -106,6 +106,37 @@ pub struct NextDevice {
     pub set_device_loader_data: Option<SetDeviceLoaderData>,
 }
 
+/// Where the loader's structure in an instance's chain says which layer is next.
+///
+/// # Safety
+///
+/// As for [`advance_instance`].
+pub unsafe fn instance_link(info: *const vk::InstanceCreateInfo<'_>) -> Option<*mut *mut InstanceLink> {
+    // SAFETY: the caller vouches for `info` and its chain; a loader structure has the layout of
+    // LayerInstanceCreateInfo, its `function` says which member of the union is set.
+    unsafe {
+        structures(info.as_ref()?.p_next, vk::StructureType::LOADER_INSTANCE_CREATE_INFO)
+            .map(|found| found.cast::<LayerInstanceCreateInfo>())
+            .find(|found| (**found).function == LINK_INFO)
+            .map(|found| &raw mut (*found).payload.link)
+    }
+}
+
+/// As [`instance_link`], for a device.
+///
+/// # Safety
+///
+/// As for [`advance_instance`].
+pub unsafe fn device_link(info: *const vk::DeviceCreateInfo<'_>) -> Option<*mut *mut DeviceLink> {
+    // SAFETY: as in instance_link, with LayerDeviceCreateInfo.
+    unsafe {
+        structures(info.as_ref()?.p_next, vk::StructureType::LOADER_DEVICE_CREATE_INFO)
+            .map(|found| found.cast::<LayerDeviceCreateInfo>())
+            .find(|found| (**found).function == LINK_INFO)
+            .map(|found| &raw mut (*found).payload.link)
+    }
+}
+
 /// Finds the next layer, and moves the loader's structure on to it, so that it finds its own next layer.
 /// `None` without a link, which means that the caller is not a Vulkan loader.
 ///
@@ -114,14 +145,11 @@ pub struct NextDevice {
 /// `info` is null or points to a valid structure whose pNext chain is valid; the loader's structures in it
 /// are the loader's to be written by layers, as its interface says.
 pub unsafe fn advance_instance(info: *const vk::InstanceCreateInfo<'_>) -> Option<NextInstance> {
-    // SAFETY: the caller vouches for `info` and its chain; a loader structure has the layout of
-    // LayerInstanceCreateInfo, its `function` says which member of the union is set.
+    // SAFETY: the caller vouches for `info` and its chain.
     unsafe {
-        let layer_info = structures(info.as_ref()?.p_next, vk::StructureType::LOADER_INSTANCE_CREATE_INFO)
-            .map(|found| found.cast::<LayerInstanceCreateInfo>())
-            .find(|found| (**found).function == LINK_INFO)?;
-        let link = (*layer_info).payload.link.as_ref()?;
-        (*layer_info).payload.link = link.next;
+        let at = instance_link(info)?;
+        let link = (*at).as_ref()?;
+        *at = link.next;
         Some(NextInstance {
             get_instance_proc_addr: link.get_instance_proc_addr,
             get_physical_device_proc_addr: link.get_physical_device_proc_addr,
@@ -135,19 +163,17 @@ pub unsafe fn advance_instance(info: *const vk::InstanceCreateInfo<'_>) -> Optio
 ///
 /// As for [`advance_instance`].
 pub unsafe fn advance_device(info: *const vk::DeviceCreateInfo<'_>) -> Option<NextDevice> {
-    // SAFETY: as in advance_instance, with LayerDeviceCreateInfo.
+    // SAFETY: the caller vouches for `info` and its chain; a loader structure has the layout of
+    // LayerDeviceCreateInfo.
     unsafe {
-        let p_next = info.as_ref()?.p_next;
-        let layer_infos = || {
-            structures(p_next, vk::StructureType::LOADER_DEVICE_CREATE_INFO)
+        let set_device_loader_data =
+            structures(info.as_ref()?.p_next, vk::StructureType::LOADER_DEVICE_CREATE_INFO)
                 .map(|found| found.cast::<LayerDeviceCreateInfo>())
-        };
-        let layer_info = layer_infos().find(|found| (**found).function == LINK_INFO)?;
-        let set_device_loader_data = layer_infos()
-            .find(|found| (**found).function == LOADER_DATA_CALLBACK)
-            .and_then(|found| (*found).payload.set_device_loader_data);
-        let link = (*layer_info).payload.link.as_ref()?;
-        (*layer_info).payload.link = link.next;
+                .find(|found| (**found).function == LOADER_DATA_CALLBACK)
+                .and_then(|found| (*found).payload.set_device_loader_data);
+        let at = device_link(info)?;
+        let link = (*at).as_ref()?;
+        *at = link.next;
         Some(NextDevice {
             get_instance_proc_addr: link.get_instance_proc_addr,
             get_device_proc_addr: link.get_device_proc_addr,

@@ -1,10 +1,12 @@
 //! Devices: creation, tracking, destruction.
 
 use super::armed::Armed;
-use super::chain::{self, NextDevice, SetDeviceLoaderData};
+use super::chain::{self, NextDevice};
 use super::dispatch::{ArmedTable, DeviceTable};
 use super::dispatch_key::DispatchKey;
 use super::instance::{self, Instance};
+use super::rates::create::Enabled;
+use super::rates::{self, Copies, NoRates, Rates, room};
 use super::recording;
 use crate::abi::guard;
 use crate::link::DeviceRecord;
@@ -30,6 +32,11 @@ impl Device {
         if self.active.swap(active, Ordering::Relaxed) != active {
             tracing::info!("Vulkan device {}", if active { "active" } else { "armed again" });
         }
+    }
+
+    /// Its rate attachments; nothing where there are none.
+    pub fn rates(&self) -> Option<&Rates> {
+        self.armed.as_ref()?.rate_attachments.as_deref()
     }
 
     /// Whether an OpenXR session is bound to the device.
@@ -93,14 +100,15 @@ pub unsafe extern "system" fn create(
                 ))
             };
             let Some(create) = create else { return FAILED };
-            // SAFETY: the application's own arguments, unchanged but for the loader's structure, which is
-            // advanced.
-            let result = unsafe { create(physical_device, info, allocator, device) };
+            let will_be_armed = instance.enabled && next.set_device_loader_data.is_some();
+            let below = Below { create, instance: &instance, physical_device, info, allocator, device };
+            // SAFETY: the application's own arguments; the loader's structure is advanced.
+            let (result, enabled) = unsafe { below.create(will_be_armed) };
             if result != vk::Result::SUCCESS {
                 return result;
             }
             // SAFETY: the call succeeded, so `device` points to a live device of the next layer.
-            let Some(state) = (unsafe { track(&instance, physical_device, *device, next) }) else {
+            let Some(state) = (unsafe { track(&instance, physical_device, *device, next, enabled) }) else {
                 return FAILED;
             };
             let result = answer.record(result);
@@ -110,16 +118,78 @@ pub unsafe extern "system" fn create(
     )
 }
 
-/// The version that both the application asked for and the device has.
-///
+/// The call down to create a device.
+struct Below<'a> {
+    create: vk::PFN_vkCreateDevice,
+    instance: &'a Instance,
+    physical_device: vk::PhysicalDevice,
+    info: *const vk::DeviceCreateInfo<'a>,
+    allocator: *const vk::AllocationCallbacks<'a>,
+    device: *mut vk::Device,
+}
+
+impl Below<'_> {
+    /// Creates the device, with rate attachments where that is `wanted` and possible, or else exactly as the
+    /// application asks. Returns what it has of them.
+    ///
+    /// # Safety
+    ///
+    /// The arguments of vkCreateDevice, with which the next layer's may be called.
+    unsafe fn create(&self, wanted: bool) -> (vk::Result, Option<Enabled>) {
+        if wanted {
+            // SAFETY: the caller vouches for the arguments.
+            match unsafe { self.create_with_rates() } {
+                Ok(enabled) => {
+                    tracing::info!("rate attachments: {:?}", enabled.offer);
+                    return (vk::Result::SUCCESS, Some(enabled));
+                }
+                Err(reason) => tracing::info!("no rate attachments: {reason}"),
+            }
+        }
+        // SAFETY: as above.
+        let result = unsafe { (self.create)(self.physical_device, self.info, self.allocator, self.device) };
+        (result, None)
+    }
+
+    /// # Safety
+    ///
+    /// As for [`Self::create`].
+    unsafe fn create_with_rates(&self) -> Result<Enabled, NoRates> {
+        // SAFETY: the caller vouches for the arguments. The loader below reads its own pointers out of `device` and
+        // of its structure in the chain, which this attempt may change: a second one needs them as they were.
+        unsafe {
+            let mut room = room::<128>();
+            let mut copies = Copies::new(&mut room);
+            let Self { instance, physical_device, info, .. } = *self;
+            let version = instance.api_version.min(properties(instance, physical_device).api_version);
+            let (amended, enabled) =
+                rates::create::device(instance, physical_device, version, &*info, &mut copies)?;
+            let before = *self.device;
+            let link = chain::device_link(info).map(|at| (at, *at));
+            let result = (self.create)(physical_device, &amended, self.allocator, self.device);
+            if result == vk::Result::SUCCESS {
+                return Ok(enabled);
+            }
+            *self.device = before;
+            if let Some((at, link)) = link {
+                *at = link;
+            }
+            Err(NoRates::Refused(result))
+        }
+    }
+}
+
 /// # Safety
 ///
 /// `physical_device` is a live one of `instance`.
-unsafe fn api_version(instance: &Instance, physical_device: vk::PhysicalDevice) -> u32 {
+unsafe fn properties(
+    instance: &Instance,
+    physical_device: vk::PhysicalDevice,
+) -> vk::PhysicalDeviceProperties {
     let mut properties = vk::PhysicalDeviceProperties::default();
     // SAFETY: the next layer's function, a live physical device and a structure to write to.
     unsafe { (instance.next.physical_device_properties)(physical_device, &mut properties) };
-    instance.api_version.min(properties.api_version)
+    properties
 }
 
 /// Begins to track a device, and says in which state.
@@ -132,18 +202,29 @@ unsafe fn track(
     physical_device: vk::PhysicalDevice,
     device: vk::Device,
     next: NextDevice,
+    enabled: Option<Enabled>,
 ) -> Option<&'static str> {
     // SAFETY: the caller vouches for the handles and the pointer.
     unsafe {
         let key = DispatchKey::of(device)?;
         let table = DeviceTable::load(|name| (next.get_device_proc_addr)(device, name.as_ptr()))?;
         let set_device_loader_data = next.set_device_loader_data.filter(|_| instance.enabled);
-        let hooked = ArmedTable::load(api_version(instance, physical_device), |name| {
-            (next.get_device_proc_addr)(device, name.as_ptr())
-        });
-        let armed = set_device_loader_data.map(|callback| {
-            let record = record(instance, physical_device, device, next, callback);
-            Arc::new(Armed::new(record, hooked, None))
+        let properties = properties(instance, physical_device);
+        let api_version = instance.api_version.min(properties.api_version);
+        let is_cpu = properties.device_type == vk::PhysicalDeviceType::CPU;
+        let hooked = ArmedTable::load(api_version, |name| (next.get_device_proc_addr)(device, name.as_ptr()));
+        let armed = set_device_loader_data.map(|set_device_loader_data| {
+            let record = DeviceRecord {
+                instance: instance.handle,
+                physical_device,
+                device,
+                api_version,
+                next_get_instance_proc_addr: instance.get_instance_proc_addr,
+                next_get_device_proc_addr: next.get_device_proc_addr,
+                set_device_loader_data,
+            };
+            let rates = enabled.and_then(|enabled| Rates::on(&record, enabled, is_cpu)).map(Arc::new);
+            Arc::new(Armed::new(record, hooked, rates))
         });
         let state = match (&armed, instance.enabled) {
             (Some(_), _) => "armed",
@@ -161,30 +242,6 @@ unsafe fn track(
             }),
         );
         Some(state)
-    }
-}
-
-/// What the OpenXR half needs to work on a device.
-///
-/// # Safety
-///
-/// `physical_device` is a live one of `instance`.
-unsafe fn record(
-    instance: &Instance,
-    physical_device: vk::PhysicalDevice,
-    device: vk::Device,
-    next: NextDevice,
-    set_device_loader_data: SetDeviceLoaderData,
-) -> DeviceRecord {
-    DeviceRecord {
-        instance: instance.handle,
-        physical_device,
-        device,
-        // SAFETY: the caller vouches for the physical device.
-        api_version: unsafe { api_version(instance, physical_device) },
-        next_get_instance_proc_addr: instance.get_instance_proc_addr,
-        next_get_device_proc_addr: next.get_device_proc_addr,
-        set_device_loader_data,
     }
 }
 

@@ -4,6 +4,7 @@ use super::chain::{self, GetPhysicalDeviceProcAddr, NextInstance};
 use super::dispatch::InstanceTable;
 use super::dispatch_key::DispatchKey;
 use super::enablement::Enablement;
+use super::rates::{self, Copies, room};
 use crate::abi::guard;
 use crate::registry::Registry;
 use ash::vk;
@@ -59,9 +60,8 @@ pub unsafe extern "system" fn create(
                 ))
             };
             let Some(create) = create else { return FAILED };
-            // SAFETY: the application's own arguments, unchanged but for the loader's structure, which is
-            // advanced.
-            let result = unsafe { create(info, allocator, instance) };
+            // SAFETY: the application's own arguments; the loader's structure is advanced.
+            let result = unsafe { create_below(create, info, allocator, instance) };
             // SAFETY: where the call succeeded, `instance` points to a live instance of the next layer.
             if result == vk::Result::SUCCESS && unsafe { track(info, *instance, next) }.is_none() {
                 return FAILED;
@@ -71,6 +71,42 @@ pub unsafe extern "system" fn create(
             result
         },
     )
+}
+
+/// Creates the instance with what rate attachments need, or exactly as the application asks where that fails.
+///
+/// # Safety
+///
+/// The arguments of vkCreateInstance, with which `create` may be called.
+unsafe fn create_below(
+    create: vk::PFN_vkCreateInstance,
+    info: *const vk::InstanceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    instance: *mut vk::Instance,
+) -> vk::Result {
+    // SAFETY: the caller vouches for the arguments. The loader below reads its own pointers out of `instance` and
+    // of its structure in the chain, which the first attempt may have changed.
+    unsafe {
+        let mut room = room::<64>();
+        let mut copies = Copies::new(&mut room);
+        let version = requested_version((*info).p_application_info.as_ref());
+        let enabled = Enablement::of_process() == Enablement::Enabled;
+        if let Some(amended) =
+            enabled.then(|| rates::create::instance(&*info, version, &mut copies)).flatten()
+        {
+            let before = *instance;
+            let link = chain::instance_link(info).map(|at| (at, *at));
+            let result = create(&amended, allocator, instance);
+            if result == vk::Result::SUCCESS {
+                return result;
+            }
+            *instance = before;
+            if let Some((at, link)) = link {
+                *at = link;
+            }
+        }
+        create(info, allocator, instance)
+    }
 }
 
 /// Begins to track an instance.

@@ -16,7 +16,7 @@ pub use render_passes::RenderPass;
 pub use views::View;
 
 use super::table::Table;
-use crate::scene::{ImageDescription, ImageKey, SwapchainKey};
+use crate::scene::{ImageDescription, ImageKey, Pass, SwapchainKey, Target};
 use ash::vk;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -133,6 +133,16 @@ impl Objects {
         if is_foreign {
             self.remove_image(image);
         }
+    }
+
+    /// The first colour target of a pass, with what is known of its image, if that is live.
+    pub fn first_color(&self, pass: &Pass) -> Option<(Target, ImageDescription)> {
+        self.with_image(*pass.colors.first()?)
+    }
+
+    /// A target with what is known of its image, if that is live.
+    pub fn with_image(&self, target: Target) -> Option<(Target, ImageDescription)> {
+        Some((target, self.image_of(target.image)?.description))
     }
 
     /// What recognition needs to know of an image that is live, or was in this frame.

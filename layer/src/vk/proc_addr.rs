@@ -46,6 +46,10 @@ pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) ->
                 return known.armed.is_some().then(link_table::get_link);
             }
             let next = (known.get_device_proc_addr)(handle, name.as_ptr())?;
+            // Binding pipelines is frequent: it goes straight down unless rates may have to be set then.
+            if name == c"vkCmdBindPipeline" && !known.rates().is_some_and(|rates| rates.sets_rates_at_bind) {
+                return Some(next);
+            }
             let armed = || known.armed.as_ref().and_then(|_| known.hooked.hook(name));
             device_hook(name).or_else(armed).or(Some(next))
         },

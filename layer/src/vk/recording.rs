@@ -85,16 +85,18 @@ impl Recorded {
         self.is_conditional = false;
     }
 
-    /// A pass begins.
-    fn begin(&mut self, mut pass: Pass, candidate: Option<Arc<Candidate>>) {
-        pass.facts.is_queried |= self.is_queried();
+    /// A pass begins; nothing is known of it where its objects are not.
+    fn begin(&mut self, pass: Option<Pass>, candidate: Option<Arc<Candidate>>) {
         if let Some(candidate) = candidate
             && !self.candidates.iter().any(|known| Arc::ptr_eq(known, &candidate))
         {
             self.candidates.push(candidate);
         }
-        self.open = Some(self.events.len());
-        self.events.push(Event::Pass(pass));
+        self.open = pass.as_ref().map(|_| self.events.len());
+        if let Some(mut pass) = pass {
+            pass.facts.is_queried |= self.is_queried();
+            self.events.push(Event::Pass(pass));
+        }
     }
 
     /// The pass that is being recorded ends.

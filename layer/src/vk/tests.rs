@@ -1,6 +1,7 @@
 //! The Vulkan half above a stand-in for what is below it, called as a loader calls it.
 
 mod fake;
+mod rates;
 
 use super::chain::NegotiateLayerInterface;
 use super::{LAYER_NAME, device, negotiate, proc_addr};

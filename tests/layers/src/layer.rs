@@ -79,13 +79,18 @@ impl Instance {
             let api_version = application.map_or(0, |info| info.api_version).max(vk::API_VERSION_1_0);
             let mut names = (0..info.enabled_extension_count)
                 .map(|index| *info.pp_enabled_extension_names.add(index as usize));
+            // Validation below has the names of Vulkan 1.1 in every version, and does not want them called before.
+            let of_version = |name: &CStr| {
+                let is_later = api_version < vk::API_VERSION_1_1 && name.to_bytes().ends_with(b"2");
+                if is_later { None } else { function(name) }
+            };
             let properties2 = vk::KHR_GET_PHYSICAL_DEVICE_PROPERTIES2_NAME;
             Some(Self {
                 handle,
                 api_version,
                 properties2: api_version >= vk::API_VERSION_1_1
                     || names.any(|name| CStr::from_ptr(name) == properties2),
-                physical_device: PhysicalDeviceFunctions::load(function),
+                physical_device: PhysicalDeviceFunctions::load(of_version),
                 get_instance_proc_addr: link.get_instance_proc_addr,
                 get_physical_device_proc_addr: link.get_physical_device_proc_addr,
                 destroy: transmute::<Function, vk::PFN_vkDestroyInstance>(function(c"vkDestroyInstance")?),

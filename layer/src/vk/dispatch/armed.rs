@@ -4,6 +4,7 @@
 //! and the extension's name for it, and our hook.
 
 use crate::vk::objects::{framebuffers, images, queues, render_passes, views};
+use crate::vk::rates::{commands, pipelines, shader_objects};
 use crate::vk::recording::{buffers, passes, queries, rendering, transfers};
 use crate::vk::submit;
 use ash::vk;
@@ -98,6 +99,19 @@ armed_functions! {
         since API_VERSION_1_3, before c"vkCmdBeginRenderingKHR" => rendering::begin;
     cmd_end_rendering: PFN_vkCmdEndRendering = c"vkCmdEndRendering"
         since API_VERSION_1_3, before c"vkCmdEndRenderingKHR" => rendering::end;
+    create_shader_module: PFN_vkCreateShaderModule = c"vkCreateShaderModule" => pipelines::create_shader_module;
+    destroy_shader_module: PFN_vkDestroyShaderModule = c"vkDestroyShaderModule"
+        => pipelines::destroy_shader_module;
+    create_graphics_pipelines: PFN_vkCreateGraphicsPipelines = c"vkCreateGraphicsPipelines"
+        => pipelines::create_pipelines;
+    destroy_pipeline: PFN_vkDestroyPipeline = c"vkDestroyPipeline" => pipelines::destroy_pipeline;
+    cmd_bind_pipeline: PFN_vkCmdBindPipeline = c"vkCmdBindPipeline" => commands::bind_pipeline;
+    cmd_set_fragment_shading_rate: PFN_vkCmdSetFragmentShadingRateKHR = c"vkCmdSetFragmentShadingRateKHR"
+        => commands::set_rate;
+    create_shaders: PFN_vkCreateShadersEXT = c"vkCreateShadersEXT" => shader_objects::create;
+    destroy_shader: PFN_vkDestroyShaderEXT = c"vkDestroyShaderEXT" => shader_objects::destroy;
+    cmd_bind_shaders: PFN_vkCmdBindShadersEXT = c"vkCmdBindShadersEXT" => shader_objects::bind;
+
     cmd_clear_attachments: PFN_vkCmdClearAttachments = c"vkCmdClearAttachments" => passes::clear_attachments;
 
     cmd_begin_query: PFN_vkCmdBeginQuery = c"vkCmdBeginQuery" => queries::begin;

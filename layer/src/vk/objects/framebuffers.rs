@@ -57,10 +57,23 @@ pub unsafe extern "system" fn create(
                 let Some((known, next)) = device::with(device, |next| next.create_framebuffer) else {
                     return vk::Result::ERROR_INITIALIZATION_FAILED;
                 };
-                let result = answer.record(next(device, info, allocator, framebuffer));
-                if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                    let created = Framebuffer::created(&armed.objects, &*info);
-                    armed.objects.framebuffers.insert(*framebuffer, Arc::new(created));
+                let Some(armed) = &known.armed else {
+                    return answer.record(next(device, info, allocator, framebuffer));
+                };
+                let objects = &armed.objects;
+                let created = Framebuffer::created(objects, &*info);
+                let result = answer.record(match known.rates() {
+                    Some(rates) => {
+                        let pass = objects.render_pass((*info).render_pass);
+                        let color = pass.and_then(|pass| pass.colors.first().copied()).unwrap_or(0);
+                        let target = created.attachments.get(color as usize).copied().flatten();
+                        let target = target.and_then(|target| objects.with_image(target));
+                        rates.create_framebuffer((device, info, allocator, framebuffer), color, target, next)
+                    }
+                    None => next(device, info, allocator, framebuffer),
+                });
+                if result == vk::Result::SUCCESS {
+                    objects.framebuffers.insert(*framebuffer, Arc::new(created));
                 }
                 result
             }
@@ -85,6 +98,9 @@ pub unsafe extern "system" fn destroy(
                 };
                 if let Some(armed) = &known.armed {
                     armed.objects.framebuffers.remove(framebuffer);
+                }
+                if let Some(rates) = known.rates() {
+                    rates.forget_framebuffer(framebuffer);
                 }
                 next(device, framebuffer, allocator);
             }

@@ -82,7 +82,13 @@ pub unsafe extern "system" fn create(
                 let Some((known, next)) = device::with(device, |next| next.create_render_pass) else {
                     return vk::Result::ERROR_INITIALIZATION_FAILED;
                 };
-                let result = answer.record(next(device, info, allocator, pass));
+                let result = answer.record(match known.rates() {
+                    Some(rates) => {
+                        let next2 = known.hooked.create_render_pass2;
+                        rates.create_render_pass((device, info, allocator, pass), next, next2)
+                    }
+                    None => next(device, info, allocator, pass),
+                });
                 if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
                     armed.objects.render_passes.insert(*pass, Arc::new(RenderPass::of_version_1(&*info)));
                 }
@@ -108,7 +114,10 @@ pub unsafe extern "system" fn create2(
                 let Some((known, next)) = device::with(device, |next| next.create_render_pass2) else {
                     return vk::Result::ERROR_INITIALIZATION_FAILED;
                 };
-                let result = answer.record(next(device, info, allocator, pass));
+                let result = answer.record(match known.rates() {
+                    Some(rates) => rates.create_render_pass2((device, info, allocator, pass), next),
+                    None => next(device, info, allocator, pass),
+                });
                 if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
                     armed.objects.render_passes.insert(*pass, Arc::new(RenderPass::of_version_2(&*info)));
                 }
@@ -135,6 +144,9 @@ pub unsafe extern "system" fn destroy(
                 };
                 if let Some(armed) = &known.armed {
                     armed.objects.render_passes.remove(pass);
+                }
+                if let Some(rates) = known.rates() {
+                    rates.forget_render_pass(pass);
                 }
                 next(device, pass, allocator);
             }

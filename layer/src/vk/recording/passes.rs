@@ -1,11 +1,10 @@
 //! Render passes.
 
-use super::{Recorded, Within, with_buffer};
+use super::{Buffer, Within, with_buffer};
 use crate::abi::guard;
 use crate::scene::{Pass, Target};
-use crate::vk::armed::Armed;
 use crate::vk::chain::extension;
-use crate::vk::objects::RenderPass;
+use crate::vk::objects::{Objects, RenderPass};
 use ash::vk;
 use smallvec::SmallVec;
 use std::slice;
@@ -22,9 +21,10 @@ pub unsafe extern "system" fn begin(
         || (),
         |_| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_render_pass) else { return };
-            next(handle, info, contents);
-            if let Some(known) = known {
-                note_begin(&known.armed, &mut known.recorded(), &*info);
+            let begin = |info: *const vk::RenderPassBeginInfo<'_>| next(handle, info, contents);
+            match known {
+                Some(known) => begin_noted(&known, info, begin),
+                None => begin(info),
             }
         },
     );
@@ -42,9 +42,10 @@ pub unsafe extern "system" fn begin2(
         || (),
         |_| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_render_pass2) else { return };
-            next(handle, info, subpass);
-            if let Some(known) = known {
-                note_begin(&known.armed, &mut known.recorded(), &*info);
+            let begin = |info: *const vk::RenderPassBeginInfo<'_>| next(handle, info, subpass);
+            match known {
+                Some(known) => begin_noted(&known, info, begin),
+                None => begin(info),
             }
         },
     );
@@ -107,19 +108,44 @@ pub unsafe extern "system" fn clear_attachments(
     );
 }
 
-/// Notes that a render pass begins. One whose render pass or framebuffer is not known is left out.
+/// Begins a render pass with `begin`, with rates where it may have them, and notes it. One whose render pass or
+/// framebuffer is not known is left out.
 ///
 /// # Safety
 ///
 /// Valid usage of vkCmdBeginRenderPass.
-unsafe fn note_begin(armed: &Armed, recorded: &mut Recorded, info: &vk::RenderPassBeginInfo<'_>) {
-    let objects = &armed.objects;
-    let (Some(pass), Some(framebuffer)) =
-        (objects.render_pass(info.render_pass), objects.framebuffer(info.framebuffer))
-    else {
-        return;
+unsafe fn begin_noted(
+    buffer: &Buffer,
+    info: *const vk::RenderPassBeginInfo<'_>,
+    begin: impl FnOnce(*const vk::RenderPassBeginInfo<'_>),
+) {
+    let armed = &buffer.armed;
+    // SAFETY: the caller vouches for the structure.
+    let pass = unsafe { described(&armed.objects, &*info) };
+    let candidate = match &armed.rate_attachments {
+        Some(rates) => {
+            let target = pass.as_ref().and_then(|pass| armed.objects.first_color(pass));
+            // SAFETY: as above.
+            let image = unsafe { rates.begin_render_pass(info, target, begin) };
+            image.map(|image| armed.candidates.with_map(image.key.target, image))
+        }
+        None => {
+            begin(info);
+            pass.as_ref().and_then(|pass| armed.candidates.of(armed, pass))
+        }
     };
-    let scene = if framebuffer.is_imageless {
+    buffer.recorded().begin(pass, candidate);
+}
+
+/// What a render pass instance draws to.
+///
+/// # Safety
+///
+/// Valid usage of vkCmdBeginRenderPass.
+unsafe fn described(objects: &Objects, info: &vk::RenderPassBeginInfo<'_>) -> Option<Pass> {
+    let pass = objects.render_pass(info.render_pass)?;
+    let framebuffer = objects.framebuffer(info.framebuffer)?;
+    Some(if framebuffer.is_imageless {
         // SAFETY: the caller vouches for the chain, and for the array in it.
         let views = unsafe {
             extension::<vk::RenderPassAttachmentBeginInfo<'_>>(info.p_next).map_or(&[][..], |begin| {
@@ -134,9 +160,7 @@ unsafe fn note_begin(armed: &Armed, recorded: &mut Recorded, info: &vk::RenderPa
         instance(&pass, &targets, info.render_area)
     } else {
         instance(&pass, &framebuffer.attachments, info.render_area)
-    };
-    let candidate = armed.candidates.of(armed, &scene);
-    recorded.begin(scene, candidate);
+    })
 }
 
 /// An instance of a render pass with these attachments.

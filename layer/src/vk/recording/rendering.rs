@@ -16,12 +16,21 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
         || (),
         |_| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_rendering) else { return };
-            next(handle, info);
-            if let Some(known) = known {
-                let pass = instance(&known.armed.objects, &*info);
-                let candidate = known.armed.candidates.of(&known.armed, &pass);
-                known.recorded().begin(pass, candidate);
-            }
+            let begin = |info: *const vk::RenderingInfo<'_>| next(handle, info);
+            let Some(known) = known else { return begin(info) };
+            let armed = &known.armed;
+            let pass = instance(&armed.objects, &*info);
+            let candidate = match &armed.rate_attachments {
+                Some(rates) => {
+                    let image = rates.begin_rendering(info, armed.objects.first_color(&pass), begin);
+                    image.map(|image| armed.candidates.with_map(image.key.target, image))
+                }
+                None => {
+                    begin(info);
+                    armed.candidates.of(armed, &pass)
+                }
+            };
+            known.recorded().begin(Some(pass), candidate);
         },
     );
 }

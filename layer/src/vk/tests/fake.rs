@@ -9,6 +9,8 @@ use std::cell::RefCell;
 use std::ffi::{CStr, c_char, c_void};
 use std::ptr::{null, null_mut};
 
+pub mod rates;
+
 thread_local! {
     static CALLS: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
@@ -79,6 +81,25 @@ fn link_at(mut at: *const c_void, loader: vk::StructureType) -> *const c_void {
     null()
 }
 
+/// What a layer may do before it fails: it moves the loader's structure on, and writes to the handle.
+///
+/// # Safety
+///
+/// A chain of the tests, and a handle to write to.
+unsafe fn spoil<H: Handle>(handle: *mut H, mut at: *const c_void, loader: vk::StructureType) {
+    // SAFETY: the caller vouches for both; both loader structures have their link at the same place.
+    unsafe {
+        *handle = H::from_raw(0xbad);
+        while !at.is_null() {
+            let info = at.cast_mut().cast::<LayerInstanceCreateInfo>();
+            if (*info).s_type == loader && (*info).function == LINK_INFO {
+                (*info).payload.link = null_mut();
+            }
+            at = (*info).p_next;
+        }
+    }
+}
+
 unsafe extern "system" fn create_instance(
     info: *const vk::InstanceCreateInfo<'_>,
     _: *const vk::AllocationCallbacks<'_>,
@@ -89,6 +110,10 @@ unsafe extern "system" fn create_instance(
         let chain = (*info).p_next;
         let link = link_at(chain, vk::StructureType::LOADER_INSTANCE_CREATE_INFO);
         called(format!("vkCreateInstance chain {:?} link {link:?}", types(chain)));
+        if let Err(refused) = rates::instance_created(&*info) {
+            spoil(instance, chain, vk::StructureType::LOADER_INSTANCE_CREATE_INFO);
+            return refused;
+        }
         *instance = vk::Instance::from_raw(new_object());
     }
     vk::Result::SUCCESS
@@ -107,6 +132,10 @@ unsafe extern "system" fn create_device(
         called(format!("vkCreateDevice chain {:?} link {link:?}", types(chain)));
         if (*info).queue_create_info_count == 99 {
             return DEVICE_FAILURE;
+        }
+        if let Err(refused) = rates::device_created(&*info) {
+            spoil(device, chain, vk::StructureType::LOADER_DEVICE_CREATE_INFO);
+            return refused;
         }
         *device = vk::Device::from_raw(new_object());
     }
@@ -129,23 +158,12 @@ unsafe extern "system" fn physical_device_properties(
     unsafe { (*properties).api_version = DEVICE_VERSION };
 }
 
-unsafe extern "system" fn enumerate_device_extensions(
-    _: vk::PhysicalDevice,
-    _: *const c_char,
-    count: *mut u32,
-    _: *mut vk::ExtensionProperties,
-) -> vk::Result {
-    // SAFETY: the caller passes a count.
-    unsafe { *count = 3 };
-    vk::Result::SUCCESS
-}
-
 /// What the stand-in answers for `vkCmdDraw`, which this layer does not hook.
 pub unsafe extern "system" fn draw() {}
 
 fn function(name: &CStr) -> vk::PFN_vkVoidFunction {
     macro_rules! answer {
-        ($($known:literal: $pfn:ident = $function:ident;)*) => {
+        ($($known:literal: $pfn:ident = $function:path;)*) => {
             $(if name == $known {
                 let function: vk::$pfn = $function;
                 // SAFETY: carried as PFN_vkVoidFunction, cast back by its name.
@@ -162,10 +180,19 @@ fn function(name: &CStr) -> vk::PFN_vkVoidFunction {
         c"vkDestroyDevice": PFN_vkDestroyDevice = destroy_device;
         c"vkGetPhysicalDeviceProperties": PFN_vkGetPhysicalDeviceProperties = physical_device_properties;
         c"vkEnumerateDeviceExtensionProperties":
-            PFN_vkEnumerateDeviceExtensionProperties = enumerate_device_extensions;
+            PFN_vkEnumerateDeviceExtensionProperties = rates::enumerate_device_extensions;
+        c"vkGetPhysicalDeviceFeatures2": PFN_vkGetPhysicalDeviceFeatures2 = rates::features2;
+        c"vkGetPhysicalDeviceFeatures2KHR": PFN_vkGetPhysicalDeviceFeatures2 = rates::features2;
+        c"vkGetPhysicalDeviceProperties2KHR": PFN_vkGetPhysicalDeviceProperties2 = rates::properties2;
+        c"vkGetPhysicalDeviceProperties2": PFN_vkGetPhysicalDeviceProperties2 = rates::properties2;
+        c"vkGetPhysicalDeviceMemoryProperties":
+            PFN_vkGetPhysicalDeviceMemoryProperties = rates::memory_properties;
+        c"vkGetPhysicalDeviceFragmentShadingRatesKHR":
+            PFN_vkGetPhysicalDeviceFragmentShadingRatesKHR = rates::shading_rates;
         c"vkGetDeviceProcAddr": PFN_vkGetDeviceProcAddr = get_device_proc_addr;
     }
-    (name == c"vkCmdDraw").then_some(draw)
+    let is_there = name == c"vkCmdDraw" || rates::is_offered();
+    is_there.then_some(draw)
 }
 
 pub unsafe extern "system" fn get_instance_proc_addr(

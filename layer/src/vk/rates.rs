@@ -1,0 +1,29 @@
+//! The rate attachment: render passes and pipelines obey a map of shading rates (`VK_KHR_fragment_shading_rate`).
+//!
+//! *Attach by candidate, decide by content*: what the application creates and records is rewritten from its creation
+//! on, so that its colour passes carry a rate attachment and its pipelines obey it; which rates there are is a
+//! question of the rate images' content, and without more all of it is 1x1, which changes nothing.
+
+pub mod attach;
+pub mod commands;
+pub mod copies;
+pub mod create;
+pub mod framebuffer;
+pub mod image;
+pub mod memory;
+pub mod offer;
+pub mod pipeline;
+pub mod pipelines;
+pub mod render_pass;
+pub mod rendering;
+pub mod shader;
+pub mod shader_objects;
+
+pub use attach::Rates;
+pub use copies::{Copies, room};
+pub use offer::NoRates;
+
+use ash::vk;
+
+/// The format of rate images, which is the only one that the specification requires.
+const FORMAT: vk::Format = vk::Format::R8_UINT;

@@ -1,0 +1,208 @@
+//! Rates that are set by commands: the application's, and those of pipelines that are linked from parts.
+
+use super::pipeline::{PipelineRate, is_default};
+use crate::abi::guard;
+use crate::vk::device;
+use crate::vk::table::Table;
+use ash::vk::{self, FragmentShadingRateCombinerOpKHR as Combiner};
+
+/// A rate as vkCmdSetFragmentShadingRateKHR sets it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SetRate {
+    /// Size of a fragment, pixels.
+    pub size: vk::Extent2D,
+    /// How it is combined with the rates of primitives, and of the attachment.
+    pub combiners: [Combiner; 2],
+}
+
+/// What is set in a command buffer by the application. It need not be forgotten when recording begins anew: before
+/// it draws, the application sets its rate again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Recorded {
+    rate: Option<SetRate>,
+    every_pixel: bool,
+}
+
+/// The rates that are set in the command buffers of a device.
+pub struct SetRates {
+    recorded: Table<vk::CommandBuffer, Recorded>,
+    /// The second combiner of what obeys the attachment.
+    combiner: Combiner,
+    /// Whether the application enables rates itself, so that it sets them where it must.
+    by_application: bool,
+}
+
+impl SetRates {
+    /// Nothing is set yet.
+    pub fn new(combiner: Combiner, by_application: bool) -> Self {
+        Self { recorded: Table::default(), combiner, by_application }
+    }
+
+    /// The application sets a rate: the one to set instead.
+    pub fn set(&self, buffer: vk::CommandBuffer, rate: SetRate) -> SetRate {
+        let mut recorded = self.recorded.get(buffer).unwrap_or_default();
+        recorded.rate = Some(rate);
+        self.recorded.insert(buffer, recorded);
+        self.obeying(rate, recorded.every_pixel)
+    }
+
+    /// A graphics pipeline of this rate is bound: the rate to set then, if any.
+    pub fn bound(&self, buffer: vk::CommandBuffer, pipeline: PipelineRate) -> Option<SetRate> {
+        match pipeline {
+            PipelineRate::Fixed => None,
+            PipelineRate::AtBind(combiner) => Some(full_rate(combiner)),
+            PipelineRate::Application { every_pixel } => self.pixels_needed(buffer, every_pixel),
+        }
+    }
+
+    /// A fragment shader without a pipeline is bound: the rate to set then, if any.
+    pub fn bound_shader(&self, buffer: vk::CommandBuffer, every_pixel: bool) -> Option<SetRate> {
+        if self.by_application {
+            return self.pixels_needed(buffer, every_pixel);
+        }
+        Some(full_rate(if every_pixel { Combiner::KEEP } else { self.combiner }))
+    }
+
+    /// What is bound now must shade every pixel, or need not: the rate to set, if that changes the one that is set.
+    fn pixels_needed(&self, buffer: vk::CommandBuffer, every_pixel: bool) -> Option<SetRate> {
+        let mut recorded = self.recorded.get(buffer).unwrap_or_default();
+        if recorded.every_pixel == every_pixel {
+            return None;
+        }
+        recorded.every_pixel = every_pixel;
+        self.recorded.insert(buffer, recorded);
+        Some(self.obeying(recorded.rate?, every_pixel))
+    }
+
+    /// The rate to set where the application sets `rate`: if that is the default, the attachment is obeyed, unless
+    /// every pixel must be shaded.
+    fn obeying(&self, rate: SetRate, every_pixel: bool) -> SetRate {
+        if every_pixel || !is_default(rate.size, rate.combiners) {
+            return rate;
+        }
+        SetRate { combiners: [Combiner::KEEP, self.combiner], ..rate }
+    }
+}
+
+/// 1x1, combined so with the attachment's rate.
+const fn full_rate(combiner: Combiner) -> SetRate {
+    SetRate { size: vk::Extent2D { width: 1, height: 1 }, combiners: [Combiner::KEEP, combiner] }
+}
+
+/// `vkCmdSetFragmentShadingRateKHR`.
+pub unsafe extern "system" fn set_rate(
+    buffer: vk::CommandBuffer,
+    size: *const vk::Extent2D,
+    combiners: *const [Combiner; 2],
+) {
+    guard(
+        "vkCmdSetFragmentShadingRateKHR",
+        || (),
+        |_| {
+            // SAFETY: the application's own arguments, which are valid.
+            unsafe {
+                let Some((known, next)) = device::with(buffer, |next| next.cmd_set_fragment_shading_rate)
+                else {
+                    return;
+                };
+                let Some(rates) = known.rates() else {
+                    return next(buffer, size, combiners);
+                };
+                let rate = rates.set_rates.set(buffer, SetRate { size: *size, combiners: *combiners });
+                next(buffer, &rate.size, &rate.combiners);
+            }
+        },
+    );
+}
+
+/// `vkCmdBindPipeline`, hooked only where the rate of a pipeline may have to be set.
+pub unsafe extern "system" fn bind_pipeline(
+    buffer: vk::CommandBuffer,
+    point: vk::PipelineBindPoint,
+    pipeline: vk::Pipeline,
+) {
+    guard(
+        "vkCmdBindPipeline",
+        || (),
+        |_| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(buffer, |next| next.cmd_bind_pipeline) else { return };
+                next(buffer, point, pipeline);
+                if let (Some(rates), vk::PipelineBindPoint::GRAPHICS) = (known.rates(), point)
+                    && let Some(pipeline) = rates.pipeline_rate(pipeline)
+                    && let Some(rate) = rates.set_rates.bound(buffer, pipeline)
+                    && let Some(set) = known.hooked.cmd_set_fragment_shading_rate
+                {
+                    set(buffer, &rate.size, &rate.combiners);
+                }
+            }
+        },
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ash::vk::Handle;
+
+    const OBEYS: SetRate = full_rate(Combiner::MAX);
+    const KEEPS: SetRate = full_rate(Combiner::KEEP);
+
+    fn buffer(number: u64) -> vk::CommandBuffer {
+        vk::CommandBuffer::from_raw(number)
+    }
+
+    fn by_application() -> SetRates {
+        SetRates::new(Combiner::MAX, true)
+    }
+
+    #[test]
+    fn the_default_obeys_and_an_applications_own_rate_stays() {
+        let rates = by_application();
+        assert_eq!(rates.set(buffer(1), KEEPS), OBEYS);
+        let coarse = SetRate { size: vk::Extent2D { width: 2, height: 1 }, ..KEEPS };
+        let replaced = SetRate { combiners: [Combiner::KEEP, Combiner::REPLACE], ..KEEPS };
+        for own in [coarse, replaced] {
+            assert_eq!(rates.set(buffer(1), own), own);
+        }
+    }
+
+    /// Whatever comes first, the rate or the pipeline, in each of two command buffers.
+    #[test]
+    fn where_every_pixel_counts_the_default_stays() {
+        let rates = by_application();
+        let (careful, other) = (
+            PipelineRate::Application { every_pixel: true },
+            PipelineRate::Application { every_pixel: false },
+        );
+        assert_eq!(rates.bound(buffer(1), careful), None, "nothing is set that could be changed");
+        assert_eq!(rates.set(buffer(1), KEEPS), KEEPS);
+        assert_eq!(rates.set(buffer(2), KEEPS), OBEYS);
+        assert_eq!(rates.bound(buffer(1), other), Some(OBEYS));
+        assert_eq!(rates.bound(buffer(1), other), None);
+        assert_eq!(rates.bound(buffer(1), careful), Some(KEEPS));
+        assert_eq!(rates.bound(buffer(2), other), None);
+    }
+
+    #[test]
+    fn linked_pipelines_are_set_each_time() {
+        let rates = SetRates::new(Combiner::MAX, false);
+        assert_eq!(rates.bound(buffer(1), PipelineRate::Fixed), None);
+        for _ in 0..2 {
+            assert_eq!(rates.bound(buffer(1), PipelineRate::AtBind(Combiner::MAX)), Some(OBEYS));
+        }
+        assert_eq!(rates.bound(buffer(1), PipelineRate::AtBind(Combiner::KEEP)), Some(KEEPS));
+    }
+
+    #[test]
+    fn shader_objects_are_set_where_the_application_does_not() {
+        let rates = SetRates::new(Combiner::REPLACE, false);
+        assert_eq!(rates.bound_shader(buffer(1), false), Some(full_rate(Combiner::REPLACE)));
+        assert_eq!(rates.bound_shader(buffer(1), true), Some(KEEPS));
+        let rates = by_application();
+        assert_eq!(rates.bound_shader(buffer(1), false), None);
+        assert_eq!(rates.set(buffer(1), KEEPS), OBEYS);
+        assert_eq!(rates.bound_shader(buffer(1), true), Some(KEEPS));
+    }
+}

@@ -1,0 +1,181 @@
+//! The creation of instances and devices, with what rate attachments need added.
+
+use super::copies::{Copies, find, slice};
+use super::offer::{NoRates, Offer, Questions, extensions_of};
+use crate::vk::instance::Instance;
+use ash::vk;
+use std::ffi::CStr;
+
+/// The creation of an instance, with `VK_KHR_get_physical_device_properties2` added where the application asked for a
+/// version without it. `None` where it is there already.
+///
+/// # Safety
+///
+/// `info` is valid (valid usage of vkCreateInstance). The result points to memory of `info` and of `copies`.
+pub unsafe fn instance<'c>(
+    info: &vk::InstanceCreateInfo<'c>,
+    api_version: u32,
+    copies: &mut Copies<'_>,
+) -> Option<vk::InstanceCreateInfo<'c>> {
+    let name = vk::KHR_GET_PHYSICAL_DEVICE_PROPERTIES2_NAME;
+    // SAFETY: the caller vouches for the names.
+    let names = unsafe { Names::new(info.pp_enabled_extension_names, info.enabled_extension_count) };
+    if api_version >= vk::API_VERSION_1_1 || names.has(name) {
+        return None;
+    }
+    let (first, count) = names.with(&[name], copies);
+    Some(vk::InstanceCreateInfo {
+        pp_enabled_extension_names: first,
+        enabled_extension_count: count,
+        ..*info
+    })
+}
+
+/// What a device has once it is created.
+#[derive(Clone, Debug)]
+pub struct Enabled {
+    /// What its rate attachments can do.
+    pub offer: Offer,
+    /// Families of its queues, each once.
+    pub families: Vec<u32>,
+    /// Whether `VK_KHR_image_format_list` is there.
+    pub has_format_lists: bool,
+    /// Whether the application enables the extension itself.
+    pub application_sets_rates: bool,
+    /// Whether pipelines may be linked from parts.
+    pub links_pipelines: bool,
+}
+
+/// The creation of a device, with the extension, those that it depends on, and its features added.
+///
+/// Features that the application chains itself are amended, also where it enables them for its own rates: a pass or
+/// a pipeline of its own is told apart later.
+///
+/// # Errors
+///
+/// The reason why the device gets no rate attachments.
+///
+/// # Safety
+///
+/// The physical device is a live one of the instance; `info` and its chain are valid, outlive `copies`, and nobody
+/// else uses them meanwhile. The result points to memory of `info` and of `copies`.
+pub unsafe fn device<'c>(
+    instance: &Instance,
+    physical_device: vk::PhysicalDevice,
+    api_version: u32,
+    info: &vk::DeviceCreateInfo<'c>,
+    copies: &mut Copies<'_>,
+) -> Result<(vk::DeviceCreateInfo<'c>, Enabled), NoRates> {
+    // SAFETY: the caller vouches for all of it.
+    unsafe {
+        if let Some(other) = excluding(info) {
+            return Err(NoRates::Excluded(other));
+        }
+        let names = Names::new(info.pp_enabled_extension_names, info.enabled_extension_count);
+        let missing = NEEDED.iter().filter(|(name, built_in)| api_version < *built_in && !names.has(name));
+        let needed: Vec<&'static CStr> = missing.map(|(name, _)| *name).collect();
+        let offered = extensions_of(instance, physical_device);
+        let is_offered =
+            |name: &CStr| offered.iter().any(|other| other.extension_name_as_c_str() == Ok(name));
+        if let Some(missing) = needed.iter().find(|name| !is_offered(name)) {
+            return Err(NoRates::Extension(missing));
+        }
+        let offer = Questions::new(instance)?.ask(physical_device)?;
+        let (first, count) = names.with(&needed, copies);
+        let has_format_lists =
+            api_version >= vk::API_VERSION_1_2 || names.has(vk::KHR_IMAGE_FORMAT_LIST_NAME);
+        let libraries = find::<vk::PhysicalDeviceGraphicsPipelineLibraryFeaturesEXT<'_>>(info.p_next);
+        let links_pipelines =
+            libraries.is_some_and(|features| features.graphics_pipeline_library == vk::TRUE);
+        let application_sets_rates = names.has(vk::KHR_FRAGMENT_SHADING_RATE_NAME);
+        let mut families: Vec<u32> = slice(info.p_queue_create_infos, info.queue_create_info_count)
+            .iter()
+            .map(|queues| queues.queue_family_index)
+            .collect();
+        families.sort_unstable();
+        families.dedup();
+        let p_next = with_features(info.p_next, copies);
+        let amended = vk::DeviceCreateInfo {
+            p_next,
+            pp_enabled_extension_names: first,
+            enabled_extension_count: count,
+            ..*info
+        };
+        Ok((amended, Enabled { offer, families, has_format_lists, application_sets_rates, links_pipelines }))
+    }
+}
+
+/// The extension, and those that it depends on, each with the first version of Vulkan that has it built in.
+const NEEDED: [(&CStr, u32); 4] = [
+    (vk::KHR_FRAGMENT_SHADING_RATE_NAME, u32::MAX),
+    (vk::KHR_CREATE_RENDERPASS2_NAME, vk::API_VERSION_1_2),
+    (vk::KHR_MULTIVIEW_NAME, vk::API_VERSION_1_1),
+    (vk::KHR_MAINTENANCE2_NAME, vk::API_VERSION_1_1),
+];
+
+/// A technique that the application enables, and which the specification excludes together with ours
+/// (VUID-VkDeviceCreateInfo-shadingRateImage-04478 to fragmentDensityMap-04483).
+///
+/// # Safety
+///
+/// The chain is valid.
+unsafe fn excluding(info: &vk::DeviceCreateInfo<'_>) -> Option<&'static str> {
+    // SAFETY: the caller vouches for the chain.
+    unsafe {
+        let density = find::<vk::PhysicalDeviceFragmentDensityMapFeaturesEXT<'_>>(info.p_next);
+        let image = find::<vk::PhysicalDeviceShadingRateImageFeaturesNV<'_>>(info.p_next);
+        if density.is_some_and(|features| features.fragment_density_map == vk::TRUE) {
+            Some("fragmentDensityMap")
+        } else if image.is_some_and(|features| features.shading_rate_image == vk::TRUE) {
+            Some("shadingRateImage")
+        } else {
+            None
+        }
+    }
+}
+
+/// The chain with both features on: in the application's structure, where there is one, else in one of ours.
+///
+/// # Safety
+///
+/// The chain is valid and outlives `copies`.
+unsafe fn with_features(p_next: *const std::ffi::c_void, copies: &mut Copies<'_>) -> *const std::ffi::c_void {
+    type Features<'a> = vk::PhysicalDeviceFragmentShadingRateFeaturesKHR<'a>;
+    let enable = |features: &mut Features<'_>| {
+        features.pipeline_fragment_shading_rate = vk::TRUE;
+        features.attachment_fragment_shading_rate = vk::TRUE;
+    };
+    // SAFETY: the caller vouches for the chain.
+    unsafe {
+        if find::<Features<'_>>(p_next).is_some() {
+            return copies.amend::<Features<'_>>(p_next, enable);
+        }
+    }
+    let mut own = Features { p_next: p_next.cast_mut(), ..Default::default() };
+    enable(&mut own);
+    copies.one(own).cast_const().cast()
+}
+
+/// The names of extensions that an application enables.
+struct Names<'c>(&'c [*const std::ffi::c_char]);
+
+impl<'c> Names<'c> {
+    /// # Safety
+    ///
+    /// So many valid names, which live for `'c`.
+    unsafe fn new(first: *const *const std::ffi::c_char, count: u32) -> Self {
+        // SAFETY: the caller vouches for it.
+        Self(unsafe { slice(first, count) })
+    }
+
+    fn has(&self, name: &CStr) -> bool {
+        // SAFETY: `new` was promised that the names are valid.
+        self.0.iter().any(|&other| unsafe { CStr::from_ptr(other) } == name)
+    }
+
+    /// These and `more`, which must live as long as `copies`, as an array and its length.
+    fn with(&self, more: &[&CStr], copies: &mut Copies<'_>) -> (*const *const std::ffi::c_char, u32) {
+        let all: Vec<_> = self.0.iter().copied().chain(more.iter().map(|name| name.as_ptr())).collect();
+        (copies.many(all.iter().copied()).cast_const(), all.len() as u32)
+    }
+}

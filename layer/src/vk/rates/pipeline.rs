@@ -1,0 +1,317 @@
+//! Graphics pipelines: each may be used with a rate attachment, and obeys it unless it must shade every pixel.
+
+use super::copies::{Copies, find, slice};
+use super::offer::Offer;
+use super::shader::Effects;
+use ash::vk::{self, GraphicsPipelineLibraryFlagsEXT as Parts};
+
+/// What a pipeline's rate is, after what was added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PipelineRate {
+    /// In the pipeline itself, or in what it is linked from.
+    Fixed,
+    /// To be set when the pipeline is bound, to 1x1 with this second combiner: the parts of a linked pipeline must have
+    /// the same rate, and the one that knows the fragment shader is not the only one that has a rate.
+    AtBind(vk::FragmentShadingRateCombinerOpKHR),
+    /// The application sets it by a command. Whether the pipeline must shade every pixel.
+    Application {
+        /// Whether it must.
+        every_pixel: bool,
+    },
+}
+
+/// The parts that have a rate.
+const SHADING: Parts =
+    Parts::from_raw(Parts::PRE_RASTERIZATION_SHADERS.as_raw() | Parts::FRAGMENT_SHADER.as_raw());
+
+/// The pipeline with what it takes to obey rate attachments, and what its rate is.
+///
+/// `effects` says what the fragment shader of a stage does, `linked` what the rate of a library is.
+///
+/// # Safety
+///
+/// `info` and its chain are valid (valid usage of vkCreateGraphicsPipelines) and outlive `copies`, and nobody else uses
+/// the chain meanwhile. The result points to memory of both.
+pub unsafe fn with_rates<'c>(
+    info: &vk::GraphicsPipelineCreateInfo<'c>,
+    offer: &Offer,
+    effects: impl Fn(&vk::PipelineShaderStageCreateInfo<'_>) -> Effects,
+    linked: impl Fn(vk::Pipeline) -> Option<PipelineRate>,
+    copies: &mut Copies<'_>,
+) -> (vk::GraphicsPipelineCreateInfo<'c>, PipelineRate) {
+    // SAFETY: the caller vouches for the structure and its chain.
+    unsafe {
+        let (flags, p_next) = with_flag(info, copies);
+        let mut amended = vk::GraphicsPipelineCreateInfo { flags, p_next, ..*info };
+        let own = own_parts(info);
+        let inherited = libraries(info).iter().filter_map(|&library| linked(library)).reduce(more_careful);
+        if !own.intersects(SHADING) {
+            return (amended, inherited.unwrap_or(PipelineRate::Fixed));
+        }
+        let every_pixel =
+            own.contains(Parts::FRAGMENT_SHADER) && must_shade_every_pixel(info, own, offer, effects);
+        if sets_rates(info) {
+            return (amended, merged(inherited, PipelineRate::Application { every_pixel }));
+        }
+        if has_own_rate(info) || is_discarded(info, own) {
+            return (amended, merged(inherited, PipelineRate::Fixed));
+        }
+        let combiner =
+            if every_pixel { vk::FragmentShadingRateCombinerOpKHR::KEEP } else { offer.combiner() };
+        if own.contains(SHADING) {
+            if !every_pixel {
+                amended.p_next = with_combiner(amended.p_next, combiner, copies);
+            }
+            return (amended, PipelineRate::Fixed);
+        }
+        amended.p_dynamic_state = with_dynamic_rate(info, copies);
+        (amended, merged(inherited, PipelineRate::AtBind(combiner)))
+    }
+}
+
+fn merged(inherited: Option<PipelineRate>, own: PipelineRate) -> PipelineRate {
+    inherited.map_or(own, |inherited| more_careful(inherited, own))
+}
+
+/// Of two parts' rates, that of the whole: KEEP wins over other combiners, and what is set over what is fixed.
+fn more_careful(some: PipelineRate, other: PipelineRate) -> PipelineRate {
+    use PipelineRate::{Application, AtBind, Fixed};
+    match (some, other) {
+        (Application { every_pixel: a }, Application { every_pixel: b }) => {
+            Application { every_pixel: a || b }
+        }
+        (Application { every_pixel }, AtBind(combiner)) | (AtBind(combiner), Application { every_pixel }) => {
+            let keeps = combiner == vk::FragmentShadingRateCombinerOpKHR::KEEP;
+            Application { every_pixel: every_pixel || keeps }
+        }
+        (AtBind(a), AtBind(b)) => AtBind(if a == vk::FragmentShadingRateCombinerOpKHR::KEEP { a } else { b }),
+        (Fixed, set) | (set, Fixed) => set,
+    }
+}
+
+/// The flags and the chain with `VK_PIPELINE_CREATE_RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_BIT_KHR`: where
+/// `VkPipelineCreateFlags2CreateInfo` is chained, it is what counts.
+///
+/// # Safety
+///
+/// As for [`with_rates`].
+unsafe fn with_flag(
+    info: &vk::GraphicsPipelineCreateInfo<'_>,
+    copies: &mut Copies<'_>,
+) -> (vk::PipelineCreateFlags, *const std::ffi::c_void) {
+    type Flags2<'a> = vk::PipelineCreateFlags2CreateInfoKHR<'a>;
+    let flag = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
+    // SAFETY: the caller vouches for the chain.
+    unsafe {
+        if find::<Flags2<'_>>(info.p_next).is_some() {
+            let wide = vk::PipelineCreateFlags2KHR::from_raw(flag.as_raw().into());
+            return (info.flags, copies.amend::<Flags2<'_>>(info.p_next, |flags| flags.flags |= wide));
+        }
+    }
+    (info.flags | flag, info.p_next)
+}
+
+/// The chain with a rate of 1x1 that the attachment's is combined with.
+///
+/// # Safety
+///
+/// As for [`with_rates`].
+unsafe fn with_combiner(
+    p_next: *const std::ffi::c_void,
+    combiner: vk::FragmentShadingRateCombinerOpKHR,
+    copies: &mut Copies<'_>,
+) -> *const std::ffi::c_void {
+    type Rate<'a> = vk::PipelineFragmentShadingRateStateCreateInfoKHR<'a>;
+    // SAFETY: the caller vouches for the chain.
+    unsafe {
+        if find::<Rate<'_>>(p_next).is_some() {
+            return copies.amend::<Rate<'_>>(p_next, |rate| rate.combiner_ops[1] = combiner);
+        }
+        let rate = Rate {
+            p_next,
+            fragment_size: vk::Extent2D { width: 1, height: 1 },
+            combiner_ops: [vk::FragmentShadingRateCombinerOpKHR::KEEP, combiner],
+            ..Default::default()
+        };
+        copies.one(rate).cast_const().cast()
+    }
+}
+
+/// The dynamic state with the rate added.
+///
+/// # Safety
+///
+/// As for [`with_rates`].
+unsafe fn with_dynamic_rate<'c>(
+    info: &vk::GraphicsPipelineCreateInfo<'c>,
+    copies: &mut Copies<'_>,
+) -> *const vk::PipelineDynamicStateCreateInfo<'c> {
+    // SAFETY: the caller vouches for the structure.
+    unsafe {
+        let was = info.p_dynamic_state.as_ref().copied().unwrap_or_default();
+        let states = slice(was.p_dynamic_states, was.dynamic_state_count).iter().copied();
+        let all: Vec<_> = states.chain([vk::DynamicState::FRAGMENT_SHADING_RATE_KHR]).collect();
+        let amended = vk::PipelineDynamicStateCreateInfo {
+            dynamic_state_count: all.len() as u32,
+            p_dynamic_states: copies.many(all.iter().copied()),
+            ..was
+        };
+        copies.one(amended)
+    }
+}
+
+/// # Safety
+///
+/// The structure's chain is valid.
+unsafe fn libraries<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [vk::Pipeline] {
+    // SAFETY: the caller vouches for it.
+    unsafe {
+        find::<vk::PipelineLibraryCreateInfoKHR<'_>>(info.p_next)
+            .map_or(&[], |libraries| slice(libraries.p_libraries, libraries.library_count))
+    }
+}
+
+/// The parts that the structure itself has: pointers to the state of others may be anything.
+///
+/// # Safety
+///
+/// The structure's chain is valid.
+unsafe fn own_parts(info: &vk::GraphicsPipelineCreateInfo<'_>) -> Parts {
+    // SAFETY: the caller vouches for it.
+    unsafe {
+        if let Some(library) = find::<vk::GraphicsPipelineLibraryCreateInfoEXT<'_>>(info.p_next) {
+            library.flags
+        } else if libraries(info).is_empty() {
+            SHADING | Parts::VERTEX_INPUT_INTERFACE | Parts::FRAGMENT_OUTPUT_INTERFACE
+        } else {
+            Parts::empty()
+        }
+    }
+}
+
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn dynamic_states<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [vk::DynamicState] {
+    // SAFETY: the caller vouches for it.
+    unsafe {
+        info.p_dynamic_state
+            .as_ref()
+            .map_or(&[], |state| slice(state.p_dynamic_states, state.dynamic_state_count))
+    }
+}
+
+/// Whether the application sets the pipeline's rate by a command.
+///
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn sets_rates(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+    // SAFETY: the caller vouches for it.
+    unsafe { dynamic_states(info) }.contains(&vk::DynamicState::FRAGMENT_SHADING_RATE_KHR)
+}
+
+/// Whether the application gives the pipeline a rate that is not the default, 1x1 without attachment.
+///
+/// # Safety
+///
+/// The structure's chain is valid.
+unsafe fn has_own_rate(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
+    // SAFETY: the caller vouches for it.
+    unsafe {
+        let rate = find::<vk::PipelineFragmentShadingRateStateCreateInfoKHR<'_>>(info.p_next);
+        rate.is_some_and(|rate| !is_default(rate.fragment_size, rate.combiner_ops))
+            || find::<vk::PipelineFragmentShadingRateEnumStateCreateInfoNV<'_>>(info.p_next).is_some()
+    }
+}
+
+/// Whether a rate is what a pipeline has that says nothing of it.
+pub fn is_default(size: vk::Extent2D, combiners: [vk::FragmentShadingRateCombinerOpKHR; 2]) -> bool {
+    (size.width, size.height) == (1, 1) && combiners == [vk::FragmentShadingRateCombinerOpKHR::KEEP; 2]
+}
+
+/// Whether nothing is rasterised, so that much of the state is ignored, and may be anything.
+///
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn is_discarded(info: &vk::GraphicsPipelineCreateInfo<'_>, own: Parts) -> bool {
+    // SAFETY: the caller vouches for it: the rasterisation state is of the pre-rasterisation part.
+    unsafe {
+        own.contains(Parts::PRE_RASTERIZATION_SHADERS)
+            && !dynamic_states(info).contains(&vk::DynamicState::RASTERIZER_DISCARD_ENABLE)
+            && info
+                .p_rasterization_state
+                .as_ref()
+                .is_some_and(|state| state.rasterizer_discard_enable == vk::TRUE)
+    }
+}
+
+/// Whether a pipeline with these parts of its own must not be coarser than 1x1: its fragment shader has effects that
+/// count for each pixel, or the device does not shade coarsely with what it does.
+///
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn must_shade_every_pixel(
+    info: &vk::GraphicsPipelineCreateInfo<'_>,
+    own: Parts,
+    offer: &Offer,
+    effects: impl Fn(&vk::PipelineShaderStageCreateInfo<'_>) -> Effects,
+) -> bool {
+    let limits = &offer.limits;
+    // SAFETY: the caller vouches for the structure, which has a fragment shader part. Without rasterisation the
+    // multisample state is ignored.
+    unsafe {
+        if is_discarded(info, own) {
+            return false;
+        }
+        let fragment = slice(info.p_stages, info.stage_count)
+            .iter()
+            .find(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
+        if fragment.map_or(Effects::default(), effects).need_every_pixel(limits) {
+            return true;
+        }
+        let multisample = info.p_multisample_state.as_ref();
+        multisample.is_some_and(|state| is_too_fine(state, limits))
+            || (own.contains(Parts::PRE_RASTERIZATION_SHADERS)
+                && !limits.conservative_rasterization
+                && info.p_rasterization_state.as_ref().is_some_and(|state| is_conservative(state)))
+    }
+}
+
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn is_too_fine(
+    state: &vk::PipelineMultisampleStateCreateInfo<'_>,
+    limits: &super::offer::Limits,
+) -> bool {
+    let samples = state.rasterization_samples.as_raw();
+    // SAFETY: the caller vouches for the structure; a mask has a bit for each sample, in words of 32.
+    unsafe {
+        let mask = slice(state.p_sample_mask, samples.div_ceil(32));
+        let all = if samples >= 32 { u32::MAX } else { (1 << samples) - 1 };
+        let locations = find::<vk::PipelineSampleLocationsStateCreateInfoEXT<'_>>(state.p_next);
+        state.sample_shading_enable == vk::TRUE
+            || state.rasterization_samples > limits.samples
+            || (!limits.sample_mask && mask.iter().any(|word| word & all != all))
+            || (!limits.custom_sample_locations
+                && locations.is_some_and(|locations| locations.sample_locations_enable == vk::TRUE))
+    }
+}
+
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn is_conservative(state: &vk::PipelineRasterizationStateCreateInfo<'_>) -> bool {
+    // SAFETY: the caller vouches for it.
+    let chained =
+        unsafe { find::<vk::PipelineRasterizationConservativeStateCreateInfoEXT<'_>>(state.p_next) };
+    chained.is_some_and(|state| {
+        state.conservative_rasterization_mode != vk::ConservativeRasterizationModeEXT::DISABLED
+    })
+}
+
+#[cfg(test)]
+mod tests;

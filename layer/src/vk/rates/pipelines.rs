@@ -1,0 +1,211 @@
+//! The creation of shader modules and graphics pipelines.
+
+use super::attach::Rates;
+use super::copies::{Copies, find, room, slice};
+use super::pipeline::{PipelineRate, with_rates};
+use super::shader::{Effects, FragmentShaders};
+use crate::abi::guard;
+use crate::vk::device;
+use ash::vk;
+use std::ffi::CStr;
+use std::sync::Arc;
+
+const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
+
+impl Rates {
+    /// A shader module was created.
+    ///
+    /// # Safety
+    ///
+    /// `info` is valid (valid usage of vkCreateShaderModule).
+    pub unsafe fn add_shader_module(&self, module: vk::ShaderModule, info: &vk::ShaderModuleCreateInfo<'_>) {
+        // SAFETY: the caller vouches for the code.
+        if let Some(shaders) = unsafe { read(info) } {
+            self.shaders.insert(module, Arc::new(shaders));
+        }
+    }
+
+    /// A shader module is about to be destroyed.
+    pub fn forget_shader_module(&self, module: vk::ShaderModule) {
+        self.shaders.remove(module);
+    }
+
+    /// A pipeline is about to be destroyed.
+    pub fn forget_pipeline(&self, pipeline: vk::Pipeline) {
+        self.pipelines.remove(pipeline);
+    }
+
+    /// What is to be set when a pipeline is bound, or what the application sets for it; nothing where its rate is its
+    /// own.
+    pub fn pipeline_rate(&self, pipeline: vk::Pipeline) -> Option<PipelineRate> {
+        self.pipelines.get(pipeline)
+    }
+
+    /// `vkCreateGraphicsPipelines`: with what it takes to obey rate attachments.
+    ///
+    /// # Safety
+    ///
+    /// The arguments of the call; the function is that of the device's next layer.
+    #[allow(clippy::too_many_arguments, reason = "those of the call")]
+    pub unsafe fn create_pipelines(
+        &self,
+        device: vk::Device,
+        cache: vk::PipelineCache,
+        count: u32,
+        infos: *const vk::GraphicsPipelineCreateInfo<'_>,
+        allocator: *const vk::AllocationCallbacks<'_>,
+        made: *mut vk::Pipeline,
+        next: vk::PFN_vkCreateGraphicsPipelines,
+    ) -> vk::Result {
+        // SAFETY: the caller vouches for the arguments; handles are written also where some are null.
+        unsafe {
+            let mut room = room::<128>();
+            let mut copies = Copies::new(&mut room);
+            let (amended, rates): (Vec<_>, Vec<_>) = slice(infos, count)
+                .iter()
+                .map(|info| {
+                    with_rates(
+                        info,
+                        &self.offer,
+                        |stage| self.effects(stage),
+                        |library| self.pipelines.get(library),
+                        &mut copies,
+                    )
+                })
+                .unzip();
+            let result = next(device, cache, count, amended.as_ptr(), allocator, made);
+            if result.as_raw() >= 0 || result == vk::Result::ERROR_OUT_OF_DEVICE_MEMORY {
+                for (&pipeline, rate) in slice(made.cast_const(), count).iter().zip(rates) {
+                    if pipeline != vk::Pipeline::null() && rate != PipelineRate::Fixed {
+                        self.pipelines.insert(pipeline, rate);
+                    }
+                }
+            }
+            result
+        }
+    }
+
+    /// What the fragment shader of a stage does; nothing is known where its code is not at hand.
+    ///
+    /// # Safety
+    ///
+    /// The stage and its chain are valid.
+    unsafe fn effects(&self, stage: &vk::PipelineShaderStageCreateInfo<'_>) -> Effects {
+        // SAFETY: the caller vouches for the name and the chain.
+        unsafe {
+            let Ok(name) = CStr::from_ptr(stage.p_name).to_str() else { return Effects::UNKNOWN };
+            if let Some(shaders) = self.shaders.get(stage.module) {
+                return shaders.effects(name);
+            }
+            let code = find::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next);
+            code.and_then(|code| read(code)).map_or(Effects::UNKNOWN, |shaders| shaders.effects(name))
+        }
+    }
+}
+
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn read(info: &vk::ShaderModuleCreateInfo<'_>) -> Option<FragmentShaders> {
+    // SAFETY: the caller vouches for the code, of `code_size` bytes.
+    FragmentShaders::read(unsafe { slice(info.p_code, (info.code_size / size_of::<u32>()) as u32) })
+}
+
+/// `vkCreateShaderModule`.
+pub unsafe extern "system" fn create_shader_module(
+    device: vk::Device,
+    info: *const vk::ShaderModuleCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    module: *mut vk::ShaderModule,
+) -> vk::Result {
+    guard(
+        "vkCreateShaderModule",
+        || FAILED,
+        |answer| {
+            // SAFETY: the application's own arguments; on success `info` and `module` are valid.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.create_shader_module) else {
+                    return FAILED;
+                };
+                let result = answer.record(next(device, info, allocator, module));
+                if let (vk::Result::SUCCESS, Some(rates)) = (result, known.rates()) {
+                    rates.add_shader_module(*module, &*info);
+                }
+                result
+            }
+        },
+    )
+}
+
+/// `vkDestroyShaderModule`.
+pub unsafe extern "system" fn destroy_shader_module(
+    device: vk::Device,
+    module: vk::ShaderModule,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    guard(
+        "vkDestroyShaderModule",
+        || (),
+        |_| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.destroy_shader_module) else {
+                    return;
+                };
+                if let Some(rates) = known.rates() {
+                    rates.forget_shader_module(module);
+                }
+                next(device, module, allocator);
+            }
+        },
+    );
+}
+
+/// `vkCreateGraphicsPipelines`.
+pub unsafe extern "system" fn create_pipelines(
+    device: vk::Device,
+    cache: vk::PipelineCache,
+    count: u32,
+    infos: *const vk::GraphicsPipelineCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    made: *mut vk::Pipeline,
+) -> vk::Result {
+    guard(
+        "vkCreateGraphicsPipelines",
+        || FAILED,
+        |answer| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.create_graphics_pipelines) else {
+                    return FAILED;
+                };
+                answer.record(match known.rates() {
+                    Some(rates) => rates.create_pipelines(device, cache, count, infos, allocator, made, next),
+                    None => next(device, cache, count, infos, allocator, made),
+                })
+            }
+        },
+    )
+}
+
+/// `vkDestroyPipeline`.
+pub unsafe extern "system" fn destroy_pipeline(
+    device: vk::Device,
+    pipeline: vk::Pipeline,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    guard(
+        "vkDestroyPipeline",
+        || (),
+        |_| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.destroy_pipeline) else { return };
+                if let Some(rates) = known.rates() {
+                    rates.forget_pipeline(pipeline);
+                }
+                next(device, pipeline, allocator);
+            }
+        },
+    );
+}

@@ -1,0 +1,156 @@
+//! Render passes: each subpass that draws colour gets the rate attachment.
+
+mod version1;
+
+pub use version1::convert;
+
+use super::copies::{Copies, find, slice};
+use super::offer::Offer;
+use ash::vk;
+
+/// What was added to a render pass, and to each that is compatible with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AddedRates {
+    /// Index of the rate attachment, which is the last.
+    pub attachment: u32,
+    /// Layers that a layered rate attachment needs for the views of multiview; 0 without multiview.
+    pub views: u32,
+}
+
+/// Why a render pass is left alone. Each is a property that compatible render passes share, so that pipelines and
+/// framebuffers, which are made for one and used with another, go on fitting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LeftAlone {
+    /// No subpass draws colour.
+    #[error("it draws no colour")]
+    NoColour,
+    /// It has a rate attachment of the application's.
+    #[error("it has shading rates of its own")]
+    OwnRates,
+    /// A structure that we do not know how to convert.
+    #[error("it has a structure of type {0:?} that is not known here")]
+    Unknown(vk::StructureType),
+}
+
+/// The render pass with a rate attachment added, which is loaded, and in the layout for rates throughout.
+///
+/// # Errors
+///
+/// Why it is left alone.
+///
+/// # Safety
+///
+/// `info` is valid (valid usage of vkCreateRenderPass2). The result points to memory of `info` and of `copies`.
+pub unsafe fn with_rates<'c>(
+    info: &vk::RenderPassCreateInfo2<'c>,
+    offer: &Offer,
+    copies: &mut Copies<'_>,
+) -> Result<(vk::RenderPassCreateInfo2<'c>, AddedRates), LeftAlone> {
+    // SAFETY: the caller vouches for the structure and what it points to.
+    unsafe {
+        let attachments = slice(info.p_attachments, info.attachment_count);
+        let subpasses = slice(info.p_subpasses, info.subpass_count);
+        if subpasses.iter().any(|subpass| has_own_rates(subpass)) {
+            return Err(LeftAlone::OwnRates);
+        }
+        if !subpasses.iter().any(|subpass| draws_colour(subpass)) {
+            return Err(LeftAlone::NoColour);
+        }
+        let index = info.attachment_count;
+        let reference = copies.one(
+            vk::AttachmentReference2::default()
+                .attachment(index)
+                .layout(vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR),
+        );
+        let attached: Vec<_> =
+            subpasses.iter().map(|subpass| attach(subpass, reference, offer, copies)).collect();
+        let all: Vec<_> = attachments.iter().copied().chain([rate_attachment()]).collect();
+        let views = subpasses.iter().fold(0, |all, subpass| all | subpass.view_mask);
+        let amended = vk::RenderPassCreateInfo2 {
+            attachment_count: index + 1,
+            p_attachments: copies.many(all.iter().copied()),
+            p_subpasses: copies.many(attached.iter().copied()),
+            ..*info
+        };
+        Ok((amended, AddedRates { attachment: index, views: u32::BITS - views.leading_zeros() }))
+    }
+}
+
+/// The rate attachment: never written by a render pass, so that it is loaded and kept.
+fn rate_attachment() -> vk::AttachmentDescription2<'static> {
+    let layout = vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR;
+    vk::AttachmentDescription2::default()
+        .format(super::FORMAT)
+        .samples(vk::SampleCountFlags::TYPE_1)
+        .load_op(vk::AttachmentLoadOp::LOAD)
+        .store_op(vk::AttachmentStoreOp::STORE)
+        .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
+        .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
+        .initial_layout(layout)
+        .final_layout(layout)
+}
+
+/// A subpass that draws colour with the rate attachment; another one preserves its content.
+///
+/// # Safety
+///
+/// The subpass is valid.
+unsafe fn attach<'c>(
+    subpass: &vk::SubpassDescription2<'c>,
+    reference: *const vk::AttachmentReference2<'c>,
+    offer: &Offer,
+    copies: &mut Copies<'_>,
+) -> vk::SubpassDescription2<'c> {
+    type Rates<'a> = vk::FragmentShadingRateAttachmentInfoKHR<'a>;
+    let mut attached = *subpass;
+    // SAFETY: the caller vouches for the subpass; the reference is a copy like the rest.
+    unsafe {
+        if !draws_colour(subpass) {
+            let preserved = slice(subpass.p_preserve_attachments, subpass.preserve_attachment_count);
+            let all: Vec<u32> = preserved.iter().copied().chain([(*reference).attachment]).collect();
+            attached.p_preserve_attachments = copies.many(all.iter().copied());
+            attached.preserve_attachment_count = all.len() as u32;
+            return attached;
+        }
+        let fill = |rates: &mut Rates<'_>| {
+            rates.p_fragment_shading_rate_attachment = reference.cast();
+            rates.shading_rate_attachment_texel_size = offer.texel_size();
+        };
+        attached.p_next = if find::<Rates<'_>>(subpass.p_next).is_some() {
+            copies.amend::<Rates<'_>>(subpass.p_next, fill)
+        } else {
+            let mut rates = Rates { p_next: subpass.p_next, ..Default::default() };
+            fill(&mut rates);
+            copies.one(rates).cast_const().cast()
+        };
+    }
+    attached
+}
+
+/// Whether a subpass has a rate attachment of the application's.
+///
+/// # Safety
+///
+/// The subpass is valid.
+unsafe fn has_own_rates(subpass: &vk::SubpassDescription2<'_>) -> bool {
+    // SAFETY: the caller vouches for it.
+    unsafe {
+        find::<vk::FragmentShadingRateAttachmentInfoKHR<'_>>(subpass.p_next)
+            .and_then(|rates| rates.p_fragment_shading_rate_attachment.as_ref())
+            .is_some_and(|reference| reference.attachment != vk::ATTACHMENT_UNUSED)
+    }
+}
+
+/// Whether a subpass has a colour attachment.
+///
+/// # Safety
+///
+/// The subpass is valid.
+unsafe fn draws_colour(subpass: &vk::SubpassDescription2<'_>) -> bool {
+    // SAFETY: the caller vouches for it.
+    let colours = unsafe { slice(subpass.p_color_attachments, subpass.color_attachment_count) };
+    colours.iter().any(|colour| colour.attachment != vk::ATTACHMENT_UNUSED)
+}
+
+#[cfg(test)]
+mod tests;

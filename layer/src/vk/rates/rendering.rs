@@ -1,0 +1,69 @@
+//! Dynamic rendering: colour passes get a rate attachment where they begin.
+
+use super::copies::{Copies, find, slice};
+use super::offer::Offer;
+use super::render_pass::LeftAlone;
+use ash::vk;
+
+type Rates<'a> = vk::RenderingFragmentShadingRateAttachmentInfoKHR<'a>;
+
+/// Whether a pass may get rates of ours: it draws colour, and has no rate attachment of the application's. A structure
+/// without a view is none (vkd3d-proton chains one in every pass).
+///
+/// # Errors
+///
+/// Why it is left alone.
+///
+/// # Safety
+///
+/// `info` is valid (valid usage of vkCmdBeginRendering).
+pub unsafe fn wants_rates(info: &vk::RenderingInfo<'_>) -> Result<(), LeftAlone> {
+    // SAFETY: the caller vouches for it.
+    unsafe {
+        let own = find::<Rates<'_>>(info.p_next);
+        let density = find::<vk::RenderingFragmentDensityMapAttachmentInfoEXT<'_>>(info.p_next);
+        if own.is_some_and(|own| own.image_view != vk::ImageView::null())
+            || density.is_some_and(|density| density.image_view != vk::ImageView::null())
+        {
+            return Err(LeftAlone::OwnRates);
+        }
+        let colours = slice(info.p_color_attachments, info.color_attachment_count);
+        if colours.iter().all(|colour| colour.image_view == vk::ImageView::null()) {
+            return Err(LeftAlone::NoColour);
+        }
+    }
+    Ok(())
+}
+
+/// The pass with a view of a rate image attached.
+///
+/// # Safety
+///
+/// `info` and its chain are valid and outlive `copies`, and nobody else uses the chain meanwhile. The result points to
+/// memory of both.
+pub unsafe fn with_view<'c>(
+    info: &vk::RenderingInfo<'c>,
+    view: vk::ImageView,
+    offer: &Offer,
+    copies: &mut Copies<'_>,
+) -> vk::RenderingInfo<'c> {
+    let fill = |rates: &mut Rates<'_>| {
+        rates.image_view = view;
+        rates.image_layout = vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR;
+        rates.shading_rate_attachment_texel_size = offer.texel_size();
+    };
+    // SAFETY: the caller vouches for the chain.
+    let p_next = unsafe {
+        if find::<Rates<'_>>(info.p_next).is_some() {
+            copies.amend::<Rates<'_>>(info.p_next, fill)
+        } else {
+            let mut rates = Rates { p_next: info.p_next, ..Default::default() };
+            fill(&mut rates);
+            copies.one(rates).cast_const().cast()
+        }
+    };
+    vk::RenderingInfo { p_next, ..*info }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,343 @@
+//! What fragment shaders do that shading rates must not change, read from their SPIR-V.
+//!
+//! A shader that stores to memory, counts, or writes identifiers runs once for each pixel in the application's mind;
+//! once for each block it would leave holes. Numbers are those of the SPIR-V specification, section 3.
+
+use super::offer::Limits;
+use smallvec::SmallVec;
+use std::collections::HashMap;
+
+/// What a fragment shader does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effects {
+    /// It stores to buffers or images, or uses atomics.
+    pub stores: bool,
+    /// It orders invocations of a pixel (`SPV_EXT_fragment_shader_interlock`).
+    pub interlocks: bool,
+    /// It runs for each sample (SampleId, SamplePosition, inputs interpolated at samples).
+    pub per_sample: bool,
+    /// It writes integers to a colour attachment.
+    pub writes_integers: bool,
+    /// It writes depth or stencil.
+    pub writes_depth_stencil: bool,
+    /// It reads or writes the sample mask.
+    pub uses_sample_mask: bool,
+}
+
+impl Effects {
+    /// Of a shader that could not be read.
+    pub const UNKNOWN: Self = Self {
+        stores: true,
+        interlocks: true,
+        per_sample: true,
+        writes_integers: true,
+        writes_depth_stencil: true,
+        uses_sample_mask: true,
+    };
+}
+
+impl Effects {
+    /// Whether a shader must not be coarser than 1x1: what it does counts for each pixel, or the device does not shade
+    /// coarsely with it.
+    pub fn need_every_pixel(&self, limits: &Limits) -> bool {
+        self.stores
+            || self.interlocks
+            || self.per_sample
+            || self.writes_integers
+            || (self.writes_depth_stencil && !limits.depth_stencil_writes)
+            || (self.uses_sample_mask && !limits.shader_sample_mask)
+    }
+}
+
+/// The fragment shaders of a module, by their entry points' names.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FragmentShaders(SmallVec<[(Box<str>, Effects); 1]>);
+
+impl FragmentShaders {
+    /// Reads a module; `None` where it is not one that is understood.
+    pub fn read(words: &[u32]) -> Option<Self> {
+        let module = Module::read(words)?;
+        let shaders = module.entry_points.iter().map(|entry| (entry.name.clone(), module.effects(entry)));
+        Some(Self(shaders.collect()))
+    }
+
+    /// What the fragment shader of that name does; nothing is known where there is none.
+    pub fn effects(&self, name: &str) -> Effects {
+        let found = self.0.iter().find(|(known, _)| **known == *name);
+        found.map_or(Effects::UNKNOWN, |(_, effects)| *effects)
+    }
+}
+
+const MAGIC: u32 = 0x0723_0203;
+const HEADER: usize = 5;
+
+mod op {
+    pub const ENTRY_POINT: u32 = 15;
+    pub const EXECUTION_MODE: u32 = 16;
+    pub const TYPE_INT: u32 = 21;
+    pub const TYPE_VECTOR: u32 = 23;
+    pub const TYPE_ARRAY: u32 = 28;
+    pub const TYPE_POINTER: u32 = 32;
+    pub const FUNCTION: u32 = 54;
+    pub const FUNCTION_PARAMETER: u32 = 55;
+    pub const FUNCTION_END: u32 = 56;
+    pub const FUNCTION_CALL: u32 = 57;
+    pub const VARIABLE: u32 = 59;
+    pub const IMAGE_TEXEL_POINTER: u32 = 60;
+    pub const LOAD: u32 = 61;
+    pub const STORE: u32 = 62;
+    pub const COPY_MEMORY: u32 = 63;
+    pub const COPY_MEMORY_SIZED: u32 = 64;
+    pub const ACCESS_CHAIN: u32 = 65;
+    pub const IN_BOUNDS_ACCESS_CHAIN: u32 = 66;
+    pub const PTR_ACCESS_CHAIN: u32 = 67;
+    pub const IN_BOUNDS_PTR_ACCESS_CHAIN: u32 = 70;
+    pub const DECORATE: u32 = 71;
+    pub const MEMBER_DECORATE: u32 = 72;
+    pub const COPY_OBJECT: u32 = 83;
+    pub const IMAGE_WRITE: u32 = 99;
+    pub const CONVERT_U_TO_PTR: u32 = 120;
+    pub const BITCAST: u32 = 124;
+    pub const SELECT: u32 = 169;
+    pub const ATOMIC_STORE: u32 = 228;
+    pub const ATOMIC_EXCHANGE: u32 = 229;
+    pub const ATOMIC_XOR: u32 = 242;
+    pub const PHI: u32 = 245;
+    pub const ATOMIC_FLAG_TEST_AND_SET: u32 = 318;
+    pub const ATOMIC_FLAG_CLEAR: u32 = 319;
+    pub const BEGIN_INTERLOCK: u32 = 5364;
+    pub const ATOMIC_F_MIN: u32 = 5614;
+    pub const ATOMIC_F_MAX: u32 = 5615;
+    pub const ATOMIC_F_ADD: u32 = 6035;
+}
+
+const MODEL_FRAGMENT: u32 = 4;
+const DECORATION_SAMPLE: u32 = 17;
+const DECORATION_BUILT_IN: u32 = 11;
+const BUILT_IN_SAMPLE_ID: u32 = 18;
+const BUILT_IN_SAMPLE_POSITION: u32 = 19;
+const BUILT_IN_SAMPLE_MASK: u32 = 20;
+const MODE_DEPTH_REPLACING: u32 = 12;
+const MODE_STENCIL_REF_REPLACING: u32 = 5027;
+/// PixelInterlockOrderedEXT to ShadingRateInterlockUnorderedEXT.
+const MODES_INTERLOCK: std::ops::RangeInclusive<u32> = 5366..=5371;
+const CLASS_INPUT: u32 = 1;
+const CLASS_OUTPUT: u32 = 3;
+const CLASS_PRIVATE: u32 = 6;
+const CLASS_FUNCTION: u32 = 7;
+
+struct EntryPoint {
+    name: Box<str>,
+    function: u32,
+    interface: Vec<u32>,
+    modes: Vec<u32>,
+}
+
+/// What a function does by itself, and whom it calls.
+#[derive(Default)]
+struct Function {
+    stores: bool,
+    interlocks: bool,
+    calls: Vec<u32>,
+}
+
+/// What is kept of a type.
+#[derive(Clone, Copy)]
+enum Type {
+    Integer,
+    /// A vector or an array of elements of a type.
+    Elements(u32),
+    /// A pointer: storage class, and the type that it points to.
+    Pointer(u32, u32),
+}
+
+#[derive(Default)]
+struct Module {
+    entry_points: Vec<EntryPoint>,
+    functions: HashMap<u32, Function>,
+    types: HashMap<u32, Type>,
+    /// The types of results that may be pointers.
+    results: HashMap<u32, u32>,
+    built_ins: HashMap<u32, u32>,
+    per_sample: Vec<u32>,
+    /// Whether a member of a block is interpolated at samples.
+    has_per_sample_members: bool,
+}
+
+impl Module {
+    fn read(words: &[u32]) -> Option<Self> {
+        if words.first() != Some(&MAGIC) {
+            return None;
+        }
+        let mut module = Self::default();
+        let mut function = None;
+        let mut rest = words.get(HEADER..)?;
+        while let Some(&first) = rest.first() {
+            let (length, op) = ((first >> 16) as usize, first & 0xffff);
+            if length == 0 {
+                return None;
+            }
+            module.instruction(op, rest.get(1..length)?, &mut function)?;
+            rest = &rest[length..];
+        }
+        Some(module)
+    }
+
+    /// Takes an instruction's operands; `None` where there are too few.
+    fn instruction(&mut self, op: u32, operands: &[u32], function: &mut Option<u32>) -> Option<()> {
+        let operand = |index: usize| operands.get(index).copied();
+        match op {
+            op::ENTRY_POINT if operand(0)? == MODEL_FRAGMENT => {
+                let (name, words) = text(operands.get(2..)?)?;
+                let interface = operands.get(2 + words..)?.to_vec();
+                self.entry_points.push(EntryPoint {
+                    name,
+                    function: operand(1)?,
+                    interface,
+                    modes: Vec::new(),
+                });
+            }
+            op::EXECUTION_MODE => {
+                let (target, mode) = (operand(0)?, operand(1)?);
+                for entry in self.entry_points.iter_mut().filter(|entry| entry.function == target) {
+                    entry.modes.push(mode);
+                }
+            }
+            op::DECORATE if operand(1)? == DECORATION_BUILT_IN => {
+                self.built_ins.insert(operand(0)?, operand(2)?);
+            }
+            op::DECORATE if operand(1)? == DECORATION_SAMPLE => self.per_sample.push(operand(0)?),
+            op::MEMBER_DECORATE if operand(2)? == DECORATION_SAMPLE => self.has_per_sample_members = true,
+            op::TYPE_INT => drop(self.types.insert(operand(0)?, Type::Integer)),
+            op::TYPE_VECTOR | op::TYPE_ARRAY => {
+                self.types.insert(operand(0)?, Type::Elements(operand(1)?));
+            }
+            op::TYPE_POINTER => {
+                self.types.insert(operand(0)?, Type::Pointer(operand(1)?, operand(2)?));
+            }
+            op::FUNCTION => {
+                *function = Some(operand(1)?);
+                self.functions.insert(operand(1)?, Function::default());
+            }
+            op::FUNCTION_END => *function = None,
+            _ => self.in_function(op, operands, *function)?,
+        }
+        Some(())
+    }
+
+    fn in_function(&mut self, op: u32, operands: &[u32], function: Option<u32>) -> Option<()> {
+        let operand = |index: usize| operands.get(index).copied();
+        if makes_pointers(op) {
+            self.results.insert(operand(1)?, operand(0)?);
+        }
+        let stores = match op {
+            op::STORE | op::COPY_MEMORY | op::COPY_MEMORY_SIZED => self.is_memory(operand(0)?),
+            op::IMAGE_WRITE | op::ATOMIC_STORE | op::ATOMIC_FLAG_TEST_AND_SET | op::ATOMIC_FLAG_CLEAR => true,
+            op::ATOMIC_F_MIN | op::ATOMIC_F_MAX | op::ATOMIC_F_ADD => true,
+            op::ATOMIC_EXCHANGE..=op::ATOMIC_XOR => true,
+            _ => false,
+        };
+        if let Some(function) = function.and_then(|function| self.functions.get_mut(&function)) {
+            function.stores |= stores;
+            function.interlocks |= op == op::BEGIN_INTERLOCK;
+            if op == op::FUNCTION_CALL {
+                function.calls.push(operand(2)?);
+            }
+        }
+        Some(())
+    }
+
+    /// Whether a pointer is to memory that others see. One that is not understood is.
+    fn is_memory(&self, pointer: u32) -> bool {
+        let pointer_type = self.results.get(&pointer).and_then(|result| self.types.get(result));
+        match pointer_type {
+            Some(&Type::Pointer(class, _)) => ![CLASS_OUTPUT, CLASS_PRIVATE, CLASS_FUNCTION].contains(&class),
+            _ => true,
+        }
+    }
+
+    fn effects(&self, entry: &EntryPoint) -> Effects {
+        let has_mode = |mode: u32| entry.modes.contains(&mode);
+        let reached = self.reached(entry.function);
+        let variables = || entry.interface.iter().filter_map(|&id| Some((id, self.pointer(id)?)));
+        let built_in = |wanted: u32| entry.interface.iter().any(|id| self.built_ins.get(id) == Some(&wanted));
+        Effects {
+            stores: reached.iter().any(|function| function.stores),
+            interlocks: entry.modes.iter().any(|mode| MODES_INTERLOCK.contains(mode))
+                || reached.iter().any(|function| function.interlocks),
+            per_sample: built_in(BUILT_IN_SAMPLE_ID)
+                || built_in(BUILT_IN_SAMPLE_POSITION)
+                || self.has_per_sample_members
+                || variables().any(|(id, (class, _))| class == CLASS_INPUT && self.per_sample.contains(&id)),
+            writes_integers: variables().any(|(id, (class, pointee))| {
+                class == CLASS_OUTPUT && !self.built_ins.contains_key(&id) && self.is_integer(pointee)
+            }),
+            writes_depth_stencil: has_mode(MODE_DEPTH_REPLACING) || has_mode(MODE_STENCIL_REF_REPLACING),
+            uses_sample_mask: built_in(BUILT_IN_SAMPLE_MASK),
+        }
+    }
+
+    /// A variable's storage class and type.
+    fn pointer(&self, variable: u32) -> Option<(u32, u32)> {
+        match self.types.get(self.results.get(&variable)?)? {
+            &Type::Pointer(class, pointee) => Some((class, pointee)),
+            _ => None,
+        }
+    }
+
+    /// Whether a type is integers, or vectors or arrays of them.
+    fn is_integer(&self, of: u32) -> bool {
+        const DEEPEST: usize = 8;
+        let elements = |&at: &u32| match self.types.get(&at) {
+            Some(&Type::Elements(of)) => Some(of),
+            _ => None,
+        };
+        let innermost = std::iter::successors(Some(of), elements).take(DEEPEST).last();
+        innermost.is_some_and(|at| matches!(self.types.get(&at), Some(Type::Integer)))
+    }
+
+    /// The functions that are called from one, and itself.
+    fn reached(&self, from: u32) -> Vec<&Function> {
+        let mut ids = vec![from];
+        let mut next = 0;
+        while let Some(id) = ids.get(next) {
+            next += 1;
+            let calls = self.functions.get(id).map_or(&[][..], |function| &function.calls);
+            let new: Vec<u32> = calls.iter().copied().filter(|call| !ids.contains(call)).collect();
+            ids.extend(new);
+        }
+        ids.iter().filter_map(|id| self.functions.get(id)).collect()
+    }
+}
+
+/// Whether an instruction has a result that may be a pointer; its operands are type and result first.
+fn makes_pointers(op: u32) -> bool {
+    matches!(
+        op,
+        op::FUNCTION_PARAMETER
+            | op::FUNCTION_CALL
+            | op::VARIABLE
+            | op::IMAGE_TEXEL_POINTER
+            | op::LOAD
+            | op::ACCESS_CHAIN
+            | op::IN_BOUNDS_ACCESS_CHAIN
+            | op::PTR_ACCESS_CHAIN
+            | op::IN_BOUNDS_PTR_ACCESS_CHAIN
+            | op::COPY_OBJECT
+            | op::CONVERT_U_TO_PTR
+            | op::BITCAST
+            | op::SELECT
+            | op::PHI
+    )
+}
+
+/// A string, and how many words it takes.
+fn text(words: &[u32]) -> Option<(Box<str>, usize)> {
+    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+    let length = bytes.iter().position(|&byte| byte == 0)?;
+    let text = std::str::from_utf8(&bytes[..length]).ok()?;
+    Some((text.into(), length / 4 + 1))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,182 @@
+//! Shader objects: they may be used with a rate attachment, and their rate is set when they are bound.
+//!
+//! Without pipelines a rate must be set by a command before each draw (VUID-vkCmdDraw-None-09238), which an application
+//! that enables no rates does not do. Binding a pipeline in between unbinds the shaders, so that setting it with each
+//! fragment shader is enough.
+
+use super::attach::Rates;
+use super::commands::SetRate;
+use super::copies::slice;
+use super::shader::{Effects, FragmentShaders};
+use crate::abi::guard;
+use crate::vk::device;
+use ash::vk;
+use std::ffi::CStr;
+
+const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
+
+impl Rates {
+    /// # Safety
+    ///
+    /// The arguments of vkCreateShadersEXT; the function is that of the device's next layer.
+    unsafe fn create_shaders(
+        &self,
+        device: vk::Device,
+        count: u32,
+        infos: *const vk::ShaderCreateInfoEXT<'_>,
+        allocator: *const vk::AllocationCallbacks<'_>,
+        made: *mut vk::ShaderEXT,
+        next: vk::PFN_vkCreateShadersEXT,
+    ) -> vk::Result {
+        // SAFETY: the caller vouches for the arguments; what could not be made is null.
+        unsafe {
+            let infos = slice(infos, count);
+            let amended: Vec<_> = infos.iter().map(flagged).collect();
+            let result = next(device, count, amended.as_ptr(), allocator, made);
+            for (info, &shader) in infos.iter().zip(slice(made.cast_const(), count)) {
+                if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {
+                    let every_pixel = effects(info).need_every_pixel(&self.offer.limits);
+                    self.shader_objects.insert(shader, every_pixel);
+                }
+            }
+            result
+        }
+    }
+
+    /// The rate to set when shaders are bound; nothing without a fragment shader among them.
+    ///
+    /// # Safety
+    ///
+    /// The arguments of vkCmdBindShadersEXT.
+    unsafe fn shaders_bound(
+        &self,
+        buffer: vk::CommandBuffer,
+        count: u32,
+        stages: *const vk::ShaderStageFlags,
+        shaders: *const vk::ShaderEXT,
+    ) -> Option<SetRate> {
+        // SAFETY: the caller vouches for the arrays; without shaders all stages are unbound.
+        let (stages, shaders) = unsafe { (slice(stages, count), slice(shaders, count)) };
+        let index = stages.iter().position(|&stage| stage == vk::ShaderStageFlags::FRAGMENT)?;
+        let shader = shaders.get(index).copied().unwrap_or_default();
+        self.set_rates.bound_shader(buffer, self.shader_objects.get(shader).unwrap_or(false))
+    }
+}
+
+/// A fragment shader with the flag that it may be used with a rate attachment.
+fn flagged<'c>(info: &vk::ShaderCreateInfoEXT<'c>) -> vk::ShaderCreateInfoEXT<'c> {
+    let mut flagged = *info;
+    if info.stage == vk::ShaderStageFlags::FRAGMENT {
+        flagged.flags |= vk::ShaderCreateFlagsEXT::FRAGMENT_SHADING_RATE_ATTACHMENT;
+    }
+    flagged
+}
+
+/// What a fragment shader does; nothing is known of a binary.
+///
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn effects(info: &vk::ShaderCreateInfoEXT<'_>) -> Effects {
+    if info.code_type != vk::ShaderCodeTypeEXT::SPIRV {
+        return Effects::UNKNOWN;
+    }
+    // SAFETY: the caller vouches for the code, which is SPIR-V of `code_size` bytes, and the name.
+    unsafe {
+        let words = slice(info.p_code.cast::<u32>(), (info.code_size / size_of::<u32>()) as u32);
+        let name = CStr::from_ptr(info.p_name).to_str();
+        let shaders = FragmentShaders::read(words).zip(name.ok());
+        shaders.map_or(Effects::UNKNOWN, |(shaders, name)| shaders.effects(name))
+    }
+}
+
+/// `vkCreateShadersEXT`.
+pub unsafe extern "system" fn create(
+    device: vk::Device,
+    count: u32,
+    infos: *const vk::ShaderCreateInfoEXT<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    made: *mut vk::ShaderEXT,
+) -> vk::Result {
+    guard(
+        "vkCreateShadersEXT",
+        || FAILED,
+        |answer| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.create_shaders) else {
+                    return FAILED;
+                };
+                answer.record(match known.rates() {
+                    Some(rates) => rates.create_shaders(device, count, infos, allocator, made, next),
+                    None => next(device, count, infos, allocator, made),
+                })
+            }
+        },
+    )
+}
+
+/// `vkDestroyShaderEXT`.
+pub unsafe extern "system" fn destroy(
+    device: vk::Device,
+    shader: vk::ShaderEXT,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    guard(
+        "vkDestroyShaderEXT",
+        || (),
+        |_| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.destroy_shader) else { return };
+                if let Some(rates) = known.rates() {
+                    rates.shader_objects.remove(shader);
+                }
+                next(device, shader, allocator);
+            }
+        },
+    );
+}
+
+/// `vkCmdBindShadersEXT`.
+pub unsafe extern "system" fn bind(
+    buffer: vk::CommandBuffer,
+    count: u32,
+    stages: *const vk::ShaderStageFlags,
+    shaders: *const vk::ShaderEXT,
+) {
+    guard(
+        "vkCmdBindShadersEXT",
+        || (),
+        |_| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(buffer, |next| next.cmd_bind_shaders) else { return };
+                next(buffer, count, stages, shaders);
+                if let Some(rates) = known.rates()
+                    && let Some(rate) = rates.shaders_bound(buffer, count, stages, shaders)
+                    && let Some(set) = known.hooked.cmd_set_fragment_shading_rate
+                {
+                    set(buffer, &rate.size, &rate.combiners);
+                }
+            }
+        },
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_fragment_shaders_get_the_flag() {
+        let flag = vk::ShaderCreateFlagsEXT::FRAGMENT_SHADING_RATE_ATTACHMENT;
+        let linked = vk::ShaderCreateFlagsEXT::LINK_STAGE;
+        for (stage, flags) in
+            [(vk::ShaderStageFlags::FRAGMENT, linked | flag), (vk::ShaderStageFlags::VERTEX, linked)]
+        {
+            let info = vk::ShaderCreateInfoEXT::default().stage(stage).flags(linked);
+            assert_eq!(flagged(&info).flags, flags);
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! The creation of instances and devices with rate attachments.
+
+use super::fake::{self, rates};
+use super::*;
+use crate::link::BACKEND_RATE_ATTACHMENT;
+
+/// What a device had enabled: its extensions, and its rate features.
+struct Created {
+    extensions: Vec<String>,
+    features: [u32; 3],
+    offers: bool,
+}
+
+fn created(version: u32, chain: *const c_void, refused: bool) -> Created {
+    rates::offer(true, refused);
+    let instance = new_instance(Some(version));
+    let device = create_device(instance, fake::device_chain(chain, true).0, 1).unwrap();
+    // SAFETY: the device is live.
+    let armed = unsafe { device::of(device) }.and_then(|device| device.armed.clone()).unwrap();
+    let offers = armed.offer().backend == BACKEND_RATE_ATTACHMENT;
+    let created = Created { extensions: rates::enabled(), features: rates::features(), offers };
+    destroy_device(device);
+    destroy_instance(instance);
+    rates::offer(false, false);
+    created
+}
+
+#[test]
+fn the_extension_its_dependencies_and_its_features_are_added() {
+    let needed = [
+        "VK_KHR_fragment_shading_rate",
+        "VK_KHR_create_renderpass2",
+        "VK_KHR_multiview",
+        "VK_KHR_maintenance2",
+    ];
+    for (version, count) in [(vk::API_VERSION_1_0, 4), (vk::API_VERSION_1_1, 2), (vk::API_VERSION_1_2, 1)] {
+        let created = created(version, null(), false);
+        assert_eq!(created.extensions, needed[..count]);
+        assert_eq!(created.features, [1, 0, 1]);
+        assert!(created.offers);
+    }
+}
+
+#[test]
+fn an_instance_of_1_0_gets_the_questions_that_later_versions_have() {
+    let enabled = |version| {
+        destroy_instance(new_instance(version));
+        rates::enabled()
+    };
+    assert_eq!(enabled(None), ["VK_KHR_get_physical_device_properties2"]);
+    assert_eq!(enabled(Some(vk::API_VERSION_1_0)), ["VK_KHR_get_physical_device_properties2"]);
+    assert_eq!(enabled(Some(vk::API_VERSION_1_1)), [""; 0]);
+}
+
+#[test]
+fn an_applications_own_features_are_amended_and_stay_its_own() {
+    let mut own =
+        vk::PhysicalDeviceFragmentShadingRateFeaturesKHR::default().primitive_fragment_shading_rate(true);
+    let own = &raw mut own;
+    // Behind structures that this layer does not know, which are the usual case at the creation of a device.
+    let created = created(vk::API_VERSION_1_2, unknown(1_000_000_000, own.cast()), false);
+    assert_eq!(created.features, [1, 1, 1]);
+    // SAFETY: it lives, and nobody else uses it.
+    let own = unsafe { *own };
+    assert_eq!((own.pipeline_fragment_shading_rate, own.attachment_fragment_shading_rate), (0, 0));
+}
+
+#[test]
+fn what_the_specification_excludes_is_not_enabled_together() {
+    let density = vk::PhysicalDeviceFragmentDensityMapFeaturesEXT::default().fragment_density_map(true);
+    let image = vk::PhysicalDeviceShadingRateImageFeaturesNV::default().shading_rate_image(true);
+    for chain in [(&raw const density).cast(), (&raw const image).cast()] {
+        let created = created(vk::API_VERSION_1_2, chain, false);
+        assert_eq!(created.extensions, [""; 0]);
+        assert!(!created.offers);
+    }
+    let off = vk::PhysicalDeviceFragmentDensityMapFeaturesEXT::default();
+    assert!(created(vk::API_VERSION_1_2, (&raw const off).cast(), false).offers, "asked for, not enabled");
+}
+
+#[test]
+fn where_it_is_refused_creation_is_as_the_application_asks() {
+    fake::calls();
+    let created = created(vk::API_VERSION_1_0, null(), true);
+    assert_eq!(created.extensions, [""; 0]);
+    assert_eq!(created.features, [0; 3]);
+    assert!(!created.offers);
+    let calls = fake::calls();
+    let links: Vec<&str> = calls.iter().filter_map(|call| call.split("link ").nth(1)).collect();
+    assert_eq!(links.len(), 4, "each is tried twice: {calls:?}");
+    assert!(
+        links[0] == links[1] && links[2] == links[3],
+        "with the link that the next layer needs: {calls:?}"
+    );
+}
+
+#[test]
+fn a_device_without_the_extension_is_created_as_the_application_asks() {
+    let instance = new_instance(Some(vk::API_VERSION_1_2));
+    let device = new_device(instance);
+    assert_eq!(rates::enabled(), [""; 0]);
+    assert_eq!(rates::features(), [0; 3]);
+    destroy_device(device);
+    destroy_instance(instance);
+}
+
+#[test]
+fn a_device_that_stays_inert_is_created_as_the_application_asks() {
+    rates::offer(true, false);
+    let instance = new_instance(Some(vk::API_VERSION_1_2));
+    let device = create_device(instance, fake::device_chain(null(), false).0, 1).unwrap();
+    assert_eq!(rates::enabled(), [""; 0]);
+    destroy_device(device);
+    destroy_instance(instance);
+    rates::offer(false, false);
+}
