@@ -84,6 +84,9 @@ unsafe fn prepare(
 ) {
     // What the runtime submits, or we do, is none of the application's frame.
     let is_followed = is_active && !runtime_section::in_runtime_section();
+    if !is_followed && armed.backend.is_none() {
+        return;
+    }
     let mut touched = Outdated::new();
     for buffer in buffers.filter_map(recording::buffer) {
         let recorded = buffer.recorded();

@@ -1,0 +1,91 @@
+//! Every style with the layer on: the passes that the layer noted are those that the style says it has, and from frame 4 on
+//! each is taken for what it is.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use parafovea_tests::run::{Application, Run};
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_zoo::{Eyes, PassTruth, SKIPPED, STYLES, Style};
+use serde::Deserialize;
+use std::process::ExitCode;
+
+const FRAMES: u64 = 8;
+const SIZE: u32 = 64;
+
+/// From this frame on the passes are known; nothing is taken for the scene before that is not.
+const KNOWN_FROM: u64 = 4;
+
+/// A line of the file that `PARAFOVEA_PASSES_FILE` names.
+#[derive(Deserialize, Debug)]
+struct Noted {
+    frame: u64,
+    extent: [u32; 2],
+    area: [u32; 2],
+    layers: u32,
+    samples: u32,
+    format: String,
+    eyes: String,
+    why: String,
+}
+
+fn main() -> ExitCode {
+    let trials = STYLES.iter().map(|style| {
+        let style: &'static Style = style;
+        Trial::test(style.name, || check(style))
+    });
+    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
+}
+
+fn check(style: &Style) -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("passes.jsonl");
+    let (size, frames) = (SIZE.to_string(), FRAMES.to_string());
+    let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
+    let application = Application::ours("parafovea-zoo", &arguments)?;
+    let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
+    let outcome =
+        Run::new(&application, &scenario).validated().on("").env("PARAFOVEA_PASSES_FILE", &file).finish()?;
+    if let Some(skipped) = outcome.output.lines().find(|line| line.starts_with(SKIPPED)) {
+        println!("{}: {skipped}", style.name);
+        return Ok(());
+    }
+    let outcome = outcome.expect_frames(FRAMES)?;
+    assert!(outcome.findings.vulkan.is_empty(), "{:#?}", outcome.findings.vulkan);
+    assert!(outcome.record.errors.is_empty(), "{:#?}", outcome.record.errors);
+
+    let lines = std::fs::read_to_string(&file)?;
+    let noted: Vec<Noted> = lines.lines().map(serde_json::from_str).collect::<Result<_, _>>()?;
+    let truth: Vec<(u64, PassTruth)> = (0..FRAMES)
+        .flat_map(|frame| (style.passes)([SIZE; 2], frame).into_iter().map(move |pass| (frame, pass)))
+        .filter(|(_, pass)| !is_elsewhere(pass))
+        .collect();
+    assert_eq!(noted.len(), truth.len(), "passes");
+    for (noted, (frame, truth)) in noted.iter().zip(&truth) {
+        let is_this = (noted.frame, noted.extent, noted.area) == (*frame, truth.extent, truth.area)
+            && (noted.layers, noted.samples) == (truth.layers, truth.samples)
+            && noted.format == format!("{:?}", truth.format);
+        assert!(is_this, "noted {noted:?}\nis {truth:?}");
+        assert!(is_right(noted, truth), "frame {frame}: taken for {noted:?}\nis {truth:?}");
+    }
+    Ok(())
+}
+
+/// Whether a pass is on a device without a session, which nobody follows.
+fn is_elsewhere(pass: &PassTruth) -> bool {
+    pass.why == "on another device"
+}
+
+/// Whether a pass is taken for what it is. An image that serves one eye after the other is both eyes': what is finer of both
+/// holds. Passes without colours that could be coarser (depth, numbers) are left alone, whose eye's they may be.
+fn is_right(noted: &Noted, truth: &PassTruth) -> bool {
+    let is_left_alone = noted.why.starts_with("no colour") || noted.why.contains("holds no colours");
+    let expected: &[&str] = match truth.eyes {
+        Eyes::Left => &["left", "both"],
+        Eyes::Right => &["right", "both"],
+        Eyes::Both => &["both"],
+        Eyes::None => &["none"],
+    };
+    expected.contains(&noted.eyes.as_str())
+        || (noted.eyes == "none" && (is_left_alone || noted.frame < KNOWN_FROM))
+}
