@@ -41,6 +41,7 @@ pub struct Target {
 }
 
 /// Something that a command buffer does, as far as it says where a picture comes from.
+#[allow(clippy::large_enum_variant, reason = "steady recording allocates nothing, so nothing is boxed")]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// A render pass or an instance of dynamic rendering, from its begin to its end.
@@ -53,7 +54,7 @@ pub enum Event {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
     /// Colour attachments of all subpasses, each once, input attachments that are also written among them.
-    pub colors: SmallVec<[Target; 4]>,
+    pub colors: SmallVec<[Target; 8]>,
     /// Where colour attachments are resolved to at the end, in the order of `colors`.
     pub resolves: SmallVec<[Target; 4]>,
     /// Depth attachment, if any.

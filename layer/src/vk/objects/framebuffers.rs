@@ -16,12 +16,6 @@ pub struct Framebuffer {
     pub attachments: SmallVec<[Option<Target>; 8]>,
     /// Whether the attachments come with vkCmdBeginRenderPass.
     pub is_imageless: bool,
-    /// Size, pixels.
-    #[allow(dead_code, reason = "backends read it")]
-    pub extent: [u32; 2],
-    /// Layers.
-    #[allow(dead_code, reason = "backends read it")]
-    pub layers: u32,
 }
 
 impl Framebuffer {
@@ -37,7 +31,7 @@ impl Framebuffer {
                 unsafe { std::slice::from_raw_parts(info.p_attachments, info.attachment_count as usize) };
             attachments.extend(views.iter().map(|&view| Some(objects.view(view)?.target)));
         }
-        Self { attachments, is_imageless, extent: [info.width, info.height], layers: info.layers }
+        Self { attachments, is_imageless }
     }
 }
 

@@ -14,14 +14,11 @@ pub struct Image {
     pub handle: vk::Image,
     /// What recognition needs to know of it.
     pub description: ImageDescription,
-    /// Mip levels.
-    #[allow(dead_code, reason = "backends read it")]
-    pub levels: u32,
     /// What it may be used for.
-    #[allow(dead_code, reason = "backends read it")]
+    #[allow(dead_code, reason = "for the mask, which takes only some images")]
     pub usage: vk::ImageUsageFlags,
     /// How it was created.
-    #[allow(dead_code, reason = "backends read it")]
+    #[allow(dead_code, reason = "for the mask, which takes only some images")]
     pub flags: vk::ImageCreateFlags,
     /// Whether it was not made through this layer, so that nobody tells when it is destroyed but its swapchain.
     pub is_foreign: bool,
@@ -41,7 +38,6 @@ impl Image {
                 is_cube: info.flags.contains(vk::ImageCreateFlags::CUBE_COMPATIBLE),
                 swapchain: None,
             },
-            levels: info.mip_levels,
             usage: info.usage,
             flags: info.flags,
             is_foreign: false,
@@ -61,7 +57,6 @@ impl Image {
                 is_cube: false,
                 swapchain: Some(SwapchainKey(record.swapchain)),
             },
-            levels: 1,
             usage: record.usage,
             flags: vk::ImageCreateFlags::empty(),
             is_foreign: true,

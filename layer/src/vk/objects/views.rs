@@ -11,11 +11,8 @@ use ash::vk;
 pub struct View {
     /// The image, its first level and its layers in the view.
     pub target: Target,
-    /// The image's handle.
-    #[allow(dead_code, reason = "backends read it")]
-    pub image: vk::Image,
     /// The view's format, which may be another than the image's.
-    #[allow(dead_code, reason = "backends read it")]
+    #[allow(dead_code, reason = "for the mask, whose fill draws through such a view")]
     pub format: vk::Format,
 }
 
@@ -35,7 +32,6 @@ impl View {
                     range.layer_count
                 },
             },
-            image: info.image,
             format: info.format,
         })
     }
