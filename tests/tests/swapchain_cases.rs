@@ -150,10 +150,10 @@ fn press_select(scenario: &mut Scenario) {
     scenario.input = vec![input(0.02, true), input(0.045, false)];
 }
 
-/// The gaze moves through the picture, so that even one that is submitted again has to be processed again.
+/// The gaze jumps through the picture, so that even one that is submitted again has to be processed again.
 fn glance(scenario: &mut Scenario) {
     let at = |t, yaw_deg| mock::Gaze { t, yaw_deg, ..scenario.gaze[0] };
-    scenario.gaze = vec![at(0.0, -25.0), at(0.1, 25.0)];
+    scenario.gaze = vec![at(0.0, -10.0), at(0.03, -10.0), at(0.045, 5.0)];
 }
 
 /// Displays that point outwards, on a head that turns: the gaze goes with the head, not with the displays.

@@ -35,7 +35,7 @@ pub unsafe extern "system" fn submit(
                 let buffers = array(submits, count)
                     .iter()
                     .flat_map(|submit| array(submit.p_command_buffers, submit.command_buffer_count));
-                prepare(armed, known.is_active(), queue, buffers.copied());
+                prepare_or_leave(armed, known.is_active(), queue, buffers.copied());
             }
             answer.record(next(queue, count, submits, fence))
         },
@@ -61,7 +61,7 @@ pub unsafe extern "system" fn submit2(
                 let buffers = array(submits, count).iter().flat_map(|submit| {
                     array(submit.p_command_buffer_infos, submit.command_buffer_info_count)
                 });
-                prepare(armed, known.is_active(), queue, buffers.map(|info| info.command_buffer));
+                prepare_or_leave(armed, known.is_active(), queue, buffers.map(|info| info.command_buffer));
             }
             answer.record(next(queue, count, submits, fence))
         },
@@ -70,6 +70,21 @@ pub unsafe extern "system" fn submit2(
 
 /// Candidates whose maps have to be written, the urgent ones too.
 type Outdated = SmallVec<[Arc<Candidate>; 8]>;
+
+/// As [`prepare`]; where that panics, the submit goes on without it.
+///
+/// # Safety
+///
+/// As for [`prepare`].
+unsafe fn prepare_or_leave(
+    armed: &Armed,
+    is_active: bool,
+    queue: vk::Queue,
+    buffers: impl Iterator<Item = vk::CommandBuffer>,
+) {
+    // SAFETY: the caller vouches for the queue.
+    guard("the maps of a submit", || (), |_| unsafe { prepare(armed, is_active, queue, buffers) });
+}
 
 /// Notes what is about to be submitted, and brings the maps of its candidates up to date.
 ///

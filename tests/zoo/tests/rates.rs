@@ -1,0 +1,105 @@
+//! Every style on a device that looks as if it had shading rates, with rings that stay where they are: the passes of an
+//! eye's picture have coarser texels once they are known, all others none, and all that is done is right for the extension.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use parafovea_test_layers::{
+    ShadingRateFinding, ShadingRateLine, ShadingRateMap, ShadingRatePass, ShadingRateProfile,
+};
+use parafovea_tests::run::{Application, Message, Run};
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_zoo::{Eyes, PassTruth, SKIPPED, STYLES, Style};
+use std::process::ExitCode;
+
+const FRAMES: u64 = 8;
+const SIZE: u32 = 96;
+
+/// From this frame on all passes are known, and the plan is laid over them.
+const COARSE_FROM: u64 = 4;
+
+/// Looking straight ahead, and never dropped: the same rates in every run.
+const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n";
+
+/// The test layer copies each map before its pass, and leaves it in a layout for everything.
+const COPY_OF_MAP: &str = "vkCmdCopyImageToBuffer: For optimal performance";
+
+fn main() -> ExitCode {
+    let profiles = ShadingRateProfile::ALL.into_iter().cycle();
+    let trials = STYLES.iter().zip(profiles).map(|(style, profile)| {
+        let style: &'static Style = style;
+        Trial::test(format!("{} on {}", style.name, profile.name()), move || check(style, profile))
+    });
+    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
+}
+
+fn check(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed> {
+    let (size, frames) = (SIZE.to_string(), FRAMES.to_string());
+    let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
+    let application = Application::ours("parafovea-zoo", &arguments)?;
+    let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
+    let run = Run::new(&application, &scenario).validated().shading_rates(profile);
+    let outcome = run.on(FIXED_RINGS).finish()?;
+    if let Some(skipped) = outcome.output.lines().find(|line| line.starts_with(SKIPPED)) {
+        println!("{}: {skipped}", style.name);
+        return Ok(());
+    }
+    let outcome = outcome.expect_frames(FRAMES)?;
+    let is_new = |found: &&Message| !found.text.contains(COPY_OF_MAP);
+    let messages: Vec<&Message> = outcome.findings.vulkan.iter().filter(is_new).collect();
+    assert!(messages.is_empty(), "{messages:#?}");
+    assert!(outcome.record.errors.is_empty(), "{:#?}", outcome.record.errors);
+
+    let (findings, seen) = lines(outcome.shading_rates()?);
+    assert_eq!(findings, []);
+    let truth: Vec<(u64, PassTruth)> = (0..FRAMES)
+        .flat_map(|frame| (style.passes)([SIZE; 2], frame).into_iter().map(move |pass| (frame, pass)))
+        .filter(|(_, pass)| has_rates(pass))
+        .collect();
+    assert_eq!(seen.len(), truth.len(), "passes with a rate attachment");
+    if truth.iter().any(|(_, pass)| is_elsewhere(pass)) {
+        // Which of two devices writes its lines first is chance.
+        assert!(seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse), "no pass became coarser");
+        return Ok(());
+    }
+    for (seen, (frame, truth)) in seen.iter().zip(&truth) {
+        let map = seen.map.as_ref().ok_or("a map that was not read in time")?;
+        let is_coarse = is_coarse(map);
+        let is_eyes = truth.eyes != Eyes::None && !holds_numbers(truth);
+        let is_right = if is_eyes { is_coarse || *frame < COARSE_FROM } else { !is_coarse };
+        if !is_right {
+            return Err(format!("frame {frame}, {truth:?}: {map:#?}\n{}", outcome.log).into());
+        }
+    }
+    Ok(())
+}
+
+fn lines(lines: Vec<ShadingRateLine>) -> (Vec<ShadingRateFinding>, Vec<ShadingRatePass>) {
+    let (mut findings, mut passes) = (Vec::new(), Vec::new());
+    for line in lines {
+        match line {
+            ShadingRateLine::Finding(finding) => findings.push(finding),
+            ShadingRateLine::Pass(pass) => passes.push(pass),
+        }
+    }
+    (findings, passes)
+}
+
+fn is_coarse(map: &ShadingRateMap) -> bool {
+    map.histogram.keys().any(|rate| rate != "1x1")
+}
+
+/// Whether a pass is on a device without a session.
+fn is_elsewhere(pass: &PassTruth) -> bool {
+    pass.why == "on another device"
+}
+
+/// Passes that draw colour have a rate attachment.
+fn has_rates(pass: &PassTruth) -> bool {
+    !format!("{:?}", pass.format).starts_with('D')
+}
+
+/// A coarse number would be another object's.
+fn holds_numbers(pass: &PassTruth) -> bool {
+    format!("{:?}", pass.format).ends_with("UINT")
+}
