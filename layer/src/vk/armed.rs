@@ -9,11 +9,12 @@ use super::rates::Rates;
 use super::submit::Prologues;
 use super::table::Table;
 use crate::gpu::functions::Functions;
-use crate::link::{BACKEND_NONE, DeviceRecord, OfferRecord, SwapchainRecord};
+use crate::link::{BACKEND_ANY, BACKEND_NONE, DeviceRecord, OfferRecord, SettingsRecord, SwapchainRecord};
 use crate::scene::SwapchainKey;
 use crate::scene::lay::DeviceRates;
 use ash::vk;
 use parafovea_core::rate::ShadingRate;
+use parafovea_manifest::options::PassRulesError;
 use std::sync::{Arc, OnceLock};
 
 /// A device of an enabled process whose loader lets layers make objects of their own.
@@ -84,6 +85,17 @@ impl Armed {
         }
         for &image in images {
             self.objects.join_swapchain(image, swapchain, || Image::of_swapchain(image, record));
+        }
+    }
+
+    /// Takes what the configuration asks for; `passes` are its rules on what passes are.
+    pub fn tell_settings(&self, record: &SettingsRecord, passes: &[u8]) {
+        let is_allowed = [BACKEND_ANY, self.offer().backend].contains(&record.backend);
+        self.frame.set_on(record.is_on != 0 && is_allowed);
+        let rules = str::from_utf8(passes).map_err(|error| error.to_string());
+        match rules.and_then(|rules| rules.parse().map_err(|error: PassRulesError| error.to_string())) {
+            Ok(rules) => self.frame.log().set_rules(rules),
+            Err(error) => tracing::warn!("rates.passes changes nothing: {error}"),
         }
     }
 

@@ -9,7 +9,7 @@ pub use log::Log;
 pub use plan::Plan;
 
 use super::objects::Objects;
-use crate::link::{PlanRecord, SettingsRecord, ShownViewRecord};
+use crate::link::{PlanRecord, ShownViewRecord};
 use crate::scene::{Eye, Shown, ShownView, SwapchainKey};
 use ash::vk;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -80,9 +80,8 @@ impl Frame {
         lock(&self.log).end_frame(objects, &shown);
     }
 
-    /// Takes what shall be done.
-    pub fn set_settings(&self, record: &SettingsRecord) {
-        let is_on = record.is_on != 0;
+    /// Takes whether passes that are recognised get the plan's rates.
+    pub fn set_on(&self, is_on: bool) {
         if self.is_on.swap(is_on, Ordering::Relaxed) != is_on {
             // The gate changes it for a few frames now and then; what the user or the gate decides is logged there.
             tracing::debug!("shading rates {}", if is_on { "on" } else { "off" });

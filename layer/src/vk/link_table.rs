@@ -146,7 +146,7 @@ unsafe extern "C" fn settings(device: vk::Device, record: *const SettingsRecord)
     // SAFETY: as above.
     unsafe {
         told("parafovea_vkGetLink.settings", device, record, |armed, record| {
-            armed.frame.set_settings(record)
+            armed.tell_settings(record, slice(record.passes, record.passes_len as usize));
         });
     }
 }

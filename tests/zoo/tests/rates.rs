@@ -7,7 +7,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use parafovea_test_layers::{
     ShadingRateFinding, ShadingRateLine, ShadingRateMap, ShadingRatePass, ShadingRateProfile,
 };
-use parafovea_tests::run::{Application, Message, Run};
+use parafovea_tests::run::{Application, Message, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use parafovea_zoo::{Eyes, PassTruth, SKIPPED, STYLES, Style};
 use std::process::ExitCode;
@@ -30,16 +30,39 @@ fn main() -> ExitCode {
         let style: &'static Style = style;
         Trial::test(format!("{} on {}", style.name, profile.name()), move || check(style, profile))
     });
-    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
+    let left_alone =
+        LEFT_ALONE.into_iter().map(|(name, option)| Trial::test(name, || check_left_alone(option)));
+    libtest_mimic::run(&Arguments::from_args(), trials.chain(left_alone).collect()).exit_code()
 }
 
-fn check(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed> {
+/// What a user may ask for, and nothing becomes coarser by a rate attachment.
+const LEFT_ALONE: [(&str, &str); 3] = [
+    ("passes that the profile excludes", "passes = \"exclude 96x96\""),
+    ("another backend", "backend = \"mask\""),
+    ("no rates", "mode = \"off\""),
+];
+
+fn check_left_alone(option: &str) -> Result<(), Failed> {
+    let style = parafovea_zoo::style("render-pass").ok_or("no such style")?;
+    let outcome = run(style, ShadingRateProfile::Layered16, &format!("{FIXED_RINGS}{option}\n"))?;
+    let (findings, seen) = lines(outcome.expect_frames(FRAMES)?.shading_rates()?);
+    assert_eq!(findings, []);
+    assert_eq!(seen.len() as u64, 2 * FRAMES);
+    assert!(!seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse), "{seen:#?}");
+    Ok(())
+}
+
+fn run(style: &Style, profile: ShadingRateProfile, config: &str) -> Result<Outcome, Failed> {
     let (size, frames) = (SIZE.to_string(), FRAMES.to_string());
     let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
     let application = Application::ours("parafovea-zoo", &arguments)?;
     let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
     let run = Run::new(&application, &scenario).validated().shading_rates(profile);
-    let outcome = run.on(FIXED_RINGS).finish()?;
+    Ok(run.on(config).finish()?)
+}
+
+fn check(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed> {
+    let outcome = run(style, profile, FIXED_RINGS)?;
     if let Some(skipped) = outcome.output.lines().find(|line| line.starts_with(SKIPPED)) {
         println!("{}: {skipped}", style.name);
         return Ok(());

@@ -3,6 +3,7 @@
 use super::passes_file;
 use crate::scene::{Event, Match, Pass, Recognition, Shown, Unmatched};
 use crate::vk::objects::Objects;
+use parafovea_manifest::options::PassRules;
 
 /// An application that does more than this in a frame, or shows no frames, is not followed further.
 const MOST_EVENTS: usize = 16_384;
@@ -20,6 +21,11 @@ pub struct Log {
 }
 
 impl Log {
+    /// Takes the profile's rules on what passes are.
+    pub fn set_rules(&mut self, rules: PassRules) {
+        self.recognition.set_rules(rules);
+    }
+
     /// Number of the frame under way.
     pub fn frame(&self) -> u64 {
         self.frame
