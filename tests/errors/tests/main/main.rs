@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test says where it failed")]
 
+mod age;
 mod degradation;
 mod fvvdp;
 mod report;
