@@ -1,10 +1,13 @@
 //! `cargo dev bench frame [--json] [--scenes A,B] [--techniques A,B] [--tracker NAME] [--frames N] [--turns N] [--size PIXELS]
-//! [--error-frames N] [--error-size PIXELS] [--fvvdp]`. The last judges by FovVideoVDP too: not for commercial use, and 6 GB.
+//! [--error-frames N] [--error-size PIXELS] [--system-driver] [--fvvdp]`. The last judges by FovVideoVDP too: not for commercial use,
+//! and 6 GB. With `--system-driver` applications run on the system's GPU instead of lavapipe, and its time is taken by timestamps.
 
 use parafovea_errors::fvvdp::{Fvvdp, NOTICE};
 use parafovea_scene::scene::SceneName;
 use parafovea_scene::script::tracker::Tracker;
 use parafovea_tests::artifacts::target_folder;
+use parafovea_tests::device::Machine;
+use parafovea_tests::installation::Driver;
 use parafovea_tests::measure::{
     Effort, RUN_UP, Subject, Summary, Technique, error_rows, errors, print_json, rows, time,
 };
@@ -22,7 +25,7 @@ fn main() -> ExitCode {
     }
 }
 
-const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --turns, --size, --error-frames, --error-size, --fvvdp";
+const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --turns, --size, --error-frames, --error-size, --system-driver, --fvvdp";
 
 struct Request {
     json: bool,
@@ -33,6 +36,7 @@ struct Request {
     timed: Effort,
     /// Frames beside the run-up; 0: no errors.
     judged: Effort,
+    driver: Driver,
     /// Whether FovVideoVDP judges too.
     fvvdp: bool,
 }
@@ -46,6 +50,7 @@ impl Request {
             tracker: Tracker::GOOD,
             timed: Effort { turns: 5, frames: 40, size: 1024 },
             judged: Effort { turns: 1, frames: 30, size: 512 },
+            driver: Driver::Lavapipe,
             fvvdp: false,
         };
         while let Some(argument) = arguments.next() {
@@ -55,6 +60,7 @@ impl Request {
                 "--bench" => {}
                 "--json" => request.json = true,
                 "--scenes" => request.scenes = value().split(',').map(scene).collect::<Result<_, _>>()?,
+                "--system-driver" => request.driver = Driver::System,
                 "--fvvdp" => request.fvvdp = true,
                 "--techniques" => {
                     request.techniques = Some(value().split(',').map(str::to_owned).collect());
@@ -116,6 +122,8 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
     let techniques = techniques(request.techniques.as_deref())?;
     let (timed, judged) = (request.timed, request.judged);
     let with_errors = judged.frames > 0;
+    let machine = Machine::of(request.driver)?;
+    eprintln!("{machine}");
     let runs = request.scenes.len() * techniques.len() * (timed.turns + 1 + usize::from(with_errors));
     let errors_are = match judged.frames {
         0 => "no errors".to_owned(),
@@ -141,8 +149,8 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
         eprintln!("[{done}/{runs}] {run}");
     };
     for &scene in &request.scenes {
-        let subject = Subject::around_a_saccade(scene, request.tracker);
-        let timings = time(&subject, &techniques, timed, &mut progress)?;
+        let subject = Subject::around_a_saccade(scene, request.tracker).on(&machine);
+        let timings = time(&subject, &techniques, timed, machine.has_gpu_times(), &mut progress)?;
         let judged = if with_errors {
             let effort = Effort { frames: judged.frames + RUN_UP, ..judged };
             errors(&subject, &techniques, effort, fvvdp.as_ref(), &mut progress)?

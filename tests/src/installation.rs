@@ -28,6 +28,19 @@ pub struct Installation {
     runtime_manifest: PathBuf,
 }
 
+/// The Vulkan driver that applications find.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Driver {
+    /// lavapipe, where it is installed: the same pictures on every machine.
+    #[default]
+    Lavapipe,
+    /// What the system has: real GPUs.
+    System,
+}
+
+/// The variable with the manifest of another driver than lavapipe's, for instance that of a newer one.
+pub const DRIVER_VARIABLE: &str = "PARAFOVEA_TEST_DRIVER";
+
 impl Installation {
     /// Installs the halves of the layer, the mock runtime and the test layers below `folder`.
     ///
@@ -45,9 +58,8 @@ impl Installation {
             }
         }
         let test_layers = Library::TestLayers.path()?;
-        let explicit =
-            [TestLayer::PassThrough, TestLayer::Samples, TestLayer::DropBarrier, TestLayer::ShadingRate];
-        for layer in explicit {
+        let is_explicit = |layer: &TestLayer| *layer != TestLayer::Count;
+        for layer in TestLayer::ALL.into_iter().filter(is_explicit) {
             let file = data.join(format!("vulkan/explicit_layer.d/{}.json", layer.stem()));
             write(&file, &layer.manifest(&test_layers))?;
         }
@@ -81,7 +93,7 @@ impl Installation {
 
     /// A whole environment for an application that is to run on the mock runtime and lavapipe, and find nothing
     /// of the user who runs it.
-    pub fn private_environment(&self) -> Vec<(&'static str, OsString)> {
+    pub fn private_environment(&self, driver: Driver) -> Vec<(&'static str, OsString)> {
         let folder = |part: &str| self.folder.join(part).into_os_string();
         let mut variables = vec![
             ("HOME", folder("home")),
@@ -95,17 +107,24 @@ impl Installation {
         variables.extend(
             ["PATH", "LD_LIBRARY_PATH"].into_iter().filter_map(|name| Some((name, std::env::var_os(name)?))),
         );
-        variables.extend(self.mock_environment());
+        variables.extend(self.mock_environment(driver));
         variables
     }
 
-    /// The variables that choose the mock runtime and, where there is one, lavapipe.
-    pub fn mock_environment(&self) -> Vec<(&'static str, OsString)> {
+    /// The variables that choose the mock runtime and the driver: lavapipe where there is one, or that of
+    /// [`DRIVER_VARIABLE`].
+    pub fn mock_environment(&self, driver: Driver) -> Vec<(&'static str, OsString)> {
         let mut variables = vec![("XR_RUNTIME_JSON", self.runtime_manifest.clone().into_os_string())];
-        if let Some(driver) = lavapipe() {
+        let manifest = match driver {
+            Driver::Lavapipe => {
+                std::env::var_os(DRIVER_VARIABLE).or_else(|| Some(lavapipe()?.into_os_string()))
+            }
+            Driver::System => None,
+        };
+        if let Some(manifest) = manifest {
             // The first is the loader's name for it since 1.3.207, the second is the one before.
-            variables.push(("VK_DRIVER_FILES", driver.clone().into_os_string()));
-            variables.push(("VK_ICD_FILENAMES", driver.into_os_string()));
+            variables.push(("VK_DRIVER_FILES", manifest.clone()));
+            variables.push(("VK_ICD_FILENAMES", manifest));
         }
         variables
     }

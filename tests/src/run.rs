@@ -8,7 +8,7 @@ pub use outcome::Outcome;
 pub use validation::Message;
 
 use crate::artifacts::{Library, program, system_program};
-use crate::installation::{Halves, Installation, write};
+use crate::installation::{Driver, Halves, Installation, write};
 use crate::scenario::Scenario;
 use crate::{HarnessError, artifacts};
 use child::Child;
@@ -16,7 +16,7 @@ use outcome::Folder;
 use parafovea_test_layers::validation::VALIDATION_LAYER;
 use parafovea_test_layers::{
     COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, SAMPLES_FILE_VARIABLE, SHADING_RATE_FILE_VARIABLE,
-    SHADING_RATE_PROFILE_VARIABLE, ShadingRateProfile, TestLayer,
+    SHADING_RATE_PROFILE_VARIABLE, ShadingRateProfile, TIMES_FILE_VARIABLE, TestLayer,
 };
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -91,6 +91,7 @@ pub struct Run {
     copies: bool,
     validation: bool,
     test_layers: Vec<TestLayer>,
+    driver: Driver,
     environment: Vec<(String, OsString)>,
     timeout: Duration,
 }
@@ -105,6 +106,7 @@ impl Run {
             copies: false,
             validation: false,
             test_layers: Vec::new(),
+            driver: Driver::default(),
             environment: Vec::new(),
             timeout: Duration::from_secs(240),
         }
@@ -134,6 +136,17 @@ impl Run {
         self
     }
 
+    /// As [`Self::validated`], unless the validation layer is older than Vulkan headers 1.3.`headers`, from which on it knows what the
+    /// application does: before, it complains of what is right, or crashes.
+    pub fn validated_from(self, headers: u32) -> Self {
+        if validation::headers().is_some_and(|has| has < headers) { self } else { self.validated() }
+    }
+
+    /// Whether validation is below ours.
+    pub fn is_validated(&self) -> bool {
+        self.validation
+    }
+
     /// Adds a test layer below ours, and above validation; not the counting one, for which see [`Self::counted`].
     pub fn test_layer(mut self, layer: TestLayer) -> Self {
         self.test_layers.push(layer);
@@ -145,6 +158,24 @@ impl Run {
     pub fn counted(mut self) -> Self {
         self.test_layers.insert(0, TestLayer::Samples);
         self.env(&TestLayer::Count.implicit_variable(), "1")
+    }
+
+    /// Times command buffers on the GPU, directly below ours: those of the application and of our layer.
+    pub fn gpu_timed(mut self) -> Self {
+        self.test_layers.insert(0, TestLayer::Times);
+        self
+    }
+
+    /// Makes the runtime choose the first device whose name has this in it.
+    pub fn device(mut self, name: &str) -> Self {
+        name.clone_into(&mut self.scenario.vulkan.device);
+        self
+    }
+
+    /// Sets the Vulkan driver; otherwise lavapipe.
+    pub fn driver(mut self, driver: Driver) -> Self {
+        self.driver = driver;
+        self
     }
 
     /// Leaves out the barriers that match `pattern`, which [`DROP_BARRIER_VARIABLE`] describes.
@@ -194,7 +225,7 @@ impl Run {
 
         let mut command = Command::new(&self.application.program);
         command.args(&self.application.arguments).current_dir(folder.path()).env_clear();
-        command.envs(installation.private_environment()).env("PARAFOVEA_MOCK_SCENARIO", scenario);
+        command.envs(installation.private_environment(self.driver)).env("PARAFOVEA_MOCK_SCENARIO", scenario);
         command.envs(self.layer.config().map(|_| ("PARAFOVEA", "1")));
         let mut vulkan_layers: Vec<String> = self.test_layers.iter().map(|layer| layer.name()).collect();
         if self.validation {
@@ -204,6 +235,7 @@ impl Run {
         command.env("VK_INSTANCE_LAYERS", vulkan_layers.join(":"));
         command.env(COUNT_FILE_VARIABLE, folder.path().join(COUNT_FILE));
         command.env(SAMPLES_FILE_VARIABLE, folder.path().join(SAMPLES_FILE));
+        command.env(TIMES_FILE_VARIABLE, folder.path().join(TIMES_FILE));
         command.env(SHADING_RATE_FILE_VARIABLE, folder.path().join(SHADING_RATE_FILE));
         command.envs(self.environment.iter().map(|(name, value)| (name, value)));
         let child = Child::start(command, folder.path(), self.timeout)?;
@@ -237,6 +269,9 @@ const COUNT_FILE: &str = "count.jsonl";
 
 /// Where the layer that counts samples writes.
 const SAMPLES_FILE: &str = "samples.jsonl";
+
+/// Where the layer that times command buffers writes.
+const TIMES_FILE: &str = "times.jsonl";
 
 /// Where the layer that stands in for shading rates writes, in the run's folder.
 const SHADING_RATE_FILE: &str = "shading_rates.jsonl";

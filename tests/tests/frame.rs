@@ -13,7 +13,7 @@ fn techniques_take_turns_and_fragments_are_counted() {
     let techniques = [Technique::off(), chroma, Technique::render_scale(0.5)];
     let mut order = Vec::new();
     let effort = Effort { turns: 2, frames: 20, size: 64 };
-    let timings = time(&subject, &techniques, effort, |run| order.push(run.to_owned())).unwrap();
+    let timings = time(&subject, &techniques, effort, true, |run| order.push(run.to_owned())).unwrap();
     assert_eq!(order.len(), 3 * (1 + 2));
     let turns: Vec<&str> = order[3..].iter().filter_map(|run| run.split(": ").nth(1)).collect();
     let expected = ["off", "chroma", "render scale 0.5"];
@@ -29,6 +29,12 @@ fn techniques_take_turns_and_fragments_are_counted() {
     let layer: Vec<&str> =
         rows.iter().filter(|row| row.metric == "layer_cpu_median").map(|row| row.case.as_str()).collect();
     assert_eq!(layer, ["chroma"], "only there the layer works and the application does the same");
+    // lavapipe has timestamps too: of the same frames as CPU time, of which it is the most.
+    for timing in &timings {
+        assert_eq!(timing.gpu_ms.len(), timing.cpu_ms.len(), "{}", timing.technique);
+        assert!(timing.gpu_ms.median() > 0.0, "{}: nothing took time", timing.technique);
+    }
+    assert_eq!(rows.iter().filter(|row| row.metric == "gpu_ms").count(), 3);
     assert!(rows.iter().all(|row| row.comparison.is_none_or(|with| with.ratio.is_finite())), "{rows:#?}");
 }
 

@@ -10,6 +10,7 @@ mod enabling;
 mod frame;
 mod hello_xr;
 mod loader_1_1;
+mod native;
 mod overhead;
 mod pictures;
 mod rates;

@@ -6,6 +6,7 @@ mod plan;
 mod swapchains;
 
 pub use log::Log;
+pub use passes_file::is_wanted as passes_are_written;
 pub use plan::Plan;
 
 use super::objects::Objects;

@@ -147,7 +147,7 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded) {
         let candidate = drawn.and_then(|(target, area)| {
             Some((recorded.candidates.iter().find(|known| known.target == *target)?, area))
         });
-        let judged = log.push(&armed.objects, event, candidate.is_some());
+        let judged = log.push(&armed.objects, event, candidate.map(|(candidate, _)| candidate));
         if let Some((candidate, area)) = candidate {
             let matched = judged.and_then(Result::ok).filter(|_| is_on);
             let parts: &[Part] = matched.as_ref().map_or(&[], |found| &found.parts);

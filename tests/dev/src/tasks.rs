@@ -52,6 +52,14 @@ pub fn run(arguments: &[String]) -> Result<(), String> {
     steps.run("run", Command::new(profile_folder()?.join("parafovea-run")).args(arguments))
 }
 
+/// What takes a real GPU.
+pub fn gpu(arguments: &[String]) -> Result<(), String> {
+    setup(Voice::Implied)?;
+    let mut steps = Steps::default();
+    build(&mut steps)?;
+    steps.run("gpu", Command::new(profile_folder()?.join("parafovea-gpu")).args(arguments))
+}
+
 /// One bench, by name.
 pub fn bench(arguments: &[String]) -> Result<(), String> {
     let Some((name, rest)) = arguments.split_first() else {

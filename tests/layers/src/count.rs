@@ -1,4 +1,4 @@
-//! Two layers that count what an application draws, with queries.
+//! Three layers that count what an application draws, with queries.
 //!
 //! [`Invocations`], the layer `count`, counts the fragment shader invocations of everything in primary command buffers
 //! with pipeline statistics, and the draws and submits. A primary command buffer is one query, from just after its begin to
@@ -10,6 +10,9 @@
 //! It sits *below* Parafovea, which an occlusion query above would change: Parafovea leaves a pass with such a query
 //! alone. Of the passes that it sees, it counts those that begin while the layer `count`, above, passes on the
 //! application's own call ([`application`]): not those that Parafovea adds.
+//!
+//! [`Times`], the layer `times`, counts nanoseconds on the GPU, with a timestamp at the begin and the end of each primary command
+//! buffer, both written when all that came before is done. It sits below Parafovea, so that what Parafovea submits is timed too.
 //!
 //! A result is read when the buffer's next use shows that the last has completed: before it is submitted again,
 //! recorded again, reset or freed. Nothing else waits. It is read per submit, so that a buffer recorded once and submitted
@@ -24,10 +27,9 @@
 mod application;
 mod buffers;
 mod features;
-mod invocations;
+mod layers;
 mod pass;
 mod recording;
-mod samples;
 mod submit;
 
 use crate::functions::functions;
@@ -38,14 +40,16 @@ use features::Features;
 use serde::{Deserialize, Serialize};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-pub(crate) use invocations::Invocations;
-pub(crate) use samples::Samples;
+pub(crate) use layers::{Invocations, Samples, Times};
 
 /// The variable with the file to which each device appends a line, a [`Count`] as JSON, when it is destroyed.
 pub const COUNT_FILE_VARIABLE: &str = "PARAFOVEA_TEST_COUNT_FILE";
 
 /// As [`COUNT_FILE_VARIABLE`], for the layer `samples` and its [`SampleCount`].
 pub const SAMPLES_FILE_VARIABLE: &str = "PARAFOVEA_TEST_SAMPLES_FILE";
+
+/// As [`COUNT_FILE_VARIABLE`], for the layer `times` and its [`GpuTimes`].
+pub const TIMES_FILE_VARIABLE: &str = "PARAFOVEA_TEST_TIMES_FILE";
 
 /// What was counted on one device.
 #[derive(Clone, PartialEq, Eq, Default, Debug, Serialize, Deserialize)]
@@ -73,11 +77,30 @@ pub struct SampleCount {
     pub passes: u64,
 }
 
+/// What primary command buffers took on one device.
+#[derive(Clone, PartialEq, Eq, Default, Debug, Serialize, Deserialize)]
+pub struct GpuTimes {
+    /// Each execution of each, in the order in which they were read.
+    pub buffers: Vec<GpuTime>,
+    /// Why these are not all; none where they are.
+    pub reason: Option<String>,
+}
+
+/// What one execution of a primary command buffer took.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct GpuTime {
+    /// CPU time of the process when it was submitted (CLOCK_PROCESS_CPUTIME_ID), nanoseconds.
+    pub process_cpu_ns: u64,
+    /// From the end of all before it to its own end, on the GPU, nanoseconds.
+    pub gpu_ns: u64,
+}
+
 /// What a layer counts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Kind {
     Invocations,
     Samples,
+    Times,
 }
 
 /// A layer that counts.
@@ -120,12 +143,18 @@ impl Counter {
         unsafe {
             let features = Features::of(kind, instance, physical_device);
             let (next, missing) = features.amend(info, create)?;
-            let families = features::graphics_families(instance, physical_device);
+            let families = features::families(instance, physical_device);
+            let steps_ns = features.timestamp_period_ns;
             Ok(Self {
                 kind,
                 functions: Functions::load(|name| next.function(name)),
                 inherited_queries: features.inherited_queries,
-                buffers: Mutex::new(Buffers::new(kind, next.functions.clone(), families, missing)),
+                buffers: Mutex::new(Buffers::new(
+                    kind,
+                    next.functions.clone(),
+                    (families, steps_ns),
+                    missing,
+                )),
                 next,
             })
         }

@@ -34,6 +34,7 @@ functions! {
     PhysicalDeviceFunctions {
         memory_properties: PFN_vkGetPhysicalDeviceMemoryProperties = c"vkGetPhysicalDeviceMemoryProperties";
         extensions: PFN_vkEnumerateDeviceExtensionProperties = c"vkEnumerateDeviceExtensionProperties";
+        properties: PFN_vkGetPhysicalDeviceProperties = c"vkGetPhysicalDeviceProperties";
         features2: PFN_vkGetPhysicalDeviceFeatures2
             = c"vkGetPhysicalDeviceFeatures2" | c"vkGetPhysicalDeviceFeatures2KHR";
         properties2: PFN_vkGetPhysicalDeviceProperties2

@@ -1,10 +1,11 @@
-//! Five Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
+//! Six Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
 //! own ([`TestLayer::manifest`]), which maps the loader's entry point to that layer's.
 //!
 //! - `VK_LAYER_PARAFOVEA_TEST_pass_through` does nothing: the baseline for what any layer costs.
 //! - `VK_LAYER_PARAFOVEA_TEST_count` counts fragment shader invocations, draws and submits ([`Count`]).
 //! - `VK_LAYER_PARAFOVEA_TEST_samples` counts the samples that pass depth and stencil tests in the application's render
 //!   passes ([`SampleCount`]), below Parafovea, together with the former above it.
+//! - `VK_LAYER_PARAFOVEA_TEST_times` times primary command buffers on the GPU ([`GpuTimes`]).
 //! - `VK_LAYER_PARAFOVEA_TEST_drop_barrier` leaves out chosen image barriers, to see that their absence is
 //!   noticed.
 //! - `VK_LAYER_PARAFOVEA_TEST_shading_rate` makes a device look as if it had `VK_KHR_fragment_shading_rate`,
@@ -21,6 +22,7 @@
 //! and put its manifest into `XDG_CONFIG_HOME`, which is searched before `XDG_DATA_HOME`.
 
 mod count;
+mod cpu_time;
 mod drop_barrier;
 mod functions;
 mod interface;
@@ -31,7 +33,9 @@ mod report;
 mod shading_rate;
 pub mod validation;
 
-pub use count::{COUNT_FILE_VARIABLE, Count, SAMPLES_FILE_VARIABLE, SampleCount};
+pub use count::{
+    COUNT_FILE_VARIABLE, Count, GpuTime, GpuTimes, SAMPLES_FILE_VARIABLE, SampleCount, TIMES_FILE_VARIABLE,
+};
 pub use drop_barrier::{DROP_BARRIER_VARIABLE, DROP_FILE_VARIABLE, Dropped};
 pub use manifest::TestLayer;
 pub use shading_rate::{
@@ -79,6 +83,19 @@ pub unsafe extern "system" fn samples_vkNegotiateLoaderLayerInterfaceVersion(
 ) -> vk::Result {
     // SAFETY: the loader vouches for it.
     unsafe { layer::negotiate::<count::Samples>(interface) }
+}
+
+/// The Vulkan loader's first call to the layer `times`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn times_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<count::Times>(interface) }
 }
 
 /// The Vulkan loader's first call to the layer `drop_barrier`.

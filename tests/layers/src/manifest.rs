@@ -12,6 +12,8 @@ pub enum TestLayer {
     Count,
     /// Counts samples that pass depth and stencil tests.
     Samples,
+    /// Times command buffers on the GPU.
+    Times,
     /// Leaves out chosen barriers.
     DropBarrier,
     /// Offers fragment shading rates where the device has none.
@@ -20,10 +22,11 @@ pub enum TestLayer {
 
 impl TestLayer {
     /// All of them.
-    pub const ALL: [TestLayer; 5] = [
+    pub const ALL: [TestLayer; 6] = [
         TestLayer::PassThrough,
         TestLayer::Count,
         TestLayer::Samples,
+        TestLayer::Times,
         TestLayer::DropBarrier,
         TestLayer::ShadingRate,
     ];
@@ -34,6 +37,7 @@ impl TestLayer {
             TestLayer::PassThrough => "pass_through",
             TestLayer::Count => "count",
             TestLayer::Samples => "samples",
+            TestLayer::Times => "times",
             TestLayer::DropBarrier => "drop_barrier",
             TestLayer::ShadingRate => "shading_rate",
         }

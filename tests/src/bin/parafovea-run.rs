@@ -1,7 +1,7 @@
 //! `cargo dev run`: any OpenXR program with the layer as it was just built, nothing installed.
 
 use parafovea_tests::artifacts::{Library, target_folder};
-use parafovea_tests::installation::{Halves, Installation};
+use parafovea_tests::installation::{Driver, Halves, Installation};
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
@@ -65,7 +65,7 @@ fn become_command(request: Request) -> Result<std::convert::Infallible, String> 
     let mut command = Command::new(&request.command[0]);
     command.args(&request.command[1..]).envs([installation.search_path()]).env("PARAFOVEA", "1");
     if request.mock {
-        command.envs(installation.mock_environment());
+        command.envs(installation.mock_environment(Driver::Lavapipe));
     }
     if let Some(config) = request.config {
         command.env("PARAFOVEA_CONFIG", config);

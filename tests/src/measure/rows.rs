@@ -1,12 +1,12 @@
 //! Lines of results, for programs.
 
-use super::{Judged, Timing};
+use super::{Judged, Samples, Timing};
 use serde::Serialize;
 
 /// One figure.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// `frame` or `break-even`.
+    /// `frame`, `break-even` or `gpu`.
     pub bench: &'static str,
     /// The scene.
     pub app: String,
@@ -50,16 +50,25 @@ fn rows_of(app: &str, timing: &Timing, baseline: &Timing) -> Vec<Row> {
         unit,
         comparison: Some(Comparison { baseline, ratio: value / baseline, spread: None }),
     };
+    let median = |metric, own: &Samples, off: &Samples| {
+        let ratio = own.ratio_to(off);
+        let within_turns =
+            Comparison { baseline: off.median(), ratio: ratio.value, spread: Some(ratio.spread) };
+        Row { comparison: Some(within_turns), ..row(metric, "ms", own.median(), off.median()) }
+    };
     let (cpu, cpu_off) = (&timing.cpu_ms, &baseline.cpu_ms);
-    let ratio = cpu.ratio_to(cpu_off);
-    let within_turns =
-        Comparison { baseline: cpu_off.median(), ratio: ratio.value, spread: Some(ratio.spread) };
     let mut rows = vec![
-        Row { comparison: Some(within_turns), ..row("cpu_median", "ms", cpu.median(), cpu_off.median()) },
+        median("cpu_median", cpu, cpu_off),
         row("cpu_p99", "ms", cpu.quantile(0.99), cpu_off.quantile(0.99)),
         row("cpu_worst", "ms", cpu.worst(), cpu_off.worst()),
         row("fragments", "invocations", timing.fragments as f64, baseline.fragments as f64),
     ];
+    if !timing.gpu_ms.is_empty() {
+        let (gpu, gpu_off) = (&timing.gpu_ms, &baseline.gpu_ms);
+        rows.push(median("gpu_ms", gpu, gpu_off));
+        rows.push(row("gpu_p99", "ms", gpu.quantile(0.99), gpu_off.quantile(0.99)));
+        rows.push(row("gpu_worst", "ms", gpu.worst(), gpu_off.worst()));
+    }
     if let (Some(samples), Some(baseline)) = (timing.samples, baseline.samples) {
         rows.push(row("samples", "samples", samples as f64, baseline as f64));
     }

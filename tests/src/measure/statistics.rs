@@ -14,6 +14,16 @@ impl Samples {
         self.turns.push(turn);
     }
 
+    /// Frames of all turns.
+    pub fn len(&self) -> usize {
+        self.turns.iter().map(Vec::len).sum()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// Median of all frames; NaN without any.
     pub fn median(&self) -> f64 {
         median(self.turns.concat()).unwrap_or(f64::NAN)

@@ -2,6 +2,7 @@
 
 use super::{Effort, Technique};
 use crate::HarnessError;
+use crate::device::Machine;
 use crate::run::{Application, Run};
 use crate::scenario::{Gaze, Head, Scenario, ScenarioExt, View};
 use glam::{Quat, Vec3};
@@ -17,12 +18,14 @@ pub struct Subject {
     tracker: Tracker,
     /// The script's frame that is the first of a run.
     first_frame: u64,
+    /// What it runs on; none: lavapipe.
+    machine: Option<Machine>,
 }
 
 impl Subject {
     /// The script of `scene` from `first_frame` on, as `tracker` sees it.
     pub fn new(scene: SceneName, tracker: Tracker, first_frame: u64) -> Self {
-        Self { script: Script::new(scene), tracker, first_frame }
+        Self { script: Script::new(scene), tracker, first_frame, machine: None }
     }
 
     /// The script of `scene` from half a second before its first saccade of 10 degrees or more.
@@ -31,6 +34,11 @@ impl Subject {
         let large = saccades.iter().find(|saccade| saccade.amplitude_deg >= 10.0 && saccade.start_s >= 0.5);
         let start_s = large.map_or(0.0, |saccade| saccade.start_s - 0.5);
         Self::new(scene, tracker, (start_s * FRAMES_PER_SECOND) as u64)
+    }
+
+    /// The same on a device of its own.
+    pub fn on(self, machine: &Machine) -> Self {
+        Self { machine: Some(machine.clone()), ..self }
     }
 
     /// What it is called in tables and results.
@@ -84,7 +92,11 @@ impl Subject {
         let mut arguments = vec!["--scene", self.name(), "--first-frame", &first_frame, "--size", &size];
         arguments.extend(technique.arguments.iter().map(String::as_str));
         let application = Application::ours("parafovea-scene", &arguments)?;
-        Ok(Run::new(&application, scenario).layer(technique.layer.clone()))
+        let run = Run::new(&application, scenario).layer(technique.layer.clone());
+        Ok(match &self.machine {
+            Some(machine) => machine.set_up(run),
+            None => run,
+        })
     }
 
     /// When frame `frame` of a run is shown, seconds of the script.

@@ -28,13 +28,18 @@ impl Display for Summary<'_> {
             "\n### {}\n\n| technique | CPU ms | x off | p99 x off | fragments x off | samples x off |",
             self.app
         )?;
+        let on_gpu = !off.gpu_ms.is_empty();
+        if on_gpu {
+            write!(f, " GPU ms | x off |")?;
+        }
         let judged = !self.judged.is_empty();
         if judged {
             write!(f, " JOD | FLIP |")?;
             RING_NAMES.iter().try_for_each(|ring| write!(f, " {} {ring} |", BY_RING.name()))?;
             PERIPHERAL.iter().try_for_each(|metric| write!(f, " {} 10-20 |", metric.name()))?;
         }
-        let columns = if judged { 6 + 2 + RINGS + PERIPHERAL.len() } else { 6 };
+        let timed = if on_gpu { 8 } else { 6 };
+        let columns = if judged { timed + 2 + RINGS + PERIPHERAL.len() } else { timed };
         writeln!(f, "\n|---|{}", "---:|".repeat(columns - 1))?;
         for (index, timing) in self.timings.iter().enumerate() {
             let ratio = timing.cpu_ms.ratio_to(&off.cpu_ms);
@@ -48,9 +53,13 @@ impl Display for Summary<'_> {
                 "| {name} | {cpu_ms:.1} | {:.3} ± {:.3} | {p99:.3} | {fragments:.3} | {samples} |",
                 ratio.value, ratio.spread
             )?;
+            if on_gpu {
+                let ratio = timing.gpu_ms.ratio_to(&off.gpu_ms);
+                write!(f, " {:.3} | {:.3} ± {:.3} |", timing.gpu_ms.median(), ratio.value, ratio.spread)?;
+            }
             match index.checked_sub(1).and_then(|index| self.judged.get(index)) {
                 Some(judged) => errors(f, judged)?,
-                None if judged => write!(f, "{}", " |".repeat(columns - 6))?,
+                None if judged => write!(f, "{}", " |".repeat(columns - timed))?,
                 None => {}
             }
             writeln!(f)?;

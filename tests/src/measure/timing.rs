@@ -23,6 +23,9 @@ pub struct Timing {
     pub with_layer: bool,
     /// CPU time of the application's process, milliseconds a frame. On a CPU device this is rendering too.
     pub cpu_ms: Samples,
+    /// Time on the GPU of the command buffers of the application and the layer, milliseconds a frame; empty where they
+    /// were not asked for, as on a CPU, whose time is [`Self::cpu_ms`].
+    pub gpu_ms: Samples,
     /// Fragment shader invocations of a frame that the application caused, by pipeline statistics; the layer's own are
     /// not among them. lavapipe 22.3.6 counts those too that an early depth test rejects.
     pub fragments: u64,
@@ -32,7 +35,8 @@ pub struct Timing {
 }
 
 /// Times all `techniques` on `subject`, the first of which is the baseline: turn by turn, each technique once, in an
-/// order that is reversed from turn to turn, so that a drift falls on none. The runtime composites nothing.
+/// order that is reversed from turn to turn, so that a drift falls on none. The runtime composites nothing. With `with_gpu`
+/// the GPU's timestamps are taken too.
 ///
 /// `progress` is told of every run before it is started.
 ///
@@ -42,6 +46,7 @@ pub fn time(
     subject: &Subject,
     techniques: &[Technique],
     effort: Effort,
+    with_gpu: bool,
     mut progress: impl FnMut(&str),
 ) -> Result<Vec<Timing>, HarnessError> {
     let mut timings = Vec::new();
@@ -52,6 +57,7 @@ pub fn time(
             technique: technique.name.clone(),
             with_layer: technique.has_layer(),
             cpu_ms: Samples::default(),
+            gpu_ms: Samples::default(),
             fragments: outcome.fragments()? / effort.frames,
             samples: outcome.samples().ok().map(|samples| samples / effort.frames),
         });
@@ -63,8 +69,13 @@ pub fn time(
         }
         for index in order {
             progress(&format!("{}: {}, turn {}", subject.name(), techniques[index].name, turn + 1));
-            let outcome = subject.run(&techniques[index], effort)?.finish()?.expect_frames(effort.frames)?;
+            let run = subject.run(&techniques[index], effort)?;
+            let run = if with_gpu { run.gpu_timed() } else { run };
+            let outcome = run.finish()?.expect_frames(effort.frames)?;
             timings[index].cpu_ms.push(outcome.record.cpu_ms_of_frames());
+            if with_gpu {
+                timings[index].gpu_ms.push(outcome.gpu_ms_of_frames()?);
+            }
         }
     }
     Ok(timings)

@@ -2,13 +2,13 @@
 
 use super::child::Exit;
 use super::validation::Findings;
-use super::{COUNT_FILE, SAMPLES_FILE, SHADING_RATE_FILE};
+use super::{COUNT_FILE, SAMPLES_FILE, SHADING_RATE_FILE, TIMES_FILE};
 use crate::HarnessError;
 use crate::installation::Installation;
 use crate::picture::Picture;
 use crate::record::Record;
 use crate::scenario::Scenario;
-use parafovea_test_layers::{Count, SampleCount, ShadingRateLine};
+use parafovea_test_layers::{Count, GpuTime, GpuTimes, SampleCount, ShadingRateLine};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
@@ -93,6 +93,25 @@ impl Outcome {
             count.samples.ok_or_else(|| self.failed(&reason))
         };
         self.reports(SAMPLES_FILE)?.into_iter().map(number).sum()
+    }
+
+    /// Time on the GPU that the application's and the layer's command buffers took in each frame, on all devices, in
+    /// milliseconds; of the frames that [`Record::cpu_ms_of_frames`] has.
+    ///
+    /// # Errors
+    /// As for [`Self::fragments`]; also where no command buffer was timed.
+    pub fn gpu_ms_of_frames(&self) -> Result<Vec<f64>, HarnessError> {
+        let mut times: Vec<GpuTime> = Vec::new();
+        for device in self.reports::<GpuTimes>(TIMES_FILE)? {
+            if let Some(reason) = device.reason {
+                return Err(self.failed(&format!("its command buffers were not timed: {reason}")));
+            }
+            times.extend(device.buffers);
+        }
+        if times.is_empty() {
+            return Err(self.failed("none of its command buffers was timed: no timestamps on its queues"));
+        }
+        Ok(self.record.gpu_ms_of_frames(&times))
     }
 
     /// What a layer reports of each device, a line each.

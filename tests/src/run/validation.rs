@@ -9,6 +9,16 @@ const OPENXR_LAYER: &str = "XR_APILAYER_LUNARG_core_validation";
 const VULKAN_LOG: &str = "vulkan_validation.txt";
 const OPENXR_LOG: &str = "openxr_validation.txt";
 
+/// Version N of the Vulkan headers (1.3.N) that the installed validation layer was made from; none where it is not found, or newer than 1.3.
+pub(super) fn headers() -> Option<u32> {
+    let folders = ["/usr/share", "/usr/local/share", "/etc"];
+    let manifest = folders.iter().find_map(|folder| {
+        let path = Path::new(folder).join("vulkan/explicit_layer.d/VkLayer_khronos_validation.json");
+        serde_json::from_str::<serde_json::Value>(&std::fs::read_to_string(path).ok()?).ok()
+    })?;
+    manifest["layer"]["api_version"].as_str()?.strip_prefix("1.3.")?.parse().ok()
+}
+
 /// One finding of a validation layer.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Message {

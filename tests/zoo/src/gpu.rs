@@ -3,21 +3,26 @@
 mod attachment;
 mod buffer;
 mod commands;
+mod device;
 mod image;
 mod libraries;
 mod pass;
 mod pipeline;
+mod rates;
+mod rates_file;
 mod subpasses;
 mod transfer;
 
 pub use attachment::Attachment;
 pub use buffer::Buffer;
+pub use device::Device;
 pub use image::{DEPTH, Image, ImageSpec};
 pub use pass::{Kind, Pass, PassSpec, Target, passes};
 pub use pipeline::{Depth, Making, PipelineSpec, Shader};
+pub use rates_file::RatesFile;
 pub use subpasses::{Subpasses, SubpassesSpec};
 
-use crate::support::{Feature, Features, Needs, Queues};
+use crate::support::{Demands, Feature, Features, Queues};
 use crate::truth::PassSeen;
 use anyhow::{Context, Result};
 use ash::vk;
@@ -25,8 +30,10 @@ use openxr as xr;
 use std::ffi::c_void;
 use std::ops::Deref;
 use std::sync::Mutex;
+use std::sync::atomic::AtomicU64;
 
 use ash::vk::Handle;
+use rates::Rates;
 
 /// The device that OpenXR chose, with one queue or two.
 pub struct Gpu {
@@ -41,6 +48,10 @@ pub struct Gpu {
     memory: vk::PhysicalDeviceMemoryProperties,
     made: Mutex<Vec<Made>>,
     begun: Mutex<Vec<PassSeen>>,
+    /// Frames whose passes were taken.
+    frames: AtomicU64,
+    /// Where the application sets shading rates itself.
+    rates: Option<Rates>,
     has_addresses: bool,
     /// Whether the instance goes with it.
     owns_instance: bool,
@@ -85,16 +96,21 @@ impl Deref for Gpu {
 }
 
 impl Gpu {
-    /// Makes instance and device through XR_KHR_vulkan_enable2.
+    /// Makes instance and device through XR_KHR_vulkan_enable2; with `maps` passes that draw colour have these rates.
     ///
     /// # Errors
-    /// Those of the calls.
-    pub fn open(xr_instance: &xr::Instance, system: xr::SystemId, needs: &Needs) -> Result<Opened> {
+    /// Those of the calls, and maps that no device could have.
+    pub fn open(
+        xr_instance: &xr::Instance,
+        system: xr::SystemId,
+        demands: &Demands,
+        maps: Option<RatesFile>,
+    ) -> Result<Opened> {
         // SAFETY: the library that is installed as the Vulkan loader is taken to be one.
         let entry = unsafe { ash::Entry::load() }.context("the Vulkan loader cannot be loaded")?;
         xr_instance.graphics_requirements::<xr::Vulkan>(system)?;
         let application =
-            vk::ApplicationInfo::default().application_name(c"parafovea-zoo").api_version(needs.vulkan);
+            vk::ApplicationInfo::default().application_name(c"parafovea-zoo").api_version(demands.vulkan);
         let info = vk::InstanceCreateInfo::default().application_info(&application);
         // SAFETY: the create info and all that it points to outlive the call.
         let instance = unsafe {
@@ -109,12 +125,12 @@ impl Gpu {
             xr_instance.vulkan_graphics_device(system, instance.handle().as_raw() as *const c_void)
         }?;
         let physical = vk::PhysicalDevice::from_raw(physical as u64);
-        if let Some(lacking) = needs.lacking(&instance, physical)? {
+        if let Some(lacking) = demands.lacking(&instance, physical)? {
             // SAFETY: nothing was made from the instance.
             unsafe { instance.destroy_instance(None) };
             return Ok(Opened::Lacking(lacking));
         }
-        let (family, queues) = graphics_family(&instance, physical, needs)?;
+        let (family, queues) = graphics_family(&instance, physical, demands)?;
         let priorities = vec![1.0; queues as usize];
         let create = |info: &vk::DeviceCreateInfo| {
             // SAFETY: the physical device is the runtime's choice; the create info outlives the call.
@@ -130,9 +146,9 @@ impl Gpu {
         };
         let queue_info =
             [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
-        let names = needs.extension_names();
+        let names = demands.extension_names();
         let names: Vec<_> = names.iter().map(|name| name.as_ptr()).collect();
-        let device = Features::of(needs.features).chained(needs.features, |features| {
+        let device = Features::of(&demands.features).chained(&demands.features, |features| {
             let info = vk::DeviceCreateInfo::default()
                 .queue_create_infos(&queue_info)
                 .enabled_extension_names(&names)
@@ -147,7 +163,7 @@ impl Gpu {
             unsafe { (device.get_device_queue(family, 0), device.get_device_queue(family, queues - 1)) };
         // SAFETY: the physical device is of this instance.
         let memory = unsafe { instance.get_physical_device_memory_properties(physical) };
-        Ok(Opened::Gpu(Box::new(Self {
+        let mut gpu = Self {
             instance,
             physical,
             device,
@@ -157,10 +173,14 @@ impl Gpu {
             memory,
             made: Mutex::default(),
             begun: Mutex::default(),
-            has_addresses: needs.features.contains(&Feature::BufferDeviceAddress),
+            frames: AtomicU64::new(0),
+            rates: None,
+            has_addresses: demands.features.contains(&Feature::BufferDeviceAddress),
             owns_instance: true,
             _entry: entry,
-        })))
+        };
+        gpu.rates = maps.map(|maps| Rates::new(&gpu, maps)).transpose()?;
+        Ok(Opened::Gpu(Box::new(gpu)))
     }
 
     /// Another device from the same instance, with one queue and nothing enabled.
@@ -182,6 +202,8 @@ impl Gpu {
             second_queue: queue,
             made: Mutex::default(),
             begun: Mutex::default(),
+            frames: AtomicU64::new(0),
+            rates: None,
             has_addresses: false,
             owns_instance: false,
             _entry: self._entry.clone(),
@@ -267,7 +289,7 @@ impl Drop for Gpu {
 fn graphics_family(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
-    needs: &Needs,
+    demands: &Demands,
 ) -> Result<(u32, u32)> {
     // SAFETY: the physical device is of this instance.
     let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
@@ -275,7 +297,7 @@ fn graphics_family(
         .zip(&families)
         .find(|(_, family)| family.queue_flags.contains(vk::QueueFlags::GRAPHICS))
         .context("the headset's GPU has no graphics queue")?;
-    let wanted = if needs.queues == Queues::One { 1 } else { 2 };
+    let wanted = if demands.queues == Queues::One { 1 } else { 2 };
     Ok((index, family.queue_count.min(wanted)))
 }
 

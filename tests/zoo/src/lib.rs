@@ -16,12 +16,13 @@ mod truth;
 mod xr;
 
 pub use ash::vk::Format;
+pub use gpu::Device;
 pub use options::Options;
 pub use style::{Arrangement, Style, Threads};
 pub use styles::STYLES;
 pub use support::{Feature, Needs, OpenXr, Queues};
 pub use truth::{Eyes, PassSeen, PassTruth};
-pub use xr::{End, run};
+pub use xr::{End, devices, run};
 
 /// What the program prints in front of the reason why it cannot show a style on this machine.
 pub const SKIPPED: &str = "skipped: no device with ";

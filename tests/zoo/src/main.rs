@@ -1,11 +1,20 @@
 //! Shows the scene in one style, for so many frames.
 
 use clap::Parser;
-use parafovea_zoo::{End, Options, SKIPPED, STYLES, run, style};
+use parafovea_zoo::{End, Options, SKIPPED, STYLES, devices, run, style};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let options = Options::parse();
+    if options.devices {
+        return match print_devices() {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("{error:#}");
+                ExitCode::FAILURE
+            }
+        };
+    }
     let Some(name) = options.style.as_deref().filter(|_| !options.list) else {
         for style in STYLES {
             println!("{:20} {}", style.name, style.says);
@@ -27,4 +36,11 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+fn print_devices() -> anyhow::Result<()> {
+    for device in devices()? {
+        println!("{}", serde_json::to_string(&device)?);
+    }
+    Ok(())
 }

@@ -1,6 +1,7 @@
 //! The command line.
 
 use clap::Parser;
+use std::path::PathBuf;
 
 /// An OpenXR application in plain Vulkan that shows one scene in the style that is asked for.
 ///
@@ -9,7 +10,7 @@ use clap::Parser;
 #[command(name = "parafovea-zoo", version)]
 pub struct Options {
     /// Name of the style
-    #[arg(long, required_unless_present = "list")]
+    #[arg(long, required_unless_present_any = ["list", "devices"])]
     pub style: Option<String>,
     /// Width and height of an eye's picture, in pixels
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=8192))]
@@ -20,6 +21,13 @@ pub struct Options {
     /// Print every render pass of every frame, one JSON object a line
     #[arg(long)]
     pub passes: bool,
+    /// Set shading rates itself, by rate attachments whose maps are those that this file has for each pass of each frame: the
+    /// lines that the layer writes to PARAFOVEA_PASSES_FILE. Passes without a map are at 1x1
+    #[arg(long, value_name = "FILE")]
+    pub native_map: Option<PathBuf>,
+    /// Print what devices there are, one JSON object a line
+    #[arg(long)]
+    pub devices: bool,
     /// Print the styles, one a line
     #[arg(long)]
     pub list: bool,

@@ -33,12 +33,17 @@ pub struct Style {
     pub says: &'static str,
     /// What it needs of the device and the runtime.
     pub needs: Needs,
+    /// From which Vulkan headers (1.3.N) on validation knows what it does; 0: from any.
+    pub headers: u32,
     /// Where the eyes' pictures are.
     pub arrangement: Arrangement,
     /// Which threads call what.
     pub threads: Threads,
     /// Whether the passes that draw the scene write the swapchain's images themselves, one fragment a pixel.
     pub direct: bool,
+    /// Whether it can set shading rates itself (`--native-map`): all its passes that draw colour are made by
+    /// [`Gpu::pass`](crate::gpu::Gpu::pass), and recorded in the order of their submits.
+    pub can_set_rates: bool,
     /// What makes a pixel of the picture depend on pixels far from it, such as auto-exposure.
     pub global: Option<&'static str>,
     /// How far its pictures may be from those of `render-pass`: the mean difference over all pixels and colour
@@ -57,9 +62,11 @@ impl Style {
         name: "",
         says: "",
         needs: Needs::NOTHING,
+        headers: 0,
         arrangement: Arrangement::Separate,
         threads: Threads::One,
         direct: true,
+        can_set_rates: false,
         global: None,
         likeness: Some(0.0),
         passes: |_, _| Vec::new(),

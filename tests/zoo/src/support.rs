@@ -83,6 +83,37 @@ impl Needs {
     pub const DYNAMIC: Self =
         Self { vulkan: vk::API_VERSION_1_3, features: &[Feature::DynamicRendering], ..Self::NOTHING };
 
+    /// The same for a device and an instance, with what rate attachments take where they are wanted too.
+    pub(crate) fn demands(&self, with_rates: bool) -> Demands {
+        let mut demands = Demands {
+            vulkan: self.vulkan,
+            extensions: self.extensions.to_vec(),
+            features: self.features.to_vec(),
+            queues: self.queues,
+        };
+        if with_rates {
+            // vkCreateRenderPass2 is in 1.2.
+            demands.vulkan = demands.vulkan.max(vk::API_VERSION_1_2);
+            demands.extensions.push(c"VK_KHR_fragment_shading_rate");
+            demands.features.push(Feature::AttachmentFragmentShadingRate);
+        }
+        demands
+    }
+}
+
+/// What is asked of Vulkan.
+pub(crate) struct Demands {
+    /// As [`Needs::vulkan`].
+    pub vulkan: u32,
+    /// As [`Needs::extensions`].
+    pub extensions: Vec<&'static CStr>,
+    /// As [`Needs::features`].
+    pub features: Vec<Feature>,
+    /// As [`Needs::queues`].
+    pub queues: Queues,
+}
+
+impl Demands {
     /// What of it the device lacks; none if it has all.
     ///
     /// # Errors
@@ -113,13 +144,14 @@ impl Needs {
         }
         let mut features = Features::default();
         // SAFETY: as above; the chain holds structures of extensions that the device has.
-        features.chained(self.features, |all| unsafe { instance.get_physical_device_features2(device, all) });
+        features
+            .chained(&self.features, |all| unsafe { instance.get_physical_device_features2(device, all) });
         Ok(self.features.iter().find(|one| *features.flag(**one) == vk::FALSE).map(|one| format!("{one:?}")))
     }
 
     /// The device extensions as owned names.
     pub(crate) fn extension_names(&self) -> Vec<CString> {
-        self.extensions.iter().map(|name| CString::from(*name)).collect()
+        self.extensions.iter().map(|&name| CString::from(name)).collect()
     }
 }
 

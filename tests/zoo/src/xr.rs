@@ -5,10 +5,11 @@ mod slots;
 mod waiter;
 
 use crate::app::{App, Frame};
-use crate::gpu::{Gpu, Opened};
+use crate::gpu::{Device, Gpu, Opened, RatesFile};
 use crate::options::Options;
 use crate::scene::{Projection, Scene, Uniforms};
 use crate::style::{Arrangement, Style};
+use crate::support::Needs;
 use crate::swapchain::Swapchain;
 use anyhow::{Context, Result, bail};
 use ash::vk;
@@ -39,6 +40,35 @@ pub enum End {
     Skipped(String),
 }
 
+const APPLICATION: xr::ApplicationInfo = xr::ApplicationInfo {
+    application_name: "parafovea-zoo",
+    application_version: 1,
+    engine_name: "none",
+    engine_version: 1,
+    api_version: xr::Version::new(1, 0, 0),
+};
+
+fn entry() -> Result<xr::Entry> {
+    // SAFETY: the library that is installed as libopenxr_loader.so.1 is taken to be one.
+    unsafe { xr::Entry::load(&()) }.context("the OpenXR loader cannot be loaded")
+}
+
+/// What devices there are, on the instance that the runtime makes.
+///
+/// # Errors
+/// If there is no loader, runtime, headset or GPU, or a call fails.
+pub fn devices() -> Result<Vec<Device>> {
+    let mut enabled = xr::ExtensionSet::default();
+    enabled.khr_vulkan_enable2 = true;
+    let instance = entry()?.create_instance(&APPLICATION, &enabled, &[], &())?;
+    let system = instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).context("no headset")?;
+    let needs = Needs { vulkan: vk::API_VERSION_1_2, ..Needs::NOTHING };
+    match Gpu::open(&instance, system, &needs.demands(false), None)? {
+        Opened::Gpu(gpu) => gpu.devices(),
+        Opened::Lacking(what) => bail!("the device lacks {what}"),
+    }
+}
+
 /// Shows the scene until the session has ended.
 ///
 /// # Errors
@@ -55,16 +85,10 @@ pub fn run(style: &Style, options: &Options) -> Result<End> {
     if let Some(name) = missing.names().first() {
         return Ok(End::Skipped(String::from_utf8_lossy(name).into_owned()));
     }
-    let application = xr::ApplicationInfo {
-        application_name: "parafovea-zoo",
-        application_version: 1,
-        engine_name: "none",
-        engine_version: 1,
-        api_version: xr::Version::new(1, 0, 0),
-    };
-    let instance = entry.create_instance(&application, &enabled, &[], &())?;
+    let instance = entry.create_instance(&APPLICATION, &enabled, &[], &())?;
     let system = instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).context("no headset")?;
-    let gpu = match Gpu::open(&instance, system, &style.needs)? {
+    let maps = options.native_map.as_deref().map(RatesFile::load).transpose()?;
+    let gpu = match Gpu::open(&instance, system, &style.needs.demands(maps.is_some()), maps)? {
         Opened::Gpu(gpu) => gpu,
         Opened::Lacking(what) => return Ok(End::Skipped(what)),
     };

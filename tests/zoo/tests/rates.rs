@@ -57,7 +57,7 @@ fn run(style: &Style, profile: ShadingRateProfile, config: &str) -> Result<Outco
     let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
     let application = Application::ours("parafovea-zoo", &arguments)?;
     let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
-    let run = Run::new(&application, &scenario).validated().shading_rates(profile);
+    let run = Run::new(&application, &scenario).validated_from(style.headers).shading_rates(profile);
     Ok(run.on(config).finish()?)
 }
 

@@ -44,8 +44,11 @@ fn check(style: &Style) -> Result<(), Failed> {
     let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
     let application = Application::ours("parafovea-zoo", &arguments)?;
     let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
-    let outcome =
-        Run::new(&application, &scenario).validated().on("").env("PARAFOVEA_PASSES_FILE", &file).finish()?;
+    let outcome = Run::new(&application, &scenario)
+        .validated_from(style.headers)
+        .on("")
+        .env("PARAFOVEA_PASSES_FILE", &file)
+        .finish()?;
     if let Some(skipped) = outcome.output.lines().find(|line| line.starts_with(SKIPPED)) {
         println!("{}: {skipped}", style.name);
         return Ok(());

@@ -27,6 +27,8 @@ pub struct Content {
     queue: vk::Queue,
     /// Whether several queues use it, so that it cannot be written in the order of one.
     is_shared: bool,
+    /// The texels of the last upload, where tests ask for them.
+    texels: Vec<u8>,
 }
 
 /// One rectangle of a target that a pass draws.
@@ -99,6 +101,17 @@ impl Content {
         self.is_changed = false;
         self.is_coarse = self.uses.iter().any(|used| !used.parts.is_empty());
         self.plan = plan;
+    }
+
+    /// Keeps the texels that were uploaded, for tests.
+    pub fn keep(&mut self, texels: &[u8]) {
+        self.texels.clear();
+        self.texels.extend_from_slice(texels);
+    }
+
+    /// What was kept last.
+    pub fn kept(&self) -> &[u8] {
+        &self.texels
     }
 
     /// All uses as one: the area around all render areas, and the parts as fractions of it. Where a pass draws that shows

@@ -1,9 +1,11 @@
 //! What the application did since the last frame ended, and recognition, which learns from it.
 
-use super::passes_file;
+use super::passes_file::{self, Judged};
 use crate::scene::{Event, Match, Pass, Recognition, Shown, Unmatched};
+use crate::vk::candidates::Candidate;
 use crate::vk::objects::Objects;
 use parafovea_manifest::options::PassRules;
+use std::sync::Arc;
 
 /// An application that does more than this in a frame, or shows no frames, is not followed further.
 const MOST_EVENTS: usize = 16_384;
@@ -14,7 +16,7 @@ pub struct Log {
     frame: u64,
     events: Vec<Event>,
     /// What each of `events` was taken for; empty where nobody wants to know.
-    judged: Vec<Option<Result<Match, Unmatched>>>,
+    judged: Vec<Option<Judged>>,
     recognition: Recognition,
     /// Passes that got the plan's rates, in the frame under way and in the last.
     with_rates: [u32; 2],
@@ -41,22 +43,23 @@ impl Log {
         self.with_rates[1]
     }
 
-    /// Notes what is submitted. Says of a pass what it is, where `is_candidate` or tests ask for that.
+    /// Notes what is submitted. Says of a pass what it is, where it draws to a candidate or tests ask for that.
     pub fn push(
         &mut self,
         objects: &Objects,
         event: &Event,
-        is_candidate: bool,
+        candidate: Option<&Arc<Candidate>>,
     ) -> Option<Result<Match, Unmatched>> {
         let is_told = passes_file::is_wanted();
         let judged = match event {
-            Event::Pass(pass) if is_candidate || is_told => Some(self.recognise(objects, pass)),
+            Event::Pass(pass) if candidate.is_some() || is_told => Some(self.recognise(objects, pass)),
             _ => None,
         };
         if self.events.len() < MOST_EVENTS {
             self.events.push(event.clone());
             if is_told {
-                self.judged.push(judged.clone());
+                let candidate = candidate.map(Arc::downgrade);
+                self.judged.push(judged.clone().map(|outcome| Judged { outcome, candidate }));
             }
         }
         judged

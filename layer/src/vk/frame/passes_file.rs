@@ -3,17 +3,22 @@
 //! `PARAFOVEA_PASSES_FILE` names it; it is only looked at where devices are armed, so not in processes with elevated
 //! rights. Each line is a JSON object:
 //!
-//! `{"frame":0,"index":0,"extent":[w,h],"area":[w,h],"layers":1,"samples":1,"format":"R8G8B8A8_SRGB","eyes":"left","why":"..."}`
+//! `{"frame":0,"index":0,"extent":[w,h],"area":[w,h],"layers":1,"samples":1,"format":"R8G8B8A8_SRGB","eyes":"left","why":"...",`
+//! `"map":{"texel":[w,h],"tiles":[columns,rows,layers],"rates":"..."}}`
 //!
 //! Frames count a device's xrEndFrame calls within a session from 0, indices the passes in the order of their submits.
 //! `extent`, `samples` and `format` are those of the first colour attachment, or of depth where there is none; `area` is the
-//! size of the render area, `layers` the number of views of multiview, else 1; `eyes` is left, right, both or none.
+//! size of the render area, `layers` the number of views of multiview, else 1; `eyes` is left, right, both or none. `map` is the map of the
+//! pass's candidate as it was at the end of the frame, where there is one: `rates` has two hexadecimal digits a texel, layer by layer, row by row.
 
 use crate::scene::{Event, Eyes, Match, Pass, Unmatched};
+use crate::vk::backend::MapSize;
+use crate::vk::candidates::Candidate;
 use crate::vk::objects::Objects;
+use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError, Weak};
 
 const VARIABLE: &str = "PARAFOVEA_PASSES_FILE";
 
@@ -28,6 +33,14 @@ static FILE: LazyLock<Option<Mutex<BufWriter<File>>>> = LazyLock::new(|| {
     }
 });
 
+/// What a pass was taken for.
+pub struct Judged {
+    /// Its picture, or why it makes none.
+    pub outcome: Result<Match, Unmatched>,
+    /// What it draws to; this keeps nothing alive.
+    pub candidate: Option<Weak<Candidate>>,
+}
+
 /// Whether somebody wants to know.
 pub fn is_wanted() -> bool {
     FILE.is_some()
@@ -37,18 +50,23 @@ pub fn is_wanted() -> bool {
 pub fn write<'a>(
     objects: &Objects,
     frame: u64,
-    passes: impl Iterator<Item = (&'a Event, &'a Option<Result<Match, Unmatched>>)>,
+    passes: impl Iterator<Item = (&'a Event, &'a Option<Judged>)>,
 ) {
     let Some(file) = &*FILE else { return };
     let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
-    let judged = passes.filter_map(|(event, outcome)| match event {
-        Event::Pass(pass) => Some((pass, outcome.as_ref()?)),
+    let judged = passes.filter_map(|(event, judged)| match event {
+        Event::Pass(pass) => Some((pass, judged.as_ref()?)),
         Event::Transfer(_) => None,
     });
     let written = judged
         .enumerate()
-        .try_for_each(|(index, (pass, outcome))| {
-            file.write_all(line(objects, frame, index, pass, outcome).as_bytes())
+        .try_for_each(|(index, (pass, judged))| {
+            let map = judged
+                .candidate
+                .as_ref()
+                .and_then(Weak::upgrade)
+                .map_or(String::new(), |candidate| map(candidate.map.size(), candidate.content().kept()));
+            file.write_all(line(objects, [frame, index as u64], pass, &judged.outcome, &map).as_bytes())
         })
         .and_then(|()| file.flush());
     if let Err(error) = written {
@@ -58,10 +76,10 @@ pub fn write<'a>(
 
 fn line(
     objects: &Objects,
-    frame: u64,
-    index: usize,
+    [frame, index]: [u64; 2],
     pass: &Pass,
     outcome: &Result<Match, Unmatched>,
+    map: &str,
 ) -> String {
     let image = pass.colors.first().or(pass.depth.as_ref()).and_then(|target| objects.describe(target.image));
     let (extent, samples) = image.map_or(([0, 0], 0), |image| (image.extent, image.samples));
@@ -74,9 +92,23 @@ fn line(
     };
     format!(
         "{{\"frame\":{frame},\"index\":{index},\"extent\":{extent:?},\"area\":[{width}, {height}],\"layers\":{layers},\
-         \"samples\":{samples},\"format\":{format:?},\"eyes\":\"{}\",\"why\":{why:?}}}\n",
+         \"samples\":{samples},\"format\":{format:?},\"eyes\":\"{}\",\"why\":{why:?}{map}}}\n",
         eyes(outcome)
     )
+}
+
+/// What a line says of a map, of which the texels are known.
+fn map(size: MapSize, texels: &[u8]) -> String {
+    if texels.is_empty() {
+        return String::new();
+    }
+    let ([columns, rows], layers) = (size.tiles, size.layers);
+    let rates = texels.iter().fold(String::new(), |mut digits, texel| {
+        let _ = write!(digits, "{texel:02x}");
+        digits
+    });
+    let texel = size.texel;
+    format!(",\"map\":{{\"texel\":{texel:?},\"tiles\":[{columns}, {rows}, {layers}],\"rates\":\"{rates}\"}}")
 }
 
 /// Whose picture it is, of all parts together.
@@ -116,9 +148,15 @@ mod tests {
             facts: PassFacts::default(),
         };
         assert_eq!(
-            line(&Objects::default(), 3, 1, &pass, &Err(Unmatched::NoColour)),
+            line(&Objects::default(), [3, 1], &pass, &Err(Unmatched::NoColour), ",\"map\":0"),
             "{\"frame\":3,\"index\":1,\"extent\":[0, 0],\"area\":[30, 40],\"layers\":2,\"samples\":0,\
-             \"format\":\"unknown\",\"eyes\":\"none\",\"why\":\"no colour: a shadow map or a depth pre-pass\"}\n"
+             \"format\":\"unknown\",\"eyes\":\"none\",\"why\":\"no colour: a shadow map or a depth pre-pass\",\"map\":0}\n"
         );
+        let size = MapSize { texel: [16, 8], tiles: [2, 1], layers: 1 };
+        assert_eq!(
+            map(size, &[0, 10]),
+            ",\"map\":{\"texel\":[16, 8],\"tiles\":[2, 1, 1],\"rates\":\"000a\"}"
+        );
+        assert_eq!(map(size, &[]), "");
     }
 }

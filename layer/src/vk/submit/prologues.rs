@@ -6,6 +6,7 @@ use crate::gpu::functions::Functions;
 use crate::scene::lay::RateImage;
 use crate::vk::armed::Armed;
 use crate::vk::candidates::Need;
+use crate::vk::frame::passes_are_written;
 use ash::vk;
 use std::sync::{Mutex, PoisonError};
 
@@ -97,6 +98,9 @@ unsafe fn fill(
                 let mut plan = armed.frame.plan();
                 plan.lay(&parts, &image, &armed.rates, &mut slot.texels);
                 content.uploaded(plan.serial());
+                if passes_are_written() {
+                    content.keep(&slot.texels);
+                }
             }
             slot.stage(offset, len, |texels, staging| candidate.map.stage(texels, staging));
             candidate.map.record_upload(slot.commands(), slot.buffer(), offset as vk::DeviceSize);

@@ -1,15 +1,22 @@
 //! The command buffers of a device, and their queries.
 
-use super::Kind;
+use super::features::Family;
+use super::{GpuTime, Kind};
+use crate::cpu_time::process_cpu_ns;
 use ash::vk;
 use std::collections::HashMap;
 
 /// Render passes of a command buffer whose samples are counted.
 pub(super) const MOST_PASSES: u32 = 256;
 
+/// Where timestamps are written: when all commands before them are done.
+const ALL_DONE: vk::PipelineStageFlags = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+
 struct Pool {
-    /// Whether its buffers can be counted: they can draw, and are not protected.
+    /// Whether its buffers can be counted: they can draw, or write timestamps, and are not protected.
     counted: bool,
+    /// Bits of timestamps that hold.
+    timestamps: u64,
     buffers: Vec<vk::CommandBuffer>,
 }
 
@@ -24,8 +31,8 @@ struct Buffer {
     used: u32,
     /// Whether it is in a render pass with a query.
     in_pass: bool,
-    /// Submitted, and the result not read yet.
-    pending: bool,
+    /// Submitted at this CPU time of the process, and the result not read yet.
+    pending: Option<u64>,
     draws: u64,
 }
 
@@ -33,6 +40,8 @@ struct Buffer {
 #[derive(Clone, Default)]
 pub(super) struct Sums {
     sum: u64,
+    /// What each command buffer took.
+    pub times: Vec<GpuTime>,
     /// Why that is not all.
     pub reason: Option<String>,
     /// Primary command buffers executed.
@@ -56,7 +65,9 @@ impl Sums {
 pub(super) struct Buffers {
     kind: Kind,
     device: ash::Device,
-    graphics_families: Vec<bool>,
+    families: Vec<Family>,
+    /// Nanoseconds of a timestamp's step.
+    timestamp_period_ns: f32,
     pools: HashMap<vk::CommandPool, Pool>,
     buffers: HashMap<vk::CommandBuffer, Buffer>,
     sums: Sums,
@@ -64,9 +75,15 @@ pub(super) struct Buffers {
 
 impl Buffers {
     /// Nothing yet; with a reason, nothing will be counted.
-    pub fn new(kind: Kind, device: ash::Device, graphics_families: Vec<bool>, reason: Option<&str>) -> Self {
+    pub fn new(
+        kind: Kind,
+        device: ash::Device,
+        (families, timestamp_period_ns): (Vec<Family>, f32),
+        reason: Option<&str>,
+    ) -> Self {
         let sums = Sums { reason: reason.map(str::to_owned), ..Sums::default() };
-        Self { kind, device, graphics_families, pools: HashMap::new(), buffers: HashMap::new(), sums }
+        let (pools, buffers) = (HashMap::new(), HashMap::new());
+        Self { kind, device, families, timestamp_period_ns, pools, buffers, sums }
     }
 
     /// Something cannot be counted: from now on nothing is.
@@ -75,9 +92,15 @@ impl Buffers {
     }
 
     pub fn add_pool(&mut self, pool: vk::CommandPool, family: u32, flags: vk::CommandPoolCreateFlags) {
-        let graphics = self.graphics_families.get(family as usize) == Some(&true);
-        let counted = graphics && !flags.contains(vk::CommandPoolCreateFlags::PROTECTED);
-        self.pools.insert(pool, Pool { counted, buffers: Vec::new() });
+        let family = self.families.get(family as usize);
+        let bits = family.map_or(0, |family| family.timestamp_bits);
+        let can_be = match self.kind {
+            Kind::Times => bits > 0,
+            Kind::Invocations | Kind::Samples => family.is_some_and(|family| family.draws),
+        };
+        let counted = can_be && !flags.contains(vk::CommandPoolCreateFlags::PROTECTED);
+        let timestamps = u64::MAX.checked_shr(u64::BITS.saturating_sub(bits)).unwrap_or(0);
+        self.pools.insert(pool, Pool { counted, timestamps, buffers: Vec::new() });
     }
 
     pub fn add(&mut self, pool: vk::CommandPool, level: vk::CommandBufferLevel, new: &[vk::CommandBuffer]) {
@@ -94,7 +117,7 @@ impl Buffers {
                     counted: false,
                     used: 0,
                     in_pass: false,
-                    pending: false,
+                    pending: None,
                     draws: 0,
                 },
             );
@@ -135,6 +158,7 @@ impl Buffers {
             Kind::Samples => {
                 (vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::OCCLUSION), MOST_PASSES)
             }
+            Kind::Times => (vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP), 2),
         };
         if known.queries == vk::QueryPool::null() {
             // SAFETY: the device is live and has the feature.
@@ -147,13 +171,20 @@ impl Buffers {
             }
         }
         known.counted = true;
-        // SAFETY: the caller vouches for the buffer; it is outside of render passes, of a family that draws,
+        // SAFETY: the caller vouches for the buffer; it is outside of render passes, of a family that has such queries,
         // and the queries' last use has completed, or the buffer could not be recorded.
         unsafe {
             self.device.cmd_reset_query_pool(buffer, known.queries, 0, count);
-            if self.kind == Kind::Invocations {
-                known.used = 1;
-                self.device.cmd_begin_query(buffer, known.queries, 0, vk::QueryControlFlags::empty());
+            match self.kind {
+                Kind::Invocations => {
+                    known.used = 1;
+                    self.device.cmd_begin_query(buffer, known.queries, 0, vk::QueryControlFlags::empty());
+                }
+                Kind::Samples => {}
+                Kind::Times => {
+                    known.used = count;
+                    self.device.cmd_write_timestamp(buffer, ALL_DONE, known.queries, 0);
+                }
             }
         }
     }
@@ -164,10 +195,14 @@ impl Buffers {
     ///
     /// `buffer` is in the recording state, at its end.
     pub unsafe fn end(&self, buffer: vk::CommandBuffer) {
-        let known = self.buffers.get(&buffer).filter(|known| known.counted);
-        if let (Kind::Invocations, Some(known)) = (self.kind, known) {
-            // SAFETY: the caller vouches for the buffer; `begin` began the query, outside of render passes.
-            unsafe { self.device.cmd_end_query(buffer, known.queries, 0) }
+        let Some(known) = self.buffers.get(&buffer).filter(|known| known.counted) else { return };
+        // SAFETY: the caller vouches for the buffer; `begin` began the query, or reset it, outside of render passes.
+        unsafe {
+            match self.kind {
+                Kind::Invocations => self.device.cmd_end_query(buffer, known.queries, 0),
+                Kind::Samples => {}
+                Kind::Times => self.device.cmd_write_timestamp(buffer, ALL_DONE, known.queries, 1),
+            }
         }
     }
 
@@ -243,14 +278,18 @@ impl Buffers {
     /// `buffer` is not being destroyed.
     pub unsafe fn collect(&mut self, buffer: vk::CommandBuffer) {
         let Some(known) = self.buffers.get_mut(&buffer) else { return };
-        if !std::mem::take(&mut known.pending) || known.used == 0 {
-            return;
-        }
+        let Some(process_cpu_ns) = known.pending.take().filter(|_| known.used > 0) else { return };
         let mut results = [0u64; MOST_PASSES as usize];
         let results = &mut results[..known.used as usize];
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
         // SAFETY: the queries are live and were begun and ended in the submitted buffer.
         match unsafe { self.device.get_query_pool_results(known.queries, 0, results, flags) } {
+            Ok(()) if self.kind == Kind::Times => {
+                let bits = self.pools.get(&known.pool).map_or(u64::MAX, |pool| pool.timestamps);
+                let steps = results[1].wrapping_sub(results[0]) & bits;
+                let gpu_ns = (steps as f64 * f64::from(self.timestamp_period_ns)).round() as u64;
+                self.sums.times.push(GpuTime { process_cpu_ns, gpu_ns });
+            }
             Ok(()) => self.sums.sum += results.iter().sum::<u64>(),
             Err(error) => self.sums.reason = Some(format!("vkGetQueryPoolResults: {error}")),
         }
@@ -259,6 +298,7 @@ impl Buffers {
     /// A submit of these buffers succeeded.
     pub fn submitted(&mut self, buffers: &[vk::CommandBuffer]) {
         self.sums.queue_submits += 1;
+        let now = process_cpu_ns();
         for buffer in buffers {
             let Some(known) = self.buffers.get_mut(buffer) else { continue };
             self.sums.command_buffers += 1;
@@ -266,7 +306,7 @@ impl Buffers {
             if self.kind == Kind::Samples {
                 self.sums.passes += u64::from(known.used);
             }
-            if std::mem::replace(&mut known.pending, true) {
+            if known.pending.replace(now).is_some() {
                 self.sums.reason = Some("a command buffer is twice in one submit".to_owned());
             }
         }

@@ -10,6 +10,16 @@ pub(super) struct Features {
     /// The queries of that kind.
     queries: bool,
     pub inherited_queries: bool,
+    /// Nanoseconds of a timestamp's step.
+    pub timestamp_period_ns: f32,
+}
+
+/// What the queues of a family can do.
+pub(super) struct Family {
+    /// They draw.
+    pub draws: bool,
+    /// Bits of their timestamps that hold; 0: there are none.
+    pub timestamp_bits: u32,
 }
 
 impl Features {
@@ -18,13 +28,22 @@ impl Features {
     /// The physical device is a live one of the instance.
     pub unsafe fn of(kind: Kind, instance: &Instance, physical_device: vk::PhysicalDevice) -> Self {
         let mut features = vk::PhysicalDeviceFeatures::default();
+        let mut properties = vk::PhysicalDeviceProperties::default();
         // SAFETY: the caller vouches for the handle.
-        unsafe { (instance.features)(physical_device, &mut features) };
+        unsafe {
+            (instance.features)(physical_device, &mut features);
+            if let Some(ask) = instance.physical_device.properties {
+                ask(physical_device, &mut properties);
+            }
+        }
+        let timestamp_period_ns = properties.limits.timestamp_period;
         let queries = match kind {
-            Kind::Invocations => features.pipeline_statistics_query,
-            Kind::Samples => features.occlusion_query_precise,
+            Kind::Invocations => features.pipeline_statistics_query == vk::TRUE,
+            Kind::Samples => features.occlusion_query_precise == vk::TRUE,
+            Kind::Times => timestamp_period_ns > 0.0,
         };
-        Self { kind, queries: queries == vk::TRUE, inherited_queries: features.inherited_queries == vk::TRUE }
+        let inherited_queries = features.inherited_queries == vk::TRUE;
+        Self { kind, queries, inherited_queries, timestamp_period_ns }
     }
 
     /// Creates the device with the features on; returns also why counting is not possible, if so.
@@ -48,12 +67,13 @@ impl Features {
             let missing = match (self.kind, self.queries) {
                 (Kind::Invocations, false) => Some("the device has no pipelineStatisticsQuery"),
                 (Kind::Samples, false) => Some("the device has no occlusionQueryPrecise"),
+                (Kind::Times, false) => Some("the device has no timestamps"),
                 (Kind::Invocations, true) if own_statistics => {
                     Some("the application uses pipeline statistics itself")
                 }
                 (_, true) => None,
             };
-            if missing.is_some() {
+            if missing.is_some() || self.kind == Kind::Times {
                 return create(&info).map(|next| (next, missing));
             }
             let before = asked.copied().unwrap_or_default();
@@ -64,6 +84,7 @@ impl Features {
             match self.kind {
                 Kind::Invocations => amended.pipeline_statistics_query = vk::TRUE,
                 Kind::Samples => amended.occlusion_query_precise = vk::TRUE,
+                Kind::Times => {}
             }
             let created = if let Some(chained) = chained {
                 *chained = amended;
@@ -100,21 +121,23 @@ unsafe fn chained_features<'a>(
     None
 }
 
-/// Which queue families can draw: the others can have no such query.
+/// What the queue families can do: those that cannot draw have no queries of what is drawn.
 ///
 /// # Safety
 ///
 /// The physical device is a live one of the instance.
-pub(super) unsafe fn graphics_families(
-    instance: &Instance,
-    physical_device: vk::PhysicalDevice,
-) -> Vec<bool> {
+pub(super) unsafe fn families(instance: &Instance, physical_device: vk::PhysicalDevice) -> Vec<Family> {
     // SAFETY: the caller vouches for the handle; the second call has the room that the first asked for.
-    unsafe {
+    let families = unsafe {
         let mut count = 0;
         (instance.queue_families)(physical_device, &mut count, std::ptr::null_mut());
         let mut families = vec![vk::QueueFamilyProperties::default(); count as usize];
         (instance.queue_families)(physical_device, &mut count, families.as_mut_ptr());
-        families.iter().map(|family| family.queue_flags.contains(vk::QueueFlags::GRAPHICS)).collect()
-    }
+        families
+    };
+    let family = |family: &vk::QueueFamilyProperties| Family {
+        draws: family.queue_flags.contains(vk::QueueFlags::GRAPHICS),
+        timestamp_bits: family.timestamp_valid_bits,
+    };
+    families.iter().map(family).collect()
 }

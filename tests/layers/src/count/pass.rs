@@ -44,6 +44,7 @@ unsafe fn begin<L: Counting>(
             }
             call();
         }
+        Kind::Times => call(),
     }
 }
 

@@ -176,6 +176,7 @@ unsafe extern "system" fn begin<L: Counting>(
                         inheritance.occlusion_query_enable = vk::TRUE;
                         inheritance.query_flags |= vk::QueryControlFlags::PRECISE;
                     }
+                    Kind::Times => {}
                 }
                 let info = vk::CommandBufferBeginInfo { p_inheritance_info: &inheritance, ..*info };
                 next(buffer, &info)
@@ -234,7 +235,7 @@ macro_rules! draws {
             // SAFETY: the application's valid arguments.
             unsafe {
                 let layer = counting::<Invocations>(buffer);
-        let counter = layer.counter();
+                let counter = layer.counter();
                 counter.buffers().add_draws(buffer, u64::from($draws));
                 (counter.next.functions.fp_v1_0().$next)(buffer, $($argument),*);
             }

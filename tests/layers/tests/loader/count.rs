@@ -3,7 +3,9 @@
 
 use crate::device::SIDE;
 use crate::process::{Ended, Process};
-use parafovea_test_layers::{COUNT_FILE_VARIABLE, Count, SAMPLES_FILE_VARIABLE, SampleCount, TestLayer};
+use parafovea_test_layers::{
+    COUNT_FILE_VARIABLE, Count, GpuTimes, SAMPLES_FILE_VARIABLE, SampleCount, TIMES_FILE_VARIABLE, TestLayer,
+};
 
 fn counted(program: &str) -> (Count, Ended) {
     let process = Process::new(program).layer(TestLayer::Count.name()).validated();
@@ -103,5 +105,20 @@ fn each_layer_works_alone() {
     for layer in TestLayer::ALL {
         let ended = Process::new("triangle_with_own_query").layer(layer.name()).run();
         assert_eq!(ended.result, whole_image().to_string(), "{}", layer.name());
+    }
+}
+
+/// Each submit of each command buffer is timed, between the process's CPU times around it.
+#[test]
+fn times_are_of_each_submit() {
+    for (program, submits) in [("triangle_once", 1), ("triangle_thrice_with_chained_features", 3)] {
+        let process = Process::new(program).layer(TestLayer::Times.name()).validated();
+        let ended = process.file(TIMES_FILE_VARIABLE, "times.json").run();
+        let times: GpuTimes = serde_json::from_str(ended.read("times.json").trim()).unwrap();
+        assert_eq!((times.buffers.len(), times.reason), (submits, None), "{program}");
+        // A triangle over 256 x 256 pixels takes no CPU a microsecond, nor a minute.
+        assert!(times.buffers.iter().all(|time| (1_000..60_000_000_000).contains(&time.gpu_ns)));
+        assert!(times.buffers.is_sorted_by(|before, after| before.process_cpu_ns < after.process_cpu_ns));
+        assert_eq!(ended.findings, [""; 0]);
     }
 }

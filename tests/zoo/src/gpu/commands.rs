@@ -4,6 +4,7 @@ use super::{Gpu, Image, Made};
 use crate::truth::PassSeen;
 use anyhow::Result;
 use ash::vk;
+use std::sync::atomic::Ordering;
 
 impl Gpu {
     /// Makes so many command buffers in a pool of their own, which is kept.
@@ -116,13 +117,16 @@ impl Gpu {
         }
     }
 
-    /// Notes a pass that is being begun.
-    pub fn note_pass(&self, seen: PassSeen) {
-        self.begun.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(seen);
+    /// Notes a pass that is being begun: number of the frame, and of the pass in it.
+    pub fn note_pass(&self, seen: PassSeen) -> (u64, usize) {
+        let mut begun = self.begun.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        begun.push(seen);
+        (self.frames.load(Ordering::Relaxed), begun.len() - 1)
     }
 
-    /// The passes that were begun since the last call.
+    /// The passes of a frame, which ends: those that were begun since the last call.
     pub fn take_begun(&self) -> Vec<PassSeen> {
+        self.frames.fetch_add(1, Ordering::Relaxed);
         std::mem::take(&mut *self.begun.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
     }
 }

@@ -7,7 +7,8 @@ use ash::vk;
 type Part = vk::GraphicsPipelineLibraryFlagsEXT;
 
 impl Gpu {
-    /// Makes the parts of what `whole` describes as libraries, which are kept, and links them.
+    /// Makes the parts of what `whole` describes as libraries, which are kept, and links them; what its chain holds for the
+    /// parts ahead of fragments comes apart.
     ///
     /// # Errors
     /// Those of the calls.
@@ -16,7 +17,7 @@ impl Gpu {
         whole: vk::GraphicsPipelineCreateInfo,
         stages: &[vk::PipelineShaderStageCreateInfo],
         layout: vk::PipelineLayout,
-        view_mask: u32,
+        (view_mask, rate): (u32, Option<vk::PipelineFragmentShadingRateStateCreateInfoKHR<'static>>),
     ) -> Result<vk::Pipeline> {
         let (vertex, fragment) = stages.split_at(1);
         let parts = [
@@ -30,11 +31,15 @@ impl Gpu {
             let with_fragments = part.contains(Part::FRAGMENT_OUTPUT_INTERFACE);
             let mut part = vk::GraphicsPipelineLibraryCreateInfoEXT::default().flags(part);
             let mut rendering = vk::PipelineRenderingCreateInfo::default().view_mask(view_mask);
+            let mut rate = rate.filter(|_| part.flags.contains(Part::PRE_RASTERIZATION_SHADERS));
             let mut info = whole;
             if !with_fragments {
                 // Formats are for the output alone.
                 info.p_next = std::ptr::null();
                 info = info.push_next(&mut rendering);
+                if let Some(rate) = &mut rate {
+                    info = info.push_next(rate);
+                }
             }
             let library = self.create(
                 info.flags(whole.flags | vk::PipelineCreateFlags::LIBRARY_KHR)

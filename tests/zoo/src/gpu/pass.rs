@@ -43,6 +43,8 @@ pub struct PassSpec {
 pub struct Pass {
     kind: Kind,
     spec: PassSpec,
+    /// Its rate image, where the application sets rates itself.
+    rates: Option<Image>,
     pub framebuffer: vk::Framebuffer,
     pub target: Target,
     pub extent: [u32; 2],
@@ -130,7 +132,7 @@ impl PassSpec {
         Self { resolves: vec![to], ..self }
     }
 
-    fn attachments(&self) -> impl Iterator<Item = &Attachment> {
+    pub(super) fn attachments(&self) -> impl Iterator<Item = &Attachment> {
         self.colors.iter().chain(&self.resolves).chain(&self.depth)
     }
 
@@ -183,17 +185,19 @@ impl Gpu {
     /// Those of the calls.
     pub fn pass_like(&self, kind: Kind, target: &Target, spec: PassSpec) -> Result<Pass> {
         let extent = spec.extent();
+        let rates = self.rate_image(&spec, extent)?;
         let framebuffer = match kind {
             Kind::Dynamic => vk::Framebuffer::null(),
             Kind::RenderPass => {
-                let views: Vec<_> = spec.attachments().map(|attachment| attachment.image.view).collect();
+                let images = spec.attachments().map(|attachment| &attachment.image);
+                let views: Vec<_> = images.chain(&rates).map(|image| image.view).collect();
                 let framebuffer = self.framebuffer(target.render_pass, &views, extent)?;
                 self.keep(Made::Framebuffer(framebuffer));
                 framebuffer
             }
             Kind::Imageless => self.imageless_framebuffer(target.render_pass, &spec, extent)?,
         };
-        Ok(Pass { kind, spec, framebuffer, target: target.clone(), extent })
+        Ok(Pass { kind, spec, rates, framebuffer, target: target.clone(), extent })
     }
 
     /// Makes a framebuffer, which the caller destroys.
@@ -251,6 +255,9 @@ impl Gpu {
     }
 
     fn render_pass(&self, spec: &PassSpec) -> Result<vk::RenderPass> {
+        if self.sets_rates(spec) {
+            return self.render_pass_with_rates(spec);
+        }
         let descriptions: Vec<_> = spec.attachments().map(Attachment::description).collect();
         let reference = |index, layout| vk::AttachmentReference { attachment: index, layout };
         let (count, resolves) = (spec.colors.len() as u32, spec.resolves.len() as u32);
@@ -288,7 +295,7 @@ impl Pass {
     /// A render pass of `target` with a framebuffer of the caller's.
     pub fn with_framebuffer(spec: PassSpec, target: &Target, framebuffer: vk::Framebuffer) -> Self {
         let extent = spec.extent();
-        Self { kind: Kind::RenderPass, spec, framebuffer, target: target.clone(), extent }
+        Self { kind: Kind::RenderPass, spec, rates: None, framebuffer, target: target.clone(), extent }
     }
 
     /// Begins it, with a viewport over all of it.
@@ -314,7 +321,10 @@ impl Pass {
         area: [u32; 2],
         contents: vk::SubpassContents,
     ) {
-        gpu.note_pass(self.target.seen(self.extent, area));
+        let number = gpu.note_pass(self.target.seen(self.extent, area));
+        if let Some(image) = &self.rates {
+            gpu.lay_rates(commands, image, number);
+        }
         let area = vk::Rect2D {
             offset: vk::Offset2D::default(),
             extent: vk::Extent2D { width: area[0], height: area[1] },
@@ -363,6 +373,10 @@ impl Pass {
             .color_attachments(&infos);
         if let Some(depth) = &depth {
             info = info.depth_attachment(depth);
+        }
+        let mut rates = self.rates.as_ref().map(|image| gpu.rate_attachment(image));
+        if let Some(rates) = &mut rates {
+            info = info.push_next(rates);
         }
         // SAFETY: as for render passes; the style's needs hold Vulkan 1.3 and the feature.
         unsafe { gpu.cmd_begin_rendering(commands, &info) };

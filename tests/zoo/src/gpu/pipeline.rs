@@ -70,6 +70,8 @@ pub struct PipelineSpec {
     pub vertices: bool,
     /// The pipeline's own shading rate; None: no such state.
     pub rate: Option<[u32; 2]>,
+    /// Whether the rate attachment's rates hold instead of that.
+    pub obeys_rates: bool,
     pub flags: vk::PipelineCreateFlags,
     pub making: Making,
 }
@@ -86,9 +88,22 @@ impl PipelineSpec {
             viewports: 1,
             vertices: false,
             rate: None,
+            obeys_rates: false,
             flags: vk::PipelineCreateFlags::empty(),
             making: Making::Whole,
         }
+    }
+}
+
+impl PipelineSpec {
+    /// The state of the pipeline's own shading rate.
+    fn rate_state(&self) -> Option<vk::PipelineFragmentShadingRateStateCreateInfoKHR<'static>> {
+        let [width, height] = self.rate?;
+        // The pipeline's own rate, and behind it the attachment's.
+        let keep = vk::FragmentShadingRateCombinerOpKHR::KEEP;
+        let second = if self.obeys_rates { vk::FragmentShadingRateCombinerOpKHR::REPLACE } else { keep };
+        let state = vk::PipelineFragmentShadingRateStateCreateInfoKHR::default();
+        Some(state.fragment_size(vk::Extent2D { width, height }).combiner_ops([keep, second]))
     }
 }
 
@@ -115,10 +130,11 @@ impl Gpu {
                 stages.push(info.stage(stage).module(module).name(shader.entry));
             }
         }
+        let spec = &self.with_rates(spec, target);
         let state = State::new(spec, target);
         let pipeline = state.with(spec, target, &stages, |info| match spec.making {
             Making::Whole => self.create(info.layout(layout)),
-            Making::Libraries => self.linked(info, &stages, layout, target.view_mask),
+            Making::Libraries => self.linked(info, &stages, layout, (target.view_mask, spec.rate_state())),
             Making::Flags2 => {
                 let bits = u64::from(spec.flags.as_raw());
                 let mut flags = vk::PipelineCreateFlags2CreateInfoKHR::default()
@@ -221,7 +237,7 @@ impl State {
             .view_mask(target.view_mask)
             .color_attachment_formats(&target.colors)
             .depth_attachment_format(target.depth);
-        let mut rate = vk::PipelineFragmentShadingRateStateCreateInfoKHR::default();
+        let mut rate = spec.rate_state();
         let mut info = vk::GraphicsPipelineCreateInfo::default()
             .flags(spec.flags)
             .stages(stages)
@@ -238,13 +254,8 @@ impl State {
         if target.render_pass == vk::RenderPass::null() {
             info = info.push_next(&mut rendering);
         }
-        if let Some([width, height]) = spec.rate {
-            // The pipeline's own rate where there is no attachment, which comes second, else the attachment's.
-            rate = rate.fragment_size(vk::Extent2D { width, height }).combiner_ops([
-                vk::FragmentShadingRateCombinerOpKHR::KEEP,
-                vk::FragmentShadingRateCombinerOpKHR::KEEP,
-            ]);
-            info = info.push_next(&mut rate);
+        if let Some(rate) = &mut rate {
+            info = info.push_next(rate);
         }
         call(info)
     }

@@ -10,6 +10,7 @@ pub const STYLE: Style = Style {
     says: "four samples a pixel, holes in the boxes by alpha to coverage",
     direct: false,
     likeness: None,
+    can_set_rates: true,
     passes: msaa_resolve::four_samples,
     start: |app| msaa_resolve::start(app, &HOLES, true),
     ..Style::PLAIN

@@ -18,6 +18,7 @@ pub const STYLE: Style = Style {
     says: "a G-buffer with depth, lit by a full-screen pass into the swapchain",
     direct: false,
     likeness: Some(1.5),
+    can_set_rates: true,
     passes: |size, _| {
         let eye = |eyes| {
             [

@@ -16,6 +16,7 @@ const FACES: u32 = 6;
 pub const STYLE: Style = Style {
     name: "distractors",
     says: "a shadow map, a mirror and a cube map before the scene",
+    can_set_rates: true,
     passes: |size, _| {
         let mut passes = vec![
             PassTruth::new(SHADOW, DEPTH, Eyes::None, "shadow map"),

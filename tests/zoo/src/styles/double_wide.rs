@@ -13,6 +13,7 @@ pub const STYLE: Style = Style {
     says: "one pass over both eyes beside each other, drawn one after the other",
     arrangement: Arrangement::DoubleWide,
     likeness: Some(0.01),
+    can_set_rates: true,
     passes: |size, _| vec![PassTruth::new(wide(size), COLOR, Eyes::Both, "scene")],
     start,
     ..Style::PLAIN

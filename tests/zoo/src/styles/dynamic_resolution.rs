@@ -13,6 +13,7 @@ pub const STYLE: Style = Style {
     says: "renders and submits another part of the swapchain's image in every frame",
     // Its pictures have other sizes.
     likeness: None,
+    can_set_rates: true,
     passes: |size, frame| {
         let scene = PassTruth::each_eye(size, COLOR, "scene, in a part of the image");
         scene.into_iter().map(|pass| PassTruth { area: part(size, frame), ..pass }).collect()

@@ -15,6 +15,7 @@ pub const STYLE: Style = Style {
         features: &[Feature::DynamicRendering, Feature::Maintenance5],
         ..Needs::DYNAMIC
     },
+    headers: 260,
     passes: |size, _| PassTruth::each_eye(size, COLOR, "scene"),
     start: |app| render_pass::start(app, Kind::Dynamic, |spec| spec.making = Making::Flags2),
     ..Style::PLAIN

@@ -16,6 +16,7 @@ pub const STYLE: Style = Style {
     needs: Needs { openxr: OpenXr { copied: true, ..OpenXr::NOTHING }, ..Needs::NOTHING },
     direct: false,
     likeness: Some(0.5),
+    can_set_rates: true,
     passes: |size, _| PassTruth::each_eye(size, COLOR, "scene, upside-down"),
     start,
     ..Style::PLAIN

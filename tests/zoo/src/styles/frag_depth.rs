@@ -13,6 +13,7 @@ pub const STYLE: Style = Style {
     name: "frag-depth",
     says: "the boxes' fragments write gl_FragDepth",
     likeness: Some(0.5),
+    can_set_rates: true,
     passes: |size, _| PassTruth::each_eye(size, COLOR, "scene"),
     start,
     ..Style::PLAIN

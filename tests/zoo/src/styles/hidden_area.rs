@@ -17,6 +17,7 @@ pub const STYLE: Style = Style {
     needs: Needs { openxr: OpenXr { hidden_area: true, ..OpenXr::NOTHING }, ..Needs::NOTHING },
     // The corners are black.
     likeness: Some(30.0),
+    can_set_rates: true,
     passes: |size, _| PassTruth::each_eye(size, COLOR, "scene, behind the hidden area"),
     start,
     ..Style::PLAIN

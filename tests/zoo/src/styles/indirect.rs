@@ -17,6 +17,7 @@ pub const STYLE: Style = Style {
         features: &[Feature::MultiDrawIndirect, Feature::DrawIndirectFirstInstance],
         ..Needs::NOTHING
     },
+    can_set_rates: true,
     passes: |size, _| PassTruth::each_eye(size, COLOR, "scene"),
     start,
     ..Style::PLAIN

@@ -12,6 +12,7 @@ use ash::vk;
 pub const STYLE: Style = Style {
     name: "loaded-depth",
     says: "half of the boxes in a second pass, which loads colour and depth",
+    can_set_rates: true,
     passes: |size, _| {
         let eye = |eyes| {
             [

@@ -14,6 +14,7 @@ pub const STYLE: Style = Style {
     says: "four samples a pixel, resolved into the swapchain at the end of the pass",
     direct: false,
     likeness: Some(6.0),
+    can_set_rates: true,
     passes: four_samples,
     start: |app| start(app, &FORWARD, false),
     ..Style::PLAIN

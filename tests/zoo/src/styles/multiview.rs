@@ -14,6 +14,7 @@ pub const STYLE: Style = Style {
     says: "one multiview pass into an array swapchain",
     needs: NEEDS,
     arrangement: Arrangement::Array,
+    can_set_rates: true,
     passes: |size, _| vec![PassTruth::new(size, COLOR, Eyes::Both, "scene").layers(2)],
     start,
     ..Style::PLAIN

@@ -18,6 +18,7 @@ pub const STYLE: Style = Style {
     says: "each eye in a half-float image, then tone-mapped into its swapchain",
     direct: false,
     likeness: None,
+    can_set_rates: true,
     passes: |size, _| {
         let eye = |eyes| {
             [PassTruth::new(size, HDR, eyes, "scene"), PassTruth::new(size, COLOR, eyes, "tone mapping")]

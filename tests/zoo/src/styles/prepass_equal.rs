@@ -12,6 +12,7 @@ use ash::vk;
 pub const STYLE: Style = Style {
     name: "prepass-equal",
     says: "a depth pre-pass, then colour with EQUAL tests",
+    can_set_rates: true,
     passes: |size, _| {
         let eye = |eyes| {
             [

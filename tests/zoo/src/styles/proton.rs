@@ -21,6 +21,7 @@ pub const STYLE: Style = Style {
         ..Needs::DYNAMIC
     },
     direct: false,
+    can_set_rates: true,
     passes: |size, _| PassTruth::each_eye(size, COLOR, "scene"),
     start,
     ..Style::PLAIN

@@ -14,6 +14,7 @@ pub const STYLE: Style = Style {
     name: "quad-ui",
     says: "a quad layer with a user interface beside the scene",
     needs: Needs { openxr: OpenXr { quad: true, ..OpenXr::NOTHING }, ..Needs::NOTHING },
+    can_set_rates: true,
     passes: |size, _| {
         let mut passes = vec![PassTruth::new(board_size(size), COLOR, Eyes::None, "quad layer")];
         passes.extend(PassTruth::each_eye(size, COLOR, "scene"));

@@ -11,6 +11,7 @@ use anyhow::Result;
 pub const STYLE: Style = Style {
     name: "render-pass",
     says: "a VkRenderPass for each eye, straight into its swapchain",
+    can_set_rates: true,
     passes: |size, _| PassTruth::each_eye(size, COLOR, "scene"),
     start: |app| start(app, Kind::RenderPass, |_| {}),
     ..Style::PLAIN

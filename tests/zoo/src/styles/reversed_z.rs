@@ -13,6 +13,7 @@ pub const STYLE: Style = Style {
     name: "reversed-z",
     says: "depth 1 near and 0 far, tested with GREATER",
     likeness: Some(0.5),
+    can_set_rates: true,
     passes: |size, _| PassTruth::each_eye(size, COLOR, "scene"),
     start,
     ..Style::PLAIN

@@ -18,6 +18,7 @@ pub const STYLE: Style = Style {
         features: &[Feature::DynamicRendering, Feature::ShaderObject],
         ..Needs::DYNAMIC
     },
+    headers: 246,
     passes: |size, _| PassTruth::each_eye(size, COLOR, "scene"),
     start,
     ..Style::PLAIN

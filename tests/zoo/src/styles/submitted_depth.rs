@@ -13,6 +13,7 @@ pub const STYLE: Style = Style {
     name: "submitted-depth",
     says: "depth in swapchains, submitted with XR_KHR_composition_layer_depth",
     needs: Needs { openxr: OpenXr { depth: true, ..OpenXr::NOTHING }, ..Needs::NOTHING },
+    can_set_rates: true,
     passes: |size, _| PassTruth::each_eye(size, COLOR, "scene"),
     start,
     ..Style::PLAIN

@@ -22,6 +22,7 @@ pub const STYLE: Style = Style {
     direct: false,
     global: Some("auto-exposure"),
     likeness: None,
+    can_set_rates: true,
     passes: |size, _| {
         let mut passes = Vec::new();
         for eyes in [Eyes::Left, Eyes::Right] {

@@ -40,7 +40,9 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     let other = Other { pass, commands, gpu };
     Ok(Box::new(move |frame| {
         other.render()?;
-        other.gpu.take_begun().into_iter().for_each(|seen| app.gpu.note_pass(seen));
+        other.gpu.take_begun().into_iter().for_each(|seen| {
+            app.gpu.note_pass(seen);
+        });
         for eye in EYES {
             app.show(frame, &eyes[eye][frame.color[eye]], &pipelines, eye);
         }

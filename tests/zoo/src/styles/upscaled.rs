@@ -14,6 +14,7 @@ pub const STYLE: Style = Style {
     says: "each eye at 0.67 of its size, then scaled up into its swapchain",
     direct: false,
     likeness: Some(14.0),
+    can_set_rates: true,
     passes: |size, _| {
         let eye = |eyes| {
             [PassTruth::new(small(size), COLOR, eyes, "scene"), PassTruth::new(size, COLOR, eyes, "scaling")]

@@ -1,0 +1,150 @@
+//! `cargo dev gpu [--json] [--styles A,B] [--frames N] [--size PIXELS] [--turns N] [--over-emulator]`.
+
+use parafovea_test_layers::ShadingRateProfile;
+use parafovea_tests::HarnessError;
+use parafovea_tests::artifacts::target_folder;
+use parafovea_tests::device::Machine;
+use parafovea_tests::installation::Driver;
+use parafovea_tests::measure::print_json;
+use parafovea_tests::native::{Length, Results, StyleResults, compare, styles, time};
+use parafovea_zoo::{SKIPPED, Style};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match Request::read(std::env::args().skip(1)).and_then(|request| check(&request)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("error: {reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+const ARGUMENTS: &str = "--json, --styles, --frames, --size, --turns, --over-emulator";
+
+/// Pictures are compared over so many frames of this size.
+const COMPARED: Length = Length { frames: 24, size: 256 };
+
+struct Request {
+    json: bool,
+    styles: Vec<&'static Style>,
+    timed: Length,
+    turns: usize,
+    over_emulator: bool,
+}
+
+impl Request {
+    fn read(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
+        let mut request = Self {
+            json: false,
+            styles: styles().collect(),
+            timed: Length { frames: 100, size: 2048 },
+            turns: 5,
+            over_emulator: false,
+        };
+        while let Some(argument) = arguments.next() {
+            let mut value = || arguments.next().unwrap_or_default();
+            match argument.as_str() {
+                "--json" => request.json = true,
+                "--over-emulator" => request.over_emulator = true,
+                "--styles" => request.styles = value().split(',').map(style).collect::<Result<_, _>>()?,
+                "--frames" => request.timed.frames = number("--frames", &value(), 20)?,
+                "--size" => request.timed.size = number("--size", &value(), 16)? as u32,
+                "--turns" => request.turns = number("--turns", &value(), 0)? as usize,
+                other => return Err(format!("unknown argument `{other}`; there are {ARGUMENTS}")),
+            }
+        }
+        Ok(request)
+    }
+}
+
+fn number(name: &str, value: &str, least: u64) -> Result<u64, String> {
+    let number = value.parse().ok().filter(|number| (least..=8192).contains(number));
+    number.ok_or_else(|| format!("{name} needs a number from {least} to 8192, not `{value}`"))
+}
+
+fn style(name: &str) -> Result<&'static Style, String> {
+    let known = || styles().map(|style| style.name).collect::<Vec<_>>().join(", ");
+    styles()
+        .find(|style| style.name == name)
+        .ok_or_else(|| format!("no style `{name}` sets rates itself; these do: {}", known()))
+}
+
+fn check(request: &Request) -> Result<(), String> {
+    let machine = if request.over_emulator {
+        Machine::over_stand_in(ShadingRateProfile::Layered16)
+    } else {
+        Machine::of(Driver::System)
+    };
+    let machine = machine.map_err(|error| error.to_string())?;
+    if !request.over_emulator && (machine.device.is_cpu || !machine.device.has_rate_attachments) {
+        println!("{SKIPPED}VK_KHR_fragment_shading_rate");
+        return Ok(());
+    }
+    eprintln!(
+        "{machine}: {} styles, pictures of {} frames at {side} x {side}, {} turns of {} frames at {size} x {size}",
+        request.styles.len(),
+        COMPARED.frames,
+        request.turns,
+        request.timed.frames,
+        side = COMPARED.size,
+        size = request.timed.size
+    );
+    let mut results = Results::new(&machine, request.timed);
+    let mut faults = Vec::new();
+    for style in &request.styles {
+        let found = judge(&machine, style, request).map_err(|error| format!("{}: {error}", style.name))?;
+        let fault = found.comparison.as_ref().and_then(|found| found.fault(machine.stand_in.is_none()));
+        if request.json {
+            print_json(&found.rows());
+        } else {
+            println!("{}", line(&found, fault.as_deref()));
+        }
+        faults.extend(fault.map(|fault| format!("{}: {fault}", style.name)));
+        results.styles.push(found);
+    }
+    let path = results.write(&folder(&machine)?).map_err(|error| error.to_string())?;
+    eprintln!("written: {}", path.display());
+    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
+}
+
+/// Where results are kept: those of a GPU among the sources, to be committed.
+fn folder(machine: &Machine) -> Result<PathBuf, String> {
+    match machine.stand_in {
+        None => Ok(Path::new(env!("CARGO_MANIFEST_DIR")).join("gpu-results")),
+        Some(_) => Ok(target_folder().map_err(|error| error.to_string())?.join("gpu-results")),
+    }
+}
+
+fn judge(machine: &Machine, style: &Style, request: &Request) -> Result<StyleResults, HarnessError> {
+    let mut found =
+        StyleResults { style: style.name.to_owned(), lacking: None, comparison: None, times: None };
+    match compare(machine, style, COMPARED)? {
+        Ok(comparison) => found.comparison = Some(comparison),
+        Err(lacking) => found.lacking = Some(lacking),
+    }
+    if found.lacking.is_none() && request.turns > 0 {
+        found.times = Some(time(machine, style, request.timed, request.turns)?);
+    }
+    Ok(found)
+}
+
+fn line(found: &StyleResults, fault: Option<&str>) -> String {
+    let pictures = match (&found.lacking, fault) {
+        (Some(lacking), _) => format!("{SKIPPED}{lacking}"),
+        (None, Some(fault)) => format!("WRONG: {fault}"),
+        (None, None) => "as set natively".to_owned(),
+    };
+    let times = found.times.as_ref().map_or(String::new(), |times| {
+        let ratio = |[value, spread]: [f64; 2]| format!("{value:.3} ± {spread:.3}");
+        format!(
+            "; GPU ms: off {:.3}, layer x {}, native x {}, attached at 1x1 x {}",
+            times.off_ms,
+            ratio(times.layer),
+            ratio(times.native),
+            ratio(times.attached)
+        )
+    });
+    format!("{:20} {pictures}{times}", found.style)
+}
