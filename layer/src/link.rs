@@ -8,8 +8,8 @@
 mod records;
 
 pub use records::{
-    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, EyeMapRecord, NO_EYE, NO_IMAGE,
-    OfferRecord, PlanRecord, SettingsRecord, ShownRecord, ShownViewRecord, SwapchainRecord,
+    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, EyeMapRecord, FrameTimeRecord, NO_EYE,
+    NO_IMAGE, OfferRecord, PlanRecord, SettingsRecord, ShownRecord, ShownViewRecord, SwapchainRecord,
 };
 
 use ash::vk;
@@ -51,6 +51,11 @@ pub struct LinkTable {
     pub settings: unsafe extern "C" fn(device: vk::Device, record: *const SettingsRecord),
     /// How many passes were recognised and had the plan's rates in the frame that ended last.
     pub passes_with_rates: unsafe extern "C" fn(device: vk::Device) -> u32,
+    /// Number of the frame that ended last, counted by [`Self::shown`] from 1; 0 before the first.
+    pub frames_ended: unsafe extern "C" fn(device: vk::Device) -> u64,
+    /// Writes what the next frame's passes took, of which that has become known; returns 1, or 0 when there is none. It waits for
+    /// nothing: times come a frame or more after the frame has ended, in the order of the frames, and of some never.
+    pub frame_time: unsafe extern "C" fn(device: vk::Device, record: *mut FrameTimeRecord) -> u32,
 }
 
 /// One device as the Vulkan half tracked it.

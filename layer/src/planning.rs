@@ -8,7 +8,7 @@ mod handed;
 mod offer;
 mod views;
 
-pub use benefit::{Benefit, EndedFrame};
+pub use benefit::{Benefit, Clock, EndedFrame};
 pub use offer::Offer;
 pub use views::{ShownView, View, Views, head_of};
 

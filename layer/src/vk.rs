@@ -29,6 +29,7 @@ mod recording;
 mod runtime_section;
 mod submit;
 mod table;
+mod timing;
 
 pub use chain::NegotiateLayerInterface;
 pub use enablement::Enablement;

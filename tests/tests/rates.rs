@@ -1,7 +1,9 @@
 //! Rate attachments, on devices that look as if they had them: what applications create and record is right for the
 //! extension, and as long as every rate is 1x1 pictures are what they are without the layer.
 
-use parafovea_test_layers::{ShadingRateFinding, ShadingRateLine, ShadingRatePass, ShadingRateProfile};
+use parafovea_test_layers::{
+    SHADING_RATE_GPU_VARIABLE, ShadingRateFinding, ShadingRateLine, ShadingRatePass, ShadingRateProfile,
+};
 use parafovea_tests::run::{Application, Message, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
@@ -74,4 +76,31 @@ fn hello_xr_with_vulkan_enable2() {
 #[test]
 fn our_scene() {
     check(&Application::ours("parafovea-scene", &[]).unwrap());
+}
+
+/// On what says that it is a GPU, the gate looks by timestamps around the passes; without any it would leave rates as they are.
+#[test]
+fn the_gate_hears_what_passes_take_on_a_gpu() {
+    const FRAMES: u64 = 80;
+    for style in ["render-pass", "dynamic-rendering", "multiview"] {
+        let frames = FRAMES.to_string();
+        let arguments = ["--style", style, "--size", "64", "--frames", &frames];
+        let application = Application::ours("parafovea-zoo", &arguments).unwrap();
+        let run = Run::new(&application, &Scenario::new(FRAMES).sized(64, 64)).validated();
+        let run = run.shading_rates(ShadingRateProfile::Layered16).env(SHADING_RATE_GPU_VARIABLE, "1");
+        let outcome = run.on("[gaze]\nsource = \"centre\"\n").finish().unwrap();
+        let outcome = outcome.expect_frames(FRAMES).unwrap();
+        let found = outcome.findings.vulkan.iter();
+        let found: Vec<_> = found.filter(|found| !found.text.contains(COPY_OF_MAP)).collect();
+        assert!(found.is_empty(), "{style}: {found:#?}");
+        let (findings, passes) = lines(&outcome);
+        assert_eq!(findings, [], "{style}");
+        let is_coarse = |pass: &ShadingRatePass| {
+            pass.map.as_ref().is_some_and(|map| map.histogram.keys().any(|rate| rate != "1x1"))
+        };
+        // All are known from the fourth frame on.
+        let known = passes.get(passes.len() / 10..).unwrap_or_default();
+        let coarse = known.iter().filter(|pass| is_coarse(pass)).count();
+        assert!((1..known.len()).contains(&coarse), "{style}: {coarse} of {} passes are coarse", known.len());
+    }
 }

@@ -124,8 +124,20 @@ pub struct SettingsRecord {
     pub is_on: u32,
     /// The only `BACKEND_*` that is allowed, or [`BACKEND_ANY`].
     pub backend: u32,
+    /// 1: passes that are recognised are timed, where the device is no CPU; 0: none is.
+    pub times_passes: u32,
     /// `rates.passes`: rules in UTF-8, as `PassRules` of the configuration reads and writes them.
     pub passes: *const u8,
     /// Bytes of `passes`.
     pub passes_len: u32,
+}
+
+/// What the passes of a frame took that were recognised.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameTimeRecord {
+    /// Number of the frame, as [`LinkTable::frame_time`](super::LinkTable::frame_time) numbers them.
+    pub frame: u64,
+    /// All of them together on the GPU, nanoseconds.
+    pub ns: u64,
 }

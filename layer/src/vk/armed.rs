@@ -8,6 +8,7 @@ use super::objects::{Image, Objects};
 use super::rates::Rates;
 use super::submit::Prologues;
 use super::table::Table;
+use super::timing::Timing;
 use crate::gpu::functions::Functions;
 use crate::link::{BACKEND_ANY, BACKEND_NONE, DeviceRecord, OfferRecord, SettingsRecord, SwapchainRecord};
 use crate::scene::SwapchainKey;
@@ -37,6 +38,8 @@ pub struct Armed {
     pub frame: Frame,
     /// What we submit ahead of the application's submits, by queue.
     pub prologues: Table<vk::Queue, Arc<Prologues>>,
+    /// What its passes take.
+    pub timing: Timing,
     functions: OnceLock<Option<Functions>>,
 }
 
@@ -57,6 +60,7 @@ impl Armed {
             candidates: Candidates::default(),
             frame: Frame::default(),
             prologues: Table::default(),
+            timing: Timing::default(),
             functions: OnceLock::new(),
         }
     }
@@ -92,6 +96,7 @@ impl Armed {
     pub fn tell_settings(&self, record: &SettingsRecord, passes: &[u8]) {
         let is_allowed = [BACKEND_ANY, self.offer().backend].contains(&record.backend);
         self.frame.set_on(record.is_on != 0 && is_allowed);
+        self.timing.set_wanted(record.times_passes != 0 && is_allowed);
         let rules = str::from_utf8(passes).map_err(|error| error.to_string());
         match rules.and_then(|rules| rules.parse().map_err(|error: PassRulesError| error.to_string())) {
             Ok(rules) => self.frame.log().set_rules(rules),
@@ -105,6 +110,7 @@ impl Armed {
             prologues.destroy(self);
         }
         self.candidates.clear();
+        self.timing.clear();
         if let Some(rates) = &self.rate_attachments {
             // SAFETY: the device is live until the call down, and the application does nothing on it any more.
             unsafe { rates.end() };

@@ -57,6 +57,11 @@ impl Candidates {
         self.live.get_or_insert(target, new)
     }
 
+    /// The candidate of a target, if passes drew to it before.
+    pub fn known(&self, target: Target) -> Option<Arc<Candidate>> {
+        self.live.get(target)
+    }
+
     /// Forgets what was drawn to an image that is about to be destroyed: the GPU is done with passes that draw to it.
     pub fn forget(&self, image: ImageKey) {
         drop(self.live.remove_where(|target, _| target.image == image));

@@ -1,11 +1,12 @@
 //! What this half offers to the OpenXR half; see [`crate::link`].
 
 use super::armed::Armed;
+use super::timing::FrameTime;
 use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
-    DeviceRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord, PlanRecord, SettingsRecord, ShownRecord,
-    SwapchainRecord,
+    DeviceRecord, FrameTimeRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord, PlanRecord, SettingsRecord,
+    ShownRecord, SwapchainRecord,
 };
 use ash::vk;
 
@@ -21,6 +22,8 @@ static TABLE: LinkTable = LinkTable {
     shown,
     settings,
     passes_with_rates,
+    frames_ended,
+    frame_time,
 };
 
 /// The function behind [`crate::link::GET_LINK_NAME`].
@@ -162,6 +165,41 @@ unsafe extern "C" fn passes_with_rates(device: vk::Device) -> u32 {
                 .as_ref()
                 .and_then(|known| known.armed.as_ref())
                 .map_or(0, |armed| armed.frame.log().with_rates())
+        },
+    )
+}
+
+unsafe extern "C" fn frames_ended(device: vk::Device) -> u64 {
+    // SAFETY: the other half passes a live device (link.rs).
+    guard(
+        "parafovea_vkGetLink.frames_ended",
+        || 0,
+        |_| unsafe {
+            let known = device::of(device);
+            known.as_ref().and_then(|known| known.armed.as_ref()).map_or(0, |armed| armed.frame.log().frame())
+        },
+    )
+}
+
+unsafe extern "C" fn frame_time(device: vk::Device, record: *mut FrameTimeRecord) -> u32 {
+    // SAFETY: the other half passes a live device, and a record to write to (link.rs).
+    guard(
+        "parafovea_vkGetLink.frame_time",
+        || 0,
+        |_| unsafe {
+            let known = device::of(device);
+            let time = known.as_ref().and_then(|known| known.armed.as_ref()).and_then(|armed| {
+                let under_way = armed.frame.log().frame();
+                armed.timing.next(under_way)
+            });
+            match (time, record.as_mut()) {
+                (Some(FrameTime { frame, ns }), Some(record)) => {
+                    // Frames are numbered from 0 here.
+                    *record = FrameTimeRecord { frame: frame + 1, ns };
+                    1
+                }
+                _ => 0,
+            }
         },
     )
 }

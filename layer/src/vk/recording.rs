@@ -7,6 +7,7 @@ pub mod buffers;
 pub mod passes;
 pub mod queries;
 pub mod rendering;
+mod timed;
 pub mod transfers;
 
 use super::armed::Armed;
@@ -14,6 +15,7 @@ use super::candidates::Candidate;
 use super::device;
 use super::dispatch::ArmedTable;
 use super::table::Table;
+use super::timing::Timer;
 use crate::scene::{Event, Pass};
 use ash::vk;
 use smallvec::SmallVec;
@@ -36,6 +38,8 @@ pub struct Recorded {
     pub events: Vec<Event>,
     /// What its passes draw to that may be the scene.
     pub candidates: SmallVec<[Arc<Candidate>; 8]>,
+    /// Timestamps around its passes.
+    pub timer: Timer,
     /// Which of `events` is the pass that is being recorded.
     open: Option<usize>,
     /// For a secondary that continues a pass: what that pass must know of it.
@@ -54,8 +58,8 @@ struct Within {
 }
 
 impl Buffer {
-    fn new(armed: Arc<Armed>) -> Self {
-        Self { armed, recorded: Mutex::default() }
+    fn new(armed: Arc<Armed>, timer: Timer) -> Self {
+        Self { armed, recorded: Mutex::new(Recorded { timer, ..Recorded::default() }) }
     }
 
     /// What it does.
@@ -79,6 +83,7 @@ impl Recorded {
     fn clear(&mut self) {
         self.events.clear();
         self.candidates.clear();
+        self.timer.clear();
         self.open = None;
         self.within = Within::default();
         self.queries = 0;

@@ -149,7 +149,9 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded) {
         });
         let judged = log.push(&armed.objects, event, candidate.map(|(candidate, _)| candidate));
         if let Some((candidate, area)) = candidate {
-            let matched = judged.and_then(Result::ok).filter(|_| is_on);
+            let matched = judged.and_then(Result::ok);
+            candidate.content().recognised(matched.is_some());
+            let matched = matched.filter(|_| is_on);
             let parts: &[Part] = matched.as_ref().map_or(&[], |found| &found.parts);
             if !parts.is_empty() {
                 log.has_rates();
@@ -157,6 +159,7 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded) {
             candidate.content().note(queue, log.frame(), area, parts);
         }
     }
+    armed.timing.submitted(&recorded.timer, log.frame());
 }
 
 /// An array of the application's; empty where there is none.

@@ -10,11 +10,16 @@ use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
 use crate::config::{Config, GazeSource, PassRules, RatesBackend, gate_mode};
 use crate::inputs::gaze::rotation;
-use crate::link::{BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, SettingsRecord};
-use crate::planning::{Benefit, EndedFrame, Look, Offer, Planning, ShownView, View, head_of, wants_rates};
+use crate::link::{
+    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameTimeRecord, SettingsRecord,
+};
+use crate::planning::{
+    Benefit, Clock, EndedFrame, Look, Offer, Planning, ShownView, View, head_of, wants_rates,
+};
 use glam::Quat;
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
+use parafovea_core::gate::GateMode;
 use parafovea_core::geometry::Fov;
 use smallvec::SmallVec;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
@@ -92,6 +97,7 @@ impl SessionPlan {
             let record = SettingsRecord {
                 is_on: u32::from(wanted.is_on),
                 backend: wanted.backend,
+                times_passes: u32::from(wanted.times_passes),
                 passes: passes.as_ptr(),
                 passes_len: passes.len() as u32,
             };
@@ -107,6 +113,7 @@ impl SessionPlan {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Wanted {
     is_on: bool,
+    times_passes: bool,
     backend: u32,
     passes: PassRules,
 }
@@ -119,9 +126,15 @@ impl Wanted {
             RatesBackend::Mask => BACKEND_MASK,
             RatesBackend::Off => BACKEND_NONE,
         };
-        Self { is_on: wants_rates(config) && may_have_rates, backend, passes: config.rates.passes }
+        // The gate looks at what passes cost with rates and without.
+        let times_passes = wants_rates(config) && gate_mode(config) == GateMode::Auto;
+        let is_on = wants_rates(config) && may_have_rates;
+        Self { is_on, times_passes, backend, passes: config.rates.passes }
     }
 }
+
+/// Times of so many frames are taken at the end of one; what is more comes with the next.
+const MOST_TIMES: usize = 8;
 
 /// A frame that is shown at `time` ended: what it cost goes to the gate, whose answer the next xrBeginFrame tells.
 pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
@@ -132,14 +145,19 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
         (planning.phase(config, time_ns), planning.renders_on_cpu())
     };
     let told = *state.told.lock().unwrap_or_else(PoisonError::into_inner);
+    let clock = if on_cpu { Clock::Cpu(process_cpu_ns()) } else { Clock::Gpu(active.device.frames_ended()) };
     let frame = EndedFrame {
         time_ns,
-        process_cpu_ns: if on_cpu { process_cpu_ns() } else { None },
+        clock,
         wanted_rates: told.is_some_and(|told| told.is_on),
         passes: active.device.passes_with_rates(),
         phase,
     };
-    let news = state.benefit.lock().unwrap_or_else(PoisonError::into_inner).frame_ended(&frame);
+    let mut times = SmallVec::<[FrameTimeRecord; MOST_TIMES]>::new();
+    if !on_cpu {
+        times.extend(std::iter::from_fn(|| active.device.frame_time()).take(MOST_TIMES));
+    }
+    let news = state.benefit.lock().unwrap_or_else(PoisonError::into_inner).frame_ended(&frame, &times);
     if let Some(news) = news {
         tracing::info!("{news}");
     }

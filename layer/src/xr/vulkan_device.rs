@@ -3,8 +3,8 @@
 
 use super::structures::VulkanBinding;
 use crate::link::{
-    DeviceRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr, OfferRecord,
-    PlanRecord, SettingsRecord, ShownRecord, SwapchainRecord,
+    DeviceRecord, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr,
+    OfferRecord, PlanRecord, SettingsRecord, ShownRecord, SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -142,6 +142,22 @@ impl VulkanDevice {
     pub fn passes_with_rates(&self) -> u32 {
         // SAFETY: the device is live, as above.
         unsafe { (self.table.passes_with_rates)(self.record.device) }
+    }
+
+    /// Number of the frame that ended last, from 1.
+    pub fn frames_ended(&self) -> u64 {
+        // SAFETY: the device is live, as above.
+        unsafe { (self.table.frames_ended)(self.record.device) }
+    }
+
+    /// What the next frame's recognised passes took on the GPU, of which that is known.
+    pub fn frame_time(&self) -> Option<FrameTimeRecord> {
+        let mut record = MaybeUninit::uninit();
+        // SAFETY: the device is live, as above; the function writes the record if it returns 1.
+        unsafe {
+            ((self.table.frame_time)(self.record.device, record.as_mut_ptr()) == 1)
+                .then(|| record.assume_init())
+        }
     }
 
     /// Marks this thread's submits as the runtime's or ours until the result is dropped.

@@ -39,8 +39,9 @@ pub use count::{
 pub use drop_barrier::{DROP_BARRIER_VARIABLE, DROP_FILE_VARIABLE, Dropped};
 pub use manifest::TestLayer;
 pub use shading_rate::{
-    SHADING_RATE_FILE_VARIABLE, SHADING_RATE_PROFILE_VARIABLE, SHADING_RATE_TEXELS_VARIABLE,
-    ShadingRateFinding, ShadingRateLine, ShadingRateMap, ShadingRatePass, ShadingRateProfile,
+    SHADING_RATE_FILE_VARIABLE, SHADING_RATE_GPU_VARIABLE, SHADING_RATE_PROFILE_VARIABLE,
+    SHADING_RATE_TEXELS_VARIABLE, ShadingRateFinding, ShadingRateLine, ShadingRateMap, ShadingRatePass,
+    ShadingRateProfile,
 };
 
 use ash::vk;

@@ -43,7 +43,7 @@ pub use lines::{
     SHADING_RATE_FILE_VARIABLE, SHADING_RATE_TEXELS_VARIABLE, ShadingRateFinding, ShadingRateLine,
     ShadingRateMap, ShadingRatePass,
 };
-pub use profile::{SHADING_RATE_PROFILE_VARIABLE, ShadingRateProfile};
+pub use profile::{SHADING_RATE_GPU_VARIABLE, SHADING_RATE_PROFILE_VARIABLE, ShadingRateProfile};
 
 use crate::functions::functions;
 use crate::layer::{Instance, Layer, NextDevice, Tracked, device_of, hooks};

@@ -27,6 +27,8 @@ pub struct Content {
     queue: vk::Queue,
     /// Whether several queues use it, so that it cannot be written in the order of one.
     is_shared: bool,
+    /// Whether the last pass that was submitted showed an eye's picture.
+    is_scene: bool,
     /// The texels of the last upload, where tests ask for them.
     texels: Vec<u8>,
 }
@@ -101,6 +103,16 @@ impl Content {
         self.is_changed = false;
         self.is_coarse = self.uses.iter().any(|used| !used.parts.is_empty());
         self.plan = plan;
+    }
+
+    /// Notes whether a pass that is submitted shows an eye's picture, with rates or not.
+    pub fn recognised(&mut self, is_scene: bool) {
+        self.is_scene = is_scene;
+    }
+
+    /// Whether the last pass did.
+    pub fn is_scene(&self) -> bool {
+        self.is_scene
     }
 
     /// Keeps the texels that were uploaded, for tests.

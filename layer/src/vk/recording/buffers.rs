@@ -27,6 +27,7 @@ pub unsafe extern "system" fn create_pool(
             let result = answer.record(next(device, info, allocator, pool));
             if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
                 armed.objects.add_pool(*pool);
+                armed.timing.add_pool(armed, *pool, (*info).queue_family_index);
             }
             result
         },
@@ -48,6 +49,7 @@ pub unsafe extern "system" fn destroy_pool(
             if let Some(armed) = &known.armed
                 && let Some(known_pool) = armed.objects.remove_pool(pool)
             {
+                armed.timing.remove_pool(pool);
                 known_pool.buffers().iter().for_each(|&freed| drop(BUFFERS.remove(freed)));
             }
             next(device, pool, allocator);
@@ -100,7 +102,8 @@ pub unsafe extern "system" fn allocate(
                 let made = slice::from_raw_parts(buffers, (*info).command_buffer_count as usize);
                 pool.buffers().extend_from_slice(made);
                 for &handle in made {
-                    BUFFERS.insert(handle, Arc::new(Buffer::new(Arc::clone(armed))));
+                    let timer = armed.timing.timer((*info).command_pool, (*info).level);
+                    BUFFERS.insert(handle, Arc::new(Buffer::new(Arc::clone(armed), timer)));
                 }
             }
             result

@@ -1,6 +1,6 @@
 //! Render passes.
 
-use super::{Buffer, Within, with_buffer};
+use super::{Buffer, Within, timed, with_buffer};
 use crate::abi::guard;
 use crate::scene::{Pass, Target};
 use crate::vk::chain::extension;
@@ -23,7 +23,7 @@ pub unsafe extern "system" fn begin(
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_render_pass) else { return };
             let begin = |info: *const vk::RenderPassBeginInfo<'_>| next(handle, info, contents);
             match known {
-                Some(known) => begin_noted(&known, info, begin),
+                Some(known) => begin_noted(&known, handle, info, begin),
                 None => begin(info),
             }
         },
@@ -44,7 +44,7 @@ pub unsafe extern "system" fn begin2(
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_render_pass2) else { return };
             let begin = |info: *const vk::RenderPassBeginInfo<'_>| next(handle, info, subpass);
             match known {
-                Some(known) => begin_noted(&known, info, begin),
+                Some(known) => begin_noted(&known, handle, info, begin),
                 None => begin(info),
             }
         },
@@ -62,6 +62,7 @@ pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
             next(handle);
             if let Some(known) = known {
                 known.recorded().end();
+                timed::end(&known, handle);
             }
         },
     );
@@ -78,6 +79,7 @@ pub unsafe extern "system" fn end2(handle: vk::CommandBuffer, info: *const vk::S
             next(handle, info);
             if let Some(known) = known {
                 known.recorded().end();
+                timed::end(&known, handle);
             }
         },
     );
@@ -116,12 +118,15 @@ pub unsafe extern "system" fn clear_attachments(
 /// Valid usage of vkCmdBeginRenderPass.
 unsafe fn begin_noted(
     buffer: &Buffer,
+    handle: vk::CommandBuffer,
     info: *const vk::RenderPassBeginInfo<'_>,
     begin: impl FnOnce(*const vk::RenderPassBeginInfo<'_>),
 ) {
     let armed = &buffer.armed;
     // SAFETY: the caller vouches for the structure.
     let pass = unsafe { described(&armed.objects, &*info) };
+    // SAFETY: the command buffer is recording outside of render passes, as one begins.
+    unsafe { timed::begin(buffer, handle, pass.as_ref()) };
     let candidate = match &armed.rate_attachments {
         Some(rates) => {
             let target = pass.as_ref().and_then(|pass| armed.objects.first_color(pass));

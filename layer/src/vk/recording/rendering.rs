@@ -1,6 +1,6 @@
 //! Dynamic rendering.
 
-use super::with_buffer;
+use super::{timed, with_buffer};
 use crate::abi::guard;
 use crate::scene::{Pass, PassFacts, Target};
 use crate::vk::chain::extension;
@@ -20,6 +20,7 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
             let Some(known) = known else { return begin(info) };
             let armed = &known.armed;
             let pass = instance(&armed.objects, &*info);
+            timed::begin(&known, handle, Some(&pass));
             let candidate = match &armed.rate_attachments {
                 Some(rates) => {
                     let image = rates.begin_rendering(info, armed.objects.first_color(&pass), begin);
@@ -46,6 +47,7 @@ pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
             next(handle);
             if let Some(known) = known {
                 known.recorded().end();
+                timed::end(&known, handle);
             }
         },
     );

@@ -1,7 +1,7 @@
 //! An active session above the stand-ins for the runtime and for the Vulkan half: what is planned when, and who is told.
 
 use super::fake::frames::{self, DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, IMAGES, IN_LOCATE, fov, pose};
-use super::fake::vulkan_half::{self, PASSES, Told, told};
+use super::fake::vulkan_half::{self, GPU_NS, PASSES, Told, told};
 use super::{create_instance, fake};
 use crate::link::{BACKEND_ANY, NO_EYE, NO_IMAGE, ShownViewRecord};
 use crate::xr::vulkan_device::VulkanDevice;
@@ -420,4 +420,24 @@ fn rates_are_left_off_for_a_look() {
     let looks = looks(100);
     assert!(looks.len() >= 2, "{looks:?}");
     assert!(looks.iter().enumerate().all(|(index, is_on)| *is_on == index as u32 % 2), "{looks:?}");
+}
+
+/// On a GPU the gate hears what passes took, two frames later.
+#[test]
+fn rates_that_take_a_gpu_longer_are_dropped() {
+    for (ns, is_on) in [([5_000_000, 7_000_000], 0), ([5_000_000, 3_000_000], 1)] {
+        GPU_NS.set(Some(ns));
+        PASSES.set(2);
+        let application = Application::new();
+        told();
+        (0..400).for_each(|_| application.frame());
+        let settings = told().into_iter().filter_map(|told| match told {
+            Told::Settings { is_on, .. } => Some(is_on),
+            _ => None,
+        });
+        let settings: Vec<u32> = settings.collect();
+        assert!(settings.len() > 2, "it never looked: {settings:?}");
+        assert_eq!(settings.last(), Some(&is_on), "{ns:?}: {settings:?}");
+    }
+    GPU_NS.set(None);
 }

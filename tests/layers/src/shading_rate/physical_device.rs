@@ -3,7 +3,7 @@
 use super::Emulator;
 use super::chain::{LeftOut, find};
 use super::lower::{self, RATE_USAGE};
-use super::profile::ShadingRateProfile;
+use super::profile::{SHADING_RATE_GPU_VARIABLE, ShadingRateProfile};
 use crate::functions::PhysicalDeviceFunctions;
 use crate::layer::{hooks, instance_of};
 use ash::vk;
@@ -17,6 +17,7 @@ pub(super) fn hook(name: &CStr) -> vk::PFN_vkVoidFunction {
         c"vkEnumerateDeviceExtensionProperties": PFN_vkEnumerateDeviceExtensionProperties = extensions;
         c"vkGetPhysicalDeviceFeatures2": PFN_vkGetPhysicalDeviceFeatures2 = features2;
         c"vkGetPhysicalDeviceFeatures2KHR": PFN_vkGetPhysicalDeviceFeatures2 = features2;
+        c"vkGetPhysicalDeviceProperties": PFN_vkGetPhysicalDeviceProperties = properties;
         c"vkGetPhysicalDeviceProperties2": PFN_vkGetPhysicalDeviceProperties2 = properties2;
         c"vkGetPhysicalDeviceProperties2KHR": PFN_vkGetPhysicalDeviceProperties2 = properties2;
         c"vkGetPhysicalDeviceFormatProperties": PFN_vkGetPhysicalDeviceFormatProperties = format_properties;
@@ -122,6 +123,25 @@ unsafe extern "system" fn features2(
     }
 }
 
+/// Whether the device says that it is no CPU.
+fn is_gpu() -> bool {
+    std::env::var_os(SHADING_RATE_GPU_VARIABLE).is_some_and(|value| value == "1")
+}
+
+unsafe extern "system" fn properties(
+    physical_device: vk::PhysicalDevice,
+    properties: *mut vk::PhysicalDeviceProperties,
+) {
+    // SAFETY: the application's valid arguments.
+    unsafe {
+        let Some(next) = next(physical_device).properties else { return };
+        next(physical_device, properties);
+        if is_gpu() {
+            (*properties).device_type = vk::PhysicalDeviceType::DISCRETE_GPU;
+        }
+    }
+}
+
 unsafe extern "system" fn properties2(
     physical_device: vk::PhysicalDevice,
     properties: *mut vk::PhysicalDeviceProperties2<'_>,
@@ -136,6 +156,9 @@ unsafe extern "system" fn properties2(
             .leave_out(properties, vk::StructureType::PHYSICAL_DEVICE_FRAGMENT_SHADING_RATE_PROPERTIES_KHR);
         next(physical_device, properties);
         drop(left_out);
+        if is_gpu() {
+            (*properties).properties.device_type = vk::PhysicalDeviceType::DISCRETE_GPU;
+        }
         if let Some(own) = own {
             ShadingRateProfile::of_environment().write_properties(&mut *own);
         }

@@ -8,6 +8,9 @@ use std::str::FromStr;
 /// The variable with the name of a [`ShadingRateProfile`]; without it, the layer is `layered16`.
 pub const SHADING_RATE_PROFILE_VARIABLE: &str = "PARAFOVEA_TEST_SHADING_RATE_PROFILE";
 
+/// The variable that, set to 1, has the device say that it is a discrete GPU, whatever it is.
+pub const SHADING_RATE_GPU_VARIABLE: &str = "PARAFOVEA_TEST_SHADING_RATE_GPU";
+
 /// A device that the layer can look like.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ShadingRateProfile {

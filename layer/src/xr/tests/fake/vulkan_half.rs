@@ -1,8 +1,8 @@
 //! A stand-in for the Vulkan half: it notes what it is told.
 
 use crate::link::{
-    BACKEND_RATE_ATTACHMENT, DeviceRecord, LINK_VERSION, LinkTable, OfferRecord, PlanRecord, SettingsRecord,
-    ShownRecord, ShownViewRecord, SwapchainRecord,
+    BACKEND_RATE_ATTACHMENT, DeviceRecord, FrameTimeRecord, LINK_VERSION, LinkTable, OfferRecord, PlanRecord,
+    SettingsRecord, ShownRecord, ShownViewRecord, SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -23,7 +23,12 @@ pub enum Told {
 thread_local! {
     /// How many passes of a frame are recognised.
     pub static PASSES: Cell<u32> = const { Cell::new(0) };
+    /// Whether a GPU renders, and what a frame takes there, nanoseconds: without rates and with them.
+    pub static GPU_NS: Cell<Option<[u64; 2]>> = const { Cell::new(None) };
     static IS_ON: Cell<bool> = const { Cell::new(false) };
+    static FRAMES: Cell<u64> = const { Cell::new(0) };
+    /// What the frame before last took.
+    static TIMES: RefCell<Vec<FrameTimeRecord>> = const { RefCell::new(Vec::new()) };
     static TOLD: RefCell<Vec<Told>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -50,6 +55,8 @@ pub fn table() -> LinkTable {
         shown,
         settings,
         passes_with_rates,
+        frames_ended,
+        frame_time,
     }
 }
 
@@ -98,7 +105,7 @@ unsafe extern "C" fn offer(_: vk::Device, record: *mut OfferRecord) -> u32 {
         texel: [16, 16],
         rate_count: VULKAN_RATES.len() as u32,
         rates,
-        is_cpu: 1,
+        is_cpu: u32::from(GPU_NS.get().is_none()),
     };
     // SAFETY: the other half passes a place for the record.
     unsafe { *record = offer };
@@ -124,6 +131,11 @@ unsafe extern "C" fn plan(_: vk::Device, record: *const PlanRecord) {
 }
 
 unsafe extern "C" fn shown(_: vk::Device, record: *const ShownRecord) {
+    FRAMES.set(FRAMES.get() + 1);
+    if let Some(ns) = GPU_NS.get() {
+        let ns = ns[usize::from(IS_ON.get())];
+        TIMES.with_borrow_mut(|times| times.push(FrameTimeRecord { frame: FRAMES.get(), ns }));
+    }
     // SAFETY: the other half passes a valid record.
     unsafe {
         let record = &*record;
@@ -138,7 +150,7 @@ unsafe extern "C" fn shown(_: vk::Device, record: *const ShownRecord) {
 unsafe extern "C" fn settings(_: vk::Device, record: *const SettingsRecord) {
     // SAFETY: the other half passes a valid record.
     unsafe {
-        let SettingsRecord { is_on, backend, passes, passes_len } = *record;
+        let SettingsRecord { is_on, backend, passes, passes_len, .. } = *record;
         let passes = String::from_utf8(slice(passes, passes_len).to_vec()).unwrap();
         IS_ON.set(is_on == 1);
         tell(Told::Settings { is_on, backend, passes });
@@ -147,6 +159,23 @@ unsafe extern "C" fn settings(_: vk::Device, record: *const SettingsRecord) {
 
 unsafe extern "C" fn passes_with_rates(_: vk::Device) -> u32 {
     if IS_ON.get() { PASSES.get() } else { 0 }
+}
+
+unsafe extern "C" fn frames_ended(_: vk::Device) -> u64 {
+    FRAMES.get()
+}
+
+unsafe extern "C" fn frame_time(_: vk::Device, record: *mut FrameTimeRecord) -> u32 {
+    let is_old = |time: &&FrameTimeRecord| time.frame + 2 <= FRAMES.get();
+    let next = TIMES.with_borrow_mut(|times| {
+        let is_there = times.first().filter(is_old).is_some();
+        is_there.then(|| times.remove(0))
+    });
+    // SAFETY: the other half passes a place for the record.
+    next.map_or(0, |time| unsafe {
+        *record = time;
+        1
+    })
 }
 
 /// # Safety
