@@ -51,6 +51,9 @@ pub struct GazeState {
     /// where it is about to land in a saccade, the last known ones in a blink and when lost, straight ahead (-z) before there
     /// were any. Both are the same where the source has one ray for both eyes: see [`Self::with_vergence`].
     pub directions: [Vec3; 2],
+    /// The ray that `directions` are from, a unit vector, where they are for a distance that nobody knows
+    /// ([`Self::with_nearest`]): what is made around one point, and not around both directions, is made around this.
+    pub ray: Option<Vec3>,
     /// Speed of the eyes, degrees a second, 0..=1000; 0 while not seen.
     pub velocity_deg_s: f32,
     /// How far the eyes may be from `directions`, degrees, where these are a prediction: the landing of a saccade, or where a
@@ -66,6 +69,7 @@ impl GazeState {
     /// No gaze, and none ever known.
     pub const LOST: Self = Self {
         directions: [Vec3::NEG_Z; 2],
+        ray: None,
         velocity_deg_s: 0.0,
         prediction_error_deg: None,
         phase: GazePhase::Lost,
@@ -100,11 +104,26 @@ impl GazeState {
     /// The same with a direction for each eye, where there is one ray for both: [`eye_directions`] has the parameters.
     /// Directions that differ already are kept.
     pub fn with_vergence(self, eyes_m: [Vec3; 2], distance_m: Option<f32>) -> Self {
+        match distance_m {
+            Some(distance_m) => self.verged(eyes_m, distance_m),
+            None => self.with_nearest(eyes_m, NEAREST_ASSUMED_M),
+        }
+    }
+
+    /// As [`Self::with_vergence`], where all that is known is that nothing is nearer than `nearest_m`: the rings around both
+    /// directions then hold whatever is farther away, too.
+    pub fn with_nearest(self, eyes_m: [Vec3; 2], nearest_m: f32) -> Self {
+        let verged = self.verged(eyes_m, nearest_m);
+        let ray = (verged.directions != self.directions).then_some(self.directions[0]);
+        Self { ray, ..verged }
+    }
+
+    fn verged(self, eyes_m: [Vec3; 2], distance_m: f32) -> Self {
         let [left, right] = self.directions;
         if left != right {
             return self;
         }
-        Self { directions: eye_directions(left, eyes_m, distance_m), ..self }
+        Self { directions: eye_directions(left, eyes_m, Some(distance_m)), ..self }
     }
 
     /// Where each eye's direction meets the plane one unit ahead of its view (x to the right, y up). `orientations` are

@@ -18,7 +18,7 @@ use frame_rate::FrameRate;
 use glam::{Quat, Vec3};
 use handed::Handed;
 use parafovea_core::chroma::{ChromaSettings, Focus};
-use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker};
+use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker, Rejection};
 use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings};
 
 /// A display time that is earlier than the one before by less than this belongs to another thread that is behind; by more,
@@ -32,8 +32,13 @@ pub enum Look {
     NoTracker,
     /// It does not see the eyes, or is not believed.
     Unseen,
-    /// Where the eyes look, in the space of the head (-z is straight ahead), of unit length.
-    At(Vec3),
+    /// The newest that it knows.
+    At {
+        /// Where the eyes looked, in the space of the head (-z is straight ahead), of any length.
+        direction: Vec3,
+        /// When they did, nanoseconds on the clock of display times; 0: not known.
+        sampled_ns: i64,
+    },
 }
 
 /// Plans the frames of one session.
@@ -52,6 +57,8 @@ pub struct Planning {
     was_idle: bool,
     last: Option<Last>,
     handed: Handed,
+    /// What the tracker was not believed for, each of [`Rejection::ALL`].
+    rejected: [bool; Rejection::ALL.len()],
 }
 
 /// When the newest plan was made, and of what.
@@ -76,6 +83,7 @@ impl Default for Planning {
             was_idle: false,
             last: None,
             handed: Handed::default(),
+            rejected: Default::default(),
         }
     }
 }
@@ -109,19 +117,30 @@ impl Planning {
         self.was_idle = self.views.are_known();
     }
 
-    /// Takes what the eye tracker says of the eyes at `time_ns`.
-    pub fn look(&mut self, config: &Config, look: Look, time_ns: i64) {
+    /// Takes what the eye tracker says of the eyes at `time_ns`, while the head is turned so. Says why it is not believed, once
+    /// for each reason; eyes that are not tracked are none.
+    pub fn look(&mut self, config: &Config, look: Look, head: Quat, time_ns: i64) -> Option<Rejection> {
         let settings = gaze_settings(config);
         if settings != self.gaze_settings {
             self.gaze_settings = settings;
             self.gaze = GazeTracker::new(settings);
         }
-        let (direction, valid) = match look {
-            Look::NoTracker => return self.gaze.source_ended(time_ns),
-            Look::Unseen => (Vec3::ZERO, false),
-            Look::At(direction) => (direction, true),
+        self.gaze.head_turned(head, time_ns);
+        self.gaze.set_views(self.views.seen());
+        let sample = match look {
+            Look::NoTracker => {
+                self.gaze.source_ended(time_ns);
+                return None;
+            }
+            Look::Unseen => GazeSample { directions: [Vec3::ZERO; 2], time_ns, valid: false },
+            Look::At { direction, sampled_ns } => {
+                GazeSample { directions: [direction; 2], time_ns: sampled_ns, valid: true }
+            }
         };
-        self.gaze.push(&GazeSample { directions: [direction; 2], time_ns, valid });
+        self.gaze.push_at(&sample, time_ns);
+        let rejection = self.gaze.rejection().filter(|rejection| *rejection != Rejection::NotTracked)?;
+        let place = Rejection::ALL.iter().position(|other| *other == rejection)?;
+        (!std::mem::replace(&mut self.rejected[place], true)).then_some(rejection)
     }
 
     /// Plans the frame that is shown at `time_ns`. `head` leads from the space of the head to one that rests in the world.
@@ -135,7 +154,10 @@ impl Planning {
         }
         let settings = self.plan_settings(config, can_attenuate);
         let gaze = match config.gaze.source {
-            GazeSource::Eyes => self.gaze.state(time_ns),
+            // One ray, of eyes that look at something whose distance nobody knows.
+            GazeSource::Eyes | GazeSource::File => {
+                self.gaze.state(time_ns).with_nearest(self.views.positions(), self.views.nearest_m())
+            }
             GazeSource::Centre => STRAIGHT_AHEAD,
         };
         let input = PlanInput {
@@ -173,7 +195,7 @@ impl Planning {
     /// What the eyes do at `time_ns`.
     pub fn phase(&self, config: &Config, time_ns: i64) -> GazePhase {
         match config.gaze.source {
-            GazeSource::Eyes => self.gaze.state(time_ns).phase,
+            GazeSource::Eyes | GazeSource::File => self.gaze.state(time_ns).phase,
             GazeSource::Centre => STRAIGHT_AHEAD.phase,
         }
     }
@@ -217,7 +239,7 @@ impl Planning {
     fn plan_settings(&self, config: &Config, can_attenuate: bool) -> PlanSettings {
         let settings = plan_settings(config, self.offer.rates(), self.offer.texel());
         let rails = match config.gaze.source {
-            GazeSource::Eyes => settings.rails,
+            GazeSource::Eyes | GazeSource::File => settings.rails,
             // Nothing moves: there is no change that could be seen, and every frame has the same map.
             GazeSource::Centre => RailSettings { coarsening_octaves_per_s: f32::INFINITY, ..settings.rails },
         };

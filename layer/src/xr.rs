@@ -12,6 +12,7 @@ use std::ffi::CStr;
 mod actions;
 mod dispatch;
 mod frame;
+mod gaze;
 mod instance;
 mod negotiate;
 mod plan;

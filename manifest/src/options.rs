@@ -3,12 +3,14 @@
 
 mod choice;
 mod default_file;
+mod file_path;
 mod pass_rules;
 mod preset;
 mod setting;
 mod table;
 
 pub use default_file::default_file;
+pub use file_path::FilePath;
 pub use pass_rules::{
     COLOR_FORMATS, ColorFormat, MOST_RULES, PassKind, PassRule, PassRules, PassRulesError, WayUp,
 };
@@ -40,6 +42,8 @@ choice! {
         Eyes = "eyes",
         /// straight ahead, always, as if the eyes never moved: for headsets without an eye tracker
         Centre = "centre",
+        /// what gaze.file says, whatever the eyes do: for tests and demonstrations
+        File = "file",
     }
 }
 
@@ -156,6 +160,12 @@ options! {
         source: GazeSource = GazeSource::Eyes;
         /// For how long the last gaze is kept when the tracker loses the eyes, as in a blink.
         hold_ms: u32 = 500, 0..=500 "milliseconds";
+        /// After how long an application without input of its own is taken to have none, and the eye tracker asked: input that it sets up later would not work; 0: never.
+        attach_alone_after_s: u32 = 30, 0..=600 "seconds";
+        /// For source = "file": lines of seconds, degrees to the left and degrees upwards, apart by commas; seconds alone where the eyes are not seen.
+        file: FilePath = FilePath::NONE;
+        /// A new file that the gaze is written to, as gaze.file reads it; without, it is written nowhere.
+        record: FilePath = FilePath::NONE;
     }
 
     /// Shading, coarser where the eye does not resolve it.

@@ -234,3 +234,34 @@ fn one_ray_for_both_eyes_gets_a_direction_for_each_and_two_are_kept() {
     let two = GazeState { directions: [yaw(1.0), yaw(-1.0)], ..GazeState::LOST };
     assert_eq!(two.with_vergence(eyes, Some(0.5)), two);
 }
+
+#[test]
+fn the_ray_is_kept_where_the_distance_is_not_known() {
+    let eyes = [Vec3::X * -0.03, Vec3::X * 0.03];
+    let one = GazeState { directions: [yaw(7.0); 2], ..GazeState::LOST };
+    let [assumed, beyond] = [one.with_vergence(eyes, None), one.with_nearest(eyes, 2.0)];
+    for state in [assumed, beyond] {
+        assert_eq!(state.ray, Some(yaw(7.0)));
+        assert_ne!(state.directions[0], state.directions[1]);
+    }
+    let apart = |state: GazeState| eccentricity(state.directions[0], state.directions[1]);
+    assert!(apart(beyond) < 0.25 * apart(assumed));
+    assert_eq!(one.with_vergence(eyes, Some(0.5)).ray, None);
+    let two = GazeState { directions: [yaw(1.0), yaw(-1.0)], ..GazeState::LOST };
+    assert_eq!(two.with_vergence(eyes, None), two, "eyes that are tracked apart");
+}
+
+#[test]
+fn a_head_that_is_told_twice_for_one_frame_keeps_its_speed() {
+    // A gaze that turns against a fast head is no saccade, also for the second sample of a frame.
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    let turned = |degrees: f32| Quat::from_rotation_y(degrees.to_radians());
+    for step in 0..60 {
+        let (now, angle) = (step * 10 * MS, step as f32);
+        for _ in 0..2 {
+            tracker.head_turned(turned(angle * 1.5), now);
+        }
+        tracker.push(&sample(angle * 1.5 - 40.0, now));
+        assert!(tracker.state(now).phase != GazePhase::Saccade, "step {step}");
+    }
+}

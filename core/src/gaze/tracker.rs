@@ -139,6 +139,7 @@ impl GazeTracker {
         let doubted = seen.motion.in_doubt().filter(|_| visible);
         GazeState {
             directions: doubted.unwrap_or(directions),
+            ray: None,
             velocity_deg_s: if visible { seen.motion.speed_deg_s() } else { 0.0 },
             prediction_error_deg: prediction_error_deg.filter(|_| visible),
             phase,

@@ -13,7 +13,7 @@ use super::settings::{PlanSettings, RateSettings};
 use super::statistics::Statistics;
 use crate::chroma::Focus;
 use crate::gaze::GazePhase;
-use crate::geometry::rotation;
+use crate::geometry::{rotation, unit_direction};
 use crate::perception::ContrastMap;
 use crate::schedule::CellAges;
 use crate::schedule::cap::PeriodCap;
@@ -154,7 +154,10 @@ impl Planner {
         let orientation = rotation(input.eyes[index].orientation);
         // While trust ramps down, colour is back already.
         let known = rules.has_gaze() && input.gaze.phase != GazePhase::Lost && orientation.is_some();
-        let gaze = known.then(|| head * rules.centres[index]);
+        // Around the ray where nobody knows the distance: it is off by 4.5 degrees at 0.4 m, and the plateau of full colour
+        // is wider than that.
+        let direction = input.gaze.ray.and_then(unit_direction).unwrap_or(rules.centres[index]);
+        let gaze = known.then(|| head * direction);
         let to_view = (head * orientation.unwrap_or(Quat::IDENTITY)).inverse();
         out.focus = trail
             .update(gaze, input.time_ns, settings)

@@ -1,5 +1,6 @@
 use super::*;
 use crate::audio::AudioFeatures;
+use crate::chroma::ChromaSettings;
 use crate::fixed_foveation::FixedFoveation;
 use crate::gaze::{GazePhase, GazeState};
 use crate::geometry::{Fov, eccentricity};
@@ -289,4 +290,23 @@ fn text_and_picture_show_the_plan() {
     assert_eq!(picture.at(at.x as u32, at.y as u32), [255, 255, 255], "the gaze");
     let corner = picture.at(2, 2);
     assert!(corner == [65, 68, 135] || corner == [29, 30, 60], "4x4, new or re-used: {corner:?}");
+}
+
+#[test]
+fn colour_is_kept_around_the_ray_where_the_distance_is_not_known() {
+    let ray = Vec3::new(0.2, 0.1, -1.0).normalize();
+    let eyes = [Vec3::X * -0.03, Vec3::X * 0.03];
+    let focuses = |gaze: GazeState| {
+        let mut planner = Planner::new(PlanSettings { chroma: Some(ChromaSettings::default()), ..fixed() });
+        let plan = planner.plan(&PlanInput { gaze, ..input() });
+        [0, 1].map(|eye| plan.eyes[eye].focus.unwrap().direction)
+    };
+    let to_view = |eye: usize, direction: Vec3| input().eyes[eye].orientation.inverse() * direction;
+    let assumed = focuses(gaze(ray, ray).with_vergence(eyes, None));
+    let known = gaze(ray, ray).with_vergence(eyes, Some(0.4));
+    let followed = focuses(known);
+    for eye in 0..2 {
+        assert!(assumed[eye].abs_diff_eq(to_view(eye, ray), 1e-5));
+        assert!(followed[eye].abs_diff_eq(to_view(eye, known.directions[eye]), 1e-5));
+    }
 }

@@ -1,6 +1,6 @@
 //! What may be planned, as the configuration asks for it.
 
-use super::{Config, PeripheralRate, Preset, RatesGate, RatesMode, chroma_settings};
+use super::{Config, GazeSource, PeripheralRate, Preset, RatesGate, RatesMode, chroma_settings};
 use parafovea_core::fixed_foveation::FixedFoveation;
 use parafovea_core::gate::GateMode;
 use parafovea_core::gaze::GazeSettings;
@@ -26,9 +26,13 @@ pub fn plan_settings(config: &Config, offered: &[ShadingRate], texel: [u32; 2]) 
     }
 }
 
-/// How the gaze is judged.
+/// How the gaze is judged. One from a file may rest for ever.
 pub fn gaze_settings(config: &Config) -> GazeSettings {
-    GazeSettings { hold_ms: config.gaze.hold_ms as f32, ..GazeSettings::default() }
+    let settings = GazeSettings { hold_ms: config.gaze.hold_ms as f32, ..GazeSettings::default() };
+    match config.gaze.source {
+        GazeSource::Eyes | GazeSource::Centre => settings,
+        GazeSource::File => GazeSettings { frozen_ms: f32::INFINITY, ..settings },
+    }
 }
 
 /// Who decides whether rates pay.

@@ -1,6 +1,9 @@
 //! Directions of the gaze, as unit vectors. Quaternions rotate from a view to the space that it is posed in; views and
 //! the head look along -z.
 
+pub mod recording;
+pub mod script;
+
 use glam::{Quat, Vec3};
 
 /// Where a view looks, in its own space.
@@ -18,22 +21,9 @@ pub fn in_view(direction: Vec3, view: Quat) -> Vec3 {
     view.inverse() * direction
 }
 
-/// A direction in the space of the head, unless it leads out of its back: some runtimes give the opposite one (peers:
-/// Pimax via SteamVR).
-pub fn believable(direction: Vec3) -> Option<Vec3> {
-    (direction.dot(FORWARD) > 0.0).then_some(direction)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_gaze_out_of_the_back_of_the_head_is_not_believed() {
-        assert_eq!(believable(Vec3::Z), None);
-        assert_eq!(believable(Vec3::NAN), None);
-        assert_eq!(believable(FORWARD), Some(FORWARD));
-    }
 
     #[test]
     fn what_is_no_rotation_is_refused() {

@@ -35,7 +35,11 @@ impl Session {
         planning.set_offer(offer(&VULKAN_RATES, [16, 16]));
         let edge = std::f32::consts::FRAC_PI_4;
         let fov = Fov { left: -edge, right: edge, up: edge, down: -edge };
-        let views = [0.1, -0.1].map(|cant| View { orientation: Quat::from_rotation_y(cant), fov });
+        let views = [0.1, -0.1].map(|cant| View {
+            orientation: Quat::from_rotation_y(cant),
+            position: Vec3::X * (-0.32 * cant),
+            fov,
+        });
         planning.views.located(&views);
         planning.views.shown(&views.map(|view| ShownView { view, extent: [512, 512] }));
         Self { planning, config, serial: 0, time_ns: 0 }
@@ -48,7 +52,7 @@ impl Session {
 
     /// Plans the frame with that gaze. Whether there are new rates.
     fn plan(&mut self, look: Look) -> bool {
-        self.planning.look(&self.config, look, self.time_ns);
+        self.planning.look(&self.config, look, Quat::IDENTITY, self.time_ns);
         assert!(self.planning.plan(&self.config, true, Quat::IDENTITY, self.time_ns));
         let (planning, serial) = (&mut self.planning, &mut self.serial);
         let record = planning.new_rates(&self.config, || {
@@ -87,7 +91,7 @@ fn centre(preset: Preset) -> Config {
 }
 
 fn yaw(degrees: f32) -> Look {
-    Look::At(Quat::from_rotation_y(degrees.to_radians()) * Vec3::NEG_Z)
+    Look::At { direction: Quat::from_rotation_y(degrees.to_radians()) * Vec3::NEG_Z, sampled_ns: 0 }
 }
 
 #[test]
@@ -223,7 +227,7 @@ fn colour_that_was_there_goes_by_degrees() {
 fn the_focus_is_where_the_eyes_look_from_the_head() {
     let mut session = Session::new(Config::of_preset(Preset::Streaming));
     session.frames(30, yaw(20.0));
-    let Look::At(direction) = yaw(20.0) else { panic!() };
+    let Look::At { direction, .. } = yaw(20.0) else { panic!() };
     for eye in 0..2 {
         let (focus, _) = session.planning.focus(eye).unwrap();
         assert!(focus.direction.abs_diff_eq(direction, 1e-5), "{eye}: {focus:?}");

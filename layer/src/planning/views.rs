@@ -3,18 +3,24 @@
 //! Poses and fields of view that are computed anew in each frame tremble in their last bits, which must not make another
 //! plan; and an application that changes its resolution from frame to frame must not lose what tiles remember.
 
-use glam::Quat;
+use glam::{Quat, Vec3};
+use parafovea_core::gaze::NEAREST_ASSUMED_M;
 use parafovea_core::geometry::Fov;
 use parafovea_core::plan::EyeInput;
 
 /// What differs by less is the same, radians: 0.06 degrees, a pixel or so, an eighth of the hysteresis of the rings.
 const TREMOR: f32 = 1e-3;
 
+/// The same of positions, metres: 0.05 degrees at half a metre.
+const TREMOR_M: f32 = 5e-4;
+
 /// A view, as xrLocateViews gives it or a projection layer shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// From the view's space to that in which it was located.
     pub orientation: Quat,
+    /// Where it is in that space, metres.
+    pub position: Vec3,
     /// Angles of its edges.
     pub fov: Fov,
 }
@@ -41,6 +47,7 @@ pub fn head_of(views: impl IntoIterator<Item = Quat>) -> Option<Quat> {
 #[derive(Debug, Default)]
 pub struct Views {
     eyes: [Eye; 2],
+    nearest_m: Option<f32>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -49,6 +56,8 @@ struct Eye {
     shown: Option<ShownFov>,
     /// In the space of the head.
     orientation: Quat,
+    /// In the space of the head, whose origin is in the middle of both, metres.
+    position: Vec3,
     /// Field of view to plan with; of the row above as the top.
     fov: Option<Fov>,
     extent: [u32; 2],
@@ -67,9 +76,10 @@ impl Views {
     pub fn located(&mut self, views: &[View]) {
         let views = &views[..views.len().min(2)];
         let Some(head) = head_of(views.iter().map(|view| view.orientation)) else { return };
+        let middle = middle_of(views.iter());
         for (eye, view) in self.eyes.iter_mut().zip(views) {
             eye.located = Some(view.fov);
-            eye.turn(head.inverse() * view.orientation);
+            eye.place(head, middle, view);
             eye.settle();
         }
     }
@@ -78,15 +88,37 @@ impl Views {
     pub fn shown(&mut self, views: &[ShownView]) {
         let views = &views[..views.len().min(2)];
         let Some(head) = head_of(views.iter().map(|shown| shown.view.orientation)) else { return };
+        let middle = middle_of(views.iter().map(|shown| &shown.view));
         self.eyes[views.len()..].fill(Eye::default());
         for (eye, ShownView { view, extent }) in self.eyes.iter_mut().zip(views) {
             eye.shown = Some(ShownFov { fov: view.fov, located: eye.located });
             if eye.located.is_none() {
-                eye.turn(head.inverse() * view.orientation);
+                eye.place(head, middle, view);
             }
             eye.resize(*extent);
             eye.settle();
         }
+    }
+
+    /// Nothing of what is shown is nearer than this, metres, where that is known: from submitted depth.
+    pub fn set_nearest(&mut self, nearest_m: Option<f32>) {
+        self.nearest_m = nearest_m;
+    }
+
+    /// Nothing that is looked at is taken to be nearer than this, metres.
+    pub fn nearest_m(&self) -> f32 {
+        self.nearest_m.map_or(NEAREST_ASSUMED_M, |nearest| nearest.max(NEAREST_ASSUMED_M))
+    }
+
+    /// Where both eyes are in the space of the head, metres.
+    pub fn positions(&self) -> [Vec3; 2] {
+        self.eyes.each_ref().map(|eye| eye.position)
+    }
+
+    /// What both views show: fields of view, and how they are turned against the head. Nothing for a single one.
+    pub fn seen(&self) -> Option<[(Fov, Quat); 2]> {
+        let [left, right] = self.eyes.each_ref().map(|eye| eye.fov.map(|fov| (fov, eye.orientation)));
+        Some([left?, right?])
     }
 
     /// Whether enough is known to plan.
@@ -105,7 +137,23 @@ impl Views {
     }
 }
 
+/// The mean of the views' positions.
+fn middle_of<'a>(views: impl ExactSizeIterator<Item = &'a View>) -> Vec3 {
+    let count = views.len().max(1) as f32;
+    views.map(|view| view.position).sum::<Vec3>() / count
+}
+
 impl Eye {
+    fn place(&mut self, head: Quat, middle: Vec3, view: &View) {
+        self.turn(head.inverse() * view.orientation);
+        let position = head.inverse() * (view.position - middle);
+        // What is no number is taken, for the models to refuse.
+        let apart = self.position.distance(position);
+        if apart.is_nan() || apart >= TREMOR_M {
+            self.position = position;
+        }
+    }
+
     fn turn(&mut self, orientation: Quat) {
         // Twice the length of the vector part is the angle: exact where arc cosines are not.
         let apart = (self.orientation.inverse() * orientation).xyz().length() * 2.0;
@@ -163,7 +211,11 @@ mod tests {
     const FOV: Fov = Fov { left: -0.9, right: 0.7, up: 0.8, down: -0.8 };
 
     fn canted(head: Quat) -> [View; 2] {
-        [0.1, -0.1].map(|cant| View { orientation: head * Quat::from_rotation_y(cant), fov: FOV })
+        [0.1f32, -0.1].map(|cant| View {
+            orientation: head * Quat::from_rotation_y(cant),
+            position: Vec3::new(1.0, 2.0, 3.0) - head * Vec3::X * (0.3 * cant),
+            fov: FOV,
+        })
     }
 
     fn shown(views: [View; 2], extent: [u32; 2]) -> [ShownView; 2] {
@@ -209,6 +261,35 @@ mod tests {
         }
         let angle = views.orientation(0).angle_between(Quat::from_rotation_y(0.1));
         assert!(angle < 2e-3, "the left display is turned left by {angle} too much");
+    }
+
+    #[test]
+    fn eyes_are_beside_the_middle_of_the_head_wherever_it_is() {
+        let mut views = Views::default();
+        assert_eq!(views.seen(), None);
+        for step in 0..50 {
+            let head = Quat::from_euler(glam::EulerRot::YXZ, step as f32 * 0.1, 0.3, step as f32 * 0.05);
+            views.located(&canted(head));
+            let [left, right] = views.positions();
+            assert!(
+                left.abs_diff_eq(Vec3::X * -0.03, TREMOR_M) && right.abs_diff_eq(Vec3::X * 0.03, TREMOR_M)
+            );
+        }
+        let before = views.positions();
+        views.located(&canted(Quat::from_rotation_y(1e-3)));
+        assert_eq!(views.positions(), before, "to the last bit");
+        assert_eq!(views.seen().unwrap().map(|(fov, _)| fov), [FOV; 2]);
+        views.located(&canted(Quat::IDENTITY)[..1]);
+        assert_eq!(views.positions()[0], Vec3::ZERO, "one view is the head");
+    }
+
+    #[test]
+    fn what_is_farther_than_assumed_is_believed_and_nothing_else() {
+        let mut views = Views::default();
+        for (told, nearest) in [(None, 0.4), (Some(0.05), 0.4), (Some(2.0), 2.0), (Some(f32::NAN), 0.4)] {
+            views.set_nearest(told);
+            assert_eq!(views.nearest_m(), nearest, "{told:?}");
+        }
     }
 
     #[test]

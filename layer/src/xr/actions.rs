@@ -2,21 +2,52 @@
 //!
 //! An action set of ours rides along: first in the application's `xrAttachSessionActionSets` (a SteamVR bug keeps
 //! only the last set usable, which must be the application's), and in each of its `xrSyncActions`. An
-//! application without any action sets gets ours attached and synchronised after a grace period.
+//! application without any input gets ours attached and synchronised after `gaze.attach_alone_after_s`. What the application
+//! sees of its own input, and of events, is what it would see without us.
 
+mod application;
 mod gaze_action;
 mod instance_state;
+mod profiles;
 mod session_state;
 
 pub use instance_state::InstanceActions;
 pub use session_state::SessionActions;
 
-use super::instance::{self, next_of_any};
+use super::dispatch::Next;
+use super::instance::{self, Instance, next_of_any};
 use super::session;
 use crate::abi::guard;
+use application::Suggested;
 use openxr_sys as xr;
 use smallvec::SmallVec;
+use std::ffi::c_char;
 use std::ptr;
+use std::sync::Arc;
+
+/// An instance, where it is known, and the functions below it.
+fn below_of(handle: xr::Instance) -> Option<(Option<Arc<Instance>>, Next)> {
+    let known = instance::hooked(handle);
+    let next = known.as_ref().map(|known| known.next).or_else(next_of_any)?;
+    Some((known, next))
+}
+
+/// `xrStringToPath`: who asks for the path of an input will have action sets some day.
+pub unsafe extern "system" fn string_to_path(
+    handle: xr::Instance,
+    text: *const c_char,
+    path: *mut xr::Path,
+) -> xr::Result {
+    let Some((known, next)) = below_of(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.string_to_path)(handle, text, path) };
+    guard("xrStringToPath", below, |answer| {
+        if let Some(known) = &known {
+            known.actions.application().note_input();
+        }
+        answer.record(below())
+    })
+}
 
 /// `xrCreateActionSet`: an application that has one will attach it some day.
 pub unsafe extern "system" fn create_action_set(
@@ -24,37 +55,67 @@ pub unsafe extern "system" fn create_action_set(
     info: *const xr::ActionSetCreateInfo,
     action_set: *mut xr::ActionSet,
 ) -> xr::Result {
-    let known = instance::hooked(handle);
-    let Some(next) = known.as_ref().map(|known| known.next).or_else(next_of_any) else {
-        return xr::Result::ERROR_HANDLE_INVALID;
-    };
+    let Some((known, next)) = below_of(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.create_action_set)(handle, info, action_set) };
     guard("xrCreateActionSet", below, |answer| {
         if let Some(known) = &known {
-            known.actions.note_action_set();
+            known.actions.application().note_input();
         }
-        answer.record(below())
+        let result = answer.record(below());
+        if let (true, Some(known)) = (result.into_raw() >= 0, &known) {
+            // SAFETY: the call succeeded, so both pointers are valid.
+            let (set, priority) = unsafe { (*action_set, (*info).priority) };
+            known.actions.application().note_set(set, priority);
+        }
+        result
+    })
+}
+
+/// `xrCreateAction`: which set an action is in decides about the priority of ours.
+pub unsafe extern "system" fn create_action(
+    set: xr::ActionSet,
+    info: *const xr::ActionCreateInfo,
+    action: *mut xr::Action,
+) -> xr::Result {
+    let Some(known) = instance::any_hooked() else { return xr::Result::ERROR_HANDLE_INVALID };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (known.next.create_action)(set, info, action) };
+    guard("xrCreateAction", below, |answer| {
+        let result = answer.record(below());
+        if result.into_raw() >= 0 {
+            // SAFETY: the call succeeded, so `action` points to the new handle.
+            known.actions.application().note_action(unsafe { *action }, set);
+        }
+        result
     })
 }
 
 /// `xrSuggestInteractionProfileBindings`: what the application suggests for eye gaze is remembered, because
-/// our suggestion will take its place.
+/// our suggestion will take its place. Without the extension, which is on because of us, it gets no such profile.
 pub unsafe extern "system" fn suggest_bindings(
     handle: xr::Instance,
     suggestion: *const xr::InteractionProfileSuggestedBinding,
 ) -> xr::Result {
-    let known = instance::hooked(handle);
-    let Some(next) = known.as_ref().map(|known| known.next).or_else(next_of_any) else {
-        return xr::Result::ERROR_HANDLE_INVALID;
-    };
+    let Some((known, next)) = below_of(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.suggest_interaction_profile_bindings)(handle, suggestion) };
     guard("xrSuggestInteractionProfileBindings", below, |answer| {
+        let Some(known) = &known else { return answer.record(below()) };
+        known.actions.application().note_input();
+        // SAFETY: valid usage: `suggestion` is valid.
+        let asked = unsafe { suggestion.as_ref() };
+        let is_gaze = |asked: &xr::InteractionProfileSuggestedBinding| {
+            gaze_action::profile(&known.next, known.handle) == Ok(asked.interaction_profile)
+        };
+        if known.eye_gaze && !known.eye_gaze_is_asked_for && asked.is_some_and(is_gaze) {
+            return answer.record(xr::Result::ERROR_PATH_UNSUPPORTED);
+        }
         let result = answer.record(below());
-        if let (xr::Result::SUCCESS, Some(known)) = (result, &known) {
+        if let (xr::Result::SUCCESS, Some(asked)) = (result, asked) {
             // SAFETY: the call succeeded, so the suggestion is valid.
-            unsafe { known.actions.note_suggestion(known, &*suggestion) };
+            let suggested = unsafe { Suggested::read(known, asked) };
+            known.actions.application().note_suggestion(suggested);
         }
         result
     })
@@ -80,7 +141,13 @@ pub unsafe extern "system" fn attach(
             let asked = unsafe { info.as_ref() }
                 .filter(|info| info.count_action_sets > 0 && !info.action_sets.is_null());
             let ours = known.as_ref().and_then(|known| Some((known, known.actions.prepare(known)?)));
-            let (Some(asked), Some((known, gaze))) = (asked, ours) else { return answer.record(below(info)) };
+            let (Some(asked), Some((known, gaze))) = (asked, ours) else {
+                let result = answer.record(below(info));
+                if let Some(known) = &known {
+                    known.actions.attached_without(result);
+                }
+                return result;
+            };
             let mut sets = vec![gaze.set];
             // SAFETY: valid usage: an array of that many handles.
             sets.extend_from_slice(unsafe {
@@ -99,6 +166,7 @@ pub unsafe extern "system" fn attach(
             }
             let own = answer.record(below(info));
             tracing::info!("no eye gaze: attaching our action set returned {result:?}, without it {own:?}");
+            known.actions.attached_without(own);
             own
         },
     )
@@ -120,6 +188,7 @@ pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::Actions
             let asked = unsafe { info.as_ref() };
             let ours = known.as_ref().and_then(|known| Some((known, known.actions.attached()?)));
             let (Some(asked), Some((known, gaze))) = (asked, ours) else { return answer.record(below(info)) };
+            known.actions.application_synchronises();
             let mut active: SmallVec<[xr::ActiveActionSet; 16]> = SmallVec::new();
             if !asked.active_action_sets.is_null() {
                 // SAFETY: valid usage: an array of that many structures.
@@ -138,7 +207,11 @@ pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::Actions
             };
             let result = below(&merged);
             if result.into_raw() >= 0 {
-                return answer.record(result);
+                answer.record(result);
+                if result == xr::Result::SUCCESS {
+                    known.actions.profiles.application_synchronised(known);
+                }
+                return result;
             }
             let own = answer.record(below(info));
             if own.into_raw() >= 0 {
@@ -150,31 +223,53 @@ pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::Actions
     )
 }
 
+/// `xrGetCurrentInteractionProfile`: nothing where there would be nothing without us.
+pub unsafe extern "system" fn get_current_profile(
+    handle: xr::Session,
+    user: xr::Path,
+    profile: *mut xr::InteractionProfileState,
+) -> xr::Result {
+    let known = session::find(handle);
+    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+        return xr::Result::ERROR_HANDLE_INVALID;
+    };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.get_current_interaction_profile)(handle, user, profile) };
+    guard("xrGetCurrentInteractionProfile", below, |answer| {
+        let result = answer.record(below());
+        let (true, Some(known)) = (result.into_raw() >= 0, &known) else { return result };
+        // SAFETY: the call succeeded, so the structure is valid.
+        let told = unsafe { &mut (*profile).interaction_profile };
+        match known.actions.profiles.answer(*told) {
+            Ok(path) => {
+                *told = path;
+                result
+            }
+            Err(error) => answer.record(error),
+        }
+    })
+}
+
 /// Events that are taken out of a queue in one call at most; there cannot be more interaction profiles.
 const EVENTS_AT_ONCE: usize = 16;
 
-/// `xrPollEvent`: an application that has attached nothing gets no event about interaction profiles, which
-/// there only is because we did.
+/// `xrPollEvent`: no event about interaction profiles that there only is because of us.
 pub unsafe extern "system" fn poll_event(
     handle: xr::Instance,
     event: *mut xr::EventDataBuffer,
 ) -> xr::Result {
-    let known = instance::hooked(handle);
-    let Some(next) = known.as_ref().map(|known| known.next).or_else(next_of_any) else {
-        return xr::Result::ERROR_HANDLE_INVALID;
-    };
+    let Some((_, next)) = below_of(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.poll_event)(handle, event) };
     guard("xrPollEvent", below, |answer| {
         for _ in 0..EVENTS_AT_ONCE {
             let result = below();
-            let is_ours = || {
+            if result == xr::Result::EVENT_UNAVAILABLE {
                 // SAFETY: the call succeeded, so the buffer is valid.
-                let ty = unsafe { (*event).ty };
-                ty == xr::StructureType::EVENT_DATA_INTERACTION_PROFILE_CHANGED
-                    && session::any_of(handle, |session| session.actions.is_attached_alone())
-            };
-            if result != xr::Result::SUCCESS || !is_ours() {
+                return answer.record(unsafe { owed_event(handle, event) }.unwrap_or(result));
+            }
+            // SAFETY: as above.
+            if result != xr::Result::SUCCESS || !unsafe { is_ours(&*event) } {
                 return answer.record(result);
             }
             // SAFETY: as above; what an application must set before the call.
@@ -185,4 +280,37 @@ pub unsafe extern "system" fn poll_event(
         }
         answer.record(xr::Result::EVENT_UNAVAILABLE)
     })
+}
+
+/// Whether an event is there because of us.
+///
+/// # Safety
+///
+/// The runtime wrote it.
+unsafe fn is_ours(event: &xr::EventDataBuffer) -> bool {
+    if event.ty != xr::EventDataInteractionProfileChanged::TYPE {
+        return false;
+    }
+    // SAFETY: the type says which structure the buffer begins with; the buffer is larger and as aligned.
+    let changed = unsafe { &*ptr::from_ref(event).cast::<xr::EventDataInteractionProfileChanged>() };
+    let known = session::find(changed.session);
+    known
+        .is_some_and(|known| known.actions.attached().is_some() && known.actions.profiles.hides_event(&known))
+}
+
+/// Writes an event that was kept back until now, if there is one.
+///
+/// # Safety
+///
+/// `event` is valid.
+unsafe fn owed_event(handle: xr::Instance, event: *mut xr::EventDataBuffer) -> Option<xr::Result> {
+    let session = session::owed_event(handle)?;
+    let changed = xr::EventDataInteractionProfileChanged {
+        ty: xr::EventDataInteractionProfileChanged::TYPE,
+        next: ptr::null(),
+        session,
+    };
+    // SAFETY: the caller vouches for the buffer, which is larger than every event and as aligned.
+    unsafe { event.cast::<xr::EventDataInteractionProfileChanged>().write(changed) };
+    Some(xr::Result::SUCCESS)
 }

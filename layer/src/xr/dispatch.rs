@@ -48,7 +48,8 @@ functions! {
     c"xrDestroyInstance" destroy_instance: DestroyInstance => instance::destroy;
     c"xrPollEvent" poll_event: PollEvent => actions::poll_event;
     c"xrGetSystemProperties" get_system_properties: GetSystemProperties;
-    c"xrStringToPath" string_to_path: StringToPath;
+    c"xrStringToPath" string_to_path: StringToPath => actions::string_to_path;
+    c"xrPathToString" path_to_string: PathToString;
 
     c"xrCreateSession" create_session: CreateSession => session::create;
     c"xrDestroySession" destroy_session: DestroySession => session::destroy;
@@ -70,12 +71,14 @@ functions! {
 
     c"xrCreateActionSet" create_action_set: CreateActionSet => actions::create_action_set;
     c"xrDestroyActionSet" destroy_action_set: DestroyActionSet;
-    c"xrCreateAction" create_action: CreateAction;
+    c"xrCreateAction" create_action: CreateAction => actions::create_action;
     c"xrSuggestInteractionProfileBindings" suggest_interaction_profile_bindings:
         SuggestInteractionProfileBindings => actions::suggest_bindings;
     c"xrAttachSessionActionSets" attach_session_action_sets:
         AttachSessionActionSets => actions::attach;
     c"xrSyncActions" sync_actions: SyncActions => actions::sync;
+    c"xrGetCurrentInteractionProfile" get_current_interaction_profile:
+        GetCurrentInteractionProfile => actions::get_current_profile;
     c"xrCreateActionSpace" create_action_space: CreateActionSpace;
     c"xrCreateReferenceSpace" create_reference_space: CreateReferenceSpace;
     c"xrLocateSpace" locate_space: LocateSpace;

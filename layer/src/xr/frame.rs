@@ -1,6 +1,7 @@
 //! Frames. What happens at `xrEndFrame`, from top to bottom, is [`deliver`].
 
 mod layers;
+mod nearest;
 mod regions;
 mod shown;
 mod work;
@@ -34,6 +35,9 @@ pub unsafe extern "system" fn wait(
     guard("xrWaitFrame", below, |answer| {
         if let Some(known) = &known {
             known.instance.config.poll(Instant::now());
+            if known.active.is_some() {
+                known.gaze.open_files(&known.instance.config.get());
+            }
         }
         let result = answer.record(below());
         if let (true, Some(active)) =
@@ -81,7 +85,7 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
         {
             // SAFETY: valid usage: `info` and what it points to are valid.
             if let Some(info) = unsafe { info.as_ref() } {
-                known.actions.frame_ended(known);
+                known.actions.frame_ended(known, info.display_time);
                 // SAFETY: as above.
                 unsafe {
                     shown::tell(active, info);
@@ -107,7 +111,9 @@ unsafe fn show_views(session: &Session, active: &Active, info: &xr::FrameEndInfo
         Shown::Flat(_) | Shown::Cube(_) => None,
     });
     if let Some(scene) = scene {
-        plan::views_shown(session, active, info.display_time, scene.views);
+        // SAFETY: as above.
+        let nearest_m = unsafe { nearest::of(info) };
+        plan::views_shown(session, active, info.display_time, scene.views, nearest_m);
     }
 }
 

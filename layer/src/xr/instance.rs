@@ -40,6 +40,8 @@ pub struct Instance {
     pub config: LiveConfig,
     /// Whether `XR_EXT_eye_gaze_interaction` is on, whoever asked for it.
     pub eye_gaze: bool,
+    /// Whether it was the application who asked for it.
+    pub eye_gaze_is_asked_for: bool,
     /// Its action sets, and ours.
     pub actions: InstanceActions,
 }
@@ -59,7 +61,12 @@ pub fn hooked(handle: xr::Instance) -> Option<Arc<Instance>> {
 /// The functions below for a handle that is not known, so that the runtime says what is wrong with it.
 /// Loaders allow one instance at a time.
 pub fn next_of_any() -> Option<Next> {
-    INSTANCES.find_map(|known| Some(known.hooked.as_ref()?.next))
+    Some(any_hooked()?.next)
+}
+
+/// The instance of a handle of which only its parent's is known here: as above.
+pub fn any_hooked() -> Option<Arc<Instance>> {
+    INSTANCES.find_map(|known| known.hooked.clone())
 }
 
 /// `xrCreateApiLayerInstance`.
@@ -88,7 +95,7 @@ pub unsafe extern "system" fn create(
                 // SAFETY: as above.
                 unsafe { create_with_eye_gaze(&below, info, handle) }
             }
-            None => (as_asked(), false),
+            None => (as_asked(), GazeExtension::Off),
         };
         if answer.record(result) == xr::Result::SUCCESS {
             track(&below, *handle, wanted, eye_gaze);
@@ -117,7 +124,15 @@ fn wanted(name: &str) -> Option<LiveConfig> {
     Some(config)
 }
 
-/// Creates the instance with eye gaze added, and says whether it has it. Whatever that fails with may be our
+/// Whether `XR_EXT_eye_gaze_interaction` is on, and because of whom.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum GazeExtension {
+    Off,
+    Ours,
+    Applications,
+}
+
+/// Creates the instance with eye gaze added, where the runtime may have it. Whatever that fails with may be our
 /// doing, so the application gets the result of the call as it made it.
 ///
 /// # Safety
@@ -127,12 +142,16 @@ unsafe fn create_with_eye_gaze(
     below: &Below,
     info: &xr::InstanceCreateInfo,
     handle: &mut xr::Instance,
-) -> (xr::Result, bool) {
+) -> (xr::Result, GazeExtension) {
     // SAFETY: the caller vouches for `info`; the extended copy lives as long as the call.
     unsafe {
-        match EyeGaze::of(info) {
-            EyeGaze::AskedFor => (below.create(info, handle), true),
-            EyeGaze::Unreadable => (below.create(info, handle), false),
+        match EyeGaze::of(info, below.offered().as_deref()) {
+            EyeGaze::AskedFor => (below.create(info, handle), GazeExtension::Applications),
+            EyeGaze::Unreadable => (below.create(info, handle), GazeExtension::Off),
+            EyeGaze::NotThere => {
+                tracing::info!("no eye gaze: this runtime has no extension for it");
+                (below.create(info, handle), GazeExtension::Off)
+            }
             EyeGaze::Added(names) => {
                 let extended = xr::InstanceCreateInfo {
                     enabled_extension_count: names.len() as u32,
@@ -141,17 +160,17 @@ unsafe fn create_with_eye_gaze(
                 };
                 let result = below.create(&extended, handle);
                 if result.into_raw() >= 0 {
-                    return (result, true);
+                    return (result, GazeExtension::Ours);
                 }
                 tracing::info!("no eye gaze from this runtime: xrCreateInstance returned {result:?}");
-                (below.create(info, handle), false)
+                (below.create(info, handle), GazeExtension::Off)
             }
         }
     }
 }
 
 /// Begins to track an instance, with hooks where `config` says that it is wanted.
-fn track(below: &Below, handle: xr::Instance, config: Option<LiveConfig>, eye_gaze: bool) {
+fn track(below: &Below, handle: xr::Instance, config: Option<LiveConfig>, eye_gaze: GazeExtension) {
     let get = |name: &CStr| {
         let mut function = None;
         // SAFETY: the next layer's function, a live instance of it, a name and a place for the result.
@@ -163,7 +182,14 @@ fn track(below: &Below, handle: xr::Instance, config: Option<LiveConfig>, eye_ga
         let next = unsafe { Next::load(get) }
             .inspect_err(|missing| tracing::error!("inert: the runtime has no {missing:?}"))
             .ok()?;
-        Some(Arc::new(Instance { handle, next, config, eye_gaze, actions: InstanceActions::default() }))
+        Some(Arc::new(Instance {
+            handle,
+            next,
+            config,
+            eye_gaze: eye_gaze != GazeExtension::Off,
+            eye_gaze_is_asked_for: eye_gaze == GazeExtension::Applications,
+            actions: InstanceActions::default(),
+        }))
     });
     let known = Known { next_get_instance_proc_addr: below.get_instance_proc_addr, hooked };
     INSTANCES.insert(handle, Arc::new(known));

@@ -13,10 +13,8 @@ use crate::inputs::gaze::rotation;
 use crate::link::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameTimeRecord, SettingsRecord,
 };
-use crate::planning::{
-    Benefit, Clock, EndedFrame, Look, Offer, Planning, ShownView, View, head_of, wants_rates,
-};
-use glam::Quat;
+use crate::planning::{Benefit, Clock, EndedFrame, Offer, Planning, ShownView, View, head_of, wants_rates};
+use glam::{Quat, Vec3};
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::GateMode;
@@ -219,12 +217,14 @@ fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr
     }
 }
 
-/// Projection views are shown at `time`: the frame is planned now if that was not possible before.
+/// Projection views are shown at `time`: the frame is planned now if that was not possible before. Nothing is shown that is
+/// nearer than `nearest_m`, where that is known.
 pub fn views_shown(
     session: &Session,
     active: &Active,
     time: xr::Time,
     views: &[xr::CompositionLayerProjectionView],
+    nearest_m: Option<f32>,
 ) {
     let shown = views.iter().map(|view| {
         let extent = view.sub_image.image_rect.extent;
@@ -235,6 +235,7 @@ pub fn views_shown(
     let is_planned = {
         let mut planning = active.plan.planning();
         planning.views.shown(&shown);
+        planning.views.set_nearest(nearest_m);
         planning.is_planned()
     };
     if !is_planned {
@@ -246,7 +247,8 @@ pub fn views_shown(
 fn of_pose(pose: &xr::Posef, fov: &xr::Fovf) -> Option<View> {
     let xr::Quaternionf { x, y, z, w } = pose.orientation;
     let fov = Fov { left: fov.angle_left, right: fov.angle_right, up: fov.angle_up, down: fov.angle_down };
-    Some(View { orientation: rotation(x, y, z, w)?, fov })
+    let xr::Vector3f { x: right, y: up, z: back } = pose.position;
+    Some(View { orientation: rotation(x, y, z, w)?, position: Vec3::new(right, up, back), fov })
 }
 
 /// Plans the frame that is shown at `time`, and hands its rates over.
@@ -261,15 +263,14 @@ fn plan(session: &Session, active: &Active, time: xr::Time) {
     if !state.planning().has_work(&config, can_attenuate) {
         return state.planning().idle();
     }
-    let look = match config.gaze.source {
-        GazeSource::Eyes => session.actions.look(session, time),
-        GazeSource::Centre => Look::NoTracker,
-    };
+    let look = session.gaze.look(session, &config, time);
     let head = session.head_in_world(time);
 
     let mut planning = state.planning();
     let time = time.as_nanos();
-    planning.look(&config, look, time);
+    if let Some(reason) = planning.look(&config, look, head, time) {
+        tracing::info!("a gaze that is not believed: {reason}");
+    }
     if planning.plan(&config, can_attenuate, head, time) {
         let serial = || SERIAL.fetch_add(1, Ordering::Relaxed) + 1;
         if let Some(record) = planning.new_rates(&config, serial) {
@@ -296,7 +297,7 @@ pub fn head_in_layer(
     match config.gaze.source {
         // Straight ahead of the picture, whenever it was drawn.
         GazeSource::Centre => of_views(),
-        GazeSource::Eyes => session.head_in(space, time).or_else(of_views),
+        GazeSource::Eyes | GazeSource::File => session.head_in(space, time).or_else(of_views),
     }
 }
 

@@ -5,13 +5,14 @@ mod active;
 pub use active::{Active, Health, Tools};
 
 use super::actions::SessionActions;
+use super::gaze::SessionGaze;
 use super::instance::{self, Instance, next_of_any};
 use super::spaces::Spaces;
 use super::structures::{VulkanBinding, extending};
 use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
 use crate::abi::guard;
-use crate::config::{ChromaMode, GazeSource};
+use crate::config::ChromaMode;
 use crate::registry::Registry;
 use openxr_sys as xr;
 use std::sync::Arc;
@@ -28,6 +29,8 @@ pub struct Session {
     pub spaces: Option<Spaces>,
     /// What is known of its actions, and ours.
     pub actions: SessionActions,
+    /// Where its gaze comes from.
+    pub gaze: SessionGaze,
 }
 
 impl Session {
@@ -35,7 +38,7 @@ impl Session {
     pub fn may_have_work(&self) -> bool {
         let is_healthy = self.active.as_ref().is_some_and(|active| active.health() == Health::Works);
         let config = self.instance.config.get();
-        let has_gaze = config.gaze.source == GazeSource::Centre || self.actions.may_have_gaze();
+        let has_gaze = self.gaze.may_have_gaze(self, &config);
         is_healthy && config.enabled && config.chroma.mode != ChromaMode::Off && has_gaze
     }
 
@@ -52,10 +55,11 @@ pub fn find(handle: xr::Session) -> Option<Arc<Session>> {
     SESSIONS.get(handle)
 }
 
-/// Whether a session of that instance fulfils `condition`.
-pub fn any_of(instance: xr::Instance, condition: impl Fn(&Session) -> bool) -> bool {
-    let fulfils = |session: &Session| session.instance.handle == instance && condition(session);
-    SESSIONS.find_map(|session| fulfils(session).then_some(())).is_some()
+/// A session of that instance whose application is owed an event about interaction profiles, which it gets now.
+pub fn owed_event(instance: xr::Instance) -> Option<xr::Session> {
+    let owes =
+        |session: &Session| session.instance.handle == instance && session.actions.profiles.take_owed();
+    SESSIONS.find_map(|session| owes(session).then_some(session.handle))
 }
 
 /// Forgets the sessions of an instance, before it is destroyed: they go with it.
@@ -134,7 +138,11 @@ pub(super) unsafe fn track(
             ),
         }
     }
-    SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, spaces, actions }));
+    let gaze = SessionGaze::default();
+    if active.is_some() {
+        gaze.open_files(&instance.config.get());
+    }
+    SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, spaces, actions, gaze }));
 }
 
 /// `xrDestroySession`.

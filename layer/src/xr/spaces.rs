@@ -5,6 +5,7 @@ use super::session::Session;
 use crate::inputs::gaze::rotation;
 use glam::Quat;
 use openxr_sys as xr;
+use std::ffi::c_void;
 use std::ptr;
 
 /// Spaces of one session; they go with it.
@@ -50,25 +51,43 @@ impl Session {
 
     /// How the head is turned in `space` at `time`.
     pub fn head_in(&self, space: xr::Space, time: xr::Time) -> Option<Quat> {
-        orientation(&self.instance.next, self.spaces?.head, space, time, xr::SpaceLocationFlags::EMPTY)
+        let head = self.spaces?.head;
+        locate(&self.instance.next, head, space, time, xr::SpaceLocationFlags::EMPTY, ptr::null_mut())
     }
 }
 
-/// The orientation of one space in another at `time`, if it is valid, and `wanted` too.
-pub fn orientation(
+/// How the gaze is turned in the space of the head at `time`, where the eyes are tracked, and when they looked there; 0 where
+/// that is not known.
+///
+/// Source: XR_EXT_eye_gaze_interaction, `XrEyeGazeSampleTimeEXT`.
+pub fn gaze(next: &Next, gaze: xr::Space, head: xr::Space, time: xr::Time) -> Option<(Quat, i64)> {
+    let mut sample = xr::EyeGazeSampleTimeEXT {
+        ty: xr::EyeGazeSampleTimeEXT::TYPE,
+        next: ptr::null_mut(),
+        time: xr::Time::from_nanos(0),
+    };
+    let tracked = xr::SpaceLocationFlags::ORIENTATION_TRACKED;
+    let turned = locate(next, gaze, head, time, tracked, (&raw mut sample).cast())?;
+    Some((turned, sample.time.as_nanos()))
+}
+
+/// The orientation of one space in another at `time`, if it is valid, and `wanted` too. `extension` is null or a structure
+/// that extends `XrSpaceLocation`.
+fn locate(
     next: &Next,
     space: xr::Space,
     base: xr::Space,
     time: xr::Time,
     wanted: xr::SpaceLocationFlags,
+    extension: *mut c_void,
 ) -> Option<Quat> {
     let mut location = xr::SpaceLocation {
         ty: xr::SpaceLocation::TYPE,
-        next: ptr::null_mut(),
+        next: extension,
         location_flags: xr::SpaceLocationFlags::EMPTY,
         pose: xr::Posef::IDENTITY,
     };
-    // SAFETY: the next layer's function, live spaces and a valid structure to write to.
+    // SAFETY: the next layer's function, live spaces and valid structures to write to.
     let result = unsafe { (next.locate_space)(space, base, time, &mut location) };
     let wanted = xr::SpaceLocationFlags::ORIENTATION_VALID | wanted;
     if result.into_raw() < 0 || !location.location_flags.contains(wanted) {

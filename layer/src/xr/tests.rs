@@ -12,9 +12,15 @@ use std::mem::transmute;
 use std::ptr;
 
 fn create_instance(extensions: &[*const c_char]) -> Result<xr::Instance, xr::Result> {
+    create_instance_of(c"", extensions)
+}
+
+fn create_instance_of(application: &CStr, extensions: &[*const c_char]) -> Result<xr::Instance, xr::Result> {
     // SAFETY: the structure is plain data, for which all zero is a valid value.
     let mut info: xr::InstanceCreateInfo = unsafe { std::mem::zeroed() };
     info.ty = xr::InstanceCreateInfo::TYPE;
+    let name = application.to_bytes().iter().map(|&byte| byte as c_char);
+    info.application_info.application_name.iter_mut().zip(name).for_each(|(to, from)| *to = from);
     info.enabled_extension_count = extensions.len() as u32;
     info.enabled_extension_names = extensions.as_ptr();
     let (_next, list) = fake::layer_list();
@@ -60,6 +66,30 @@ fn without_eye_gaze_the_instance_is_what_the_application_asked_for() {
     let handle = create_instance(&[VULKAN.as_ptr()]).unwrap();
     assert_eq!(created()[1], (vec!["XR_KHR_vulkan_enable2".to_owned()], xr::Result::SUCCESS));
     assert!(!instance::hooked(handle).unwrap().eye_gaze);
+}
+
+#[test]
+fn a_runtime_that_does_not_list_eye_gaze_is_asked_all_the_same() {
+    fake::LISTED.set(vec![VULKAN]);
+    let handle = create_instance(&[VULKAN.as_ptr()]).unwrap();
+    assert_eq!(created().len(), 1);
+    assert!(instance::hooked(handle).unwrap().eye_gaze);
+}
+
+#[test]
+fn a_runtime_that_lists_eye_gaze_but_refuses_it_is_used_without() {
+    fake::LISTED.set(vec![VULKAN, c"XR_EXT_eye_gaze_interaction"]);
+    answer(xr::Result::ERROR_EXTENSION_NOT_PRESENT, xr::Result::SUCCESS);
+    let handle = create_instance(&[VULKAN.as_ptr()]).unwrap();
+    assert_eq!(created().len(), 2);
+    assert!(!instance::hooked(handle).unwrap().eye_gaze);
+}
+
+#[test]
+fn protons_test_instance_is_left_alone() {
+    let handle = create_instance_of(c"wineopenxr test instance", &[VULKAN.as_ptr()]).unwrap();
+    assert_eq!(created(), [(vec!["XR_KHR_vulkan_enable2".to_owned()], xr::Result::SUCCESS)]);
+    assert!(instance::hooked(handle).is_none(), "no hooks");
 }
 
 #[test]

@@ -35,10 +35,15 @@ fn frame(planning: &mut Planning, config: &Config, number: i64) -> bool {
     let wobble = (number as f32 * 0.02).sin();
     let head = Quat::from_rotation_y(wobble);
     let fov = Fov { left: -0.8, right: 0.8, up: 0.8, down: -0.8 };
-    let views = [0.05, -0.05].map(|cant| View { orientation: head * Quat::from_rotation_y(cant), fov });
+    let views = [0.05, -0.05].map(|cant| View {
+        orientation: head * Quat::from_rotation_y(cant),
+        position: head * Vec3::X * (-0.64 * cant),
+        fov,
+    });
     planning.frame_begins(time_ns);
     planning.views.located(&views);
-    planning.look(config, Look::At(Quat::from_rotation_y(0.3 * wobble) * Vec3::NEG_Z), time_ns);
+    let direction = Quat::from_rotation_y(0.3 * wobble) * Vec3::NEG_Z;
+    planning.look(config, Look::At { direction, sampled_ns: time_ns - 50_000_000 }, head, time_ns);
     let is_planned = planning.plan(config, true, head, time_ns);
     let is_new = is_planned && planning.new_rates(config, || number as u64).is_some();
     let side = 800 + (100.0 * wobble) as u32;

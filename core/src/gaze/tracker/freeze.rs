@@ -18,9 +18,9 @@ pub(super) struct Freeze {
 }
 
 impl Freeze {
-    /// `head` is a unit quaternion.
+    /// `head` is a unit quaternion. What is told of a time again is a better prediction of it, and no motion.
     pub(super) fn head_turned(&mut self, head: Quat, time_ns: i64) {
-        if let Some((before, before_ns)) = self.head {
+        if let Some((before, before_ns)) = self.head.filter(|(_, before_ns)| *before_ns != time_ns) {
             let seconds = (time_ns.saturating_sub(before_ns) as f64 * 1e-9) as f32;
             // Twice the angle of the shorter half turn; 1 - |dot| loses small ones.
             let across = (before.inverse() * head).xyz().length().min(1.0);

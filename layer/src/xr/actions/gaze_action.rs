@@ -8,33 +8,65 @@ use std::ptr;
 /// Source: XR_EXT_eye_gaze_interaction, "Interaction Profile".
 const PROFILE: &CStr = c"/interaction_profiles/ext/eye_gaze_interaction";
 const GAZE_POSE: &CStr = c"/user/eyes_ext/input/gaze_ext/pose";
+const EYES: &CStr = c"/user/eyes_ext";
 
 /// The action set and what belongs to it; all of it goes with its instance.
 #[derive(Debug, Clone, Copy)]
 pub struct GazeAction {
     /// The action set.
     pub set: xr::ActionSet,
+    /// Which of the application's suggestions for eye gaze was the newest when it was made, from 1; 0: none.
+    pub suggestion: u32,
     action: xr::Action,
     binding: xr::Path,
     profile: xr::Path,
 }
 
+/// How an action set of ours is to be.
+#[derive(Debug, Clone, Default)]
+pub struct Wanted {
+    /// The how manieth it is of its instance, from 1: names are unique.
+    pub number: u32,
+    /// As that of the application's set that has the gaze: a lower one would lose its source to that, a higher one would
+    /// take it away. Without such a set 0, the lowest.
+    pub priority: u32,
+    /// What the application suggested for the profile of eye gaze: each suggestion replaces the one before.
+    pub applications: Vec<xr::ActionSuggestedBinding>,
+    /// [`GazeAction::suggestion`].
+    pub suggestion: u32,
+}
+
 impl GazeAction {
-    /// Makes the action set.
+    /// Makes the action set, and suggests its binding besides those of the application.
     ///
     /// # Errors
     ///
-    /// Those of the calls that it takes.
-    pub fn create(next: &Next, instance: xr::Instance) -> Result<Self, xr::Result> {
+    /// What was to be done, and how that failed.
+    pub fn create(
+        next: &Next,
+        instance: xr::Instance,
+        wanted: &Wanted,
+    ) -> Result<Self, (&'static str, xr::Result)> {
+        let made = Self::make(next, instance, wanted).map_err(|result| ("making an action set", result))?;
+        made.suggest(next, instance, &wanted.applications)
+            .inspect_err(|_| destroy(next, made.set))
+            .map_err(|result| ("suggesting its binding", result))?;
+        Ok(made)
+    }
+
+    fn make(next: &Next, instance: xr::Instance, wanted: &Wanted) -> Result<Self, xr::Result> {
         let profile = profile(next, instance)?;
         let binding = path(next, instance, GAZE_POSE)?;
+        let (of_set, localized) = match wanted.number {
+            0 | 1 => ("parafovea_gaze".to_owned(), "Parafovea: where you look".to_owned()),
+            number => (format!("parafovea_gaze_{number}"), format!("Parafovea: where you look ({number})")),
+        };
         let set_info = xr::ActionSetCreateInfo {
             ty: xr::ActionSetCreateInfo::TYPE,
             next: ptr::null(),
-            action_set_name: name(c"parafovea_gaze"),
-            localized_action_set_name: name(c"Parafovea: where you look"),
-            // The lowest: a set of ours never keeps an input from one of the application's.
-            priority: 0,
+            action_set_name: name(&of_set),
+            localized_action_set_name: name(&localized),
+            priority: wanted.priority,
         };
         let mut set = xr::ActionSet::default();
         let mut action = xr::Action::default();
@@ -44,30 +76,19 @@ impl GazeAction {
             let action_info = xr::ActionCreateInfo {
                 ty: xr::ActionCreateInfo::TYPE,
                 next: ptr::null(),
-                action_name: name(c"gaze"),
+                action_name: name("gaze"),
                 action_type: xr::ActionType::POSE_INPUT,
                 count_subaction_paths: 0,
                 subaction_paths: ptr::null(),
-                localized_action_name: name(c"Gaze"),
+                localized_action_name: name("Gaze"),
             };
             succeeded((next.create_action)(set, &action_info, &mut action))
                 .inspect_err(|_| destroy(next, set))?;
         }
-        Ok(Self { set, action, binding, profile })
+        Ok(Self { set, suggestion: wanted.suggestion, action, binding, profile })
     }
 
-    /// Destroys the action set, which is of no use.
-    pub fn destroy(self, next: &Next) {
-        destroy(next, self.set);
-    }
-
-    /// Suggests the binding for the gaze, besides those of the application: each suggestion for a profile
-    /// replaces the one before.
-    ///
-    /// # Errors
-    ///
-    /// Those of `xrSuggestInteractionProfileBindings`.
-    pub fn suggest(
+    fn suggest(
         &self,
         next: &Next,
         instance: xr::Instance,
@@ -127,16 +148,30 @@ pub fn profile(next: &Next, instance: xr::Instance) -> Result<xr::Path, xr::Resu
     path(next, instance, PROFILE)
 }
 
-fn path(next: &Next, instance: xr::Instance, text: &CStr) -> Result<xr::Path, xr::Result> {
+/// The path of the eyes, as a user path.
+///
+/// # Errors
+///
+/// Those of `xrStringToPath`.
+pub fn eyes(next: &Next, instance: xr::Instance) -> Result<xr::Path, xr::Result> {
+    path(next, instance, EYES)
+}
+
+/// The path of a text.
+///
+/// # Errors
+///
+/// Those of `xrStringToPath`.
+pub fn path(next: &Next, instance: xr::Instance, text: &CStr) -> Result<xr::Path, xr::Result> {
     let mut path = xr::Path::NULL;
     // SAFETY: the next layer's function, a live instance, a C string and a place for the path.
     succeeded(unsafe { (next.string_to_path)(instance, text.as_ptr(), &mut path) })?;
     Ok(path)
 }
 
-fn name<const N: usize>(text: &CStr) -> [c_char; N] {
+fn name<const N: usize>(text: &str) -> [c_char; N] {
     let mut name = [0; N];
-    for (to, &from) in name.iter_mut().zip(text.to_bytes()) {
+    for (to, from) in name.iter_mut().take(N - 1).zip(text.bytes()) {
         *to = from as c_char;
     }
     name

@@ -1,6 +1,7 @@
 //! What is known of an instance's action sets, and ours.
 
-use super::gaze_action::{self, GazeAction};
+use super::application::ApplicationInput;
+use super::gaze_action::GazeAction;
 use crate::xr::instance::Instance;
 use openxr_sys as xr;
 use std::ptr;
@@ -8,110 +9,59 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The action sets of an instance.
 #[derive(Debug, Default)]
-pub struct InstanceActions(Mutex<State>);
-
-#[derive(Debug, Default)]
-struct State {
-    application_has_set: bool,
-    suggestion: Suggestion,
-    ours: Ours,
+pub struct InstanceActions {
+    application: Mutex<ApplicationInput>,
+    ours: Mutex<Ours>,
 }
 
-/// What the application suggested for the profile of eye gaze.
-#[derive(Debug, Clone, Default)]
-enum Suggestion {
-    #[default]
-    Nothing,
-    Bindings(Vec<xr::ActionSuggestedBinding>),
-    /// With extending structures, which cannot be kept.
-    Extended,
-}
-
+/// Our action sets.
 #[derive(Debug, Clone, Copy, Default)]
-enum Ours {
-    #[default]
-    NotTried,
-    Failed,
-    /// Made, and its binding suggested.
-    Ready(GazeAction),
+struct Ours {
+    made: u32,
+    newest: Option<GazeAction>,
+    has_failed: bool,
 }
 
 impl InstanceActions {
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    /// What the application does. Nothing is called down meanwhile.
+    pub fn application(&self) -> MutexGuard<'_, ApplicationInput> {
+        self.application.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The application makes an action set.
-    pub fn note_action_set(&self) {
-        self.state().application_has_set = true;
+    fn ours(&self) -> MutexGuard<'_, Ours> {
+        self.ours.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether the application has made an action set.
-    pub fn application_has_set(&self) -> bool {
-        self.state().application_has_set
-    }
-
-    /// Remembers a suggestion of the application, if it is for eye gaze.
-    ///
-    /// # Safety
-    ///
-    /// `suggestion` is valid.
-    pub unsafe fn note_suggestion(
-        &self,
-        instance: &Instance,
-        suggestion: &xr::InteractionProfileSuggestedBinding,
-    ) {
-        let is_gaze = instance.eye_gaze
-            && gaze_action::profile(&instance.next, instance.handle) == Ok(suggestion.interaction_profile);
-        if !is_gaze {
-            return;
-        }
-        self.state().suggestion = match suggestion.next.is_null() {
-            // SAFETY: the caller vouches for the structure: an array of that many bindings.
-            true => Suggestion::Bindings(unsafe {
-                std::slice::from_raw_parts(
-                    suggestion.suggested_bindings,
-                    suggestion.count_suggested_bindings as usize,
-                )
-                .to_vec()
-            }),
-            false => Suggestion::Extended,
-        };
-    }
-
-    /// Our action set, with its binding suggested; the first call makes it, and must come before action sets
-    /// are attached.
+    /// Our action set, with its binding suggested. It is made by the first call, and again after the application has
+    /// suggested bindings for eye gaze, which replaced ours: a set that was attached once takes no more suggestions. To be
+    /// called before action sets are attached.
     pub fn gaze_action(&self, instance: &Instance) -> Option<GazeAction> {
-        let mut state = self.state();
-        if let Ours::NotTried = state.ours {
-            state.ours = match create(instance, &state.suggestion) {
-                Ok(ready) => Ours::Ready(ready),
-                Err(reason) => {
-                    tracing::info!("no eye gaze: {reason}");
-                    Ours::Failed
-                }
-            };
-        }
-        match state.ours {
-            Ours::Ready(ready) => Some(ready),
-            Ours::NotTried | Ours::Failed => None,
-        }
+        let suggestions = self.application().gaze_suggestions();
+        let number = {
+            let mut ours = self.ours();
+            if let Some(newest) = ours.newest.filter(|newest| newest.suggestion == suggestions) {
+                return Some(newest);
+            }
+            if ours.has_failed {
+                return None;
+            }
+            ours.made += 1;
+            ours.made
+        };
+        let wanted = self.application().wanted(number);
+        let made = wanted
+            .ok_or_else(|| "the application's own use of it has extensions".to_owned())
+            .and_then(|wanted| {
+                GazeAction::create(&instance.next, instance.handle, &wanted)
+                    .map_err(|(what, result)| format!("{what} returned {result:?}"))
+            })
+            .inspect_err(|reason| tracing::info!("no eye gaze: {reason}"))
+            .ok();
+        let mut ours = self.ours();
+        ours.has_failed |= made.is_none();
+        ours.newest = made;
+        made
     }
-}
-
-fn create(instance: &Instance, suggestion: &Suggestion) -> Result<GazeAction, String> {
-    let applications: &[xr::ActionSuggestedBinding] = match suggestion {
-        Suggestion::Nothing => &[],
-        Suggestion::Bindings(bindings) => bindings,
-        Suggestion::Extended => return Err("the application's own use of it has extensions".to_owned()),
-    };
-    let (next, handle) = (&instance.next, instance.handle);
-    let made = GazeAction::create(next, handle)
-        .map_err(|result| format!("making an action set returned {result:?}"))?;
-    made.suggest(next, handle, applications)
-        .inspect_err(|_| made.destroy(next))
-        .map_err(|result| format!("suggesting its binding returned {result:?}"))?;
-    Ok(made)
 }
 
 impl Instance {

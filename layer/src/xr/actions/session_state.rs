@@ -1,8 +1,9 @@
 //! What is known of a session's actions, and ours.
 
 use super::gaze_action::GazeAction;
+use super::profiles::Profiles;
 use crate::config::GazeSource;
-use crate::inputs::gaze::{FORWARD, believable};
+use crate::inputs::gaze::FORWARD;
 use crate::planning::Look;
 use crate::xr::session::Session;
 use crate::xr::spaces;
@@ -10,21 +11,32 @@ use openxr_sys as xr;
 use std::ptr;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// An application without action sets gets ours after this many frames: about a second, in which one that
-/// sets its input up late has done so (peers: Quad-Views-Foveated and VectorXR wait as long).
-const GRACE_FRAMES: u32 = 100;
+/// An application that has attached its action sets, but does not synchronise them, gets ours synchronised after this many
+/// frames: about a second, in which one that begins late has begun (peers: Quad-Views-Foveated and VectorXR wait as long).
+const PATIENCE_FRAMES: u32 = 100;
+
+/// What a frame counts at most for how long an application has been seen: time in which nothing is shown tells nothing.
+const LONGEST_FRAME_NS: i64 = 100_000_000;
 
 /// The actions of a session.
 #[derive(Debug)]
 pub struct SessionActions {
+    /// What the application may know of interaction profiles.
+    pub profiles: Profiles,
     has_tracker: bool,
     state: Mutex<State>,
 }
 
 #[derive(Debug, Default)]
 struct State {
-    frames: u32,
     attachment: Attachment,
+    /// When the newest frame was shown, and for how long frames have been.
+    newest_ns: Option<i64>,
+    shown_ns: i64,
+    /// Whether the application has synchronised its actions.
+    is_synchronised: bool,
+    /// Frames since the application attached its action sets without synchronising them.
+    waited_frames: u32,
 }
 
 /// Whether our action set is attached.
@@ -32,7 +44,7 @@ struct State {
 enum Attachment {
     #[default]
     Not,
-    /// With the application's; its synchronisation includes ours.
+    /// With the application's.
     WithApplication { gaze: GazeAction, space: xr::Space },
     /// By us, for an application without action sets.
     Alone { gaze: GazeAction, space: xr::Space },
@@ -40,10 +52,28 @@ enum Attachment {
     Never,
 }
 
+impl Attachment {
+    fn ours(&self) -> Option<(GazeAction, xr::Space)> {
+        match *self {
+            Self::WithApplication { gaze, space } | Self::Alone { gaze, space } => Some((gaze, space)),
+            Self::Not | Self::Never => None,
+        }
+    }
+}
+
+/// What is due at the end of a frame.
+enum Due {
+    Nothing,
+    AttachAlone,
+    Sync(GazeAction),
+    /// The first one for an application that does not.
+    SyncAhead(GazeAction),
+}
+
 impl SessionActions {
     /// Of a session with or without an eye tracker.
     pub fn new(has_tracker: bool) -> Self {
-        Self { has_tracker, state: Mutex::default() }
+        Self { profiles: Profiles::default(), has_tracker, state: Mutex::default() }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -59,7 +89,7 @@ impl SessionActions {
     pub fn prepare(&self, session: &Session) -> Option<GazeAction> {
         let is_wanted = session.active.is_some()
             && self.has_tracker
-            && session.instance.config.get().gaze.source != GazeSource::Centre
+            && session.instance.config.get().gaze.source == GazeSource::Eyes
             && matches!(self.state().attachment, Attachment::Not);
         if is_wanted { session.instance.actions.gaze_action(&session.instance) } else { None }
     }
@@ -72,17 +102,27 @@ impl SessionActions {
         };
     }
 
-    /// Our action set, if it is to be synchronised with the application's.
-    pub fn attached(&self) -> Option<GazeAction> {
-        match self.state().attachment {
-            Attachment::WithApplication { gaze, .. } => Some(gaze),
-            _ => None,
+    /// The application attached its action sets without ours, or could not.
+    pub fn attached_without(&self, result: xr::Result) {
+        let mut state = self.state();
+        match state.attachment {
+            Attachment::Not if result.into_raw() >= 0 => state.attachment = Attachment::Never,
+            Attachment::Alone { .. } => tracing::error!(
+                "the application attached action sets after ours, and has no input now: {result:?}; with \
+                 gaze.attach_alone_after_s = 0 it has"
+            ),
+            _ => {}
         }
     }
 
-    /// Whether nothing but our action set is attached.
-    pub fn is_attached_alone(&self) -> bool {
-        matches!(self.state().attachment, Attachment::Alone { .. })
+    /// Our action set, if it is attached.
+    pub fn attached(&self) -> Option<GazeAction> {
+        Some(self.state().attachment.ours()?.0)
+    }
+
+    /// The application is about to synchronise its actions.
+    pub fn application_synchronises(&self) {
+        self.state().is_synchronised = true;
     }
 
     /// Does without eye gaze from now on.
@@ -90,20 +130,43 @@ impl SessionActions {
         self.state().attachment = Attachment::Never;
     }
 
-    /// A frame ends: for an application without action sets, ours is attached when the time has come, and
-    /// synchronised from then on.
-    pub fn frame_ended(&self, session: &Session) {
-        let (frames, attachment) = {
-            let mut state = self.state();
-            state.frames = state.frames.saturating_add(1);
-            (state.frames, state.attachment)
-        };
-        match attachment {
-            Attachment::Not if frames == GRACE_FRAMES && !session.instance.actions.application_has_set() => {
-                self.attach_alone(session);
+    /// A frame that is shown at `time` ends. For an application without action sets ours is attached when the time has come,
+    /// and synchronised from then on; for one that does not synchronise its own, too, until it does.
+    pub fn frame_ended(&self, session: &Session, time: xr::Time) {
+        match self.due(session, time) {
+            Due::Nothing => {}
+            Due::AttachAlone => self.attach_alone(session),
+            Due::Sync(gaze) => self.sync_ours(session, gaze),
+            Due::SyncAhead(gaze) => {
+                tracing::info!("the application does not synchronise its actions: ours is, alone");
+                self.profiles.synchronised_ahead(session);
+                self.sync_ours(session, gaze);
             }
-            Attachment::Alone { gaze, .. } => self.sync_alone(session, gaze),
-            _ => {}
+        }
+    }
+
+    fn due(&self, session: &Session, time: xr::Time) -> Due {
+        let after_ns = i64::from(session.instance.config.get().gaze.attach_alone_after_s) * 1_000_000_000;
+        let mut state = self.state();
+        let last = state.newest_ns.replace(time.as_nanos()).unwrap_or(time.as_nanos());
+        state.shown_ns += time.as_nanos().saturating_sub(last).clamp(0, LONGEST_FRAME_NS);
+        match state.attachment {
+            Attachment::Not => {
+                let is_time = after_ns > 0 && state.shown_ns >= after_ns;
+                drop(state);
+                let is_alone = is_time && !session.instance.actions.application().is_there();
+                if is_alone { Due::AttachAlone } else { Due::Nothing }
+            }
+            Attachment::WithApplication { gaze, .. } if !state.is_synchronised => {
+                state.waited_frames = state.waited_frames.saturating_add(1);
+                match state.waited_frames {
+                    ..PATIENCE_FRAMES => Due::Nothing,
+                    PATIENCE_FRAMES => Due::SyncAhead(gaze),
+                    _ => Due::Sync(gaze),
+                }
+            }
+            Attachment::Alone { gaze, .. } => Due::Sync(gaze),
+            Attachment::WithApplication { .. } | Attachment::Never => Due::Nothing,
         }
     }
 
@@ -117,7 +180,12 @@ impl SessionActions {
         };
         // SAFETY: the next layer's function, a live session and a valid structure.
         let result = unsafe { (session.instance.next.attach_session_action_sets)(session.handle, &info) };
-        let space = if result.into_raw() < 0 { None } else { space(session, gaze) };
+        let space = if result.into_raw() < 0 {
+            None
+        } else {
+            self.profiles.attached_alone();
+            space(session, gaze)
+        };
         tracing::info!("the application has no action sets; attaching ours returned {result:?}");
         self.state().attachment = match space {
             Some(space) => Attachment::Alone { gaze, space },
@@ -125,7 +193,7 @@ impl SessionActions {
         };
     }
 
-    fn sync_alone(&self, session: &Session, gaze: GazeAction) {
+    fn sync_ours(&self, session: &Session, gaze: GazeAction) {
         let active = gaze.active();
         let info = xr::ActionsSyncInfo {
             ty: xr::ActionsSyncInfo::TYPE,
@@ -146,15 +214,12 @@ impl SessionActions {
         if !self.may_have_gaze() {
             return Look::NoTracker;
         }
-        let attachment = self.state().attachment;
-        let gaze = match attachment {
-            Attachment::WithApplication { space, .. } | Attachment::Alone { space, .. } => space,
-            Attachment::Not | Attachment::Never => return Look::Unseen,
-        };
+        let Some((_, space)) = self.state().attachment.ours() else { return Look::Unseen };
         let Some(spaces) = session.spaces else { return Look::NoTracker };
-        let tracked = xr::SpaceLocationFlags::ORIENTATION_TRACKED;
-        let turned = spaces::orientation(&session.instance.next, gaze, spaces.head, time, tracked);
-        turned.and_then(|turned| believable(turned * FORWARD)).map_or(Look::Unseen, Look::At)
+        match spaces::gaze(&session.instance.next, space, spaces.head, time) {
+            Some((turned, sampled_ns)) => Look::At { direction: turned * FORWARD, sampled_ns },
+            None => Look::Unseen,
+        }
     }
 }
 

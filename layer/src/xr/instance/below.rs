@@ -1,5 +1,6 @@
 //! What the loader tells a layer of the layers below it.
 
+use super::extensions;
 use openxr_sys as xr;
 use openxr_sys::pfn;
 
@@ -30,6 +31,14 @@ impl Below {
                 list: xr::ApiLayerCreateInfo { next_info: next.next, ..*info },
             })
         }
+    }
+
+    /// What the runtime says that it has, where it can be asked: not through other layers, some of which take no question
+    /// without an instance.
+    pub fn offered(&self) -> Option<Vec<xr::ExtensionProperties>> {
+        let is_end = self.list.next_info.is_null();
+        // SAFETY: what comes after the last layer is the loader itself.
+        is_end.then(|| unsafe { extensions::offered(self.get_instance_proc_addr) }).flatten()
     }
 
     /// Creates the instance below.

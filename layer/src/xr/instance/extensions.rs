@@ -1,28 +1,36 @@
 //! The extensions that an instance is created with.
 
 use openxr_sys as xr;
+use openxr_sys::pfn;
 use std::ffi::{CStr, c_char};
+use std::mem::transmute;
+use std::ptr;
 
-/// Eye gaze as an input action: the only gaze source of this layer so far.
+/// Eye gaze as an input action.
 const EYE_GAZE: &CStr = c"XR_EXT_eye_gaze_interaction";
 
 /// How an application's list of extensions stands to eye gaze.
+#[derive(Debug)]
 pub enum EyeGaze {
     /// The application asks for it.
     AskedFor,
     /// It does not: its extensions, with eye gaze added.
     Added(Vec<*const c_char>),
+    /// It does not, and the runtime has no eye gaze.
+    NotThere,
     /// The list is malformed; the runtime will say so.
     Unreadable,
 }
 
 impl EyeGaze {
-    /// Reads the list.
+    /// Reads the list. `offered` is the runtime's own, where that is known. What it has not is asked for all the same, by
+    /// creating an instance with it, because such lists are not always right (peers: VectorXR on SteamVR and Pimax): unless
+    /// the application may be listening to what goes wrong meanwhile, with a structure in the chain.
     ///
     /// # Safety
     ///
     /// `info` is valid, and stays so while the names are used.
-    pub unsafe fn of(info: &xr::InstanceCreateInfo) -> Self {
+    pub unsafe fn of(info: &xr::InstanceCreateInfo, offered: Option<&[xr::ExtensionProperties]>) -> Self {
         let count = info.enabled_extension_count as usize;
         let asked: &[*const c_char] = match info.enabled_extension_names.is_null() {
             true if count == 0 => &[],
@@ -34,13 +42,59 @@ impl EyeGaze {
             return Self::Unreadable;
         }
         // SAFETY: xrCreateInstance demands that each is a C string.
-        if asked.iter().any(|&name| unsafe { CStr::from_ptr(name) } == EYE_GAZE) {
+        let mut texts = asked.iter().map(|&name| unsafe { CStr::from_ptr(name) });
+        if texts.clone().any(|name| name == EYE_GAZE) {
             return Self::AskedFor;
+        }
+        if let Some(offered) = offered {
+            let has = |name: &CStr| offered.iter().any(|extension| is_named(extension, name));
+            if !has(EYE_GAZE) && texts.all(has) && !info.next.is_null() {
+                return Self::NotThere;
+            }
         }
         let mut names = asked.to_vec();
         names.push(EYE_GAZE.as_ptr());
         Self::Added(names)
     }
+}
+
+fn is_named(extension: &xr::ExtensionProperties, name: &CStr) -> bool {
+    let characters = extension.extension_name.iter().map(|&character| character as u8);
+    characters.take_while(|&byte| byte != 0).eq(name.to_bytes().iter().copied())
+}
+
+/// What the runtime says that it has; nothing where it says nothing of use.
+///
+/// # Safety
+///
+/// `get` is the `xrGetInstanceProcAddr` of the loader's end of the chain, which takes questions without an instance: other
+/// layers may not.
+pub unsafe fn offered(get: pfn::GetInstanceProcAddr) -> Option<Vec<xr::ExtensionProperties>> {
+    let mut function = None;
+    let name = c"xrEnumerateInstanceExtensionProperties";
+    // SAFETY: the caller vouches for the function; a name and a place for the result.
+    let result = unsafe { get(xr::Instance::default(), name.as_ptr(), &mut function) };
+    let function = function.filter(|_| result == xr::Result::SUCCESS)?;
+    // SAFETY: the function of that name has that type.
+    let enumerate =
+        unsafe { transmute::<pfn::VoidFunction, pfn::EnumerateInstanceExtensionProperties>(function) };
+    let mut count = 0;
+    // SAFETY: no layer's name, and a place for the count.
+    let result = unsafe { enumerate(ptr::null(), 0, &mut count, ptr::null_mut()) };
+    if result.into_raw() < 0 || count == 0 {
+        return None;
+    }
+    let blank = xr::ExtensionProperties {
+        ty: xr::ExtensionProperties::TYPE,
+        next: ptr::null_mut(),
+        extension_name: [0; xr::MAX_EXTENSION_NAME_SIZE],
+        extension_version: 0,
+    };
+    let mut extensions = vec![blank; count as usize];
+    // SAFETY: an array of the capacity that is told, and a place for the count.
+    let result = unsafe { enumerate(ptr::null(), count, &mut count, extensions.as_mut_ptr()) };
+    extensions.truncate(count as usize);
+    (result == xr::Result::SUCCESS && !extensions.is_empty()).then_some(extensions)
 }
 
 #[cfg(test)]
@@ -55,16 +109,42 @@ mod tests {
         info
     }
 
+    fn extension(name: &CStr) -> xr::ExtensionProperties {
+        // SAFETY: as above.
+        let mut extension: xr::ExtensionProperties = unsafe { std::mem::zeroed() };
+        for (to, from) in extension.extension_name.iter_mut().zip(name.to_bytes()) {
+            *to = *from as c_char;
+        }
+        extension
+    }
+
     #[test]
     fn is_added_once_and_last() {
         let vulkan = c"XR_KHR_vulkan_enable2".as_ptr();
         let of = |names: &[*const c_char]| {
             // SAFETY: the names are literals.
-            unsafe { EyeGaze::of(&info(names)) }
+            unsafe { EyeGaze::of(&info(names), None) }
         };
         assert!(matches!(of(&[vulkan]), EyeGaze::Added(names) if names == [vulkan, EYE_GAZE.as_ptr()]));
         assert!(matches!(of(&[]), EyeGaze::Added(names) if names.len() == 1));
         assert!(matches!(of(&[vulkan, EYE_GAZE.as_ptr()]), EyeGaze::AskedFor));
-        assert!(matches!(of(&[std::ptr::null()]), EyeGaze::Unreadable));
+        assert!(matches!(of(&[ptr::null()]), EyeGaze::Unreadable));
+    }
+
+    #[test]
+    fn a_list_is_believed_where_it_is_right_and_a_try_could_be_heard() {
+        let vulkan = c"XR_KHR_vulkan_enable2";
+        let of = |offered: &[&CStr], is_listening: bool| {
+            let offered: Vec<_> = offered.iter().map(|name| extension(name)).collect();
+            let names = [vulkan.as_ptr()];
+            let mut info = info(&names);
+            info.next = if is_listening { ptr::from_ref(&vulkan).cast() } else { ptr::null() };
+            // SAFETY: the names are literals, and the chain is not looked into.
+            unsafe { EyeGaze::of(&info, Some(&offered)) }
+        };
+        assert!(matches!(of(&[vulkan], true), EyeGaze::NotThere));
+        assert!(matches!(of(&[vulkan], false), EyeGaze::Added(_)));
+        assert!(matches!(of(&[vulkan, EYE_GAZE], true), EyeGaze::Added(_)));
+        assert!(matches!(of(&[c"XR_KHR_vulkan_enable"], true), EyeGaze::Added(_)));
     }
 }

@@ -18,6 +18,8 @@ thread_local! {
     pub static CREATED: RefCell<Vec<(Vec<CString>, xr::Result)>> = const { RefCell::new(Vec::new()) };
     /// What an instance with eye gaze, and one without, is answered.
     pub static ANSWERS: RefCell<[xr::Result; 2]> = const { RefCell::new([xr::Result::SUCCESS; 2]) };
+    /// The extensions that the stand-in lists; it does not answer without any.
+    pub static LISTED: RefCell<Vec<&'static CStr>> = const { RefCell::new(Vec::new()) };
     /// The action sets of each xrAttachSessionActionSets of this thread.
     pub static ATTACHED: RefCell<Vec<Vec<u64>>> = const { RefCell::new(Vec::new()) };
 }
@@ -47,6 +49,25 @@ unsafe extern "system" fn create_instance(
         unsafe { *instance = xr::Instance::from_raw(new_handle()) };
     }
     result
+}
+
+unsafe extern "system" fn enumerate_extensions(
+    _: *const c_char,
+    capacity: u32,
+    count: *mut u32,
+    extensions: *mut xr::ExtensionProperties,
+) -> xr::Result {
+    LISTED.with_borrow(|listed| {
+        // SAFETY: the layer passes an array of `capacity` structures.
+        unsafe {
+            *count = listed.len() as u32;
+            for (at, name) in listed.iter().enumerate().take(capacity as usize) {
+                let name = name.to_bytes_with_nul().iter().map(|&byte| byte as c_char);
+                (*extensions.add(at)).extension_name.iter_mut().zip(name).for_each(|(to, from)| *to = from);
+            }
+        }
+        if listed.is_empty() { xr::Result::ERROR_RUNTIME_FAILURE } else { xr::Result::SUCCESS }
+    })
 }
 
 unsafe extern "system" fn create_session(
@@ -86,6 +107,10 @@ unsafe extern "system" fn get_instance_proc_addr(
     unsafe {
         let name = CStr::from_ptr(name).to_str().unwrap();
         let found = match name {
+            "xrEnumerateInstanceExtensionProperties" => transmute::<
+                pfn::EnumerateInstanceExtensionProperties,
+                pfn::VoidFunction,
+            >(enumerate_extensions),
             "xrCreateSession" => transmute::<pfn::CreateSession, pfn::VoidFunction>(create_session),
             "xrDestroyInstance" => transmute::<pfn::DestroyInstance, pfn::VoidFunction>(destroy_instance),
             "xrAttachSessionActionSets" => {

@@ -14,6 +14,8 @@ thread_local! {
     pub static HEAD: Cell<Quat> = const { Cell::new(Quat::IDENTITY) };
     /// How the eyes are turned in the head; not tracked without.
     pub static EYES: Cell<Option<Quat>> = const { Cell::new(None) };
+    /// How old the gaze is that is located; none where it has no time.
+    pub static SAMPLE_AGE_NS: Cell<Option<i64>> = const { Cell::new(None) };
     /// Runs inside xrLocateSpace.
     pub static IN_LOCATE: RefCell<Option<Box<dyn FnMut()>>> = const { RefCell::new(None) };
     /// How often the gaze was located.
@@ -44,6 +46,8 @@ pub fn function(name: &str) -> Option<pfn::VoidFunction> {
     table! {
         "xrGetSystemProperties" GetSystemProperties get_system_properties;
         "xrStringToPath" StringToPath string_to_path;
+        "xrPathToString" PathToString path_to_string;
+        "xrGetCurrentInteractionProfile" GetCurrentInteractionProfile get_current_profile;
         "xrWaitFrame" WaitFrame wait_frame;
         "xrBeginFrame" BeginFrame begin_frame;
         "xrLocateViews" LocateViews locate_views;
@@ -90,6 +94,26 @@ unsafe extern "system" fn string_to_path(
     xr::Result::SUCCESS
 }
 
+unsafe extern "system" fn path_to_string(
+    _: xr::Instance,
+    _: xr::Path,
+    _: u32,
+    _: *mut u32,
+    _: *mut std::ffi::c_char,
+) -> xr::Result {
+    xr::Result::ERROR_PATH_INVALID
+}
+
+unsafe extern "system" fn get_current_profile(
+    _: xr::Session,
+    _: xr::Path,
+    profile: *mut xr::InteractionProfileState,
+) -> xr::Result {
+    // SAFETY: the layer passes a valid structure.
+    unsafe { (*profile).interaction_profile = xr::Path::NULL };
+    xr::Result::SUCCESS
+}
+
 unsafe extern "system" fn wait_frame(
     _: xr::Session,
     _: *const xr::FrameWaitInfo,
@@ -117,7 +141,8 @@ unsafe extern "system" fn locate_views(
         *count = 2;
         (*state).view_state_flags = xr::ViewStateFlags::ORIENTATION_VALID;
         for at in 0..capacity.min(2) as usize {
-            (*views.add(at)).pose = pose(HEAD.get());
+            let [x, y, z] = (HEAD.get() * glam::Vec3::X * [-0.032, 0.032][at]).to_array();
+            (*views.add(at)).pose = xr::Posef { position: xr::Vector3f { x, y, z }, ..pose(HEAD.get()) };
             (*views.add(at)).fov = fov();
         }
     }
@@ -138,7 +163,7 @@ pub fn pose(orientation: Quat) -> xr::Posef {
 unsafe extern "system" fn locate_space(
     space: xr::Space,
     base: xr::Space,
-    _: xr::Time,
+    time: xr::Time,
     location: *mut xr::SpaceLocation,
 ) -> xr::Result {
     let in_locate = IN_LOCATE.take();
@@ -155,8 +180,13 @@ unsafe extern "system" fn locate_space(
         (_, true) => Some(if is_head(base) { Quat::IDENTITY } else { HEAD.get() }),
         _ => Some(Quat::IDENTITY),
     };
-    // SAFETY: the layer passes a valid structure.
+    // SAFETY: the layer passes a valid structure, which for the gaze one extends that takes its time.
     unsafe {
+        if is_gaze && let Some(age) = SAMPLE_AGE_NS.get() {
+            let sample = (*location).next.cast::<xr::EyeGazeSampleTimeEXT>();
+            assert_eq!((*sample).ty, xr::EyeGazeSampleTimeEXT::TYPE);
+            (*sample).time = xr::Time::from_nanos(time.as_nanos() - age);
+        }
         (*location).pose = pose(turned.unwrap_or_default());
         (*location).location_flags = match turned {
             Some(_) => {

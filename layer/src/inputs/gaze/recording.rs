@@ -1,0 +1,126 @@
+//! Writes the gaze to a file, for a user who asked for that by the file's name.
+//!
+//! A thread of its own does the writing: frames never wait for a disk. What it cannot keep up with is left out.
+
+use super::script::GazeLine;
+use glam::Vec3;
+use std::fs::{File, OpenOptions};
+use std::io::{BufWriter, Write};
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
+use std::thread::JoinHandle;
+
+/// How many lines may wait to be written: ten seconds at 100 Hz.
+const MOST_WAITING: usize = 1000;
+
+/// A recording that goes on until it is dropped.
+#[derive(Debug)]
+pub struct Recording {
+    /// Present until it is dropped.
+    lines: Option<SyncSender<GazeLine>>,
+    writer: Option<JoinHandle<()>>,
+    newest: Option<f64>,
+}
+
+impl Recording {
+    /// Begins one, in a new file that only this user may read.
+    ///
+    /// # Errors
+    ///
+    /// The file is there already, or cannot be made; or there can be no thread.
+    pub fn create(path: &Path) -> std::io::Result<Self> {
+        let file = OpenOptions::new().write(true).create_new(true).mode(0o600).open(path)?;
+        let (lines, waiting) = sync_channel(MOST_WAITING);
+        let writer = std::thread::Builder::new()
+            .name("parafovea-gaze".to_owned())
+            .spawn(move || write(file, &waiting))?;
+        Ok(Self { lines: Some(lines), writer: Some(writer), newest: None })
+    }
+
+    /// Adds where the eyes looked so many seconds after the first time; nothing where they were not seen. What is not newer
+    /// than the newest is known already.
+    pub fn note(&mut self, seconds: f64, direction: Option<Vec3>) {
+        if self.newest.is_some_and(|newest| seconds <= newest) {
+            return;
+        }
+        self.newest = Some(seconds);
+        if let Some(lines) = &self.lines {
+            // Full: this line is left out. Without a receiver the writer has said why.
+            let _ = lines.try_send(GazeLine { seconds, direction });
+        }
+    }
+}
+
+impl Drop for Recording {
+    /// Waits until all is written.
+    fn drop(&mut self) {
+        self.lines = None;
+        if let Some(writer) = self.writer.take() {
+            // A writer that panicked has written what it could.
+            let _ = writer.join();
+        }
+    }
+}
+
+fn write(file: File, lines: &Receiver<GazeLine>) {
+    let mut file = BufWriter::new(file);
+    let head = "# seconds, degrees to the left, degrees upwards; seconds alone: the eyes were not seen\n";
+    if let Err(error) = file.write_all(head.as_bytes()).and_then(|()| write_lines(&mut file, lines)) {
+        tracing::error!("the recording of the gaze ends here: {error}");
+    }
+}
+
+fn write_lines(file: &mut BufWriter<File>, lines: &Receiver<GazeLine>) -> std::io::Result<()> {
+    loop {
+        let line = match lines.try_recv() {
+            Ok(line) => line,
+            Err(TryRecvError::Disconnected) => return file.flush(),
+            Err(TryRecvError::Empty) => {
+                // Applications end without notice.
+                file.flush()?;
+                match lines.recv() {
+                    Ok(line) => line,
+                    Err(_) => return Ok(()),
+                }
+            }
+        };
+        writeln!(file, "{line}")?;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inputs::gaze::script::GazeScript;
+    use std::os::unix::fs::PermissionsExt;
+
+    #[test]
+    fn what_is_recorded_can_be_played_and_is_private() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("gaze.csv");
+        let mut recording = Recording::create(&path).unwrap();
+        let look = Vec3::new(0.1, 0.2, -1.0);
+        for (seconds, direction) in
+            [(0.0, Some(Vec3::NEG_Z)), (0.1, Some(look)), (0.1, None), (0.05, None), (0.2, None)]
+        {
+            recording.note(seconds, direction);
+        }
+        drop(recording);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text.lines().count(), 4, "{text}");
+        let script: GazeScript = text.parse().unwrap();
+        assert!(script.at(0.1).unwrap().abs_diff_eq(look.normalize(), 1e-6));
+        assert_eq!(script.at(0.2), None);
+        assert_eq!(std::fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+    }
+
+    #[test]
+    fn a_file_that_is_there_is_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("gaze.csv");
+        std::fs::write(&path, "dear").unwrap();
+        assert!(Recording::create(&path).is_err());
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "dear");
+    }
+}

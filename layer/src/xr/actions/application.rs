@@ -1,0 +1,154 @@
+//! What the application does about input, as far as ours has to fit in.
+
+use super::gaze_action::{self, Wanted};
+use crate::xr::instance::Instance;
+use openxr_sys as xr;
+use std::ffi::{CStr, CString, c_char};
+
+/// The input of an application, of one instance.
+#[derive(Debug, Default)]
+pub struct ApplicationInput {
+    /// Whether it has asked for anything that leads to actions.
+    is_there: bool,
+    /// Its action sets, with their priorities.
+    sets: Vec<(xr::ActionSet, u32)>,
+    /// Its actions, with their sets.
+    actions: Vec<(xr::Action, xr::ActionSet)>,
+    gaze: GazeSuggestion,
+    /// How often it has suggested bindings for eye gaze.
+    gaze_suggestions: u32,
+    /// The user paths, such as `/user/hand/left`, that it has suggested bindings for.
+    users: Vec<xr::Path>,
+}
+
+/// What the application suggested for the profile of eye gaze.
+#[derive(Debug, Clone, Default)]
+enum GazeSuggestion {
+    #[default]
+    Nothing,
+    Bindings(Vec<xr::ActionSuggestedBinding>),
+    /// With extending structures, which cannot be kept.
+    Extended,
+}
+
+/// A suggestion that succeeded, read.
+#[derive(Debug)]
+pub struct Suggested {
+    users: Vec<xr::Path>,
+    gaze: Option<GazeSuggestion>,
+}
+
+impl Suggested {
+    /// Reads it.
+    ///
+    /// # Safety
+    ///
+    /// `suggestion` is valid.
+    pub unsafe fn read(instance: &Instance, suggestion: &xr::InteractionProfileSuggestedBinding) -> Self {
+        // SAFETY: the caller vouches for the structure: an array of that many bindings.
+        let bindings = unsafe {
+            std::slice::from_raw_parts(
+                suggestion.suggested_bindings,
+                suggestion.count_suggested_bindings as usize,
+            )
+        };
+        let mut users: Vec<_> =
+            bindings.iter().filter_map(|binding| user_of(instance, binding.binding)).collect();
+        users.sort_unstable();
+        users.dedup();
+        let is_gaze = instance.eye_gaze
+            && gaze_action::profile(&instance.next, instance.handle) == Ok(suggestion.interaction_profile);
+        let gaze = is_gaze.then(|| match suggestion.next.is_null() {
+            true => GazeSuggestion::Bindings(bindings.to_vec()),
+            false => GazeSuggestion::Extended,
+        });
+        Self { users, gaze }
+    }
+}
+
+/// The user path that a binding path begins with: what is before `/input` or `/output`.
+fn user_of(instance: &Instance, binding: xr::Path) -> Option<xr::Path> {
+    let mut text = [0 as c_char; xr::MAX_PATH_LENGTH];
+    let mut length = 0;
+    // SAFETY: the next layer's function, a live instance, and a buffer of the capacity that is told.
+    let result = unsafe {
+        let to_string = instance.next.path_to_string;
+        to_string(instance.handle, binding, text.len() as u32, &mut length, text.as_mut_ptr())
+    };
+    if result.into_raw() < 0 {
+        return None;
+    }
+    *text.last_mut()? = 0;
+    // SAFETY: the buffer ends with a zero.
+    let text = unsafe { CStr::from_ptr(text.as_ptr()) }.to_str().ok()?;
+    let end = text.find("/input").or_else(|| text.find("/output"))?;
+    gaze_action::path(&instance.next, instance.handle, &CString::new(&text[..end]).ok()?).ok()
+}
+
+impl ApplicationInput {
+    /// It asked for something that leads to actions.
+    pub fn note_input(&mut self) {
+        self.is_there = true;
+    }
+
+    /// Whether it has input, or will.
+    pub fn is_there(&self) -> bool {
+        self.is_there
+    }
+
+    /// It made an action set.
+    pub fn note_set(&mut self, set: xr::ActionSet, priority: u32) {
+        self.sets.push((set, priority));
+    }
+
+    /// It made an action.
+    pub fn note_action(&mut self, action: xr::Action, set: xr::ActionSet) {
+        self.actions.push((action, set));
+    }
+
+    /// A suggestion of its own succeeded.
+    pub fn note_suggestion(&mut self, suggested: Suggested) {
+        for user in suggested.users {
+            if !self.users.contains(&user) {
+                self.users.push(user);
+            }
+        }
+        if let Some(gaze) = suggested.gaze {
+            self.gaze = gaze;
+            self.gaze_suggestions += 1;
+        }
+    }
+
+    /// The user paths that it has suggested bindings for.
+    pub fn users(&self) -> &[xr::Path] {
+        &self.users
+    }
+
+    /// Whether it looks at the gaze itself.
+    pub fn has_gaze(&self) -> bool {
+        self.gaze_suggestions > 0
+    }
+
+    /// How often it has suggested bindings for eye gaze.
+    pub fn gaze_suggestions(&self) -> u32 {
+        self.gaze_suggestions
+    }
+
+    /// How our action set is to be beside its own; nothing where it cannot be.
+    pub fn wanted(&self, number: u32) -> Option<Wanted> {
+        let applications = match &self.gaze {
+            GazeSuggestion::Nothing => Vec::new(),
+            GazeSuggestion::Bindings(bindings) => bindings.clone(),
+            GazeSuggestion::Extended => return None,
+        };
+        let set_of =
+            |action: xr::Action| self.actions.iter().find(|(known, _)| *known == action).map(|(_, set)| *set);
+        let priority_of = |set: xr::ActionSet| {
+            self.sets.iter().find(|(known, _)| *known == set).map(|(_, priority)| *priority)
+        };
+        // Of several the lowest: no set of the application's ever loses the gaze to ours.
+        let priorities = applications.iter().filter_map(|binding| priority_of(set_of(binding.action)?));
+        let priority = priorities.min().unwrap_or_default();
+        Some(Wanted { number, priority, applications, suggestion: self.gaze_suggestions })
+    }
+}
