@@ -222,7 +222,7 @@ fn check_action(
     check_subaction(runtime, session, handle, subaction)
 }
 
-fn check_attached(runtime: &Runtime, session: xr::Session, action: &Action) -> Result<(), Fault> {
+pub(crate) fn check_attached(runtime: &Runtime, session: xr::Session, action: &Action) -> Result<(), Fault> {
     let session = runtime.sessions.get(session)?;
     if session.input.has_set(action.set) {
         return Ok(());

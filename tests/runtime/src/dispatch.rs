@@ -125,6 +125,9 @@ pub(crate) extern "system" fn get_instance_proc_addr(
     call("xrGetInstanceProcAddr", |runtime| {
         pointer.set("function", None)?;
         let name = name.text("name")?;
+        if runtime.scenario.quirks.missing_functions.iter().any(|missing| missing == name) {
+            return Ok(xr::Result::ERROR_FUNCTION_UNSUPPORTED);
+        }
         let found = if instance == xr::Instance::default() {
             found_without_instance(name)?
         } else {

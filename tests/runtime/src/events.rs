@@ -1,6 +1,7 @@
 //! What the application has not polled yet.
 
 use crate::abi::pointers::Out;
+use crate::record::Line;
 use crate::runtime::call;
 use openxr_sys as xr;
 
@@ -29,6 +30,13 @@ pub(crate) extern "system" fn poll(
         let instance = runtime.instances.get_mut(instance)?;
         buffer.get()?;
         let Some(event) = instance.events.pop_front() else { return Ok(xr::Result::EVENT_UNAVAILABLE) };
+        if runtime.scenario.output.input {
+            let event = match event {
+                Event::SessionState { state, .. } => format!("state {state:?}"),
+                Event::InteractionProfileChanged { .. } => "interaction profile".to_owned(),
+            };
+            runtime.recorder.line(&Line::EventPolled { event });
+        }
         match event {
             Event::SessionState { session, state, time } => {
                 buffer.set_event(xr::EventDataSessionStateChanged {

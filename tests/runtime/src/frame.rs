@@ -24,6 +24,10 @@ pub(crate) struct FrameLoop {
     waited: Option<Frame>,
     /// Begun, not ended.
     begun: Option<Frame>,
+    /// For which display time views were located last.
+    pub views_located: Option<i64>,
+    /// How often the gaze was located since the newest frame ended.
+    pub gaze_reads: u32,
 }
 
 /// A frame under way.
@@ -142,6 +146,7 @@ pub(crate) extern "system" fn end(session: xr::Session, info: In<xr::FrameEndInf
         let limit = runtime.scenario.session.frames;
         let frames = &mut runtime.sessions.get_mut(session)?.frames;
         frames.begun = None;
+        frames.gaze_reads = 0;
         frames.ended += 1;
         if frames.ended == limit {
             runtime.stop(session)?;
@@ -187,6 +192,7 @@ fn describe(
         should_render: begun.should_render,
         head: layers::recorded_pose(script::head_at(&runtime.scenario.head, seconds)),
         gaze: gaze.map(|orientation| (orientation * Vec3::NEG_Z).to_array()),
+        gaze_reads: runtime.sessions.get(session)?.frames.gaze_reads,
         layers: layers.iter().map(layers::Layer::recorded).collect(),
     })
 }

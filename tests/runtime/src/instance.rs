@@ -63,6 +63,12 @@ fn offered(runtime: &Runtime) -> Result<Vec<Extension>, Fault> {
     Ok(EXTENSIONS.into_iter().filter(|extension| !off.iter().any(|off| off == extension.name)).collect())
 }
 
+fn listed(runtime: &Runtime) -> Result<Vec<Extension>, Fault> {
+    let unlisted = &runtime.scenario.quirks.unlisted_extensions;
+    let is_listed = |extension: &Extension| !unlisted.iter().any(|name| name == extension.name);
+    Ok(offered(runtime)?.into_iter().filter(is_listed).collect())
+}
+
 /// `xrEnumerateInstanceExtensionProperties`.
 pub(crate) extern "system" fn enumerate_extensions(
     layer: In<c_char>,
@@ -76,7 +82,7 @@ pub(crate) extern "system" fn enumerate_extensions(
             return Err(Fault::new(xr::Result::ERROR_API_LAYER_NOT_PRESENT, section::INSTANCE, message));
         }
         let list = List { capacity, count, items };
-        list.fill_structures("properties", &offered(runtime)?, |properties, extension| {
+        list.fill_structures("properties", &listed(runtime)?, |properties, extension| {
             text::fill(&mut properties.extension_name, extension.name);
             properties.extension_version = extension.version;
         })?;
@@ -145,7 +151,9 @@ fn check_version(runtime: &Runtime, api: xr::Version) -> Result<(), Fault> {
 }
 
 fn enabled(runtime: &Runtime, names: &[&std::ffi::CStr]) -> Result<Vec<&'static str>, Fault> {
-    let offered = offered(runtime)?;
+    let refused = &runtime.scenario.quirks.refused_extensions;
+    let mut offered = offered(runtime)?;
+    offered.retain(|extension| !refused.iter().any(|name| name == extension.name));
     let find = |name: &&std::ffi::CStr| {
         let found = offered.iter().find(|extension| extension.name.as_bytes() == name.to_bytes());
         found.map(|extension| extension.name).ok_or_else(|| {

@@ -19,6 +19,29 @@ pub enum Line {
     },
     /// `xrCreateSwapchain` succeeded.
     SwapchainCreated(SwapchainCreated),
+    /// `xrAttachSessionActionSets` succeeded.
+    ActionsAttached {
+        /// Which session.
+        session: u64,
+        /// Names of the action sets.
+        sets: Vec<String>,
+    },
+    /// `xrSyncActions` succeeded.
+    ActionsSynced {
+        /// Which session.
+        session: u64,
+        /// `XR_SUCCESS` or `XR_SESSION_NOT_FOCUSED`.
+        result: String,
+        /// Names of the action sets that are active.
+        sets: Vec<String>,
+        /// What the actions read, without subaction paths.
+        states: Vec<ActionState>,
+    },
+    /// `xrPollEvent` gave an event.
+    EventPolled {
+        /// What it is about.
+        event: String,
+    },
     /// `xrEndFrame` succeeded.
     Frame(Frame),
     /// A call broke a rule.
@@ -39,6 +62,19 @@ pub enum Line {
         /// Calls of the process that broke a rule until now.
         errors: u64,
     },
+}
+
+/// What an action reads.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ActionState {
+    /// Names of its set and of itself, with a slash between.
+    pub action: String,
+    /// Whether a source drives it.
+    pub active: bool,
+    /// Its value.
+    pub value: [f32; 2],
+    /// Whether it changed.
+    pub changed: bool,
 }
 
 /// What an application said about itself.
@@ -94,6 +130,9 @@ pub struct Frame {
     pub head: Pose,
     /// The gaze in the VIEW space at the display time, as scripted: a unit vector; absent in gaps.
     pub gaze: Option<[f32; 3]>,
+    /// How often the gaze was located since the frame before, and was there.
+    #[serde(default)]
+    pub gaze_reads: u32,
     /// What was submitted.
     pub layers: Vec<Layer>,
 }

@@ -65,6 +65,11 @@ pub(crate) fn call(name: &'static str, body: impl FnOnce(&mut Runtime) -> Outcom
     }
 }
 
+/// What the scenario has the runtime do worse.
+pub(crate) fn quirks() -> crate::scenario::Quirks {
+    RUNTIME.lock().unwrap_or_else(PoisonError::into_inner).scenario.quirks.clone()
+}
+
 impl Runtime {
     fn from_environment() -> Self {
         let file = std::env::var_os(crate::SCENARIO_VARIABLE);

@@ -21,6 +21,10 @@ pub struct Scenario {
     pub session: Session,
     /// What the headset and the runtime can do.
     pub system: System,
+    /// How the eye tracker behaves.
+    pub tracker: Tracker,
+    /// What the runtime does worse than the specification has it.
+    pub quirks: Quirks,
     /// How swapchains behave.
     pub swapchain: Swapchain,
     /// What the runtime asks of Vulkan.
@@ -50,6 +54,8 @@ pub struct Output {
     pub save: Vec<Picture>,
     /// Whether eyes are composited in the other frames too.
     pub composite: bool,
+    /// Whether the record has what is attached, synchronised and polled.
+    pub input: bool,
 }
 
 /// A kind of picture.
@@ -116,6 +122,42 @@ pub struct System {
     pub max_samples: u32,
     /// Which hands hold a controller.
     pub hands: Vec<Hand>,
+}
+
+/// `[tracker]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Tracker {
+    /// Whether `xrGetSystemProperties` tells of an eye tracker that is there.
+    pub reported: bool,
+    /// Whether the action of the gaze ever becomes active.
+    pub active: bool,
+    /// Whether `XrEyeGazeSampleTimeEXT` has a time; else 0.
+    pub sample_time: bool,
+    /// How old the newest gaze is at the time that is asked about, milliseconds.
+    pub latency_ms: f64,
+    /// How much newer it is once the views of the frame were located, milliseconds.
+    pub newer_at_views_ms: f64,
+    /// Whether the gaze points out of the back of the head.
+    pub backwards: bool,
+}
+
+/// `[quirks]`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Quirks {
+    /// Extensions that are listed, and refused.
+    pub refused_extensions: Vec<String>,
+    /// Extensions that work, and are not listed.
+    pub unlisted_extensions: Vec<String>,
+    /// Functions that the runtime does not have.
+    pub missing_functions: Vec<String>,
+    /// Whether only the last of several action sets that are attached works.
+    pub only_last_set: bool,
+    /// Whether spaces of actions that are not attached are refused.
+    pub no_early_spaces: bool,
+    /// A file, relative to the scenario file, whose lock (`flock`) `xrLocateSpace` waits for; empty: none.
+    pub locate_lock: PathBuf,
 }
 
 /// A hand.
@@ -267,7 +309,12 @@ impl Scenario {
         let failed = |reason: String| ScenarioError { file: file.to_owned(), reason };
         let text = std::fs::read_to_string(file).map_err(|error| failed(error.to_string()))?;
         let mut scenario = Self::parse(&text).map_err(failed)?;
-        scenario.output.dir = file.parent().unwrap_or(Path::new("")).join(&scenario.output.dir);
+        let folder = file.parent().unwrap_or(Path::new(""));
+        scenario.output.dir = folder.join(&scenario.output.dir);
+        let lock = &mut scenario.quirks.locate_lock;
+        if !lock.as_os_str().is_empty() {
+            *lock = folder.join(&lock);
+        }
         Ok(scenario)
     }
 

@@ -106,6 +106,9 @@ pub(crate) extern "system" fn create_action_space(
             let message = format!("{} is no pose action", action.name);
             return Err(Fault::new(xr::Result::ERROR_ACTION_TYPE_MISMATCH, section::ACTION_SPACES, message));
         }
+        if runtime.scenario.quirks.no_early_spaces {
+            actions::check_attached(runtime, session, action)?;
+        }
         actions::check_subaction(runtime, session, info.action, info.subaction_path)?;
         let created = Space {
             session,
@@ -191,24 +194,41 @@ pub(crate) extern "system" fn locate(
     time: xr::Time,
     mut location: Out<xr::SpaceLocation>,
 ) -> xr::Result {
+    wait_for_lock();
     call("xrLocateSpace", |runtime| {
         runtime.spaces.get(space)?;
         runtime.spaces.get(base)?;
         let time = check_time(time, section::LOCATING)?;
         let (flags, pose) = located(runtime, space, base, time)?;
+        let session = runtime.spaces.get(space)?.session;
+        let is_gaze = follows_gaze(runtime, space)?;
+        if is_gaze && !flags.is_empty() {
+            runtime.sessions.get_mut(session)?.frames.gaze_reads += 1;
+        }
         let filled = location.get()?;
         (filled.location_flags, filled.pose) = (flags, pose.to_xr());
         if let Some(velocity) = location.extension::<xr::SpaceVelocity>() {
             velocity.velocity_flags = xr::SpaceVelocityFlags::EMPTY;
         }
         if let Some(sample) = location.extension::<xr::EyeGazeSampleTimeEXT>() {
-            let is_gaze = follows_gaze(runtime, space)?;
-            // The script is sampled at the very time that is asked for.
-            let time = if is_gaze && !flags.is_empty() { time } else { 0 };
+            let is_known = is_gaze && !flags.is_empty() && runtime.scenario.tracker.sample_time;
+            let time = if is_known { actions::pose::sampled_at(runtime, session, time) } else { 0 };
             sample.time = xr::Time::from_nanos(time);
         }
         Ok(xr::Result::SUCCESS)
     })
+}
+
+/// A runtime whose answer waits for another process: for the lock that the scenario names. Nothing else waits meanwhile.
+fn wait_for_lock() {
+    let lock = crate::runtime::quirks().locate_lock;
+    if lock.as_os_str().is_empty() {
+        return;
+    }
+    let locked = std::fs::File::open(&lock).and_then(|file| file.lock());
+    if let Err(error) = locked {
+        eprintln!("parafovea mock runtime: {}: {error}", lock.display());
+    }
 }
 
 fn follows_gaze(runtime: &Runtime, space: xr::Space) -> Result<bool, Fault> {

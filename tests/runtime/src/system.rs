@@ -75,7 +75,8 @@ pub(crate) extern "system" fn get_properties(
         if runtime.instances.get(instance)?.has("XR_EXT_eye_gaze_interaction")
             && let Some(gaze) = properties.extension::<xr::SystemEyeGazeInteractionPropertiesEXT>()
         {
-            gaze.supports_eye_gaze_interaction = settings.eye_gaze.into();
+            gaze.supports_eye_gaze_interaction =
+                (settings.eye_gaze && runtime.scenario.tracker.reported).into();
         }
         Ok(xr::Result::SUCCESS)
     })

@@ -36,6 +36,7 @@ pub(crate) extern "system" fn locate(
     call("xrLocateViews", |runtime| {
         let info = runtime.read(&info)?;
         let (views, flags) = located(runtime, session, &info)?;
+        runtime.sessions.get_mut(session)?.frames.views_located = Some(info.display_time.as_nanos());
         state.get()?.view_state_flags = flags;
         List { capacity, count, items }.fill_structures(
             "views",

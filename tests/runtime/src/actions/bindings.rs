@@ -6,9 +6,11 @@ use crate::abi::pointers::{In, List, Out};
 use crate::abi::text;
 use crate::fault::{Fault, section};
 use crate::instance::Instance;
+use crate::record::Line;
 use crate::runtime::{Runtime, call};
 use crate::scenario::Hand;
 use openxr_sys as xr;
+use openxr_sys::Handle;
 use std::collections::BTreeMap;
 use std::ffi::c_char;
 
@@ -111,6 +113,11 @@ pub(crate) extern "system" fn attach(
             }
         }
         let attachment = attachment(runtime, instance, sets)?;
+        if runtime.scenario.output.input {
+            let name = |set: &xr::ActionSet| Ok(runtime.action_sets.get(*set)?.name.clone());
+            let sets = attachment.sets.iter().map(name).collect::<Result<_, Fault>>()?;
+            runtime.recorder.line(&Line::ActionsAttached { session: session.into_raw(), sets });
+        }
         for set in &attachment.sets {
             runtime.action_sets.get_mut(*set)?.attached = true;
         }
@@ -144,7 +151,12 @@ fn attachment(
         let of_user =
             suggested.iter().filter(|(action, path)| in_sets(action) && profile.user_of(path) == Some(user));
         profiles.insert(user, profile.path);
-        bindings.extend(of_user.map(|(action, path)| Binding {
+        let works = |(action, _): &&(xr::Action, String)| {
+            let is_last =
+                || runtime.actions.get(*action).is_ok_and(|action| sets.last() == Some(&action.set));
+            !runtime.scenario.quirks.only_last_set || is_last()
+        };
+        bindings.extend(of_user.filter(works).map(|(action, path)| Binding {
             action: *action,
             user,
             source: path.clone(),

@@ -31,6 +31,14 @@ pub(crate) fn is_gaze(
     binding(runtime, session, action, subaction).is_some_and(|binding| binding.user == EYES)
 }
 
+/// When the eyes looked where the tracker says that they look at `time`.
+pub(crate) fn sampled_at(runtime: &Runtime, session: xr::Session, time: i64) -> i64 {
+    let tracker = &runtime.scenario.tracker;
+    let located = runtime.sessions.get(session).ok().and_then(|session| session.frames.views_located);
+    let newer_ms = if located == Some(time) { tracker.newer_at_views_ms } else { 0.0 };
+    time - ((tracker.latency_ms - newer_ms) * 1e6) as i64
+}
+
 /// Where the hands rest, in the LOCAL space: mirrored for the left one.
 const RIGHT_HAND: Vec3 = Vec3::new(0.2, -0.3, -0.5);
 
@@ -46,8 +54,10 @@ pub(crate) fn in_local(
     let resting = |position| Some(Pose { orientation: Quat::IDENTITY, position });
     match binding.user {
         EYES => {
-            let seconds = runtime.clock.scenario_seconds(time);
-            let orientation = script::gaze_at(&runtime.scenario.gaze, seconds)?;
+            let seconds = runtime.clock.scenario_seconds(sampled_at(runtime, session, time));
+            let forward = script::gaze_at(&runtime.scenario.gaze, seconds)?;
+            let half_turn = Quat::from_rotation_y(std::f32::consts::PI);
+            let orientation = if runtime.scenario.tracker.backwards { forward * half_turn } else { forward };
             // The gaze begins between the eyes.
             Some(spaces::head(runtime, time).then(Pose { orientation, position: Vec3::ZERO }))
         }

@@ -4,7 +4,8 @@ use super::bindings::{Attachment, Binding};
 use super::profiles::EYES;
 use crate::abi::pointers::In;
 use crate::events::Event;
-use crate::fault::{Fault, section};
+use crate::fault::{Fault, result_name, section};
+use crate::record::{ActionState, Line};
 use crate::runtime::{Runtime, call};
 use crate::script;
 use openxr_sys as xr;
@@ -52,12 +53,43 @@ pub(crate) extern "system" fn sync(session: xr::Session, info: In<xr::ActionsSyn
         let states = states(runtime, session, &active)?;
         let input = &mut runtime.sessions.get_mut(session)?.input;
         (input.active, input.states) = (active, states);
-        if !focused {
-            return Ok(xr::Result::SESSION_NOT_FOCUSED);
+        let result = if focused { xr::Result::SUCCESS } else { xr::Result::SESSION_NOT_FOCUSED };
+        record(runtime, session, sets, result)?;
+        if focused {
+            announce(runtime, session)?;
         }
-        announce(runtime, session)?;
-        Ok(xr::Result::SUCCESS)
+        Ok(result)
     })
+}
+
+fn record(
+    runtime: &mut Runtime,
+    session: xr::Session,
+    sets: &[xr::ActiveActionSet],
+    result: xr::Result,
+) -> Result<(), Fault> {
+    if !runtime.scenario.output.input {
+        return Ok(());
+    }
+    let input = &runtime.sessions.get(session)?.input;
+    let mut states = Vec::new();
+    for ((action, subaction), state) in &input.states {
+        let Ok(action) = runtime.actions.get(xr::Action::from_raw(*action)) else { continue };
+        if *subaction == xr::Path::NULL {
+            let set = &runtime.action_sets.get(action.set)?.name;
+            states.push(ActionState {
+                action: format!("{set}/{}", action.name),
+                active: state.active,
+                value: state.value,
+                changed: state.changed,
+            });
+        }
+    }
+    let name = |set: &xr::ActiveActionSet| Ok(runtime.action_sets.get(set.action_set)?.name.clone());
+    let sets = sets.iter().map(name).collect::<Result<_, Fault>>()?;
+    let line = Line::ActionsSynced { session: session.into_raw(), result: result_name(result), sets, states };
+    runtime.recorder.line(&line);
+    Ok(())
 }
 
 fn check(runtime: &Runtime, session: xr::Session, active: &xr::ActiveActionSet) -> Result<(), Fault> {
@@ -95,6 +127,10 @@ fn active_bindings(
             let user_fits = path == xr::Path::NULL || instance.paths.text(path) == Ok(binding.user);
             set.action_set == action.set && user_fits
         };
+        // Pose actions of a tracker that does not work are bound, and follow nothing.
+        if binding.user == EYES && !runtime.scenario.tracker.active {
+            continue;
+        }
         if sets.iter().any(|set| covers(&set)) {
             found.push((runtime.action_sets.get(action.set)?.priority, binding));
         }
@@ -145,6 +181,9 @@ fn state(before: State, sources: impl Iterator<Item = [f32; 2]>, now: i64) -> St
 fn reading(runtime: &Runtime, source: &str, now: i64) -> Option<[f32; 2]> {
     let seconds = runtime.clock.scenario_seconds(now);
     if source.starts_with(EYES) {
+        if !runtime.scenario.tracker.active {
+            return None;
+        }
         return script::gaze_at(&runtime.scenario.gaze, seconds).map(|_| [0.0; 2]);
     }
     // A binding may leave the last name to the runtime.

@@ -14,9 +14,18 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), String> {
     one_of("system.max_samples", &scenario.system.max_samples, &[1, 2, 4, 8])?;
     one_of("system.max_api", &scenario.system.max_api.as_str(), &["1.0", "1.1"])?;
     let known = EXTENSIONS.map(|extension| extension.name);
-    for name in &scenario.system.extensions_off {
-        one_of("system.extensions_off", &name.as_str(), &known)?;
+    let quirks = &scenario.quirks;
+    for (key, names) in [
+        ("system.extensions_off", &scenario.system.extensions_off),
+        ("quirks.refused_extensions", &quirks.refused_extensions),
+        ("quirks.unlisted_extensions", &quirks.unlisted_extensions),
+    ] {
+        for name in names {
+            one_of(key, &name.as_str(), &known)?;
+        }
     }
+    within("tracker.latency_ms", scenario.tracker.latency_ms, 0.0..=1000.0)?;
+    within("tracker.newer_at_views_ms", scenario.tracker.newer_at_views_ms, 0.0..=1000.0)?;
     if scenario.session.focused_from < scenario.session.visible_from {
         let (focused, visible) = (scenario.session.focused_from, scenario.session.visible_from);
         return Err(format!(

@@ -1,8 +1,8 @@
 //! What holds where a scenario says nothing.
 
 use super::{
-    Clock, ClockMode, FovDegrees, Gaze, Hand, Head, Output, Picture, Scenario, Session, Swapchain, System,
-    View, Vulkan,
+    Clock, ClockMode, FovDegrees, Gaze, Hand, Head, Output, Picture, Quirks, Scenario, Session, Swapchain,
+    System, Tracker, View, Vulkan,
 };
 
 impl Default for Scenario {
@@ -13,6 +13,8 @@ impl Default for Scenario {
             clock: Clock::default(),
             session: Session::default(),
             system: System::default(),
+            tracker: Tracker::default(),
+            quirks: Quirks::default(),
             swapchain: Swapchain::default(),
             vulkan: Vulkan::default(),
             views: vec![eye(-0.032), eye(0.032)],
@@ -31,6 +33,7 @@ impl Default for Output {
             save_frames: Vec::new(),
             save: vec![Picture::Eye],
             composite: true,
+            input: false,
         }
     }
 }
@@ -58,6 +61,19 @@ impl Default for System {
             max_size: 8192,
             max_samples: 4,
             hands: vec![Hand::Left, Hand::Right],
+        }
+    }
+}
+
+impl Default for Tracker {
+    fn default() -> Self {
+        Self {
+            reported: true,
+            active: true,
+            sample_time: true,
+            latency_ms: 0.0,
+            newer_at_views_ms: 0.0,
+            backwards: false,
         }
     }
 }
