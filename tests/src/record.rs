@@ -14,6 +14,9 @@ pub struct Record {
     pub errors: Vec<RuntimeError>,
     /// The swapchains as the runtime was asked for them.
     pub swapchains: Vec<serde_json::Value>,
+    /// What was attached and synchronised, in order, where the scenario asks for that: lines of the kinds
+    /// `actions_attached` and `actions_synced`.
+    pub input: Vec<serde_json::Value>,
 }
 
 /// One `xrEndFrame`.
@@ -28,6 +31,9 @@ pub struct Frame {
     /// The gaze then, as scripted: a unit vector in the head's space; none while it was not tracked.
     #[serde(default)]
     pub gaze: Option<[f32; 3]>,
+    /// How often the gaze was located since the frame before, and was there.
+    #[serde(default)]
+    pub gaze_reads: u32,
     /// The composition layers that were submitted.
     #[serde(default)]
     pub layers: Vec<serde_json::Value>,
@@ -67,9 +73,11 @@ impl Record {
         };
         let mut record = Self::default();
         for (number, line) in (1..).zip(text.lines()) {
-            let line = serde_json::from_str(line)
-                .map_err(|error| HarnessError::format(path, format!("line {number}: {error}")))?;
-            match line {
+            let failed = |error| HarnessError::format(path, format!("line {number}: {error}"));
+            if ["actions_attached", "actions_synced"].iter().any(|kind| line.contains(kind)) {
+                record.input.push(serde_json::from_str(line).map_err(failed)?);
+            }
+            match serde_json::from_str(line).map_err(failed)? {
                 Line::Frame(frame) => record.frames.push(frame),
                 Line::Error(error) => record.errors.push(error),
                 Line::SwapchainCreated(swapchain) => record.swapchains.push(swapchain),

@@ -50,6 +50,20 @@ impl Application {
         Ok(Self { name: name.to_owned(), program: program(name)?, arguments })
     }
 
+    /// The same, started by a program of the system such as strace, with these arguments before it.
+    ///
+    /// # Errors
+    /// [`HarnessError::NotInstalled`].
+    pub fn under(self, program: &str, arguments: &[&str]) -> Result<Self, HarnessError> {
+        let before = arguments.iter().map(|argument| (*argument).to_owned());
+        let own = std::iter::once(self.program.to_string_lossy().into_owned()).chain(self.arguments);
+        Ok(Self {
+            name: self.name,
+            program: system_program(program)?,
+            arguments: before.chain(own).collect(),
+        })
+    }
+
     /// What it is called in tables and results.
     pub fn name(&self) -> &str {
         &self.name

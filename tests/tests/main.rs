@@ -9,6 +9,7 @@ mod counting;
 mod enabling;
 mod frame;
 mod hello_xr;
+mod input;
 mod loader_1_1;
 mod native;
 mod overhead;

@@ -62,7 +62,7 @@ impl Case {
                 "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n"
             }
             Gaze::Tracker => {
-                "preset = \"none\"\n[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n"
+                "preset = \"none\"\n[gaze]\nsource = \"eyes\"\nattach_alone_after_s = 1\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n"
             }
         }
     }
@@ -174,5 +174,6 @@ fn every_case_of_the_application_is_tested() {
     let program = parafovea_tests::artifacts::program("parafovea-cases").unwrap();
     let list = std::process::Command::new(program).arg("--list").output().unwrap();
     let list = String::from_utf8(list.stdout).unwrap();
-    assert_eq!(list.lines().collect::<Vec<_>>(), TESTED);
+    let tested = [TESTED, crate::input::TESTED].concat();
+    assert_eq!(list.lines().collect::<Vec<_>>(), tested);
 }

@@ -25,7 +25,7 @@ impl App {
     pub fn start(options: &Options, extensions: &[&CStr]) -> Result<Self, Failure> {
         let (xr, vulkan) = vulkan::create(options, extensions)?;
         Ok(Self {
-            painter: RefCell::new(Painter::create(&vulkan)?),
+            painter: RefCell::new(Painter::create(&vulkan, options.submit_lock.as_deref())?),
             view_sizes: xr.view_sizes()?,
             vulkan,
             xr,

@@ -2,6 +2,7 @@
 
 mod actions;
 mod errors;
+mod input;
 mod order;
 mod sessions;
 mod shapes;
@@ -27,51 +28,78 @@ pub struct Case {
 }
 
 macro_rules! cases {
-    ($($module:ident::$name:ident $([$($extension:literal),*])?,)*) => {
+    ($($module:ident $(:: $inner:ident)? => $name:ident $([$($extension:literal),*])?,)*) => {
         /// All cases, in the order of `--list`.
         pub const CASES: &[Case] = &[
             $(Case {
                 name: stringify!($name),
                 extensions: &[$($($extension),*)?],
-                run: $module::$name,
+                run: $module $(:: $inner)? :: $name,
             },)*
         ];
     };
 }
 
 cases! {
-    shapes::separate_swapchains,
-    shapes::double_wide,
-    shapes::array_swapchain,
-    shapes::several_rectangles,
-    shapes::unorm,
-    shapes::srgb_viewed_as_unorm [c"XR_KHR_vulkan_swapchain_format_list"],
-    shapes::mip_levels,
-    shapes::static_image,
-    submission::release_without_submit,
-    submission::two_releases_before_end_frame,
-    submission::resubmit_without_acquire,
-    submission::should_render_false,
-    submission::release_on_another_thread,
-    submission::two_swapchains_a_view,
-    submission::resolution_change,
-    submission::projection_and_quad,
-    submission::quad_only,
-    submission::alpha_patterns,
-    submission::depth_layer [c"XR_KHR_composition_layer_depth"],
-    order::acquire_all,
-    order::acquire_beyond_the_count,
-    order::wait_without_acquire,
-    order::release_without_wait,
-    order::wait_with_timeout,
-    errors::end_frame_with_unreleased_swapchain,
-    errors::rectangle_outside_the_image,
-    errors::destroy_before_end_frame,
-    errors::destroyed_handle,
-    errors::enumerate_images,
-    sessions::two_sessions,
-    actions::no_actions,
-    actions::own_actions,
-    actions::own_actions_and_resubmission,
-    actions::own_eye_gaze [c"XR_EXT_eye_gaze_interaction"],
+    shapes => separate_swapchains,
+    shapes => double_wide,
+    shapes => array_swapchain,
+    shapes => several_rectangles,
+    shapes => unorm,
+    shapes => srgb_viewed_as_unorm [c"XR_KHR_vulkan_swapchain_format_list"],
+    shapes => mip_levels,
+    shapes => static_image,
+    submission => release_without_submit,
+    submission => two_releases_before_end_frame,
+    submission => resubmit_without_acquire,
+    submission => should_render_false,
+    submission => release_on_another_thread,
+    submission => two_swapchains_a_view,
+    submission => resolution_change,
+    submission => projection_and_quad,
+    submission => quad_only,
+    submission => alpha_patterns,
+    submission => depth_layer [c"XR_KHR_composition_layer_depth"],
+    order => acquire_all,
+    order => acquire_beyond_the_count,
+    order => wait_without_acquire,
+    order => release_without_wait,
+    order => wait_with_timeout,
+    errors => end_frame_with_unreleased_swapchain,
+    errors => rectangle_outside_the_image,
+    errors => destroy_before_end_frame,
+    errors => destroyed_handle,
+    errors => enumerate_images,
+    sessions => two_sessions,
+    actions => no_actions,
+    actions => own_actions,
+    actions => own_actions_and_resubmission,
+    actions => own_eye_gaze [c"XR_EXT_eye_gaze_interaction"],
+    input::attaching => attaches_early,
+    input::attaching => attaches_after_a_loading_screen,
+    input::attaching => has_no_input_before_all_is_loaded,
+    input::attaching => asks_for_paths_and_waits,
+    input::attaching => never_attaches,
+    input::attaching => has_no_input,
+    input::attaching => attaches_twice,
+    input::attaching => attaches_nothing_first,
+    input::attaching => makes_spaces_before_attaching,
+    input::attaching => adds_to_an_attached_set,
+    input::synchronising => never_synchronises,
+    input::synchronising => synchronises_late,
+    input::synchronising => synchronises_before_attaching,
+    input::synchronising => synchronises_nothing,
+    input::synchronising => has_sets_of_different_priority,
+    input::synchronising => has_sets_of_the_same_priority,
+    input::synchronising => tells_hands_apart,
+    input::synchronising => synchronises_on_another_thread,
+    input::synchronising => locates_views_on_another_thread,
+    input::sessions => attaches_the_same_sets_to_each_session,
+    input::sessions => makes_new_sets_for_each_session,
+    input::sessions => drops_sessions_unused,
+    input::gaze => looks_at_the_gaze_itself [c"XR_EXT_eye_gaze_interaction"],
+    input::gaze => looks_at_the_gaze_with_priority [c"XR_EXT_eye_gaze_interaction"],
+    input::gaze => looks_at_the_gaze_in_two_sets [c"XR_EXT_eye_gaze_interaction"],
+    input::gaze => suggests_gaze_without_its_extension,
+    input::gaze => suggests_gaze_in_each_session [c"XR_EXT_eye_gaze_interaction"],
 }

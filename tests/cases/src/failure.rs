@@ -11,6 +11,9 @@ pub enum Failure {
     /// A Vulkan call did not succeed.
     #[error("Vulkan: {0}")]
     Vulkan(#[from] ash::vk::Result),
+    /// A file cannot be used.
+    #[error("the lock of the queue: {0}")]
+    File(#[from] std::io::Error),
     /// A loader is not installed.
     #[error("cannot load a loader library: {0}")]
     Library(#[from] libloading::Error),

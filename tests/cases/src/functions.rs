@@ -72,6 +72,7 @@ functions! {
     sync_actions: SyncActions,
     get_boolean: GetActionStateBoolean,
     get_pose: GetActionStatePose,
+    get_current_profile: GetCurrentInteractionProfile,
 }
 
 /// Asks the loader for one function.

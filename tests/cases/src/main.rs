@@ -6,6 +6,7 @@
 
 mod app;
 mod cases;
+mod controls;
 mod failure;
 mod functions;
 mod options;

@@ -1,6 +1,8 @@
 //! The command line.
 
 use clap::{Parser, ValueEnum};
+use std::ffi::CString;
+use std::path::PathBuf;
 
 /// Runs one case and prints what it observed as one JSON object. Exits with 0 when that is what the OpenXR
 /// specification says, else with 1.
@@ -22,6 +24,12 @@ pub struct Options {
     /// Create VkInstance and VkDevice before the XrInstance (needs --enable 1)
     #[arg(long)]
     pub vulkan_first: bool,
+    /// The name that the application gives to OpenXR
+    #[arg(long, default_value = "parafovea-cases")]
+    pub name: CString,
+    /// A file whose lock (flock) is held around each vkQueueSubmit
+    #[arg(long)]
+    pub submit_lock: Option<PathBuf>,
 }
 
 /// The graphics extension.

@@ -4,9 +4,15 @@ use crate::failure::Failure;
 use crate::vulkan::Vulkan;
 use ash::vk;
 use parafovea_cases::pattern::{Cell, Figure};
+use std::fs::File;
+use std::path::Path;
+use std::time::Duration;
 
 /// Frames of work that may be on the queue before recording waits.
 const RING: usize = 4;
+
+/// How long the lock is held before a submit: enough for another thread to come to it.
+const HELD: Duration = Duration::from_millis(2);
 
 /// Code value of the texels that no figure covers.
 const BACKGROUND: [u8; 4] = [24, 24, 24, 255];
@@ -18,6 +24,8 @@ pub struct Painter {
     pool: vk::CommandPool,
     ring: Vec<(vk::CommandBuffer, vk::Fence)>,
     next: usize,
+    /// Locked around each submit.
+    lock: Option<File>,
 }
 
 /// What one render pass draws into.
@@ -41,7 +49,8 @@ pub enum Texels {
 }
 
 impl Painter {
-    pub fn create(vulkan: &Vulkan) -> Result<Self, Failure> {
+    /// With a file whose lock is held around each submit, as an engine holds the lock of its queue.
+    pub fn create(vulkan: &Vulkan, lock: Option<&Path>) -> Result<Self, Failure> {
         let device = vulkan.device.clone();
         let info = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
@@ -59,7 +68,8 @@ impl Painter {
                 Ok((buffer, unsafe { device.create_fence(&signaled, None) }?))
             })
             .collect::<Result<_, Failure>>()?;
-        Ok(Self { device, queue: vulkan.queue, pool, ring, next: 0 })
+        let lock = lock.map(File::open).transpose()?;
+        Ok(Self { device, queue: vulkan.queue, pool, ring, next: 0, lock })
     }
 
     /// Draws into each target its figures, all in one submit.
@@ -79,7 +89,14 @@ impl Painter {
             self.device.end_command_buffer(commands)?;
             let buffers = [commands];
             let submit = vk::SubmitInfo::default().command_buffers(&buffers);
+            if let Some(lock) = &self.lock {
+                lock.lock()?;
+                std::thread::sleep(HELD);
+            }
             self.device.queue_submit(self.queue, &[submit], fence)?;
+            if let Some(lock) = &self.lock {
+                lock.unlock()?;
+            }
         }
         Ok(())
     }

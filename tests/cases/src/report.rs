@@ -17,6 +17,8 @@ pub struct Report {
     pub image_counts: Vec<u32>,
     /// Names of the events that the application received, in order.
     pub events: Vec<String>,
+    /// All that the application did about input and saw of it, in order, with frames and events: of the cases about that.
+    pub trace: Vec<String>,
     /// What else the case looked at, by name.
     pub facts: BTreeMap<String, String>,
     /// What differs from the specification; empty in a good run.
@@ -55,6 +57,12 @@ impl Report {
             let expected = expected.join(" or ");
             self.unexpected.push(format!("{what}: {result} instead of {expected}"));
         }
+    }
+
+    /// Notes an event.
+    pub fn event(&mut self, event: String) {
+        self.trace.push(format!("event: {event}"));
+        self.events.push(event);
     }
 
     /// Notes what was seen, and that it is unexpected unless it equals `expected`.

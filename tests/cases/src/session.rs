@@ -157,30 +157,32 @@ impl<'a> Session<'a> {
     }
 
     fn locate(&self, display_time: xr::Time) -> Result<[xr::View; 2], Failure> {
-        let info = xr::ViewLocateInfo {
-            ty: xr::ViewLocateInfo::TYPE,
-            next: null(),
-            view_configuration_type: xr::ViewConfigurationType::PRIMARY_STEREO,
-            display_time,
-            space: self.space,
-        };
-        let mut state = xr::ViewState::out(null_mut());
-        let mut views =
-            [xr::View { ty: xr::View::TYPE, next: null_mut(), pose: IDENTITY, fov: xr::Fovf::default() }; 2];
-        let mut count = 0;
-        // SAFETY: the session and the space are live, the array has the capacity that is passed.
-        let result = unsafe {
-            (self.app.xr.functions.locate_views)(
-                self.handle,
-                &info,
-                state.as_mut_ptr(),
-                2,
-                &mut count,
-                views.as_mut_ptr(),
-            )
-        };
-        succeeded("xrLocateViews", result)?;
-        Ok(views)
+        self.locator()(display_time)
+    }
+
+    /// What locates the views for a display time, on any thread as long as the session lives.
+    pub fn locator(&self) -> impl Fn(xr::Time) -> Result<[xr::View; 2], Failure> + Send + use<> {
+        let (session, space, locate_views) = (self.handle, self.space, self.app.xr.functions.locate_views);
+        move |display_time| {
+            let info = xr::ViewLocateInfo {
+                ty: xr::ViewLocateInfo::TYPE,
+                next: null(),
+                view_configuration_type: xr::ViewConfigurationType::PRIMARY_STEREO,
+                display_time,
+                space,
+            };
+            let mut state = xr::ViewState::out(null_mut());
+            let mut views =
+                [xr::View { ty: xr::View::TYPE, next: null_mut(), pose: IDENTITY, fov: xr::Fovf::default() };
+                    2];
+            let mut count = 0;
+            // SAFETY: the session and the space are live, the array has the capacity that is passed.
+            let result = unsafe {
+                locate_views(session, &info, state.as_mut_ptr(), 2, &mut count, views.as_mut_ptr())
+            };
+            succeeded("xrLocateViews", result)?;
+            Ok(views)
+        }
     }
 }
 

@@ -39,7 +39,7 @@ impl Xr {
             next: null(),
             create_flags: xr::InstanceCreateFlags::EMPTY,
             application_info: xr::ApplicationInfo {
-                application_name: characters(c"parafovea-cases"),
+                application_name: characters(&options.name),
                 application_version: 1,
                 engine_name: characters(c"none"),
                 engine_version: 1,

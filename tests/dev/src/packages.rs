@@ -82,7 +82,7 @@ impl Proof {
 }
 
 /// Everything that the tasks look for. None is needed to build.
-pub const NEEDS: [Need; 10] = [
+pub const NEEDS: [Need; 11] = [
     Need {
         what: "lavapipe, the Vulkan driver that runs on any CPU",
         without: "the first Vulkan driver of this machine is used, and figures differ from the README's",
@@ -118,6 +118,12 @@ pub const NEEDS: [Need; 10] = [
         without: "tests that judge our OpenXR calls fail",
         proof: Proof::Data { folder: "openxr/1/api_layers/explicit.d", prefix: "XrApiLayer_core_validation" },
         packages: ["openxr-layer-corevalidation", "openxr", "openxr"],
+    },
+    Need {
+        what: "strace, to see what is written",
+        without: "the test that the gaze is written nowhere is skipped",
+        proof: Proof::Program("strace"),
+        packages: ["strace", "strace", "strace"],
     },
     Need {
         what: "CMake, to build the OpenXR loader 1.1 beside the system's",

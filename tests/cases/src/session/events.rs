@@ -23,13 +23,13 @@ impl Session<'_> {
 
     fn note(&self, event: &xr::EventDataBuffer) {
         if event.ty != xr::EventDataSessionStateChanged::TYPE {
-            self.app.report().events.push(format!("{:?}", event.ty));
+            self.app.report().event(format!("{:?}", event.ty));
             return;
         }
         // SAFETY: the type says which structure the buffer begins with; the buffer is larger and as aligned.
         let changed = unsafe { *from_ref(event).cast::<xr::EventDataSessionStateChanged>() };
         if changed.session == self.handle {
-            self.app.report().events.push(format!("state {:?}", changed.state));
+            self.app.report().event(format!("state {:?}", changed.state));
             self.state.set(changed.state);
         }
     }

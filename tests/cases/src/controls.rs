@@ -1,0 +1,264 @@
+//! Actions of an application, and the trace of all that it does with them and sees of them.
+
+use crate::app::App;
+use crate::failure::{Failure, name, succeeded};
+use crate::functions::characters;
+use crate::session::{Frame, IDENTITY, Session};
+use openxr_sys as xr;
+use openxr_sys::Handle;
+use std::cell::Cell;
+use std::ffi::CString;
+use std::ptr::{null, null_mut};
+
+/// The profile of a simple controller.
+pub const SIMPLE: &str = "/interaction_profiles/khr/simple_controller";
+
+/// The profile of an eye tracker.
+pub const GAZE: &str = "/interaction_profiles/ext/eye_gaze_interaction";
+
+/// Its pose.
+pub const GAZE_POSE: &str = "/user/eyes_ext/input/gaze_ext/pose";
+
+/// The button of the left simple controller.
+pub const LEFT_SELECT: &str = "/user/hand/left/input/select/click";
+
+/// The button of the right one.
+pub const RIGHT_SELECT: &str = "/user/hand/right/input/select/click";
+
+/// Makes action sets and uses them; what each call returns goes to the report's trace.
+pub struct Controls<'a> {
+    app: &'a App,
+    made: Cell<u32>,
+}
+
+impl<'a> Controls<'a> {
+    /// Nothing is made yet.
+    pub fn new(app: &'a App) -> Self {
+        Self { app, made: Cell::new(0) }
+    }
+
+    /// Notes what was seen.
+    pub fn trace(&self, what: impl Into<String>) {
+        self.app.report().trace.push(what.into());
+    }
+
+    fn traced(&self, what: &str, result: xr::Result) -> xr::Result {
+        self.trace(format!("{what}: {}", name(result)));
+        result
+    }
+
+    /// A new name: no two things have the same.
+    fn unique(&self, stem: &str) -> Result<CString, Failure> {
+        self.made.set(self.made.get() + 1);
+        CString::new(format!("{stem}_{}", self.made.get())).map_err(|error| unusable(&error))
+    }
+
+    /// The atom of a path.
+    pub fn path(&self, text: &str) -> Result<xr::Path, Failure> {
+        self.app.xr.path(&CString::new(text).map_err(|error| unusable(&error))?)
+    }
+
+    /// An action set.
+    pub fn set(&self, priority: u32) -> Result<xr::ActionSet, Failure> {
+        let name = self.unique("set")?;
+        let info = xr::ActionSetCreateInfo {
+            ty: xr::ActionSetCreateInfo::TYPE,
+            next: null(),
+            action_set_name: characters(&name),
+            localized_action_set_name: characters(&name),
+            priority,
+        };
+        let mut set = xr::ActionSet::NULL;
+        let xr = &self.app.xr;
+        // SAFETY: the instance is live; the structures outlive the call.
+        let result = unsafe { (xr.functions.create_action_set)(xr.instance, &info, &mut set) };
+        succeeded("xrCreateActionSet", self.traced("create an action set", result))?;
+        Ok(set)
+    }
+
+    /// An action of a set, with these subaction paths.
+    pub fn action(
+        &self,
+        set: xr::ActionSet,
+        action_type: xr::ActionType,
+        users: &[xr::Path],
+    ) -> Result<xr::Action, Failure> {
+        let name = self.unique("action")?;
+        let info = xr::ActionCreateInfo {
+            ty: xr::ActionCreateInfo::TYPE,
+            next: null(),
+            action_name: characters(&name),
+            action_type,
+            count_subaction_paths: users.len() as u32,
+            subaction_paths: users.as_ptr(),
+            localized_action_name: characters(&name),
+        };
+        let mut action = xr::Action::NULL;
+        // SAFETY: the action set is live; the structures outlive the call.
+        let result = unsafe { (self.app.xr.functions.create_action)(set, &info, &mut action) };
+        succeeded("xrCreateAction", self.traced("create an action", result))?;
+        Ok(action)
+    }
+
+    /// A set with one button, bound to the left controller's, and the button.
+    pub fn button(&self) -> Result<(xr::ActionSet, xr::Action), Failure> {
+        let set = self.set(0)?;
+        let action = self.action(set, xr::ActionType::BOOLEAN_INPUT, &[])?;
+        self.suggest(SIMPLE, &[(action, LEFT_SELECT)])?;
+        Ok((set, action))
+    }
+
+    /// Suggests bindings.
+    pub fn suggest(&self, profile: &str, bindings: &[(xr::Action, &str)]) -> Result<xr::Result, Failure> {
+        let bindings = bindings
+            .iter()
+            .map(|(action, path)| {
+                Ok(xr::ActionSuggestedBinding { action: *action, binding: self.path(path)? })
+            })
+            .collect::<Result<Vec<_>, Failure>>()?;
+        let suggestion = xr::InteractionProfileSuggestedBinding {
+            ty: xr::InteractionProfileSuggestedBinding::TYPE,
+            next: null(),
+            interaction_profile: self.path(profile)?,
+            count_suggested_bindings: bindings.len() as u32,
+            suggested_bindings: bindings.as_ptr(),
+        };
+        let xr = &self.app.xr;
+        // SAFETY: the instance and the actions are live; the structures outlive the call.
+        let result = unsafe { (xr.functions.suggest_bindings)(xr.instance, &suggestion) };
+        Ok(self.traced("suggest bindings", result))
+    }
+
+    /// Attaches sets.
+    pub fn attach(&self, session: &Session, sets: &[xr::ActionSet]) -> xr::Result {
+        let info = xr::SessionActionSetsAttachInfo {
+            ty: xr::SessionActionSetsAttachInfo::TYPE,
+            next: null(),
+            count_action_sets: sets.len() as u32,
+            action_sets: sets.as_ptr(),
+        };
+        // SAFETY: the session and the action sets are live; the structure outlives the call.
+        let result = unsafe { (self.app.xr.functions.attach_action_sets)(session.handle, &info) };
+        self.traced("attach", result)
+    }
+
+    /// Synchronises these sets.
+    pub fn sync(&self, session: &Session, sets: &[xr::ActionSet]) -> xr::Result {
+        let active: Vec<_> = sets
+            .iter()
+            .map(|set| xr::ActiveActionSet { action_set: *set, subaction_path: xr::Path::NULL })
+            .collect();
+        let result = sync(self.app, session.handle, &active);
+        self.traced("sync", result)
+    }
+
+    /// Notes the state of a button.
+    pub fn look(&self, session: &Session, action: xr::Action, user: xr::Path) {
+        let info = get_info(action, user);
+        let mut state = xr::ActionStateBoolean::out(null_mut());
+        let get = self.app.xr.functions.get_boolean;
+        // SAFETY: the session and the action are live; the structures outlive the call.
+        let result = unsafe { get(session.handle, &info, state.as_mut_ptr()) };
+        if result.into_raw() < 0 {
+            self.traced("button", result);
+            return;
+        }
+        // SAFETY: the call succeeded, so it filled the structure.
+        let state = unsafe { state.assume_init() };
+        self.trace(format!(
+            "button: active {} down {} changed {} at {}",
+            state.is_active,
+            state.current_state,
+            state.changed_since_last_sync,
+            state.last_change_time.as_nanos(),
+        ));
+    }
+
+    /// Notes whether a pose is active, and where it is in LOCAL.
+    pub fn pose(&self, session: &Session, action: xr::Action, space: xr::Space, frame: &Frame) {
+        let mut state = xr::ActionStatePose::out(null_mut());
+        let functions = &self.app.xr.functions;
+        // SAFETY: the session, the action and the spaces are live; the structures outlive the calls.
+        let (active, located, location) = unsafe {
+            let info = get_info(action, xr::Path::NULL);
+            let active = (functions.get_pose)(session.handle, &info, state.as_mut_ptr());
+            let mut location = xr::SpaceLocation::out(null_mut());
+            (*location.as_mut_ptr()).pose = IDENTITY;
+            let located =
+                (functions.locate_space)(space, session.space, frame.display_time, location.as_mut_ptr());
+            (active, located, location)
+        };
+        let mut seen = format!("pose: {} {}", name(active), name(located));
+        if active.into_raw() >= 0 && located.into_raw() >= 0 {
+            // SAFETY: the calls succeeded, so they filled the structures.
+            let (state, location) = unsafe { (state.assume_init(), location.assume_init()) };
+            let xr::Quaternionf { x, y, z, w } = location.pose.orientation;
+            let flags = location.location_flags;
+            seen += &format!(" active {} {flags:?} {x} {y} {z} {w}", state.is_active);
+        }
+        self.trace(seen);
+    }
+
+    /// A space that an action moves.
+    pub fn space(&self, session: &Session, action: xr::Action) -> Result<Option<xr::Space>, Failure> {
+        let info = xr::ActionSpaceCreateInfo {
+            ty: xr::ActionSpaceCreateInfo::TYPE,
+            next: null(),
+            action,
+            subaction_path: xr::Path::NULL,
+            pose_in_action_space: IDENTITY,
+        };
+        let mut space = xr::Space::NULL;
+        let create = self.app.xr.functions.create_action_space;
+        // SAFETY: the session and the action are live; the structures outlive the call.
+        let result = unsafe { create(session.handle, &info, &mut space) };
+        self.traced("create a space", result);
+        Ok((result.into_raw() >= 0).then_some(space))
+    }
+
+    /// Notes the current profile of a user path.
+    pub fn profile(&self, session: &Session, user: &str) -> Result<(), Failure> {
+        let mut state = xr::InteractionProfileState::out(null_mut());
+        let user_path = self.path(user)?;
+        let xr = &self.app.xr;
+        // SAFETY: the session is live; the structure outlives the call.
+        let result =
+            unsafe { (xr.functions.get_current_profile)(session.handle, user_path, state.as_mut_ptr()) };
+        let mut seen = format!("profile of {user}: {}", name(result));
+        if result.into_raw() >= 0 {
+            // SAFETY: the call succeeded, so it filled the structure.
+            let profile = unsafe { state.assume_init() }.interaction_profile;
+            seen += if profile == xr::Path::NULL {
+                " none"
+            } else if profile == self.path(SIMPLE)? {
+                " simple"
+            } else if profile == self.path(GAZE)? {
+                " gaze"
+            } else {
+                " another"
+            };
+        }
+        self.trace(seen);
+        Ok(())
+    }
+}
+
+/// xrSyncActions.
+pub fn sync(app: &App, session: xr::Session, active: &[xr::ActiveActionSet]) -> xr::Result {
+    let info = xr::ActionsSyncInfo {
+        ty: xr::ActionsSyncInfo::TYPE,
+        next: null(),
+        count_active_action_sets: active.len() as u32,
+        active_action_sets: active.as_ptr(),
+    };
+    // SAFETY: the session and the action sets are live; the structures outlive the call.
+    unsafe { (app.xr.functions.sync_actions)(session, &info) }
+}
+
+fn get_info(action: xr::Action, subaction_path: xr::Path) -> xr::ActionStateGetInfo {
+    xr::ActionStateGetInfo { ty: xr::ActionStateGetInfo::TYPE, next: null(), action, subaction_path }
+}
+
+fn unusable(error: &std::ffi::NulError) -> Failure {
+    Failure::Unsupported(error.to_string())
+}

@@ -1,0 +1,104 @@
+//! The gaze is private: unless a recording is asked for by name, nothing that is written, to a file or elsewhere, has it.
+
+use super::{following, scenario};
+use parafovea_tests::run::{Application, Run};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+/// System calls by which something could leave the process.
+const CALLS: &str = "trace=write,writev,pwrite64,pwritev,pwritev2,sendto,sendmsg,sendmmsg,socket,socketpair,connect,truncate,ftruncate";
+
+/// Where the eyes look, degrees; no round numbers, so that their digits are found nowhere else.
+const LEFT: f32 = 17.329_41;
+const UP: f32 = -6.813_27;
+
+/// Whether a process may be traced here; where not, why.
+fn cannot_trace() -> Option<String> {
+    let tried = Command::new("strace").args(["-f", "-o", "/dev/null", "true"]).stdin(Stdio::null()).output();
+    match tried {
+        Ok(output) if output.status.success() => None,
+        Ok(output) => Some(String::from_utf8_lossy(&output.stderr).trim().to_owned()),
+        Err(error) => Some(format!("strace: {error}")),
+    }
+}
+
+/// What the application's process and its threads wrote and sent, one call a line.
+fn trace(config: Option<&str>, folder: &Path) -> Vec<String> {
+    let file = folder.join("trace.txt");
+    let strace = ["-f", "-s", "65536", "-xx", "-e", CALLS, "-o", file.to_str().unwrap()];
+    let application = Application::ours("parafovea-cases", &["attaches_early"]).unwrap();
+    let application = application.under("strace", &strace).unwrap();
+    let mut scenario = scenario(1000).quiet();
+    scenario.gaze[0].yaw_deg = LEFT;
+    scenario.gaze[0].pitch_deg = UP;
+    let run = Run::new(&application, &scenario).timeout(Duration::from_secs(120));
+    let run = match config {
+        Some(config) => run.on(config),
+        None => run,
+    };
+    let outcome = run.finish().unwrap();
+    assert_eq!(outcome.exit_code, Some(0), "{}", outcome.output);
+    std::fs::read_to_string(&file).unwrap().lines().map(str::to_owned).collect()
+}
+
+/// A scenario in which the runtime itself writes nothing.
+trait Quiet {
+    fn quiet(self) -> Self;
+}
+
+impl Quiet for parafovea_tests::scenario::Scenario {
+    fn quiet(mut self) -> Self {
+        self.output.record = false;
+        self
+    }
+}
+
+/// Byte strings that give the gaze away: its angles, direction and orientation, in digits and as numbers.
+fn signs() -> Vec<Vec<u8>> {
+    let turned = glam::Quat::from_euler(glam::EulerRot::YXZ, LEFT.to_radians(), UP.to_radians(), 0.0);
+    let direction = turned * glam::Vec3::NEG_Z;
+    let numbers = [LEFT, UP, LEFT.to_radians(), UP.to_radians()]
+        .into_iter()
+        .chain(direction.to_array())
+        .chain(turned.to_array().into_iter().filter(|part| *part != 0.0));
+    let mut signs = Vec::new();
+    for number in numbers {
+        // Without the last digits, which depend on how it was computed, and on how many are printed.
+        signs.push(format!("{:.3}", number.abs()).into_bytes());
+        signs.push(number.to_le_bytes()[1..].to_vec());
+        signs.push(f64::from(number).to_le_bytes()[4..].to_vec());
+    }
+    signs
+}
+
+/// The lines that have one of the signs. strace prints bytes as `\x2e`.
+fn betraying<'a>(trace: &'a [String], signs: &[Vec<u8>]) -> Vec<&'a String> {
+    let printed = |sign: &Vec<u8>| sign.iter().map(|byte| format!("\\x{byte:02x}")).collect::<String>();
+    let printed: Vec<String> = signs.iter().map(printed).collect();
+    trace.iter().filter(|line| printed.iter().any(|sign| line.contains(sign))).collect()
+}
+
+fn sockets(trace: &[String]) -> usize {
+    trace.iter().filter(|line| line.contains("socket(") || line.contains("connect(")).count()
+}
+
+#[test]
+fn no_write_has_the_gaze_in_it_and_nothing_is_sent() {
+    if let Some(reason) = cannot_trace() {
+        println!("skipped: a process cannot be traced here: {reason}");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let reference = trace(None, folder.path());
+    let followed = trace(Some(&format!("{}[log]\nlevel = \"debug\"\n", following(""))), folder.path());
+    assert!(followed.len() > 3, "{followed:#?}");
+    assert_eq!(betraying(&followed, &signs()), Vec::<&String>::new());
+    assert_eq!(sockets(&followed), sockets(&reference));
+
+    // The same search finds a recording that was asked for.
+    let file: PathBuf = folder.path().join("gaze.csv");
+    let recorded = trace(Some(&following(&format!("record = {file:?}"))), folder.path());
+    assert!(!betraying(&recorded, &signs()).is_empty());
+    assert!(std::fs::read_to_string(&file).unwrap().contains("17.32"));
+}
