@@ -40,22 +40,23 @@ impl SessionGaze {
     /// Opens the files that the configuration names, where these are others than before. Waits for the disk.
     pub fn open_files(&self, config: &Config) {
         let (file, record) = (wanted_file(config), config.gaze.record);
-        let (file_is_new, record_is_new) = {
-            let state = self.state();
-            (state.file != file, state.record != record)
+        // Whoever sees the change first opens the file, without the lock.
+        let (file_is_new, record_is_new, before) = {
+            let mut state = self.state();
+            let is_new = (state.file != file, state.record != record);
+            (state.file, state.record) = (file, record);
+            let before = if is_new.1 { state.recording.take() } else { None };
+            (is_new.0, is_new.1, before)
         };
+        // It is written to its end.
+        drop(before);
         if file_is_new {
             let script = file.path().and_then(read).map(Arc::new);
-            let mut state = self.state();
-            (state.file, state.script) = (file, script);
+            self.state().script = script;
         }
         if record_is_new {
-            // The recording before is written to its end first, without the lock.
-            let before = self.state().recording.take();
-            drop(before);
             let recording = record.path().and_then(record_to);
-            let mut state = self.state();
-            (state.record, state.recording) = (record, recording);
+            self.state().recording = recording;
         }
     }
 

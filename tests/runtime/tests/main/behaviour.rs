@@ -8,6 +8,8 @@ mod input;
 mod session;
 #[path = "behaviour/space.rs"]
 mod space;
+#[path = "behaviour/tracker.rs"]
+mod tracker;
 #[path = "behaviour/vulkan.rs"]
 mod vulkan;
 
@@ -57,6 +59,33 @@ pub fn cases() -> Vec<Case> {
         ),
         good("discarded_frame", "", session::discarded_frame, |_| {}),
         good("real_time", "[clock]\nmode='real'\nrefresh_hz=50", session::real_time, |_| {}),
+        good(
+            "gaze_that_is_late_and_newer_at_the_views",
+            "[clock]\nrefresh_hz=100\n[tracker]\nlatency_ms=20\nnewer_at_views_ms=15\n\
+             [[gaze]]\n[[gaze]]\nt=0.001\n[[gaze]]\nt=0.001\nyaw_deg=40",
+            tracker::late_and_newer_at_the_views,
+            |_| {},
+        ),
+        good(
+            "gaze_that_looks_back_and_has_no_time",
+            "[tracker]\nsample_time=false\nbackwards=true",
+            tracker::backwards_and_without_times,
+            |_| {},
+        ),
+        good("eye_tracker_that_is_not_reported", "[tracker]\nreported=false", tracker::not_reported, |_| {}),
+        good("eye_tracker_that_is_never_active", "[tracker]\nactive=false", tracker::never_active, |_| {}),
+        good(
+            "only_the_last_action_set_works",
+            "[quirks]\nonly_last_set=true",
+            tracker::only_the_last_set_works,
+            |_| {},
+        ),
+        good(
+            "locating_waits_for_a_lock",
+            "[quirks]\nlocate_lock='queue.lock'",
+            tracker::waits_for_a_lock,
+            |_| {},
+        ),
         good("gaze_with_a_gap", &format!("[clock]\nrefresh_hz=100\n{gaps}"), space::gaze, |_| {}),
         good("no_eye_tracker", "[system]\neye_gaze=false", space::no_eye_tracker, |_| {}),
         good(
