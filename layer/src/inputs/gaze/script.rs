@@ -120,6 +120,16 @@ fn degrees(direction: Vec3) -> [f32; 2] {
 mod tests {
     use super::*;
 
+    proptest::proptest! {
+        #[test]
+        fn any_text_is_a_gaze_or_refused(text in "([-0-9.,e#\n ]|nan|inf|\u{0}){0,60}", seconds: f64) {
+            if let Ok(script) = text.parse::<GazeScript>() {
+                let look = script.at(seconds);
+                proptest::prop_assert!(look.is_none_or(|look| (look.length() - 1.0).abs() < 1e-3), "{look:?}");
+            }
+        }
+    }
+
     fn script(text: &str) -> GazeScript {
         text.parse().unwrap()
     }

@@ -106,7 +106,14 @@ impl SessionActions {
     pub fn attached_without(&self, result: xr::Result) {
         let mut state = self.state();
         match state.attachment {
-            Attachment::Not if result.into_raw() >= 0 => state.attachment = Attachment::Never,
+            Attachment::Not if result.into_raw() >= 0 => {
+                state.attachment = Attachment::Never;
+                if self.has_tracker {
+                    tracing::info!(
+                        "no eye gaze in this session: its action sets are attached, and ours is not among them"
+                    );
+                }
+            }
             Attachment::Alone { .. } => tracing::error!(
                 "the application attached action sets after ours, and has no input now: {result:?}; with \
                  gaze.attach_alone_after_s = 0 it has"
