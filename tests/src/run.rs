@@ -105,6 +105,7 @@ pub struct Run {
     copies: bool,
     validation: bool,
     test_layers: Vec<TestLayer>,
+    two_queues: bool,
     driver: Driver,
     environment: Vec<(String, OsString)>,
     timeout: Duration,
@@ -120,6 +121,7 @@ impl Run {
             copies: false,
             validation: false,
             test_layers: Vec::new(),
+            two_queues: false,
             driver: Driver::default(),
             environment: Vec::new(),
             timeout: Duration::from_secs(240),
@@ -203,6 +205,12 @@ impl Run {
         self.test_layer(TestLayer::ShadingRate).env(SHADING_RATE_PROFILE_VARIABLE, profile.name())
     }
 
+    /// Where it is `wanted`, gives the device a second queue if it has one only, below all else.
+    pub fn two_queues(mut self, wanted: bool) -> Self {
+        self.two_queues = wanted;
+        self
+    }
+
     /// Sets a variable of the application's environment.
     pub fn env(mut self, name: &str, value: impl Into<OsString>) -> Self {
         self.environment.push((name.to_owned(), value.into()));
@@ -246,6 +254,7 @@ impl Run {
             vulkan_layers.push(VALIDATION_LAYER.to_owned());
             command.envs(validation::environment(folder.path())?);
         }
+        vulkan_layers.extend(self.two_queues.then(|| TestLayer::TwoQueues.name()));
         command.env("VK_INSTANCE_LAYERS", vulkan_layers.join(":"));
         command.env(COUNT_FILE_VARIABLE, folder.path().join(COUNT_FILE));
         command.env(SAMPLES_FILE_VARIABLE, folder.path().join(SAMPLES_FILE));

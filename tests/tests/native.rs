@@ -2,8 +2,11 @@
 //! rates itself. (That both look alike takes a real one.)
 
 use parafovea_test_layers::ShadingRateProfile;
+use parafovea_tests::artifacts::program;
 use parafovea_tests::device::Machine;
+use parafovea_tests::installation::Driver;
 use parafovea_tests::native::{Length, Results, compare, styles, time};
+use std::process::Command;
 
 const SHORT: Length = Length { frames: 8, size: 96 };
 
@@ -38,4 +41,16 @@ fn times_are_taken_and_kept() {
     let path = results.write(folder.path()).unwrap();
     let read: Results = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     assert_eq!(read, results);
+}
+
+/// Where there is a GPU the program would measure it, which is not for here.
+#[test]
+fn without_a_gpu_it_says_so() {
+    let machine = Machine::of(Driver::System).unwrap();
+    if machine.device.is_cpu || !machine.device.has_rate_attachments {
+        let output = Command::new(program("parafovea-gpu").unwrap()).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(said, "skipped: no device with VK_KHR_fragment_shading_rate\n");
+    }
 }

@@ -39,6 +39,8 @@ functions! {
             = c"vkGetPhysicalDeviceFeatures2" | c"vkGetPhysicalDeviceFeatures2KHR";
         properties2: PFN_vkGetPhysicalDeviceProperties2
             = c"vkGetPhysicalDeviceProperties2" | c"vkGetPhysicalDeviceProperties2KHR";
+        queue_families2: PFN_vkGetPhysicalDeviceQueueFamilyProperties2
+            = c"vkGetPhysicalDeviceQueueFamilyProperties2" | c"vkGetPhysicalDeviceQueueFamilyProperties2KHR";
         format_properties: PFN_vkGetPhysicalDeviceFormatProperties = c"vkGetPhysicalDeviceFormatProperties";
         format_properties2: PFN_vkGetPhysicalDeviceFormatProperties2
             = c"vkGetPhysicalDeviceFormatProperties2" | c"vkGetPhysicalDeviceFormatProperties2KHR";

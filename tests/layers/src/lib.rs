@@ -1,4 +1,4 @@
-//! Six Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
+//! Seven Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
 //! own ([`TestLayer::manifest`]), which maps the loader's entry point to that layer's.
 //!
 //! - `VK_LAYER_PARAFOVEA_TEST_pass_through` does nothing: the baseline for what any layer costs.
@@ -10,6 +10,7 @@
 //!   noticed.
 //! - `VK_LAYER_PARAFOVEA_TEST_shading_rate` makes a device look as if it had `VK_KHR_fragment_shading_rate`,
 //!   and checks its use ([`ShadingRateLine`]).
+//! - `VK_LAYER_PARAFOVEA_TEST_two_queues` gives a device with one queue a second one; it must be the lowest.
 //!
 //! # Order
 //!
@@ -31,6 +32,7 @@ mod manifest;
 mod pass_through;
 mod report;
 mod shading_rate;
+mod two_queues;
 pub mod validation;
 
 pub use count::{
@@ -123,4 +125,17 @@ pub unsafe extern "system" fn shading_rate_vkNegotiateLoaderLayerInterfaceVersio
 ) -> vk::Result {
     // SAFETY: the loader vouches for it.
     unsafe { layer::negotiate::<shading_rate::Emulator>(interface) }
+}
+
+/// The Vulkan loader's first call to the layer `two_queues`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn two_queues_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<two_queues::TwoQueues>(interface) }
 }

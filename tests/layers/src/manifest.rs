@@ -18,17 +18,20 @@ pub enum TestLayer {
     DropBarrier,
     /// Offers fragment shading rates where the device has none.
     ShadingRate,
+    /// Offers a second queue where there is one.
+    TwoQueues,
 }
 
 impl TestLayer {
     /// All of them.
-    pub const ALL: [TestLayer; 6] = [
+    pub const ALL: [TestLayer; 7] = [
         TestLayer::PassThrough,
         TestLayer::Count,
         TestLayer::Samples,
         TestLayer::Times,
         TestLayer::DropBarrier,
         TestLayer::ShadingRate,
+        TestLayer::TwoQueues,
     ];
 
     /// The last part of its name, which its entry point and its manifest's file have too.
@@ -40,6 +43,7 @@ impl TestLayer {
             TestLayer::Times => "times",
             TestLayer::DropBarrier => "drop_barrier",
             TestLayer::ShadingRate => "shading_rate",
+            TestLayer::TwoQueues => "two_queues",
         }
     }
 

@@ -8,7 +8,7 @@ use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{PassSeen, SKIPPED, STYLES, Style};
+use parafovea_zoo::{PassSeen, Queues, SKIPPED, STYLES, Style};
 use std::process::ExitCode;
 use std::sync::OnceLock;
 
@@ -64,7 +64,9 @@ fn run(style: &Style) -> (Outcome, bool) {
     let arguments = ["--style", style.name, "--size", &size, "--frames", &frames, "--passes"];
     let application = Application::ours("parafovea-zoo", &arguments).unwrap();
     let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE).saving(&SAVED);
-    let run = Run::new(&application, &scenario).validated_from(style.headers);
+    let run = Run::new(&application, &scenario)
+        .validated_from(style.headers)
+        .two_queues(style.needs.queues == Queues::Two);
     // The one extension that there is a stand-in for.
     let run = if style.needs.extensions.contains(&c"VK_KHR_fragment_shading_rate") {
         run.shading_rates(ShadingRateProfile::Layered16)

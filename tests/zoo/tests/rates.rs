@@ -9,7 +9,7 @@ use parafovea_test_layers::{
 };
 use parafovea_tests::run::{Application, Message, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{Eyes, PassTruth, SKIPPED, STYLES, Style};
+use parafovea_zoo::{Eyes, PassTruth, Queues, SKIPPED, STYLES, Style};
 use std::process::ExitCode;
 
 const FRAMES: u64 = 8;
@@ -57,7 +57,10 @@ fn run(style: &Style, profile: ShadingRateProfile, config: &str) -> Result<Outco
     let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
     let application = Application::ours("parafovea-zoo", &arguments)?;
     let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
-    let run = Run::new(&application, &scenario).validated_from(style.headers).shading_rates(profile);
+    let run = Run::new(&application, &scenario)
+        .validated_from(style.headers)
+        .two_queues(style.needs.queues == Queues::Two)
+        .shading_rates(profile);
     Ok(run.on(config).finish()?)
 }
 

@@ -6,7 +6,7 @@
 use libtest_mimic::{Arguments, Failed, Trial};
 use parafovea_tests::run::{Application, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{Eyes, PassTruth, SKIPPED, STYLES, Style};
+use parafovea_zoo::{Eyes, PassTruth, Queues, SKIPPED, STYLES, Style};
 use serde::Deserialize;
 use std::process::ExitCode;
 
@@ -46,6 +46,7 @@ fn check(style: &Style) -> Result<(), Failed> {
     let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
     let outcome = Run::new(&application, &scenario)
         .validated_from(style.headers)
+        .two_queues(style.needs.queues == Queues::Two)
         .on("")
         .env("PARAFOVEA_PASSES_FILE", &file)
         .finish()?;

@@ -1,0 +1,262 @@
+//! A layer that gives a device with one queue in a family a second one, which is the same queue under another handle: for
+//! applications that need two, on lavapipe.
+//!
+//! It is the lowest, below validation, which thus sees two queues. What is submitted to both runs in the order of the submits: more order
+//! than an application may rely on, so that a semaphore that is missing between queues shows in validation alone.
+
+use crate::functions::functions;
+use crate::layer::{Instance, Layer, NextDevice, Tracked, device_of, hooks, instance_of};
+use ash::vk;
+use ash::vk::Handle;
+use std::ffi::CStr;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Queues of a family that has fewer.
+const QUEUES: u32 = 2;
+
+functions! {
+    /// The next layer's functions that it may lack.
+    Functions {
+        get_device_queue2: PFN_vkGetDeviceQueue2 = c"vkGetDeviceQueue2";
+        queue_submit2: PFN_vkQueueSubmit2 = c"vkQueueSubmit2" | c"vkQueueSubmit2KHR";
+    }
+}
+
+pub(crate) struct TwoQueues {
+    next: NextDevice,
+    functions: Functions,
+    /// How many each family has.
+    counts: Vec<u32>,
+    /// The other handles of queues. Submits are made under its lock: two threads may use both of a pair.
+    seconds: Mutex<Seconds>,
+}
+
+/// Boxed, because their addresses are handles.
+type Seconds = Vec<Box<Second>>;
+
+/// Another handle of a queue. As for every dispatchable object, its first word is the loader's.
+#[repr(C)]
+struct Second {
+    dispatch: usize,
+    queue: vk::Queue,
+    family: u32,
+}
+
+impl Second {
+    fn handle(&self) -> vk::Queue {
+        vk::Queue::from_raw(std::ptr::from_ref(self) as u64)
+    }
+}
+
+static TRACKED: Tracked<TwoQueues> = Tracked::new();
+
+impl Layer for TwoQueues {
+    fn tracked() -> &'static Tracked<Self> {
+        &TRACKED
+    }
+
+    unsafe fn create_device(
+        instance: &Instance,
+        physical_device: vk::PhysicalDevice,
+        mut info: vk::DeviceCreateInfo<'_>,
+        create: &mut dyn FnMut(&vk::DeviceCreateInfo<'_>) -> Result<NextDevice, vk::Result>,
+    ) -> Result<Self, vk::Result> {
+        // SAFETY: the caller vouches for handle and structure; the second call has the room that the first asked for.
+        unsafe {
+            let mut count = 0;
+            (instance.queue_families)(physical_device, &mut count, std::ptr::null_mut());
+            let mut families = vec![vk::QueueFamilyProperties::default(); count as usize];
+            (instance.queue_families)(physical_device, &mut count, families.as_mut_ptr());
+            let counts: Vec<u32> = families.iter().map(|family| family.queue_count).collect();
+            let asked = match info.queue_create_info_count {
+                0 => &[][..],
+                asked => std::slice::from_raw_parts(info.p_queue_create_infos, asked as usize),
+            };
+            let mut fewer = asked.to_vec();
+            for queues in &mut fewer {
+                let there = counts.get(queues.queue_family_index as usize).copied().unwrap_or(0);
+                queues.queue_count = queues.queue_count.min(there);
+            }
+            info.p_queue_create_infos = fewer.as_ptr();
+            let next = create(&info)?;
+            let functions = Functions::load(|name| next.function(name));
+            Ok(Self { next, functions, counts, seconds: Mutex::default() })
+        }
+    }
+
+    fn hook(name: &CStr) -> vk::PFN_vkVoidFunction {
+        hooks! { name;
+            c"vkGetPhysicalDeviceQueueFamilyProperties": PFN_vkGetPhysicalDeviceQueueFamilyProperties = families;
+            c"vkGetPhysicalDeviceQueueFamilyProperties2":
+                PFN_vkGetPhysicalDeviceQueueFamilyProperties2 = families2;
+            c"vkGetPhysicalDeviceQueueFamilyProperties2KHR":
+                PFN_vkGetPhysicalDeviceQueueFamilyProperties2 = families2;
+            c"vkGetDeviceQueue": PFN_vkGetDeviceQueue = get_queue;
+            c"vkGetDeviceQueue2": PFN_vkGetDeviceQueue2 = get_queue2;
+            c"vkQueueSubmit": PFN_vkQueueSubmit = submit;
+            c"vkQueueSubmit2": PFN_vkQueueSubmit2 = submit2;
+            c"vkQueueSubmit2KHR": PFN_vkQueueSubmit2 = submit2;
+            c"vkQueueWaitIdle": PFN_vkQueueWaitIdle = wait_idle;
+        }
+        None
+    }
+
+    fn next(&self) -> &NextDevice {
+        &self.next
+    }
+}
+
+impl TwoQueues {
+    fn seconds(&self) -> MutexGuard<'_, Seconds> {
+        self.seconds.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether a queue is one that the device does not have.
+    fn is_second(&self, family: u32, index: u32) -> bool {
+        self.counts.get(family as usize).is_some_and(|&count| index >= count)
+    }
+
+    /// The other handle of a family's last queue, which `get` gives.
+    fn second(&self, family: u32, get: impl FnOnce() -> vk::Queue) -> vk::Queue {
+        let mut seconds = self.seconds();
+        if let Some(known) = seconds.iter().find(|known| known.family == family) {
+            return known.handle();
+        }
+        let queue = get();
+        // SAFETY: a live queue, whose first word is the loader's.
+        let dispatch = unsafe { *(queue.as_raw() as *const usize) };
+        let new = Box::new(Second { dispatch, queue, family });
+        let handle = new.handle();
+        seconds.push(new);
+        handle
+    }
+
+    /// Calls with the device's own handle of a queue; nobody else does meanwhile.
+    fn with<R>(&self, queue: vk::Queue, call: impl FnOnce(vk::Queue) -> R) -> R {
+        let seconds = self.seconds();
+        let own = seconds.iter().find(|known| known.handle() == queue).map_or(queue, |known| known.queue);
+        call(own)
+    }
+}
+
+/// # Safety
+///
+/// `object` is a live device or queue.
+unsafe fn layer(object: impl Handle) -> Arc<TwoQueues> {
+    // SAFETY: the caller vouches for it.
+    match unsafe { device_of(object) } {
+        Some(layer) => layer,
+        None => panic!("an object of a device that was created without this layer"),
+    }
+}
+
+unsafe extern "system" fn families(
+    physical_device: vk::PhysicalDevice,
+    count: *mut u32,
+    properties: *mut vk::QueueFamilyProperties,
+) {
+    // SAFETY: the application's valid arguments.
+    unsafe {
+        let Some(instance) = instance_of::<TwoQueues>(physical_device) else { return };
+        (instance.queue_families)(physical_device, count, properties);
+        if !properties.is_null() {
+            for family in std::slice::from_raw_parts_mut(properties, *count as usize) {
+                family.queue_count = family.queue_count.max(QUEUES);
+            }
+        }
+    }
+}
+
+unsafe extern "system" fn families2(
+    physical_device: vk::PhysicalDevice,
+    count: *mut u32,
+    properties: *mut vk::QueueFamilyProperties2<'_>,
+) {
+    // SAFETY: the application's valid arguments.
+    unsafe {
+        let next = instance_of::<TwoQueues>(physical_device)
+            .and_then(|instance| instance.physical_device.queue_families2);
+        let Some(next) = next else { return };
+        next(physical_device, count, properties);
+        if !properties.is_null() {
+            for family in std::slice::from_raw_parts_mut(properties, *count as usize) {
+                let own = &mut family.queue_family_properties;
+                own.queue_count = own.queue_count.max(QUEUES);
+            }
+        }
+    }
+}
+
+unsafe extern "system" fn get_queue(device: vk::Device, family: u32, index: u32, queue: *mut vk::Queue) {
+    // SAFETY: the application's valid arguments.
+    unsafe {
+        let layer = layer(device);
+        let next = layer.next.functions.fp_v1_0().get_device_queue;
+        if !layer.is_second(family, index) {
+            return next(device, family, index, queue);
+        }
+        *queue = layer.second(family, || {
+            let mut first = vk::Queue::null();
+            next(device, family, 0, &mut first);
+            first
+        });
+    }
+}
+
+unsafe extern "system" fn get_queue2(
+    device: vk::Device,
+    info: *const vk::DeviceQueueInfo2<'_>,
+    queue: *mut vk::Queue,
+) {
+    // SAFETY: the application's valid arguments.
+    unsafe {
+        let layer = layer(device);
+        let Some(next) = layer.functions.get_device_queue2 else { return };
+        let (family, index) = ((*info).queue_family_index, (*info).queue_index);
+        if !layer.is_second(family, index) {
+            return next(device, info, queue);
+        }
+        *queue = layer.second(family, || {
+            let mut first = vk::Queue::null();
+            next(device, &vk::DeviceQueueInfo2 { queue_index: 0, ..*info }, &mut first);
+            first
+        });
+    }
+}
+
+unsafe extern "system" fn submit(
+    queue: vk::Queue,
+    count: u32,
+    submits: *const vk::SubmitInfo<'_>,
+    fence: vk::Fence,
+) -> vk::Result {
+    // SAFETY: the application's valid arguments.
+    unsafe {
+        let layer = layer(queue);
+        let next = layer.next.functions.fp_v1_0().queue_submit;
+        layer.with(queue, |queue| next(queue, count, submits, fence))
+    }
+}
+
+unsafe extern "system" fn submit2(
+    queue: vk::Queue,
+    count: u32,
+    submits: *const vk::SubmitInfo2<'_>,
+    fence: vk::Fence,
+) -> vk::Result {
+    // SAFETY: the application's valid arguments.
+    unsafe {
+        let layer = layer(queue);
+        let Some(next) = layer.functions.queue_submit2 else { return vk::Result::ERROR_DEVICE_LOST };
+        layer.with(queue, |queue| next(queue, count, submits, fence))
+    }
+}
+
+unsafe extern "system" fn wait_idle(queue: vk::Queue) -> vk::Result {
+    // SAFETY: the application's valid argument.
+    unsafe {
+        let layer = layer(queue);
+        let next = layer.next.functions.fp_v1_0().queue_wait_idle;
+        layer.with(queue, |queue| next(queue))
+    }
+}
