@@ -3,7 +3,8 @@
 //! A [`FeatureExtractor`] takes the samples as they come and answers every [`INTERVAL_S`] with [`AudioFeatures`] of
 //! the last seconds. Inside, a hop of 100 ms leaves behind one energy (K-weighted, [`Loudness`]) and one energy for
 //! each mel band ([`mel`], from the power spectra that [`spectrum`] adds up); both features are computed anew from
-//! what the hops within the window left, so nothing is summed up over a session and nothing drifts.
+//! what the hops within the window left, so nothing is summed up over a session and nothing drifts. [`Continuity`] and
+//! [`AudioFeatures::relied_on`] say how much of that a plan may take.
 //!
 //! # Channels
 //! Interleaved, in the order of WAVE_FORMAT_EXTENSIBLE; weights of BS.1770-4, Table 4, for loudness and spectrum alike:
@@ -23,11 +24,13 @@ mod features;
 mod loudness;
 mod mel;
 mod spectrum;
+mod trust;
 
 pub use extractor::{FeatureExtractor, FormatError, INTERVAL_S, MAX_CHANNELS, SAMPLE_RATES_HZ};
 pub use features::AudioFeatures;
 pub use loudness::Loudness;
 pub use mel::{BANDS, FilterBank, GREATEST_KILOMEL, LEAST_KILOMEL, gamma_fq, hz_of_mel, mel_of_hz};
+pub use trust::Continuity;
 
 use crate::range::within;
 

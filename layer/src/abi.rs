@@ -1,7 +1,9 @@
 //! The C side of both halves: what must hold at every function that a loader or an application calls.
 
+pub mod audio_library;
 pub mod cpu_time;
 pub mod guard;
+pub mod own_folder;
 pub mod pnext;
 
 pub use guard::{Answer, guard};

@@ -8,8 +8,8 @@ pub use chroma::chroma_settings;
 pub use executable::executable;
 pub use parafovea_manifest::config::Config;
 pub use parafovea_manifest::options::{
-    ChromaMatrix, ChromaMode, FilePath, GazeSource, LogLevel, PassRules, PeripheralRate, Preset,
-    RatesBackend, RatesGate, RatesMode,
+    AudioMode, AudioSource, ChromaMatrix, ChromaMode, FilePath, GazeSource, LogLevel, PassRules,
+    PeripheralRate, Preset, RatesBackend, RatesGate, RatesMode,
 };
 pub use parafovea_manifest::paths::Environment;
 pub use plan::{gate_mode, gaze_settings, plan_settings};

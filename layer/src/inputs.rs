@@ -1,4 +1,5 @@
 //! What the user does, as the latest values that a frame needs.
 
+pub mod audio;
 pub mod cost;
 pub mod gaze;

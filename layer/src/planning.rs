@@ -17,6 +17,7 @@ use crate::link::PlanRecord;
 use frame_rate::FrameRate;
 use glam::{Quat, Vec3};
 use handed::Handed;
+use parafovea_core::audio::AudioFeatures;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker, Rejection};
 use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings};
@@ -48,6 +49,8 @@ pub struct Planning {
     offer: Offer,
     gaze_settings: GazeSettings,
     gaze: GazeTracker,
+    /// What is heard, as far as it can be relied on.
+    audio: Option<AudioFeatures>,
     frame_rate: FrameRate,
     frame: u64,
     /// Present while there is something to plan.
@@ -76,6 +79,7 @@ impl Default for Planning {
             offer: Offer::default(),
             gaze_settings,
             gaze: GazeTracker::new(gaze_settings),
+            audio: None,
             frame_rate: FrameRate::default(),
             frame: 0,
             planner: None,
@@ -143,6 +147,11 @@ impl Planning {
         (!std::mem::replace(&mut self.rejected[place], true)).then_some(rejection)
     }
 
+    /// Takes what is heard now, as far as it can be relied on.
+    pub fn listen(&mut self, heard: Option<AudioFeatures>) {
+        self.audio = heard;
+    }
+
     /// Plans the frame that is shown at `time_ns`. `head` leads from the space of the head to one that rests in the world.
     /// False where there is nothing to plan for yet, or a later frame is planned already.
     pub fn plan(&mut self, config: &Config, can_attenuate: bool, head: Quat, time_ns: i64) -> bool {
@@ -167,7 +176,7 @@ impl Planning {
             eyes,
             head,
             gaze,
-            audio: None,
+            audio: self.audio,
         };
         let planner = match &mut self.planner {
             Some(planner) => planner,

@@ -2,7 +2,8 @@
 //! then its steps.
 //!
 //! The library is copied into `$XDG_DATA_HOME/parafovea`, so that the build folder may go, and both manifests
-//! name that one copy by its absolute path.
+//! name that one copy by its absolute path. The library that listens is copied beside it, where it was built: without
+//! it there is no sound, and all else works.
 
 mod error;
 mod step;
@@ -10,7 +11,10 @@ mod step;
 pub use error::InstallError;
 pub use step::Step;
 
+pub use parafovea_audio_link::LIBRARY_NAME as AUDIO_LIBRARY_NAME;
+
 use crate::json::{Activation, Half};
+use parafovea_audio_link::GET_TABLE_NAME;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -23,7 +27,13 @@ pub fn library_path(data: &Path) -> PathBuf {
     data.join("parafovea").join(LIBRARY_NAME)
 }
 
-/// What installing the `library` below `data` (`$XDG_DATA_HOME`) takes; nothing, where all is in place.
+/// Where below `data` (`$XDG_DATA_HOME`) the library that listens is installed: beside the layer's, which loads it.
+pub fn audio_library_path(data: &Path) -> PathBuf {
+    library_path(data).with_file_name(AUDIO_LIBRARY_NAME)
+}
+
+/// What installing the `library` below `data` (`$XDG_DATA_HOME`) takes; nothing, where all is in place. The library
+/// that listens is taken from beside `library`; where there is none, none is installed.
 ///
 /// # Errors
 ///
@@ -39,6 +49,7 @@ pub fn plan_install(data: &Path, library: &Path) -> Result<Vec<Step>, InstallErr
     if installed_library(&installed)?.as_deref() != Some(&bytes) {
         steps.push(Step::Copy { from: library.to_owned(), to: installed.clone() });
     }
+    steps.extend(plan_audio(data, &library.with_file_name(AUDIO_LIBRARY_NAME))?);
     let named = installed.to_str().ok_or_else(|| InstallError::NotText(installed.clone()))?;
     for half in Half::BOTH {
         let path = half.manifest_path(data);
@@ -67,7 +78,25 @@ pub fn plan_uninstall(data: &Path) -> Result<Vec<Step>, InstallError> {
     if installed_library(&library)?.is_some() {
         steps.push(Step::Remove(library));
     }
+    let audio = audio_library_path(data);
+    if installed_audio(&audio)?.is_some() {
+        steps.push(Step::Remove(audio));
+    }
     Ok(steps)
+}
+
+/// What it takes that the library that listens is as it was `built`, or is not there where it was not.
+fn plan_audio(data: &Path, built: &Path) -> Result<Option<Step>, InstallError> {
+    let to = audio_library_path(data);
+    let installed = installed_audio(&to)?;
+    if !built.is_file() {
+        return Ok(installed.map(|_| Step::Remove(to)));
+    }
+    let bytes = fs::read(built).map_err(InstallError::io(built))?;
+    if !is_audio(&bytes) {
+        return Err(InstallError::NotTheLayer(built.to_owned()));
+    }
+    Ok((installed.as_deref() != Some(&bytes)).then(|| Step::Copy { from: built.to_owned(), to }))
 }
 
 /// Lays out one half below `data` (as `$XDG_DATA_HOME`) with the library where it is: for tests and tools that
@@ -100,6 +129,14 @@ fn installed_library(path: &Path) -> Result<Option<Vec<u8>>, InstallError> {
     }
 }
 
+/// The library that listens at `path`, if there is one.
+fn installed_audio(path: &Path) -> Result<Option<Vec<u8>>, InstallError> {
+    match present(path)? {
+        Some(bytes) if !is_audio(&bytes) => Err(InstallError::NotOurs(path.to_owned())),
+        installed => Ok(installed),
+    }
+}
+
 /// The content of the file at `path`, if there is one.
 fn present(path: &Path) -> Result<Option<Vec<u8>>, InstallError> {
     let metadata = match fs::symlink_metadata(path) {
@@ -114,8 +151,16 @@ fn present(path: &Path) -> Result<Option<Vec<u8>>, InstallError> {
 
 /// Whether this is a shared library with what both loaders ask for.
 fn is_layer(bytes: &[u8]) -> bool {
-    let contains = |name: &str| bytes.windows(name.len()).any(|window| window == name.as_bytes());
-    bytes.starts_with(b"\x7fELF") && Half::BOTH.into_iter().all(|half| contains(half.negotiate()))
+    Half::BOTH.into_iter().all(|half| is_library_with(bytes, half.negotiate().as_bytes()))
+}
+
+/// Whether this is a shared library with what the layer asks the library that listens for.
+fn is_audio(bytes: &[u8]) -> bool {
+    is_library_with(bytes, GET_TABLE_NAME.to_bytes())
+}
+
+fn is_library_with(bytes: &[u8], name: &[u8]) -> bool {
+    bytes.starts_with(b"\x7fELF") && bytes.windows(name.len()).any(|window| window == name)
 }
 
 #[cfg(test)]

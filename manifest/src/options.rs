@@ -121,6 +121,28 @@ choice! {
     }
 }
 
+choice! {
+    /// What is listened to.
+    AudioSource {
+        /// nothing
+        Off = "off",
+        /// what the system plays (PulseAudio, PipeWire with pipewire-pulse, ALSA's loop-back card); never a microphone
+        System = "system",
+        /// the WAV file that audio.file names, over and over
+        File = "file",
+    }
+}
+
+choice! {
+    /// How the last seconds of sound are summed up.
+    AudioMode {
+        /// what allows less: of the last 400 ms and of all of audio.window_s
+        Default = "default",
+        /// as it was published, over all of audio.window_s, with the gates of BS.1770: to compare with
+        Paper = "paper",
+    }
+}
+
 presets! {
     /// Values that belong together, for what is not set itself.
     Preset {
@@ -166,6 +188,24 @@ options! {
         file: FilePath = FilePath::NONE;
         /// A new file that the gaze is written to, as gaze.file reads it; without, it is written nowhere.
         record: FilePath = FilePath::NONE;
+    }
+
+    /// What the user hears, which stays in the game's process, in memory.
+    audio: Audio {
+        /// What is listened to.
+        source: AudioSource = AudioSource::Off;
+        /// The file for audio.source = "file".
+        file: FilePath = FilePath::NONE;
+        /// How the last seconds of sound are summed up.
+        mode: AudioMode = AudioMode::Default;
+        /// How many seconds those are.
+        window_s: f32 = 3.0, 0.4..=120.0 "seconds";
+        /// How often loudness and pitch are looked at anew, in steps of 0.1.
+        interval_s: f32 = 0.1, 0.1..=1.0 "seconds";
+        /// What is less loud counts as this.
+        least_lufs: f32 = -35.0, -70.0..=0.0 "LUFS";
+        /// What is louder counts as this.
+        greatest_lufs: f32 = -10.0, -70.0..=0.0 "LUFS";
     }
 
     /// Shading, coarser where the eye does not resolve it.

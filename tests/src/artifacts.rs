@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 pub enum Library {
     /// The layer, both halves.
     Parafovea,
+    /// The library that listens, which the layer loads from beside itself.
+    Audio,
     /// The mock OpenXR runtime.
     MockRuntime,
     /// The Vulkan layers for tests and benches.
@@ -18,6 +20,7 @@ impl Library {
     fn file_name(self) -> &'static str {
         match self {
             Library::Parafovea => "libparafovea.so",
+            Library::Audio => "libparafovea_audio.so",
             Library::MockRuntime => "libparafovea_mock_runtime.so",
             Library::TestLayers => "libparafovea_test_layers.so",
         }

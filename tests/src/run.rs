@@ -13,6 +13,7 @@ use crate::scenario::Scenario;
 use crate::{HarnessError, artifacts};
 use child::Child;
 use outcome::Folder;
+use parafovea_manifest::install::{AUDIO_LIBRARY_NAME, LIBRARY_NAME};
 use parafovea_test_layers::validation::VALIDATION_LAYER;
 use parafovea_test_layers::{
     COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, SAMPLES_FILE_VARIABLE, SHADING_RATE_FILE_VARIABLE,
@@ -103,6 +104,7 @@ pub struct Run {
     scenario: Scenario,
     layer: LayerMode,
     copies: bool,
+    ears: bool,
     validation: bool,
     test_layers: Vec<TestLayer>,
     two_queues: bool,
@@ -119,6 +121,7 @@ impl Run {
             scenario: scenario.clone(),
             layer: LayerMode::Absent,
             copies: false,
+            ears: false,
             validation: false,
             test_layers: Vec::new(),
             two_queues: false,
@@ -143,6 +146,16 @@ impl Run {
     pub fn from_copies(mut self) -> Self {
         self.copies = true;
         self
+    }
+
+    /// Installs the library that listens, beside the layer's.
+    ///
+    /// # Errors
+    /// [`HarnessError::NotBuilt`].
+    pub fn with_ears(mut self) -> Result<Self, HarnessError> {
+        Library::Audio.path()?;
+        self.ears = true;
+        Ok(self)
     }
 
     /// Puts the Khronos Vulkan validation layer, with synchronization validation across submits, and the OpenXR core
@@ -266,7 +279,10 @@ impl Run {
     }
 
     fn halves(&self, folder: &Path) -> Result<Halves, HarnessError> {
-        let library = Library::Parafovea.path()?;
+        let library = match self.ears {
+            true => link_with_ears(folder)?,
+            false => Library::Parafovea.path()?,
+        };
         let mut halves = Halves { openxr: Some(library.clone()), vulkan: Some(library.clone()) };
         if self.copies {
             for (name, half) in
@@ -285,6 +301,16 @@ impl Run {
         }
         Ok(halves)
     }
+}
+
+/// Puts the layer and the library that listens beside each other, as they are installed.
+fn link_with_ears(folder: &Path) -> Result<PathBuf, HarnessError> {
+    let link = |from: PathBuf, name: &str| {
+        let to = folder.join(name);
+        std::fs::hard_link(&from, &to).map_err(HarnessError::file(&to)).map(|()| to)
+    };
+    link(Library::Audio.path()?, AUDIO_LIBRARY_NAME)?;
+    link(Library::Parafovea.path()?, LIBRARY_NAME)
 }
 
 /// Where the counting layer writes.
@@ -322,6 +348,15 @@ impl Running {
     /// What the layer has logged so far.
     pub fn log(&self) -> String {
         outcome::read_logs(&self.installation.log_folder())
+    }
+
+    /// Has it end by itself, if it is one that ends with its standard input, as hello_xr does.
+    ///
+    /// # Errors
+    /// As for [`Run::finish`].
+    pub fn quit(mut self) -> Result<Outcome, HarnessError> {
+        self.child.close_input();
+        self.finish()
     }
 
     /// Waits for its end, or kills it when its time is over.

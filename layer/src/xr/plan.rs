@@ -9,6 +9,7 @@ use super::session::{self, Active, Health, Session};
 use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
 use crate::config::{Config, GazeSource, PassRules, RatesBackend, gate_mode};
+use crate::inputs::audio::Ears;
 use crate::inputs::gaze::rotation;
 use crate::link::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameTimeRecord, SettingsRecord,
@@ -34,6 +35,7 @@ pub struct SessionPlan {
     planning: Mutex<Planning>,
     told: Mutex<Option<Wanted>>,
     benefit: Mutex<Benefit>,
+    ears: Mutex<Ears>,
     /// Display time of the frame that xrWaitFrame returned last.
     awaited: AtomicI64,
     /// Display time for which views were located last.
@@ -47,6 +49,7 @@ impl Default for SessionPlan {
             planning: Mutex::default(),
             told: Mutex::default(),
             benefit: Mutex::default(),
+            ears: Mutex::default(),
             awaited: AtomicI64::new(NEVER),
             located: AtomicI64::new(NEVER),
             has_failed: AtomicBool::new(false),
@@ -58,6 +61,11 @@ impl SessionPlan {
     /// What is planned with.
     pub fn planning(&self) -> MutexGuard<'_, Planning> {
         self.planning.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What hears.
+    fn ears(&self) -> MutexGuard<'_, Ears> {
+        self.ears.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// xrWaitFrame returned a frame to be shown at `time`.
@@ -261,16 +269,19 @@ fn plan(session: &Session, active: &Active, time: xr::Time) {
     let config = session.instance.config.get();
     let can_attenuate = active.health() == Health::Works;
     if !state.planning().has_work(&config, can_attenuate) {
+        state.ears().rest();
         return state.planning().idle();
     }
     let look = session.gaze.look(session, &config, time);
     let head = session.head_in_world(time);
+    let heard = state.ears().hear(&config);
 
     let mut planning = state.planning();
     let time = time.as_nanos();
     if let Some(reason) = planning.look(&config, look, head, time) {
         tracing::info!("a gaze that is not believed: {reason}");
     }
+    planning.listen(heard);
     if planning.plan(&config, can_attenuate, head, time) {
         let serial = || SERIAL.fetch_add(1, Ordering::Relaxed) + 1;
         if let Some(record) = planning.new_rates(&config, serial) {

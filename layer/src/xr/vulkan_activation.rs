@@ -4,8 +4,9 @@
 //! The Vulkan loader reads its variables at every vkCreateInstance, so setting them before the application's
 //! is enough; an instance that it made before stays without us. Measured with loader 1.3.239.
 
+use crate::abi::own_folder::own_folder;
 use crate::vk::LAYER_NAME;
-use std::ffi::{CStr, OsStr, OsString, c_void};
+use std::ffi::{OsStr, OsString};
 use std::os::unix::ffi::{OsStrExt, OsStringExt};
 use std::path::{Path, PathBuf};
 use std::sync::Once;
@@ -23,7 +24,7 @@ pub fn activate() {
         if is_requested(variable) {
             return;
         }
-        let Some(folder) = library_folder().and_then(|folder| manifest_folder(&folder)) else {
+        let Some(folder) = own_folder().and_then(|folder| manifest_folder(&folder)) else {
             tracing::info!("the Vulkan half is not switched on: no manifest of it near this library");
             return;
         };
@@ -60,25 +61,6 @@ fn settings(variable: impl Fn(&str) -> Option<OsString>, folder: &Path) -> [(&'s
         prepend(path, folder.as_os_str()),
         prepend("VK_INSTANCE_LAYERS", OsStr::from_bytes(LAYER_NAME.to_bytes())),
     ]
-}
-
-/// The folder that this library was loaded from.
-fn library_folder() -> Option<PathBuf> {
-    let here: *const c_void = (&raw const FOLDERS).cast();
-    let mut info = std::mem::MaybeUninit::<libc::Dl_info>::uninit();
-    // SAFETY: an address within this library, and a place for the answer, which is written on success; its
-    // name is a C string that lives as long as the library.
-    let file = unsafe {
-        if libc::dladdr(here, info.as_mut_ptr()) == 0 {
-            return None;
-        }
-        let name = info.assume_init().dli_fname;
-        if name.is_null() {
-            return None;
-        }
-        PathBuf::from(OsStr::from_bytes(CStr::from_ptr(name).to_bytes()))
-    };
-    file.canonicalize().ok()?.parent().map(Path::to_owned)
 }
 
 /// The first of [`FOLDERS`] with a manifest that names the Vulkan half.

@@ -116,6 +116,36 @@ fn uninstalling_leaves_everything_else() {
 }
 
 #[test]
+fn the_library_that_listens_is_installed_from_beside_the_layer_and_goes_with_it() {
+    let machine = Machine::new();
+    let built = machine.folder.path().join(AUDIO_LIBRARY_NAME);
+    let installed = audio_library_path(&machine.data());
+    let audio = |version: &str| format!("\u{7f}ELF {version} parafovea_audio_get_table\0");
+    fs::write(&built, audio("1")).unwrap();
+    assert_eq!(machine.install().len(), 4);
+    assert_eq!(installed.parent(), library_path(&machine.data()).parent());
+    assert_eq!(fs::read_to_string(&installed).unwrap(), audio("1"));
+    assert_eq!(machine.install(), []);
+
+    fs::write(&built, audio("2")).unwrap();
+    assert_eq!(machine.install(), [Step::Copy { from: built.clone(), to: installed.clone() }]);
+    fs::remove_file(&built).unwrap();
+    assert_eq!(machine.install(), [Step::Remove(installed.clone())], "one of another build stays behind");
+
+    fs::write(&built, audio("3")).unwrap();
+    machine.install();
+    assert_eq!(machine.uninstall().len(), 4);
+    assert!(!installed.exists() && !machine.data().join("parafovea").exists());
+
+    fs::write(&built, "not a library").unwrap();
+    assert!(matches!(plan_install(&machine.data(), &machine.built()), Err(InstallError::NotTheLayer(_))));
+    fs::remove_file(&built).unwrap();
+    machine.put(&installed, "mine");
+    assert!(matches!(plan_install(&machine.data(), &machine.built()), Err(InstallError::NotOurs(_))));
+    assert!(matches!(plan_uninstall(&machine.data()), Err(InstallError::NotOurs(_))));
+}
+
+#[test]
 fn a_plan_alone_changes_nothing() {
     let machine = Machine::new();
     let steps = plan_install(&machine.data(), &machine.built()).unwrap();

@@ -81,8 +81,8 @@ impl Proof {
     }
 }
 
-/// Everything that the tasks look for. None is needed to build.
-pub const NEEDS: [Need; 11] = [
+/// Everything that the tasks look for. None is needed to build, but for the library that listens: see [`can_build_audio`].
+pub const NEEDS: [Need; 17] = [
     Need {
         what: "lavapipe, the Vulkan driver that runs on any CPU",
         without: "the first Vulkan driver of this machine is used, and figures differ from the README's",
@@ -149,7 +149,54 @@ pub const NEEDS: [Need; 11] = [
         proof: Proof::Program("c++"),
         packages: ["g++", "gcc-c++", "gcc"],
     },
+    Need {
+        what: "the headers of ALSA's library",
+        without: NO_AUDIO,
+        proof: ALSA_HEADERS,
+        packages: ["libasound2-dev", "alsa-lib-devel", "alsa-lib"],
+    },
+    Need {
+        what: "pkg-config, to find them",
+        without: NO_AUDIO,
+        proof: PKG_CONFIG,
+        packages: ["pkg-config", "pkgconf-pkg-config", "pkgconf"],
+    },
+    Need {
+        what: "PulseAudio's server, which needs no sound card",
+        without: "tests that listen fail",
+        proof: Proof::Program("pulseaudio"),
+        packages: ["pulseaudio", "pulseaudio", "pulseaudio"],
+    },
+    Need {
+        what: "PipeWire's server for PulseAudio's protocol",
+        without: "the test that listens to PipeWire fails",
+        proof: Proof::Program("pipewire-pulse"),
+        packages: ["pipewire-pulse", "pipewire-pulseaudio", "pipewire-pulse"],
+    },
+    Need {
+        what: "the manager of PipeWire's sessions",
+        without: "the test that listens to PipeWire fails",
+        proof: Proof::Program("wireplumber"),
+        packages: ["wireplumber", "wireplumber", "wireplumber"],
+    },
+    Need {
+        what: "a message bus, which that needs",
+        without: "the test that listens to PipeWire fails",
+        proof: Proof::Program("dbus-run-session"),
+        packages: ["dbus", "dbus-daemon", "dbus"],
+    },
 ];
+
+const NO_AUDIO: &str = "the library that listens is not built, and nothing is heard";
+
+const ALSA_HEADERS: Proof = Proof::Header("alsa/asoundlib.h");
+
+const PKG_CONFIG: Proof = Proof::Program("pkg-config");
+
+/// Whether this machine has what the library that listens is built with.
+pub fn can_build_audio() -> bool {
+    ALSA_HEADERS.holds() && PKG_CONFIG.holds()
+}
 
 /// Whether a program of that name is in a folder of `PATH`.
 pub fn program_in_path(name: &str) -> bool {

@@ -12,7 +12,7 @@ const POLL: Duration = Duration::from_millis(5);
 pub(super) struct Child {
     process: std::process::Child,
     /// hello_xr quits when its standard input ends.
-    _input: Option<ChildStdin>,
+    input: Option<ChildStdin>,
     deadline: Instant,
     output: [PathBuf; 2],
 }
@@ -38,7 +38,12 @@ impl Child {
         let program = PathBuf::from(command.get_program());
         let mut process = command.spawn().map_err(|source| HarnessError::Start { program, source })?;
         let input = process.stdin.take();
-        Ok(Self { process, _input: input, deadline: Instant::now() + timeout, output })
+        Ok(Self { process, input, deadline: Instant::now() + timeout, output })
+    }
+
+    /// Ends its standard input.
+    pub(super) fn close_input(&mut self) {
+        self.input = None;
     }
 
     pub(super) fn finish(mut self) -> Result<Exit, HarnessError> {

@@ -134,6 +134,15 @@ impl Outcome {
         text.lines().map(line).collect()
     }
 
+    /// Fails unless the application ended by itself with code 0.
+    ///
+    /// # Errors
+    /// [`HarnessError::Application`], as [`Self::failed`] makes it.
+    pub fn expect_end(self) -> Result<Self, HarnessError> {
+        let frames = self.record.frames.len() as u64;
+        self.expect_frames(frames)
+    }
+
     /// Fails unless the application ended by itself with code 0 after so many frames.
     ///
     /// # Errors

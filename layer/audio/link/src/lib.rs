@@ -1,0 +1,93 @@
+//! Where the layer and the library that listens meet: a versioned C table.
+//!
+//! Listening needs ALSA's library, which is not on every machine and which no game should get because of us. So it is a
+//! shared library of its own, [`LIBRARY_NAME`], beside the layer's; the layer loads it when sound is asked for, asks it
+//! for [`GET_TABLE_NAME`], and goes on without sound where either is missing.
+
+#![forbid(unsafe_code)]
+
+use std::ffi::CStr;
+
+/// File name of the library that listens.
+pub const LIBRARY_NAME: &str = "libparafovea_audio.so";
+
+/// The symbol that [`LIBRARY_NAME`] exports: a [`GetTable`].
+pub const GET_TABLE_NAME: &CStr = c"parafovea_audio_get_table";
+
+/// Version of [`CaptureTable`] and of its records; libraries with different versions do not meet.
+pub const TABLE_VERSION: u32 = 1;
+
+/// Signature behind [`GET_TABLE_NAME`]: the table, valid for the life of the process.
+pub type GetTable = unsafe extern "C" fn() -> *const CaptureTable;
+
+/// One capture, known to the library that made it.
+pub type Handle = *const std::ffi::c_void;
+
+/// What the library that listens offers. No function panics; all may be called from any thread.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct CaptureTable {
+    /// [`TABLE_VERSION`] of the library that made this table.
+    pub version: u32,
+    /// `size_of::<CaptureTable>()` of that library.
+    pub size: u32,
+    /// Begins to listen, on threads of its own; null where that is not possible. What the record points to is copied.
+    pub start: unsafe extern "C" fn(settings: *const SettingsRecord) -> Handle,
+    /// Writes the newest features; returns 1, or 0 where there are none yet. Neither waits nor allocates.
+    pub features: unsafe extern "C" fn(capture: Handle, features: *mut FeaturesRecord) -> u32,
+    /// Takes the oldest line for the log that was not taken yet: writes at most `capacity` bytes of UTF-8 to `text` and
+    /// returns how many; 0 where there is none.
+    pub news: unsafe extern "C" fn(capture: Handle, text: *mut u8, capacity: u32) -> u32,
+    /// Ends a capture, which is not to be used any more. Does not wait for its threads, which end soon.
+    pub stop: unsafe extern "C" fn(capture: Handle),
+}
+
+/// What the system plays.
+pub const SOURCE_SYSTEM: u32 = 1;
+
+/// A WAV file, over and over.
+pub const SOURCE_FILE: u32 = 2;
+
+/// What shall be heard, and how it is summed up.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct SettingsRecord {
+    /// [`SOURCE_SYSTEM`] or [`SOURCE_FILE`].
+    pub source: u32,
+    /// Path of the file with [`SOURCE_FILE`], `path_len` bytes.
+    pub path: *const u8,
+    /// Length of `path`.
+    pub path_len: u32,
+    /// 1: as paper A has it, else the default (`parafovea_core::audio::Mode`).
+    pub is_paper: u32,
+    /// T_a, seconds.
+    pub window_s: f32,
+    /// T_s, seconds.
+    pub interval_s: f32,
+    /// ITU_min, LUFS.
+    pub least_lufs: f32,
+    /// ITU_max, LUFS.
+    pub greatest_lufs: f32,
+}
+
+/// What is heard (`parafovea_core::audio::AudioFeatures`), and how far it can be relied on.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FeaturesRecord {
+    /// Counts sets of features, from 1.
+    pub serial: u64,
+    /// How long ago the last sample that counts was heard, nanoseconds.
+    pub age_ns: u64,
+    /// LUFS.
+    pub loudness_lufs: f32,
+    /// gamma_ld, loudness units.
+    pub gamma_ld: f32,
+    /// gamma_fq, kilo-mel.
+    pub gamma_fq_kilomel: f32,
+    /// 1: nothing is heard.
+    pub is_silent: u32,
+    /// How much of the last seconds was heard as it was played, 0..=1.
+    pub confidence: f32,
+    /// 0.
+    pub reserved: u32,
+}

@@ -1,0 +1,132 @@
+//! The C side: the table that the layer asks for. Panics stay within.
+
+use crate::capture::Capture;
+use crate::settings::{Settings, Source};
+use parafovea_audio_link::{
+    CaptureTable, FeaturesRecord, Handle, SOURCE_FILE, SOURCE_SYSTEM, SettingsRecord, TABLE_VERSION,
+};
+use parafovea_core::audio::{AudioSettings, Mode};
+use std::ffi::OsStr;
+use std::os::unix::ffi::OsStrExt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::ptr::null;
+
+static TABLE: CaptureTable = CaptureTable {
+    version: TABLE_VERSION,
+    size: size_of::<CaptureTable>() as u32,
+    start,
+    features,
+    news,
+    stop,
+};
+
+/// What the layer asks this library for.
+#[unsafe(no_mangle)]
+extern "C" fn parafovea_audio_get_table() -> *const CaptureTable {
+    &raw const TABLE
+}
+
+unsafe extern "C" fn start(settings: *const SettingsRecord) -> Handle {
+    guarded(null(), || {
+        // SAFETY: the caller's record, valid during this call.
+        let Some(record) = (unsafe { settings.as_ref() }) else { return null() };
+        let source = match record.source {
+            SOURCE_SYSTEM => Source::System,
+            SOURCE_FILE if !record.path.is_null() => {
+                // SAFETY: the record's text, of that length and valid during this call.
+                let path = unsafe { std::slice::from_raw_parts(record.path, record.path_len as usize) };
+                Source::File(PathBuf::from(OsStr::from_bytes(path)))
+            }
+            _ => return null(),
+        };
+        let features = AudioSettings {
+            mode: if record.is_paper == 1 { Mode::Paper } else { Mode::Default },
+            window_s: record.window_s,
+            least_lufs: record.least_lufs,
+            greatest_lufs: record.greatest_lufs,
+        };
+        match Capture::start(Settings { source, features, interval_s: record.interval_s }) {
+            Ok(capture) => Box::into_raw(Box::new(capture)).cast_const().cast(),
+            Err(_) => null(),
+        }
+    })
+}
+
+unsafe extern "C" fn features(capture: Handle, features: *mut FeaturesRecord) -> u32 {
+    guarded(0, || {
+        // SAFETY: a capture that `start` made and that was not stopped.
+        let Some(heard) = (unsafe { capture.cast::<Capture>().as_ref() }).and_then(Capture::heard) else {
+            return 0;
+        };
+        let record = FeaturesRecord {
+            serial: heard.serial,
+            age_ns: heard.age_ns,
+            loudness_lufs: heard.features.loudness_lufs,
+            gamma_ld: heard.features.gamma_ld,
+            gamma_fq_kilomel: heard.features.gamma_fq_kilomel,
+            is_silent: u32::from(heard.features.silent),
+            confidence: heard.confidence,
+            reserved: 0,
+        };
+        // SAFETY: the caller's record, valid to write to.
+        unsafe { features.write(record) };
+        1
+    })
+}
+
+unsafe extern "C" fn news(capture: Handle, text: *mut u8, capacity: u32) -> u32 {
+    guarded(0, || {
+        // SAFETY: a capture that `start` made and that was not stopped.
+        let Some(mut line) = (unsafe { capture.cast::<Capture>().as_ref() }).and_then(Capture::news) else {
+            return 0;
+        };
+        line.truncate(line.floor_char_boundary(capacity as usize));
+        // SAFETY: the caller's text, valid for `capacity` bytes, of which the line has no more.
+        unsafe { text.copy_from_nonoverlapping(line.as_ptr(), line.len()) };
+        line.len() as u32
+    })
+}
+
+unsafe extern "C" fn stop(capture: Handle) {
+    guarded((), || {
+        if !capture.is_null() {
+            // SAFETY: a box that `start` let go of; by the table's contract nobody uses it any more.
+            drop(unsafe { Box::from_raw(capture.cast_mut().cast::<Capture>()) });
+        }
+    });
+}
+
+fn guarded<R>(otherwise: R, call: impl FnOnce() -> R) -> R {
+    // Unwind safety: what is shared is atomic or behind a mutex.
+    catch_unwind(AssertUnwindSafe(call)).unwrap_or(otherwise)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        // SAFETY: the functions take null, and records that are valid.
+        unsafe {
+            let table = &*parafovea_audio_get_table();
+            assert!((table.start)(null()).is_null());
+            let record = SettingsRecord {
+                source: 7,
+                path: null(),
+                path_len: 0,
+                is_paper: 0,
+                window_s: 3.0,
+                interval_s: 0.1,
+                least_lufs: -35.0,
+                greatest_lufs: -10.0,
+            };
+            assert!((table.start)(&record).is_null());
+            assert!((table.start)(&SettingsRecord { source: SOURCE_FILE, ..record }).is_null());
+            assert_eq!((table.features)(null(), &mut FeaturesRecord::default()), 0);
+            assert_eq!((table.news)(null(), std::ptr::null_mut(), 0), 0);
+            (table.stop)(null());
+        }
+    }
+}

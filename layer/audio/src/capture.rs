@@ -1,0 +1,71 @@
+//! One capture: its threads, and what they found.
+
+use crate::settings::Settings;
+use crate::shared::Shared;
+use crate::{ears, sources};
+use parafovea_core::audio::AudioFeatures;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::thread::Builder;
+
+/// Listens from when it is made until it is dropped.
+pub struct Capture(Arc<Shared>);
+
+/// What is heard.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heard {
+    /// Counts sets of features, from 1.
+    pub serial: u64,
+    /// How long ago the last sample that counts was heard, nanoseconds.
+    pub age_ns: u64,
+    /// What it was.
+    pub features: AudioFeatures,
+    /// How much of the last seconds was heard as it was played, 0..=1.
+    pub confidence: f32,
+}
+
+impl Capture {
+    /// Begins to listen. Threads of a capture never keep a process from ending, and end when it is dropped, soon but not
+    /// at once: who drops it does not wait.
+    ///
+    /// # Errors
+    /// No thread can be made.
+    pub fn start(settings: Settings) -> io::Result<Self> {
+        let capture = Self(Arc::new(Shared::new(settings)));
+        capture.spawn("parafovea-sound", sources::run)?;
+        capture.spawn("parafovea-ears", ears::run)?;
+        Ok(capture)
+    }
+
+    /// The newest features; nothing before the first. Neither waits nor allocates.
+    pub fn heard(&self) -> Option<Heard> {
+        let set = self.0.published.newest()?;
+        let age_ns = self.0.now_ns().saturating_sub(set.heard_ns);
+        Some(Heard { serial: set.serial, age_ns, features: set.features, confidence: set.confidence })
+    }
+
+    /// The oldest line for the log that was not taken yet.
+    pub fn news(&self) -> Option<String> {
+        self.0.news.next()
+    }
+
+    fn spawn(&self, name: &str, run: fn(&Shared)) -> io::Result<()> {
+        let shared = self.0.clone();
+        let run = move || {
+            // Unwind safety: what is shared is atomic or behind a mutex. A panic is said below, by the hook of whoever
+            // has one; sound then is no more, and ages out of the plans.
+            if catch_unwind(AssertUnwindSafe(|| run(&shared))).is_err() {
+                shared.news.say("hears nothing any more: internal error".to_owned());
+                shared.stop();
+            }
+        };
+        Builder::new().name(name.to_owned()).spawn(run).map(drop)
+    }
+}
+
+impl Drop for Capture {
+    fn drop(&mut self) {
+        self.0.stop();
+    }
+}

@@ -1,0 +1,50 @@
+//! What people should know, a line each, for the log of whoever listens.
+
+use std::collections::VecDeque;
+use std::sync::{Mutex, PoisonError};
+
+/// Most lines that wait; a log that nobody reads does not grow.
+const MOST: usize = 16;
+
+/// Lines in their order.
+#[derive(Debug, Default)]
+pub struct News(Mutex<Lines>);
+
+#[derive(Debug, Default)]
+struct Lines {
+    waiting: VecDeque<String>,
+    last: String,
+}
+
+impl News {
+    /// Adds a line, unless it says what the last one said.
+    pub fn say(&self, line: String) {
+        let mut lines = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if lines.last != line && lines.waiting.len() < MOST {
+            lines.last.clone_from(&line);
+            lines.waiting.push_back(line);
+        }
+    }
+
+    /// The oldest line that was not taken yet.
+    pub fn next(&self) -> Option<String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).waiting.pop_front()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_said_is_not_said_again() {
+        let news = News::default();
+        for line in ["deaf", "deaf", "listens", "deaf"] {
+            news.say(line.to_owned());
+        }
+        let lines: Vec<String> = std::iter::from_fn(|| news.next()).collect();
+        assert_eq!(lines, ["deaf", "listens", "deaf"]);
+        (0..100).for_each(|number| news.say(number.to_string()));
+        assert_eq!(std::iter::from_fn(|| news.next()).count(), MOST);
+    }
+}

@@ -1,0 +1,226 @@
+//! What the system plays, from a sound server that speaks PulseAudio's protocol: PulseAudio, or PipeWire with
+//! pipewire-pulse.
+//!
+//! A stream is recorded from the monitor of the default output, which is found by asking the server for that output. The
+//! server may not move it (`no_move`): when an output goes away, it moves recordings to the default *input*, which is a
+//! microphone. cpal's host for PulseAudio cannot forbid that, nor say whether the output is muted, and waits for the
+//! server without limit; hence the protocol itself, one thread, and nothing that waits longer than a moment.
+
+mod connection;
+mod output;
+mod place;
+
+pub use connection::Fault;
+
+use crate::ring::Writer;
+use crate::shared::Shared;
+use connection::{Connection, Event, Message};
+use output::Output;
+use pulseaudio::protocol::{
+    Command, CreateRecordStreamReply, GetSinkInfo, PulseError, ServerInfo, SinkInfo, SubscriptionMask,
+};
+use std::time::{Duration, Instant};
+
+/// A server that does not answer for so long is left, and tried anew.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Without an output to listen to, how often it is looked for one.
+const LOOK_EVERY: Duration = Duration::from_millis(250);
+
+/// Changes that come closer together, as while somebody moves a slider, are looked at together.
+const SETTLE: Duration = Duration::from_millis(20);
+
+/// Whether a server seems to be there.
+pub fn is_there() -> bool {
+    place::socket().is_some_and(|path| path.exists())
+}
+
+/// Listens until the capture ends.
+///
+/// # Errors
+/// There is no server, or it ended, or does not answer.
+pub fn listen(shared: &Shared) -> Result<(), Fault> {
+    let path = place::socket().ok_or(Fault::NoServer)?;
+    let mut connection = Connection::open(&path, place::cookie(), PATIENCE)?;
+    let mask = SubscriptionMask::SINK | SubscriptionMask::SERVER;
+    connection.send(&Command::Subscribe(mask))?;
+    let mut listener =
+        Listener { shared, connection, asked: None, is_stale: true, looked: Instant::now(), stream: None };
+    while !shared.is_stopped() {
+        listener.step()?;
+    }
+    Ok(())
+}
+
+/// A connection, and what is recorded over it.
+struct Listener<'a> {
+    shared: &'a Shared,
+    connection: Connection,
+    /// The question that the server has yet to answer; one at a time.
+    asked: Option<Asked>,
+    /// Something may be different from what was asked last.
+    is_stale: bool,
+    looked: Instant,
+    stream: Option<Stream>,
+}
+
+struct Asked {
+    sequence: u32,
+    question: Question,
+    since: Instant,
+}
+
+enum Question {
+    /// Which output is the default.
+    Server,
+    /// What that output is.
+    Output,
+    /// To record it.
+    Record(Output),
+}
+
+/// What is recorded.
+struct Stream {
+    channel: u32,
+    output: Output,
+    writer: Writer,
+}
+
+/// What a message means, apart from samples, which are written at once.
+enum News {
+    Server(ServerInfo),
+    Output(Box<SinkInfo>),
+    Recording(Output, Box<CreateRecordStreamReply>),
+    Refused(Question, PulseError),
+    Happened(Event),
+}
+
+impl Listener<'_> {
+    /// Takes one message, if there is one within a moment.
+    fn step(&mut self) -> Result<(), Fault> {
+        self.ask()?;
+        match self.receive()? {
+            None => Ok(()),
+            Some(News::Happened(Event::Changed)) => {
+                self.is_stale = true;
+                Ok(())
+            }
+            Some(News::Happened(Event::Ended(channel))) => {
+                self.is_stale = true;
+                match &self.stream {
+                    Some(stream) if stream.channel == channel => self.nothing_to_hear("the output is gone"),
+                    _ => Ok(()),
+                }
+            }
+            Some(News::Happened(Event::Moved)) => {
+                self.is_stale = true;
+                self.nothing_to_hear("the server listens to something else")
+            }
+            Some(News::Server(info)) => match info.default_sink_name {
+                Some(name) => {
+                    let question = GetSinkInfo { index: None, name: Some(name) };
+                    self.send(&Command::GetSinkInfo(question), Question::Output)
+                }
+                None => self.nothing_to_hear("the server has no output"),
+            },
+            Some(News::Output(info)) => self.listen_to(&info),
+            Some(News::Recording(output, reply)) => {
+                self.shared.news.say(format!("listens to {output}"));
+                let writer = self.shared.begin(output.format);
+                self.stream = Some(Stream { channel: reply.channel, output, writer });
+                Ok(())
+            }
+            // It went away between two questions: the next look tells.
+            Some(News::Refused(_, PulseError::NoEntity)) => self.nothing_to_hear("the output is gone"),
+            Some(News::Refused(question, error)) => {
+                let what = match question {
+                    Question::Server | Question::Output => "does not say what its output is",
+                    Question::Record(_) => "does not let its output be listened to",
+                };
+                self.nothing_to_hear(&format!("the server {what} ({error:?})"))
+            }
+        }
+    }
+
+    /// Asks what the output is, where that may have changed.
+    fn ask(&mut self) -> Result<(), Fault> {
+        match &self.asked {
+            Some(asked) if asked.since.elapsed() > PATIENCE => Err(Fault::Silent),
+            Some(_) => Ok(()),
+            None if self.is_time_to_look() => {
+                self.is_stale = false;
+                self.looked = Instant::now();
+                self.send(&Command::GetServerInfo, Question::Server)
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn is_time_to_look(&self) -> bool {
+        let since = self.looked.elapsed();
+        (self.is_stale && since > SETTLE) || (self.stream.is_none() && since > LOOK_EVERY)
+    }
+
+    fn send(&mut self, command: &Command, question: Question) -> Result<(), Fault> {
+        let sequence = self.connection.send(command)?;
+        self.asked = Some(Asked { sequence, question, since: Instant::now() });
+        Ok(())
+    }
+
+    /// The next message, if there is one within a moment. Samples are written.
+    fn receive(&mut self) -> Result<Option<News>, Fault> {
+        match self.connection.receive()? {
+            None => Ok(None),
+            Some(Message::Samples { channel, bytes }) => {
+                if let Some(stream) = self.stream.as_mut().filter(|stream| stream.channel == channel) {
+                    stream.writer.write_f32_le(bytes);
+                }
+                Ok(None)
+            }
+            Some(Message::Event(event)) => Ok(Some(News::Happened(event))),
+            Some(Message::Reply { sequence, body }) => {
+                let Some(asked) = self.asked.take_if(|asked| asked.sequence == sequence) else {
+                    return Ok(None);
+                };
+                Ok(Some(match asked.question {
+                    Question::Server => News::Server(body.read()?),
+                    Question::Output => News::Output(Box::new(body.read()?)),
+                    Question::Record(output) => News::Recording(output, Box::new(body.read()?)),
+                }))
+            }
+            Some(Message::Refused { sequence, error }) => {
+                let asked = self.asked.take_if(|asked| asked.sequence == sequence);
+                Ok(asked.map(|asked| News::Refused(asked.question, error)))
+            }
+        }
+    }
+
+    /// Records the monitor of this output, if that is not what is recorded already.
+    fn listen_to(&mut self, info: &SinkInfo) -> Result<(), Fault> {
+        let Some(output) = Output::of(info) else {
+            return self.nothing_to_hear("the output has no monitor");
+        };
+        self.shared.set_muted(output::is_muted(info));
+        if self.stream.as_ref().is_some_and(|stream| stream.output == output) {
+            return Ok(());
+        }
+        self.leave()?;
+        let command = output.record();
+        self.send(&command, Question::Record(output))
+    }
+
+    fn nothing_to_hear(&mut self, why: &str) -> Result<(), Fault> {
+        self.leave()?;
+        self.shared.news.say(format!("hears nothing: {why}"));
+        Ok(())
+    }
+
+    /// Ends what is recorded. Whatever still comes of it is not heard.
+    fn leave(&mut self) -> Result<(), Fault> {
+        if let Some(stream) = self.stream.take() {
+            // The server may know it no more; its answer is of no interest.
+            self.connection.send(&Command::DeleteRecordStream(stream.channel))?;
+        }
+        Ok(())
+    }
+}

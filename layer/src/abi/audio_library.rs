@@ -1,0 +1,112 @@
+//! The library that listens, beside this one: loaded when sound is asked for, never unloaded.
+
+use super::own_folder::own_folder;
+use parafovea_audio_link::{
+    CaptureTable, FeaturesRecord, GET_TABLE_NAME, GetTable, Handle, LIBRARY_NAME, SettingsRecord,
+    TABLE_VERSION,
+};
+use std::ffi::{CStr, CString};
+use std::os::unix::ffi::OsStrExt;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why there is no sound.
+#[derive(Debug, Error)]
+pub enum NotLoaded {
+    /// It is not known where this library is.
+    #[error("the folder of this library is not known")]
+    NoFolder,
+    /// The system does not load it.
+    #[error("{LIBRARY_NAME} is not loaded: {0}")]
+    Refused(String),
+    /// It is another library.
+    #[error("{} is not the library that listens", .0.display())]
+    Foreign(PathBuf),
+    /// It comes from another version of this library.
+    #[error("{LIBRARY_NAME} speaks version {0}, this library {TABLE_VERSION}")]
+    OtherVersion(u32),
+    /// It cannot listen.
+    #[error("{LIBRARY_NAME} cannot begin to listen")]
+    NotStarted,
+}
+
+/// The longest line of its news, bytes.
+const LONGEST_LINE: usize = 1024;
+
+/// A capture in the library that listens; ends when it is dropped.
+pub struct Capture {
+    table: CaptureTable,
+    handle: Handle,
+}
+
+// SAFETY: by the table's contract all its functions may be called from any thread.
+unsafe impl Send for Capture {}
+// SAFETY: as above; each function takes care of what threads share.
+unsafe impl Sync for Capture {}
+
+impl Capture {
+    /// Loads the library, if it is not there yet, and begins to listen to what the system plays, or to `file`. `record` has
+    /// the other settings; its path is set here.
+    ///
+    /// # Errors
+    /// There is no such library beside this one, or it cannot listen.
+    pub fn start(record: &SettingsRecord, file: Option<&Path>) -> Result<Self, NotLoaded> {
+        let path = own_folder().ok_or(NotLoaded::NoFolder)?.join(LIBRARY_NAME);
+        let table = load(&path)?;
+        let file = file.map_or(&b""[..], |file| file.as_os_str().as_bytes());
+        let record = SettingsRecord { path: file.as_ptr(), path_len: file.len() as u32, ..*record };
+        // SAFETY: the record's path is valid during the call, and copied by it.
+        let handle = unsafe { (table.start)(&record) };
+        if handle.is_null() { Err(NotLoaded::NotStarted) } else { Ok(Self { table, handle }) }
+    }
+
+    /// The newest features, if there are any. Neither waits nor allocates.
+    pub fn features(&self) -> Option<FeaturesRecord> {
+        let mut record = FeaturesRecord::default();
+        // SAFETY: a live capture, and a record to write to.
+        let is_there = unsafe { (self.table.features)(self.handle, &mut record) };
+        (is_there == 1).then_some(record)
+    }
+
+    /// The oldest line for the log that was not taken yet.
+    pub fn news(&self) -> Option<String> {
+        let mut text = [0; LONGEST_LINE];
+        // SAFETY: a live capture, and room for as many bytes as it says.
+        let length = unsafe { (self.table.news)(self.handle, text.as_mut_ptr(), text.len() as u32) };
+        let line = text.get(..length as usize).filter(|line| !line.is_empty())?;
+        Some(String::from_utf8_lossy(line).into_owned())
+    }
+}
+
+impl Drop for Capture {
+    fn drop(&mut self) {
+        // SAFETY: a live capture, not used after this.
+        unsafe { (self.table.stop)(self.handle) };
+    }
+}
+
+/// The table of the library at `path`.
+fn load(path: &Path) -> Result<CaptureTable, NotLoaded> {
+    let name =
+        CString::new(path.as_os_str().as_bytes()).map_err(|error| NotLoaded::Refused(error.to_string()))?;
+    // SAFETY: a library of ours, whose initialisers do nothing that depends on the caller; the answers are checked, the
+    // symbol has the type that the link gives it, and the reference is kept.
+    unsafe {
+        let library = libc::dlopen(name.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL | libc::RTLD_NODELETE);
+        if library.is_null() {
+            let reason = libc::dlerror();
+            let reason = if reason.is_null() { c"no reason is given" } else { CStr::from_ptr(reason) };
+            return Err(NotLoaded::Refused(reason.to_string_lossy().into_owned()));
+        }
+        let get_table = libc::dlsym(library, GET_TABLE_NAME.as_ptr());
+        let get_table = std::mem::transmute::<*mut libc::c_void, Option<GetTable>>(get_table)
+            .ok_or_else(|| NotLoaded::Foreign(path.to_owned()))?;
+        let table = get_table();
+        // The version comes first in every version of the table.
+        let version = (&raw const (*table).version).read();
+        if version != TABLE_VERSION || (*table).size as usize != size_of::<CaptureTable>() {
+            return Err(NotLoaded::OtherVersion(version));
+        }
+        Ok(*table)
+    }
+}

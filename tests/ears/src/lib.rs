@@ -1,0 +1,10 @@
+//! Sounds of known loudness ([`signals`]), played ([`player`]) into a real sound server without any sound card
+//! ([`server`], [`pipewire`]), and what the plans of an application make of them ([`heard`], [`stage`]).
+
+pub mod heard;
+pub mod measure;
+pub mod pipewire;
+pub mod player;
+pub mod server;
+pub mod signals;
+pub mod stage;

@@ -1,0 +1,102 @@
+//! A program that plays: all the time, silence where nothing else is asked for.
+
+use crate::signals::CHANNELS;
+use anyhow::Result;
+use pulseaudio::protocol::stream::{BufferAttr, StreamFlags};
+use pulseaudio::protocol::{ChannelMap, PlaybackStreamParams, SampleFormat, SampleSpec};
+use pulseaudio::{AsPlaybackSource, Client, PlaybackStream};
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::SystemTime;
+
+/// How much is with the server before it is heard, milliseconds: so much that a busy machine leaves no gaps.
+pub const BUFFER_MS: u32 = 150;
+
+/// The same where it matters how late sound is.
+pub const SHORT_BUFFER_MS: u32 = 20;
+
+/// Length of what the server would know us by, if it did not let everybody in.
+const COOKIE_BYTES: usize = 256;
+
+/// Plays to the default output until it is dropped.
+pub struct Player {
+    playing: Arc<Mutex<Playing>>,
+    _client: Client,
+    _stream: PlaybackStream,
+}
+
+#[derive(Default)]
+struct Playing {
+    samples: Vec<f32>,
+    position: usize,
+    is_repeated: bool,
+    /// When the first sample went to the server.
+    began: Option<SystemTime>,
+}
+
+impl Player {
+    /// Begins to play silence to the server with this socket, of which it gets so much ahead.
+    ///
+    /// # Errors
+    /// The server refuses.
+    pub fn new(socket: &Path, sample_rate_hz: u32, buffer_ms: u32) -> Result<Self> {
+        let socket = UnixStream::connect(socket)?;
+        let client = Client::new_unix(c"player", socket, Some([0; COOKIE_BYTES]))?;
+        let playing = Arc::new(Mutex::new(Playing::default()));
+        let theirs = playing.clone();
+        let source =
+            move |bytes: &mut [u8]| theirs.lock().unwrap_or_else(PoisonError::into_inner).fill(bytes);
+        let length = sample_rate_hz * buffer_ms / 1000 * CHANNELS * size_of::<f32>() as u32;
+        let params = PlaybackStreamParams {
+            sample_spec: SampleSpec {
+                format: SampleFormat::Float32Le,
+                channels: CHANNELS as u8,
+                sample_rate: sample_rate_hz,
+            },
+            channel_map: ChannelMap::stereo(),
+            buffer_attr: BufferAttr { target_length: length, ..BufferAttr::default() },
+            flags: StreamFlags { adjust_latency: true, ..StreamFlags::default() },
+            ..PlaybackStreamParams::default()
+        };
+        let stream = client.create_playback_stream(params, source.as_playback_source());
+        let stream = pollster::block_on(stream)?;
+        Ok(Self { playing, _client: client, _stream: stream })
+    }
+
+    /// Plays samples once, or over and over; from now on.
+    pub fn play(&self, samples: Vec<f32>, is_repeated: bool) {
+        *self.playing() = Playing { samples, position: 0, is_repeated, began: None };
+    }
+
+    /// Plays silence.
+    pub fn pause(&self) {
+        *self.playing() = Playing::default();
+    }
+
+    /// When the first sample of what is played went to the server: at most the length of the buffer before it is heard.
+    pub fn began(&self) -> Option<SystemTime> {
+        self.playing().began
+    }
+
+    fn playing(&self) -> std::sync::MutexGuard<'_, Playing> {
+        self.playing.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Playing {
+    fn fill(&mut self, bytes: &mut [u8]) -> usize {
+        if !self.samples.is_empty() {
+            self.began.get_or_insert_with(SystemTime::now);
+        }
+        for bytes in bytes.chunks_exact_mut(size_of::<f32>()) {
+            if self.is_repeated && self.position == self.samples.len() {
+                self.position = 0;
+            }
+            let sample = self.samples.get(self.position).copied();
+            self.position += usize::from(sample.is_some());
+            bytes.copy_from_slice(&sample.unwrap_or(0.0).to_le_bytes());
+        }
+        bytes.len()
+    }
+}

@@ -1,0 +1,94 @@
+//! Sounds of known loudness, played into the server: the features that plans of hello_xr take are those of the samples.
+
+use parafovea_core::audio::{AudioSettings, Mode};
+use parafovea_ears::heard::Line;
+use parafovea_ears::signals::{CHANNELS, Kind, features, sound};
+use parafovea_ears::stage::{SAMPLE_RATE_HZ, Stage};
+use std::time::Duration;
+
+/// Loudness, LUFS: the range of paper A's study.
+const LEVELS: [f32; 3] = [-35.0, -22.0, -10.0];
+
+/// After how long a sound repeats itself, seconds: T_a is three times that.
+const PERIOD_S: f64 = 1.0;
+
+/// When features are compared, seconds after the first sample went to the server.
+const COMPARED: std::ops::Range<f64> = 3.35..3.75;
+
+/// In what steps the sample with which the application began to count is looked for, frames: 2 ms.
+const STEP: usize = SAMPLE_RATE_HZ as usize / 500;
+
+/// Frames between two sets of features.
+const HOP: usize = SAMPLE_RATE_HZ as usize / 10;
+
+/// Loudness in LUFS and pitch in kilo-mel.
+type Set = [f32; 2];
+
+/// The features of a sound, once it is all that was heard in T_a, in their order.
+fn heard(stage: &Stage, samples: Vec<f32>) -> Vec<Set> {
+    stage.player.play(samples, true);
+    let began = loop {
+        std::thread::sleep(Duration::from_millis(10));
+        match stage.player.began() {
+            Some(began) if began.elapsed().is_ok_and(|since| since.as_secs_f64() > COMPARED.end) => {
+                break began;
+            }
+            _ => {}
+        }
+    };
+    let is_compared = |line: &Line| COMPARED.contains(&line.seconds_after(began));
+    let set = |line: &Line| Some([line.loudness_lufs?, line.gamma_fq_kilomel?]);
+    stage.heard().iter().filter(|line| is_compared(line)).filter_map(set).collect()
+}
+
+/// How far the sets are from those of the samples at most, LU and share, where both began with the same sample: the power
+/// spectra of noise depend on where their frames begin.
+fn differences(heard: &[Set], samples: &[f32]) -> Set {
+    let settings = AudioSettings { mode: Mode::Paper, ..AudioSettings::default() };
+    let repeated = samples.repeat(6);
+    let mut least = [f32::INFINITY; 2];
+    for first in (0..HOP).step_by(STEP) {
+        let offline = features(&repeated[first * CHANNELS as usize..], SAMPLE_RATE_HZ, &settings);
+        for expected in offline[30..].windows(heard.len()) {
+            let mut most = [0f32; 2];
+            for ([lufs, kilomel], expected) in heard.iter().zip(expected) {
+                most[0] = most[0].max((lufs - expected.loudness_lufs).abs());
+                most[1] = most[1].max((kilomel / expected.gamma_fq_kilomel - 1.0).abs());
+            }
+            if most[1] < least[1] {
+                least = most;
+            }
+        }
+    }
+    least
+}
+
+#[test]
+fn what_is_heard_is_what_was_played() {
+    // Of all of T_a: what the default mode has of the last 400 ms of noise depends even more on which 400 ms those are.
+    let stage = Stage::new("mode = \"paper\"").unwrap();
+    let mut failures = Vec::new();
+    for kind in Kind::ALL {
+        for level in LEVELS {
+            let samples = sound(kind, level, SAMPLE_RATE_HZ, PERIOD_S);
+            let heard = heard(&stage, samples.clone());
+            let [lufs, share] = differences(&heard, &samples);
+            let text = format!(
+                "{kind:?} at {level} LUFS: {heard:.4?}, at most {lufs:.3} LU and {:.3} % beside the samples'",
+                100.0 * share
+            );
+            println!("{text}");
+            let is_as_loud = heard.iter().all(|[lufs, _]| (lufs - level).abs() <= 0.5);
+            if heard.len() < 2 || !is_as_loud || lufs > 0.5 || share > 0.01 {
+                failures.push(text);
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
+    let log = stage.finish().unwrap().log;
+    let lines: Vec<&str> = log.lines().filter(|line| line.contains("sound: ")).collect();
+    assert!(
+        lines[0].contains("listens to what is played on") && lines[0].contains("out.monitor"),
+        "{lines:#?}"
+    );
+}
