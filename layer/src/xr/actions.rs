@@ -172,7 +172,8 @@ pub unsafe extern "system" fn attach(
     )
 }
 
-/// `xrSyncActions`: with ours. If that fails, as for [`attach`].
+/// `xrSyncActions`: with ours. If that fails before it has ever succeeded, as for [`attach`]; later it is the application's
+/// mistake, which the runtime is to see once.
 pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::ActionsSyncInfo) -> xr::Result {
     let known = session::find(handle);
     let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
@@ -206,8 +207,9 @@ pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::Actions
                 ..*asked
             };
             let result = below(&merged);
-            if result.into_raw() >= 0 {
+            if result.into_raw() >= 0 || known.actions.has_synchronised_ours() {
                 answer.record(result);
+                known.actions.synchronised_ours(result);
                 if result == xr::Result::SUCCESS {
                     known.actions.profiles.application_synchronised(known);
                 }

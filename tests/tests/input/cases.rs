@@ -187,6 +187,16 @@ variants! {
         is_followed: false,
         scenario: |scenario| scenario.gaze = vec![Gaze { tracked: false, ..scenario.gaze[0] }],
     },
+    the_eyes_are_lost_for_long: "attaches_after_a_loading_screen" {
+        scenario: |scenario| {
+            let at = |t, tracked| Gaze { t, tracked, ..scenario.gaze[0] };
+            scenario.gaze = vec![at(0.0, true), at(1.48, false), at(1.5, true)];
+        },
+    },
+    the_gaze_is_outside_of_the_views: "attaches_early" {
+        scenario: |scenario| scenario.gaze = vec![Gaze { yaw_deg: 62.0, ..scenario.gaze[0] }],
+        log: "a gaze that is not believed: gaze is outside",
+    },
     the_gaze_comes_out_of_the_back_of_the_head: "attaches_early" {
         scenario: |scenario| scenario.tracker.backwards = true,
         log: "a gaze that is not believed: gaze points backwards",

@@ -35,6 +35,8 @@ struct State {
     shown_ns: i64,
     /// Whether the application has synchronised its actions.
     is_synchronised: bool,
+    /// Whether the application's synchronisation has succeeded with ours in it.
+    has_ours_worked: bool,
     /// Frames since the application attached its action sets without synchronising them.
     waited_frames: u32,
 }
@@ -130,6 +132,16 @@ impl SessionActions {
     /// The application is about to synchronise its actions.
     pub fn application_synchronises(&self) {
         self.state().is_synchronised = true;
+    }
+
+    /// Whether a synchronisation of the application's has succeeded with ours in it.
+    pub fn has_synchronised_ours(&self) -> bool {
+        self.state().has_ours_worked
+    }
+
+    /// The application's synchronisation was made with ours in it.
+    pub fn synchronised_ours(&self, result: xr::Result) {
+        self.state().has_ours_worked |= result.into_raw() >= 0;
     }
 
     /// Does without eye gaze from now on.
