@@ -57,6 +57,8 @@ pub struct Timer {
     /// Passes that were timed since it began.
     passes: u32,
     is_open: bool,
+    /// Whether it may run twice at once, and would write the same timestamps from both.
+    may_overlap: bool,
 }
 
 impl Timing {
@@ -168,18 +170,24 @@ impl Timer {
         (self.passes, self.is_open) = (0, false);
     }
 
+    /// It is recorded with these flags.
+    pub fn recorded_with(&mut self, flags: vk::CommandBufferUsageFlags) {
+        self.may_overlap = flags.contains(vk::CommandBufferUsageFlags::SIMULTANEOUS_USE);
+    }
+
     /// Whether a pass is being timed.
     pub fn is_open(&self) -> bool {
         self.is_open
     }
 
-    /// A pass that is to be timed begins; beyond [`MOST_PASSES`], and on queues without timestamps, none is.
+    /// A pass that is to be timed begins; none is beyond [`MOST_PASSES`], on queues without
+    /// timestamps, and where the command buffer may run twice at once.
     ///
     /// # Safety
     ///
     /// The command buffer is this one, of the device of `armed`; it is recording, outside of a render pass.
     pub unsafe fn begin(&mut self, armed: &Armed, commands: vk::CommandBuffer) {
-        if self.mask == 0 || self.passes == MOST_PASSES {
+        if self.mask == 0 || self.passes == MOST_PASSES || self.may_overlap {
             return;
         }
         if self.queries.is_none() {

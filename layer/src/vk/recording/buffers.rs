@@ -152,7 +152,9 @@ pub unsafe extern "system" fn begin(
             };
             let result = answer.record(next(handle, info));
             if let Some(known) = known {
-                known.recorded().clear();
+                let mut recorded = known.recorded();
+                recorded.clear();
+                recorded.timer.recorded_with((*info).flags);
             }
             result
         },
