@@ -132,3 +132,94 @@ fn for_hops(reader: &mut Reader, hop: &mut Hop, mut take: impl FnMut(&Hop, &[f32
         }
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ring::{Format, Writer};
+    use crate::settings::Settings;
+    use std::f32::consts::TAU;
+
+    const FORMAT: Format = Format { sample_rate_hz: 8_000, channels: 1 };
+
+    /// Samples of a hop.
+    const HOP: usize = 800;
+
+    /// A stream that nothing was heard of yet, and the end where its samples come from.
+    fn stream(settings: Settings) -> (Shared, Stream, Writer) {
+        let shared = Shared::new(settings);
+        let writer = shared.begin(FORMAT);
+        let stream = Stream::new(shared.take_begun().unwrap(), &shared).unwrap();
+        (shared, stream, writer)
+    }
+
+    fn tone(samples: usize) -> impl ExactSizeIterator<Item = f32> {
+        (0..samples).map(|n| 0.5 * (TAU * 1000.0 * n as f32 / FORMAT.sample_rate_hz as f32).sin())
+    }
+
+    /// Hears so many hops of a tone.
+    fn hear(hops: usize, shared: &Shared, stream: &mut Stream, writer: &mut Writer, serial: &mut u64) -> Set {
+        for _ in 0..hops {
+            writer.write(tone(HOP));
+            stream.hear(shared, serial);
+        }
+        shared.published.newest().unwrap()
+    }
+
+    #[test]
+    fn sets_come_as_often_as_asked_for() {
+        for (interval_s, sets) in [(0.1, 30), (0.3, 10), (1.0, 3), (0.0, 30), (9.0, 3)] {
+            let (shared, mut stream, mut writer) = stream(Settings { interval_s, ..Settings::default() });
+            let mut serial = 0;
+            let newest = hear(30, &shared, &mut stream, &mut writer, &mut serial);
+            assert_eq!((serial, newest.serial), (sets, sets), "{interval_s}");
+            assert!(!newest.features.silent && (newest.confidence - 1.0).abs() < 1e-6, "{newest:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_lost_or_no_number_lowers_the_confidence() {
+        let (shared, mut stream, mut writer) = stream(Settings::default());
+        let mut serial = 0;
+        hear(30, &shared, &mut stream, &mut writer, &mut serial);
+        // Half a second fits into the ring: a quarter of a second is lost.
+        writer.write(tone(6_000));
+        stream.hear(&shared, &mut serial);
+        let lost = hear(1, &shared, &mut stream, &mut writer, &mut serial).confidence;
+        assert!(lost < 1.0, "{lost}");
+
+        hear(30, &shared, &mut stream, &mut writer, &mut serial);
+        for _ in 0..2 {
+            writer.write([f32::NAN; HOP].into_iter());
+            stream.hear(&shared, &mut serial);
+        }
+        assert_eq!(shared.published.newest().unwrap().confidence, 0.0);
+    }
+
+    #[test]
+    fn a_muted_output_is_silence_and_forgotten() {
+        let (shared, mut stream, mut writer) = stream(Settings::default());
+        let mut serial = 0;
+        hear(30, &shared, &mut stream, &mut writer, &mut serial);
+        shared.set_muted(true);
+        let muted = hear(1, &shared, &mut stream, &mut writer, &mut serial);
+        assert_eq!((muted.features, muted.confidence), (AudioFeatures::SILENT, 1.0));
+        shared.set_muted(false);
+        let first = hear(1, &shared, &mut stream, &mut writer, &mut serial);
+        assert!(!first.features.silent && first.confidence < 0.1, "{first:?}");
+    }
+
+    #[test]
+    fn what_repeats_does_not_allocate() {
+        let (shared, mut stream, mut writer) = stream(Settings::default());
+        let mut serial = 0;
+        hear(31, &shared, &mut stream, &mut writer, &mut serial);
+        let bytes: Vec<u8> = tone(HOP).flat_map(f32::to_le_bytes).collect();
+        let callback = allocation_counter::measure(|| writer.write_f32_le(&bytes));
+        assert_eq!(callback.count_total, 0);
+        let hearing = allocation_counter::measure(|| stream.hear(&shared, &mut serial));
+        assert_eq!(hearing.count_total, 0);
+        let reading = allocation_counter::measure(|| _ = std::hint::black_box(shared.published.newest()));
+        assert_eq!(reading.count_total, 0);
+    }
+}

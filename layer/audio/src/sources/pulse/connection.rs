@@ -204,3 +204,55 @@ impl Connection {
         Ok(Some(message))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::net::UnixListener;
+
+    /// What a client makes of a server that answers with these bytes, and then ends if `it_ends`.
+    fn fault(answer: Vec<u8>, it_ends: bool) -> Fault {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("native");
+        let listener = UnixListener::bind(&path).unwrap();
+        let server = std::thread::spawn(move || {
+            let (mut socket, _) = listener.accept().unwrap();
+            socket.write_all(&answer).unwrap();
+            let mut nothing = [0; 1024];
+            // Until the client ends, or at once.
+            while !it_ends && socket.read(&mut nothing).is_ok_and(|count| count > 0) {}
+        });
+        let fault = Connection::open(&path, vec![0; 256], Duration::from_millis(300)).err().unwrap();
+        server.join().unwrap();
+        fault
+    }
+
+    fn message(length: u32, content: &[u8]) -> Vec<u8> {
+        let mut bytes = length.to_be_bytes().to_vec();
+        bytes.extend([0xff; 4]);
+        bytes.extend([0; 12]);
+        bytes.extend_from_slice(content);
+        bytes
+    }
+
+    #[test]
+    fn a_server_that_makes_no_sense_is_left() {
+        assert!(matches!(fault(vec![], true), Fault::Gone(_)));
+        assert!(matches!(fault(vec![], false), Fault::Silent));
+        // Longer than anything a server has to say.
+        assert!(matches!(fault(message(u32::MAX, &[]), false), Fault::NotUnderstood(_)));
+        // Commands that there are not; samples of a stream that there is not; a message that never ends.
+        assert!(matches!(fault(message(10, b"L\0\0\xff\xffL\0\0\0\x01"), false), Fault::Silent));
+        assert!(matches!(fault(message(4, b"\x00\x01\x02\x03"), false), Fault::Silent));
+        assert!(matches!(fault(message(100, b"L\0"), false), Fault::Silent));
+        // A refusal: error 1 to the first command.
+        let refused = message(15, b"L\0\0\0\0L\0\0\0\x01L\0\0\0\x01");
+        assert!(matches!(fault(refused, false), Fault::NotUnderstood(ProtocolError::ServerError(_))));
+    }
+
+    #[test]
+    fn where_there_is_no_server_there_is_none() {
+        let fault = Connection::open(Path::new("/nowhere/native"), Vec::new(), Duration::ZERO).err().unwrap();
+        assert!(fault.is_absence());
+    }
+}
