@@ -25,7 +25,10 @@ fn listen(shared: &Shared) {
         let why = match pulse::listen(shared) {
             Ok(()) => return,
             Err(error) if error.is_absence() => match loopback::listen(shared, pulse::is_there) {
-                Ok(()) => continue,
+                Ok(()) => {
+                    shared.sleep(AGAIN);
+                    continue;
+                }
                 Err(nor) => format!("{error}, and {nor}"),
             },
             Err(error) => error.to_string(),

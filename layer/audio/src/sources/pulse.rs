@@ -19,6 +19,7 @@ use output::Output;
 use pulseaudio::protocol::{
     Command, CreateRecordStreamReply, GetSinkInfo, PulseError, ServerInfo, SinkInfo, SubscriptionMask,
 };
+use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
 
 /// A server that does not answer for so long is left, and tried anew.
@@ -30,9 +31,9 @@ const LOOK_EVERY: Duration = Duration::from_millis(250);
 /// Changes that come closer together, as while somebody moves a slider, are looked at together.
 const SETTLE: Duration = Duration::from_millis(20);
 
-/// Whether a server seems to be there.
+/// Whether a server is there. (A socket may be left of one that is not.)
 pub fn is_there() -> bool {
-    place::socket().is_some_and(|path| path.exists())
+    place::socket().is_some_and(|path| UnixStream::connect(path).is_ok())
 }
 
 /// Listens until the capture ends.
