@@ -88,6 +88,7 @@ fn main() {
         ("rings", rings()),
     ] {
         let map = MaskMap::new(&vulkan.gpu, &fill, eligible, [SIDE; 2], 1).unwrap();
+        map.prepare(COLOR).unwrap();
         let mut staging = vec![0; map.staging_len()];
         let stage = median(|| map.stage(&[part], &image, &rates, &mut staging));
         let skipped =
@@ -107,8 +108,7 @@ fn main() {
             map.begin(commands, application.depth_part(), area, application.depth_layouts());
         });
         let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
-        let filling =
-            recorded(&|commands| map.end(commands, application.color_part(), COLOR, layout).unwrap());
+        let filling = recorded(&|commands| map.end(commands, application.color_part(), COLOR, layout));
         let each = if skipped > 0.0 { format!("{:.1}", filling * 1e6 / skipped) } else { String::new() };
         let shaded = 1.0 - skipped / f64::from(SIDE * SIDE);
         println!(

@@ -177,6 +177,38 @@ impl Gpu {
         result
     }
 
+    /// Whether every queue that can draw can compute.
+    pub(crate) fn computes_where_it_draws(&self) -> bool {
+        // SAFETY: the physical device is one of this live instance; this only fills structures.
+        let families =
+            unsafe { self.instance.get_physical_device_queue_family_properties(self.physical_device) };
+        let mut drawing =
+            families.iter().filter(|family| family.queue_flags.contains(vk::QueueFlags::GRAPHICS));
+        drawing.all(|family| family.queue_flags.contains(vk::QueueFlags::COMPUTE))
+    }
+
+    /// Whether the device takes an image as `info` says, its chain aside, but with that usage.
+    pub(crate) fn takes_image(&self, info: &vk::ImageCreateInfo<'_>, usage: vk::ImageUsageFlags) -> bool {
+        // SAFETY: the physical device is one of this live instance.
+        let limits = unsafe {
+            self.instance.get_physical_device_image_format_properties(
+                self.physical_device,
+                info.format,
+                info.image_type,
+                info.tiling,
+                usage,
+                info.flags,
+            )
+        };
+        limits.is_ok_and(|limits| {
+            limits.max_extent.width >= info.extent.width
+                && limits.max_extent.height >= info.extent.height
+                && limits.max_mip_levels >= info.mip_levels
+                && limits.max_array_layers >= info.array_layers
+                && limits.sample_counts.contains(info.samples)
+        })
+    }
+
     /// Whether images of this format can be sampled, drawn to and copied.
     pub(crate) fn can_compose(&self, format: vk::Format) -> bool {
         let needed = vk::FormatFeatureFlags::SAMPLED_IMAGE | vk::FormatFeatureFlags::COLOR_ATTACHMENT;

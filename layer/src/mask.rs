@@ -15,7 +15,7 @@ mod views;
 pub use eligibility::{
     ColorFacts, DepthFacts, Directions, Eligible, MaskFacts, PipelineFacts, Reason, depth_format, eligible,
 };
-pub use images::{Additions, additions};
+pub use images::added_usage;
 pub use map::MaskMap;
 pub use template::DepthTemplate;
 pub use views::lay_mask;

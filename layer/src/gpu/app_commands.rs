@@ -121,6 +121,33 @@ impl<'a> AppCommands<'a> {
         }
     }
 
+    /// Copies a part of an image, from its corner on, to as large a part of another of which texels have as many bits; they
+    /// are in TRANSFER_SRC_OPTIMAL and TRANSFER_DST_OPTIMAL.
+    pub(crate) fn copy_image(&self, from: ImagePart, to: ImagePart, extent: vk::Extent2D) {
+        let layers = |part: ImagePart| vk::ImageSubresourceLayers {
+            aspect_mask: part.aspects,
+            mip_level: part.level,
+            base_array_layer: part.first_layer,
+            layer_count: part.layers,
+        };
+        let region = vk::ImageCopy::default()
+            .src_subresource(layers(from))
+            .dst_subresource(layers(to))
+            .extent(extent.into());
+        let layouts = [vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL];
+        // SAFETY: the command buffer is being recorded outside of a render pass, and the images are live, as `new` demands.
+        unsafe {
+            self.gpu.device.cmd_copy_image(
+                self.commands,
+                from.image,
+                layouts[0],
+                to.image,
+                layouts[1],
+                &[region],
+            );
+        }
+    }
+
     /// Copies `size` bytes from a buffer, from an offset on, to the beginning of one; both are as long.
     pub(crate) fn copy_buffer(&self, (from, offset): (vk::Buffer, u64), to: vk::Buffer, size: u64) {
         let region = vk::BufferCopy { src_offset: offset, dst_offset: 0, size };

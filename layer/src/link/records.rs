@@ -46,8 +46,10 @@ pub struct SwapchainRecord {
     pub format: vk::Format,
     /// Samples of a pixel.
     pub samples: u32,
-    /// Usage of the images that the application has.
+    /// Usage of the images that the application asked for.
     pub usage: vk::ImageUsageFlags,
+    /// Usage that they have, which may be more.
+    pub granted: vk::ImageUsageFlags,
 }
 
 /// The newest plan.

@@ -36,6 +36,8 @@ pub struct DepthFacts {
     pub is_loaded_later: bool,
     /// Whether it is one of an XR swapchain's images.
     pub is_submitted: bool,
+    /// Whether it has been made to be copied to.
+    pub is_writable: bool,
 }
 
 /// A colour attachment of a pass, or what one is resolved to.
@@ -82,6 +84,19 @@ pub struct PipelineFacts {
     pub directions: Directions,
 }
 
+impl PipelineFacts {
+    /// Of what cannot be looked into.
+    pub const UNKNOWN: Self =
+        Self { have_side_effects: true, directions: Directions { less: false, greater: false } };
+
+    /// One more is used.
+    pub fn see(&mut self, other: Self) {
+        self.have_side_effects |= other.have_side_effects;
+        self.directions.less |= other.directions.less;
+        self.directions.greater |= other.directions.greater;
+    }
+}
+
 /// What a mask needs to know of a pass that can have one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eligible {
@@ -94,6 +109,26 @@ pub struct Eligible {
 /// Why a pass is left alone. `Display` completes "no mask: ...".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reason {
+    /// Rates are off, or this frame is one without.
+    Off,
+    /// No earlier frame has shown that it is the scene, and what it does.
+    New,
+    /// One of its images is not known.
+    Unknown,
+    /// It is recorded in a secondary command buffer.
+    Secondary,
+    /// What is bound for compute could not be restored after the fill.
+    ComputeState,
+    /// No render pass that loads depth could be made of its own.
+    RenderPass,
+    /// Depth and stencil are in different layouts.
+    Layouts,
+    /// Its render area cannot be copied to.
+    Area,
+    /// Its depth is not cleared as in the frames before.
+    Changes,
+    /// What it needs could not be made on the device.
+    Failed,
     /// There is no depth attachment: nothing that could keep fragments out.
     NoDepth,
     /// What earlier passes left there is needed.
@@ -130,8 +165,10 @@ pub enum Reason {
     ColorFormat(vk::Format),
     /// A picture with several samples is stored itself.
     ColorSamples(vk::SampleCountFlags),
-    /// The image does not allow to write it in a shader.
+    /// The image does not allow to be copied.
     NotFillable,
+    /// The depth image does not allow to be copied to.
+    NotWritable,
     /// The nearest depth is uncertain.
     Near(NoNearValue),
 }
@@ -139,6 +176,16 @@ pub enum Reason {
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::Off => "rates are off",
+            Self::New => "no earlier frame tells of it",
+            Self::Unknown => "an image that is not known",
+            Self::Secondary => "recorded in a secondary command buffer",
+            Self::ComputeState => "what is bound for compute could not be restored",
+            Self::RenderPass => "its render pass cannot be changed",
+            Self::Layouts => "depth and stencil in different layouts",
+            Self::Area => "a render area that cannot be copied to",
+            Self::Changes => "depth is not cleared as before",
+            Self::Failed => "something could not be made on the device",
             Self::NoDepth => "no depth attachment",
             Self::DepthLoaded => "depth is loaded, not cleared",
             Self::DepthFormat(format) => return write!(f, "depth of the format {format:?}"),
@@ -159,7 +206,8 @@ impl fmt::Display for Reason {
             Self::ColorSamples(samples) => {
                 return write!(f, "colour with several samples ({samples:?}) is stored");
             }
-            Self::NotFillable => "a colour image that cannot be written in a shader",
+            Self::NotFillable => "a colour image that cannot be copied",
+            Self::NotWritable => "a depth image that cannot be copied to",
             Self::Near(reason) => return reason.fmt(f),
         })
     }
@@ -221,6 +269,7 @@ fn of_depth(depth: &DepthFacts, pass: &PassFacts) -> Result<DepthFormat, Reason>
         (is_read, Reason::DepthRead),
         (pass.stores_depth && depth.is_loaded_later, Reason::DepthLoadedLater),
         (depth.stores_stencil, Reason::StencilStored),
+        (!depth.is_writable, Reason::NotWritable),
     ])?;
     depth_format(depth.format).ok_or(Reason::DepthFormat(depth.format))
 }

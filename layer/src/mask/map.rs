@@ -2,23 +2,26 @@
 
 use super::{DepthTemplate, Eligible, lay_mask};
 use crate::gpu::{AppCommands, Gpu, GpuError, ImagePart};
-use crate::passes::fill::{Fill, FillTarget, SkipBuffer};
+use crate::passes::fill::{Fill, FillTarget, SkipBuffer, fill_format};
 use crate::scene::Part;
 use crate::scene::lay::RateImage;
 use ash::vk;
 use parafovea_core::mask::{BLOCK, Mask};
-use std::sync::{Arc, Mutex, PoisonError};
+use smallvec::SmallVec;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The mask of passes that draw to one target with depth of one kind: its content may change between two submits, by
 /// [`MaskMap::stage`] and [`MaskMap::upload`], and everything is shaded until it first does.
 pub struct MaskMap {
     // Before `list`, which its sets name.
-    targets: Mutex<Vec<(vk::Image, Arc<FillTarget>)>>,
+    targets: Mutex<SmallVec<[Arc<FillTarget>; 2]>>,
     list: SkipBuffer,
     template: DepthTemplate,
     fill: Arc<Fill>,
     mask: Mutex<Mask>,
     eligible: Eligible,
+    extent: [u32; 2],
+    layers: u32,
 }
 
 impl MaskMap {
@@ -44,6 +47,8 @@ impl MaskMap {
             fill: Arc::clone(fill),
             mask: Mutex::new(mask),
             eligible,
+            extent,
+            layers,
         })
     }
 
@@ -97,57 +102,33 @@ impl MaskMap {
         self.template.record(commands, depth, area, layouts);
     }
 
-    /// Records what comes after a pass: the fill of a colour image that it has stored, which is in `layout`. The image
-    /// lives until [`Self::forget`].
+    /// Records what comes after a pass: the fill of a colour image that it has stored, drawn to in `format`, which is in
+    /// `layout`; nothing before [`Self::prepare`] for the format.
+    pub fn end(&self, commands: &AppCommands, color: ImagePart, format: vk::Format, layout: vk::ImageLayout) {
+        if let Some(target) = self.target(format) {
+            self.fill.record(commands, &target, &self.list, color, layout);
+        }
+    }
+
+    /// Prepares the fill of pictures that are drawn to in `format`.
     ///
     /// # Errors
     /// As for [`Fill::target`].
-    pub fn end(
-        &self,
-        commands: &AppCommands,
-        color: ImagePart,
-        format: vk::Format,
-        layout: vk::ImageLayout,
-    ) -> Result<(), GpuError> {
-        let target = self.target(color, format)?;
-        self.fill.record(commands, &target, &self.list, layout);
+    pub fn prepare(&self, format: vk::Format) -> Result<(), GpuError> {
+        if self.target(format).is_none() {
+            // Made without the lock, which is not held across calls down: another thread may have been faster.
+            let target = Arc::new(self.fill.target(format, self.extent, self.layers, &self.list)?);
+            self.targets().push(target);
+        }
         Ok(())
     }
 
-    /// Prepares the fill of an image, so that [`Self::end`] cannot fail for it.
-    ///
-    /// # Errors
-    /// As for [`Fill::target`].
-    pub fn prepare(&self, color: ImagePart, format: vk::Format) -> Result<(), GpuError> {
-        self.target(color, format).map(drop)
+    fn target(&self, format: vk::Format) -> Option<Arc<FillTarget>> {
+        let (kind, _) = fill_format(format)?;
+        self.targets().iter().find(|target| target.format() == kind).map(Arc::clone)
     }
 
-    fn target(&self, color: ImagePart, format: vk::Format) -> Result<Arc<FillTarget>, GpuError> {
-        let known = |targets: &[(vk::Image, Arc<FillTarget>)]| {
-            let found = targets.iter().find(|(_, target)| target.part() == color);
-            found.map(|(_, target)| Arc::clone(target))
-        };
-        if let Some(target) = known(&self.targets()) {
-            return Ok(target);
-        }
-        // Made without the lock, which is not held across calls down: another thread may have been faster.
-        let layers = [color.first_layer, color.layers];
-        let target = Arc::new(self.fill.target(color.image, format, color.level, layers, &self.list)?);
-        let mut targets = self.targets();
-        Ok(known(&targets).unwrap_or_else(|| {
-            targets.push((color.image, Arc::clone(&target)));
-            target
-        }))
-    }
-
-    /// Forgets an image that is about to be destroyed: the GPU is done with it.
-    pub fn forget(&self, image: vk::Image) {
-        let mut targets = std::mem::take(&mut *self.targets());
-        targets.retain(|(of, _)| *of != image);
-        self.targets().append(&mut targets);
-    }
-
-    fn targets(&self) -> std::sync::MutexGuard<'_, Vec<(vk::Image, Arc<FillTarget>)>> {
+    fn targets(&self) -> MutexGuard<'_, SmallVec<[Arc<FillTarget>; 2]>> {
         self.targets.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

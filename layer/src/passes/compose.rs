@@ -8,7 +8,7 @@ mod draws;
 mod runtime_images;
 mod shape;
 
-pub use app_images::AppImages;
+pub use app_images::{APP_USAGE, AppImages};
 pub use parafovea_core::kernels::compose::ComposeParams;
 pub use runtime_images::{RUNTIME_USAGE, RuntimeImages};
 pub use shape::{SwapchainShape, stores_unit_range};

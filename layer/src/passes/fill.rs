@@ -1,26 +1,28 @@
-//! `fill`: the skipped blocks of a picture, in place, directly after the pass that drew it.
+//! `fill`: the skipped blocks of a picture, directly after the pass that drew it.
 //!
-//! The blocks come from a [`SkipBuffer`], which is the argument of the dispatch too: a list without blocks costs an
-//! empty dispatch. The image is seen through a view of its bits (`R32_UINT`), so that every format of 32 bits can be
-//! filled on every device, whatever it can store; half floats through their own format.
+//! The blocks come from a [`SkipBuffer`], which is the argument of the dispatch too. They are filled in a copy of ours,
+//! which goes back to the picture: the application's image needs nothing but to be copied, whatever its format can
+//! store. The copy holds the bits of a texel (`R32_UINT`), so that every format of 32 bits can be filled on every device;
+//! half floats are in their own format.
 
 pub use parafovea_core::kernels::fill::FillFormat;
 
-use crate::gpu::array_view;
 use crate::gpu::{
-    AppCommands, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, ImagePart, Owned, Scope,
+    AppCommands, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, ImageDescription, ImagePart, Owned,
+    OwnedImage, Scope, array_view,
 };
 use ash::vk;
 use parafovea_core::mask::SkipList;
 use std::ffi::CStr;
 use std::sync::Arc;
 
-/// What a picture to be filled must have been created with, besides what `view_format` needs: MUTABLE_FORMAT where
-/// that is another one, and EXTENDED_USAGE where its own format cannot be stored to.
-pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::STORAGE;
+/// What a picture to be filled must have been created with.
+pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::TRANSFER_SRC.as_raw() | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
+);
 
-/// How a picture of a format is filled, and the format of the view through which it is; nothing for formats that are not
-/// filled.
+/// How a picture that is drawn to in a format is filled, and the format of the copy in which it is; nothing for formats
+/// that are not filled.
 pub fn fill_format(format: vk::Format) -> Option<(FillFormat, vk::Format)> {
     let (kind, view) = match format {
         vk::Format::R8G8B8A8_UNORM | vk::Format::B8G8R8A8_UNORM | vk::Format::A8B8G8R8_UNORM_PACK32 => {
@@ -93,18 +95,26 @@ impl SkipBuffer {
     }
 }
 
-/// One mip level of an image, to be filled.
+/// The copy in which pictures of one size are filled, by one list.
 pub struct FillTarget {
+    // In the order in which each may be destroyed.
     set: ComputeSet,
     _view: Owned<vk::ImageView>,
+    copy: OwnedImage,
     format: FillFormat,
-    part: ImagePart,
+    extent: vk::Extent2D,
+    layers: u32,
 }
 
 impl FillTarget {
-    /// What is filled.
-    pub fn part(&self) -> ImagePart {
-        self.part
+    /// How it fills.
+    pub fn format(&self) -> FillFormat {
+        self.format
+    }
+
+    fn part(&self) -> ImagePart {
+        let aspects = vk::ImageAspectFlags::COLOR;
+        ImagePart { image: self.copy.handle(), aspects, level: 0, first_layer: 0, layers: self.layers }
     }
 }
 
@@ -120,46 +130,75 @@ impl Fill {
         Ok(Self { pipelines: [a?, b?, c?, d?, e?], layout, gpu: Arc::clone(gpu) })
     }
 
-    /// Prepares one mip level of a live image of `format`, from array layer `first_layer` on, to be filled by a list,
-    /// whose layer 0 is that one. The image and the list outlive the result.
+    /// Prepares to fill pictures of `extent` pixels and `layers` array layers, which are drawn to in `format`, by a list,
+    /// which outlives the result.
     ///
     /// # Errors
     /// [`GpuError::Unsupported`] for formats that cannot be filled; a failed call.
     pub fn target(
         &self,
-        image: vk::Image,
         format: vk::Format,
-        level: u32,
-        [first_layer, layers]: [u32; 2],
+        [width, height]: [u32; 2],
+        layers: u32,
         list: &SkipBuffer,
     ) -> Result<FillTarget, GpuError> {
-        let (kind, view_format) =
+        let (kind, stored) =
             fill_format(format).ok_or(GpuError::Unsupported("filling pictures of this format"))?;
+        let extent = vk::Extent2D { width, height };
+        let description = ImageDescription {
+            format: stored,
+            extent,
+            array_layers: layers,
+            usage: USAGE | vk::ImageUsageFlags::STORAGE,
+            view_formats: Some(&[stored]),
+        };
+        let copy = OwnedImage::new(&self.gpu, &description)?;
         let aspects = vk::ImageAspectFlags::COLOR;
-        let part = ImagePart { image, aspects, level, first_layer, layers };
-        let view = array_view(&self.gpu, part, view_format, vk::ImageUsageFlags::STORAGE)?;
+        let part = ImagePart { image: copy.handle(), aspects, level: 0, first_layer: 0, layers };
+        let view = array_view(&self.gpu, part, stored, vk::ImageUsageFlags::STORAGE)?;
         let set = ComputeSet::new(&self.layout, list.handle(), (entry(kind).1, view.handle()))?;
-        Ok(FillTarget { set, _view: view, format: kind, part })
+        Ok(FillTarget { set, _view: view, copy, format: kind, extent, layers })
     }
 
-    /// Records the fill of `target` by `list`, the one that it was made with. The picture was drawn by what was recorded before,
-    /// and is in `layout` before and after.
+    /// Records the fill of `picture`, whose first layer is the list's layer 0, through `target`, by `list`, the one that
+    /// `target` was made with. The picture was drawn by what was recorded before, and is in `layout` before and after.
     pub fn record(
         &self,
         commands: &AppCommands,
         target: &FillTarget,
         list: &SkipBuffer,
+        picture: ImagePart,
         layout: vk::ImageLayout,
     ) {
-        // What the application waits for is its own pass: the fill comes between that and all of its waiting.
-        commands.barrier(target.part, (layout, Scope::ALL), (vk::ImageLayout::GENERAL, FILLS));
+        use vk::ImageLayout as Layout;
+        let copy = target.part();
         let pipeline = &self.pipelines[target.format as usize];
+        // What the application waits for is its own pass: the fill comes between that and all of its waiting.
+        commands.barrier(picture, (layout, Scope::ALL), (Layout::TRANSFER_SRC_OPTIMAL, READS));
+        commands.barrier(copy, (Layout::UNDEFINED, READS), (Layout::TRANSFER_DST_OPTIMAL, WRITES));
+        commands.copy_image(picture, copy, target.extent);
+        commands.barrier(copy, (Layout::TRANSFER_DST_OPTIMAL, WRITES), (Layout::GENERAL, FILLS));
         commands.dispatch_indirect(&self.layout, pipeline, &target.set, &list.buffer);
-        commands.barrier(target.part, (vk::ImageLayout::GENERAL, FILLS), (layout, Scope::ALL));
+        commands.barrier(copy, (Layout::GENERAL, FILLS), (Layout::TRANSFER_SRC_OPTIMAL, READS));
+        commands.barrier(
+            picture,
+            (Layout::TRANSFER_SRC_OPTIMAL, READS),
+            (Layout::TRANSFER_DST_OPTIMAL, WRITES),
+        );
+        commands.copy_image(copy, picture, target.extent);
+        commands.barrier(picture, (Layout::TRANSFER_DST_OPTIMAL, WRITES), (layout, Scope::ALL));
     }
 }
 
-/// What the fill does with the picture.
+/// How copies read.
+const READS: Scope =
+    Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_READ };
+
+/// How copies write.
+const WRITES: Scope =
+    Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };
+
+/// What the fill does with the copy.
 const FILLS: Scope = Scope {
     stages: vk::PipelineStageFlags::COMPUTE_SHADER,
     access: vk::AccessFlags::from_raw(

@@ -1,6 +1,7 @@
 //! What submitted command buffers do to images, in submission order.
 
 use super::SwapchainKey;
+use crate::mask::Reason;
 use ash::vk;
 use smallvec::SmallVec;
 
@@ -65,6 +66,8 @@ pub struct Pass {
     pub view_mask: u32,
     /// What limits what may be done to it.
     pub facts: PassFacts,
+    /// Why it was recorded without a mask; nothing where it has one, or where the device masks nothing.
+    pub unmasked: Option<Reason>,
 }
 
 /// Facts of a pass that decide what a backend may do.

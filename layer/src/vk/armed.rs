@@ -4,6 +4,7 @@ use super::backend::Backend;
 use super::candidates::Candidates;
 use super::dispatch::ArmedTable;
 use super::frame::Frame;
+use super::masks::Masks;
 use super::objects::{Image, Objects};
 use super::rates::Rates;
 use super::submit::Prologues;
@@ -26,6 +27,8 @@ pub struct Armed {
     pub next: ArmedTable,
     /// Its rate attachments; nothing where there are none.
     pub rate_attachments: Option<Arc<Rates>>,
+    /// Its masks, where there are no rate attachments.
+    pub masks: Option<Arc<Masks>>,
     /// What makes passes coarser, if anything can.
     pub backend: Option<Box<dyn Backend>>,
     /// The rates that the backend offers.
@@ -44,9 +47,18 @@ pub struct Armed {
 }
 
 impl Armed {
-    /// For the device of that record.
-    pub fn new(record: DeviceRecord, next: ArmedTable, rate_attachments: Option<Arc<Rates>>) -> Self {
-        let backend = rate_attachments.clone().map(|rates| -> Box<dyn Backend> { Box::new(rates) });
+    /// For the device of that record, with one of the backends or none.
+    pub fn new(
+        record: DeviceRecord,
+        next: ArmedTable,
+        rate_attachments: Option<Arc<Rates>>,
+        masks: Option<Arc<Masks>>,
+    ) -> Self {
+        let backend: Option<Box<dyn Backend>> = match (&rate_attachments, &masks) {
+            (Some(rates), _) => Some(Box::new(Arc::clone(rates))),
+            (None, Some(masks)) => Some(Box::new(Arc::clone(masks))),
+            (None, None) => None,
+        };
         let offer = backend.as_ref().map_or(NO_OFFER, |backend| backend.offer());
         let count = (offer.rate_count as usize).min(offer.rates.len());
         let rates = offer.rates[..count].iter().filter_map(|&texel| ShadingRate::from_texel(texel));
@@ -55,6 +67,7 @@ impl Armed {
             next,
             rates: DeviceRates::new(rates),
             rate_attachments,
+            masks,
             backend,
             objects: Objects::default(),
             candidates: Candidates::default(),
@@ -114,6 +127,10 @@ impl Armed {
         if let Some(rates) = &self.rate_attachments {
             // SAFETY: the device is live until the call down, and the application does nothing on it any more.
             unsafe { rates.end() };
+        }
+        if let Some(masks) = &self.masks {
+            // SAFETY: as above.
+            unsafe { masks.end(self.next.destroy_render_pass, self.record.device) };
         }
     }
 }

@@ -1,9 +1,11 @@
 //! What makes passes coarser on a device: a backend, and what it keeps for each candidate.
 
 use super::armed::Armed;
+use super::masks::TargetMask;
 use super::objects::Image;
 use crate::link::OfferRecord;
-use crate::scene::Pass;
+use crate::scene::lay::RateImage;
+use crate::scene::{Part, Pass};
 use ash::vk;
 
 /// What makes passes coarser on a device.
@@ -22,23 +24,51 @@ pub trait RateMap: Send + Sync {
     /// How many texels it has.
     fn size(&self) -> MapSize;
 
-    /// How many bytes [`Self::stage`] writes.
+    /// How many bytes [`Self::stage`] writes; 0 where there is nothing yet that could read them.
     fn staging_len(&self) -> usize {
         self.size().len()
     }
 
-    /// Writes what is copied to the GPU, from the texels of all layers, row by row (`ShadingRate::texel`).
-    fn stage(&self, texels: &[u8], staging: &mut [u8]) {
+    /// Whether it has content, 1x1 all over, from its creation on; else it has to be uploaded before it is used.
+    fn has_content(&self) -> bool {
+        false
+    }
+
+    /// A pass that draws to its target is submitted, which `is_scene` or not.
+    fn noted(&self, _is_scene: bool) {}
+
+    /// The mask that it is, if it is one.
+    fn mask(&self) -> Option<&TargetMask> {
+        None
+    }
+
+    /// Writes what is copied to the GPU, from the texels of all layers, row by row (`ShadingRate::texel`), which were laid
+    /// into `image` for the pictures that `parts` say.
+    fn stage(&self, _parts: &[Part], _image: &RateImage, texels: &[u8], staging: &mut [u8]) {
         staging.copy_from_slice(texels);
     }
 
-    /// Records that the map gets what [`Self::stage`] wrote at `offset` of `staging`, a multiple of 16, with the
-    /// barriers against earlier and later passes on this queue. The first upload finds what the map was created as.
+    /// Records that the map gets what [`Self::stage`] wrote, with the barriers against earlier and later passes on this
+    /// queue. The first upload finds what the map was created as.
     ///
     /// # Safety
     ///
-    /// `commands` is being recorded, outside of a render pass, for a queue that draws; the buffer is live until it ran.
-    unsafe fn record_upload(&self, commands: vk::CommandBuffer, staging: vk::Buffer, offset: vk::DeviceSize);
+    /// The command buffer is being recorded, outside of a render pass, for a queue that draws; the buffer and the map live
+    /// until it ran.
+    unsafe fn record_upload(&self, upload: Upload);
+}
+
+/// Where a map is uploaded from.
+#[derive(Debug, Clone, Copy)]
+pub struct Upload {
+    /// What is recorded into.
+    pub commands: vk::CommandBuffer,
+    /// What [`RateMap::stage`] wrote to.
+    pub staging: vk::Buffer,
+    /// Where in it, a multiple of 16.
+    pub offset: vk::DeviceSize,
+    /// How many bytes it wrote.
+    pub len: usize,
 }
 
 /// Texels of a map.

@@ -28,6 +28,11 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    fn new(target: Target, map: Box<dyn RateMap>) -> Arc<Self> {
+        let content = if map.has_content() { Content::initialised() } else { Content::default() };
+        Arc::new(Self { target, map, content: Mutex::new(content) })
+    }
+
     /// What its map holds, or shall hold.
     pub fn content(&self) -> MutexGuard<'_, Content> {
         self.content.lock().unwrap_or_else(PoisonError::into_inner)
@@ -44,8 +49,7 @@ impl Candidates {
         }
         let image = armed.objects.image_of(target.image)?;
         let map = backend.map(armed, pass, &image)?;
-        let new = Arc::new(Candidate { target, map, content: Mutex::default() });
-        Some(self.live.get_or_insert(target, new))
+        Some(self.live.get_or_insert(target, Candidate::new(target, map)))
     }
 
     /// The candidate of a target whose map is at hand.
@@ -53,8 +57,7 @@ impl Candidates {
         if let Some(known) = self.live.get(target) {
             return known;
         }
-        let new = Arc::new(Candidate { target, map: Box::new(map), content: Mutex::default() });
-        self.live.get_or_insert(target, new)
+        self.live.get_or_insert(target, Candidate::new(target, Box::new(map)))
     }
 
     /// The candidate of a target, if passes drew to it before.

@@ -5,6 +5,7 @@ use super::chain::{self, NextDevice};
 use super::dispatch::{ArmedTable, DeviceTable};
 use super::dispatch_key::DispatchKey;
 use super::instance::{self, Instance};
+use super::masks::Masks;
 use super::rates::create::Enabled;
 use super::rates::{self, Copies, NoRates, Rates, room};
 use super::recording;
@@ -37,6 +38,11 @@ impl Device {
     /// Its rate attachments; nothing where there are none.
     pub fn rates(&self) -> Option<&Rates> {
         self.armed.as_ref()?.rate_attachments.as_deref()
+    }
+
+    /// Its masks; nothing where there are none.
+    pub fn masks(&self) -> Option<&Masks> {
+        self.armed.as_ref()?.masks.as_deref()
     }
 
     /// Whether an OpenXR session is bound to the device.
@@ -224,7 +230,14 @@ unsafe fn track(
                 set_device_loader_data,
             };
             let rates = enabled.and_then(|enabled| Rates::on(&record, enabled, is_cpu)).map(Arc::new);
-            Arc::new(Armed::new(record, hooked, rates))
+            let masks = match &rates {
+                Some(_) => None,
+                None => Masks::on(&record, is_cpu)
+                    .inspect_err(|reason| tracing::info!("no masks: {reason}"))
+                    .ok()
+                    .map(Arc::new),
+            };
+            Arc::new(Armed::new(record, hooked, rates, masks))
         });
         let state = match (&armed, instance.enabled) {
             (Some(_), _) => "armed",

@@ -3,6 +3,7 @@
 //! A hook of ours is given out only where the next layer has the function too: what the driver lacks stays
 //! missing.
 
+use super::device::Device;
 use super::dispatch::{armed_hook, device_hook, global_hook, instance_hook, physical_device_hook};
 use super::{device, instance, link_table};
 use crate::abi::guard;
@@ -46,14 +47,29 @@ pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) ->
                 return known.armed.is_some().then(link_table::get_link);
             }
             let next = (known.get_device_proc_addr)(handle, name.as_ptr())?;
-            // Binding pipelines is frequent: it goes straight down unless rates may have to be set then.
-            if name == c"vkCmdBindPipeline" && !known.rates().is_some_and(|rates| rates.sets_rates_at_bind) {
+            if is_frequent(name) && !wants_binding(&known, name) {
                 return Some(next);
             }
             let armed = || known.armed.as_ref().and_then(|_| known.hooked.hook(name));
             device_hook(name).or_else(armed).or(Some(next))
         },
     )
+}
+
+/// Whether a command binds what draws and dispatches use, which happens so often that it goes straight down unless we have
+/// to know.
+fn is_frequent(name: &CStr) -> bool {
+    let name = name.to_bytes();
+    name == b"vkCmdBindPipeline"
+        || [&b"vkCmdBindDescriptor"[..], b"vkCmdPushDescriptor", b"vkCmdSetDescriptor"]
+            .iter()
+            .any(|begin| name.starts_with(begin))
+}
+
+/// Whether binding is of interest: rates may have to be set then, or masks must know of it.
+fn wants_binding(device: &Device, name: &CStr) -> bool {
+    let sets_rates = || device.rates().is_some_and(|rates| rates.sets_rates_at_bind);
+    device.masks().is_some() || (name == c"vkCmdBindPipeline" && sets_rates())
 }
 
 /// `vk_layerGetPhysicalDeviceProcAddr`: functions of physical devices, and nothing else.

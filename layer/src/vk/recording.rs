@@ -4,6 +4,7 @@
 //! lists keep their memory when it is recorded again.
 
 pub mod buffers;
+pub mod compute;
 pub mod passes;
 pub mod queries;
 pub mod rendering;
@@ -14,10 +15,13 @@ use super::armed::Armed;
 use super::candidates::Candidate;
 use super::device;
 use super::dispatch::ArmedTable;
+use super::masks::OpenMask;
 use super::table::Table;
 use super::timing::Timer;
+use crate::mask::PipelineFacts;
 use crate::scene::{Event, Pass};
 use ash::vk;
+use compute::Bound;
 use smallvec::SmallVec;
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 
@@ -28,6 +32,8 @@ static BUFFERS: LazyLock<Table<vk::CommandBuffer, Arc<Buffer>>> = LazyLock::new(
 pub struct Buffer {
     /// Its device.
     pub armed: Arc<Armed>,
+    /// Whether it is a primary one.
+    pub is_primary: bool,
     recorded: Mutex<Recorded>,
 }
 
@@ -40,8 +46,14 @@ pub struct Recorded {
     pub candidates: SmallVec<[Arc<Candidate>; 8]>,
     /// Timestamps around its passes.
     pub timer: Timer,
+    /// What is bound for compute, where that is followed.
+    pub compute: Bound,
     /// Which of `events` is the pass that is being recorded.
     open: Option<usize>,
+    /// What that draws to, if it may be the scene.
+    target: Option<Arc<Candidate>>,
+    /// The mask that it has.
+    mask: Option<OpenMask>,
     /// For a secondary that continues a pass: what that pass must know of it.
     within: Within,
     /// Occlusion queries that are active.
@@ -55,11 +67,12 @@ pub struct Recorded {
 struct Within {
     clears_depth: bool,
     is_queried: bool,
+    pipelines: PipelineFacts,
 }
 
 impl Buffer {
-    fn new(armed: Arc<Armed>, timer: Timer) -> Self {
-        Self { armed, recorded: Mutex::new(Recorded { timer, ..Recorded::default() }) }
+    fn new(armed: Arc<Armed>, is_primary: bool, timer: Timer) -> Self {
+        Self { armed, is_primary, recorded: Mutex::new(Recorded { timer, ..Recorded::default() }) }
     }
 
     /// What it does.
@@ -84,19 +97,25 @@ impl Recorded {
         self.events.clear();
         self.candidates.clear();
         self.timer.clear();
+        self.compute.clear();
         self.open = None;
+        self.target = None;
+        self.mask = None;
         self.within = Within::default();
         self.queries = 0;
         self.is_conditional = false;
     }
 
-    /// A pass begins; nothing is known of it where its objects are not.
-    fn begin(&mut self, pass: Option<Pass>, candidate: Option<Arc<Candidate>>) {
-        if let Some(candidate) = candidate
-            && !self.candidates.iter().any(|known| Arc::ptr_eq(known, &candidate))
+    /// A pass begins, with a mask or without; nothing is known of it where its objects are not.
+    fn begin(&mut self, pass: Option<Pass>, candidate: Option<Arc<Candidate>>, mask: Option<OpenMask>) {
+        if let Some(candidate) = &candidate
+            && !self.candidates.iter().any(|known| Arc::ptr_eq(known, candidate))
         {
-            self.candidates.push(candidate);
+            self.candidates.push(Arc::clone(candidate));
         }
+        self.within = Within::default();
+        self.target = candidate;
+        self.mask = mask;
         self.open = pass.as_ref().map(|_| self.events.len());
         if let Some(mut pass) = pass {
             pass.facts.is_queried |= self.is_queried();
@@ -104,15 +123,22 @@ impl Recorded {
         }
     }
 
-    /// The pass that is being recorded ends.
-    fn end(&mut self) {
-        self.open = None;
+    /// The pass that is being recorded ends; returns the mask that it had.
+    fn end(&mut self) -> Option<OpenMask> {
+        let open = self.open.take().and_then(|open| self.events.get(open));
+        let candidate = self.target.take();
+        let target = candidate.as_ref().and_then(|candidate| candidate.map.mask());
+        if let (Some(target), Some(Event::Pass(pass))) = (target, open) {
+            target.recorded(pass.facts, self.within.pipelines);
+        }
+        self.mask.take()
     }
 
     /// Commands within a pass say more of it.
     fn tell(&mut self, more: Within) {
         self.within.clears_depth |= more.clears_depth;
         self.within.is_queried |= more.is_queried;
+        self.within.pipelines.see(more.pipelines);
         if let Some(Event::Pass(pass)) = self.open.and_then(|open| self.events.get_mut(open)) {
             pass.facts.clears_depth_later |= more.clears_depth;
             pass.facts.is_queried |= more.is_queried;
@@ -121,6 +147,11 @@ impl Recorded {
 
     fn is_queried(&self) -> bool {
         self.queries > 0 || self.is_conditional
+    }
+
+    /// A graphics pipeline, or what stands for one, is bound.
+    pub fn use_pipeline(&mut self, pipelines: PipelineFacts) {
+        self.tell(Within { pipelines, ..Within::default() });
     }
 
     /// A secondary is executed: its events follow, and what it does within the pass counts for that.

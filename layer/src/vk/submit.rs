@@ -115,10 +115,13 @@ unsafe fn prepare(
         }
     }
     let plan = armed.frame.plan_serial();
-    touched.retain(|candidate| match candidate.content().need(plan) {
-        Need::None => false,
-        Need::Upload => is_followed,
-        Need::Initialise => true,
+    touched.retain(|candidate| {
+        candidate.map.staging_len() > 0
+            && match candidate.content().need(plan) {
+                Need::None => false,
+                Need::Upload => is_followed,
+                Need::Initialise => true,
+            }
     });
     if touched.is_empty() {
         return;
@@ -141,22 +144,27 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded) {
     let is_on = armed.frame.is_on();
     for event in &recorded.events {
         let drawn = match event {
-            Event::Pass(pass) => pass.colors.first().zip(Some(pass.area)),
+            Event::Pass(pass) => pass.colors.first().zip(Some(pass)),
             Event::Transfer(_) => None,
         };
-        let candidate = drawn.and_then(|(target, area)| {
-            Some((recorded.candidates.iter().find(|known| known.target == *target)?, area))
+        let candidate = drawn.and_then(|(target, pass)| {
+            Some((recorded.candidates.iter().find(|known| known.target == *target)?, pass))
         });
         let judged = log.push(&armed.objects, event, candidate.map(|(candidate, _)| candidate));
-        if let Some((candidate, area)) = candidate {
+        if let Some((candidate, pass)) = candidate {
             let matched = judged.and_then(Result::ok);
             candidate.content().recognised(matched.is_some());
+            candidate.map.noted(matched.is_some());
+            // A pass without a mask obeys no map, and so says nothing of what that shall hold.
+            if pass.unmasked.is_some() {
+                continue;
+            }
             let matched = matched.filter(|_| is_on);
             let parts: &[Part] = matched.as_ref().map_or(&[], |found| &found.parts);
             if !parts.is_empty() {
                 log.has_rates();
             }
-            candidate.content().note(queue, log.frame(), area, parts);
+            candidate.content().note(queue, log.frame(), pass.area, parts);
         }
     }
     armed.timing.submitted(&recorded.timer, log.frame());

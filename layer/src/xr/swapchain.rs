@@ -49,14 +49,14 @@ impl Swapchain {
     fn new(
         session: &Arc<Session>,
         handle: xr::Swapchain,
-        info: &xr::SwapchainCreateInfo,
+        description: Description,
         substitute: Option<Substitute>,
     ) -> Self {
         Self {
             handle,
             session: Arc::clone(session),
             substitute,
-            description: Description::new(info),
+            description,
             turns: Mutex::default(),
             is_told: AtomicBool::new(false),
         }

@@ -12,8 +12,8 @@ mod transfer;
 mod vulkan;
 
 use ash::vk;
-use parafovea::gpu::AppCommands;
-use parafovea::passes::fill::{Fill, SkipBuffer, fill_format};
+use parafovea::gpu::{AppCommands, ImagePart};
+use parafovea::passes::fill::{Fill, SkipBuffer, USAGE, fill_format};
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::fill::FillFormat;
 use parafovea_core::mask::{Mask, MaskView, SkipList, TileRates, predict};
@@ -44,11 +44,8 @@ impl Picture {
     fn new(vulkan: &Vulkan, format: vk::Format, extent: [u32; 2], layers: u32) -> Self {
         let [width, height] = extent;
         let extent = vk::Extent2D { width, height };
-        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
-            | vk::ImageUsageFlags::TRANSFER_DST
-            | vk::ImageUsageFlags::STORAGE;
-        let flags = vk::ImageCreateFlags::MUTABLE_FORMAT | vk::ImageCreateFlags::EXTENDED_USAGE;
-        let image = vulkan.image(flags, format, extent, layers, usage);
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | USAGE;
+        let image = vulkan.image(vk::ImageCreateFlags::empty(), format, extent, layers, usage);
         Self { image, format, extent, layers }
     }
 
@@ -61,11 +58,14 @@ impl Picture {
         let blocks = list.len();
         let buffer = SkipBuffer::new(&vulkan.gpu, blocks, list).unwrap();
         assert_eq!(buffer.capacity_words(), list.words().len());
-        let target = fill.target(self.image, self.format, 0, [0, self.layers], &buffer).unwrap();
+        let extent = [self.extent.width, self.extent.height];
+        let target = fill.target(self.format, extent, self.layers, &buffer).unwrap();
+        let aspects = vk::ImageAspectFlags::COLOR;
+        let part = ImagePart { image: self.image, aspects, level: 0, first_layer: 0, layers: self.layers };
         vulkan.run(|commands| {
             // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
             let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
-            fill.record(&commands, &target, &buffer, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+            fill.record(&commands, &target, &buffer, part, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
         });
         let (format, _) = fill_format(self.format).unwrap();
         let result = (0..layers.len()).map(|layer| vulkan.download(at(layer), format.texel_size())).collect();

@@ -4,6 +4,7 @@ use crate::transfer::Layer;
 use crate::vulkan::Vulkan;
 use ash::vk;
 use parafovea::gpu::ImagePart;
+use parafovea::passes::fill::USAGE;
 
 /// Full-screen layers in a frame.
 pub const LAYERS_DRAWN: u32 = 3;
@@ -54,9 +55,8 @@ pub struct Application {
 impl Application {
     pub fn new(vulkan: &Vulkan, setup: Setup, [width, height]: [u32; 2]) -> Self {
         let extent = vk::Extent2D { width, height };
-        let flags = vk::ImageCreateFlags::MUTABLE_FORMAT | vk::ImageCreateFlags::EXTENDED_USAGE;
-        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE;
-        let color = vulkan.image(flags, COLOR, extent, 1, usage | vk::ImageUsageFlags::TRANSFER_DST);
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | USAGE;
+        let color = vulkan.image(vk::ImageCreateFlags::empty(), COLOR, extent, 1, usage);
         let depth = vulkan.depth_image(setup.depth, extent);
         let aspects = aspects(setup.depth);
         let views = [

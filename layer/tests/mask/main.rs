@@ -71,6 +71,7 @@ fn eligible(application: &Application) -> Eligible {
         stores_stencil: false,
         is_loaded_later: false,
         is_submitted: false,
+        is_writable: true,
     };
     let color = ColorFacts { format: COLOR, samples, is_stored: true, is_fillable: true };
     let pass = PassFacts { clears_depth: true, ..PassFacts::default() };
@@ -90,6 +91,7 @@ fn check(vulkan: &Vulkan, setup: Setup) {
     let gpu = &unsafe { Gpu::without_queue(&vulkan.record) }.unwrap();
     let fill = Arc::new(Fill::new(gpu).unwrap());
     let map = MaskMap::new(gpu, &fill, eligible(&application), EXTENT, 1).unwrap();
+    map.prepare(COLOR).unwrap();
     assert!(map.takes(setup.area));
     let color = application.color_part();
     let masked = |commands: vk::CommandBuffer, draw: &dyn Fn(vk::CommandBuffer, bool)| {
@@ -97,7 +99,7 @@ fn check(vulkan: &Vulkan, setup: Setup) {
         let ours = unsafe { AppCommands::new(gpu, commands) };
         map.begin(&ours, application.depth_part(), setup.area, application.depth_layouts());
         draw(commands, true);
-        map.end(&ours, color, COLOR, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL).unwrap();
+        map.end(&ours, color, COLOR, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
     };
     let (new, new_count) = application.frame(vulkan, masked);
     assert!(new == off && new_count == off_count, "{setup:?}: everything is shaded at first");

@@ -40,6 +40,7 @@ fn pass(image: u64) -> Event {
         area: [0, 0, EYE[0], EYE[1]],
         view_mask: 0,
         facts: PassFacts::default(),
+        unmasked: None,
     })
 }
 

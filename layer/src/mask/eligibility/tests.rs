@@ -16,6 +16,7 @@ fn judged(
         stores_stencil: false,
         is_loaded_later: false,
         is_submitted: false,
+        is_writable: true,
     };
     let mut color =
         ColorFacts { format: vk::Format::R8G8B8A8_SRGB, samples: ONE, is_stored: true, is_fillable: true };

@@ -6,10 +6,11 @@ use crate::gpu::{Gpu, GpuError, ImageDescription, Owned, OwnedImage, TextureSets
 use ash::vk;
 use std::sync::Arc;
 
-/// What we do with the application's images, besides what it does.
-const OUR_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+/// What we do with the application's images, besides what it does: `compose` reads and draws them, `fill` copies them.
+pub const APP_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::SAMPLED.as_raw()
         | vk::ImageUsageFlags::TRANSFER_SRC.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_DST.as_raw()
         | vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw(),
 );
 
@@ -37,7 +38,7 @@ impl AppImages {
             format: shape.format,
             extent: shape.extent,
             array_layers: shape.array_layers,
-            usage: shape.usage | OUR_USAGE,
+            usage: shape.usage | APP_USAGE,
             view_formats: view_formats.as_deref(),
         };
         let uses = Uses::new(gpu);

@@ -56,6 +56,11 @@ pub enum Need {
 }
 
 impl Content {
+    /// Of a map that has content, 1x1 all over.
+    pub fn initialised() -> Self {
+        Self { is_initialised: true, ..Self::default() }
+    }
+
     /// Notes that a pass is submitted to `queue` in frame number `frame`, and what of the area it shows.
     pub fn note(&mut self, queue: vk::Queue, frame: u64, area: [u32; 4], parts: &[Part]) {
         if self.queue == vk::Queue::null() {

@@ -5,7 +5,7 @@
 
 use crate::vk::objects::{framebuffers, images, queues, render_passes, views};
 use crate::vk::rates::{commands, pipelines, shader_objects};
-use crate::vk::recording::{buffers, passes, queries, rendering, transfers};
+use crate::vk::recording::{buffers, compute, passes, queries, rendering, transfers};
 use crate::vk::submit;
 use ash::vk;
 use std::ffi::CStr;
@@ -66,6 +66,8 @@ macro_rules! armed_functions {
 
 armed_functions! {
     create_image: PFN_vkCreateImage = c"vkCreateImage" => images::create;
+    image_memory_requirements: PFN_vkGetDeviceImageMemoryRequirements = c"vkGetDeviceImageMemoryRequirements"
+        since API_VERSION_1_3, before c"vkGetDeviceImageMemoryRequirementsKHR" => images::memory_requirements;
     destroy_image: PFN_vkDestroyImage = c"vkDestroyImage" => images::destroy;
     create_image_view: PFN_vkCreateImageView = c"vkCreateImageView" => views::create;
     destroy_image_view: PFN_vkDestroyImageView = c"vkDestroyImageView" => views::destroy;
@@ -111,6 +113,23 @@ armed_functions! {
     create_shaders: PFN_vkCreateShadersEXT = c"vkCreateShadersEXT" => shader_objects::create;
     destroy_shader: PFN_vkDestroyShaderEXT = c"vkDestroyShaderEXT" => shader_objects::destroy;
     cmd_bind_shaders: PFN_vkCmdBindShadersEXT = c"vkCmdBindShadersEXT" => shader_objects::bind;
+
+    cmd_bind_descriptor_sets: PFN_vkCmdBindDescriptorSets = c"vkCmdBindDescriptorSets" => compute::bind_sets;
+    cmd_push_descriptor_set: PFN_vkCmdPushDescriptorSetKHR = c"vkCmdPushDescriptorSetKHR" => compute::push_set;
+    cmd_push_descriptor_set_with_template: PFN_vkCmdPushDescriptorSetWithTemplateKHR =
+        c"vkCmdPushDescriptorSetWithTemplateKHR" => compute::push_set_with_template;
+    cmd_bind_descriptor_sets2: PFN_vkCmdBindDescriptorSets2KHR = c"vkCmdBindDescriptorSets2KHR"
+        => compute::bind_sets2;
+    cmd_push_descriptor_set2: PFN_vkCmdPushDescriptorSet2KHR = c"vkCmdPushDescriptorSet2KHR"
+        => compute::push_set2;
+    cmd_push_descriptor_set_with_template2: PFN_vkCmdPushDescriptorSetWithTemplate2KHR =
+        c"vkCmdPushDescriptorSetWithTemplate2KHR" => compute::push_set_with_template2;
+    cmd_bind_descriptor_buffers: PFN_vkCmdBindDescriptorBuffersEXT = c"vkCmdBindDescriptorBuffersEXT"
+        => compute::bind_buffers;
+    cmd_set_descriptor_buffer_offsets: PFN_vkCmdSetDescriptorBufferOffsetsEXT =
+        c"vkCmdSetDescriptorBufferOffsetsEXT" => compute::set_buffer_offsets;
+    cmd_bind_descriptor_buffer_embedded_samplers: PFN_vkCmdBindDescriptorBufferEmbeddedSamplersEXT =
+        c"vkCmdBindDescriptorBufferEmbeddedSamplersEXT" => compute::bind_embedded_samplers;
 
     cmd_clear_attachments: PFN_vkCmdClearAttachments = c"vkCmdClearAttachments" => passes::clear_attachments;
 

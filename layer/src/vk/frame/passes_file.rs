@@ -4,12 +4,14 @@
 //! rights. Each line is a JSON object:
 //!
 //! `{"frame":0,"index":0,"extent":[w,h],"area":[w,h],"layers":1,"samples":1,"format":"R8G8B8A8_SRGB","eyes":"left","why":"...",`
-//! `"map":{"texel":[w,h],"tiles":[columns,rows,layers],"rates":"..."}}`
+//! `"unmasked":"...","map":{"texel":[w,h],"tiles":[columns,rows,layers],"rates":"..."}}`
 //!
 //! Frames count a device's xrEndFrame calls within a session from 0, indices the passes in the order of their submits.
 //! `extent`, `samples` and `format` are those of the first colour attachment, or of depth where there is none; `area` is the
-//! size of the render area, `layers` the number of views of multiview, else 1; `eyes` is left, right, both or none. `map` is the map of the
-//! pass's candidate as it was at the end of the frame, where there is one: `rates` has two hexadecimal digits a texel, layer by layer, row by row.
+//! size of the render area, `layers` the number of views of multiview, else 1; `eyes` is left, right, both or none;
+//! `unmasked` says why it was recorded without a mask, and is null where it has one, or where the device masks nothing. `map`
+//! is the map of the pass's candidate as it was at the end of the frame, where there is one: `rates` has two hexadecimal
+//! digits a texel, layer by layer, row by row.
 
 use crate::scene::{Event, Eyes, Match, Pass, Unmatched};
 use crate::vk::backend::MapSize;
@@ -90,9 +92,11 @@ fn line(
         Ok(found) => found.how.to_string(),
         Err(reason) => reason.to_string(),
     };
+    let unmasked =
+        pass.unmasked.map_or_else(|| "null".to_owned(), |reason| format!("{:?}", reason.to_string()));
     format!(
         "{{\"frame\":{frame},\"index\":{index},\"extent\":{extent:?},\"area\":[{width}, {height}],\"layers\":{layers},\
-         \"samples\":{samples},\"format\":{format:?},\"eyes\":\"{}\",\"why\":{why:?}{map}}}\n",
+         \"samples\":{samples},\"format\":{format:?},\"eyes\":\"{}\",\"why\":{why:?},\"unmasked\":{unmasked}{map}}}\n",
         eyes(outcome)
     )
 }
@@ -146,11 +150,13 @@ mod tests {
             area: [1, 2, 30, 40],
             view_mask: 0b11,
             facts: PassFacts::default(),
+            unmasked: None,
         };
         assert_eq!(
             line(&Objects::default(), [3, 1], &pass, &Err(Unmatched::NoColour), ",\"map\":0"),
             "{\"frame\":3,\"index\":1,\"extent\":[0, 0],\"area\":[30, 40],\"layers\":2,\"samples\":0,\
-             \"format\":\"unknown\",\"eyes\":\"none\",\"why\":\"no colour: a shadow map or a depth pre-pass\",\"map\":0}\n"
+             \"format\":\"unknown\",\"eyes\":\"none\",\"why\":\"no colour: a shadow map or a depth pre-pass\",\
+             \"unmasked\":null,\"map\":0}\n"
         );
         let size = MapSize { texel: [16, 8], tiles: [2, 1], layers: 1 };
         assert_eq!(

@@ -14,19 +14,17 @@ pub struct Image {
     pub handle: vk::Image,
     /// What recognition needs to know of it.
     pub description: ImageDescription,
-    /// What it may be used for.
-    #[allow(dead_code, reason = "for the mask, which takes only some images")]
+    /// What the application may use it for.
     pub usage: vk::ImageUsageFlags,
-    /// How it was created.
-    #[allow(dead_code, reason = "for the mask, which takes only some images")]
-    pub flags: vk::ImageCreateFlags,
+    /// What it may be used for, which may be more.
+    pub granted: vk::ImageUsageFlags,
     /// Whether it was not made through this layer, so that nobody tells when it is destroyed but its swapchain.
     pub is_foreign: bool,
 }
 
 impl Image {
-    /// An image that the application creates.
-    fn created(handle: vk::Image, info: &vk::ImageCreateInfo<'_>) -> Self {
+    /// An image that the application creates, and may be used for `granted`.
+    fn created(handle: vk::Image, info: &vk::ImageCreateInfo<'_>, granted: vk::ImageUsageFlags) -> Self {
         Self {
             handle,
             description: ImageDescription {
@@ -39,7 +37,7 @@ impl Image {
                 swapchain: None,
             },
             usage: info.usage,
-            flags: info.flags,
+            granted,
             is_foreign: false,
         }
     }
@@ -58,7 +56,7 @@ impl Image {
                 swapchain: Some(SwapchainKey(record.swapchain)),
             },
             usage: record.usage,
-            flags: vk::ImageCreateFlags::empty(),
+            granted: record.granted,
             is_foreign: true,
         }
     }
@@ -80,9 +78,23 @@ pub unsafe extern "system" fn create(
                 let Some((known, next)) = device::with(device, |next| next.create_image) else {
                     return vk::Result::ERROR_INITIALIZATION_FAILED;
                 };
-                let result = answer.record(next(device, info, allocator, image));
-                if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                    armed.objects.add_image(Image::created(*image, &*info));
+                let Some(armed) = &known.armed else {
+                    return answer.record(next(device, info, allocator, image));
+                };
+                let mut granted = (*info).usage;
+                let mut result = vk::Result::ERROR_FORMAT_NOT_SUPPORTED;
+                if let Some(usage) = armed.masks.as_ref().and_then(|masks| masks.usage(&*info)) {
+                    let amended = vk::ImageCreateInfo { usage, ..*info };
+                    result = next(device, &amended, allocator, image);
+                    granted = usage;
+                }
+                if result != vk::Result::SUCCESS {
+                    result = next(device, info, allocator, image);
+                    granted = (*info).usage;
+                }
+                let result = answer.record(result);
+                if result == vk::Result::SUCCESS {
+                    armed.objects.add_image(Image::created(*image, &*info, granted));
                 }
                 result
             }
@@ -108,8 +120,41 @@ pub unsafe extern "system" fn destroy(
                     && let Some(image) = armed.objects.remove_image(image)
                 {
                     armed.candidates.forget(image.description.key);
+                    if let Some(masks) = &armed.masks {
+                        masks.forget_image(image.description.key);
+                    }
                 }
                 next(device, image, allocator);
+            }
+        },
+    );
+}
+
+/// `vkGetDeviceImageMemoryRequirements`: those of an image as it would be created here.
+pub unsafe extern "system" fn memory_requirements(
+    device: vk::Device,
+    info: *const vk::DeviceImageMemoryRequirements<'_>,
+    requirements: *mut vk::MemoryRequirements2<'_>,
+) {
+    guard(
+        "vkGetDeviceImageMemoryRequirements",
+        || (),
+        |_| {
+            // SAFETY: the application's own arguments: `info` and the creation in it are valid.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.image_memory_requirements) else {
+                    return;
+                };
+                let masks = known.armed.as_ref().and_then(|armed| armed.masks.as_ref());
+                let image = (*info).p_create_info;
+                match masks.and_then(|masks| masks.usage(&*image)) {
+                    Some(usage) => {
+                        let image = vk::ImageCreateInfo { usage, ..*image };
+                        let amended = vk::DeviceImageMemoryRequirements { p_create_info: &image, ..*info };
+                        next(device, &amended, requirements);
+                    }
+                    None => next(device, info, requirements),
+                }
             }
         },
     );

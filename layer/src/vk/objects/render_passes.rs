@@ -49,6 +49,13 @@ pub struct Attachment {
     pub final_layout: vk::ImageLayout,
 }
 
+impl Attachment {
+    /// Whether it has stencil that is stored.
+    pub fn stores_stencil(&self) -> bool {
+        describe::has_stencil(self.format) && self.stencil_store == vk::AttachmentStoreOp::STORE
+    }
+}
+
 /// One subpass. Attachments are named by their index in the render pass.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Subpass {
@@ -90,7 +97,11 @@ pub unsafe extern "system" fn create(
                     None => next(device, info, allocator, pass),
                 });
                 if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                    armed.objects.render_passes.insert(*pass, Arc::new(RenderPass::of_version_1(&*info)));
+                    let described = RenderPass::of_version_1(&*info);
+                    if let Some(masks) = &armed.masks {
+                        masks.add_render_pass(device, (*pass, &described), &*info, next);
+                    }
+                    armed.objects.render_passes.insert(*pass, Arc::new(described));
                 }
                 result
             }
@@ -119,7 +130,11 @@ pub unsafe extern "system" fn create2(
                     None => next(device, info, allocator, pass),
                 });
                 if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                    armed.objects.render_passes.insert(*pass, Arc::new(RenderPass::of_version_2(&*info)));
+                    let described = RenderPass::of_version_2(&*info);
+                    if let Some(masks) = &armed.masks {
+                        masks.add_render_pass2(device, (*pass, &described), &*info, next);
+                    }
+                    armed.objects.render_passes.insert(*pass, Arc::new(described));
                 }
                 result
             }
@@ -144,6 +159,10 @@ pub unsafe extern "system" fn destroy(
                 };
                 if let Some(armed) = &known.armed {
                     armed.objects.render_passes.remove(pass);
+                    let ours = armed.masks.as_ref().and_then(|masks| masks.forget_render_pass(pass));
+                    if let Some(ours) = ours {
+                        next(device, ours, std::ptr::null());
+                    }
                 }
                 if let Some(rates) = known.rates() {
                     rates.forget_render_pass(pass);

@@ -3,6 +3,8 @@
 use super::Objects;
 use crate::abi::guard;
 use crate::scene::Target;
+use crate::vk::armed::Armed;
+use crate::vk::chain::extension;
 use crate::vk::device;
 use ash::vk;
 
@@ -12,7 +14,6 @@ pub struct View {
     /// The image, its first level and its layers in the view.
     pub target: Target,
     /// The view's format, which may be another than the image's.
-    #[allow(dead_code, reason = "for the mask, whose fill draws through such a view")]
     pub format: vk::Format,
 }
 
@@ -37,6 +38,24 @@ impl View {
     }
 }
 
+/// The usage of a view as the application thinks it to be, where its image has more: it must be what the application says
+/// of imageless framebuffers.
+///
+/// # Safety
+///
+/// `info` is valid (valid usage of vkCreateImageView).
+unsafe fn asked_usage(armed: &Armed, info: &vk::ImageViewCreateInfo<'_>) -> Option<vk::ImageUsageFlags> {
+    if armed.masks.is_none() || armed.record.api_version < vk::API_VERSION_1_1 {
+        return None;
+    }
+    // SAFETY: the caller vouches for the chain.
+    if unsafe { extension::<vk::ImageViewUsageCreateInfo<'_>>(info.p_next) }.is_some() {
+        return None;
+    }
+    let image = armed.objects.image(info.image)?;
+    (image.granted != image.usage).then_some(image.usage)
+}
+
 /// `vkCreateImageView`.
 pub unsafe extern "system" fn create(
     device: vk::Device,
@@ -53,7 +72,17 @@ pub unsafe extern "system" fn create(
                 let Some((known, next)) = device::with(device, |next| next.create_image_view) else {
                     return vk::Result::ERROR_INITIALIZATION_FAILED;
                 };
-                let result = answer.record(next(device, info, allocator, view));
+                let asked = known.armed.as_ref().and_then(|armed| asked_usage(armed, &*info));
+                let result = answer.record(match asked {
+                    Some(usage) => {
+                        let mut usage = vk::ImageViewUsageCreateInfo::default().usage(usage);
+                        usage.p_next = (*info).p_next;
+                        let p_next = (&raw const usage).cast();
+                        let amended = vk::ImageViewCreateInfo { p_next, ..*info };
+                        next(device, &amended, allocator, view)
+                    }
+                    None => next(device, info, allocator, view),
+                });
                 if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
                     match View::created(&armed.objects, &*info) {
                         Some(found) => armed.objects.views.insert(*view, found),

@@ -9,12 +9,12 @@ use super::offer::Offer;
 use super::pipeline::PipelineRate;
 use super::render_pass::{self, AddedRates, LeftAlone};
 use super::rendering;
-use super::shader::FragmentShaders;
 use crate::link::{BACKEND_RATE_ATTACHMENT, DeviceRecord, OfferRecord};
 use crate::scene::{ImageDescription, Pass, Target};
 use crate::vk::armed::Armed;
 use crate::vk::backend::{Backend, RateMap};
 use crate::vk::objects::Image;
+use crate::vk::shader_modules::ShaderModules;
 use crate::vk::table::Table;
 use ash::vk;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub struct Rates {
     passes: Table<vk::RenderPass, AddedRates>,
     framebuffers: Table<vk::Framebuffer, Attached>,
     /// What the fragment shaders of modules do.
-    pub(super) shaders: Table<vk::ShaderModule, Arc<FragmentShaders>>,
+    pub(super) modules: ShaderModules,
     /// Pipelines and libraries whose rate is not fixed.
     pub(super) pipelines: Table<vk::Pipeline, PipelineRate>,
     /// Rates that are set by commands.
@@ -71,7 +71,7 @@ impl Rates {
             images,
             passes: Table::default(),
             framebuffers: Table::default(),
-            shaders: Table::default(),
+            modules: ShaderModules::default(),
             pipelines: Table::default(),
             set_rates: SetRates::new(combiner, application_sets_rates),
             shader_objects: Table::default(),

@@ -2,8 +2,8 @@
 
 use super::pipeline::{PipelineRate, is_default};
 use crate::abi::guard;
-use crate::vk::device;
 use crate::vk::table::Table;
+use crate::vk::{device, recording};
 use ash::vk::{self, FragmentShadingRateCombinerOpKHR as Combiner};
 
 /// A rate as vkCmdSetFragmentShadingRateKHR sets it.
@@ -115,7 +115,7 @@ pub unsafe extern "system" fn set_rate(
     );
 }
 
-/// `vkCmdBindPipeline`, hooked only where the rate of a pipeline may have to be set.
+/// `vkCmdBindPipeline`, hooked only where the rate of a pipeline may have to be set, or passes may have masks.
 pub unsafe extern "system" fn bind_pipeline(
     buffer: vk::CommandBuffer,
     point: vk::PipelineBindPoint,
@@ -135,6 +135,17 @@ pub unsafe extern "system" fn bind_pipeline(
                     && let Some(set) = known.hooked.cmd_set_fragment_shading_rate
                 {
                     set(buffer, &rate.size, &rate.combiners);
+                }
+                if let (Some(masks), Some(recording)) = (known.masks(), recording::buffer(buffer)) {
+                    match point {
+                        vk::PipelineBindPoint::GRAPHICS => {
+                            recording.recorded().use_pipeline(masks.pipeline(pipeline));
+                        }
+                        vk::PipelineBindPoint::COMPUTE => {
+                            recording.recorded().compute.bind_pipeline(pipeline)
+                        }
+                        _ => {}
+                    }
                 }
             }
         },

@@ -13,7 +13,7 @@ use crate::gpu::functions::Functions;
 use crate::gpu::memory::memory_type;
 use crate::link::DeviceRecord;
 use crate::scene::{ImageDescription, ImageKey, Target};
-use crate::vk::backend::{MapSize, RateMap};
+use crate::vk::backend::{MapSize, RateMap, Upload};
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -173,9 +173,9 @@ impl RateMap for Arc<RateImage> {
         MapSize { texel: self.maker.texel, tiles: self.key.texels, layers: self.key.layers }
     }
 
-    unsafe fn record_upload(&self, commands: vk::CommandBuffer, staging: vk::Buffer, offset: vk::DeviceSize) {
+    unsafe fn record_upload(&self, upload: Upload) {
         // SAFETY: the caller vouches for the command buffer and the buffer.
-        unsafe { RateImage::record_upload(self, commands, staging, offset) }
+        unsafe { RateImage::record_upload(self, upload.commands, upload.staging, upload.offset) }
     }
 }
 

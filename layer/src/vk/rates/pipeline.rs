@@ -3,7 +3,8 @@
 use super::copies::{Copies, find, slice};
 use super::offer::Offer;
 use super::shader::Effects;
-use ash::vk::{self, GraphicsPipelineLibraryFlagsEXT as Parts};
+use ash::vk;
+pub use ash::vk::GraphicsPipelineLibraryFlagsEXT as Parts;
 
 /// What a pipeline's rate is, after what was added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -163,7 +164,7 @@ unsafe fn with_dynamic_rate<'c>(
 /// # Safety
 ///
 /// The structure's chain is valid.
-unsafe fn libraries<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [vk::Pipeline] {
+pub unsafe fn libraries<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [vk::Pipeline] {
     // SAFETY: the caller vouches for it.
     unsafe {
         find::<vk::PipelineLibraryCreateInfoKHR<'_>>(info.p_next)
@@ -176,7 +177,7 @@ unsafe fn libraries<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [vk::P
 /// # Safety
 ///
 /// The structure's chain is valid.
-unsafe fn own_parts(info: &vk::GraphicsPipelineCreateInfo<'_>) -> Parts {
+pub unsafe fn own_parts(info: &vk::GraphicsPipelineCreateInfo<'_>) -> Parts {
     // SAFETY: the caller vouches for it.
     unsafe {
         if let Some(library) = find::<vk::GraphicsPipelineLibraryCreateInfoEXT<'_>>(info.p_next) {
@@ -235,7 +236,7 @@ pub fn is_default(size: vk::Extent2D, combiners: [vk::FragmentShadingRateCombine
 /// # Safety
 ///
 /// The structure is valid.
-unsafe fn is_discarded(info: &vk::GraphicsPipelineCreateInfo<'_>, own: Parts) -> bool {
+pub unsafe fn is_discarded(info: &vk::GraphicsPipelineCreateInfo<'_>, own: Parts) -> bool {
     // SAFETY: the caller vouches for it: the rasterisation state is of the pre-rasterisation part.
     unsafe {
         own.contains(Parts::PRE_RASTERIZATION_SHADERS)

@@ -1,35 +1,15 @@
 //! The creation of shader modules and graphics pipelines.
 
 use super::attach::Rates;
-use super::copies::{Copies, find, room, slice};
+use super::copies::{Copies, room, slice};
 use super::pipeline::{PipelineRate, with_rates};
-use super::shader::{Effects, FragmentShaders};
 use crate::abi::guard;
 use crate::vk::device;
 use ash::vk;
-use std::ffi::CStr;
-use std::sync::Arc;
 
 const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
 
 impl Rates {
-    /// A shader module was created.
-    ///
-    /// # Safety
-    ///
-    /// `info` is valid (valid usage of vkCreateShaderModule).
-    pub unsafe fn add_shader_module(&self, module: vk::ShaderModule, info: &vk::ShaderModuleCreateInfo<'_>) {
-        // SAFETY: the caller vouches for the code.
-        if let Some(shaders) = unsafe { read(info) } {
-            self.shaders.insert(module, Arc::new(shaders));
-        }
-    }
-
-    /// A shader module is about to be destroyed.
-    pub fn forget_shader_module(&self, module: vk::ShaderModule) {
-        self.shaders.remove(module);
-    }
-
     /// A pipeline is about to be destroyed.
     pub fn forget_pipeline(&self, pipeline: vk::Pipeline) {
         self.pipelines.remove(pipeline);
@@ -67,7 +47,7 @@ impl Rates {
                     with_rates(
                         info,
                         &self.offer,
-                        |stage| self.effects(stage),
+                        |stage| self.modules.effects(stage),
                         |library| self.pipelines.get(library),
                         &mut copies,
                     )
@@ -84,31 +64,6 @@ impl Rates {
             result
         }
     }
-
-    /// What the fragment shader of a stage does; nothing is known where its code is not at hand.
-    ///
-    /// # Safety
-    ///
-    /// The stage and its chain are valid.
-    unsafe fn effects(&self, stage: &vk::PipelineShaderStageCreateInfo<'_>) -> Effects {
-        // SAFETY: the caller vouches for the name and the chain.
-        unsafe {
-            let Ok(name) = CStr::from_ptr(stage.p_name).to_str() else { return Effects::UNKNOWN };
-            if let Some(shaders) = self.shaders.get(stage.module) {
-                return shaders.effects(name);
-            }
-            let code = find::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next);
-            code.and_then(|code| read(code)).map_or(Effects::UNKNOWN, |shaders| shaders.effects(name))
-        }
-    }
-}
-
-/// # Safety
-///
-/// The structure is valid.
-unsafe fn read(info: &vk::ShaderModuleCreateInfo<'_>) -> Option<FragmentShaders> {
-    // SAFETY: the caller vouches for the code, of `code_size` bytes.
-    FragmentShaders::read(unsafe { slice(info.p_code, (info.code_size / size_of::<u32>()) as u32) })
 }
 
 /// `vkCreateShaderModule`.
@@ -128,8 +83,13 @@ pub unsafe extern "system" fn create_shader_module(
                     return FAILED;
                 };
                 let result = answer.record(next(device, info, allocator, module));
-                if let (vk::Result::SUCCESS, Some(rates)) = (result, known.rates()) {
-                    rates.add_shader_module(*module, &*info);
+                if result == vk::Result::SUCCESS {
+                    if let Some(rates) = known.rates() {
+                        rates.modules.add(*module, &*info);
+                    }
+                    if let Some(masks) = known.masks() {
+                        masks.add_shader_module(*module, &*info);
+                    }
                 }
                 result
             }
@@ -153,7 +113,10 @@ pub unsafe extern "system" fn destroy_shader_module(
                     return;
                 };
                 if let Some(rates) = known.rates() {
-                    rates.forget_shader_module(module);
+                    rates.modules.forget(module);
+                }
+                if let Some(masks) = known.masks() {
+                    masks.forget_shader_module(module);
                 }
                 next(device, module, allocator);
             }
@@ -179,10 +142,15 @@ pub unsafe extern "system" fn create_pipelines(
                 let Some((known, next)) = device::with(device, |next| next.create_graphics_pipelines) else {
                     return FAILED;
                 };
-                answer.record(match known.rates() {
+                let result = answer.record(match known.rates() {
                     Some(rates) => rates.create_pipelines(device, cache, count, infos, allocator, made, next),
                     None => next(device, cache, count, infos, allocator, made),
-                })
+                });
+                // Where some failed, those are null.
+                if let (Some(masks), true) = (known.masks(), result.as_raw() >= 0) {
+                    masks.add_pipelines(infos, made, count);
+                }
+                result
             }
         },
     )
@@ -203,6 +171,9 @@ pub unsafe extern "system" fn destroy_pipeline(
                 let Some((known, next)) = device::with(device, |next| next.destroy_pipeline) else { return };
                 if let Some(rates) = known.rates() {
                     rates.forget_pipeline(pipeline);
+                }
+                if let Some(masks) = known.masks() {
+                    masks.forget_pipeline(pipeline);
                 }
                 next(device, pipeline, allocator);
             }

@@ -9,7 +9,8 @@ use super::commands::SetRate;
 use super::copies::slice;
 use super::shader::{Effects, FragmentShaders};
 use crate::abi::guard;
-use crate::vk::device;
+use crate::mask::PipelineFacts;
+use crate::vk::{device, recording};
 use ash::vk;
 use std::ffi::CStr;
 
@@ -158,6 +159,11 @@ pub unsafe extern "system" fn bind(
                     && let Some(set) = known.hooked.cmd_set_fragment_shading_rate
                 {
                     set(buffer, &rate.size, &rate.combiners);
+                }
+                if let (Some(_), Some(recording)) = (known.masks(), recording::buffer(buffer)) {
+                    let mut recorded = recording.recorded();
+                    recorded.use_pipeline(PipelineFacts::UNKNOWN);
+                    recorded.compute.bind_more();
                 }
             }
         },

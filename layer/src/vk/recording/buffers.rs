@@ -101,9 +101,10 @@ pub unsafe extern "system" fn allocate(
             {
                 let made = slice::from_raw_parts(buffers, (*info).command_buffer_count as usize);
                 pool.buffers().extend_from_slice(made);
+                let is_primary = (*info).level == vk::CommandBufferLevel::PRIMARY;
                 for &handle in made {
                     let timer = armed.timing.timer((*info).command_pool, (*info).level);
-                    BUFFERS.insert(handle, Arc::new(Buffer::new(Arc::clone(armed), timer)));
+                    BUFFERS.insert(handle, Arc::new(Buffer::new(Arc::clone(armed), is_primary, timer)));
                 }
             }
             result

@@ -4,10 +4,12 @@ use super::{Buffer, Within, timed, with_buffer};
 use crate::abi::guard;
 use crate::scene::{Pass, Target};
 use crate::vk::chain::extension;
+use crate::vk::masks::{Attachments, Place};
 use crate::vk::objects::{Objects, RenderPass};
 use ash::vk;
 use smallvec::SmallVec;
 use std::slice;
+use std::sync::Arc;
 
 /// `vkCmdBeginRenderPass`.
 pub unsafe extern "system" fn begin(
@@ -61,8 +63,7 @@ pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_render_pass) else { return };
             next(handle);
             if let Some(known) = known {
-                known.recorded().end();
-                timed::end(&known, handle);
+                end_noted(&known, handle);
             }
         },
     );
@@ -78,8 +79,7 @@ pub unsafe extern "system" fn end2(handle: vk::CommandBuffer, info: *const vk::S
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_render_pass2) else { return };
             next(handle, info);
             if let Some(known) = known {
-                known.recorded().end();
-                timed::end(&known, handle);
+                end_noted(&known, handle);
             }
         },
     );
@@ -110,7 +110,7 @@ pub unsafe extern "system" fn clear_attachments(
     );
 }
 
-/// Begins a render pass with `begin`, with rates where it may have them, and notes it. One whose render pass or
+/// Begins a render pass with `begin`, with rates or a mask where it may have them, and notes it. One whose render pass or
 /// framebuffer is not known is left out.
 ///
 /// # Safety
@@ -124,59 +124,140 @@ unsafe fn begin_noted(
 ) {
     let armed = &buffer.armed;
     // SAFETY: the caller vouches for the structure.
-    let pass = unsafe { described(&armed.objects, &*info) };
+    let instance = unsafe { Instance::of(&armed.objects, &*info) };
+    let mut pass = instance.as_ref().map(Instance::pass);
     // SAFETY: the command buffer is recording outside of render passes, as one begins.
     unsafe { timed::begin(buffer, handle, pass.as_ref()) };
-    let candidate = match &armed.rate_attachments {
-        Some(rates) => {
+    let mut mask = None;
+    let candidate = match (&armed.rate_attachments, &armed.masks) {
+        (Some(rates), _) => {
             let target = pass.as_ref().and_then(|pass| armed.objects.first_color(pass));
             // SAFETY: as above.
             let image = unsafe { rates.begin_render_pass(info, target, begin) };
             image.map(|image| armed.candidates.with_map(image.key.target, image))
         }
-        None => {
+        (None, Some(masks)) => {
+            let candidate = pass.as_ref().and_then(|pass| armed.candidates.of(armed, pass));
+            // SAFETY: as above; the command buffer is recording outside of render passes, as one begins.
+            unsafe {
+                let attachments = instance.as_ref().map(|instance| instance.attachments(&*info));
+                if let (Some(pass), Some(attachments)) = (&mut pass, &attachments) {
+                    let place = buffer.place((*info).render_area);
+                    match masks.begin_pass(
+                        armed,
+                        handle,
+                        candidate.as_deref(),
+                        pass,
+                        attachments,
+                        place,
+                        || masks.loading_begin(&*info),
+                    ) {
+                        Some((open, loading)) => {
+                            begin(&loading);
+                            mask = Some(open);
+                        }
+                        None => begin(info),
+                    }
+                } else {
+                    begin(info);
+                }
+            }
+            candidate
+        }
+        (None, None) => {
             begin(info);
-            pass.as_ref().and_then(|pass| armed.candidates.of(armed, pass))
+            None
         }
     };
-    buffer.recorded().begin(pass, candidate);
+    buffer.recorded().begin(pass, candidate, mask);
 }
 
-/// What a render pass instance draws to.
+/// A pass has ended.
 ///
 /// # Safety
 ///
-/// Valid usage of vkCmdBeginRenderPass.
-unsafe fn described(objects: &Objects, info: &vk::RenderPassBeginInfo<'_>) -> Option<Pass> {
-    let pass = objects.render_pass(info.render_pass)?;
-    let framebuffer = objects.framebuffer(info.framebuffer)?;
-    Some(if framebuffer.is_imageless {
-        // SAFETY: the caller vouches for the chain, and for the array in it.
-        let views = unsafe {
-            extension::<vk::RenderPassAttachmentBeginInfo<'_>>(info.p_next).map_or(&[][..], |begin| {
-                match begin.attachment_count {
-                    0 => &[],
-                    count => slice::from_raw_parts(begin.p_attachments, count as usize),
-                }
-            })
-        };
-        let targets: SmallVec<[Option<Target>; 8]> =
-            views.iter().map(|&view| Some(objects.view(view)?.target)).collect();
-        instance(&pass, &targets, info.render_area)
-    } else {
-        instance(&pass, &framebuffer.attachments, info.render_area)
-    })
+/// The command buffer is recording, outside of render passes.
+pub unsafe fn end_noted(buffer: &Buffer, handle: vk::CommandBuffer) {
+    let (mask, bound) = {
+        let mut recorded = buffer.recorded();
+        let mask = recorded.end();
+        let bound = mask.as_ref().map(|_| recorded.compute.clone());
+        (mask, bound)
+    };
+    if let (Some(masks), Some(mask), Some(bound)) = (&buffer.armed.masks, mask, bound) {
+        // SAFETY: the caller vouches for the command buffer; what the pass drew to is live, as it is in use.
+        unsafe {
+            masks.end_pass(&mask, handle);
+            bound.restore(&buffer.armed.next, handle);
+        }
+    }
+    // SAFETY: as above. What a mask costs is part of the pass.
+    unsafe { timed::end(buffer, handle) };
 }
 
-/// An instance of a render pass with these attachments.
-fn instance(pass: &RenderPass, targets: &[Option<Target>], area: vk::Rect2D) -> Pass {
-    let target = |&index: &u32| targets.get(index as usize).copied().flatten();
-    Pass {
-        colors: pass.colors.iter().filter_map(target).collect(),
-        resolves: pass.resolves.iter().filter_map(target).collect(),
-        depth: pass.depth.as_ref().and_then(target),
-        area: super::area(area),
-        view_mask: pass.view_mask,
-        facts: pass.facts,
+impl Buffer {
+    /// Where a pass of this render area begins.
+    pub(super) fn place(&self, area: vk::Rect2D) -> Place {
+        Place { is_primary: self.is_primary, restores_compute: self.recorded().compute.is_whole(), area }
+    }
+}
+
+/// An instance of a render pass, with what it draws to by its attachments' numbers.
+struct Instance {
+    render_pass: Arc<RenderPass>,
+    targets: SmallVec<[Option<Target>; 8]>,
+    area: vk::Rect2D,
+}
+
+impl Instance {
+    /// # Safety
+    ///
+    /// Valid usage of vkCmdBeginRenderPass.
+    unsafe fn of(objects: &Objects, info: &vk::RenderPassBeginInfo<'_>) -> Option<Self> {
+        let render_pass = objects.render_pass(info.render_pass)?;
+        let framebuffer = objects.framebuffer(info.framebuffer)?;
+        let targets = if framebuffer.is_imageless {
+            // SAFETY: the caller vouches for the chain, and for the array in it.
+            let views = unsafe {
+                extension::<vk::RenderPassAttachmentBeginInfo<'_>>(info.p_next).map_or(&[][..], |begin| {
+                    match begin.attachment_count {
+                        0 => &[],
+                        count => slice::from_raw_parts(begin.p_attachments, count as usize),
+                    }
+                })
+            };
+            views.iter().map(|&view| Some(objects.view(view)?.target)).collect()
+        } else {
+            framebuffer.attachments.clone()
+        };
+        Some(Self { render_pass, targets, area: info.render_area })
+    }
+
+    fn pass(&self) -> Pass {
+        let render_pass = &self.render_pass;
+        let target = |&index: &u32| self.targets.get(index as usize).copied().flatten();
+        Pass {
+            colors: render_pass.colors.iter().filter_map(target).collect(),
+            resolves: render_pass.resolves.iter().filter_map(target).collect(),
+            depth: render_pass.depth.as_ref().and_then(target),
+            area: super::area(self.area),
+            view_mask: render_pass.view_mask,
+            facts: render_pass.facts,
+            unmasked: None,
+        }
+    }
+
+    /// # Safety
+    ///
+    /// Valid usage of vkCmdBeginRenderPass.
+    unsafe fn attachments(&self, info: &vk::RenderPassBeginInfo<'_>) -> Attachments {
+        // SAFETY: the caller vouches for the array.
+        let clears = unsafe {
+            match info.clear_value_count {
+                0 => &[][..],
+                count => slice::from_raw_parts(info.p_clear_values, count as usize),
+            }
+        };
+        Attachments::of_render_pass(&self.render_pass, &self.targets, clears)
     }
 }

@@ -1,9 +1,12 @@
 //! Dynamic rendering.
 
+use super::passes::end_noted;
 use super::{timed, with_buffer};
 use crate::abi::guard;
+use crate::mask::Reason;
 use crate::scene::{Pass, PassFacts, Target};
 use crate::vk::chain::extension;
+use crate::vk::masks::rendering_attachments;
 use crate::vk::objects::Objects;
 use ash::vk;
 use std::slice;
@@ -19,19 +22,41 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
             let begin = |info: *const vk::RenderingInfo<'_>| next(handle, info);
             let Some(known) = known else { return begin(info) };
             let armed = &known.armed;
-            let pass = instance(&armed.objects, &*info);
+            let mut pass = instance(&armed.objects, &*info);
             timed::begin(&known, handle, Some(&pass));
-            let candidate = match &armed.rate_attachments {
-                Some(rates) => {
+            let mut mask = None;
+            let candidate = match (&armed.rate_attachments, &armed.masks) {
+                (Some(rates), _) => {
                     let image = rates.begin_rendering(info, armed.objects.first_color(&pass), begin);
                     image.map(|image| armed.candidates.with_map(image.key.target, image))
                 }
-                None => {
+                (None, Some(masks)) => {
+                    let candidate = armed.candidates.of(armed, &pass);
+                    let attachments = rendering_attachments(&armed.objects, &*info);
+                    let place = known.place((*info).render_area);
+                    match masks.begin_pass(
+                        armed,
+                        handle,
+                        candidate.as_deref(),
+                        &mut pass,
+                        &attachments,
+                        place,
+                        || loading(&*info),
+                    ) {
+                        Some((open, depth)) => {
+                            begin(&vk::RenderingInfo { p_depth_attachment: &depth, ..*info });
+                            mask = Some(open);
+                        }
+                        None => begin(info),
+                    }
+                    candidate
+                }
+                (None, None) => {
                     begin(info);
-                    armed.candidates.of(armed, &pass)
+                    None
                 }
             };
-            known.recorded().begin(Some(pass), candidate);
+            known.recorded().begin(Some(pass), candidate, mask);
         },
     );
 }
@@ -46,8 +71,7 @@ pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_rendering) else { return };
             next(handle);
             if let Some(known) = known {
-                known.recorded().end();
-                timed::end(&known, handle);
+                end_noted(&known, handle);
             }
         },
     );
@@ -105,5 +129,17 @@ unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
             is_suspended: info.flags.intersects(suspended),
             ..PassFacts::default()
         },
+        unmasked: None,
     }
+}
+
+/// The depth attachment, loaded.
+///
+/// # Safety
+///
+/// Valid usage of vkCmdBeginRendering.
+unsafe fn loading<'a>(info: &vk::RenderingInfo<'a>) -> Result<vk::RenderingAttachmentInfo<'a>, Reason> {
+    // SAFETY: the caller vouches for the structure: the pointer is null or valid.
+    let depth = unsafe { info.p_depth_attachment.as_ref() }.ok_or(Reason::NoDepth)?;
+    Ok(vk::RenderingAttachmentInfo { load_op: vk::AttachmentLoadOp::LOAD, ..*depth })
 }

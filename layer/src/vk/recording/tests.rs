@@ -1,4 +1,5 @@
 use super::*;
+use crate::mask::Directions;
 use crate::scene::{ImageKey, PassFacts, Target, Transfer, TransferKind};
 
 fn target(image: u64) -> Target {
@@ -13,6 +14,7 @@ fn pass(image: u64) -> Pass {
         area: [0, 0, 8, 8],
         view_mask: 0,
         facts: PassFacts::default(),
+        unmasked: None,
     }
 }
 
@@ -31,21 +33,23 @@ fn facts(recorded: &Recorded) -> Vec<PassFacts> {
     passes.collect()
 }
 
-const QUERIED: Within = Within { is_queried: true, clears_depth: false };
-const CLEARED: Within = Within { is_queried: false, clears_depth: true };
+const NO_PIPELINES: PipelineFacts =
+    PipelineFacts { have_side_effects: false, directions: Directions { less: false, greater: false } };
+const QUERIED: Within = Within { is_queried: true, clears_depth: false, pipelines: NO_PIPELINES };
+const CLEARED: Within = Within { is_queried: false, clears_depth: true, pipelines: NO_PIPELINES };
 
 #[test]
 fn what_commands_say_of_a_pass_counts_for_that_pass_alone() {
     let mut recorded = Recorded::default();
     recorded.tell(CLEARED);
-    recorded.begin(Some(pass(1)), None);
+    recorded.begin(Some(pass(1)), None, None);
     recorded.end();
-    recorded.begin(Some(pass(2)), None);
+    recorded.begin(Some(pass(2)), None, None);
     recorded.tell(CLEARED);
     recorded.tell(QUERIED);
     recorded.end();
     recorded.tell(QUERIED);
-    recorded.begin(Some(pass(3)), None);
+    recorded.begin(Some(pass(3)), None, None);
     recorded.end();
     let expected = PassFacts { clears_depth_later: true, is_queried: true, ..PassFacts::default() };
     assert_eq!(facts(&recorded), [PassFacts::default(), expected, PassFacts::default()]);
@@ -54,10 +58,10 @@ fn what_commands_say_of_a_pass_counts_for_that_pass_alone() {
 #[test]
 fn a_query_that_goes_on_covers_the_passes_within() {
     let mut recorded = Recorded { queries: 1, ..Recorded::default() };
-    recorded.begin(Some(pass(1)), None);
+    recorded.begin(Some(pass(1)), None, None);
     recorded.end();
     recorded.queries = 0;
-    recorded.begin(Some(pass(2)), None);
+    recorded.begin(Some(pass(2)), None, None);
     recorded.end();
     assert_eq!(facts(&recorded).iter().map(|facts| facts.is_queried).collect::<Vec<_>>(), [true, false]);
 }
@@ -67,12 +71,12 @@ fn secondaries_bring_their_events_in_order_and_what_they_do_within_a_pass() {
     let mut within = Recorded::default();
     within.tell(CLEARED);
     let mut own = Recorded::default();
-    own.begin(Some(pass(5)), None);
+    own.begin(Some(pass(5)), None, None);
     own.end();
     own.events.push(transfer(5, 6));
 
     let mut primary = Recorded::default();
-    primary.begin(Some(pass(1)), None);
+    primary.begin(Some(pass(1)), None, None);
     primary.execute(&within);
     primary.end();
     primary.is_conditional = true;
@@ -99,7 +103,7 @@ fn secondaries_bring_their_events_in_order_and_what_they_do_within_a_pass() {
 fn recording_again_forgets_and_keeps_the_memory() {
     let mut recorded = Recorded::default();
     for _ in 0..50 {
-        recorded.begin(Some(pass(1)), None);
+        recorded.begin(Some(pass(1)), None, None);
         recorded.end();
     }
     recorded.queries = 2;
@@ -107,7 +111,7 @@ fn recording_again_forgets_and_keeps_the_memory() {
     recorded.clear();
     assert!(recorded.events.is_empty() && !recorded.is_queried());
     for _ in 0..50 {
-        recorded.begin(Some(pass(1)), None);
+        recorded.begin(Some(pass(1)), None, None);
         recorded.end();
     }
     assert_eq!(recorded.events.as_ptr(), memory);

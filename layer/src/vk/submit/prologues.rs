@@ -5,6 +5,7 @@ use super::slot::Slot;
 use crate::gpu::functions::Functions;
 use crate::scene::lay::RateImage;
 use crate::vk::armed::Armed;
+use crate::vk::backend::Upload;
 use crate::vk::candidates::Need;
 use crate::vk::frame::passes_are_written;
 use ash::vk;
@@ -91,7 +92,7 @@ unsafe fn fill(
         for candidate in &outdated {
             let size = candidate.map.size();
             let len = candidate.map.staging_len();
-            {
+            let (image, parts) = {
                 let mut content = candidate.content();
                 let (area, parts) = content.whole();
                 let image = RateImage { area, texel: size.texel, tiles: size.tiles, layers: size.layers };
@@ -101,9 +102,11 @@ unsafe fn fill(
                 if passes_are_written() {
                     content.keep(&slot.texels);
                 }
-            }
-            slot.stage(offset, len, |texels, staging| candidate.map.stage(texels, staging));
-            candidate.map.record_upload(slot.commands(), slot.buffer(), offset as vk::DeviceSize);
+                (image, parts)
+            };
+            slot.stage(offset, len, |texels, staging| candidate.map.stage(&parts, &image, texels, staging));
+            let (commands, staging) = (slot.commands(), slot.buffer());
+            candidate.map.record_upload(Upload { commands, staging, offset: offset as vk::DeviceSize, len });
             offset += len.next_multiple_of(ALIGNMENT);
         }
         let Some(submit) = armed.next.queue_submit else { return Ok(()) };

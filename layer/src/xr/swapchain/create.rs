@@ -1,9 +1,12 @@
 //! `xrCreateSwapchain`.
 
-use super::eligibility::{NotSubstituted, runtime_usage, shape};
+use super::description::Description;
+use super::eligibility::{NotSubstituted, filled_usage, runtime_usage, shape, vulkan_usage};
 use super::{SWAPCHAINS, Substitute, Swapchain};
 use crate::abi::guard;
-use crate::passes::compose::SwapchainShape;
+use crate::link::BACKEND_MASK;
+use crate::passes::compose::{APP_USAGE, SwapchainShape};
+use crate::planning::wants_rates;
 use crate::xr::instance::next_of_any;
 use crate::xr::session::{self, Active, Session};
 use ash::vk;
@@ -12,8 +15,9 @@ use openxr_sys as xr;
 use std::ptr;
 use std::sync::Arc;
 
-/// `xrCreateSwapchain`: for a virtual one, the runtime is asked for more usage. If it refuses, the call is
-/// made as the application made it, so that the runtime's own result is what the application gets.
+/// `xrCreateSwapchain`: for a virtual one, and for one whose pictures may have to be filled, the runtime is asked for more
+/// usage. If it refuses, the call is made as the application made it, so that the runtime's own result is what the
+/// application gets.
 pub unsafe extern "system" fn create(
     session: xr::Session,
     info: *const xr::SwapchainCreateInfo,
@@ -51,19 +55,41 @@ pub unsafe extern "system" fn create(
                     planned = Err(NotSubstituted::Usage(result));
                 }
             }
-            if planned.is_err() {
-                result = below(info);
+            let mut granted =
+                asked.map_or_else(vk::ImageUsageFlags::empty, |asked| vulkan_usage(asked.usage_flags));
+            if planned.is_ok() {
+                granted |= APP_USAGE;
+            } else {
+                if let Some(asked) = asked.filter(|asked| may_be_filled(known, active, asked)) {
+                    let usage_flags = filled_usage(asked.usage_flags);
+                    result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
+                    granted = vulkan_usage(usage_flags);
+                }
+                if result.into_raw() < 0 {
+                    result = below(info);
+                    granted = asked.map_or(granted, |asked| vulkan_usage(asked.usage_flags));
+                }
             }
             if answer.record(result).into_raw() >= 0 {
                 // SAFETY: the call succeeded, so `swapchain` points to the new handle.
                 let made = unsafe { (asked, *swapchain) };
                 if let (Some(asked), handle) = made {
-                    track(known, active, asked, handle, planned);
+                    track(known, active, (asked, granted), handle, planned);
                 }
             }
             result
         },
     )
+}
+
+/// Whether passes that draw to a swapchain may have masks.
+fn may_be_filled(session: &Session, active: &Active, info: &xr::SwapchainCreateInfo) -> bool {
+    let config = session.instance.config.get();
+    wants_rates(&config)
+        && active.device.offer().is_some_and(|offer| offer.backend == BACKEND_MASK)
+        && info.sample_count == 1
+        && info.usage_flags.contains(xr::SwapchainUsageFlags::COLOR_ATTACHMENT)
+        && !info.create_flags.contains(xr::SwapchainCreateFlags::PROTECTED_CONTENT)
 }
 
 /// What our images are to be like, if the swapchain is to be virtual.
@@ -91,7 +117,7 @@ unsafe fn plan(
 fn track(
     session: &Arc<Session>,
     active: &Active,
-    info: &xr::SwapchainCreateInfo,
+    (info, granted): (&xr::SwapchainCreateInfo, vk::ImageUsageFlags),
     handle: xr::Swapchain,
     planned: Result<SwapchainShape, NotSubstituted>,
 ) {
@@ -105,7 +131,8 @@ fn track(
             None
         }
     };
-    let swapchain = Arc::new(Swapchain::new(session, handle, info, substitute));
+    let description = Description::new(info, granted);
+    let swapchain = Arc::new(Swapchain::new(session, handle, description, substitute));
     if let Some(substitute) = &swapchain.substitute {
         swapchain.tell_images(substitute.app.images());
     }

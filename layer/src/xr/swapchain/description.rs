@@ -5,7 +5,7 @@ use crate::link::SwapchainRecord;
 use ash::vk;
 use openxr_sys as xr;
 
-/// What the application asked for.
+/// What the application asked for, and what it got.
 #[derive(Debug, Clone, Copy)]
 pub struct Description {
     extent: [u32; 2],
@@ -13,17 +13,19 @@ pub struct Description {
     format: vk::Format,
     samples: u32,
     usage: vk::ImageUsageFlags,
+    granted: vk::ImageUsageFlags,
 }
 
 impl Description {
-    /// Of a swapchain that was created with `info`.
-    pub fn new(info: &xr::SwapchainCreateInfo) -> Self {
+    /// Of a swapchain that the application created with `info`, and whose images may be used for `granted`.
+    pub fn new(info: &xr::SwapchainCreateInfo, granted: vk::ImageUsageFlags) -> Self {
         Self {
             extent: [info.width, info.height],
             layers: info.array_size.saturating_mul(info.face_count.max(1)),
             format: i32::try_from(info.format).map_or(vk::Format::UNDEFINED, vk::Format::from_raw),
             samples: info.sample_count,
             usage: vulkan_usage(info.usage_flags),
+            granted,
         }
     }
 
@@ -38,6 +40,7 @@ impl Description {
             format: self.format,
             samples: self.samples,
             usage: self.usage,
+            granted: self.granted,
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::super::structures::extending;
 use crate::abi::pnext::{MAX_LENGTH, Structure};
 use crate::passes::compose::{RUNTIME_USAGE, SwapchainShape};
+use crate::passes::fill;
 use ash::vk;
 use openxr_sys as xr;
 use std::fmt;
@@ -118,7 +119,16 @@ pub fn vulkan_usage(usage: xr::SwapchainUsageFlags) -> vk::ImageUsageFlags {
 
 /// What the runtime's swapchain is created with: what the application asks for, and what our copy needs.
 pub fn runtime_usage(asked: xr::SwapchainUsageFlags) -> xr::SwapchainUsageFlags {
-    let pairs = USAGES.into_iter().filter(|(_, vulkan)| RUNTIME_USAGE.contains(*vulkan));
+    with(asked, RUNTIME_USAGE)
+}
+
+/// As [`runtime_usage`], where passes that draw to the runtime's images may have masks.
+pub fn filled_usage(asked: xr::SwapchainUsageFlags) -> xr::SwapchainUsageFlags {
+    with(asked, fill::USAGE)
+}
+
+fn with(asked: xr::SwapchainUsageFlags, more: vk::ImageUsageFlags) -> xr::SwapchainUsageFlags {
+    let pairs = USAGES.into_iter().filter(|(_, vulkan)| more.contains(*vulkan));
     pairs.fold(asked, |all, (openxr, _)| all | openxr)
 }
 

@@ -187,6 +187,7 @@ pub fn whole(extent: [u32; 2], colors: &[ImageKey]) -> Pass {
         area: [0, 0, extent[0], extent[1]],
         view_mask: 0,
         facts: PassFacts::default(),
+        unmasked: None,
     }
 }
 

@@ -66,6 +66,7 @@ fn any_pass() -> impl Strategy<Value = Pass> {
             area,
             view_mask,
             facts: PassFacts { clears_depth, ..PassFacts::default() },
+            unmasked: None,
         })
 }
 

@@ -1,0 +1,132 @@
+//! The mask: passes skip blocks of pixels on devices without shading rates, see [`crate::mask`].
+//!
+//! A pass is decided on when it begins to be recorded, by what was recorded and recognised for its target before: its
+//! depth gets the template ahead of it and is loaded where the application clears it, and its colours are filled after it.
+//! What is skipped is a question of the template's content, as rates are of a rate image's.
+
+mod attachments;
+mod loading;
+mod pass;
+mod pipelines;
+mod target;
+mod usage;
+
+pub use attachments::{Attachments, rendering_attachments};
+pub use pass::{OpenMask, Place};
+pub use target::TargetMask;
+
+use super::armed::Armed;
+use super::backend::{Backend, RateMap};
+use super::objects::Image;
+use super::shader_modules::ShaderModules;
+use super::table::Table;
+use crate::gpu::{Gpu, GpuError};
+use crate::link::{BACKEND_MASK, DeviceRecord, OfferRecord};
+use crate::mask::PipelineFacts;
+use crate::passes::fill::Fill;
+use crate::scene::{ImageKey, Pass};
+use ash::vk;
+use parafovea_core::rate::VULKAN_RATES;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Size of a tile, pixels: four columns of blocks, as many as after which every pattern repeats.
+const TEXEL: [u32; 2] = [16, 16];
+
+/// The mask of a device.
+pub struct Masks {
+    gpu: Arc<Gpu>,
+    is_cpu: bool,
+    /// Made with the first mask: it compiles pipelines.
+    fill: Mutex<Option<Arc<Fill>>>,
+    /// Render passes that load depth where the application's clear it, by those.
+    loading: Table<vk::RenderPass, vk::RenderPass>,
+    modules: ShaderModules,
+    pipelines: Table<vk::Pipeline, PipelineFacts>,
+    /// Depth images that a pass was seen to load.
+    loaded: Table<ImageKey, ()>,
+}
+
+impl Masks {
+    /// Those of a device without rate attachments.
+    ///
+    /// # Safety
+    ///
+    /// The record is of a live device, on which [`Self::end`] is called before it is destroyed.
+    ///
+    /// # Errors
+    ///
+    /// A function is missing, or a queue can draw and not compute.
+    pub unsafe fn on(record: &DeviceRecord, is_cpu: bool) -> Result<Self, GpuError> {
+        // SAFETY: the caller vouches for the record.
+        let gpu = unsafe { Gpu::without_queue(record) }?;
+        if !gpu.computes_where_it_draws() {
+            return Err(GpuError::Unsupported("a queue that can draw and not compute"));
+        }
+        Ok(Self {
+            gpu,
+            is_cpu,
+            fill: Mutex::default(),
+            loading: Table::default(),
+            modules: ShaderModules::default(),
+            pipelines: Table::default(),
+            loaded: Table::default(),
+        })
+    }
+
+    /// The pass that fills, made the first time.
+    fn fill(&self) -> Result<Arc<Fill>, GpuError> {
+        if let Some(fill) = &*self.kept_fill() {
+            return Ok(Arc::clone(fill));
+        }
+        // Made without the lock, which is not held across calls down: another thread may have been faster.
+        let new = Arc::new(Fill::new(&self.gpu)?);
+        Ok(Arc::clone(self.kept_fill().get_or_insert(new)))
+    }
+
+    fn kept_fill(&self) -> MutexGuard<'_, Option<Arc<Fill>>> {
+        self.fill.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// An image is about to be destroyed.
+    pub fn forget_image(&self, image: ImageKey) {
+        self.loaded.remove(image);
+    }
+
+    /// Destroys all that is ours: the device is about to be destroyed. What is still named is never destroyed.
+    ///
+    /// # Safety
+    ///
+    /// The device is live, and nothing of the application's is under way or recorded any more.
+    pub unsafe fn end(&self, destroy_render_pass: Option<vk::PFN_vkDestroyRenderPass>, device: vk::Device) {
+        for pass in self.loading.remove_where(|_, _| true) {
+            if let Some(destroy) = destroy_render_pass {
+                // SAFETY: a render pass of ours on the live device, which no command buffer needs any more.
+                unsafe { destroy(device, pass, std::ptr::null()) };
+            }
+        }
+        let fill = self.kept_fill().take();
+        drop(fill);
+        self.gpu.abandon();
+    }
+}
+
+impl Backend for Arc<Masks> {
+    fn offer(&self) -> OfferRecord {
+        let mut rates = [0; 16];
+        for (texel, rate) in rates.iter_mut().zip(VULKAN_RATES) {
+            *texel = rate.texel();
+        }
+        OfferRecord {
+            backend: BACKEND_MASK,
+            texel: TEXEL,
+            rate_count: VULKAN_RATES.len() as u32,
+            rates,
+            is_cpu: self.is_cpu.into(),
+        }
+    }
+
+    fn map(&self, _armed: &Armed, pass: &Pass, image: &Image) -> Option<Box<dyn RateMap>> {
+        let target = *pass.colors.first()?;
+        Some(Box::new(TargetMask::new(self, target, &image.description)))
+    }
+}

@@ -1,0 +1,92 @@
+//! Render passes that load depth where the application's clear it. Two such are compatible (Vulkan specification, "Render
+//! Pass Compatibility"), so that its framebuffers and pipelines go with both.
+
+use super::Masks;
+use crate::vk::objects::RenderPass;
+use ash::vk;
+use smallvec::SmallVec;
+use std::{ptr, slice};
+
+impl Masks {
+    /// A render pass was created by version 1 of the call: the one that loads is too, if it can ever be of use.
+    ///
+    /// # Safety
+    ///
+    /// `info` is what `pass` was created of on the live device, whose function `next` is.
+    pub unsafe fn add_render_pass(
+        &self,
+        device: vk::Device,
+        pass: (vk::RenderPass, &RenderPass),
+        info: &vk::RenderPassCreateInfo<'_>,
+        next: vk::PFN_vkCreateRenderPass,
+    ) {
+        let Some((index, layout)) = cleared_depth(pass.1) else { return };
+        // SAFETY: the caller vouches for the structure: it has so many attachments, of which the copy lives until the call
+        // is over.
+        unsafe {
+            let mut attachments: SmallVec<[vk::AttachmentDescription; 8]> =
+                slice::from_raw_parts(info.p_attachments, info.attachment_count as usize).into();
+            attachments[index].load_op = vk::AttachmentLoadOp::LOAD;
+            attachments[index].initial_layout = layout;
+            let amended = vk::RenderPassCreateInfo { p_attachments: attachments.as_ptr(), ..*info };
+            let mut made = vk::RenderPass::null();
+            self.keep(pass.0, next(device, &amended, ptr::null(), &mut made), made);
+        }
+    }
+
+    /// As [`Self::add_render_pass`], by version 2 of the call.
+    ///
+    /// # Safety
+    ///
+    /// As for [`Self::add_render_pass`].
+    pub unsafe fn add_render_pass2(
+        &self,
+        device: vk::Device,
+        pass: (vk::RenderPass, &RenderPass),
+        info: &vk::RenderPassCreateInfo2<'_>,
+        next: vk::PFN_vkCreateRenderPass2,
+    ) {
+        let Some((index, layout)) = cleared_depth(pass.1) else { return };
+        // SAFETY: as above.
+        unsafe {
+            let mut attachments: SmallVec<[vk::AttachmentDescription2<'_>; 8]> =
+                slice::from_raw_parts(info.p_attachments, info.attachment_count as usize).into();
+            // A chain may say another layout of stencil.
+            if !attachments[index].p_next.is_null() {
+                return;
+            }
+            attachments[index].load_op = vk::AttachmentLoadOp::LOAD;
+            attachments[index].initial_layout = layout;
+            let amended = vk::RenderPassCreateInfo2 { p_attachments: attachments.as_ptr(), ..*info };
+            let mut made = vk::RenderPass::null();
+            self.keep(pass.0, next(device, &amended, ptr::null(), &mut made), made);
+        }
+    }
+
+    fn keep(&self, pass: vk::RenderPass, result: vk::Result, loading: vk::RenderPass) {
+        match result {
+            vk::Result::SUCCESS => self.loading.insert(pass, loading),
+            failed => tracing::warn!("a render pass that loads depth could not be created: {failed:?}"),
+        }
+    }
+
+    /// A render pass is about to be destroyed; returns ours, which goes with it.
+    pub fn forget_render_pass(&self, pass: vk::RenderPass) -> Option<vk::RenderPass> {
+        self.loading.remove(pass)
+    }
+
+    /// The render pass that loads depth where `pass` clears it.
+    pub(super) fn loading(&self, pass: vk::RenderPass) -> Option<vk::RenderPass> {
+        self.loading.get(pass)
+    }
+}
+
+/// Index and first layout of depth that is cleared, in a pass that may have a mask.
+fn cleared_depth(pass: &RenderPass) -> Option<(usize, vk::ImageLayout)> {
+    let (index, layout) = pass.subpasses.iter().find_map(|subpass| subpass.depth)?;
+    let depth = pass.attachments.get(index as usize)?;
+    let may = depth.load == vk::AttachmentLoadOp::CLEAR
+        && depth.samples == vk::SampleCountFlags::TYPE_1
+        && !pass.colors.is_empty();
+    may.then_some((index as usize, layout))
+}

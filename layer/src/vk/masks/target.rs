@@ -1,0 +1,147 @@
+//! The mask of one colour target: what was seen of its passes, and the map once there is one.
+
+use super::Masks;
+use crate::gpu::AppCommands;
+use crate::mask::{Eligible, MaskMap, PipelineFacts, Reason};
+use crate::scene::lay::RateImage;
+use crate::scene::{ImageDescription, Part, PassFacts, Target};
+use crate::vk::backend::{MapSize, RateMap, Upload};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+
+/// The mask of passes that draw to one colour target.
+pub struct TargetMask {
+    masks: Arc<Masks>,
+    target: Target,
+    /// Size of the target, pixels.
+    extent: [u32; 2],
+    seen: Mutex<Seen>,
+    /// Made for the first pass that can have it.
+    map: OnceLock<Option<Arc<MaskMap>>>,
+}
+
+/// What earlier passes to the target were.
+#[derive(Debug, Default)]
+struct Seen {
+    /// Whether a pass was recorded to its end.
+    is_recorded: bool,
+    /// What commands within passes said of them.
+    facts: PassFacts,
+    pipelines: PipelineFacts,
+    /// Whether the last pass that was submitted was the scene.
+    is_scene: bool,
+    /// The last reason that was logged.
+    logged: Option<Result<(), Reason>>,
+}
+
+impl TargetMask {
+    /// Begins with nothing seen.
+    pub fn new(masks: &Arc<Masks>, target: Target, image: &ImageDescription) -> Self {
+        let extent = image.extent.map(|side| side.checked_shr(target.level).unwrap_or(0).max(1));
+        Self { masks: Arc::clone(masks), target, extent, seen: Mutex::default(), map: OnceLock::new() }
+    }
+
+    /// How many array layers are drawn to.
+    pub(super) fn layers(&self) -> u32 {
+        self.target.layers
+    }
+
+    /// What is known of passes to it before they are recorded.
+    ///
+    /// # Errors
+    ///
+    /// Nothing yet that would make them the scene.
+    pub(super) fn evidence(&self) -> Result<(PassFacts, PipelineFacts), Reason> {
+        let seen = self.seen();
+        if seen.is_recorded && seen.is_scene { Ok((seen.facts, seen.pipelines)) } else { Err(Reason::New) }
+    }
+
+    /// A pass to it was recorded, in which commands said this of it.
+    pub fn recorded(&self, facts: PassFacts, pipelines: PipelineFacts) {
+        let mut seen = self.seen();
+        seen.is_recorded = true;
+        seen.facts.is_queried |= facts.is_queried;
+        seen.facts.clears_depth_later |= facts.clears_depth_later;
+        seen.pipelines.see(pipelines);
+    }
+
+    /// The map, for passes that need this one.
+    ///
+    /// # Errors
+    ///
+    /// It is for others, or cannot be made.
+    pub(super) fn map(&self, eligible: Eligible) -> Result<Arc<MaskMap>, Reason> {
+        let make = || {
+            let make = || {
+                let fill = self.masks.fill()?;
+                MaskMap::new(&self.masks.gpu, &fill, eligible, self.extent, self.target.layers)
+            };
+            make().inspect_err(|error| tracing::warn!("no mask: {error}")).ok().map(Arc::new)
+        };
+        let map = self.map.get_or_init(make).as_ref().ok_or(Reason::Failed)?;
+        if map.eligible() == eligible { Ok(Arc::clone(map)) } else { Err(Reason::Changes) }
+    }
+
+    /// Logs how a pass of the scene was recorded, where that is news.
+    pub(super) fn tell(&self, outcome: Result<(), Reason>) {
+        if matches!(outcome, Err(Reason::Off | Reason::New)) {
+            return;
+        }
+        let before = self.seen().logged.replace(outcome);
+        if before != Some(outcome) {
+            let [width, height] = self.extent;
+            match outcome {
+                Ok(()) => tracing::info!("a pass of {width}x{height} has a mask"),
+                Err(reason) => tracing::info!("a pass of {width}x{height} has no mask: {reason}"),
+            }
+        }
+    }
+
+    fn seen(&self) -> MutexGuard<'_, Seen> {
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn made(&self) -> Option<&Arc<MaskMap>> {
+        self.map.get().and_then(Option::as_ref)
+    }
+}
+
+impl RateMap for TargetMask {
+    fn size(&self) -> MapSize {
+        let texel = super::TEXEL;
+        let tiles = std::array::from_fn(|axis| self.extent[axis].div_ceil(texel[axis]));
+        MapSize { texel, tiles, layers: self.target.layers }
+    }
+
+    /// 0 before there is a map: then nothing reads it.
+    fn staging_len(&self) -> usize {
+        self.made().map_or(0, |map| map.staging_len())
+    }
+
+    fn has_content(&self) -> bool {
+        true
+    }
+
+    fn noted(&self, is_scene: bool) {
+        self.seen().is_scene = is_scene;
+    }
+
+    fn mask(&self) -> Option<&TargetMask> {
+        Some(self)
+    }
+
+    fn stage(&self, parts: &[Part], image: &RateImage, texels: &[u8], staging: &mut [u8]) {
+        if let Some(map) = self.made() {
+            map.stage(parts, image, texels, staging);
+        }
+    }
+
+    unsafe fn record_upload(&self, upload: Upload) {
+        // Of a map that was made only now nothing is staged.
+        if let Some(map) = self.made().filter(|map| map.staging_len() == upload.len) {
+            // SAFETY: the caller vouches for the command buffer; what is recorded into it names what `self` keeps, and the
+            // caller keeps that until it has finished.
+            let commands = unsafe { AppCommands::new(&self.masks.gpu, upload.commands) };
+            map.upload(&commands, upload.staging, upload.offset);
+        }
+    }
+}
