@@ -106,6 +106,11 @@ fn describe(error: &dyn Error) -> String {
 fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
     let mut techniques = Technique::baselines();
     techniques.push(Technique::layer("chroma", "preset = \"none\"\n[chroma]\nmode = \"default\"\n"));
+    // Rates alone, and never dropped: chroma has its price and no gain, and the gate looks before it decides.
+    techniques.extend(["quality", "balanced", "performance"].map(|preset| {
+        let config = format!("preset = \"{preset}\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n");
+        Technique::layer(&format!("rates {preset}"), &config)
+    }));
     let Some(wanted) = wanted else { return Ok(techniques) };
     let known = |name: &String| techniques.iter().any(|technique| technique.name == *name);
     if let Some(unknown) = wanted.iter().find(|name| !known(name)) {

@@ -230,13 +230,7 @@ unsafe fn track(
                 set_device_loader_data,
             };
             let rates = enabled.and_then(|enabled| Rates::on(&record, enabled, is_cpu)).map(Arc::new);
-            let masks = match &rates {
-                Some(_) => None,
-                None => Masks::on(&record, is_cpu)
-                    .inspect_err(|reason| tracing::info!("no masks: {reason}"))
-                    .ok()
-                    .map(Arc::new),
-            };
+            let masks = rates.is_none().then(|| Arc::new(Masks::on(&record, is_cpu)));
             Arc::new(Armed::new(record, hooked, rates, masks))
         });
         let state = match (&armed, instance.enabled) {

@@ -27,14 +27,16 @@ use crate::passes::fill::Fill;
 use crate::scene::{ImageKey, Pass};
 use ash::vk;
 use parafovea_core::rate::VULKAN_RATES;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Size of a tile, pixels: four columns of blocks, as many as after which every pattern repeats.
 const TEXEL: [u32; 2] = [16, 16];
 
 /// The mask of a device.
 pub struct Masks {
-    gpu: Arc<Gpu>,
+    record: DeviceRecord,
+    /// Made when it is first needed: while a device is being created, the Vulkan loader answers no questions.
+    gpu: OnceLock<Option<Arc<Gpu>>>,
     is_cpu: bool,
     /// Made with the first mask: it compiles pipelines.
     fill: Mutex<Option<Arc<Fill>>>,
@@ -52,34 +54,40 @@ impl Masks {
     /// # Safety
     ///
     /// The record is of a live device, on which [`Self::end`] is called before it is destroyed.
-    ///
-    /// # Errors
-    ///
-    /// A function is missing, or a queue can draw and not compute.
-    pub unsafe fn on(record: &DeviceRecord, is_cpu: bool) -> Result<Self, GpuError> {
-        // SAFETY: the caller vouches for the record.
-        let gpu = unsafe { Gpu::without_queue(record) }?;
-        if !gpu.computes_where_it_draws() {
-            return Err(GpuError::Unsupported("a queue that can draw and not compute"));
-        }
-        Ok(Self {
-            gpu,
+    pub unsafe fn on(record: &DeviceRecord, is_cpu: bool) -> Self {
+        Self {
+            record: *record,
+            gpu: OnceLock::new(),
             is_cpu,
             fill: Mutex::default(),
             loading: Table::default(),
             modules: ShaderModules::default(),
             pipelines: Table::default(),
             loaded: Table::default(),
-        })
+        }
+    }
+
+    /// What our objects are made with; nothing where a function is missing, or a queue can draw and not compute.
+    fn gpu(&self) -> Option<&Arc<Gpu>> {
+        let make = || {
+            // SAFETY: `on`'s caller vouched for the record, and for the device until `end`.
+            let gpu = unsafe { Gpu::without_queue(&self.record) }?;
+            match gpu.computes_where_it_draws() {
+                true => Ok(gpu),
+                false => Err(GpuError::Unsupported("a queue that can draw and not compute")),
+            }
+        };
+        let make_or_log = || make().inspect_err(|reason| tracing::warn!("no masks: {reason}")).ok();
+        self.gpu.get_or_init(make_or_log).as_ref()
     }
 
     /// The pass that fills, made the first time.
-    fn fill(&self) -> Result<Arc<Fill>, GpuError> {
+    fn fill(&self, gpu: &Arc<Gpu>) -> Result<Arc<Fill>, GpuError> {
         if let Some(fill) = &*self.kept_fill() {
             return Ok(Arc::clone(fill));
         }
         // Made without the lock, which is not held across calls down: another thread may have been faster.
-        let new = Arc::new(Fill::new(&self.gpu)?);
+        let new = Arc::new(Fill::new(gpu)?);
         Ok(Arc::clone(self.kept_fill().get_or_insert(new)))
     }
 
@@ -106,7 +114,9 @@ impl Masks {
         }
         let fill = self.kept_fill().take();
         drop(fill);
-        self.gpu.abandon();
+        if let Some(gpu) = self.gpu.get().and_then(Option::as_ref) {
+            gpu.abandon();
+        }
     }
 }
 

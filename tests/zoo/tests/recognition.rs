@@ -3,11 +3,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+#[path = "recognition/noted.rs"]
+mod noted;
+
 use libtest_mimic::{Arguments, Failed, Trial};
+use noted::Noted;
 use parafovea_tests::run::{Application, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use parafovea_zoo::{Eyes, PassTruth, Queues, SKIPPED, STYLES, Style};
-use serde::Deserialize;
 use std::process::ExitCode;
 
 const FRAMES: u64 = 8;
@@ -15,19 +18,6 @@ const SIZE: u32 = 64;
 
 /// From this frame on the passes are known; nothing is taken for the scene before that is not.
 const KNOWN_FROM: u64 = 4;
-
-/// A line of the file that `PARAFOVEA_PASSES_FILE` names.
-#[derive(Deserialize, Debug)]
-struct Noted {
-    frame: u64,
-    extent: [u32; 2],
-    area: [u32; 2],
-    layers: u32,
-    samples: u32,
-    format: String,
-    eyes: String,
-    why: String,
-}
 
 fn main() -> ExitCode {
     let trials = STYLES.iter().map(|style| {
@@ -58,8 +48,7 @@ fn check(style: &Style) -> Result<(), Failed> {
     assert!(outcome.findings.vulkan.is_empty(), "{:#?}", outcome.findings.vulkan);
     assert!(outcome.record.errors.is_empty(), "{:#?}", outcome.record.errors);
 
-    let lines = std::fs::read_to_string(&file)?;
-    let noted: Vec<Noted> = lines.lines().map(serde_json::from_str).collect::<Result<_, _>>()?;
+    let noted = Noted::read(&file)?;
     let truth: Vec<(u64, PassTruth)> = (0..FRAMES)
         .flat_map(|frame| (style.passes)([SIZE; 2], frame).into_iter().map(move |pass| (frame, pass)))
         .filter(|(_, pass)| !is_elsewhere(pass))

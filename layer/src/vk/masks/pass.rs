@@ -136,11 +136,12 @@ impl Masks {
             .ok_or(Reason::New)
             .and_then(|candidate| self.open(armed, candidate, pass, attachments, place))
             .and_then(|open| Ok((open, loading()?)));
+        let open = open.and_then(|(open, loading)| Ok((self.gpu().ok_or(Reason::Failed)?, open, loading)));
         match open {
-            Ok((open, loading)) => {
+            Ok((gpu, open, loading)) => {
                 // SAFETY: the caller vouches for the command buffer; the map is kept by the candidate, which the command
                 // buffer keeps.
-                let commands = unsafe { AppCommands::new(&self.gpu, commands) };
+                let commands = unsafe { AppCommands::new(gpu, commands) };
                 open.map.begin(&commands, open.depth, place.area, open.layouts);
                 Some((open, loading))
             }
@@ -157,8 +158,9 @@ impl Masks {
     ///
     /// As for [`Self::begin_pass`].
     pub unsafe fn end_pass(&self, open: &OpenMask, commands: vk::CommandBuffer) {
+        let Some(gpu) = self.gpu() else { return };
         // SAFETY: as above.
-        let commands = unsafe { AppCommands::new(&self.gpu, commands) };
+        let commands = unsafe { AppCommands::new(gpu, commands) };
         for &(part, format, layout) in &open.fills {
             open.map.end(&commands, part, format, layout);
         }

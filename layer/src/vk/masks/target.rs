@@ -71,11 +71,11 @@ impl TargetMask {
     /// It is for others, or cannot be made.
     pub(super) fn map(&self, eligible: Eligible) -> Result<Arc<MaskMap>, Reason> {
         let make = || {
-            let make = || {
-                let fill = self.masks.fill()?;
-                MaskMap::new(&self.masks.gpu, &fill, eligible, self.extent, self.target.layers)
-            };
-            make().inspect_err(|error| tracing::warn!("no mask: {error}")).ok().map(Arc::new)
+            let gpu = self.masks.gpu()?;
+            let fill = self.masks.fill(gpu);
+            let map =
+                fill.and_then(|fill| MaskMap::new(gpu, &fill, eligible, self.extent, self.target.layers));
+            map.inspect_err(|error| tracing::warn!("no mask: {error}")).ok().map(Arc::new)
         };
         let map = self.map.get_or_init(make).as_ref().ok_or(Reason::Failed)?;
         if map.eligible() == eligible { Ok(Arc::clone(map)) } else { Err(Reason::Changes) }
@@ -137,10 +137,11 @@ impl RateMap for TargetMask {
 
     unsafe fn record_upload(&self, upload: Upload) {
         // Of a map that was made only now nothing is staged.
-        if let Some(map) = self.made().filter(|map| map.staging_len() == upload.len) {
+        let map = self.made().filter(|map| map.staging_len() == upload.len);
+        if let (Some(map), Some(gpu)) = (map, self.masks.gpu()) {
             // SAFETY: the caller vouches for the command buffer; what is recorded into it names what `self` keeps, and the
             // caller keeps that until it has finished.
-            let commands = unsafe { AppCommands::new(&self.masks.gpu, upload.commands) };
+            let commands = unsafe { AppCommands::new(gpu, upload.commands) };
             map.upload(&commands, upload.staging, upload.offset);
         }
     }

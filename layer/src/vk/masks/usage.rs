@@ -27,6 +27,6 @@ impl Masks {
             return None;
         }
         let usage = info.usage | added;
-        self.gpu.takes_image(info, usage).then_some(usage)
+        self.gpu()?.takes_image(info, usage).then_some(usage)
     }
 }

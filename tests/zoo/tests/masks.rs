@@ -1,0 +1,230 @@
+//! Every style on a device without shading rates, with rings that stay where they are: which passes get masks and which do
+//! not, and why, as the table of backends says; what is shaded is as without the layer, bit for bit, and what is not is what
+//! the CPU's prediction makes of it.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+#[path = "recognition/noted.rs"]
+mod noted;
+
+use glam::Quat;
+use libtest_mimic::{Arguments, Failed, Trial};
+use noted::Noted;
+use parafovea::config::{Config, GazeSource, Preset};
+use parafovea::link::{BACKEND_MASK, OfferRecord};
+use parafovea::planning::{Offer, Planning, ShownView, View};
+use parafovea_core::geometry::Fov;
+use parafovea_core::kernels::fill::FillFormat;
+use parafovea_core::mask::{Mask, MaskView, TileRates, predict};
+use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
+use parafovea_tests::picture::Picture;
+use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_zoo::{SKIPPED, STYLES, Style};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::ExitCode;
+
+const FRAMES: u64 = 12;
+const SIZE: u32 = 96;
+
+/// From this frame on what can have a mask has one: each of a swapchain's three images was drawn to and shown, and drawn to
+/// again.
+const MASKED_FROM: u64 = 9;
+
+/// The picture that is looked at.
+const SAVED: u64 = 11;
+
+/// Looking straight ahead, never dropped, in full colour: the same map in every run.
+const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n";
+
+/// A pass that reads the picture around a pixel spreads what was filled by so many pixels at most: blooms and filters of the
+/// styles, which are smaller.
+const REACH: u32 = 12;
+
+/// What the table says of a style.
+#[derive(Debug)]
+enum Expected {
+    /// Its passes of the scene have masks.
+    Engaged,
+    /// They have none, because.
+    Refused(String),
+    /// Where the table was made no device can run it.
+    NotRun,
+}
+
+fn main() -> ExitCode {
+    let table = table();
+    let trials = STYLES.iter().map(|style| {
+        let style: &'static Style = style;
+        let expected = match table.get(style.name).map(String::as_str) {
+            Some("engaged") => Ok(Expected::Engaged),
+            Some(says) if says.starts_with("not run: ") => Ok(Expected::NotRun),
+            Some(says) => match says.strip_prefix("refused: ") {
+                Some(reason) => Ok(Expected::Refused(reason.to_owned())),
+                None => Err(format!("the table says {says:?}")),
+            },
+            None => Err("the table says nothing".to_owned()),
+        };
+        Trial::test(style.name, move || check(style, &expected?))
+    });
+    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
+}
+
+/// The column of the mask in `tests/baselines/backends.md`, by style.
+fn table() -> BTreeMap<String, String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../baselines/backends.md");
+    let text = std::fs::read_to_string(path).unwrap();
+    let rows = text.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| style"));
+    rows.map(|row| {
+        let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
+        (cells[0].to_owned(), cells[2].to_owned())
+    })
+    .collect()
+}
+
+fn run(style: &Style, layer: LayerMode, passes: Option<&Path>) -> Result<Outcome, Failed> {
+    let (size, frames) = (SIZE.to_string(), FRAMES.to_string());
+    let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
+    let application = Application::ours("parafovea-zoo", &arguments)?;
+    let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE).saving(&[SAVED]);
+    let run = Run::new(&application, &scenario).validated().layer(layer);
+    let run = match passes {
+        Some(file) => run.env("PARAFOVEA_PASSES_FILE", file),
+        None => run,
+    };
+    Ok(run.finish()?)
+}
+
+fn check(style: &Style, expected: &Expected) -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("passes.jsonl");
+    let on = run(style, LayerMode::On(FIXED_RINGS.to_owned()), Some(&file))?;
+    if let Some(skipped) = on.output.lines().find(|line| line.starts_with(SKIPPED)) {
+        println!("{}: {skipped}", style.name);
+        return Ok(());
+    }
+    let on = on.expect_frames(FRAMES)?;
+    assert!(on.findings.vulkan.is_empty(), "{:#?}\n{}", on.findings.vulkan, on.log);
+    assert!(on.record.errors.is_empty(), "{:#?}", on.record.errors);
+
+    let noted = Noted::read(&file)?;
+    let scene: Vec<&Noted> =
+        noted.iter().filter(|pass| pass.frame >= MASKED_FROM && pass.eyes != "none").collect();
+    let others = noted.iter().filter(|pass| pass.eyes == "none");
+    assert_eq!(
+        others.filter(|pass| pass.unmasked.is_none()).count(),
+        0,
+        "passes that are not the scene have masks"
+    );
+    let masked = scene.iter().filter(|pass| pass.unmasked.is_none()).count();
+    let reasons: Vec<&str> = scene.iter().filter_map(|pass| pass.unmasked.as_deref()).collect();
+
+    let off = run(style, LayerMode::Off, None)?.expect_frames(FRAMES)?;
+    let mask = Rings::new();
+    for eye in 0..2 {
+        let (off, on) = (off.submitted(eye, SAVED)?, on.submitted(eye, SAVED)?);
+        match expected {
+            Expected::Refused(_) => assert!(off == on, "eye {eye} differs"),
+            Expected::Engaged => mask.check(style, eye, &off, &on),
+            Expected::NotRun => {}
+        }
+    }
+    match expected {
+        Expected::Engaged => assert!(masked > 0, "no pass has a mask: {reasons:?}\n{}", on.log),
+        Expected::Refused(reason) => {
+            assert_eq!(masked, 0, "passes have masks");
+            assert!(reasons.contains(&reason.as_str()), "{reasons:?} for {reason:?}\n{}", on.log);
+        }
+        Expected::NotRun => {}
+    }
+    Ok(())
+}
+
+/// What is skipped in the picture of an eye: both see the same rings.
+struct Rings(Mask);
+
+impl Rings {
+    /// The plan that the layer makes of these views and this gaze.
+    fn new() -> Self {
+        let mut config = Config::of_preset(Preset::Balanced);
+        config.gaze.source = GazeSource::Centre;
+        let mut offer = OfferRecord {
+            backend: BACKEND_MASK,
+            texel: [16; 2],
+            rate_count: VULKAN_RATES.len() as u32,
+            rates: [0; 16],
+            is_cpu: 1,
+        };
+        for (texel, rate) in offer.rates.iter_mut().zip(VULKAN_RATES) {
+            *texel = rate.texel();
+        }
+        let edge = std::f32::consts::FRAC_PI_4;
+        let fov = Fov { left: -edge, right: edge, up: edge, down: -edge };
+        let view = View { orientation: Quat::IDENTITY, fov };
+        let mut planning = Planning::default();
+        planning.set_offer(Offer::from(&offer));
+        planning.views.located(&[view; 2]);
+        planning.views.shown(&[ShownView { view, extent: [SIZE; 2] }; 2]);
+        planning.frame_begins(0);
+        assert!(planning.plan(&config, false, Quat::IDENTITY, 0));
+        let record = planning.new_rates(&config, || 1).unwrap();
+        let eye = record.eyes[0];
+        // SAFETY: the record has a rate for each tile until `planning` is used again.
+        let rates = unsafe { std::slice::from_raw_parts(eye.rates, (eye.tiles[0] * eye.tiles[1]) as usize) };
+        assert!(
+            rates.contains(&ShadingRate::R1X1.texel()) && rates.iter().any(|rate| *rate != 0),
+            "{rates:?}"
+        );
+        let tiles = TileRates { texel: eye.texel, first: [0; 2], columns: eye.tiles[0], rates };
+        let mut mask = Mask::new([SIZE; 2], 1);
+        mask.lay(&[MaskView { layer: 0, offset: [0; 2], extent: [SIZE; 2], tiles }]);
+        Self(mask)
+    }
+
+    /// Whether a pixel, and everything within so many pixels of it, is shaded.
+    fn is_shaded(&self, [x, y]: [u32; 2], reach: u32) -> bool {
+        let around = |at: u32| at.saturating_sub(reach)..=(at + reach).min(SIZE - 1);
+        around(y).all(|y| around(x).all(|x| !self.0.skips(0, [x, y])))
+    }
+
+    fn check(&self, style: &Style, eye: usize, off: &Picture, on: &Picture) {
+        assert!(off != on, "eye {eye}: nothing was done");
+        if style.global.is_some() {
+            let (before, after) = (mean(off), mean(on));
+            assert!((after / before - 1.0).abs() < 0.01, "eye {eye}: from {before} to {after}");
+            return;
+        }
+        // The plan is made for the size that was shown last, and this picture has another.
+        let is_resized = off.width != SIZE;
+        let is_predicted = style.direct && !is_resized;
+        let reach = if is_predicted { 0 } else { REACH };
+        let mut predicted: Vec<u8> = off.pixels.as_flattened().to_vec();
+        predict(&mut predicted, FillFormat::Srgb8, &self.0, 0);
+        let mut compared = 0;
+        for (x, y, was) in off.enumerate() {
+            let is = on.at(x, y);
+            let [column, row] =
+                if is_resized { [x * SIZE / off.width, y * SIZE / off.height] } else { [x, y] };
+            if self.is_shaded([column, row], reach) {
+                assert_eq!(is, was, "eye {eye}, {x}, {y}: shaded, but not as without");
+                compared += 1;
+            } else if is_predicted {
+                let at = (y * SIZE + x) as usize * 4;
+                let by = is.iter().zip(&predicted[at..at + 4]).map(|(is, was)| is.abs_diff(*was)).max();
+                assert!(by <= Some(1), "eye {eye}, {x}, {y}: {is:?}, predicted {:?}", &predicted[at..at + 4]);
+            }
+        }
+        assert!(compared > 100, "eye {eye}: only {compared} pixels were compared");
+    }
+}
+
+/// Over all pixels and colour channels.
+fn mean(picture: &Picture) -> f64 {
+    let sum: f64 = picture
+        .pixels
+        .iter()
+        .map(|pixel| pixel[..3].iter().map(|&value| f64::from(value)).sum::<f64>())
+        .sum();
+    sum / picture.pixels.len() as f64 / 3.0
+}
