@@ -24,7 +24,7 @@ use crate::kernels::fill::{FillFormat, fill_image};
 use crate::plan::EyePlan;
 use crate::rate::ShadingRate;
 use glam::UVec2;
-use sources::{PatternSources, SourceFinder};
+use sources::{PatternSources, PatternsAround, SourceFinder};
 
 /// Side of a block, pixels. The shader has the same constant.
 pub const BLOCK: u32 = 4;
@@ -136,6 +136,8 @@ pub struct Mask {
     layers: Vec<Plane<bool>>,
     list: SkipList,
     patterns: PatternSources,
+    /// Of [`SourceFinder`].
+    around: PatternsAround,
 }
 
 impl Mask {
@@ -147,7 +149,8 @@ impl Mask {
         let layers: Vec<_> = (0..layers.min(MAX_LAYERS)).map(|_| plane()).collect();
         let skippable: usize = layers.iter().map(|plane| plane.texels().len()).sum();
         let list = SkipList::with_capacity(skippable);
-        Self { extent, layers, list, patterns: PatternSources::new() }
+        let around = PatternsAround::with_capacity(blocks[0] as usize);
+        Self { extent, layers, list, patterns: PatternSources::new(), around }
     }
 
     /// Lays the rates of `views` over the picture, in place of what was there. A view that overlaps an earlier one is
@@ -190,17 +193,23 @@ impl Mask {
     fn find_sources(&mut self, view: &MaskView) {
         let Some(skipped) = self.layers.get_mut(view.layer as usize) else { return };
         let (first, end) = view.blocks(self.extent);
-        let mut finder = SourceFinder::new(view, &self.patterns, (first, end));
+        let mut finder = SourceFinder::new(view, &self.patterns, (first, end), &mut self.around);
         for y in first.y..end.y {
-            for x in first.x..end.x {
-                if !skipped.at(x, y) {
-                    continue;
+            let mut x = first.x;
+            while x < end.x {
+                // As far as the sources of all blocks follow from one pattern.
+                let (run, sources) = finder.run(UVec2::new(x, y));
+                for x in x..run {
+                    if !skipped.at(x, y) {
+                        continue;
+                    }
+                    let block = UVec2::new(x, y);
+                    match sources.map_or_else(|| finder.nearest(skipped, block), |of| Some(of.at(x))) {
+                        Some(sources) => self.list.push(block, view.layer, sources),
+                        None => skipped.row_mut(y)[x as usize] = false,
+                    }
                 }
-                let block = UVec2::new(x, y);
-                match finder.sources(skipped, block) {
-                    Some(sources) => self.list.push(block, view.layer, sources),
-                    None => skipped.row_mut(y)[x as usize] = false,
-                }
+                x = run;
             }
         }
     }

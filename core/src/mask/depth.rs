@@ -113,27 +113,31 @@ pub fn near_value(
 /// Writes one array layer of the template of `mask` to `out`, row by row without gaps. Of an `out` that is too short the
 /// rows that fit are written; a layer that the mask has not is shaded throughout.
 pub fn write_template(mask: &Mask, layer: u32, format: DepthFormat, depths: TemplateDepths, out: &mut [u8]) {
-    let size = format.texel_size();
-    let [width, _] = mask.extent().map(|side| side as usize);
-    let shaded = &format.encode(depths.shaded)[..size];
-    let skipped = &format.encode(depths.skipped)[..size];
-    let row_size = width * size;
-    if row_size == 0 {
-        return;
+    let [shaded, skipped] = [depths.shaded, depths.skipped].map(|depth| format.encode(depth));
+    match format.texel_size() {
+        2 => write_texels([shaded, skipped].map(|[a, b, ..]| [a, b]), mask, layer, out.as_chunks_mut().0),
+        _ => write_texels([shaded, skipped], mask, layer, out.as_chunks_mut().0),
     }
-    let Some(blocks) = mask.skipped(layer) else {
-        out.chunks_exact_mut(size).for_each(|texel| texel.copy_from_slice(shaded));
+}
+
+/// The texels of a layer, of a shaded and of a skipped block's value.
+fn write_texels<const SIZE: usize>(
+    [shaded, skipped]: [[u8; SIZE]; 2],
+    mask: &Mask,
+    layer: u32,
+    out: &mut [[u8; SIZE]],
+) {
+    let width = mask.extent()[0] as usize;
+    let Some(blocks) = mask.skipped(layer).filter(|_| width > 0) else {
+        out.fill(shaded);
         return;
     };
-    for (index, rows) in
-        (0u32..).zip(out.chunks_mut(row_size * BLOCK as usize)).take(blocks.height() as usize)
-    {
-        let (first, others) = rows.split_at_mut(row_size.min(rows.len()));
-        for (texels, skip) in first.chunks_mut(size * BLOCK as usize).zip(blocks.row(index)) {
-            let value = if *skip { skipped } else { shaded };
-            texels.chunks_exact_mut(size).for_each(|texel| texel.copy_from_slice(value));
+    for (index, rows) in (0..blocks.height()).zip(out.chunks_mut(width * BLOCK as usize)) {
+        let (first, others) = rows.split_at_mut(width.min(rows.len()));
+        for (texels, skip) in first.chunks_mut(BLOCK as usize).zip(blocks.row(index)) {
+            texels.fill(if *skip { skipped } else { shaded });
         }
-        for row in others.chunks_exact_mut(row_size) {
+        for row in others.chunks_exact_mut(width) {
             row.copy_from_slice(first);
         }
     }

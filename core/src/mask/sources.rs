@@ -98,38 +98,85 @@ impl PatternSources {
         Self(rates.map(Pattern::of).map(|pattern| (pattern, pattern.sources())).to_vec())
     }
 
-    fn get(&self, pattern: Pattern, block: UVec2) -> Option<u32> {
+    /// Those of a row of blocks of a pattern; nothing for the pattern that skips nothing.
+    fn row(&self, pattern: Pattern, y: u32) -> Option<RowSources> {
         let (_, sources) = self.0.iter().find(|(known, _)| *known == pattern)?;
         let [columns, rows] = Pattern::PERIOD;
-        sources.get((block.y % rows * columns + block.x % columns) as usize).copied()
+        let row = sources.get((y % rows * columns) as usize..)?;
+        row.first_chunk().copied().map(RowSources)
     }
 }
 
-/// Finds the sources of the blocks of one view, best asked row by row.
+/// The sources in a row of one pattern, by column modulo the period.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowSources([u32; Pattern::PERIOD[0] as usize]);
+
+impl RowSources {
+    /// Those of a block in a column, as [`encode`] gives them.
+    pub(super) fn at(self, x: u32) -> u32 {
+        self.0[(x % Pattern::PERIOD[0]) as usize]
+    }
+}
+
+/// For each tile of a row of tiles the pattern that all around it have too, as far as sources reach. Kept, so that a frame
+/// allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PatternsAround(Vec<Option<Pattern>>);
+
+impl PatternsAround {
+    /// With memory for so many tiles.
+    pub(super) fn with_capacity(tiles: usize) -> Self {
+        Self(Vec::with_capacity(tiles))
+    }
+}
+
+/// Finds the sources of the blocks of one view, row by row.
 pub(super) struct SourceFinder<'a, 'b> {
     view: &'a MaskView<'b>,
     patterns: &'a PatternSources,
     /// The first block, and the one after the last.
     blocks: (UVec2, UVec2),
-    /// The blocks of the last tile that was asked for, with its pattern where all tiles around have the same one.
-    tile: Option<(UVec2, UVec2, Option<Pattern>)>,
+    /// Blocks in a tile; nothing where tiles are no whole blocks.
+    tile: Option<UVec2>,
+    around: &'a mut PatternsAround,
+    /// The row of tiles that `around` is of.
+    row: Option<u32>,
 }
 
 impl<'a, 'b> SourceFinder<'a, 'b> {
     /// For a view that has the blocks from the first of `blocks` on up to, not including, the second.
-    pub(super) fn new(view: &'a MaskView<'b>, patterns: &'a PatternSources, blocks: (UVec2, UVec2)) -> Self {
-        Self { view, patterns, blocks, tile: None }
+    pub(super) fn new(
+        view: &'a MaskView<'b>,
+        patterns: &'a PatternSources,
+        blocks: (UVec2, UVec2),
+        around: &'a mut PatternsAround,
+    ) -> Self {
+        let texel = UVec2::from(view.tiles.texel).max(UVec2::ONE);
+        let tile = (texel % BLOCK == UVec2::ZERO).then(|| texel / BLOCK);
+        Self { view, patterns, blocks, tile, around, row: None }
     }
 
-    /// The sources of a skipped block of the view, as [`encode`] gives them; nothing where there is none within reach.
-    pub(super) fn sources(&mut self, skipped: &Plane<bool>, block: UVec2) -> Option<u32> {
+    /// The column up to which the blocks of a row from `block` on are alike: with the sources that are returned, or else
+    /// each with its own.
+    pub(super) fn run(&mut self, block: UVec2) -> (u32, Option<RowSources>) {
         let (first, end) = self.blocks;
         let margin = REACH_IN_PATTERN + 1;
-        let inner = block.cmpge(first + margin).all() && (block + margin).cmple(end).all();
-        let alike = if inner { self.pattern_around(block) } else { None };
-        if let Some(sources) = alike.and_then(|pattern| self.patterns.get(pattern, block)) {
-            return Some(sources);
+        let (inner, inner_end) = (first + margin, end.saturating_sub(UVec2::splat(margin)));
+        let Some(tile) = self.tile else { return (end.x, None) };
+        if block.y < inner.y || block.y >= inner_end.y || block.x >= inner_end.x {
+            return (end.x, None);
         }
+        if block.x < inner.x {
+            return (inner.x.min(end.x), None);
+        }
+        let tile_end = (block.x / tile.x + 1) * tile.x;
+        let pattern = self.pattern_around(block / tile);
+        (tile_end.min(inner_end.x), pattern.and_then(|pattern| self.patterns.row(pattern, block.y)))
+    }
+
+    /// The nearest sources of a skipped block, as [`encode`] gives them; nothing where there is none within reach.
+    pub(super) fn nearest(&self, skipped: &Plane<bool>, block: UVec2) -> Option<u32> {
+        let (first, end) = self.blocks;
         let found = nearest(|offset| {
             let source = block.as_ivec2() + offset;
             let inside = source.cmpge(first.as_ivec2()).all() && source.cmplt(end.as_ivec2()).all();
@@ -138,27 +185,27 @@ impl<'a, 'b> SourceFinder<'a, 'b> {
         Some(encode(found)).filter(|word| *word != 0)
     }
 
-    /// The pattern of a block's tile, where all tiles have it that [`Pattern::sources`] could reach.
-    fn pattern_around(&mut self, block: UVec2) -> Option<Pattern> {
-        if let Some((first, end, pattern)) = self.tile
-            && block.cmpge(first).all()
-            && block.cmplt(end).all()
-        {
-            return pattern;
+    /// The pattern of a tile, where all tiles have it that [`Pattern::sources`] could reach.
+    fn pattern_around(&mut self, tile: UVec2) -> Option<Pattern> {
+        if self.row != Some(tile.y) {
+            self.row = Some(tile.y);
+            let columns = self.tile.map_or(0, |blocks| self.blocks.1.x.div_ceil(blocks.x));
+            self.around.0.clear();
+            for x in 0..columns {
+                let pattern = self.alike(UVec2::new(x, tile.y));
+                self.around.0.push(pattern);
+            }
         }
+        self.around.0.get(tile.x as usize).copied().flatten()
+    }
+
+    fn alike(&self, tile: UVec2) -> Option<Pattern> {
         let texel = UVec2::from(self.view.tiles.texel).max(UVec2::ONE);
-        if texel % BLOCK != UVec2::ZERO {
-            return None;
-        }
-        let tile = block * BLOCK / texel;
         let reach = (texel - 1 + REACH_IN_PATTERN * BLOCK) / texel;
         let pattern = Pattern::of(self.view.tiles.rate(tile));
         let rows = tile.y.saturating_sub(reach.y)..=tile.y + reach.y;
         let mut around = rows
             .flat_map(|y| (tile.x.saturating_sub(reach.x)..=tile.x + reach.x).map(move |x| UVec2::new(x, y)));
-        let alike = around.all(|other| Pattern::of(self.view.tiles.rate(other)) == pattern);
-        let blocks = texel / BLOCK;
-        self.tile = Some((tile * blocks, (tile + 1) * blocks, alike.then_some(pattern)));
-        alike.then_some(pattern)
+        around.all(|other| Pattern::of(self.view.tiles.rate(other)) == pattern).then_some(pattern)
     }
 }

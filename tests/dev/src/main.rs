@@ -19,6 +19,8 @@ cargo dev <task>, run anywhere in the repository:
   test                  formatting, clippy, build, all tests, docs: what CI runs
   run [--runtime mock|system] [--config FILE] -- CMD...
                         any OpenXR program with the layer (default: the mock runtime on lavapipe)
+  zoo [STYLE]           every style of rendering at full length (256 x 256 pixels, 120 frames, with a still and a moving gaze, on both
+                        backends, under validation), of which `test` runs a share
   gpu [--json]          on a GPU with VK_KHR_fragment_shading_rate: the layer's rates beside the same ones set by the application itself, pictures and
                         GPU times; kept in tests/gpu-results/. Without such a GPU it says so, and that is all
   bench NAME [--json]   a bench: break-even (how dear pixels must be for the layer to gain), ears (what listening costs, and how late it is), frame (what techniques save), models (what the models cost, their hard cases, and how well gaze is followed), overhead (what the layer costs)
@@ -34,6 +36,7 @@ fn main() -> ExitCode {
         Some("demo") => tasks::demo(rest),
         Some("test") => tasks::test(rest),
         Some("run") => tasks::run(rest),
+        Some("zoo") => tasks::zoo(rest),
         Some("gpu") => tasks::gpu(rest),
         Some("bench") => tasks::bench(rest),
         Some("soak") => tasks::soak(rest),

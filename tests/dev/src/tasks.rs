@@ -57,6 +57,15 @@ pub fn run(arguments: &[String]) -> Result<(), String> {
     steps.run("run", Command::new(profile_folder()?.join("parafovea-run")).args(arguments))
 }
 
+/// Every style of rendering at full length, of which `test` runs a share.
+pub fn zoo(arguments: &[String]) -> Result<(), String> {
+    setup(Voice::Implied)?;
+    let mut steps = Steps::default();
+    build(&mut steps)?;
+    let zoo = ["test", "--locked", "--package", "parafovea-zoo", "--no-fail-fast", "--tests", "--"];
+    steps.run("zoo", in_root(cargo().args(zoo).args(arguments)).env("PARAFOVEA_ZOO", "full"))
+}
+
 /// What takes a real GPU.
 pub fn gpu(arguments: &[String]) -> Result<(), String> {
     setup(Voice::Implied)?;

@@ -4,9 +4,12 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-#[path = "recognition/noted.rs"]
+#[path = "common/effort.rs"]
+mod effort;
+#[path = "common/noted.rs"]
 mod noted;
 
+use effort::{Effort, is_full};
 use glam::Quat;
 use libtest_mimic::{Arguments, Failed, Trial};
 use noted::Noted;
@@ -20,20 +23,17 @@ use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{SKIPPED, STYLES, Style};
+use parafovea_zoo::{Queues, SKIPPED, STYLES, Style};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;
 
-const FRAMES: u64 = 12;
-const SIZE: u32 = 96;
+/// What is run in every test.
+const SHARE: Effort = Effort { frames: 12, size: 96 };
 
 /// From this frame on what can have a mask has one: each of a swapchain's three images was drawn to and shown, and drawn to
 /// again.
 const MASKED_FROM: u64 = 9;
-
-/// The picture that is looked at.
-const SAVED: u64 = 11;
 
 /// Looking straight ahead, never dropped, in full colour: the same map in every run.
 const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n";
@@ -43,7 +43,7 @@ const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n
 const REACH: u32 = 12;
 
 /// What the table says of a style.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Expected {
     /// Its passes of the scene have masks.
     Engaged,
@@ -66,7 +66,17 @@ fn main() -> ExitCode {
             },
             None => Err("the table says nothing".to_owned()),
         };
-        Trial::test(style.name, move || check(style, &expected?))
+        (style, expected)
+    });
+    let trials = trials.flat_map(|(style, expected)| {
+        let moving = expected.clone();
+        let mut trials = vec![Trial::test(style.name, move || check(style, &expected?))];
+        if is_full() {
+            trials.push(Trial::test(format!("{}, moving gaze", style.name), move || {
+                check_moving(style, &moving?)
+            }));
+        }
+        trials
     });
     libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
 }
@@ -83,12 +93,20 @@ fn table() -> BTreeMap<String, String> {
     .collect()
 }
 
-fn run(style: &Style, layer: LayerMode, passes: Option<&Path>) -> Result<Outcome, Failed> {
-    let (size, frames) = (SIZE.to_string(), FRAMES.to_string());
+fn run(
+    style: &Style,
+    effort: Effort,
+    scenario: Scenario,
+    layer: LayerMode,
+    passes: Option<&Path>,
+) -> Result<Outcome, Failed> {
+    let (size, frames) = (effort.size.to_string(), effort.frames.to_string());
     let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
     let application = Application::ours("parafovea-zoo", &arguments)?;
-    let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE).saving(&[SAVED]);
-    let run = Run::new(&application, &scenario).validated().layer(layer);
+    let run = Run::new(&application, &scenario)
+        .validated_from(style.headers)
+        .two_queues(style.needs.queues == Queues::Two)
+        .layer(layer);
     let run = match passes {
         Some(file) => run.env("PARAFOVEA_PASSES_FILE", file),
         None => run,
@@ -96,40 +114,39 @@ fn run(style: &Style, layer: LayerMode, passes: Option<&Path>) -> Result<Outcome
     Ok(run.finish()?)
 }
 
-fn check(style: &Style, expected: &Expected) -> Result<(), Failed> {
+/// What a run with masks left; nothing where no device can run the style.
+fn masked(
+    style: &Style,
+    effort: Effort,
+    scenario: Scenario,
+    config: &str,
+) -> Result<Option<(Outcome, Vec<Noted>)>, Failed> {
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("passes.jsonl");
-    let on = run(style, LayerMode::On(FIXED_RINGS.to_owned()), Some(&file))?;
+    let on = run(style, effort, scenario, LayerMode::On(config.to_owned()), Some(&file))?;
     if let Some(skipped) = on.output.lines().find(|line| line.starts_with(SKIPPED)) {
         println!("{}: {skipped}", style.name);
-        return Ok(());
+        return Ok(None);
     }
-    let on = on.expect_frames(FRAMES)?;
+    let on = on.expect_frames(effort.frames)?;
     assert!(on.findings.vulkan.is_empty(), "{:#?}\n{}", on.findings.vulkan, on.log);
     assert!(on.record.errors.is_empty(), "{:#?}", on.record.errors);
-
     let noted = Noted::read(&file)?;
-    let scene: Vec<&Noted> =
-        noted.iter().filter(|pass| pass.frame >= MASKED_FROM && pass.eyes != "none").collect();
     let others = noted.iter().filter(|pass| pass.eyes == "none");
     assert_eq!(
         others.filter(|pass| pass.unmasked.is_none()).count(),
         0,
         "passes that are not the scene have masks"
     );
+    Ok(Some((on, noted)))
+}
+
+/// Whether masks are where the table says.
+fn assert_expected(expected: &Expected, on: &Outcome, noted: &[Noted]) {
+    let scene: Vec<&Noted> =
+        noted.iter().filter(|pass| pass.frame >= MASKED_FROM && pass.eyes != "none").collect();
     let masked = scene.iter().filter(|pass| pass.unmasked.is_none()).count();
     let reasons: Vec<&str> = scene.iter().filter_map(|pass| pass.unmasked.as_deref()).collect();
-
-    let off = run(style, LayerMode::Off, None)?.expect_frames(FRAMES)?;
-    let mask = Rings::new();
-    for eye in 0..2 {
-        let (off, on) = (off.submitted(eye, SAVED)?, on.submitted(eye, SAVED)?);
-        match expected {
-            Expected::Refused(_) => assert!(off == on, "eye {eye} differs"),
-            Expected::Engaged => mask.check(style, eye, &off, &on),
-            Expected::NotRun => {}
-        }
-    }
     match expected {
         Expected::Engaged => assert!(masked > 0, "no pass has a mask: {reasons:?}\n{}", on.log),
         Expected::Refused(reason) => {
@@ -138,15 +155,45 @@ fn check(style: &Style, expected: &Expected) -> Result<(), Failed> {
         }
         Expected::NotRun => {}
     }
+}
+
+fn check_moving(style: &Style, expected: &Expected) -> Result<(), Failed> {
+    let effort = Effort::or_share(SHARE.frames, SHARE.size);
+    let config = "[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n";
+    if let Some((on, noted)) = masked(style, effort, effort.scenario_of_moving_gaze(), config)? {
+        assert_expected(expected, &on, &noted);
+    }
+    Ok(())
+}
+
+fn check(style: &Style, expected: &Expected) -> Result<(), Failed> {
+    let effort = Effort::or_share(SHARE.frames, SHARE.size);
+    let saved = effort.frames - 1;
+    let scenario = effort.scenario().saving(&[saved]);
+    let Some((on, noted)) = masked(style, effort, scenario.clone(), FIXED_RINGS)? else { return Ok(()) };
+    assert_expected(expected, &on, &noted);
+    let off = run(style, effort, scenario, LayerMode::Off, None)?.expect_frames(effort.frames)?;
+    let rings = Rings::new(effort.size);
+    for eye in 0..2 {
+        let (off, on) = (off.submitted(eye, saved)?, on.submitted(eye, saved)?);
+        match expected {
+            Expected::Refused(_) => assert!(off == on, "eye {eye} differs"),
+            Expected::Engaged => rings.check(style, eye, &off, &on),
+            Expected::NotRun => {}
+        }
+    }
     Ok(())
 }
 
 /// What is skipped in the picture of an eye: both see the same rings.
-struct Rings(Mask);
+struct Rings {
+    mask: Mask,
+    size: u32,
+}
 
 impl Rings {
     /// The plan that the layer makes of these views and this gaze.
-    fn new() -> Self {
+    fn new(size: u32) -> Self {
         let mut config = Config::of_preset(Preset::Balanced);
         config.gaze.source = GazeSource::Centre;
         let mut offer = OfferRecord {
@@ -165,7 +212,7 @@ impl Rings {
         let mut planning = Planning::default();
         planning.set_offer(Offer::from(&offer));
         planning.views.located(&[view; 2]);
-        planning.views.shown(&[ShownView { view, extent: [SIZE; 2] }; 2]);
+        planning.views.shown(&[ShownView { view, extent: [size; 2] }; 2]);
         planning.frame_begins(0);
         assert!(planning.plan(&config, false, Quat::IDENTITY, 0));
         let record = planning.new_rates(&config, || 1).unwrap();
@@ -177,15 +224,15 @@ impl Rings {
             "{rates:?}"
         );
         let tiles = TileRates { texel: eye.texel, first: [0; 2], columns: eye.tiles[0], rates };
-        let mut mask = Mask::new([SIZE; 2], 1);
-        mask.lay(&[MaskView { layer: 0, offset: [0; 2], extent: [SIZE; 2], tiles }]);
-        Self(mask)
+        let mut mask = Mask::new([size; 2], 1);
+        mask.lay(&[MaskView { layer: 0, offset: [0; 2], extent: [size; 2], tiles }]);
+        Self { mask, size }
     }
 
     /// Whether a pixel, and everything within so many pixels of it, is shaded.
     fn is_shaded(&self, [x, y]: [u32; 2], reach: u32) -> bool {
-        let around = |at: u32| at.saturating_sub(reach)..=(at + reach).min(SIZE - 1);
-        around(y).all(|y| around(x).all(|x| !self.0.skips(0, [x, y])))
+        let around = |at: u32| at.saturating_sub(reach)..=(at + reach).min(self.size - 1);
+        around(y).all(|y| around(x).all(|x| !self.mask.skips(0, [x, y])))
     }
 
     fn check(&self, style: &Style, eye: usize, off: &Picture, on: &Picture) {
@@ -196,21 +243,21 @@ impl Rings {
             return;
         }
         // The plan is made for the size that was shown last, and this picture has another.
-        let is_resized = off.width != SIZE;
+        let is_resized = off.width != self.size;
         let is_predicted = style.direct && !is_resized;
         let reach = if is_predicted { 0 } else { REACH };
         let mut predicted: Vec<u8> = off.pixels.as_flattened().to_vec();
-        predict(&mut predicted, FillFormat::Srgb8, &self.0, 0);
+        predict(&mut predicted, FillFormat::Srgb8, &self.mask, 0);
         let mut compared = 0;
         for (x, y, was) in off.enumerate() {
             let is = on.at(x, y);
             let [column, row] =
-                if is_resized { [x * SIZE / off.width, y * SIZE / off.height] } else { [x, y] };
+                if is_resized { [x * self.size / off.width, y * self.size / off.height] } else { [x, y] };
             if self.is_shaded([column, row], reach) {
                 assert_eq!(is, was, "eye {eye}, {x}, {y}: shaded, but not as without");
                 compared += 1;
             } else if is_predicted {
-                let at = (y * SIZE + x) as usize * 4;
+                let at = (y * self.size + x) as usize * 4;
                 let by = is.iter().zip(&predicted[at..at + 4]).map(|(is, was)| is.abs_diff(*was)).max();
                 assert!(by <= Some(1), "eye {eye}, {x}, {y}: {is:?}, predicted {:?}", &predicted[at..at + 4]);
             }

@@ -3,17 +3,21 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+#[path = "common/effort.rs"]
+mod effort;
+
+use effort::{Effort, is_full};
 use libtest_mimic::{Arguments, Failed, Trial};
 use parafovea_test_layers::{
     ShadingRateFinding, ShadingRateLine, ShadingRateMap, ShadingRatePass, ShadingRateProfile,
 };
 use parafovea_tests::run::{Application, Message, Outcome, Run};
-use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_tests::scenario::Scenario;
 use parafovea_zoo::{Eyes, PassTruth, Queues, SKIPPED, STYLES, Style};
 use std::process::ExitCode;
 
-const FRAMES: u64 = 8;
-const SIZE: u32 = 96;
+/// What is run in every test.
+const SHARE: Effort = Effort { frames: 8, size: 96 };
 
 /// From this frame on all passes are known, and the plan is laid over them.
 const COARSE_FROM: u64 = 4;
@@ -26,13 +30,33 @@ const COPY_OF_MAP: &str = "vkCmdCopyImageToBuffer: For optimal performance";
 
 fn main() -> ExitCode {
     let profiles = ShadingRateProfile::ALL.into_iter().cycle();
-    let trials = STYLES.iter().zip(profiles).map(|(style, profile)| {
+    let trials = STYLES.iter().zip(profiles).flat_map(|(style, profile)| {
         let style: &'static Style = style;
-        Trial::test(format!("{} on {}", style.name, profile.name()), move || check(style, profile))
+        let trial = |gaze: MapOf, profile: ShadingRateProfile| {
+            Trial::test(format!("{} on {}, {gaze:?}", style.name, profile.name()), move || {
+                check(style, profile, gaze)
+            })
+        };
+        if is_full() {
+            let all = ShadingRateProfile::ALL.into_iter();
+            all.flat_map(|profile| [MapOf::StillGaze, MapOf::MovingGaze].map(|gaze| trial(gaze, profile)))
+                .collect()
+        } else {
+            vec![trial(MapOf::StillGaze, profile)]
+        }
     });
     let left_alone =
         LEFT_ALONE.into_iter().map(|(name, option)| Trial::test(name, || check_left_alone(option)));
     libtest_mimic::run(&Arguments::from_args(), trials.chain(left_alone).collect()).exit_code()
+}
+
+/// Where the eyes look.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum MapOf {
+    /// Straight ahead.
+    StillGaze,
+    /// Elsewhere all the time.
+    MovingGaze,
 }
 
 /// What a user may ask for, and nothing becomes coarser by a rate attachment.
@@ -44,19 +68,25 @@ const LEFT_ALONE: [(&str, &str); 3] = [
 
 fn check_left_alone(option: &str) -> Result<(), Failed> {
     let style = parafovea_zoo::style("render-pass").ok_or("no such style")?;
-    let outcome = run(style, ShadingRateProfile::Layered16, &format!("{FIXED_RINGS}{option}\n"))?;
-    let (findings, seen) = lines(outcome.expect_frames(FRAMES)?.shading_rates()?);
+    let config = format!("{FIXED_RINGS}{option}\n");
+    let outcome = run(style, SHARE, ShadingRateProfile::Layered16, &config, SHARE.scenario())?;
+    let (findings, seen) = lines(outcome.expect_frames(SHARE.frames)?.shading_rates()?);
     assert_eq!(findings, []);
-    assert_eq!(seen.len() as u64, 2 * FRAMES);
+    assert_eq!(seen.len() as u64, 2 * SHARE.frames);
     assert!(!seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse), "{seen:#?}");
     Ok(())
 }
 
-fn run(style: &Style, profile: ShadingRateProfile, config: &str) -> Result<Outcome, Failed> {
-    let (size, frames) = (SIZE.to_string(), FRAMES.to_string());
+fn run(
+    style: &Style,
+    effort: Effort,
+    profile: ShadingRateProfile,
+    config: &str,
+    scenario: Scenario,
+) -> Result<Outcome, Failed> {
+    let (size, frames) = (effort.size.to_string(), effort.frames.to_string());
     let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
     let application = Application::ours("parafovea-zoo", &arguments)?;
-    let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
     let run = Run::new(&application, &scenario)
         .validated_from(style.headers)
         .two_queues(style.needs.queues == Queues::Two)
@@ -64,13 +94,18 @@ fn run(style: &Style, profile: ShadingRateProfile, config: &str) -> Result<Outco
     Ok(run.on(config).finish()?)
 }
 
-fn check(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed> {
-    let outcome = run(style, profile, FIXED_RINGS)?;
+fn check(style: &Style, profile: ShadingRateProfile, gaze: MapOf) -> Result<(), Failed> {
+    let effort = Effort::or_share(SHARE.frames, SHARE.size);
+    let (config, scenario) = match gaze {
+        MapOf::StillGaze => (FIXED_RINGS, effort.scenario()),
+        MapOf::MovingGaze => ("[rates]\ngate = \"on\"\n", effort.scenario_of_moving_gaze()),
+    };
+    let outcome = run(style, effort, profile, config, scenario)?;
     if let Some(skipped) = outcome.output.lines().find(|line| line.starts_with(SKIPPED)) {
         println!("{}: {skipped}", style.name);
         return Ok(());
     }
-    let outcome = outcome.expect_frames(FRAMES)?;
+    let outcome = outcome.expect_frames(effort.frames)?;
     let is_new = |found: &&Message| !found.text.contains(COPY_OF_MAP);
     let messages: Vec<&Message> = outcome.findings.vulkan.iter().filter(is_new).collect();
     assert!(messages.is_empty(), "{messages:#?}");
@@ -78,8 +113,8 @@ fn check(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed> {
 
     let (findings, seen) = lines(outcome.shading_rates()?);
     assert_eq!(findings, []);
-    let truth: Vec<(u64, PassTruth)> = (0..FRAMES)
-        .flat_map(|frame| (style.passes)([SIZE; 2], frame).into_iter().map(move |pass| (frame, pass)))
+    let truth: Vec<(u64, PassTruth)> = (0..effort.frames)
+        .flat_map(|frame| (style.passes)([effort.size; 2], frame).into_iter().map(move |pass| (frame, pass)))
         .filter(|(_, pass)| has_rates(pass))
         .collect();
     assert_eq!(seen.len(), truth.len(), "passes with a rate attachment");
@@ -88,11 +123,14 @@ fn check(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed> {
         assert!(seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse), "no pass became coarser");
         return Ok(());
     }
+    assert!(seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse), "no pass became coarser");
     for (seen, (frame, truth)) in seen.iter().zip(&truth) {
         let map = seen.map.as_ref().ok_or("a map that was not read in time")?;
         let is_coarse = is_coarse(map);
         let is_eyes = truth.eyes != Eyes::None && !holds_numbers(truth);
-        let is_right = if is_eyes { is_coarse || *frame < COARSE_FROM } else { !is_coarse };
+        // Where the eyes look elsewhere, coarseness comes and goes.
+        let may_be_fine = *frame < COARSE_FROM || gaze == MapOf::MovingGaze;
+        let is_right = if is_eyes { is_coarse || may_be_fine } else { !is_coarse };
         if !is_right {
             return Err(format!("frame {frame}, {truth:?}: {map:#?}\n{}", outcome.log).into());
         }

@@ -3,18 +3,18 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-#[path = "recognition/noted.rs"]
+#[path = "common/effort.rs"]
+#[allow(dead_code, reason = "each test uses a part of it")]
+mod effort;
+#[path = "common/noted.rs"]
 mod noted;
 
+use effort::Effort;
 use libtest_mimic::{Arguments, Failed, Trial};
 use noted::Noted;
 use parafovea_tests::run::{Application, Run};
-use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use parafovea_zoo::{Eyes, PassTruth, Queues, SKIPPED, STYLES, Style};
 use std::process::ExitCode;
-
-const FRAMES: u64 = 8;
-const SIZE: u32 = 64;
 
 /// From this frame on the passes are known; nothing is taken for the scene before that is not.
 const KNOWN_FROM: u64 = 4;
@@ -30,10 +30,11 @@ fn main() -> ExitCode {
 fn check(style: &Style) -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("passes.jsonl");
-    let (size, frames) = (SIZE.to_string(), FRAMES.to_string());
+    let effort = Effort::or_share(8, 64);
+    let (size, frames) = (effort.size.to_string(), effort.frames.to_string());
     let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
     let application = Application::ours("parafovea-zoo", &arguments)?;
-    let scenario = Scenario::new(FRAMES).sized(SIZE, SIZE);
+    let scenario = effort.scenario();
     let outcome = Run::new(&application, &scenario)
         .validated_from(style.headers)
         .two_queues(style.needs.queues == Queues::Two)
@@ -44,13 +45,13 @@ fn check(style: &Style) -> Result<(), Failed> {
         println!("{}: {skipped}", style.name);
         return Ok(());
     }
-    let outcome = outcome.expect_frames(FRAMES)?;
+    let outcome = outcome.expect_frames(effort.frames)?;
     assert!(outcome.findings.vulkan.is_empty(), "{:#?}", outcome.findings.vulkan);
     assert!(outcome.record.errors.is_empty(), "{:#?}", outcome.record.errors);
 
     let noted = Noted::read(&file)?;
-    let truth: Vec<(u64, PassTruth)> = (0..FRAMES)
-        .flat_map(|frame| (style.passes)([SIZE; 2], frame).into_iter().map(move |pass| (frame, pass)))
+    let truth: Vec<(u64, PassTruth)> = (0..effort.frames)
+        .flat_map(|frame| (style.passes)([effort.size; 2], frame).into_iter().map(move |pass| (frame, pass)))
         .filter(|(_, pass)| !is_elsewhere(pass))
         .collect();
     assert_eq!(noted.len(), truth.len(), "passes");
