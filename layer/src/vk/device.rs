@@ -230,7 +230,12 @@ unsafe fn track(
                 set_device_loader_data,
             };
             let rates = enabled.and_then(|enabled| Rates::on(&record, enabled, is_cpu)).map(Arc::new);
-            let masks = rates.is_none().then(|| Arc::new(Masks::on(&record, is_cpu)));
+            // The fill's shader has storage buffers as SPIR-V knows them from Vulkan 1.1 on.
+            let may_mask = rates.is_none() && api_version >= vk::API_VERSION_1_1;
+            let masks = may_mask.then(|| Arc::new(Masks::on(&record, is_cpu)));
+            if masks.is_none() && rates.is_none() {
+                tracing::info!("no masks either: the application asks for Vulkan 1.0");
+            }
             Arc::new(Armed::new(record, hooked, rates, masks))
         });
         let state = match (&armed, instance.enabled) {

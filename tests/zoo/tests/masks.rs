@@ -10,7 +10,7 @@ mod effort;
 mod noted;
 
 use effort::{Effort, is_full};
-use glam::Quat;
+use glam::{Quat, Vec3};
 use libtest_mimic::{Arguments, Failed, Trial};
 use noted::Noted;
 use parafovea::config::{Config, GazeSource, Preset};
@@ -208,7 +208,7 @@ impl Rings {
         }
         let edge = std::f32::consts::FRAC_PI_4;
         let fov = Fov { left: -edge, right: edge, up: edge, down: -edge };
-        let view = View { orientation: Quat::IDENTITY, fov };
+        let view = View { position: Vec3::ZERO, orientation: Quat::IDENTITY, fov };
         let mut planning = Planning::default();
         planning.set_offer(Offer::from(&offer));
         planning.views.located(&[view; 2]);

@@ -25,7 +25,8 @@ impl Effort {
     /// The same, with a gaze that jumps from one place to another three times a second, and follows something between.
     pub fn scenario_of_moving_gaze(self) -> Scenario {
         let mut scenario = self.scenario();
-        let directions = [(-18.0, 4.0), (12.0, -9.0), (3.0, 14.0), (20.0, 0.0), (-6.0, -12.0)];
+        let directions: [(f32, f32); 5] =
+            [(-18.0, 4.0), (12.0, -9.0), (3.0, 14.0), (20.0, 0.0), (-6.0, -12.0)];
         scenario.gaze = (0..)
             .zip(directions.iter().cycle())
             .take(12)
