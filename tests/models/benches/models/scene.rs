@@ -103,6 +103,7 @@ fn pass_to(pass: u64) -> Pass {
         area: [0, 0, SIDE, SIDE],
         view_mask: 0,
         facts: PassFacts::default(),
+        unmasked: None,
     }
 }
 
