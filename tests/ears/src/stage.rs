@@ -118,6 +118,14 @@ impl Stage {
         Ok(())
     }
 
+    /// Changes the application's configuration; `audio` is what comes below `[audio]`.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn configure(&self, audio: &str) -> Result<()> {
+        Ok(std::fs::write(self.running.config_file(), configuration(audio))?)
+    }
+
     /// The program that plays lost its server: begins anew.
     ///
     /// # Errors

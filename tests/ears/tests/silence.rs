@@ -3,7 +3,7 @@
 use parafovea_ears::player::{Player, SHORT_BUFFER_MS};
 use parafovea_ears::signals::{Kind, sound};
 use parafovea_ears::stage::{SAMPLE_RATE_HZ, Stage};
-use std::time::SystemTime;
+use std::time::{Duration, Instant, SystemTime};
 
 /// What a busy machine adds to any time here, seconds.
 const SLACK_S: f64 = 0.4;
@@ -13,7 +13,7 @@ fn play(stage: &Stage) {
     let now = SystemTime::now();
     stage.player.play(sound(Kind::Tone, -12.0, SAMPLE_RATE_HZ, 1.0), true);
     stage.wait("sound", |line| line.pays(), Some(now)).unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(600));
+    std::thread::sleep(Duration::from_millis(600));
 }
 
 #[test]
@@ -45,5 +45,23 @@ fn the_end_of_a_sound_a_muted_output_and_one_without_volume_are_silence() {
         stage.player.pause();
         stage.wait("silence", |line| line.silent == Some(true), Some(unmuted)).unwrap();
     }
+    stage.finish().unwrap();
+}
+
+#[test]
+fn an_edit_ends_listening_and_begins_it_again() {
+    let stage = Stage::new("window_s = 1.0").unwrap();
+    play(&stage);
+    stage.configure("source = \"off\"").unwrap();
+    stage.wait_for_log("sound: listens no more").unwrap();
+    let outputs = || stage.server.command("list-source-outputs").unwrap();
+    let start = Instant::now();
+    while !outputs().contains("0 source output(s)") {
+        assert!(start.elapsed() < Duration::from_secs(10), "{}", outputs());
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let again = SystemTime::now();
+    stage.configure("source = \"system\"\nwindow_s = 1.0").unwrap();
+    stage.wait("sound", |line| line.pays(), Some(again)).unwrap();
     stage.finish().unwrap();
 }
