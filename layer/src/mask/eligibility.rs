@@ -80,18 +80,24 @@ impl Directions {
 pub struct PipelineFacts {
     /// One has a fragment shader that writes to a buffer or to a storage image, or counts atomically.
     pub have_side_effects: bool,
+    /// One cannot be looked into.
+    pub are_unknown: bool,
     /// Their depth tests.
     pub directions: Directions,
 }
 
 impl PipelineFacts {
     /// Of what cannot be looked into.
-    pub const UNKNOWN: Self =
-        Self { have_side_effects: true, directions: Directions { less: false, greater: false } };
+    pub const UNKNOWN: Self = Self {
+        have_side_effects: true,
+        are_unknown: true,
+        directions: Directions { less: false, greater: false },
+    };
 
     /// One more is used.
     pub fn see(&mut self, other: Self) {
         self.have_side_effects |= other.have_side_effects;
+        self.are_unknown |= other.are_unknown;
         self.directions.less |= other.directions.less;
         self.directions.greater |= other.directions.greater;
     }
@@ -153,6 +159,8 @@ pub enum Reason {
     StencilStored,
     /// Samples are counted, or what they count decides what is drawn.
     Queried,
+    /// It has shader objects, or pipelines that cannot be looked into.
+    UnknownPipelines,
     /// Fragment shaders write elsewhere than to the attachments.
     SideEffects,
     /// The application has shading rates of its own.
@@ -198,6 +206,7 @@ impl fmt::Display for Reason {
             Self::StencilLoaded => "stencil is loaded",
             Self::StencilStored => "stencil is stored",
             Self::Queried => "an occlusion query or conditional rendering in it",
+            Self::UnknownPipelines => "shader objects, or pipelines that are not known",
             Self::SideEffects => "its fragment shaders write to buffers or storage images",
             Self::OwnRates => "shading rates of the application's own",
             Self::Suspended => "suspended or resumed rendering",
@@ -237,6 +246,9 @@ const READS: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
 /// The first reason against it.
 pub fn eligible(facts: &MaskFacts) -> Result<Eligible, Reason> {
     of_pass(&facts.pass)?;
+    if facts.pipelines.are_unknown {
+        return Err(Reason::UnknownPipelines);
+    }
     if facts.pipelines.have_side_effects {
         return Err(Reason::SideEffects);
     }

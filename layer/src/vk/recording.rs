@@ -129,7 +129,7 @@ impl Recorded {
         let candidate = self.target.take();
         let target = candidate.as_ref().and_then(|candidate| candidate.map.mask());
         if let (Some(target), Some(Event::Pass(pass))) = (target, open) {
-            target.recorded(pass.facts, self.within.pipelines);
+            target.recorded(pass.facts, self.within.pipelines, self.compute.is_whole());
         }
         self.mask.take()
     }

@@ -149,6 +149,7 @@ fn queries() {
 #[test]
 fn side_effects() {
     assert_eq!(refused(|_, _, _, pipelines| pipelines.have_side_effects = true), Reason::SideEffects);
+    assert_eq!(refused(|_, _, _, pipelines| pipelines.see(PipelineFacts::UNKNOWN)), Reason::UnknownPipelines);
 }
 
 #[test]

@@ -27,6 +27,8 @@ struct Seen {
     /// What commands within passes said of them.
     facts: PassFacts,
     pipelines: PipelineFacts,
+    /// After a pass something was bound for compute that cannot be bound again.
+    loses_compute: bool,
     /// Whether the last pass that was submitted was the scene.
     is_scene: bool,
     /// The last reason that was logged.
@@ -52,12 +54,20 @@ impl TargetMask {
     /// Nothing yet that would make them the scene.
     pub(super) fn evidence(&self) -> Result<(PassFacts, PipelineFacts), Reason> {
         let seen = self.seen();
-        if seen.is_recorded && seen.is_scene { Ok((seen.facts, seen.pipelines)) } else { Err(Reason::New) }
+        match *seen {
+            Seen { is_recorded: true, is_scene: true, loses_compute: false, facts, pipelines, .. } => {
+                Ok((facts, pipelines))
+            }
+            Seen { loses_compute: true, .. } => Err(Reason::ComputeState),
+            _ => Err(Reason::New),
+        }
     }
 
-    /// A pass to it was recorded, in which commands said this of it.
-    pub fn recorded(&self, facts: PassFacts, pipelines: PipelineFacts) {
+    /// A pass to it was recorded, in which commands said this of it. Whether what is bound for compute after it can be
+    /// bound again, `restores_compute` says.
+    pub fn recorded(&self, facts: PassFacts, pipelines: PipelineFacts, restores_compute: bool) {
         let mut seen = self.seen();
+        seen.loses_compute |= !restores_compute;
         seen.is_recorded = true;
         seen.facts.is_queried |= facts.is_queried;
         seen.facts.clears_depth_later |= facts.clears_depth_later;

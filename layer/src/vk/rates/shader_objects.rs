@@ -161,9 +161,16 @@ pub unsafe extern "system" fn bind(
                     set(buffer, &rate.size, &rate.combiners);
                 }
                 if let (Some(_), Some(recording)) = (known.masks(), recording::buffer(buffer)) {
+                    let stages =
+                        if count == 0 { &[] } else { std::slice::from_raw_parts(stages, count as usize) };
+                    let has = |wanted| stages.iter().any(|&stage| stage == wanted);
                     let mut recorded = recording.recorded();
-                    recorded.use_pipeline(PipelineFacts::UNKNOWN);
-                    recorded.compute.bind_more();
+                    if has(vk::ShaderStageFlags::COMPUTE) {
+                        recorded.compute.bind_more();
+                    }
+                    if has(vk::ShaderStageFlags::FRAGMENT) {
+                        recorded.use_pipeline(PipelineFacts::UNKNOWN);
+                    }
                 }
             }
         },

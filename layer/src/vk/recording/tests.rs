@@ -33,8 +33,11 @@ fn facts(recorded: &Recorded) -> Vec<PassFacts> {
     passes.collect()
 }
 
-const NO_PIPELINES: PipelineFacts =
-    PipelineFacts { have_side_effects: false, directions: Directions { less: false, greater: false } };
+const NO_PIPELINES: PipelineFacts = PipelineFacts {
+    have_side_effects: false,
+    are_unknown: false,
+    directions: Directions { less: false, greater: false },
+};
 const QUERIED: Within = Within { is_queried: true, clears_depth: false, pipelines: NO_PIPELINES };
 const CLEARED: Within = Within { is_queried: false, clears_depth: true, pipelines: NO_PIPELINES };
 
