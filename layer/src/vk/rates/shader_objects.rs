@@ -163,7 +163,7 @@ pub unsafe extern "system" fn bind(
                 if let (Some(_), Some(recording)) = (known.masks(), recording::buffer(buffer)) {
                     let stages =
                         if count == 0 { &[] } else { std::slice::from_raw_parts(stages, count as usize) };
-                    let has = |wanted| stages.iter().any(|&stage| stage == wanted);
+                    let has = |wanted| stages.contains(&wanted);
                     let mut recorded = recording.recorded();
                     if has(vk::ShaderStageFlags::COMPUTE) {
                         recorded.compute.bind_more();
