@@ -47,34 +47,30 @@ pub unsafe extern "system" fn create(
                 None => Err(NotSubstituted::NoWork),
             };
             let mut result = xr::Result::ERROR_RUNTIME_FAILURE;
+            // What the runtime's images may be used for, once a call succeeds.
+            let mut usage_flags = xr::SwapchainUsageFlags::EMPTY;
             if let (Some(asked), Ok(_)) = (asked, &planned) {
-                let extended =
-                    xr::SwapchainCreateInfo { usage_flags: runtime_usage(asked.usage_flags), ..*asked };
-                result = below(&extended);
+                usage_flags = runtime_usage(asked.usage_flags);
+                result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
                 if result.into_raw() < 0 {
                     planned = Err(NotSubstituted::Usage(result));
                 }
             }
-            let mut granted =
-                asked.map_or_else(vk::ImageUsageFlags::empty, |asked| vulkan_usage(asked.usage_flags));
-            if planned.is_ok() {
-                granted |= APP_USAGE;
-            } else {
+            if planned.is_err() {
                 if let Some(asked) = asked.filter(|asked| may_be_filled(known, active, asked)) {
-                    let usage_flags = filled_usage(asked.usage_flags);
+                    usage_flags = filled_usage(asked.usage_flags);
                     result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
-                    granted = vulkan_usage(usage_flags);
                 }
                 if result.into_raw() < 0 {
+                    usage_flags = asked.map_or(usage_flags, |asked| asked.usage_flags);
                     result = below(info);
-                    granted = asked.map_or(granted, |asked| vulkan_usage(asked.usage_flags));
                 }
             }
             if answer.record(result).into_raw() >= 0 {
                 // SAFETY: the call succeeded, so `swapchain` points to the new handle.
                 let made = unsafe { (asked, *swapchain) };
                 if let (Some(asked), handle) = made {
-                    track(known, active, (asked, granted), handle, planned);
+                    track(known, active, (asked, usage_flags), handle, planned);
                 }
             }
             result
@@ -113,11 +109,12 @@ unsafe fn plan(
     Ok(shape)
 }
 
-/// Begins to track a swapchain, virtual if that was planned and our images can be made.
+/// Begins to track a swapchain, virtual if that was planned and our images can be made. The runtime created its own with
+/// these usage flags.
 fn track(
     session: &Arc<Session>,
     active: &Active,
-    (info, granted): (&xr::SwapchainCreateInfo, vk::ImageUsageFlags),
+    (info, usage_flags): (&xr::SwapchainCreateInfo, xr::SwapchainUsageFlags),
     handle: xr::Swapchain,
     planned: Result<SwapchainShape, NotSubstituted>,
 ) {
@@ -130,6 +127,10 @@ fn track(
             tracing::info!("swapchain stays as it is: {reason}");
             None
         }
+    };
+    let granted = match &substitute {
+        Some(_) => vulkan_usage(info.usage_flags) | APP_USAGE,
+        None => vulkan_usage(usage_flags),
     };
     let description = Description::new(info, granted);
     let swapchain = Arc::new(Swapchain::new(session, handle, description, substitute));
