@@ -6,7 +6,7 @@
 //! [`rate::ShadingRate`], for which [`fixed_foveation`] is the baseline; [`schedule`] says which parts are rendered
 //! anew, [`chroma`] how much colour the eye resolves. [`plan`] holds the answer for one frame, and [`presets`]
 //! are the settings that people choose; [`gate`] judges by what frames cost whether a technique pays. Where a device has
-//! no shading rates, [`mask`] says which blocks are skipped. [`color`] says how colours are coded, [`image`] how pictures
+//! no shading rates, [`mask`] says which blocks are skipped. [`reuse`] names the parts of a picture that are not rendered at all. [`color`] says how colours are coded, [`image`] how pictures
 //! are kept, and [`kernels`] are the CPU references of what the layer does on the GPU, with parameters laid out as
 //! [`layout`] states.
 
@@ -30,4 +30,5 @@ pub mod plan;
 pub mod presets;
 mod range;
 pub mod rate;
+pub mod reuse;
 pub mod schedule;
