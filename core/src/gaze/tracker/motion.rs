@@ -165,9 +165,9 @@ impl Motion {
         match &self.flight {
             Some(flight) => (flight.landing.directions, Some(flight.landing.error_deg)),
             None if self.turning => {
-                // What they follow may have stopped anywhere on this way.
+                // What they follow may have stopped anywhere on this way: the standard deviation of an even distribution.
                 let way_deg = self.line.speed_deg_s() * ahead_s.max(settings.latency_ms * 1e-3);
-                (self.line.ahead(ahead_s), Some(0.5 * way_deg))
+                (self.line.ahead(ahead_s), Some(way_deg / 12f32.sqrt()))
             }
             None => (self.line.newest().directions, None),
         }
