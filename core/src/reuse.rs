@@ -1,146 +1,25 @@
-//! Which parts of a picture are not rendered anew but re-used from earlier frames.
+//! Which parts of a picture are not rendered anew but re-used from earlier pictures, and where they lie there.
+//!
+//! [`StaleTiles`] says which tiles of a picture were not rendered. A pixel of one is taken from the newest earlier picture in
+//! which it was ([`Reuse`]), so that nothing is ever sampled from what was itself re-used. [`TileLists`] sorts tiles by what
+//! drawing them takes.
 
-use glam::Vec2;
-use std::ops::Range;
+mod history;
+mod lists;
+mod stale_tiles;
+
+pub use history::{Footprint, Picture, Reuse, Source};
+pub use lists::TileLists;
+pub use stale_tiles::StaleTiles;
+
+/// Most earlier pictures that are looked into: a period of [`crate::schedule::MAX_FACTOR`] frames less the newest one.
+pub const MAX_AGES: usize = 8;
 
 /// The bit of a tile's byte in the map of an eye's rates that says that the tile is stale in this frame: not rendered, to be
 /// re-used from an earlier one. The rest of the byte is [`crate::rate::ShadingRate::texel`], which is at most 0b1010.
 ///
 /// Maps are combined by bitwise AND, so what is made of several tiles is stale only where all of them are.
 pub const STALE: u8 = 0x80;
-
-/// The tiles of an eye's picture that are stale in a frame; all others are fresh.
-///
-/// A set of tiles is laid over pictures of other sizes proportionally, as the rates are.
-#[derive(Debug, Default, PartialEq, Eq)]
-pub struct StaleTiles {
-    extent: [u32; 2],
-    texel: [u32; 2],
-    tiles: [u32; 2],
-    /// Whether each tile is stale, row by row, 32 in a word from its lowest bit on.
-    words: Vec<u32>,
-}
-
-impl Clone for StaleTiles {
-    fn clone(&self) -> Self {
-        let Self { extent, texel, tiles, ref words } = *self;
-        Self { extent, texel, tiles, words: words.clone() }
-    }
-
-    /// Keeps the memory that there is.
-    fn clone_from(&mut self, source: &Self) {
-        (self.extent, self.texel, self.tiles) = (source.extent, source.texel, source.tiles);
-        self.words.clone_from(&source.words);
-    }
-}
-
-impl StaleTiles {
-    /// Takes the tiles of `map` that have the bit [`STALE`]: a picture of `extent` pixels in tiles of `texel` pixels from its
-    /// upper left corner on, row by row. Memory is only asked for beyond the largest set so far.
-    ///
-    /// Where the numbers contradict each other everything is fresh.
-    pub fn set(&mut self, extent: [u32; 2], texel: [u32; 2], map: &[u8]) {
-        self.clear();
-        if texel.contains(&0) || extent.contains(&0) {
-            return;
-        }
-        let tiles = [extent[0].div_ceil(texel[0]), extent[1].div_ceil(texel[1])];
-        if u64::from(tiles[0]) * u64::from(tiles[1]) != map.len() as u64 {
-            return;
-        }
-        (self.extent, self.texel, self.tiles) = (extent, texel, tiles);
-        let word =
-            |tiles: &[u8]| tiles.iter().rev().fold(0, |word, tile| word << 1 | u32::from(tile & STALE != 0));
-        self.words.extend(map.chunks(u32::BITS as usize).map(word));
-    }
-
-    /// Everything is fresh.
-    pub fn clear(&mut self) {
-        (self.extent, self.texel, self.tiles) = ([0; 2], [0; 2], [0; 2]);
-        self.words.clear();
-    }
-
-    /// Whether nothing is stale.
-    pub fn is_empty(&self) -> bool {
-        self.words.iter().all(|word| *word == 0)
-    }
-
-    /// Adds what is stale in `other`: after that, each point of the picture is stale that was so in either. With tiles of
-    /// another size, those are added that meet a stale one.
-    pub fn unite(&mut self, other: &Self) {
-        if self.tiles == [0; 2] {
-            self.clone_from(other);
-        } else if (self.extent, self.texel) == (other.extent, other.texel) {
-            for (word, more) in self.words.iter_mut().zip(&other.words) {
-                *word |= more;
-            }
-        } else {
-            self.unite_proportionally(other);
-        }
-    }
-
-    fn unite_proportionally(&mut self, other: &Self) {
-        for row in 0..self.tiles[1] {
-            for column in 0..self.tiles[0] {
-                let [columns, rows] = [self.met(other, 0, column), self.met(other, 1, row)];
-                if rows.into_iter().any(|row| columns.clone().any(|column| other.is_stale([column, row]))) {
-                    let index = self.index([column, row]);
-                    self.words[index / 32] |= 1 << (index % 32);
-                }
-            }
-        }
-    }
-
-    /// The columns (axis 0) or rows (1) of `other` that one of this set meets.
-    fn met(&self, other: &Self, axis: usize, tile: u32) -> Range<u32> {
-        // In units of a pixel of either, divided by the other's extent.
-        let scale = |edge: u32, by: u32| u64::from(edge) * u64::from(by);
-        let first = u64::from(tile) * u64::from(self.texel[axis]);
-        let end = (first + u64::from(self.texel[axis])).min(self.extent[axis].into());
-        let tile_of_other = scale(other.texel[axis], self.extent[axis]).max(1);
-        let by_other = |edge: u64| edge * u64::from(other.extent[axis]);
-        (by_other(first) / tile_of_other) as u32..by_other(end).div_ceil(tile_of_other) as u32
-    }
-
-    /// Whether a tile, by column and row, is stale; what is beyond the picture is not.
-    pub fn is_stale(&self, tile: [u32; 2]) -> bool {
-        let is_inside = tile[0] < self.tiles[0] && tile[1] < self.tiles[1];
-        is_inside && {
-            let index = self.index(tile);
-            self.words[index / 32] >> (index % 32) & 1 == 1
-        }
-    }
-
-    fn index(&self, [column, row]: [u32; 2]) -> usize {
-        row as usize * self.tiles[0] as usize + column as usize
-    }
-
-    /// The column and row of the tile that shows a point of a picture, given as shares of its width and height. What is
-    /// beyond the picture is in the nearest tile.
-    pub fn tile_at(&self, share: Vec2) -> [u32; 2] {
-        [0, 1].map(|axis| {
-            let tile = share[axis] * self.tiles_across()[axis];
-            // Of what is negative or not a number, 0.
-            (tile as u32).min(self.tiles[axis].saturating_sub(1))
-        })
-    }
-
-    /// How many tiles go into the width and height of the picture, the last one cut off where they do not fit.
-    pub fn tiles_across(&self) -> Vec2 {
-        let axis = |axis: usize| self.extent[axis] as f32 / self.texel[axis].max(1) as f32;
-        Vec2::new(axis(0), axis(1))
-    }
-
-    /// Columns and rows of tiles; none where nothing is known, and everything fresh.
-    pub fn tiles(&self) -> [u32; 2] {
-        self.tiles
-    }
-
-    /// Whether each tile is stale: bit `i % 32`, counted from the lowest, of word `i / 32` for tile `i`, row by row.
-    pub fn words(&self) -> &[u32] {
-        &self.words
-    }
-}
 
 #[cfg(test)]
 mod tests;
