@@ -9,6 +9,9 @@ use parafovea_audio::ring::{Format, ring};
 use parafovea_audio::{Capture, Settings, Source};
 use std::time::{Duration, Instant};
 
+/// How often a capture is looked at.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
+
 /// Threads of a capture, by the names that the system knows (15 characters).
 const THREADS: [&str; 2] = ["parafovea-sound", "parafovea-ears"];
 
@@ -43,6 +46,8 @@ pub struct Cost {
     pub resident_most: u64,
     /// Sets of features that were heard.
     pub sets: u64,
+    /// The longest time from one set to the next.
+    pub longest_wait: Duration,
     /// How long it took.
     pub time: Duration,
 }
@@ -64,12 +69,25 @@ pub fn capture_cost(time: Duration) -> Result<Cost> {
         ensure!(start.elapsed() < Duration::from_secs(10), "nothing is heard: {:?}", capture.news());
         std::thread::sleep(Duration::from_millis(10));
     }
-    let mut cost = Cost { core_share: 0.0, resident_first: 0, resident_most: 0, sets: 0, time };
+    let mut cost = Cost {
+        core_share: 0.0,
+        resident_first: 0,
+        resident_most: 0,
+        sets: 0,
+        longest_wait: Duration::ZERO,
+        time,
+    };
     let start = Instant::now();
     let spent = threads_cpu_ns()?;
     let sets = capture.heard().map_or(0, |heard| heard.serial);
+    let (mut newest, mut since) = (sets, start);
     while start.elapsed() < time {
-        std::thread::sleep((time / 100).min(Duration::from_secs(1)));
+        std::thread::sleep(LOOK_EVERY);
+        let heard = capture.heard().map_or(0, |heard| heard.serial);
+        cost.longest_wait = cost.longest_wait.max(since.elapsed());
+        if heard != newest {
+            (newest, since) = (heard, Instant::now());
+        }
         let resident = resident_bytes()?;
         if cost.resident_first == 0 {
             if start.elapsed() >= first_look {
@@ -80,7 +98,8 @@ pub fn capture_cost(time: Duration) -> Result<Cost> {
         }
     }
     cost.core_share = (threads_cpu_ns()? - spent) as f64 / start.elapsed().as_nanos() as f64;
-    cost.sets = capture.heard().map_or(0, |heard| heard.serial) - sets;
+    cost.time = start.elapsed();
+    cost.sets = newest - sets;
     Ok(cost)
 }
 

@@ -19,9 +19,10 @@ fn main() -> Result<()> {
     };
     let cost = capture_cost(Duration::from_secs(seconds))?;
     println!(
-        "listened for {:.0} s, {} sets of features: {:.2} % of a core, {} kB at first, at most {} kB",
+        "listened for {:.0} s, {} sets of features: the longest wait for one {} ms, {:.2} % of a core, {} kB at first, at most {} kB",
         cost.time.as_secs_f64(),
         cost.sets,
+        cost.longest_wait.as_millis(),
         100.0 * cost.core_share,
         cost.resident_first / 1024,
         cost.resident_most / 1024,
