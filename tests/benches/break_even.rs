@@ -1,8 +1,8 @@
-//! `cargo dev bench break-even [--json] [--turns N] [--frames N] [--size PIXELS]`.
+//! `cargo dev bench break-even [--json] [--turns N] [--frames N] [--run-up N] [--size PIXELS]`.
 
 use parafovea_tests::HarnessError;
 use parafovea_tests::break_even::{BreakEven, ITERATIONS, Point, WITH_RATES, break_even, points, rows};
-use parafovea_tests::measure::{Effort, print_json};
+use parafovea_tests::measure::{Effort, LAYER_RUN_UP, print_json};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -24,7 +24,8 @@ struct Request {
 
 impl Request {
     fn read(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
-        let mut request = Self { json: false, effort: Effort { turns: 5, frames: 40, size: 1024 } };
+        let mut request =
+            Self { json: false, effort: Effort { turns: 5, run_up: LAYER_RUN_UP, frames: 40, size: 1024 } };
         while let Some(argument) = arguments.next() {
             let mut number = || {
                 let value = arguments.next().unwrap_or_default();
@@ -37,10 +38,11 @@ impl Request {
                 "--json" => request.json = true,
                 "--turns" => request.effort.turns = number()? as usize,
                 "--frames" => request.effort.frames = number()?,
+                "--run-up" => request.effort.run_up = number()?,
                 "--size" => request.effort.size = number()? as u32,
                 other => {
                     return Err(format!(
-                        "there is no `{other}`; there are --json, --turns, --frames, --size"
+                        "there is no `{other}`; there are --json, --turns, --frames, --run-up, --size"
                     ));
                 }
             }

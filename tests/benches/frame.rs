@@ -1,6 +1,7 @@
-//! `cargo dev bench frame [--json] [--scenes A,B] [--techniques A,B] [--tracker NAME] [--frames N] [--turns N] [--size PIXELS]
+//! `cargo dev bench frame [--json] [--scenes A,B] [--techniques A,B] [--tracker NAME] [--frames N] [--run-up N] [--turns N] [--size PIXELS]
 //! [--error-frames N] [--error-size PIXELS] [--system-driver] [--fvvdp]`. The last judges by FovVideoVDP too: not for commercial use,
 //! and 6 GB. With `--system-driver` applications run on the system's GPU instead of lavapipe, and its time is taken by timestamps.
+//! The run-up is 4 frames, or 120 where a technique is the layer's.
 
 use parafovea_errors::fvvdp::{Fvvdp, NOTICE};
 use parafovea_scene::scene::SceneName;
@@ -9,7 +10,7 @@ use parafovea_tests::artifacts::target_folder;
 use parafovea_tests::device::Machine;
 use parafovea_tests::installation::Driver;
 use parafovea_tests::measure::{
-    Effort, RUN_UP, Subject, Summary, Technique, error_rows, errors, print_json, rows, time,
+    Effort, LAYER_RUN_UP, RUN_UP, Subject, Summary, Technique, error_rows, errors, print_json, rows, time,
 };
 use std::error::Error;
 use std::process::ExitCode;
@@ -25,7 +26,10 @@ fn main() -> ExitCode {
     }
 }
 
-const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --turns, --size, --error-frames, --error-size, --system-driver, --fvvdp";
+const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --run-up, --turns, --size, --error-frames, --error-size, --system-driver, --fvvdp";
+
+/// Frames before those that are timed, without the layer: shaders are compiled and caches filled.
+const RUN_UP_ALONE: u64 = 4;
 
 struct Request {
     json: bool,
@@ -34,7 +38,9 @@ struct Request {
     techniques: Option<Vec<String>>,
     tracker: Tracker,
     timed: Effort,
-    /// Frames beside the run-up; 0: no errors.
+    /// Frames before those that are timed, where they are not left to the techniques.
+    run_up: Option<u64>,
+    /// No frames: no errors.
     judged: Effort,
     driver: Driver,
     /// Whether FovVideoVDP judges too.
@@ -48,8 +54,9 @@ impl Request {
             scenes: SceneName::ALL.into_iter().filter(|scene| *scene != SceneName::Courtyard).collect(),
             techniques: None,
             tracker: Tracker::GOOD,
-            timed: Effort { turns: 5, frames: 40, size: 1024 },
-            judged: Effort { turns: 1, frames: 30, size: 512 },
+            timed: Effort { turns: 5, run_up: 0, frames: 36, size: 1024 },
+            run_up: None,
+            judged: Effort { turns: 1, run_up: RUN_UP, frames: 30, size: 512 },
             driver: Driver::Lavapipe,
             fvvdp: false,
         };
@@ -67,6 +74,7 @@ impl Request {
                 }
                 "--tracker" => request.tracker = tracker(&value())?,
                 "--frames" => request.timed.frames = number("--frames", &value(), 20)?,
+                "--run-up" => request.run_up = Some(number("--run-up", &value(), 0)?),
                 "--turns" => request.timed.turns = number("--turns", &value(), 1)? as usize,
                 "--size" => request.timed.size = number("--size", &value(), 16)? as u32,
                 "--error-frames" => request.judged.frames = number("--error-frames", &value(), 0)?,
@@ -125,17 +133,21 @@ fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
 
 fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
     let techniques = techniques(request.techniques.as_deref())?;
-    let (timed, judged) = (request.timed, request.judged);
+    let has_layer = techniques.iter().any(Technique::has_layer);
+    let run_up = request.run_up.unwrap_or(if has_layer { LAYER_RUN_UP } else { RUN_UP_ALONE });
+    let (timed, judged) = (Effort { run_up, ..request.timed }, request.judged);
     let with_errors = judged.frames > 0;
     let machine = Machine::of(request.driver)?;
     eprintln!("{machine}");
-    let runs = request.scenes.len() * techniques.len() * (timed.turns + 1 + usize::from(with_errors));
+    let runs = request.scenes.len()
+        * techniques.len()
+        * (timed.turns + 1 + usize::from(run_up > 0) + usize::from(with_errors));
     let errors_are = match judged.frames {
         0 => "no errors".to_owned(),
         frames => format!("errors of {frames} frames at {0} x {0}", judged.size),
     };
     eprintln!(
-        "{} scenes, {} techniques, {} turns of {} frames at {size} x {size}, {errors_are}: {runs} runs",
+        "{} scenes, {} techniques, {} turns of {} frames after {run_up} at {size} x {size}, {errors_are}: {runs} runs",
         request.scenes.len(),
         techniques.len(),
         timed.turns,
@@ -157,8 +169,7 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
         let subject = Subject::around_a_saccade(scene, request.tracker).on(&machine);
         let timings = time(&subject, &techniques, timed, machine.has_gpu_times(), &mut progress)?;
         let judged = if with_errors {
-            let effort = Effort { frames: judged.frames + RUN_UP, ..judged };
-            errors(&subject, &techniques, effort, fvvdp.as_ref(), &mut progress)?
+            errors(&subject, &techniques, judged, fvvdp.as_ref(), &mut progress)?
         } else {
             Vec::new()
         };

@@ -57,15 +57,15 @@ pub fn points(
     mut progress: impl FnMut(&str),
 ) -> Result<Vec<Point>, HarnessError> {
     let mut run = |iterations: Option<u32>, layer: LayerMode| -> Result<Vec<f64>, HarnessError> {
-        let (size, frames) = (effort.size.to_string(), effort.frames.to_string());
+        let (size, frames) = (effort.size.to_string(), effort.length().to_string());
         let count = iterations.map(|count| count.to_string());
         let mut arguments = vec!["shade", "--size", &size, "--frames", &frames];
         arguments.extend(count.iter().flat_map(|count| ["--iterations", count.as_str()]));
         let application = Application::ours("parafovea-overhead", &arguments)?;
         progress(&format!("{} iterations, layer {}", count.as_deref().unwrap_or("no"), name(&layer)));
-        let scenario = Scenario::new(effort.frames).sized(effort.size, effort.size);
+        let scenario = Scenario::new(effort.length()).sized(effort.size, effort.size);
         let outcome = Run::new(&application, &scenario).layer(layer).finish()?;
-        Ok(outcome.expect_frames(effort.frames)?.record.cpu_ms_of_frames())
+        Ok(outcome.expect_frames(effort.length())?.record.cpu_ms_of_frames(effort.run_up))
     };
     let mut nothing = Samples::default();
     let mut pairs = vec![[Samples::default(), Samples::default()]; iterations.len()];

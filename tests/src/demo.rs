@@ -154,7 +154,8 @@ fn time(subject: &Subject) -> Result<[f64; 2], HarnessError> {
     for _ in 0..ROUNDS {
         for (mode, frames) in modes.iter().zip(&mut frames) {
             let outcome = Run::new(&subject.application, &scenario(subject)).layer(mode.clone()).finish()?;
-            frames.extend(outcome.expect_frames(subject.frames)?.record.cpu_ms_of_frames());
+            frames
+                .extend(outcome.expect_frames(subject.frames)?.record.cpu_ms_of_frames(subject.frames / 10));
         }
     }
     Ok(frames.map(|frames| median(frames).unwrap_or(f64::NAN)))

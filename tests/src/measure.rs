@@ -18,4 +18,4 @@ pub use statistics::{Ratio, Samples};
 pub use subject::Subject;
 pub use summary::Summary;
 pub use technique::Technique;
-pub use timing::{Effort, Timing, time};
+pub use timing::{Effort, LAYER_RUN_UP, Timing, time};

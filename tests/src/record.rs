@@ -97,27 +97,28 @@ impl Record {
         swapchains
     }
 
-    /// CPU time that the process spent from one `xrEndFrame` to the next, in milliseconds. The first tenth of the
-    /// frames is left out: shaders are compiled and caches filled there.
-    pub fn cpu_ms_of_frames(&self) -> Vec<f64> {
+    /// CPU time that the process spent from one `xrEndFrame` to the next, in milliseconds, without the first
+    /// `run_up` frames.
+    pub fn cpu_ms_of_frames(&self, run_up: u64) -> Vec<f64> {
         let spent =
             |pair: &[Frame]| pair[1].process_cpu_ns.saturating_sub(pair[0].process_cpu_ns) as f64 / 1e6;
-        self.steady().windows(2).map(spent).collect()
+        self.after(run_up).windows(2).map(spent).collect()
     }
 
     /// What command buffers took on the GPU that were submitted from one `xrEndFrame` to the next, in milliseconds, in the
     /// same frames as [`Self::cpu_ms_of_frames`].
-    pub fn gpu_ms_of_frames(&self, times: &[GpuTime]) -> Vec<f64> {
+    pub fn gpu_ms_of_frames(&self, run_up: u64, times: &[GpuTime]) -> Vec<f64> {
         let taken = |pair: &[Frame]| {
             let frame = pair[0].process_cpu_ns..pair[1].process_cpu_ns;
             let of_frame = times.iter().filter(|time| frame.contains(&time.process_cpu_ns));
             of_frame.map(|time| time.gpu_ns).sum::<u64>() as f64 / 1e6
         };
-        self.steady().windows(2).map(taken).collect()
+        self.after(run_up).windows(2).map(taken).collect()
     }
 
-    fn steady(&self) -> &[Frame] {
-        self.frames.get(self.frames.len() / 10..).unwrap_or_default()
+    /// The last frame of the run-up, where there is one, and those after it.
+    fn after(&self, run_up: u64) -> &[Frame] {
+        self.frames.get((run_up as usize).saturating_sub(1)..).unwrap_or_default()
     }
 }
 
@@ -149,11 +150,12 @@ mod tests {
         std::fs::write(&path, lines.join("\n")).unwrap();
         let record = Record::load(&path).unwrap();
         assert_eq!((record.frames.len(), record.errors.len()), (2, 1));
-        assert_eq!(record.cpu_ms_of_frames(), [2.0]);
+        assert_eq!([0, 1, 2].map(|run_up| record.cpu_ms_of_frames(run_up).len()), [1, 1, 0]);
+        assert_eq!(record.cpu_ms_of_frames(0), [2.0]);
         let time = |process_cpu_ns, gpu_ns| GpuTime { process_cpu_ns, gpu_ns };
         let times =
             [time(999_999, 7), time(1_000_000, 500_000), time(2_000_000, 250_000), time(3_000_000, 7)];
-        assert_eq!(record.gpu_ms_of_frames(&times), [0.75]);
+        assert_eq!(record.gpu_ms_of_frames(0, &times), [0.75]);
     }
 
     #[test]

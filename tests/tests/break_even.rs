@@ -5,7 +5,7 @@ use parafovea_tests::measure::Effort;
 
 #[test]
 fn dearer_pixels_cost_more() {
-    let effort = Effort { turns: 1, frames: 20, size: 128 };
+    let effort = Effort { turns: 1, run_up: 2, frames: 18, size: 128 };
     let mut runs = 0;
     let points = points(&[0, 256], effort, WITH_RATES, |_| runs += 1).unwrap();
     assert_eq!(runs, 5, "one of nothing, two of each");

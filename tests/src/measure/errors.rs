@@ -39,11 +39,11 @@ pub fn errors(
     mut progress: impl FnMut(&str),
 ) -> Result<Vec<Judged>, HarnessError> {
     let mut scenario = subject.scenario(effort);
-    scenario.output.save_frames = (RUN_UP..effort.frames).collect();
+    scenario.output.save_frames = (effort.run_up..effort.length()).collect();
     scenario.output.save = vec![Picture::Eye];
     let mut show = |technique: &Technique| -> Result<Outcome, HarnessError> {
         progress(&format!("{}: {}, pictures", subject.name(), technique.name));
-        subject.run_as(technique, effort, &scenario)?.finish()?.expect_frames(effort.frames)
+        subject.run_as(technique, effort, &scenario)?.finish()?.expect_frames(effort.length())
     };
     let Some((reference, others)) = techniques.split_first() else { return Ok(Vec::new()) };
     let reference = show(reference)?;

@@ -46,10 +46,10 @@ impl Subject {
         self.script.scene.as_str()
     }
 
-    /// The scenario of a run: so many frames of that size, with head and reported gaze from the script. Nothing is
+    /// The scenario of a run: run-up and frames of that size, with head and reported gaze from the script. Nothing is
     /// composited.
     pub fn scenario(&self, effort: Effort) -> Scenario {
-        let mut scenario = Scenario::new(effort.frames).sized(effort.size, effort.size);
+        let mut scenario = Scenario::new(effort.length()).sized(effort.size, effort.size);
         scenario.clock.refresh_hz = FRAMES_PER_SECOND;
         let keys = self.script.head.keyframes(FRAMES_PER_SECOND).into_iter();
         scenario.head = keys

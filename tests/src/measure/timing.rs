@@ -8,10 +8,22 @@ use crate::HarnessError;
 pub struct Effort {
     /// How often each technique has its turn.
     pub turns: usize,
-    /// Frames of a turn; the first tenth is not counted.
+    /// Frames before those: caches are filled there, and what adapts adapts.
+    pub run_up: u64,
+    /// Frames of a turn that count.
     pub frames: u64,
     /// Side of an eye's image, pixels.
     pub size: u32,
+}
+
+/// Run-up with the layer: a pass is recognised after some frames, and from full rate to 4x4 rates take a second.
+pub const LAYER_RUN_UP: u64 = 120;
+
+impl Effort {
+    /// All frames of a turn.
+    pub fn length(self) -> u64 {
+        self.run_up + self.frames
+    }
 }
 
 /// What one technique cost.
@@ -34,6 +46,12 @@ pub struct Timing {
     pub samples: Option<u64>,
 }
 
+/// What one run shaded.
+struct Counts {
+    fragments: u64,
+    samples: Option<u64>,
+}
+
 /// Times all `techniques` on `subject`, the first of which is the baseline: turn by turn, each technique once, in an
 /// order that is reversed from turn to turn, so that a drift falls on none. The runtime composites nothing. With `with_gpu`
 /// the GPU's timestamps are taken too.
@@ -51,15 +69,25 @@ pub fn time(
 ) -> Result<Vec<Timing>, HarnessError> {
     let mut timings = Vec::new();
     for technique in techniques {
-        progress(&format!("{}: {}, counting fragments", subject.name(), technique.name));
-        let outcome = subject.run(technique, effort)?.counted().finish()?.expect_frames(effort.frames)?;
+        let mut count = |what: &str, effort: Effort| -> Result<Counts, HarnessError> {
+            progress(&format!("{}: {}, counting fragments{what}", subject.name(), technique.name));
+            let run = subject.run(technique, effort)?.counted();
+            let outcome = run.finish()?.expect_frames(effort.length())?;
+            Ok(Counts { fragments: outcome.fragments()?, samples: outcome.samples().ok() })
+        };
+        let all = count("", effort)?;
+        let run_up = match effort.run_up {
+            0 => Counts { fragments: 0, samples: Some(0) },
+            _ => count(" of the run-up", Effort { frames: 0, ..effort })?,
+        };
+        let of_a_frame = |all: u64, run_up: u64| all.saturating_sub(run_up) / effort.frames.max(1);
         timings.push(Timing {
             technique: technique.name.clone(),
             with_layer: technique.has_layer(),
             cpu_ms: Samples::default(),
             gpu_ms: Samples::default(),
-            fragments: outcome.fragments()? / effort.frames,
-            samples: outcome.samples().ok().map(|samples| samples / effort.frames),
+            fragments: of_a_frame(all.fragments, run_up.fragments),
+            samples: all.samples.zip(run_up.samples).map(|(all, run_up)| of_a_frame(all, run_up)),
         });
     }
     for turn in 0..effort.turns {
@@ -71,10 +99,10 @@ pub fn time(
             progress(&format!("{}: {}, turn {}", subject.name(), techniques[index].name, turn + 1));
             let run = subject.run(&techniques[index], effort)?;
             let run = if with_gpu { run.gpu_timed() } else { run };
-            let outcome = run.finish()?.expect_frames(effort.frames)?;
-            timings[index].cpu_ms.push(outcome.record.cpu_ms_of_frames());
+            let outcome = run.finish()?.expect_frames(effort.length())?;
+            timings[index].cpu_ms.push(outcome.record.cpu_ms_of_frames(effort.run_up));
             if with_gpu {
-                timings[index].gpu_ms.push(outcome.gpu_ms_of_frames()?);
+                timings[index].gpu_ms.push(outcome.gpu_ms_of_frames(effort.run_up)?);
             }
         }
     }

@@ -44,7 +44,8 @@ pub fn time(machine: &Machine, style: &Style, length: Length, turns: usize) -> R
         }
         for index in order {
             let run = run_of(machine, style, length, &[], cases[index])?.gpu_timed();
-            samples[index].push(run.finish()?.expect_frames(length.frames)?.gpu_ms_of_frames()?);
+            samples[index]
+                .push(run.finish()?.expect_frames(length.frames)?.gpu_ms_of_frames(length.frames / 10)?);
         }
     }
     let [off, layer, native, attached] = &samples;

@@ -100,7 +100,7 @@ impl Outcome {
     ///
     /// # Errors
     /// As for [`Self::fragments`]; also where no command buffer was timed.
-    pub fn gpu_ms_of_frames(&self) -> Result<Vec<f64>, HarnessError> {
+    pub fn gpu_ms_of_frames(&self, run_up: u64) -> Result<Vec<f64>, HarnessError> {
         let mut times: Vec<GpuTime> = Vec::new();
         for device in self.reports::<GpuTimes>(TIMES_FILE)? {
             if let Some(reason) = device.reason {
@@ -111,7 +111,7 @@ impl Outcome {
         if times.is_empty() {
             return Err(self.failed("none of its command buffers was timed: no timestamps on its queues"));
         }
-        Ok(self.record.gpu_ms_of_frames(&times))
+        Ok(self.record.gpu_ms_of_frames(run_up, &times))
     }
 
     /// What a layer reports of each device, a line each.
