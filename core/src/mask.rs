@@ -6,7 +6,10 @@
 //! left out is filled in afterwards by [`crate::kernels::fill`] from the nearest shaded blocks around, which a
 //! [`SkipList`] names for each skipped block.
 //!
-//! A block is skipped only where it lies wholly inside of one view, and has a shaded block of that view within
+//! Where a whole tile is to be left out, because it is shown from an earlier frame ([`STALE`]), all of its blocks are skipped,
+//! and not filled.
+//!
+//! Else a block is skipped only where it lies wholly inside of one view, and has a shaded block of that view within
 //! [`REACH`]: what is outside of all views is shaded, and nothing is ever interpolated across two views.
 
 mod depth;
@@ -23,6 +26,7 @@ use crate::image::Plane;
 use crate::kernels::fill::{FillFormat, fill_image};
 use crate::plan::EyePlan;
 use crate::rate::ShadingRate;
+use crate::reuse::STALE;
 use glam::UVec2;
 use sources::{PatternSources, PatternsAround, SourceFinder};
 
@@ -44,19 +48,29 @@ pub struct TileRates<'a> {
     pub first: [u32; 2],
     /// How many columns there are.
     pub columns: u32,
-    /// [`ShadingRate::texel`] of each tile, row by row; beyond them, and where a byte is no rate, every pixel is shaded.
+    /// [`ShadingRate::texel`] of each tile, with [`STALE`] where it is left out, row by row; beyond them, and where a byte is no rate, every pixel is shaded.
     pub rates: &'a [u8],
 }
 
 impl TileRates<'_> {
-    /// The rate of a tile of the picture.
+    /// The rate of a tile of the picture, which may be left out.
     fn rate(&self, tile: UVec2) -> ShadingRate {
+        ShadingRate::from_texel(self.byte(tile) & !STALE).unwrap_or(ShadingRate::R1X1)
+    }
+
+    /// Whether a tile of the picture is left out.
+    fn is_stale(&self, tile: UVec2) -> bool {
+        let byte = self.byte(tile);
+        byte & STALE != 0 && ShadingRate::from_texel(byte & !STALE).is_some()
+    }
+
+    fn byte(&self, tile: UVec2) -> u8 {
         let first = UVec2::from(self.first);
         let at = tile - first.min(tile);
         let inside = tile.cmpge(first).all() && at.x < self.columns;
         let index = at.y as usize * self.columns as usize + at.x as usize;
         let byte = if inside { self.rates.get(index) } else { None };
-        byte.and_then(|byte| ShadingRate::from_texel(*byte)).unwrap_or(ShadingRate::R1X1)
+        byte.copied().unwrap_or(ShadingRate::R1X1.texel())
     }
 }
 
@@ -83,20 +97,23 @@ impl<'a> MaskView<'a> {
         Self { layer, offset: *offset, extent: *extent, tiles }
     }
 
-    fn rate_at(&self, pixel: UVec2) -> ShadingRate {
-        self.tiles.rate(pixel / UVec2::from(self.tiles.texel).max(UVec2::ONE))
-    }
-
     /// The rate of a block: as fine as all the tiles that it touches.
     fn rate(&self, block: UVec2) -> ShadingRate {
-        let first = block * BLOCK;
-        let rate = self.rate_at(first);
-        if self.tiles.texel.iter().all(|side| side.is_multiple_of(BLOCK)) {
-            return rate;
-        }
+        self.tiles_of(block).map(|tile| self.tiles.rate(tile)).fold(ShadingRate::R4X4, ShadingRate::finer)
+    }
+
+    /// Whether a block is left out: where all the tiles that it touches are.
+    fn is_stale(&self, block: UVec2) -> bool {
+        self.tiles_of(block).all(|tile| self.tiles.is_stale(tile))
+    }
+
+    /// The tiles that a block touches: those of its corners.
+    fn tiles_of(&self, block: UVec2) -> impl Iterator<Item = UVec2> {
+        let texel = UVec2::from(self.tiles.texel).max(UVec2::ONE);
         let last = BLOCK - 1;
-        let corners = [UVec2::new(last, 0), UVec2::new(0, last), UVec2::splat(last)];
-        corners.iter().fold(rate, |rate, corner| rate.finer(self.rate_at(first + corner)))
+        let corners = [UVec2::ZERO, UVec2::new(last, 0), UVec2::new(0, last), UVec2::splat(last)];
+        let count = if texel % BLOCK == UVec2::ZERO { 1 } else { corners.len() };
+        corners.into_iter().take(count).map(move |corner| (block * BLOCK + corner) / texel)
     }
 
     /// The column of blocks from which on a rate may be another than in column `x`.
@@ -135,6 +152,8 @@ pub struct Mask {
     extent: [u32; 2],
     layers: Vec<Plane<bool>>,
     list: SkipList,
+    /// How many blocks are skipped and not filled.
+    left_out: usize,
     patterns: PatternSources,
     /// Of [`SourceFinder`].
     around: PatternsAround,
@@ -150,13 +169,14 @@ impl Mask {
         let skippable: usize = layers.iter().map(|plane| plane.texels().len()).sum();
         let list = SkipList::with_capacity(skippable);
         let around = PatternsAround::with_capacity(blocks[0] as usize);
-        Self { extent, layers, list, patterns: PatternSources::new(), around }
+        Self { extent, layers, list, left_out: 0, patterns: PatternSources::new(), around }
     }
 
     /// Lays the rates of `views` over the picture, in place of what was there. A view that overlaps an earlier one is
     /// shaded, where that one does not skip.
     pub fn lay(&mut self, views: &[MaskView]) {
         self.list.clear();
+        self.left_out = 0;
         for layer in &mut self.layers {
             layer.texels_mut().fill(false);
         }
@@ -178,13 +198,14 @@ impl Mask {
         for y in first.y..end.y {
             let mut x = first.x;
             while x < end.x {
-                let pattern = Pattern::of(view.rate(UVec2::new(x, y)));
+                let block = UVec2::new(x, y);
+                let (pattern, is_stale) = (Pattern::of(view.rate(block)), view.is_stale(block));
                 // As far as the tile goes.
                 let run = x..view.tile_end(x).min(end.x);
                 x = run.end;
                 let row = &mut skipped.row_mut(y)[run.start as usize..run.end as usize];
                 for (skip, x) in row.iter_mut().zip(run) {
-                    *skip = !pattern.shades(UVec2::new(x, y), first, end);
+                    *skip = is_stale || !pattern.shades(UVec2::new(x, y), first, end);
                 }
             }
         }
@@ -204,6 +225,10 @@ impl Mask {
                         continue;
                     }
                     let block = UVec2::new(x, y);
+                    if view.is_stale(block) {
+                        self.left_out += 1;
+                        continue;
+                    }
                     match sources.map_or_else(|| finder.nearest(skipped, block), |of| Some(of.at(x))) {
                         Some(sources) => self.list.push(block, view.layer, sources),
                         None => skipped.row_mut(y)[x as usize] = false,
@@ -230,7 +255,7 @@ impl Mask {
         inside && self.skipped(layer).is_some_and(|plane| plane.at(x / BLOCK, y / BLOCK))
     }
 
-    /// The skipped blocks with their sources.
+    /// The skipped blocks that are filled, with their sources.
     pub fn list(&self) -> &SkipList {
         &self.list
     }
@@ -238,7 +263,7 @@ impl Mask {
     /// Share of the pixels that is shaded, 0..=1; 1 for an empty picture.
     pub fn shaded(&self) -> f32 {
         let pixels = f64::from(self.extent[0]) * f64::from(self.extent[1]) * self.layers.len() as f64;
-        let skipped = self.list.len() as f64 * f64::from(BLOCK * BLOCK);
+        let skipped = (self.list.len() + self.left_out) as f64 * f64::from(BLOCK * BLOCK);
         if pixels > 0.0 { (1.0 - skipped / pixels) as f32 } else { 1.0 }
     }
 }

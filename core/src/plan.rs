@@ -25,6 +25,7 @@ mod sensitivity;
 mod settings;
 mod statistics;
 mod text;
+mod turns;
 
 pub use contrast::VisibleContrast;
 pub use decide::{DecideParams, TileMemory, decide};
@@ -35,7 +36,9 @@ pub use planner::Planner;
 pub use reasons::{Reason, Reasons};
 pub use rings::{AvailableRates, COARSER_RATES, Rings, STEPS_PER_OCTAVE};
 pub use sensitivity::Sensitivity;
-pub use settings::{AudioVisual, DeviceRates, PlanSettings, RailSettings, RateSettings, UpdateSettings};
+pub use settings::{
+    AudioVisual, DeviceRates, PlanSettings, RailSettings, RateSettings, Turns, UpdateSettings,
+};
 pub use statistics::Statistics;
 
 #[cfg(test)]

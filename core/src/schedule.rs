@@ -71,7 +71,7 @@ impl Schedule {
     }
 
     /// The phase whose turn it is in a frame, 0..period.
-    fn turn(&self, frame: u64, period: u8, eye: usize) -> u8 {
+    pub(crate) fn turn(&self, frame: u64, period: u8, eye: usize) -> u8 {
         let late = if self.phase == Phase::AlternateEye && eye == 1 { period / 2 } else { 0 };
         // Reduced first: frame + late could overflow.
         let turn = (frame % u64::from(period)) as u8 + period - late;

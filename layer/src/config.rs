@@ -9,10 +9,10 @@ pub use executable::executable;
 pub use parafovea_manifest::config::Config;
 pub use parafovea_manifest::options::{
     AudioMode, AudioSource, ChromaMatrix, ChromaMode, FilePath, GazeSource, LogLevel, PassRules,
-    PeripheralRate, Preset, RatesBackend, RatesGate, RatesMode,
+    PeripheralRate, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, ReusePhase,
 };
 pub use parafovea_manifest::paths::Environment;
-pub use plan::{gate_mode, gaze_settings, plan_settings};
+pub use plan::{gate_mode, gaze_settings, plan_settings, wants_maps, wants_reuse};
 
 use arc_swap::ArcSwap;
 use parafovea_manifest::config::{ConfigErrors, Watch};

@@ -9,7 +9,8 @@ mod records;
 
 pub use records::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, EyeMapRecord, FrameTimeRecord, NO_EYE,
-    NO_IMAGE, OfferRecord, PlanRecord, SettingsRecord, ShownRecord, ShownViewRecord, SwapchainRecord,
+    NO_IMAGE, OfferRecord, PlanRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
+    SwapchainRecord,
 };
 
 use ash::vk;
@@ -19,7 +20,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"parafovea_vkGetLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 5;
+pub const LINK_VERSION: u32 = 6;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
@@ -49,6 +50,9 @@ pub struct LinkTable {
     pub shown: unsafe extern "C" fn(device: vk::Device, record: *const ShownRecord),
     /// Tells what shall be done, from the configuration.
     pub settings: unsafe extern "C" fn(device: vk::Device, record: *const SettingsRecord),
+    /// Writes to `record` which tiles of the picture of an eye (0: left, 1: right) are stale in the frame that ended last: what the maps of
+    /// all of its passes together left out. Returns 1, or 0 where everything is fresh.
+    pub stale: unsafe extern "C" fn(device: vk::Device, eye: u32, record: *mut StaleRecord) -> u32,
     /// How many passes were recognised and had the plan's rates in the frame that ended last.
     pub passes_with_rates: unsafe extern "C" fn(device: vk::Device) -> u32,
     /// Number of the frame that ended last, counted by [`Self::shown`] from 1; 0 before the first.

@@ -12,7 +12,7 @@ pub use benefit::{Benefit, Clock, EndedFrame};
 pub use offer::Offer;
 pub use views::{ShownView, View, Views, head_of};
 
-use crate::config::{Config, GazeSource, RatesBackend, RatesMode, gaze_settings, plan_settings};
+use crate::config::{Config, GazeSource, gaze_settings, plan_settings, wants_maps};
 use crate::link::PlanRecord;
 use frame_rate::FrameRate;
 use glam::{Quat, Vec3};
@@ -60,6 +60,10 @@ pub struct Planning {
     was_idle: bool,
     last: Option<Last>,
     handed: Handed,
+    /// Whether each eye's picture of the frame before this one, and what that was made of, is kept.
+    has_history: [bool; 2],
+    /// The same of this frame.
+    keeps_history: [bool; 2],
     /// What the tracker was not believed for, each of [`Rejection::ALL`].
     rejected: [bool; Rejection::ALL.len()],
 }
@@ -87,14 +91,11 @@ impl Default for Planning {
             was_idle: false,
             last: None,
             handed: Handed::default(),
+            has_history: [false; 2],
+            keeps_history: [false; 2],
             rejected: Default::default(),
         }
     }
-}
-
-/// Whether the configuration asks for shading rates.
-pub fn wants_rates(config: &Config) -> bool {
-    config.enabled && config.rates.mode != RatesMode::Off && config.rates.backend != RatesBackend::Off
 }
 
 impl Planning {
@@ -106,12 +107,21 @@ impl Planning {
     /// A frame begins, to be shown at `time_ns`.
     pub fn frame_begins(&mut self, time_ns: i64) {
         self.frame += 1;
+        self.has_history = std::mem::take(&mut self.keeps_history);
         self.frame_rate.frame_at(time_ns);
     }
 
-    /// Whether there is anything to plan: rates that the device has, or chroma where `can_attenuate`.
+    /// The frame that is under way ends with a picture of an eye that is kept, whatever of it is stale with what that is
+    /// made of: the next frame need not render all of it. What is not said of a frame, of whatever reason, is not so, and
+    /// then the next frame renders everything: another swapchain, rectangle or field of view, several projection layers, a
+    /// picture that could not be composed, no picture.
+    pub fn history_kept(&mut self, eye: usize) {
+        self.keeps_history[eye] = true;
+    }
+
+    /// Whether there is anything to plan: rates that the device has, or what is stale, or chroma where `can_attenuate`.
     pub fn has_work(&self, config: &Config, can_attenuate: bool) -> bool {
-        self.has_rates(config) || self.chroma(config, can_attenuate).is_some()
+        self.has_maps(config) || self.chroma(config, can_attenuate).is_some()
     }
 
     /// A frame goes by without a plan.
@@ -157,11 +167,14 @@ impl Planning {
     pub fn plan(&mut self, config: &Config, can_attenuate: bool, head: Quat, time_ns: i64) -> bool {
         let is_behind =
             |last: Last| (1..LONGEST_STEP_BACK_NS).contains(&last.time_ns.saturating_sub(time_ns));
-        let Some(eyes) = self.views.eyes() else { return false };
+        let Some(mut eyes) = self.views.eyes() else { return false };
         if self.last.is_some_and(is_behind) {
             return false;
         }
         let settings = self.plan_settings(config, can_attenuate);
+        for (eye, has_history) in eyes.iter_mut().zip(self.has_history) {
+            eye.refresh = settings.schedule.is_some() && !has_history;
+        }
         let gaze = match config.gaze.source {
             // One ray, of eyes that look at something whose distance nobody knows.
             GazeSource::Eyes | GazeSource::File => {
@@ -219,10 +232,10 @@ impl Planning {
         self.planner.is_some() && self.last.is_some_and(|last| last.frame == self.frame)
     }
 
-    /// The rates of the newest plan, if they are others than those that were handed over last; `serial` numbers them.
+    /// The maps of the newest plan, if they are others than those that were handed over last; `serial` numbers them.
     /// What the record points to is valid until the next call of a method that changes anything.
     pub fn new_rates(&mut self, config: &Config, serial: impl FnOnce() -> u64) -> Option<PlanRecord> {
-        let Some(planner) = self.planner.as_ref().filter(|_| self.has_rates(config)) else {
+        let Some(planner) = self.planner.as_ref().filter(|_| self.has_maps(config)) else {
             self.handed.forget();
             return None;
         };
@@ -237,8 +250,8 @@ impl Planning {
         Some((Focus { direction, ..focus }, plan.chroma?))
     }
 
-    fn has_rates(&self, config: &Config) -> bool {
-        wants_rates(config) && !self.offer.rates().is_empty()
+    fn has_maps(&self, config: &Config) -> bool {
+        wants_maps(config) && !self.offer.rates().is_empty()
     }
 
     fn chroma(&self, config: &Config, can_attenuate: bool) -> Option<ChromaSettings> {

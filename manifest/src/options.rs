@@ -5,6 +5,7 @@ mod choice;
 mod default_file;
 mod file_path;
 mod pass_rules;
+mod periods;
 mod preset;
 mod setting;
 mod table;
@@ -14,6 +15,7 @@ pub use file_path::FilePath;
 pub use pass_rules::{
     COLOR_FORMATS, ColorFormat, MOST_RULES, PassKind, PassRule, PassRules, PassRulesError, WayUp,
 };
+pub use periods::Periods;
 pub use setting::{Allowed, Setting};
 pub use table::OptionSpec;
 
@@ -98,6 +100,30 @@ choice! {
 }
 
 choice! {
+    /// Whether and how the periphery is re-used.
+    ReuseMode {
+        /// every frame renders everything
+        Off = "off",
+        /// from where it is in earlier frames, as the head turns
+        On = "on",
+        /// as it was published, for comparison: it stays where it is in the picture, and all of a region is rendered at once
+        Paper = "paper",
+    }
+}
+
+choice! {
+    /// Which frames render which directions.
+    ReusePhase {
+        /// patches of 15 degrees take turns, so that frames cost the same
+        Staggered = "staggered",
+        /// all of a region in one frame
+        Aligned = "aligned",
+        /// all of a region in one frame, the right eye half a period later: its delay can be taken for depth
+        AlternateEye = "alternate-eye",
+    }
+}
+
+choice! {
     /// Whether and how colour is removed.
     ChromaMode {
         /// colour is left alone
@@ -149,11 +175,17 @@ presets! {
         /// every technique is off
         None = "none" { rates.mode = RatesMode::Off; }
         /// what few notice: a periphery of a quarter of the shading
-        Quality = "quality" { rates.peripheral = PeripheralRate::R2x2; }
+        Quality = "quality" {
+            rates.peripheral = PeripheralRate::R2x2;
+            reuse.periods = Periods::of([1, 1, 1, 1, 2]);
+        }
         /// the state of the art: a sixteenth from 27 degrees on
         Balanced = "balanced" {}
         /// noticed at times: a sixteenth from 18 degrees on
-        Performance = "performance" { rates.transitional_deg = 18.39; }
+        Performance = "performance" {
+            rates.transitional_deg = 18.39;
+            reuse.periods = Periods::of([1, 1, 2, 3, 3]);
+        }
         /// balanced, and less colour to encode, for pictures that are sent to the headset as video
         Streaming = "streaming" { chroma.mode = ChromaMode::Default; }
         /// balanced as it was published, without what makes it safe: to compare with
@@ -224,6 +256,18 @@ options! {
         transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
         /// The coarsest rate, in pixels that are shaded at once; a device without it uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::R4x4;
+    }
+
+    /// The periphery, rendered less often than each frame, and shown from earlier frames in between.
+    reuse: Reuse {
+        /// Whether and how the periphery is re-used.
+        mode: ReuseMode = ReuseMode::Off;
+        /// Of how many frames one renders each of five regions around the gaze, the innermost first; they end at 6.3, 9.1, 18.1 and 31.1 degrees.
+        periods: Periods = Periods::of([1, 1, 2, 2, 3]);
+        /// Which frames render which directions, for mode = "on".
+        phase: ReusePhase = ReusePhase::Staggered;
+        /// Whether a region may be rendered less than 30 times a second, where flicker is worst; in mode = "paper" it always may.
+        below_30_hz: bool = false;
     }
 
     /// Colour, removed where the eye does not resolve it.

@@ -206,6 +206,8 @@ impl<'a, 'b> SourceFinder<'a, 'b> {
         let rows = tile.y.saturating_sub(reach.y)..=tile.y + reach.y;
         let mut around = rows
             .flat_map(|y| (tile.x.saturating_sub(reach.x)..=tile.x + reach.x).map(move |x| UVec2::new(x, y)));
-        around.all(|other| Pattern::of(self.view.tiles.rate(other)) == pattern).then_some(pattern)
+        let is_alike =
+            |other| Pattern::of(self.view.tiles.rate(other)) == pattern && !self.view.tiles.is_stale(other);
+        around.all(is_alike).then_some(pattern)
     }
 }

@@ -160,7 +160,8 @@ proptest! {
             }
             // No tile that the block touches has full rate.
             for corner in [[0, 0], [3, 0], [0, 3], [3, 3]] {
-                prop_assert!(view.rate_at(block * BLOCK + UVec2::from(corner)) != ShadingRate::R1X1);
+                let tile = (block * BLOCK + UVec2::from(corner)) / UVec2::from(view.tiles.texel);
+                prop_assert!(view.tiles.rate(tile) != ShadingRate::R1X1);
             }
         }
     }
@@ -212,4 +213,55 @@ fn a_plan_is_laid_where_its_view_is() {
     by_hand.lay(&[MaskView { layer: 1, ..view(&plan.rates, [40, 8], [80, 64], 16) }]);
     assert_eq!(by_plan.list(), by_hand.list());
     assert!(by_plan.skips(1, [49, 13]) && !by_plan.skips(1, [36, 13]) && !by_plan.skips(1, [124, 13]));
+}
+
+/// Tiles of a picture of 16 x 16, of which some are left out.
+fn some_stale(rate: ShadingRate, stale: impl Fn(u32, u32) -> bool) -> Plane<u8> {
+    let mut tiles = rates([16; 2], rate);
+    for y in 0..16 {
+        for x in 0..16 {
+            tiles.row_mut(y)[x as usize] |= if stale(x, y) { STALE } else { 0 };
+        }
+    }
+    tiles
+}
+
+#[test]
+fn what_is_stale_is_skipped_and_neither_filled_nor_read() {
+    let checkers = |x: u32, y: u32| (x / 3 + y / 2).is_multiple_of(2);
+    for rate in VULKAN_RATES {
+        let tiles = some_stale(rate, checkers);
+        let mask = whole(256, 16, &tiles);
+        let is_stale = |block: UVec2| checkers(block.x / 4, block.y / 4);
+        let skipped = mask.skipped(0).unwrap();
+        for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {
+            assert!(!is_stale(UVec2::new(x, y)) || skipped.at(x, y), "{rate:?} {x} {y}");
+        }
+        for block in mask.list().blocks() {
+            assert!(!is_stale(block.block), "{block:?}");
+            for source in block.sources.iter().flatten() {
+                let source = block.block.saturating_add_signed(source.offset());
+                assert!(!is_stale(source) && !skipped.at(source.x, source.y), "{block:?}");
+            }
+        }
+        let shaded = skipped.texels().iter().filter(|skipped| !**skipped).count() as f32 / 4096.0;
+        assert!((mask.shaded() - shaded).abs() < 1e-6);
+        // Half of the tiles, and what is added where sources are missing.
+        assert!(
+            (rate.fraction() * 0.45..=rate.fraction() * 0.6 + 0.02).contains(&shaded),
+            "{rate:?} {shaded}"
+        );
+    }
+}
+
+#[test]
+fn a_block_is_left_out_where_all_its_tiles_are() {
+    // Tiles of 10 pixels cut blocks.
+    let stale = |x: u32, _: u32| !x.is_multiple_of(3);
+    let mask = whole(160, 10, &some_stale(ShadingRate::R1X1, stale));
+    for (x, y) in (0..160).flat_map(|y| (0..160).map(move |x| (x, y))) {
+        let block = x / 4 * 4;
+        assert_eq!(mask.skips(0, [x, y]), (block..block + 4).all(|x| stale(x / 10, 0)), "{x} {y}");
+    }
+    assert!(mask.list().is_empty());
 }

@@ -7,6 +7,7 @@ use crate::chroma::{ChromaSettings, Focus};
 use crate::geometry::{Fov, ImagePlane};
 use crate::image::Plane;
 use crate::rate::ShadingRate;
+use crate::reuse::STALE;
 use glam::{UVec2, Vec2, Vec3};
 
 /// What one frame shall do, for both eyes.
@@ -88,6 +89,12 @@ impl EyePlan {
     /// Whether the tile in column `x`, row `y` is rendered in this frame; true outside of the plan.
     pub fn is_due(&self, x: u32, y: u32) -> bool {
         x >= self.ages.width() || y >= self.ages.height() || self.ages.at(x, y) == 0
+    }
+
+    /// Appends the map of the tiles to `out`, row by row: a byte for each, its rate, with [`STALE`] where it is not rendered.
+    pub fn write_map(&self, out: &mut Vec<u8>) {
+        let tiles = self.rates.texels().iter().zip(self.ages.texels());
+        out.extend(tiles.map(|(rate, age)| if *age == 0 { *rate } else { *rate | STALE }));
     }
 
     /// The tile that shows a pixel of the view.

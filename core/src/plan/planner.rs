@@ -9,7 +9,7 @@ use super::rails::RailMemory;
 use super::reasons::{Reason, Reasons};
 use super::rules::{FrameRules, Permit};
 use super::sensitivity::Sensitivity;
-use super::settings::{PlanSettings, RateSettings};
+use super::settings::{PlanSettings, RateSettings, Turns};
 use super::statistics::Statistics;
 use crate::chroma::Focus;
 use crate::gaze::GazePhase;
@@ -87,7 +87,7 @@ impl Planner {
             ages.finish(0);
         }
         for (index, eye) in input.eyes.iter().enumerate() {
-            self.plan_eye(index, eye, head, &rules, &mut reasons);
+            self.plan_eye(index, input.frame, head, eye, &rules, &mut reasons);
             self.attenuate(index, input, head, &rules);
         }
         let schedule = rules.schedule.unwrap_or_default();
@@ -106,8 +106,9 @@ impl Planner {
     fn plan_eye(
         &mut self,
         index: usize,
-        eye: &EyeInput,
+        frame: u64,
         head: Quat,
+        eye: &EyeInput,
         rules: &FrameRules,
         reasons: &mut Reasons,
     ) {
@@ -117,12 +118,19 @@ impl Planner {
         reasons.insert_if(orientation.is_none() && !eye.extent.contains(&0), Reason::ViewMalformed);
         reasons.insert_if(eye.refresh, Reason::Refresh);
 
-        let in_world = orientation.map(|orientation| head * orientation);
-        match (in_world, &self.ages, &rules.schedule) {
-            (Some(in_world), Some(ages), Some(_)) if !eye.refresh => {
-                memory.renewal.renew(&memory.lattice, in_world, ages, index);
+        let to_view = orientation.unwrap_or(Quat::IDENTITY).inverse();
+        out.centres = rules.centres.map(|centre| to_view * centre);
+        memory.renewal.begin(frame, orientation.map(|orientation| head * orientation));
+        match (&self.settings.schedule, &self.ages, &rules.schedule) {
+            (Some(updates), Some(ages), Some(schedule)) if !eye.refresh && orientation.is_some() => {
+                match updates.turns {
+                    Turns::Directions => memory.renewal.renew(&memory.lattice, ages, index),
+                    Turns::Tiles => {
+                        memory.renewal.renew_in_turn(&mut memory.lattice, schedule, index, out.centres);
+                    }
+                }
             }
-            _ => memory.renewal.renew_all(in_world),
+            _ => memory.renewal.renew_all(),
         }
 
         let contrast = contrast(eye, memory.lattice.tiles(), self.sensitivity.as_ref());
@@ -132,8 +140,6 @@ impl Planner {
             (Some(_), Some(judged), Some(_)) => judged,
             (Some(_), ..) => rules.fixed,
         };
-        let to_view = orientation.unwrap_or(Quat::IDENTITY).inverse();
-        out.centres = rules.centres.map(|centre| to_view * centre);
         out.gaze = if rules.has_gaze() { out.centres[index] } else { Vec3::ZERO };
         out.rings = permit.rings;
         let params = rules.params(&self.settings, out.centres, &permit);

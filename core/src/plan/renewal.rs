@@ -1,8 +1,9 @@
 //! Which tiles of a view are rendered: those whose turn it is, and those that had no picture a frame ago.
 
 use super::lattice::TileLattice;
+use super::turns::TileTurns;
 use crate::geometry::FovTangents;
-use crate::schedule::{CellAges, TileCells};
+use crate::schedule::{CellAges, Schedule, TileCells};
 use glam::{Quat, Vec3};
 
 /// Part of a pixel that a corner may lie beyond the border of the last frame's view: rounding.
@@ -14,8 +15,13 @@ pub(super) struct Renewal {
     /// Whether each tile is to be rendered.
     due: Vec<bool>,
     cells: TileCells,
-    /// Orientation of the view in the last frame, in the world; nothing where there was no usable picture.
+    turns: TileTurns,
+    /// Orientation of the view in the world in the frame before this one, by its last plan; nothing where there was no
+    /// usable picture.
     last: Option<Quat>,
+    /// The same in this frame, by the newest plan.
+    now: Option<Quat>,
+    frame: u64,
 }
 
 impl Renewal {
@@ -23,7 +29,8 @@ impl Renewal {
     pub(super) fn reset(&mut self, tiles: usize) {
         self.due.clear();
         self.due.resize(tiles, true);
-        self.last = None;
+        self.turns.reset(tiles);
+        (self.last, self.now) = (None, None);
     }
 
     /// Whether each tile is to be rendered.
@@ -31,22 +38,43 @@ impl Renewal {
         &self.due
     }
 
-    /// Everything is rendered. The view's orientation is that in the world, or nothing where that is not known.
-    pub(super) fn renew_all(&mut self, orientation: Option<Quat>) {
+    /// Frame number `frame` is planned, perhaps not for the first time. The view's orientation is that in the world, or
+    /// nothing where that is not known.
+    pub(super) fn begin(&mut self, frame: u64, orientation: Option<Quat>) {
+        if self.frame != frame {
+            self.frame = frame;
+            self.last = self.now;
+        }
+        self.now = orientation;
+    }
+
+    /// Everything is rendered.
+    pub(super) fn renew_all(&mut self) {
         self.due.fill(true);
-        self.last = orientation;
+        self.turns.rendered(self.frame);
     }
 
     /// Rendered is what `ages` says for `eye`, and what came into view since the last frame.
-    pub(super) fn renew(&mut self, lattice: &TileLattice, orientation: Quat, ages: &CellAges, eye: usize) {
-        let Some((last, view)) = self.last.zip(lattice.tile_view(orientation)) else {
-            self.renew_all(Some(orientation));
+    pub(super) fn renew(&mut self, lattice: &TileLattice, ages: &CellAges, eye: usize) {
+        let view = self.now.and_then(|now| Some((now, lattice.tile_view(now)?)));
+        let Some((last, (now, view))) = self.last.zip(view) else {
+            self.renew_all();
             return;
         };
         self.cells.update(&view, lattice.tiles(), 1);
         ages.due_tiles(&self.cells, eye, &mut self.due);
-        self.reveal(lattice, last.inverse() * orientation);
-        self.last = Some(orientation);
+        self.reveal(lattice, last.inverse() * now);
+    }
+
+    /// Rendered is whose turn it is among the tiles themselves, around the gazes in the view's space.
+    pub(super) fn renew_in_turn(
+        &mut self,
+        lattice: &mut TileLattice,
+        schedule: &Schedule,
+        eye: usize,
+        gazes: [Vec3; 2],
+    ) {
+        self.turns.advance(schedule, self.frame, eye, lattice, gazes, &mut self.due);
     }
 
     /// Adds the tiles that are not wholly within the last view, into whose space `to_last` leads.

@@ -13,6 +13,7 @@ use glam::{Quat, Vec3};
 
 mod properties;
 mod rails;
+mod turns;
 
 /// A frame at 100 Hz.
 const FRAME_NS: i64 = 10_000_000;

@@ -35,18 +35,32 @@ impl StaleTiles {
     ///
     /// Where the numbers contradict each other everything is fresh.
     pub fn set(&mut self, extent: [u32; 2], texel: [u32; 2], map: &[u8]) {
-        self.clear();
-        if texel.contains(&0) || extent.contains(&0) {
-            return;
-        }
-        let tiles = [extent[0].div_ceil(texel[0]), extent[1].div_ceil(texel[1])];
-        if u64::from(tiles[0]) * u64::from(tiles[1]) != map.len() as u64 {
-            return;
-        }
-        (self.extent, self.texel, self.tiles) = (extent, texel, tiles);
         let word =
             |tiles: &[u8]| tiles.iter().rev().fold(0, |word, tile| word << 1 | u32::from(tile & STALE != 0));
-        self.words.extend(map.chunks(u32::BITS as usize).map(word));
+        if self.shape(extent, texel, |tiles| tiles == map.len() as u64) {
+            self.words.extend(map.chunks(u32::BITS as usize).map(word));
+        }
+    }
+
+    /// As [`Self::set`], from [`Self::words`] of such a set.
+    pub fn set_words(&mut self, extent: [u32; 2], texel: [u32; 2], words: &[u32]) {
+        if self.shape(extent, texel, |tiles| tiles.div_ceil(u32::BITS.into()) == words.len() as u64) {
+            self.words.extend_from_slice(words);
+        }
+    }
+
+    /// Becomes fresh, with the tiles of that picture if there are as many as there may be; returns whether that is so.
+    fn shape(&mut self, extent: [u32; 2], texel: [u32; 2], may_be: impl FnOnce(u64) -> bool) -> bool {
+        self.clear();
+        if texel.contains(&0) || extent.contains(&0) {
+            return false;
+        }
+        let tiles = [extent[0].div_ceil(texel[0]), extent[1].div_ceil(texel[1])];
+        let fits = may_be(u64::from(tiles[0]) * u64::from(tiles[1]));
+        if fits {
+            (self.extent, self.texel, self.tiles) = (extent, texel, tiles);
+        }
+        fits
     }
 
     /// Everything is fresh.
@@ -124,6 +138,16 @@ impl StaleTiles {
     pub fn tiles_across(&self) -> Vec2 {
         let axis = |axis: usize| self.extent[axis] as f32 / self.texel[axis].max(1) as f32;
         Vec2::new(axis(0), axis(1))
+    }
+
+    /// Size of the picture that the tiles are of, pixels.
+    pub fn extent(&self) -> [u32; 2] {
+        self.extent
+    }
+
+    /// Size of a tile, pixels.
+    pub fn texel(&self) -> [u32; 2] {
+        self.texel
     }
 
     /// Columns and rows of tiles; none where nothing is known, and everything fresh.

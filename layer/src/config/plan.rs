@@ -1,16 +1,18 @@
 //! What may be planned, as the configuration asks for it.
 
-use super::{Config, GazeSource, PeripheralRate, Preset, RatesGate, RatesMode, chroma_settings};
+use super::{
+    Config, GazeSource, PeripheralRate, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, ReusePhase,
+    chroma_settings,
+};
 use parafovea_core::fixed_foveation::FixedFoveation;
 use parafovea_core::gate::GateMode;
 use parafovea_core::gaze::GazeSettings;
-use parafovea_core::plan::{PlanSettings, RateSettings};
+use parafovea_core::plan::{PlanSettings, RateSettings, Turns, UpdateSettings};
 use parafovea_core::presets;
 use parafovea_core::rate::ShadingRate;
+use parafovea_core::schedule::{Phase, Schedule, UpdateConfiguration};
 
 /// The settings of the planner, on a device that offers these rates, in any order, for tiles of `texel` pixels.
-///
-/// No schedule: nothing here renders tiles less often than each frame.
 pub fn plan_settings(config: &Config, offered: &[ShadingRate], texel: [u32; 2]) -> PlanSettings {
     let rates = match config.rates.mode {
         _ if !config.enabled => RateSettings::Off,
@@ -20,10 +22,21 @@ pub fn plan_settings(config: &Config, offered: &[ShadingRate], texel: [u32; 2]) 
     let preset = preset(config.preset);
     PlanSettings {
         rates,
-        schedule: None,
+        schedule: update_settings(config, preset.settings().faster_in_pursuit),
         chroma: chroma_settings(config),
         ..PlanSettings::of(preset, false, offered, texel)
     }
+}
+
+/// Whether the configuration asks for passes to shade less: coarsely, or not in each frame.
+pub fn wants_maps(config: &Config) -> bool {
+    let has_technique = config.rates.mode != RatesMode::Off || config.reuse.mode != ReuseMode::Off;
+    config.enabled && config.rates.backend != RatesBackend::Off && has_technique
+}
+
+/// Whether the configuration asks for pictures that are not rendered anew in each frame.
+pub fn wants_reuse(config: &Config) -> bool {
+    wants_maps(config) && config.reuse.mode != ReuseMode::Off
 }
 
 /// How the gaze is judged. One from a file may rest for ever.
@@ -53,6 +66,29 @@ fn preset(preset: Preset) -> presets::Preset {
         Preset::Streaming => presets::Preset::Streaming,
         Preset::Paper => presets::Preset::Paper,
     }
+}
+
+/// How often the periphery is rendered; nothing where every frame renders everything.
+fn update_settings(config: &Config, faster_in_pursuit: bool) -> Option<UpdateSettings> {
+    if !wants_reuse(config) {
+        return None;
+    }
+    let is_paper = config.reuse.mode == ReuseMode::Paper;
+    let phase = match config.reuse.phase {
+        _ if is_paper => Phase::Aligned,
+        ReusePhase::Staggered => Phase::Staggered,
+        ReusePhase::Aligned => Phase::Aligned,
+        ReusePhase::AlternateEye => Phase::AlternateEye,
+    };
+    // What the options accept, the models do.
+    let configuration = UpdateConfiguration::new(config.reuse.periods.of_regions()).unwrap_or_default();
+    let schedule = Schedule { configuration, phase, ..Schedule::default() };
+    Some(UpdateSettings {
+        schedule,
+        faster_in_pursuit: faster_in_pursuit && !is_paper,
+        turns: if is_paper { Turns::Tiles } else { Turns::Directions },
+        uncapped: is_paper || config.reuse.below_30_hz,
+    })
 }
 
 fn fixed_foveation(config: &Config) -> FixedFoveation {
@@ -87,8 +123,14 @@ mod tests {
             (Preset::Paper, presets::Preset::Paper),
         ] {
             let expected = PlanSettings::of(theirs, false, &VULKAN_RATES, [16, 16]);
-            let expected = PlanSettings { schedule: None, ..expected };
-            assert_eq!(settings(&Config::of_preset(ours)), expected, "{theirs}");
+            let mut config = Config::of_preset(ours);
+            assert_eq!(settings(&config), PlanSettings { schedule: None, ..expected }, "{theirs}");
+            config.reuse.mode = if ours == Preset::Paper { ReuseMode::Paper } else { ReuseMode::On };
+            let schedule = expected.schedule.map(|updates| match ours {
+                Preset::Paper => UpdateSettings { turns: Turns::Tiles, uncapped: true, ..updates },
+                _ => updates,
+            });
+            assert_eq!(settings(&config), PlanSettings { schedule, ..expected }, "{theirs}");
         }
     }
 
@@ -102,9 +144,25 @@ mod tests {
     fn what_is_off_is_not_planned() {
         let mut disabled = Config::of_preset(Preset::Streaming);
         disabled.enabled = false;
+        disabled.reuse.mode = ReuseMode::On;
         for config in [disabled, Config::of_preset(Preset::None)] {
             let settings = settings(&config);
-            assert_eq!((settings.rates, settings.chroma), (RateSettings::Off, None));
+            assert_eq!((settings.rates, settings.schedule, settings.chroma), (RateSettings::Off, None, None));
         }
+    }
+
+    #[test]
+    fn periods_and_phase_are_as_configured() {
+        let mut config = Config::default();
+        config.reuse.mode = ReuseMode::On;
+        config.reuse.phase = ReusePhase::AlternateEye;
+        let updates = settings(&config).schedule.unwrap();
+        assert_eq!(updates.schedule.configuration, UpdateConfiguration::F11223);
+        assert_eq!(updates.schedule.phase, Phase::AlternateEye);
+        assert!(!updates.uncapped && updates.faster_in_pursuit);
+        config.reuse.below_30_hz = true;
+        assert!(settings(&config).schedule.unwrap().uncapped);
+        config.rates.backend = RatesBackend::Off;
+        assert_eq!(settings(&config).schedule, None, "nothing could be left out");
     }
 }

@@ -62,7 +62,7 @@ pub struct PlanRecord {
     pub eyes: [EyeMapRecord; 2],
 }
 
-/// Rates of one eye's picture.
+/// How the tiles of one eye's picture are rendered.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EyeMapRecord {
@@ -72,8 +72,25 @@ pub struct EyeMapRecord {
     pub texel: [u32; 2],
     /// Number of tiles, columns and rows: those that it takes to cover `extent`.
     pub tiles: [u32; 2],
-    /// A texel of a rate image (`ShadingRate::texel`) for each tile, row by row, top row first.
+    /// A byte for each tile, row by row, top row first: a texel of a rate image (`ShadingRate::texel`), and the bit `STALE`
+    /// where the tile need not be rendered at all.
     pub rates: *const u8,
+}
+
+/// The tiles of an eye's picture that its passes left out, as `StaleTiles` has them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct StaleRecord {
+    /// Size of the picture that the plan was made for, pixels.
+    pub extent: [u32; 2],
+    /// Size of a tile, pixels.
+    pub texel: [u32; 2],
+    /// Where `words` are written to, if there is room for all.
+    pub words: *mut u32,
+    /// For how many there is room.
+    pub capacity: u32,
+    /// How many there are; the caller asks again with more room where that is too little.
+    pub count: u32,
 }
 
 /// What the application shows with one xrEndFrame.

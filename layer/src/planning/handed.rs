@@ -1,4 +1,4 @@
-//! The rates that were handed over last.
+//! The maps that were handed over last.
 
 use crate::link::{EyeMapRecord, PlanRecord};
 use parafovea_core::plan::EyePlan;
@@ -8,6 +8,8 @@ use std::ptr;
 #[derive(Debug, Default)]
 pub struct Handed {
     eyes: [Map; 2],
+    /// The map of an eye that is looked at.
+    newest: Vec<u8>,
     is_known: bool,
 }
 
@@ -16,28 +18,27 @@ struct Map {
     extent: [u32; 2],
     texel: [u32; 2],
     tiles: [u32; 2],
-    rates: Vec<u8>,
+    bytes: Vec<u8>,
 }
 
 impl Handed {
-    /// The next rates are news, whatever they are.
+    /// The next maps are news, whatever they are.
     pub fn forget(&mut self) {
         self.is_known = false;
     }
 
-    /// Takes the rates of a plan. Whether they are news.
+    /// Takes the maps of a plan. Whether they are news.
     pub fn update(&mut self, eyes: &[EyePlan; 2]) -> bool {
-        if self.is_known && self.eyes.iter().zip(eyes).all(|(map, eye)| map.is_of(eye)) {
-            return false;
-        }
+        let mut is_news = !std::mem::replace(&mut self.is_known, true);
         for (map, eye) in self.eyes.iter_mut().zip(eyes) {
-            map.take(eye);
+            self.newest.clear();
+            eye.write_map(&mut self.newest);
+            is_news |= map.take(eye, &mut self.newest);
         }
-        self.is_known = true;
-        true
+        is_news
     }
 
-    /// The rates as a record.
+    /// The maps as a record.
     pub fn record(&self, serial: u64) -> PlanRecord {
         let [left, right] = &self.eyes;
         PlanRecord { serial, eyes: [left.record(), right.record()] }
@@ -45,19 +46,17 @@ impl Handed {
 }
 
 impl Map {
-    fn is_of(&self, eye: &EyePlan) -> bool {
-        (self.extent, self.texel, self.tiles) == (eye.extent, eye.texel, tiles(eye))
-            && self.rates == eye.rates.texels()
-    }
-
-    fn take(&mut self, eye: &EyePlan) {
-        (self.extent, self.texel, self.tiles) = (eye.extent, eye.texel, tiles(eye));
-        self.rates.clear();
-        self.rates.extend_from_slice(eye.rates.texels());
+    /// Takes an eye's map in place of its own, which goes to `bytes`. Whether it is another one.
+    fn take(&mut self, eye: &EyePlan, bytes: &mut Vec<u8>) -> bool {
+        let shape = (eye.extent, eye.texel, tiles(eye));
+        let is_news = (self.extent, self.texel, self.tiles) != shape || self.bytes != *bytes;
+        (self.extent, self.texel, self.tiles) = shape;
+        std::mem::swap(&mut self.bytes, bytes);
+        is_news
     }
 
     fn record(&self) -> EyeMapRecord {
-        let rates = if self.rates.is_empty() { ptr::null() } else { self.rates.as_ptr() };
+        let rates = if self.bytes.is_empty() { ptr::null() } else { self.bytes.as_ptr() };
         EyeMapRecord { extent: self.extent, texel: self.texel, tiles: self.tiles, rates }
     }
 }

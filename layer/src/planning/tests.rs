@@ -1,5 +1,5 @@
 use super::*;
-use crate::config::{ChromaMode, Preset};
+use crate::config::{ChromaMode, Preset, RatesBackend, ReuseMode};
 use crate::link::{BACKEND_RATE_ATTACHMENT, EyeMapRecord, OfferRecord};
 use parafovea_core::geometry::Fov;
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
@@ -198,7 +198,7 @@ fn nothing_is_planned_for_what_is_off_or_not_there() {
         let mut config = Config::default();
         config.rates.backend = off;
         config.enabled = off == RatesBackend::Off;
-        assert!(!wants_rates(&config));
+        assert!(!wants_maps(&config));
     }
 }
 
@@ -258,4 +258,38 @@ fn a_frame_has_a_plan_once_there_are_views() {
     assert!(session.planning.is_planned());
     session.begin();
     assert!(!session.planning.is_planned());
+}
+
+/// The share of both eyes' tiles that the newest plan renders.
+fn rendered(session: &Session) -> f32 {
+    let plan = session.planning.planner.as_ref().unwrap().newest();
+    let tiles = || plan.eyes.iter().flat_map(|eye| eye.ages.texels());
+    tiles().filter(|age| **age == 0).count() as f32 / tiles().count() as f32
+}
+
+#[test]
+fn only_what_is_kept_is_not_rendered_again() {
+    for mode in [ReuseMode::On, ReuseMode::Paper] {
+        let mut config = centre(Preset::Balanced);
+        config.reuse.mode = mode;
+        let mut session = Session::new(config);
+        // Long enough for the frame rate to be known.
+        for _ in 0..120 {
+            session.frame(Look::NoTracker);
+            assert_eq!(rendered(&session), 1.0, "{mode:?}: nobody keeps a picture");
+        }
+        let mut least = 1.0f32;
+        for _ in 0..12 {
+            session.planning.history_kept(0);
+            session.planning.history_kept(1);
+            assert!(session.frame(Look::NoTracker), "each frame has its own map");
+            assert!(!session.plan(Look::NoTracker), "the same frame has the same");
+            least = least.min(rendered(&session));
+        }
+        assert!(least < 0.6, "{mode:?}: {least}");
+        session.planning.history_kept(0);
+        session.frame(Look::NoTracker);
+        let plan = session.planning.planner.as_ref().unwrap().newest();
+        assert!(plan.eyes[1].ages.texels().iter().all(|age| *age == 0), "{mode:?}: the right eye has none");
+    }
 }

@@ -2,7 +2,8 @@
 //!
 //! Each texel of the rate image gets the finest of all tiles of the plan that it meets. What that is can be worked out
 //! for rows and columns apart, because all rectangles are upright. Rates are combined in unary, where the finer of two
-//! is a bitwise AND: log2 of a side of 0, 1, 2 is 0b00, 0b01, 0b11.
+//! is a bitwise AND: log2 of a side of 0, 1, 2 is 0b00, 0b01, 0b11. So is the bit [`STALE`], which a texel has where all
+//! that it meets are stale.
 
 mod eye_map;
 mod rates;
@@ -12,6 +13,7 @@ pub use eye_map::EyeMap;
 pub use rates::DeviceRates;
 
 use super::{Eyes, Orientation, Part};
+use parafovea_core::reuse::STALE;
 use rates::FULL;
 use smallvec::SmallVec;
 use span::Span;
@@ -54,7 +56,8 @@ pub struct Scratch {
     row: Vec<u8>,
 }
 
-/// Writes the texels of `image` to `out`, row by row, layer by layer: [`parafovea_core::rate::ShadingRate::texel`].
+/// Writes the texels of `image` to `out`, row by row, layer by layer: [`parafovea_core::rate::ShadingRate::texel`], with
+/// [`STALE`].
 ///
 /// Texels with a pixel of the render area that no part covers, and those outside of the area, are 1x1. `out` has
 /// [`RateImage::len`] bytes; what is more is 1x1, and of what is less the rest is left out.
@@ -112,8 +115,8 @@ fn lay_layer(
     }
 }
 
-/// Unary of 4x4: no limit.
-const COARSEST: u8 = 0b1111;
+/// Stale, and unary of 4x4: no limit.
+const COARSEST: u8 = STALE | 0b1111;
 
 fn maps(eyes: [&EyeMap; 2], of: Eyes) -> impl Iterator<Item = &EyeMap> {
     let [left, right] = eyes;

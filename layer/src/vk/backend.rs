@@ -5,7 +5,7 @@ use super::masks::TargetMask;
 use super::objects::Image;
 use crate::link::OfferRecord;
 use crate::scene::lay::RateImage;
-use crate::scene::{Part, Pass};
+use crate::scene::{How, Part, Pass};
 use ash::vk;
 
 /// What makes passes coarser on a device.
@@ -34,16 +34,21 @@ pub trait RateMap: Send + Sync {
         false
     }
 
-    /// A pass that draws to its target is submitted, which `is_scene` or not.
-    fn noted(&self, _is_scene: bool) {}
+    /// A pass that draws to its target is submitted, which is the scene for this reason, or is not.
+    fn noted(&self, _scene: Option<How>) {}
+
+    /// Whether its passes leave out what is stale; else they shade it as coarsely as can be.
+    fn leaves_out(&self) -> bool {
+        false
+    }
 
     /// The mask that it is, if it is one.
     fn mask(&self) -> Option<&TargetMask> {
         None
     }
 
-    /// Writes what is copied to the GPU, from the texels of all layers, row by row (`ShadingRate::texel`), which were laid
-    /// into `image` for the pictures that `parts` say.
+    /// Writes what is copied to the GPU, from the texels of all layers, row by row (`ShadingRate::texel`, and `STALE` only
+    /// where [`Self::leaves_out`] holds), which were laid into `image` for the pictures that `parts` say.
     fn stage(&self, _parts: &[Part], _image: &RateImage, texels: &[u8], staging: &mut [u8]) {
         staging.copy_from_slice(texels);
     }

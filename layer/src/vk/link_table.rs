@@ -6,7 +6,7 @@ use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
     DeviceRecord, FrameTimeRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord, PlanRecord, SettingsRecord,
-    ShownRecord, SwapchainRecord,
+    ShownRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 
@@ -21,6 +21,7 @@ static TABLE: LinkTable = LinkTable {
     plan,
     shown,
     settings,
+    stale,
     passes_with_rates,
     frames_ended,
     frame_time,
@@ -152,6 +153,32 @@ unsafe extern "C" fn settings(device: vk::Device, record: *const SettingsRecord)
             armed.tell_settings(record, slice(record.passes, record.passes_len as usize));
         });
     }
+}
+
+unsafe extern "C" fn stale(device: vk::Device, eye: u32, record: *mut StaleRecord) -> u32 {
+    // SAFETY: the other half passes a live device, and a record to write to, whose words begin where it says (link.rs).
+    guard(
+        "parafovea_vkGetLink.stale",
+        || 0,
+        |_| unsafe {
+            let known = device::of(device);
+            let (Some(armed), Some(record)) =
+                (known.as_ref().and_then(|known| known.armed.as_ref()), record.as_mut())
+            else {
+                return 0;
+            };
+            let log = armed.frame.log();
+            let Some(stale) = log.stale(eye as usize).filter(|stale| !stale.is_empty()) else { return 0 };
+            let words = stale.words();
+            record.extent = stale.extent();
+            record.texel = stale.texel();
+            record.count = words.len() as u32;
+            if record.count <= record.capacity && !record.words.is_null() {
+                record.words.copy_from_nonoverlapping(words.as_ptr(), words.len());
+            }
+            1
+        },
+    )
 }
 
 unsafe extern "C" fn passes_with_rates(device: vk::Device) -> u32 {

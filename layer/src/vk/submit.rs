@@ -103,17 +103,40 @@ unsafe fn prepare(
         return;
     }
     let mut touched = Outdated::new();
+    let mut obeyed = Outdated::new();
     for buffer in buffers.filter_map(recording::buffer) {
         let recorded = buffer.recorded();
         if is_followed {
-            note(armed, queue, &recorded);
+            note(armed, queue, &recorded, &mut obeyed);
         }
         for candidate in &recorded.candidates {
-            if !touched.iter().any(|known| Arc::ptr_eq(known, candidate)) {
-                touched.push(Arc::clone(candidate));
-            }
+            add(&mut touched, candidate);
         }
     }
+    // SAFETY: the caller vouches for the queue.
+    unsafe { update(armed, is_followed, queue, touched) };
+    if obeyed.iter().any(|candidate| candidate.content().leaves_out()) {
+        let mut log = armed.frame.log();
+        for candidate in &obeyed {
+            log.leave_out(candidate.content().stale());
+        }
+    }
+}
+
+/// Adds a candidate once.
+fn add(to: &mut Outdated, candidate: &Arc<Candidate>) {
+    if !to.iter().any(|known| Arc::ptr_eq(known, candidate)) {
+        to.push(Arc::clone(candidate));
+    }
+}
+
+/// Brings the maps of candidates up to date, as far as they are not; those of submits that are not followed only where they
+/// have no content yet.
+///
+/// # Safety
+///
+/// As for [`prepare`].
+unsafe fn update(armed: &Armed, is_followed: bool, queue: vk::Queue, mut touched: Outdated) {
     let plan = armed.frame.plan_serial();
     touched.retain(|candidate| {
         candidate.map.staging_len() > 0
@@ -138,8 +161,9 @@ unsafe fn prepare(
     unsafe { prologues.submit(armed, functions, queue, touched) };
 }
 
-/// Notes what a command buffer of the application does, and what its passes show.
-fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded) {
+/// Notes what a command buffer of the application does, and what its passes show; adds to `obeyed` the candidates with maps
+/// that its passes obey.
+fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed: &mut Outdated) {
     let mut log = armed.frame.log();
     let is_on = armed.frame.is_on();
     for event in &recorded.events {
@@ -154,11 +178,12 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded) {
         if let Some((candidate, pass)) = candidate {
             let matched = judged.and_then(Result::ok);
             candidate.content().recognised(matched.is_some());
-            candidate.map.noted(matched.is_some());
+            candidate.map.noted(matched.as_ref().map(|found| found.how));
             // A pass without a mask obeys no map, and so says nothing of what that shall hold.
             if pass.unmasked.is_some() {
                 continue;
             }
+            add(obeyed, candidate);
             let matched = matched.filter(|_| is_on);
             let parts: &[Part] = matched.as_ref().map_or(&[], |found| &found.parts);
             if !parts.is_empty() {

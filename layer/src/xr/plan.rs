@@ -8,13 +8,13 @@ use super::instance::next_of_any;
 use super::session::{self, Active, Health, Session};
 use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
-use crate::config::{Config, GazeSource, PassRules, RatesBackend, gate_mode};
+use crate::config::{Config, GazeSource, PassRules, RatesBackend, gate_mode, wants_maps};
 use crate::inputs::audio::Ears;
 use crate::inputs::gaze::rotation;
 use crate::link::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameTimeRecord, SettingsRecord,
 };
-use crate::planning::{Benefit, Clock, EndedFrame, Offer, Planning, ShownView, View, head_of, wants_rates};
+use crate::planning::{Benefit, Clock, EndedFrame, Offer, Planning, ShownView, View, head_of};
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
@@ -133,8 +133,8 @@ impl Wanted {
             RatesBackend::Off => BACKEND_NONE,
         };
         // The gate looks at what passes cost with rates and without.
-        let times_passes = wants_rates(config) && gate_mode(config) == GateMode::Auto;
-        let is_on = wants_rates(config) && may_have_rates;
+        let times_passes = wants_maps(config) && gate_mode(config) == GateMode::Auto;
+        let is_on = wants_maps(config) && may_have_rates;
         Self { is_on, times_passes, backend, passes: config.rates.passes }
     }
 }

@@ -4,10 +4,11 @@
 use super::structures::VulkanBinding;
 use crate::link::{
     DeviceRecord, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr,
-    OfferRecord, PlanRecord, SettingsRecord, ShownRecord, SwapchainRecord,
+    OfferRecord, PlanRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
+use parafovea_core::reuse::StaleTiles;
 use std::mem::MaybeUninit;
 
 /// A device that the Vulkan half tracks.
@@ -136,6 +137,26 @@ impl VulkanDevice {
     pub unsafe fn tell_settings(&self, record: &SettingsRecord) {
         // SAFETY: the device is live, as above; the caller vouches for the record.
         unsafe { (self.table.settings)(self.record.device, record) }
+    }
+
+    /// Makes `stale` the tiles of an eye's picture (0: left, 1: right) that the passes of the frame that ended last left out.
+    /// `words` is memory that is kept, so that a steady frame allocates nothing.
+    #[cfg_attr(not(test), expect(dead_code, reason = "the history of pictures is about to ask for it"))]
+    pub fn stale(&self, eye: usize, words: &mut Vec<u32>, stale: &mut StaleTiles) {
+        stale.clear();
+        loop {
+            let capacity = words.len() as u32;
+            let mut record =
+                StaleRecord { extent: [0; 2], texel: [0; 2], words: words.as_mut_ptr(), capacity, count: 0 };
+            // SAFETY: the device is live, as above; there are as many words as the record says.
+            if unsafe { (self.table.stale)(self.record.device, eye as u32, &raw mut record) } != 1 {
+                return;
+            }
+            match words.get(..record.count as usize) {
+                Some(words) => return stale.set_words(record.extent, record.texel, words),
+                None => words.resize(record.count as usize, 0),
+            }
+        }
     }
 
     /// How many passes had the plan's rates in the frame that ended last.

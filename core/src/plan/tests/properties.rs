@@ -120,7 +120,11 @@ proptest! {
     ) {
         let configuration: UpdateConfiguration = factors.parse().expect("a configuration");
         let schedule = Schedule { configuration, phase, ..Schedule::default() };
-        let updates = UpdateSettings { schedule, faster_in_pursuit: false, uncapped: true };
+        let updates = UpdateSettings {
+            faster_in_pursuit: false,
+            uncapped: true,
+            ..UpdateSettings::from(schedule)
+        };
         let mut planner = Planner::new(PlanSettings { schedule: Some(updates), ..fixed() });
         // Frames since a direction was rendered; nothing while it is out of view.
         let mut ages = vec![[None::<u8>; 2]; seen.len()];

@@ -82,3 +82,15 @@ proptest! {
         prop_assert_eq!(both, before);
     }
 }
+
+#[test]
+fn words_make_the_same_set_again() {
+    let tiles = set([100, 70], [16, 8], |column, row| (column * row) % 3 == 1);
+    let mut copy = StaleTiles::default();
+    copy.set_words(tiles.extent(), tiles.texel(), tiles.words());
+    assert_eq!(copy, tiles);
+    for (extent, words) in [([100, 70], &tiles.words()[1..]), ([0, 70], &[][..]), ([16, 16], tiles.words())] {
+        copy.set_words(extent, [16, 8], words);
+        assert_eq!(copy, StaleTiles::default(), "{extent:?}: everything is fresh");
+    }
+}

@@ -2,6 +2,7 @@
 
 use super::rates::{FULL, RateSet, unary};
 use parafovea_core::rate::ShadingRate;
+use parafovea_core::reuse::{STALE, StaleTiles};
 
 /// Rates of one eye's picture, see [`crate::link::EyeMapRecord`].
 #[derive(Clone, Debug, Default)]
@@ -12,11 +13,12 @@ pub struct EyeMap {
     texels: Vec<u8>,
     unary: Vec<u8>,
     used: RateSet,
+    stale: StaleTiles,
 }
 
 impl EyeMap {
-    /// Takes a plan: the size of its picture and of a tile in pixels, columns and rows of tiles, and their texels. Texels
-    /// that are no rate count as 1x1. Memory is only asked for beyond the largest plan so far.
+    /// Takes a plan: the size of its picture and of a tile in pixels, columns and rows of tiles, and their texels, with the
+    /// bit [`STALE`] where that is so. Texels that are no rate count as 1x1. Memory is only asked for beyond the largest plan so far.
     ///
     /// Where the numbers contradict each other the map becomes empty: everything is 1x1.
     pub fn set(&mut self, extent: [u32; 2], texel: [u32; 2], tiles: [u32; 2], texels: &[u8]) {
@@ -29,11 +31,13 @@ impl EyeMap {
         }
         (self.extent, self.texel, self.tiles) = (extent, texel, tiles);
         for texel in texels {
-            let rate = ShadingRate::from_texel(*texel).unwrap_or(ShadingRate::R1X1);
-            self.texels.push(rate.texel());
-            self.unary.push(unary(rate));
+            let stale = texel & STALE;
+            let rate = ShadingRate::from_texel(texel & !STALE).unwrap_or(ShadingRate::R1X1);
+            self.texels.push(rate.texel() | stale);
+            self.unary.push(unary(rate) | stale);
             self.used.insert(rate);
         }
+        self.stale.set(extent, texel, &self.texels);
     }
 
     /// Everything is 1x1.
@@ -42,6 +46,7 @@ impl EyeMap {
         self.texels.clear();
         self.unary.clear();
         self.used = RateSet::default();
+        self.stale.clear();
     }
 
     /// Size of the picture, pixels; 0 where there is no plan.
@@ -59,16 +64,21 @@ impl EyeMap {
         self.tiles
     }
 
-    /// Texels of the tiles, row by row.
+    /// Texels of the tiles, row by row, with [`STALE`].
     pub fn texels(&self) -> &[u8] {
         &self.texels
+    }
+
+    /// The tiles that are stale.
+    pub fn stale(&self) -> &StaleTiles {
+        &self.stale
     }
 
     pub(super) fn used(&self) -> RateSet {
         self.used
     }
 
-    /// Unary rates of a row; 1x1 beyond the plan.
+    /// Unary rates of a row, with [`STALE`]; 1x1 beyond the plan.
     pub(super) fn unary_row(&self, row: usize) -> &[u8] {
         let columns = self.tiles[0] as usize;
         self.unary.get(row * columns..(row + 1) * columns).filter(|row| !row.is_empty()).unwrap_or(&[FULL])

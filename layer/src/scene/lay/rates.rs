@@ -1,6 +1,7 @@
 //! The rates of a device, and unary.
 
 use parafovea_core::rate::ShadingRate;
+use parafovea_core::reuse::STALE;
 
 /// Unary of 1x1.
 pub(super) const FULL: u8 = 0;
@@ -33,9 +34,17 @@ impl DeviceRates {
         Self { texels, offered: set }
     }
 
-    /// The texel of the coarsest rate of the device that is as fine as a unary one.
+    /// The texel of the coarsest rate of the device that is as fine as a unary one; both with [`STALE`].
     pub(super) fn of_unary(&self, permitted: u8) -> u8 {
-        self.texels[usize::from(permitted) % UNARY]
+        self.texels[usize::from(permitted) % UNARY] | permitted & STALE
+    }
+
+    /// Makes texels that are stale those of the coarsest rate, for passes that shade everything.
+    pub fn coarsen_stale(&self, texels: &mut [u8]) {
+        let coarsest = self.texels[UNARY - 1];
+        for texel in texels {
+            *texel = if *texel & STALE == 0 { *texel } else { coarsest };
+        }
     }
 
     /// Whether the device has all of `rates`.

@@ -163,6 +163,32 @@ proptest! {
         }
     }
 
+    /// A texel is stale where all that its pixels show are, and its rate is what it is without.
+    #[test]
+    fn staleness_is_combined_like_the_coarsest_rate(
+        maps in prop::array::uniform2(any_map()), stale in prop::collection::vec(any::<bool>(), 600),
+        parts in prop::collection::vec(any_part(), 0..4), image in any_image(),
+    ) {
+        let mut stale = stale.into_iter().cycle();
+        let [mut with_stale, mut only_stale] = [0, 1].map(|_| [0, 1].map(|_| EyeMap::default()));
+        for ((map, with), only) in maps.iter().zip(&mut with_stale).zip(&mut only_stale) {
+            let (mut texels, mut others) = (map.texels().to_vec(), Vec::new());
+            for texel in &mut texels {
+                let is_stale = stale.next() == Some(true);
+                *texel |= if is_stale { STALE } else { 0 };
+                others.push(if is_stale { ShadingRate::R4X4.texel() } else { 0 });
+            }
+            with.set(map.extent(), map.texel(), map.tiles(), &texels);
+            only.set(map.extent(), map.texel(), map.tiles(), &others);
+        }
+        let of = |maps: &[EyeMap; 2]| laid(maps.each_ref(), &parts, &image, &all_rates());
+        let (with, plain, only) = (of(&with_stale), of(&maps), of(&only_stale));
+        for ((with, plain), only) in with.iter().zip(plain).zip(only) {
+            let stale = if only == ShadingRate::R4X4.texel() { STALE } else { 0 };
+            prop_assert_eq!(*with, plain | stale);
+        }
+    }
+
     /// Nothing that the link or an application could say makes it panic.
     #[test]
     fn anything_can_be_laid(
@@ -187,6 +213,14 @@ fn a_plan_of_the_same_size_is_copied() {
     let image = image([0, 0, 100, 70], [16, 16], 1);
     let part = whole(Eyes::Right, Orientation::Upright);
     assert_eq!(laid([&EyeMap::default(), &map], &[part], &image, &all_rates()), map.texels());
+}
+
+#[test]
+fn what_is_stale_can_be_shaded_as_coarsely_as_can_be() {
+    let rates = DeviceRates::new([ShadingRate::R2X2, ShadingRate::R2X1].into_iter());
+    let mut texels = [0, STALE, ShadingRate::R2X1.texel(), ShadingRate::R2X1.texel() | STALE];
+    rates.coarsen_stale(&mut texels);
+    assert_eq!(texels, [0, ShadingRate::R2X2.texel(), ShadingRate::R2X1.texel(), ShadingRate::R2X2.texel()]);
 }
 
 #[test]

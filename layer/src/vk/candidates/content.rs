@@ -1,7 +1,8 @@
 //! What the map of a candidate holds, and what it shall hold.
 
-use crate::scene::Part;
+use crate::scene::{Eyes, Part};
 use ash::vk;
+use parafovea_core::reuse::StaleTiles;
 use smallvec::SmallVec;
 
 /// So many rectangles of one target are told apart in a frame; with more, all is 1x1.
@@ -23,6 +24,8 @@ pub struct Content {
     is_changed: bool,
     /// The plan that the map was last laid from.
     plan: u64,
+    /// What it left out of each eye's picture.
+    stale: [StaleTiles; 2],
     /// The queue that it is used on.
     queue: vk::Queue,
     /// Whether several queues use it, so that it cannot be written in the order of one.
@@ -95,19 +98,39 @@ impl Content {
         }
         let has_parts = self.uses.iter().any(|used| !used.parts.is_empty());
         let is_outdated = self.is_changed || (has_parts && self.plan < plan);
-        if is_outdated && !self.is_shared && (has_parts || self.is_coarse) {
-            Need::Upload
-        } else {
-            Need::None
-        }
+        let is_needed = match self.is_shared {
+            // What is left out would be so for ever.
+            true => self.leaves_out(),
+            false => is_outdated && (has_parts || self.is_coarse),
+        };
+        if is_needed { Need::Upload } else { Need::None }
     }
 
-    /// Notes that the map on the GPU becomes what [`Self::whole`] says, from plan number `plan`.
-    pub fn uploaded(&mut self, plan: u64) {
+    /// Notes that the map on the GPU becomes what [`Self::whole`] says, which are `parts`, from plan number `plan`, in which
+    /// that is stale of both eyes.
+    pub fn uploaded(&mut self, plan: u64, parts: &[Part], stale: [&StaleTiles; 2]) {
+        let shows = |eye| parts.iter().any(|part| part.eyes == eye || part.eyes == Eyes::Finer);
+        let are_shown = [shows(Eyes::Left), shows(Eyes::Right)];
+        for ((held, stale), is_shown) in self.stale.iter_mut().zip(stale).zip(are_shown) {
+            match is_shown {
+                true => held.clone_from(stale),
+                false => held.clear(),
+            }
+        }
         self.is_initialised = true;
         self.is_changed = false;
         self.is_coarse = self.uses.iter().any(|used| !used.parts.is_empty());
         self.plan = plan;
+    }
+
+    /// Whether the map on the GPU leaves anything out, so that no other picture may be drawn with it.
+    pub fn leaves_out(&self) -> bool {
+        self.stale.iter().any(|stale| !stale.is_empty())
+    }
+
+    /// What the map on the GPU leaves out of the pictures of the left and of the right eye.
+    pub fn stale(&self) -> &[StaleTiles; 2] {
+        &self.stale
     }
 
     /// Notes whether a pass that is submitted shows an eye's picture, with rates or not.
@@ -134,8 +157,8 @@ impl Content {
     /// All uses as one: the area around all render areas, and the parts as fractions of it. Where a pass draws that shows
     /// nothing known, nothing is shown.
     pub fn whole(&self) -> ([u32; 4], Parts) {
-        let (Some(area), true) = (self.uses.iter().map(|used| used.area).reduce(around), self.is_known())
-        else {
+        let is_known = self.is_known() && !self.is_shared;
+        let (Some(area), true) = (self.uses.iter().map(|used| used.area).reduce(around), is_known) else {
             return ([0; 4], Parts::new());
         };
         let parts =

@@ -4,6 +4,7 @@ use super::passes_file::{self, Judged};
 use crate::scene::{Event, Match, Pass, Recognition, Shown, Unmatched};
 use crate::vk::candidates::Candidate;
 use crate::vk::objects::Objects;
+use parafovea_core::reuse::StaleTiles;
 use parafovea_manifest::options::PassRules;
 use std::sync::Arc;
 
@@ -20,6 +21,8 @@ pub struct Log {
     recognition: Recognition,
     /// Passes that got the plan's rates, in the frame under way and in the last.
     with_rates: [u32; 2],
+    /// What maps left out of each eye's picture, in the frame under way and in the last.
+    left_out: [[StaleTiles; 2]; 2],
 }
 
 impl Log {
@@ -41,6 +44,18 @@ impl Log {
     /// How many passes had the plan's rates in the last frame.
     pub fn with_rates(&self) -> u32 {
         self.with_rates[1]
+    }
+
+    /// Passes that are submitted leave that out of the pictures of the eyes.
+    pub fn leave_out(&mut self, stale: &[StaleTiles; 2]) {
+        for (left_out, stale) in self.left_out[0].iter_mut().zip(stale) {
+            left_out.unite(stale);
+        }
+    }
+
+    /// What passes left out of an eye's picture in the last frame.
+    pub fn stale(&self, eye: usize) -> Option<&StaleTiles> {
+        self.left_out[1].get(eye)
     }
 
     /// Notes what is submitted. Says of a pass what it is, where it draws to a candidate or tests ask for that.
@@ -80,5 +95,7 @@ impl Log {
         objects.forget_departed();
         self.frame += 1;
         self.with_rates = [0, self.with_rates[0]];
+        self.left_out.swap(0, 1);
+        self.left_out[0].iter_mut().for_each(StaleTiles::clear);
     }
 }

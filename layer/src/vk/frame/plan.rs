@@ -3,6 +3,7 @@
 use crate::link::PlanRecord;
 use crate::scene::Part;
 use crate::scene::lay::{DeviceRates, EyeMap, RateImage, Scratch, lay};
+use parafovea_core::reuse::StaleTiles;
 
 /// The newest plan; before the first, number 0 with all at 1x1.
 #[derive(Debug, Default)]
@@ -18,7 +19,7 @@ impl Plan {
         self.serial
     }
 
-    /// Takes a newer plan, with the rates of both eyes; one that is not newer changes nothing.
+    /// Takes a newer plan, with the maps of both eyes; one that is not newer changes nothing.
     pub fn take(&mut self, record: &PlanRecord, rates: [&[u8]; 2]) {
         if record.serial <= self.serial {
             return;
@@ -27,6 +28,11 @@ impl Plan {
         for ((map, eye), rates) in self.eyes.iter_mut().zip(&record.eyes).zip(rates) {
             map.set(eye.extent, eye.texel, eye.tiles, rates);
         }
+    }
+
+    /// The tiles of the left and of the right eye that are stale.
+    pub fn stale(&self) -> [&StaleTiles; 2] {
+        self.eyes.each_ref().map(EyeMap::stale)
     }
 
     /// Lays the plan over what a pass draws; `texels` becomes the content of `image`.

@@ -4,7 +4,7 @@ use super::Masks;
 use crate::gpu::AppCommands;
 use crate::mask::{Eligible, MaskMap, PipelineFacts, Reason};
 use crate::scene::lay::RateImage;
-use crate::scene::{ImageDescription, Part, PassFacts, Target};
+use crate::scene::{How, ImageDescription, Part, PassFacts, Target};
 use crate::vk::backend::{MapSize, RateMap, Upload};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -31,6 +31,8 @@ struct Seen {
     loses_compute: bool,
     /// Whether the last pass that was submitted was the scene.
     is_scene: bool,
+    /// Whether it drew straight into a swapchain.
+    is_shown: bool,
     /// The last reason that was logged.
     logged: Option<Result<(), Reason>>,
 }
@@ -131,8 +133,16 @@ impl RateMap for TargetMask {
         true
     }
 
-    fn noted(&self, is_scene: bool) {
-        self.seen().is_scene = is_scene;
+    fn noted(&self, scene: Option<How>) {
+        let mut seen = self.seen();
+        seen.is_scene = scene.is_some();
+        seen.is_shown = scene == Some(How::Swapchain);
+    }
+
+    /// What is drawn straight into a swapchain nobody reads before it is composed; what comes on the way there is read
+    /// beyond its own pixels (filters, bloom), and filled.
+    fn leaves_out(&self) -> bool {
+        self.seen().is_shown
     }
 
     fn mask(&self) -> Option<&TargetMask> {

@@ -11,7 +11,8 @@ use crate::vk::frame::passes_are_written;
 use ash::vk;
 use std::sync::{Mutex, PoisonError};
 
-/// So many prologues of a queue may be under way. Beyond that maps stay as they are, unless they have no content yet.
+/// So many prologues of a queue may be under way. Beyond that maps stay as they are, unless they have no content yet, or leave
+/// something out.
 const MOST_SLOTS: usize = 8;
 
 /// Prologues of one queue.
@@ -37,8 +38,10 @@ impl Prologues {
         // broken, the other thread finds none and makes one.
         let mut slots = std::mem::take(&mut *self.lock());
         slots.iter_mut().for_each(|slot| slot.poll(&functions.device));
-        let is_urgent =
-            outdated.iter().any(|candidate| candidate.content().need(u64::MAX) == Need::Initialise);
+        let is_urgent = outdated.iter().any(|candidate| {
+            let content = candidate.content();
+            content.need(u64::MAX) == Need::Initialise || content.leaves_out()
+        });
         let mut free = slots.iter().position(|slot| !slot.is_pending());
         if free.is_none() && (is_urgent || slots.len() < MOST_SLOTS) {
             // SAFETY: the device is live and has queues of this family.
@@ -98,7 +101,10 @@ unsafe fn fill(
                 let image = RateImage { area, texel: size.texel, tiles: size.tiles, layers: size.layers };
                 let mut plan = armed.frame.plan();
                 plan.lay(&parts, &image, &armed.rates, &mut slot.texels);
-                content.uploaded(plan.serial());
+                if !candidate.map.leaves_out() {
+                    armed.rates.coarsen_stale(&mut slot.texels);
+                }
+                content.uploaded(plan.serial(), &parts, plan.stale());
                 if passes_are_written() {
                     content.keep(&slot.texels);
                 }

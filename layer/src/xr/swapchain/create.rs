@@ -4,9 +4,9 @@ use super::description::Description;
 use super::eligibility::{NotSubstituted, filled_usage, runtime_usage, shape, vulkan_usage};
 use super::{SWAPCHAINS, Substitute, Swapchain};
 use crate::abi::guard;
+use crate::config::wants_maps;
 use crate::link::BACKEND_MASK;
 use crate::passes::compose::{APP_USAGE, SwapchainShape};
-use crate::planning::wants_rates;
 use crate::xr::instance::next_of_any;
 use crate::xr::session::{self, Active, Session};
 use ash::vk;
@@ -81,7 +81,7 @@ pub unsafe extern "system" fn create(
 /// Whether passes that draw to a swapchain may have masks.
 fn may_be_filled(session: &Session, active: &Active, info: &xr::SwapchainCreateInfo) -> bool {
     let config = session.instance.config.get();
-    wants_rates(&config)
+    wants_maps(&config)
         && active.device.offer().is_some_and(|offer| offer.backend == BACKEND_MASK)
         && info.sample_count == 1
         && info.usage_flags.contains(xr::SwapchainUsageFlags::COLOR_ATTACHMENT)

@@ -3,7 +3,7 @@
 use super::fake::frames::{
     self, DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, IMAGES, IN_LOCATE, SAMPLE_AGE_NS, fov, pose,
 };
-use super::fake::vulkan_half::{self, GPU_NS, PASSES, Told, told};
+use super::fake::vulkan_half::{self, GPU_NS, PASSES, STALE_WORDS, Told, told};
 use super::{create_instance, fake};
 use crate::link::{BACKEND_ANY, NO_EYE, NO_IMAGE, ShownViewRecord};
 use crate::xr::vulkan_device::VulkanDevice;
@@ -13,6 +13,7 @@ use glam::Quat;
 use openxr_sys as xr;
 use openxr_sys::Handle;
 use parafovea_core::rate::ShadingRate;
+use parafovea_core::reuse::StaleTiles;
 use std::ptr;
 use std::sync::mpsc::channel;
 use std::time::Duration;
@@ -540,4 +541,19 @@ fn rates_that_take_a_gpu_longer_are_dropped() {
         assert_eq!(settings.last(), Some(&is_on), "{ns:?}: {settings:?}");
     }
     GPU_NS.set(None);
+}
+
+#[test]
+fn what_passes_left_out_is_asked_of_each_eye() {
+    let device = VulkanDevice::of_table(vulkan_half::table(), vulkan_half::record());
+    let (mut words, mut stale) = (Vec::new(), StaleTiles::default());
+    device.stale(1, &mut words, &mut stale);
+    assert!(stale.is_empty());
+    for rows in [vec![0, 1 << 31, 5], vec![2]] {
+        STALE_WORDS.set(rows.clone());
+        device.stale(1, &mut words, &mut stale);
+        assert_eq!((stale.words(), stale.tiles()), (&rows[..], [32, rows.len() as u32]));
+        device.stale(0, &mut words, &mut stale);
+        assert!(stale.is_empty(), "of the left eye nothing");
+    }
 }

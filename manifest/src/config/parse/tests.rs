@@ -206,6 +206,10 @@ fn every_option_takes_its_default_and_its_bounds_and_nothing_beyond() {
                 vec![min.to_string(), max.to_string()],
                 vec![(i64::from(min) - 1).to_string(), (max + 1).to_string(), format!("{min}.0")],
             ),
+            Allowed::Text(_) if option.key() == "reuse.periods" => (
+                vec!["\"11111\"".into(), "\"56789\"".into()],
+                vec!["\"\"".into(), "\"11113\"".into(), "11223".into()],
+            ),
             // An empty text is no rules, no names, ...: the one value that each such option takes.
             Allowed::Text(_) => (vec!["\"\"".into()], vec!["1".into(), "true".into()]),
             Allowed::Choice(choices) => (

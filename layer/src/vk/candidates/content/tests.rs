@@ -1,6 +1,7 @@
 use super::*;
 use crate::scene::{Eyes, Orientation};
 use ash::vk::Handle;
+use parafovea_core::reuse::STALE;
 
 const QUEUE: u64 = 1;
 const AREA: [u32; 4] = [0, 0, 100, 50];
@@ -17,12 +18,20 @@ fn note(content: &mut Content, frame: u64, area: [u32; 4], parts: &[Part]) {
     content.note(vk::Queue::from_raw(QUEUE), frame, area, parts);
 }
 
+/// Of a plan in which the first of two tiles is stale.
+fn uploaded(content: &mut Content, plan: u64) {
+    let mut stale = StaleTiles::default();
+    stale.set([100, 50], [64, 64], &[STALE, 0]);
+    let (_, parts) = content.whole();
+    content.uploaded(plan, &parts, [&stale; 2]);
+}
+
 #[test]
 fn unknown_passes_cost_one_upload_and_matched_ones_follow_the_plan() {
     let mut content = Content::default();
     note(&mut content, 1, AREA, &[]);
     assert_eq!(content.need(0), Need::Initialise);
-    content.uploaded(0);
+    uploaded(&mut content, 0);
     for frame in 2..5 {
         note(&mut content, frame, AREA, &[]);
         assert_eq!(content.need(frame), Need::None, "1x1 does not change with the plan");
@@ -30,15 +39,15 @@ fn unknown_passes_cost_one_upload_and_matched_ones_follow_the_plan() {
     note(&mut content, 5, AREA, &full());
     assert_eq!(content.need(5), Need::Upload);
     assert_eq!(content.whole(), (AREA, full()[..].into()));
-    content.uploaded(5);
+    uploaded(&mut content, 5);
     note(&mut content, 5, AREA, &full());
     assert_eq!((content.need(5), content.need(6)), (Need::None, Need::Upload));
-    content.uploaded(6);
+    uploaded(&mut content, 6);
     note(&mut content, 6, AREA, &[]);
     note(&mut content, 7, AREA, &[]);
     assert_eq!(content.need(6), Need::Upload, "back to 1x1");
     assert!(content.whole().1.is_empty());
-    content.uploaded(6);
+    uploaded(&mut content, 6);
     assert_eq!(content.need(9), Need::None);
 }
 
@@ -50,7 +59,7 @@ fn two_halves_drawn_by_two_passes_are_one_map() {
     let (area, parts) = content.whole();
     assert_eq!(area, AREA);
     assert_eq!(parts.as_slice(), [part([0.0, 0.0, 0.5, 1.0]), part([0.5, 0.0, 0.5, 1.0])]);
-    content.uploaded(1);
+    uploaded(&mut content, 1);
     note(&mut content, 2, [0, 0, 50, 50], &full());
     assert_eq!(content.need(1), Need::None, "the other half of the last frame is kept");
     assert_eq!(content.whole().1.len(), 2);
@@ -64,7 +73,7 @@ fn a_render_area_that_moves_leaves_nothing_behind() {
         note(&mut content, frame, area, &full());
         assert_eq!(content.whole(), (area, full()[..].into()));
         assert_ne!(content.need(0), Need::None);
-        content.uploaded(0);
+        uploaded(&mut content, 0);
     }
 }
 
@@ -90,11 +99,37 @@ fn many_rectangles_are_too_many() {
 }
 
 #[test]
-fn a_target_on_two_queues_is_not_written_any_more() {
+fn what_is_left_out_is_known_of_the_eyes_that_are_shown() {
     let mut content = Content::default();
     note(&mut content, 1, AREA, &full());
-    content.uploaded(1);
+    assert!(!content.leaves_out());
+    uploaded(&mut content, 1);
+    let [left, right] = content.stale();
+    assert!(left.is_stale([0, 0]) && !left.is_stale([1, 0]) && right.is_empty());
+    note(&mut content, 2, AREA, &[Part { eyes: Eyes::Finer, ..full()[0] }]);
+    note(&mut content, 3, AREA, &[Part { eyes: Eyes::Finer, ..full()[0] }]);
+    uploaded(&mut content, 1);
+    assert!(content.stale().iter().all(|stale| stale.is_stale([0, 0])));
+    note(&mut content, 3, [10, 10, 5, 5], &[]);
+    assert_eq!(content.need(1), Need::Upload);
+    uploaded(&mut content, 1);
+    assert!(!content.leaves_out(), "something else is drawn over it");
+}
+
+#[test]
+fn a_target_on_two_queues_is_not_written_any_more_but_to_shade_all() {
+    let mut content = Content::default();
+    note(&mut content, 1, AREA, &full());
+    content.uploaded(1, &full(), [&StaleTiles::default(); 2]);
     assert_eq!(content.need(2), Need::Upload);
     content.note(vk::Queue::from_raw(2), 2, AREA, &full());
     assert_eq!(content.need(2), Need::None);
+    let mut content = Content::default();
+    note(&mut content, 1, AREA, &full());
+    uploaded(&mut content, 1);
+    content.note(vk::Queue::from_raw(2), 2, AREA, &full());
+    assert_eq!(content.need(1), Need::Upload);
+    assert!(content.whole().1.is_empty());
+    uploaded(&mut content, 1);
+    assert_eq!((content.need(2), content.leaves_out()), (Need::None, false));
 }

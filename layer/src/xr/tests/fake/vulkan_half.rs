@@ -2,7 +2,7 @@
 
 use crate::link::{
     BACKEND_RATE_ATTACHMENT, DeviceRecord, FrameTimeRecord, LINK_VERSION, LinkTable, OfferRecord, PlanRecord,
-    SettingsRecord, ShownRecord, ShownViewRecord, SwapchainRecord,
+    SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -25,6 +25,8 @@ thread_local! {
     pub static PASSES: Cell<u32> = const { Cell::new(0) };
     /// Whether a GPU renders, and what a frame takes there, nanoseconds: without rates and with them.
     pub static GPU_NS: Cell<Option<[u64; 2]>> = const { Cell::new(None) };
+    /// What is left out of the right eye's pictures, in rows of 32 tiles.
+    pub static STALE_WORDS: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
     static IS_ON: Cell<bool> = const { Cell::new(false) };
     static FRAMES: Cell<u64> = const { Cell::new(0) };
     /// What the frame before last took.
@@ -54,6 +56,7 @@ pub fn table() -> LinkTable {
         plan,
         shown,
         settings,
+        stale,
         passes_with_rates,
         frames_ended,
         frame_time,
@@ -155,6 +158,22 @@ unsafe extern "C" fn settings(_: vk::Device, record: *const SettingsRecord) {
         IS_ON.set(is_on == 1);
         tell(Told::Settings { is_on, backend, passes });
     }
+}
+
+unsafe extern "C" fn stale(_: vk::Device, eye: u32, record: *mut StaleRecord) -> u32 {
+    STALE_WORDS.with_borrow(|words| {
+        // SAFETY: the other half passes a record, and as many words as it says.
+        unsafe {
+            let record = &mut *record;
+            record.extent = [512, 16 * words.len() as u32];
+            record.texel = [16, 16];
+            record.count = words.len() as u32;
+            if record.count <= record.capacity {
+                record.words.copy_from_nonoverlapping(words.as_ptr(), words.len());
+            }
+        }
+        u32::from(eye == 1 && !words.is_empty())
+    })
 }
 
 unsafe extern "C" fn passes_with_rates(_: vk::Device) -> u32 {
