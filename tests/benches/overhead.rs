@@ -1,13 +1,15 @@
-//! `cargo dev bench overhead [--json]`.
+//! `cargo dev bench overhead [--json] [--instructions]`. The last counts instructions alone, which the machine's other work does
+//! not change.
 
 use parafovea_tests::HarnessError;
-use parafovea_tests::overhead::{Effort, Figure, hello_xr, recording};
+use parafovea_tests::overhead::{Effort, Figure, hello_xr, recording, recording_instructions};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     // `cargo bench` adds `--bench`.
-    let json = std::env::args().any(|argument| argument == "--json");
-    match measure() {
+    let is_given = |name: &str| std::env::args().any(|argument| argument == name);
+    let json = is_given("--json");
+    match measure(is_given("--instructions")) {
         Ok(figures) => {
             figures.iter().for_each(if json { print_json } else { print_row });
             ExitCode::SUCCESS
@@ -19,8 +21,11 @@ fn main() -> ExitCode {
     }
 }
 
-fn measure() -> Result<Vec<Figure>, HarnessError> {
-    Ok([hello_xr(Effort::FULL)?, recording(Effort::FULL)?].concat())
+fn measure(instructions_alone: bool) -> Result<Vec<Figure>, HarnessError> {
+    if instructions_alone {
+        return recording_instructions();
+    }
+    Ok([hello_xr(Effort::FULL)?, recording(Effort::FULL)?, recording_instructions()?].concat())
 }
 
 fn print_json(figure: &Figure) {

@@ -13,6 +13,8 @@ use crate::run::{Application, LayerMode, Run};
 use crate::scenario::{Scenario, ScenarioExt};
 use parafovea_test_layers::TestLayer;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::time::Duration;
 
 /// What stands between the application and the driver.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -108,11 +110,12 @@ const DRAWS: u32 = 10_000;
 const PASSES: u32 = 50;
 
 /// How [`recording`] records: the name in the results, and the arguments for it.
+const OPENXR: &str = "--openxr";
 const STYLES: [(&str, &[&str]); 4] = [
     ("render-pass", &["--style", "render-pass"]),
     ("dynamic-rendering", &["--style", "dynamic-rendering"]),
-    ("render-pass-openxr", &["--style", "render-pass", "--openxr"]),
-    ("dynamic-rendering-openxr", &["--style", "dynamic-rendering", "--openxr"]),
+    ("render-pass-openxr", &["--style", "render-pass", OPENXR]),
+    ("dynamic-rendering-openxr", &["--style", "dynamic-rendering", OPENXR]),
 ];
 
 /// CPU time of the recording thread for a command buffer of 10,000 draw calls in 50 render passes and for its submit, with
@@ -141,6 +144,60 @@ pub fn recording(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
     }
     Ok(all)
 }
+
+/// Instructions of the recording thread for the same command buffer in OpenXR applications, by Valgrind's callgrind: what the
+/// machine does besides does not change them, so one turn tells.
+///
+/// # Errors
+/// Those of the harness, where Valgrind is not installed, and where it says no number.
+pub fn recording_instructions() -> Result<Vec<Figure>, HarnessError> {
+    let mut all = Vec::new();
+    for (style, arguments) in STYLES.into_iter().filter(|(_, arguments)| arguments.contains(&OPENXR)) {
+        let mut turns = Turns::default();
+        for (case, turn) in Case::ALL.into_iter().zip(&mut turns) {
+            turn.push(counted_instructions(case, arguments)? / 1e6);
+        }
+        all.extend(figures(style, "record_10000_draws", "million instructions", &turns));
+    }
+    Ok(all)
+}
+
+/// Rounds of which instructions are counted.
+const COUNTED_ROUNDS: usize = 5;
+
+/// The function that records.
+const RECORDING_FUNCTION: &str = "parafovea_overhead::scene::Scene::record";
+
+/// Median of the instructions of a round.
+fn counted_instructions(case: Case, style: &[&str]) -> Result<f64, HarnessError> {
+    let folder = tempfile::tempdir().map_err(HarnessError::file(&std::env::temp_dir()))?;
+    // A file each time the function returns.
+    let counts = folder.path().join("counts");
+    let file = format!("--callgrind-out-file={}", counts.display());
+    let [toggle, dump] =
+        ["toggle-collect", "dump-after"].map(|what| format!("--{what}={RECORDING_FUNCTION}"));
+    let valgrind = ["--tool=callgrind", &file, &toggle, &dump];
+
+    let (rounds, draws, passes) = (COUNTED_ROUNDS.to_string(), DRAWS.to_string(), PASSES.to_string());
+    let amounts = ["record", "--draws", &draws, "--passes", &passes, "--rounds", &rounds];
+    let application = Application::ours("parafovea-overhead", &[&amounts, style].concat())?;
+    let application = application.under("valgrind", &valgrind)?;
+    // The program ends by itself.
+    let scenario = Scenario::new(100_000).sized(64, 64);
+    let run = Run::new(&application, &scenario).timeout(COUNTED_TIMEOUT);
+    let outcome = case.set_up(run, WITH_RATES).finish()?.expect_end()?;
+    let numbered = |number: usize| counts.with_extension(number.to_string());
+    let files: Vec<PathBuf> = (1..).map(numbered).take_while(|file| file.exists()).collect();
+    let counted = |file: &PathBuf| -> Option<f64> {
+        let text = std::fs::read_to_string(file).ok()?;
+        text.lines().find_map(|line| line.strip_prefix("summary: ")?.parse().ok())
+    };
+    let counts = files.iter().rev().take(COUNTED_ROUNDS).filter_map(counted).collect();
+    median(counts).filter(|&count| count > 0.0).ok_or_else(|| outcome.failed("Valgrind counted nothing"))
+}
+
+/// Under Valgrind everything takes some fifty times as long.
+const COUNTED_TIMEOUT: Duration = Duration::from_secs(300);
 
 /// What `parafovea-overhead` prints, as far as it is used here.
 #[derive(Deserialize)]

@@ -82,7 +82,7 @@ impl Proof {
 }
 
 /// Everything that the tasks look for. None is needed to build, but for the library that listens: see [`can_build_audio`].
-pub const NEEDS: [Need; 17] = [
+pub const NEEDS: [Need; 18] = [
     Need {
         what: "lavapipe, the Vulkan driver that runs on any CPU",
         without: "the first Vulkan driver of this machine is used, and figures differ from the README's",
@@ -124,6 +124,12 @@ pub const NEEDS: [Need; 17] = [
         without: "the test that the gaze is written nowhere is skipped",
         proof: Proof::Program("strace"),
         packages: ["strace", "strace", "strace"],
+    },
+    Need {
+        what: "Valgrind, to count instructions",
+        without: "the bench `overhead` fails",
+        proof: Proof::Program("valgrind"),
+        packages: ["valgrind", "valgrind", "valgrind"],
     },
     Need {
         what: "CMake, to build the OpenXR loader 1.1 beside the system's",

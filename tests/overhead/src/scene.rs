@@ -107,6 +107,8 @@ impl<'a> Scene<'a> {
 
     /// Records everything anew: passes that draw off screen, of which the last two draw to these images of the eyes, where
     /// there are eyes. The last recording's submit must have completed.
+    // By its name Valgrind is told what to count.
+    #[inline(never)]
     pub fn record(&self, amount: Amount, eyes: Option<[usize; 2]>) -> Result<vk::CommandBuffer> {
         let (vk, buffer) = (&self.device.functions, self.commands);
         // SAFETY: plain use of Vulkan; the caller vouches that the buffer is not in use.
