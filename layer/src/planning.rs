@@ -19,12 +19,17 @@ use glam::{Quat, Vec3};
 use handed::Handed;
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::chroma::{ChromaSettings, Focus};
+use parafovea_core::gate::Techniques;
 use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker, Rejection};
 use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings};
 
 /// A display time that is earlier than the one before by less than this belongs to another thread that is behind; by more,
 /// the runtime's clock has started anew.
 const LONGEST_STEP_BACK_NS: i64 = 1_000_000_000;
+
+/// Frames that are shown further apart than this, nanoseconds, re-use nothing: the application paused, or is so slow that the
+/// periphery would be renewed too rarely.
+const LONGEST_REUSE_NS: i64 = 50_000_000;
 
 /// What the eye tracker says.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,10 +65,14 @@ pub struct Planning {
     was_idle: bool,
     last: Option<Last>,
     handed: Handed,
+    /// What is in the maps that are handed over.
+    techniques: Techniques<bool>,
     /// Whether each eye's picture of the frame before this one, and what that was made of, is kept.
     has_history: [bool; 2],
     /// The same of this frame.
     keeps_history: [bool; 2],
+    /// When this frame is shown, by what xrWaitFrame said.
+    begun_ns: Option<i64>,
     /// What the tracker was not believed for, each of [`Rejection::ALL`].
     rejected: [bool; Rejection::ALL.len()],
 }
@@ -91,8 +100,10 @@ impl Default for Planning {
             was_idle: false,
             last: None,
             handed: Handed::default(),
+            techniques: Techniques { rates: true, reuse: true },
             has_history: [false; 2],
             keeps_history: [false; 2],
+            begun_ns: None,
             rejected: Default::default(),
         }
     }
@@ -108,7 +119,17 @@ impl Planning {
     pub fn frame_begins(&mut self, time_ns: i64) {
         self.frame += 1;
         self.has_history = std::mem::take(&mut self.keeps_history);
+        let begun_ns = self.begun_ns.replace(time_ns);
+        let passed_ns = begun_ns.map(|begun_ns| time_ns.saturating_sub(begun_ns));
+        if !passed_ns.is_some_and(|passed_ns| (0..=LONGEST_REUSE_NS).contains(&passed_ns)) {
+            self.has_history = [false; 2];
+        }
         self.frame_rate.frame_at(time_ns);
+    }
+
+    /// What the maps shall have, of that which is planned: what the other half is told from now on.
+    pub fn set_techniques(&mut self, techniques: Techniques<bool>) {
+        self.techniques = techniques;
     }
 
     /// The frame that is under way ends with a picture of an eye that is kept, whatever of it is stale with what that is
@@ -239,7 +260,7 @@ impl Planning {
             self.handed.forget();
             return None;
         };
-        self.handed.update(&planner.newest().eyes).then(|| self.handed.record(serial()))
+        self.handed.update(&planner.newest().eyes, self.techniques).then(|| self.handed.record(serial()))
     }
 
     /// Where an eye keeps colour by the newest plan, in the space of the head.

@@ -74,7 +74,7 @@ choice! {
 }
 
 choice! {
-    /// Whether rates stay where they do not pay.
+    /// Whether rates and re-use stay where they do not pay.
     RatesGate {
         /// they are dropped where frames cost more with them, by time spent; tried anew from time to time
         Auto = "auto",
@@ -246,7 +246,7 @@ options! {
         mode: RatesMode = RatesMode::Fixed;
         /// How the application's passes are made to shade more coarsely.
         backend: RatesBackend = RatesBackend::Auto;
-        /// Whether rates stay in an application that becomes slower with them.
+        /// Whether rates and re-use stay in an application that becomes slower with them, each by itself.
         gate: RatesGate = RatesGate::Auto;
         /// Which passes are the scene, where that is not recognised; empty: recognised.
         passes: PassRules = PassRules::default();

@@ -5,7 +5,7 @@ use super::{
     chroma_settings,
 };
 use parafovea_core::fixed_foveation::FixedFoveation;
-use parafovea_core::gate::GateMode;
+use parafovea_core::gate::{GateMode, Techniques};
 use parafovea_core::gaze::GazeSettings;
 use parafovea_core::plan::{PlanSettings, RateSettings, Turns, UpdateSettings};
 use parafovea_core::presets;
@@ -48,13 +48,16 @@ pub fn gaze_settings(config: &Config) -> GazeSettings {
     }
 }
 
-/// Who decides whether rates pay.
-pub fn gate_mode(config: &Config) -> GateMode {
-    match config.rates.gate {
+/// Who decides whether rates and re-use pay; of what is not configured nothing is.
+pub fn gate_modes(config: &Config) -> Techniques<GateMode> {
+    let mode = match config.rates.gate {
         RatesGate::Auto => GateMode::Auto,
         RatesGate::On => GateMode::On,
         RatesGate::Off => GateMode::Off,
-    }
+    };
+    let of = |is_configured| if is_configured { mode } else { GateMode::Off };
+    let has_rates = wants_maps(config) && config.rates.mode != RatesMode::Off;
+    Techniques { rates: of(has_rates), reuse: of(wants_reuse(config)) }
 }
 
 /// The preset of the models that has what the options do not say: the rates to choose from and the safety rails.
@@ -149,6 +152,20 @@ mod tests {
             let settings = settings(&config);
             assert_eq!((settings.rates, settings.schedule, settings.chroma), (RateSettings::Off, None, None));
         }
+    }
+
+    #[test]
+    fn what_is_not_configured_is_off() {
+        let modes = |rates, reuse| Techniques { rates, reuse };
+        let mut config = Config::default();
+        assert_eq!(gate_modes(&config), modes(GateMode::Auto, GateMode::Off));
+        config.reuse.mode = ReuseMode::On;
+        config.rates.gate = RatesGate::On;
+        assert_eq!(gate_modes(&config), modes(GateMode::On, GateMode::On));
+        config.rates.mode = RatesMode::Off;
+        assert_eq!(gate_modes(&config), modes(GateMode::Off, GateMode::On));
+        config.rates.backend = RatesBackend::Off;
+        assert_eq!(gate_modes(&config), modes(GateMode::Off, GateMode::Off));
     }
 
     #[test]

@@ -1,8 +1,8 @@
-//! Whether rates pay: what frames cost goes to the gate of the models, and its answer to the Vulkan half.
+//! Whether rates and re-use pay: what frames cost goes to the gates of the models, and their answer to the Vulkan half.
 
 use crate::inputs::cost::{CpuCost, Late};
 use crate::link::FrameTimeRecord;
-use parafovea_core::gate::{Gate, GateFrame, GateMode};
+use parafovea_core::gate::{Gate, GateMode, Gates, JudgedFrame, Techniques};
 use parafovea_core::gaze::GazePhase;
 
 /// A frame that ended.
@@ -12,9 +12,9 @@ pub struct EndedFrame {
     pub time_ns: i64,
     /// How it is known what it costs.
     pub clock: Clock,
-    /// Whether the Vulkan half was told to give rates to what it recognises.
-    pub wanted_rates: bool,
-    /// How many passes it gave rates to.
+    /// What was in the maps that the Vulkan half was told to give to what it recognises.
+    pub wanted: Techniques<bool>,
+    /// How many passes it gave maps to.
     pub passes: u32,
     /// What the eyes do.
     pub phase: GazePhase,
@@ -29,37 +29,39 @@ pub enum Clock {
     Gpu(u64),
 }
 
-/// Judges whether rates pay in a session.
+/// Judges whether rates and re-use pay in a session.
 #[derive(Clone, Debug)]
 pub struct Benefit {
-    gate: Gate,
+    gates: Gates,
     cpu: CpuCost,
     late: Late<EndedFrame>,
-    /// Passes with rates in the last frame that had any.
+    /// Passes with maps in the last frame that had any.
     passes: u32,
 }
 
 impl Default for Benefit {
     fn default() -> Self {
-        Self { gate: Gate::new(GateMode::Auto), cpu: CpuCost::default(), late: Late::default(), passes: 0 }
+        let both = Techniques { rates: GateMode::Auto, reuse: GateMode::Auto };
+        Self { gates: Gates::new(both), cpu: CpuCost::default(), late: Late::default(), passes: 0 }
     }
 }
 
 impl Benefit {
     /// Takes who decides.
-    pub fn set_mode(&mut self, mode: GateMode) {
-        self.gate.set_mode(mode);
+    pub fn set_mode(&mut self, mode: Techniques<GateMode>) {
+        self.gates.set_mode(mode);
     }
 
-    /// Whether the next frame shall have rates.
-    pub fn is_on(&self) -> bool {
-        self.gate.is_on()
+    /// What the next frame shall have.
+    pub fn is_on(&self) -> Techniques<bool> {
+        let Techniques { rates, reuse } = self.gates.gates();
+        Techniques { rates: rates.is_on(), reuse: reuse.is_on() }
     }
 
     /// Takes a frame that ended, and what `times` say of it and of earlier ones; returns what people should know, where the gate
     /// changed its mind.
     pub fn frame_ended(&mut self, frame: &EndedFrame, times: &[FrameTimeRecord]) -> Option<String> {
-        let was_kept = self.gate.is_kept();
+        let was_kept = self.is_kept();
         match frame.clock {
             Clock::Cpu(reading) => {
                 let cost_ns = self.cpu.frame_ended(reading);
@@ -76,47 +78,62 @@ impl Benefit {
                 }
             }
         }
-        (self.gate.is_kept() != was_kept).then(|| self.news()).flatten()
+        let Techniques { rates, reuse } = self.gates.gates();
+        let of_rates = (rates.is_kept() != was_kept.rates).then(|| news("shading rates", rates));
+        let of_reuse = || (reuse.is_kept() != was_kept.reuse).then(|| news("re-use", reuse));
+        of_rates.or_else(of_reuse).flatten()
     }
 
-    /// Gives a frame to the gate, while `now` ends.
+    fn is_kept(&self) -> Techniques<bool> {
+        let Techniques { rates, reuse } = self.gates.gates();
+        Techniques { rates: rates.is_kept(), reuse: reuse.is_kept() }
+    }
+
+    /// Gives a frame to the gates, while `now` ends.
     ///
-    /// The number of passes with rates tells a scene from another: which images they draw to changes from frame to frame
+    /// The number of passes with maps tells a scene from another: which images they draw to changes from frame to frame
     /// in many applications, and with dynamic resolution their sizes do.
     fn judge(&mut self, frame: &EndedFrame, cost_ns: Option<u64>, now: &EndedFrame) {
-        let was_on = frame.wanted_rates && frame.passes > 0;
-        let scene_changed = was_on && frame.passes != self.passes;
-        if was_on {
+        let was = |wanted: bool| wanted && frame.passes > 0;
+        let was_on = Techniques { rates: was(frame.wanted.rates), reuse: was(frame.wanted.reuse) };
+        let had_maps = was_on.rates || was_on.reuse;
+        let scene_changed = had_maps && frame.passes != self.passes;
+        if had_maps {
             self.passes = frame.passes;
         }
-        self.gate.frame(
-            &GateFrame {
-                time_ns: now.time_ns,
-                cost_ns,
-                was_on,
-                phase: now.phase,
-                scene_changed,
-                // Time spent has no waiting in it, whatever the frame waits for.
-                waited: false,
-            },
-            true,
-        );
+        self.gates.frame(&JudgedFrame {
+            time_ns: now.time_ns,
+            cost_ns,
+            was_on,
+            phase: now.phase,
+            scene_changed,
+            // Time spent has no waiting in it, whatever the frame waits for.
+            waited: false,
+        });
     }
+}
 
-    fn news(&self) -> Option<String> {
-        let (ratio, [low, high]) = self.gate.evidence().ratio()?;
-        let what = if self.gate.is_kept() {
-            "shading rates are taken up again"
-        } else {
-            "shading rates are dropped"
-        };
-        Some(format!("{what}: frames cost {ratio:.2} ({low:.2} to {high:.2}) times as much with them"))
-    }
+/// What people should know of a gate that changed its mind.
+fn news(technique: &str, gate: &Gate) -> Option<String> {
+    let (ratio, [low, high]) = gate.evidence().ratio()?;
+    let what = if gate.is_kept() { "taken up again" } else { "dropped" };
+    Some(format!("{technique}: {what}; frames cost {ratio:.2} ({low:.2} to {high:.2}) times as much with it"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The mode of rates, where nothing is re-used.
+    fn of_rates(mode: GateMode) -> Techniques<GateMode> {
+        Techniques { rates: mode, reuse: GateMode::Off }
+    }
+
+    fn judging_rates() -> Benefit {
+        let mut benefit = Benefit::default();
+        benefit.set_mode(of_rates(GateMode::Auto));
+        benefit
+    }
 
     /// Runs frames of which those with rates cost `ratio` times 10 ms, and returns what was said.
     fn run(
@@ -127,14 +144,14 @@ mod tests {
         ratio: f64,
     ) -> Vec<String> {
         let frame = |number| {
-            let on = benefit.is_on();
+            let on = benefit.is_on().rates;
             let jitter = 1.0 + 0.01 * f64::from(number % 7);
             clock.0 += 11_111_111;
             clock.1 += (1e7 * jitter * if on && passes > 0 { ratio } else { 1.0 }) as u64;
             let frame = EndedFrame {
                 time_ns: clock.0,
                 clock: Clock::Cpu(Some(clock.1)),
-                wanted_rates: on,
+                wanted: benefit.is_on(),
                 passes: if on { passes } else { 0 },
                 phase: GazePhase::Fixation,
             };
@@ -145,26 +162,26 @@ mod tests {
 
     #[test]
     fn what_costs_more_is_dropped_and_another_scene_judged_anew() {
-        let (mut benefit, mut clock) = (Benefit::default(), (0, 0));
+        let (mut benefit, mut clock) = (judging_rates(), (0, 0));
         let said = run(&mut benefit, &mut clock, 200, 2, 1.3);
-        assert_eq!((said.len(), benefit.is_on()), (1, false));
-        assert!(said[0].starts_with("shading rates are dropped: frames cost 1.3"), "{}", said[0]);
+        assert_eq!((said.len(), benefit.is_on().rates), (1, false));
+        assert!(said[0].starts_with("shading rates: dropped; frames cost 1.3"), "{}", said[0]);
         // A look half a minute later finds more passes, and that they pay.
         let said = run(&mut benefit, &mut clock, 40 * 90, 3, 0.6);
-        assert_eq!((said.len(), benefit.is_on()), (1, true));
-        assert!(said[0].contains("again: frames cost 0.6"), "{}", said[0]);
+        assert_eq!((said.len(), benefit.is_on().rates), (1, true));
+        assert!(said[0].contains("again; frames cost 0.6"), "{}", said[0]);
     }
 
     /// Without passes to judge, or without costs, rates stay wanted.
     #[test]
     fn nothing_known_changes_nothing() {
-        let (mut benefit, mut clock) = (Benefit::default(), (0, 0));
+        let (mut benefit, mut clock) = (judging_rates(), (0, 0));
         assert_eq!(run(&mut benefit, &mut clock, 1000, 0, 2.0), [""; 0]);
         for time_ns in 0..1000 {
             let phase = GazePhase::Saccade;
             for clock in [Clock::Cpu(None), Clock::Gpu(time_ns as u64)] {
-                let frame = EndedFrame { time_ns, clock, wanted_rates: true, passes: 2, phase };
-                assert_eq!((benefit.frame_ended(&frame, &[]), benefit.is_on()), (None, true));
+                let frame = EndedFrame { time_ns, clock, wanted: benefit.is_on(), passes: 2, phase };
+                assert_eq!((benefit.frame_ended(&frame, &[]), benefit.is_on().rates), (None, true));
             }
         }
     }
@@ -173,15 +190,15 @@ mod tests {
     #[test]
     fn times_of_a_gpu_are_those_of_their_frames() {
         for (ratio, is_kept) in [(1.3, false), (0.6, true)] {
-            let mut benefit = Benefit::default();
+            let mut benefit = judging_rates();
             let (mut was_on, mut said) = (Vec::new(), Vec::new());
             for number in 0..400_u64 {
-                let on = benefit.is_on();
+                let on = benefit.is_on().rates;
                 was_on.push(on);
                 let frame = EndedFrame {
                     time_ns: number as i64 * 11_111_111,
                     clock: Clock::Gpu(number),
-                    wanted_rates: on,
+                    wanted: benefit.is_on(),
                     passes: if on { 2 } else { 0 },
                     phase: GazePhase::Fixation,
                 };
@@ -193,19 +210,43 @@ mod tests {
                 });
                 said.extend(benefit.frame_ended(&frame, time.as_slice()));
             }
-            assert_eq!(benefit.gate.is_kept(), is_kept, "{ratio}: {said:?}");
-            let (found, _) = benefit.gate.evidence().ratio().unwrap();
+            assert_eq!(benefit.is_kept().rates, is_kept, "{ratio}: {said:?}");
+            let (found, _) = benefit.gates.gates().rates.evidence().ratio().unwrap();
             assert!((found / ratio - 1.0).abs() < 0.02, "{found}, not {ratio}");
         }
     }
 
     #[test]
+    fn each_technique_is_judged_by_what_it_changes() {
+        for (rates, reuse) in [(0.6, 1.3), (1.3, 0.6), (0.7, 0.7)] {
+            let mut benefit = Benefit::default();
+            let (mut spent, mut said) = (0, Vec::new());
+            for number in 0..4000 {
+                let on = benefit.is_on();
+                let cost = |is_on: bool, ratio: f64| if is_on { ratio } else { 1.0 };
+                let jitter = 1.0 + 0.01 * f64::from(number % 7);
+                spent += (1e7 * jitter * cost(on.rates, rates) * cost(on.reuse, reuse)) as u64;
+                let frame = EndedFrame {
+                    time_ns: i64::from(number) * 11_111_111,
+                    clock: Clock::Cpu(Some(spent)),
+                    wanted: on,
+                    passes: if on.rates || on.reuse { 2 } else { 0 },
+                    phase: GazePhase::Fixation,
+                };
+                said.extend(benefit.frame_ended(&frame, &[]));
+            }
+            let expected = Techniques { rates: rates < 1.0, reuse: reuse < 1.0 };
+            assert_eq!(benefit.is_kept(), expected, "{rates} {reuse}: {said:?}");
+        }
+    }
+
+    #[test]
     fn what_is_set_holds() {
-        let (mut benefit, mut clock) = (Benefit::default(), (0, 0));
-        benefit.set_mode(GateMode::On);
+        let (mut benefit, mut clock) = (judging_rates(), (0, 0));
+        benefit.set_mode(of_rates(GateMode::On));
         assert_eq!(run(&mut benefit, &mut clock, 500, 2, 3.0), [""; 0]);
-        assert!(benefit.is_on());
-        benefit.set_mode(GateMode::Off);
-        assert!(!benefit.is_on());
+        assert!(benefit.is_on().rates);
+        benefit.set_mode(of_rates(GateMode::Off));
+        assert!(!benefit.is_on().rates);
     }
 }

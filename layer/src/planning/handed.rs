@@ -1,7 +1,9 @@
 //! The maps that were handed over last.
 
 use crate::link::{EyeMapRecord, PlanRecord};
+use parafovea_core::gate::Techniques;
 use parafovea_core::plan::EyePlan;
+use parafovea_core::reuse::STALE;
 use std::ptr;
 
 /// A copy of what the Vulkan half has.
@@ -27,12 +29,14 @@ impl Handed {
         self.is_known = false;
     }
 
-    /// Takes the maps of a plan. Whether they are news.
-    pub fn update(&mut self, eyes: &[EyePlan; 2]) -> bool {
+    /// Takes the maps of a plan, with what they shall have of it. Whether they are news.
+    pub fn update(&mut self, eyes: &[EyePlan; 2], techniques: Techniques<bool>) -> bool {
+        let kept = (if techniques.rates { !STALE } else { 0 }) | (if techniques.reuse { STALE } else { 0 });
         let mut is_news = !std::mem::replace(&mut self.is_known, true);
         for (map, eye) in self.eyes.iter_mut().zip(eyes) {
             self.newest.clear();
             eye.write_map(&mut self.newest);
+            self.newest.iter_mut().for_each(|tile| *tile &= kept);
             is_news |= map.take(eye, &mut self.newest);
         }
         is_news

@@ -291,5 +291,20 @@ fn only_what_is_kept_is_not_rendered_again() {
         session.frame(Look::NoTracker);
         let plan = session.planning.planner.as_ref().unwrap().newest();
         assert!(plan.eyes[1].ages.texels().iter().all(|age| *age == 0), "{mode:?}: the right eye has none");
+        for pause_ns in [200_000_000, -FRAME_NS * 3] {
+            for _ in 0..3 {
+                session.planning.history_kept(0);
+                session.planning.history_kept(1);
+                session.frame(Look::NoTracker);
+            }
+            session.planning.history_kept(0);
+            session.planning.history_kept(1);
+            session.time_ns += pause_ns;
+            session.begin();
+            assert_eq!(
+                session.planning.has_history, [false; 2],
+                "{mode:?}: after a pause, or as the clock begins anew"
+            );
+        }
     }
 }

@@ -8,7 +8,7 @@ use super::instance::next_of_any;
 use super::session::{self, Active, Health, Session};
 use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
-use crate::config::{Config, GazeSource, PassRules, RatesBackend, gate_mode, wants_maps};
+use crate::config::{Config, GazeSource, PassRules, RatesBackend, gate_modes};
 use crate::inputs::audio::Ears;
 use crate::inputs::gaze::rotation;
 use crate::link::{
@@ -18,7 +18,7 @@ use crate::planning::{Benefit, Clock, EndedFrame, Offer, Planning, ShownView, Vi
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
-use parafovea_core::gate::GateMode;
+use parafovea_core::gate::{GateMode, Techniques};
 use parafovea_core::geometry::Fov;
 use smallvec::SmallVec;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
@@ -90,10 +90,11 @@ impl SessionPlan {
     pub fn tell_settings(&self, active: &Active, config: &Config) {
         let pays = {
             let mut benefit = self.benefit.lock().unwrap_or_else(PoisonError::into_inner);
-            benefit.set_mode(gate_mode(config));
+            benefit.set_mode(gate_modes(config));
             benefit.is_on()
         };
-        let wanted = Wanted::new(config, pays && !self.has_failed());
+        let wanted = Wanted::new(config, if self.has_failed() { Techniques::default() } else { pays });
+        self.planning().set_techniques(wanted.techniques);
         let is_news = {
             let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
             told.replace(wanted) != Some(wanted)
@@ -101,7 +102,7 @@ impl SessionPlan {
         if is_news {
             let passes = wanted.passes.to_string();
             let record = SettingsRecord {
-                is_on: u32::from(wanted.is_on),
+                is_on: u32::from(wanted.is_on()),
                 backend: wanted.backend,
                 times_passes: u32::from(wanted.times_passes),
                 passes: passes.as_ptr(),
@@ -118,24 +119,29 @@ impl SessionPlan {
 /// What the Vulkan half shall do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Wanted {
-    is_on: bool,
+    techniques: Techniques<bool>,
     times_passes: bool,
     backend: u32,
     passes: PassRules,
 }
 
 impl Wanted {
-    fn new(config: &Config, may_have_rates: bool) -> Self {
+    fn new(config: &Config, techniques: Techniques<bool>) -> Self {
         let backend = match config.rates.backend {
             RatesBackend::Auto => BACKEND_ANY,
             RatesBackend::Attachment => BACKEND_RATE_ATTACHMENT,
             RatesBackend::Mask => BACKEND_MASK,
             RatesBackend::Off => BACKEND_NONE,
         };
-        // The gate looks at what passes cost with rates and without.
-        let times_passes = wants_maps(config) && gate_mode(config) == GateMode::Auto;
-        let is_on = wants_maps(config) && may_have_rates;
-        Self { is_on, times_passes, backend, passes: config.rates.passes }
+        // The gates look at what passes cost with a technique and without.
+        let modes = gate_modes(config);
+        let times_passes = [modes.rates, modes.reuse].contains(&GateMode::Auto);
+        Self { techniques, times_passes, backend, passes: config.rates.passes }
+    }
+
+    /// Whether passes that are recognised get maps.
+    fn is_on(&self) -> bool {
+        self.techniques.rates || self.techniques.reuse
     }
 }
 
@@ -155,7 +161,7 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
     let frame = EndedFrame {
         time_ns,
         clock,
-        wanted_rates: told.is_some_and(|told| told.is_on),
+        wanted: told.map(|told| told.techniques).unwrap_or_default(),
         passes: active.device.passes_with_rates(),
         phase,
     };
