@@ -53,8 +53,8 @@ impl Headset {
         Ok(vk::PhysicalDevice::from_raw(device as u64))
     }
 
-    /// Begins a session on `device`, which must outlive it, with square images of that side for the eyes.
-    pub fn begin_session(self, device: &Device, side: u32) -> Result<Session> {
+    /// Begins a session on `device`, which must outlive it, with images of that size for the eyes.
+    pub fn begin_session(self, device: &Device, extent: vk::Extent2D) -> Result<Session> {
         let info = xr::vulkan::SessionCreateInfo {
             instance: device.instance.handle().as_raw() as *const c_void,
             physical_device: device.physical_device.as_raw() as *const c_void,
@@ -72,8 +72,8 @@ impl Headset {
                 usage_flags: xr::SwapchainUsageFlags::COLOR_ATTACHMENT,
                 format: FORMAT.as_raw() as u32,
                 sample_count: 1,
-                width: side,
-                height: side,
+                width: extent.width,
+                height: extent.height,
                 face_count: 1,
                 array_size: 1,
                 mip_count: 1,
@@ -82,7 +82,7 @@ impl Headset {
             Ok(Eye { swapchain, images })
         };
         let eyes = [eye(0)?, eye(1)?];
-        let mut session = Session { eyes, side, space, waiter, stream, session, instance: self.instance };
+        let mut session = Session { eyes, extent, space, waiter, stream, session, instance: self.instance };
         session.wait_until_ready()?;
         Ok(session)
     }
@@ -92,7 +92,7 @@ impl Headset {
 pub struct Session {
     /// The images of the left and the right eye.
     pub eyes: [Eye; 2],
-    side: u32,
+    extent: vk::Extent2D,
     space: xr::Space,
     waiter: xr::FrameWaiter,
     stream: xr::FrameStream<xr::Vulkan>,
@@ -151,7 +151,7 @@ impl Session {
             eye.swapchain.release_image()?;
         }
         let (_, views) = self.session.locate_views(VIEWS, frame.time, &self.space)?;
-        let extent = xr::Extent2Di { width: self.side as i32, height: self.side as i32 };
+        let extent = xr::Extent2Di { width: self.extent.width as i32, height: self.extent.height as i32 };
         let views: Vec<_> = views
             .iter()
             .zip(&self.eyes)

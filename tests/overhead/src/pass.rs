@@ -17,7 +17,7 @@ pub unsafe fn begin(
     depth: &Target<'_>,
 ) {
     let vk = &device.functions;
-    let area = vk::Rect2D::default().extent(vk::Extent2D { width: target.side, height: target.side });
+    let area = vk::Rect2D::default().extent(target.extent);
     let far = vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 };
     let clear = [vk::ClearValue::default(), vk::ClearValue { depth_stencil: far }];
     // SAFETY: plain use of Vulkan; the caller vouches for the handles.

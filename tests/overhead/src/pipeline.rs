@@ -1,7 +1,7 @@
 //! Render pass, descriptors and pipelines.
 
 use crate::device::Device;
-use crate::scene::{PUSH_BYTES, SIDE};
+use crate::scene::{PUSH_BYTES, SIZE};
 use crate::style::Style;
 use anyhow::{Context, Result};
 use ash::vk;
@@ -63,7 +63,7 @@ impl<'a> Pipeline<'a> {
                 let has_vertices = true;
                 graphics_pipeline(
                     device,
-                    Parts { render_pass, layout, shaders, culling, has_vertices, side: SIDE },
+                    Parts { render_pass, layout, shaders, culling, has_vertices, extent: SIZE },
                 )
             };
             let variants = [variant(vk::CullModeFlags::NONE)?, variant(vk::CullModeFlags::BACK)?];
@@ -138,8 +138,8 @@ pub struct Parts {
     pub culling: vk::CullModeFlags,
     /// Whether there is a vertex buffer of `vec4f`.
     pub has_vertices: bool,
-    /// Side of the viewport, pixels.
-    pub side: u32,
+    /// Size of the viewport, pixels.
+    pub extent: vk::Extent2D,
 }
 
 /// Makes a pipeline with depth test and dynamic scissor.
@@ -148,7 +148,7 @@ pub struct Parts {
 ///
 /// The handles are live; the caller destroys the pipeline before the device.
 pub unsafe fn graphics_pipeline(device: &Device, parts: Parts) -> Result<vk::Pipeline> {
-    let Parts { render_pass, layout, shaders, culling, has_vertices, side } = parts;
+    let Parts { render_pass, layout, shaders, culling, has_vertices, extent } = parts;
     let stage =
         |stage, name| vk::PipelineShaderStageCreateInfo::default().stage(stage).module(shaders).name(name);
     let stages =
@@ -161,8 +161,8 @@ pub unsafe fn graphics_pipeline(device: &Device, parts: Parts) -> Result<vk::Pip
     }
     let assembly =
         vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
-    let viewports =
-        [vk::Viewport { width: side as f32, height: side as f32, max_depth: 1.0, ..Default::default() }];
+    let (width, height) = (extent.width as f32, extent.height as f32);
+    let viewports = [vk::Viewport { width, height, max_depth: 1.0, ..Default::default() }];
     let viewport = vk::PipelineViewportStateCreateInfo::default().viewports(&viewports).scissor_count(1);
     let rasterization =
         vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0).cull_mode(culling);

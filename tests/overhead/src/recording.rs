@@ -7,7 +7,7 @@
 use crate::cpu_time::ThreadTime;
 use crate::device::Device;
 use crate::headset::{Headset, Session};
-use crate::scene::{Amount, SIDE, Scene};
+use crate::scene::{Amount, SIZE, Scene};
 use crate::style::Style;
 use anyhow::{Context, Result};
 use clap::Args;
@@ -56,7 +56,7 @@ const WARM_UP_ROUNDS: u32 = 8;
 pub fn run(arguments: &Recording) -> Result<()> {
     let headset = if arguments.openxr { Some(Headset::new()?) } else { None };
     let device = Device::new(arguments.style, headset.as_ref()).context("no Vulkan device")?;
-    let mut session = headset.map(|headset| headset.begin_session(&device, SIDE)).transpose()?;
+    let mut session = headset.map(|headset| headset.begin_session(&device, SIZE)).transpose()?;
     let figures = measure(arguments, &device, session.as_mut())?;
     println!("{}", serde_json::to_string(&figures)?);
     Ok(())

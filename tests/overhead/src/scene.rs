@@ -9,8 +9,8 @@ use crate::target::Target;
 use anyhow::Result;
 use ash::vk;
 
-/// Side of all targets, pixels: small, as nothing is drawn.
-pub const SIDE: u32 = 64;
+/// Size of all targets, pixels: small, as nothing is drawn.
+pub const SIZE: vk::Extent2D = vk::Extent2D { width: 64, height: 64 };
 
 /// Bytes pushed before each draw: a matrix.
 pub const PUSH_BYTES: u32 = 64;
@@ -53,14 +53,14 @@ impl<'a> Scene<'a> {
     /// Makes everything, for these swapchain images of the two eyes.
     pub fn new(device: &'a Device, style: Style, eyes: [&[vk::Image]; 2]) -> Result<Self> {
         let pipeline = Pipeline::new(device, style)?;
-        let depth = Target::depth(device, SIDE)?;
+        let depth = Target::depth(device, SIZE)?;
         let complete = |target: Target<'a>| match style {
             Style::RenderPass => target.with_framebuffer(pipeline.render_pass, &depth),
             Style::DynamicRendering => Ok(target),
         };
-        let off_screen = complete(Target::colour(device, SIDE)?)?;
+        let off_screen = complete(Target::colour(device, SIZE)?)?;
         let eye = |images: &[vk::Image]| -> Result<Vec<Target<'a>>> {
-            images.iter().map(|&image| complete(Target::of_swapchain(device, SIDE, image)?)).collect()
+            images.iter().map(|&image| complete(Target::of_swapchain(device, SIZE, image)?)).collect()
         };
         let eyes = [eye(eyes[0])?, eye(eyes[1])?];
         let vertices = Buffer::zeroed(device, 3 * 16, vk::BufferUsageFlags::VERTEX_BUFFER)?;
@@ -139,7 +139,7 @@ impl<'a> Scene<'a> {
     /// The command buffer is recording, in a render pass.
     unsafe fn draw(&self, draws: u32) {
         let (vk, buffer) = (&self.device.functions, self.commands);
-        let area = vk::Rect2D::default().extent(vk::Extent2D { width: SIDE, height: SIDE });
+        let area = vk::Rect2D::default().extent(SIZE);
         let layout = self.pipeline.layout;
         let matrix = [0u8; PUSH_BYTES as usize];
         let graphics = vk::PipelineBindPoint::GRAPHICS;

@@ -35,12 +35,21 @@ pub struct Shading {
     /// Rounds of arithmetic for each pixel; without it, nothing is drawn.
     #[arg(long)]
     iterations: Option<u32>,
-    /// Side of an eye's image, pixels.
-    #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(16..=8192))]
-    size: u32,
+    /// Size of an eye's image, pixels: WxH, or the side of a square.
+    #[arg(long, value_name = "WxH", default_value = "1024", value_parser = parse_size)]
+    size: vk::Extent2D,
     /// How passes are recorded.
     #[arg(long, value_enum, default_value_t = Style::RenderPass)]
     style: Style,
+}
+
+fn parse_size(text: &str) -> Result<vk::Extent2D, String> {
+    let (width, height) = text.split_once('x').unwrap_or((text, text));
+    let side = |text: &str| match text.parse::<u32>() {
+        Ok(side @ 16..=8192) => Ok(side),
+        _ => Err(format!("{text:?} is not a number from 16 to 8192")),
+    };
+    Ok(vk::Extent2D { width: side(width)?, height: side(height)? })
 }
 
 /// Shows its frames.
@@ -72,8 +81,8 @@ struct Picture<'a> {
 impl<'a> Picture<'a> {
     fn new(device: &'a Device, shading: &Shading, session: &Session) -> Result<Self> {
         let vk = &device.functions;
-        let side = shading.size;
-        let depth = Target::depth(device, side)?;
+        let extent = shading.size;
+        let depth = Target::depth(device, extent)?;
         let push = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::FRAGMENT).size(4)];
         let layout = vk::PipelineLayoutCreateInfo::default().push_constant_ranges(&push);
         let shaders = spirv(SHADERS)?;
@@ -87,12 +96,12 @@ impl<'a> Picture<'a> {
             let layout = vk.create_pipeline_layout(&layout, None)?;
             let shaders = vk.create_shader_module(&shaders, None)?;
             let culling = vk::CullModeFlags::NONE;
-            let parts = Parts { render_pass, layout, shaders, culling, has_vertices: false, side };
+            let parts = Parts { render_pass, layout, shaders, culling, has_vertices: false, extent };
             let pipeline = graphics_pipeline(device, parts)?;
             vk.destroy_shader_module(shaders, None);
             let eye = |images: &[vk::Image]| -> Result<Vec<Target<'a>>> {
                 let target = |&image| -> Result<Target<'a>> {
-                    let target = Target::of_swapchain(device, side, image)?;
+                    let target = Target::of_swapchain(device, extent, image)?;
                     match shading.style {
                         Style::RenderPass => target.with_framebuffer(render_pass, &depth),
                         Style::DynamicRendering => Ok(target),
@@ -120,8 +129,7 @@ impl<'a> Picture<'a> {
                 let target = &eye[image];
                 pass::begin(self.device, buffer, self.render_pass, target, &self.depth);
                 if let Some(iterations) = iterations {
-                    let area = vk::Rect2D::default()
-                        .extent(vk::Extent2D { width: target.side, height: target.side });
+                    let area = vk::Rect2D::default().extent(target.extent);
                     let stage = vk::ShaderStageFlags::FRAGMENT;
                     vk.cmd_bind_pipeline(buffer, vk::PipelineBindPoint::GRAPHICS, self.pipeline);
                     vk.cmd_set_scissor(buffer, 0, &[area]);

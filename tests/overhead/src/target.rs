@@ -14,8 +14,8 @@ pub struct Target<'a> {
     memory: vk::DeviceMemory,
     /// With the depth buffer; null with dynamic rendering.
     pub framebuffer: vk::Framebuffer,
-    /// Width and height, pixels.
-    pub side: u32,
+    /// Size, pixels.
+    pub extent: vk::Extent2D,
 }
 
 /// All of a colour image, or of the depth buffer.
@@ -25,25 +25,25 @@ pub fn whole(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
 
 impl<'a> Target<'a> {
     /// A depth buffer.
-    pub fn depth(device: &'a Device, side: u32) -> Result<Self> {
+    pub fn depth(device: &'a Device, extent: vk::Extent2D) -> Result<Self> {
         let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
-        Self::own(device, side, DEPTH_FORMAT, usage, vk::ImageAspectFlags::DEPTH)
+        Self::own(device, extent, DEPTH_FORMAT, usage, vk::ImageAspectFlags::DEPTH)
     }
 
     /// A colour image.
-    pub fn colour(device: &'a Device, side: u32) -> Result<Self> {
+    pub fn colour(device: &'a Device, extent: vk::Extent2D) -> Result<Self> {
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
-        Self::own(device, side, FORMAT, usage, vk::ImageAspectFlags::COLOR)
+        Self::own(device, extent, FORMAT, usage, vk::ImageAspectFlags::COLOR)
     }
 
     /// A swapchain's image.
-    pub fn of_swapchain(device: &'a Device, side: u32, image: vk::Image) -> Result<Self> {
-        Self::with_view(device, side, image, vk::DeviceMemory::null(), FORMAT, vk::ImageAspectFlags::COLOR)
+    pub fn of_swapchain(device: &'a Device, extent: vk::Extent2D, image: vk::Image) -> Result<Self> {
+        Self::with_view(device, extent, image, vk::DeviceMemory::null(), FORMAT, vk::ImageAspectFlags::COLOR)
     }
 
     fn own(
         device: &'a Device,
-        side: u32,
+        extent: vk::Extent2D,
         format: vk::Format,
         usage: vk::ImageUsageFlags,
         aspect: vk::ImageAspectFlags,
@@ -51,7 +51,7 @@ impl<'a> Target<'a> {
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
-            .extent(vk::Extent3D { width: side, height: side, depth: 1 })
+            .extent(extent.into())
             .mip_levels(1)
             .array_layers(1)
             .samples(vk::SampleCountFlags::TYPE_1)
@@ -65,12 +65,12 @@ impl<'a> Target<'a> {
             vk.bind_image_memory(image, memory, 0)?;
             (image, memory)
         };
-        Self::with_view(device, side, image, memory, format, aspect)
+        Self::with_view(device, extent, image, memory, format, aspect)
     }
 
     fn with_view(
         device: &'a Device,
-        side: u32,
+        extent: vk::Extent2D,
         image: vk::Image,
         memory: vk::DeviceMemory,
         format: vk::Format,
@@ -83,7 +83,7 @@ impl<'a> Target<'a> {
             .subresource_range(whole(aspect));
         // SAFETY: a valid structure of a live image.
         let view = unsafe { device.functions.create_image_view(&info, None)? };
-        Ok(Self { device, image, view, memory, framebuffer: vk::Framebuffer::null(), side })
+        Ok(Self { device, image, view, memory, framebuffer: vk::Framebuffer::null(), extent })
     }
 
     /// Makes the framebuffer of a render pass, with this image and a depth buffer.
@@ -92,8 +92,8 @@ impl<'a> Target<'a> {
         let info = vk::FramebufferCreateInfo::default()
             .render_pass(render_pass)
             .attachments(&views)
-            .width(self.side)
-            .height(self.side)
+            .width(self.extent.width)
+            .height(self.extent.height)
             .layers(1);
         // SAFETY: a valid structure of live handles.
         self.framebuffer = unsafe { self.device.functions.create_framebuffer(&info, None)? };
