@@ -243,6 +243,7 @@ unsafe fn track(
             (None, false) => "inert",
             (None, true) => "inert: the Vulkan loader gave no vkSetDeviceLoaderData",
         };
+        recording::compute::device_made(key, &hooked);
         DEVICES.insert(
             key,
             Arc::new(Device {
@@ -265,6 +266,7 @@ pub unsafe extern "system" fn destroy(device: vk::Device, allocator: *const vk::
         |_| {
             // SAFETY: the application vouches that the device is null or live until the call down.
             let key = unsafe { DispatchKey::of(device) };
+            key.into_iter().for_each(recording::compute::device_ends);
             if let Some(known) = key.and_then(|key| DEVICES.remove(key)) {
                 if let Some(armed) = &known.armed {
                     recording::forget_device(armed);

@@ -9,6 +9,11 @@ use ash::vk::Handle;
 pub struct DispatchKey(usize);
 
 impl DispatchKey {
+    /// The address of the dispatch table.
+    pub fn address(self) -> usize {
+        self.0
+    }
+
     /// Reads an object's key; `None` for a null handle. Read it before the object is destroyed.
     ///
     /// # Safety

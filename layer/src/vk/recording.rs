@@ -54,6 +54,8 @@ pub struct Recorded {
     target: Option<Arc<Candidate>>,
     /// The mask that it has.
     mask: Option<OpenMask>,
+    /// What the graphics pipeline does that is bound; it stays bound from one pass to the next.
+    pipeline: PipelineFacts,
     /// For a secondary that continues a pass: what that pass must know of it.
     within: Within,
     /// Occlusion queries that are active.
@@ -67,7 +69,8 @@ pub struct Recorded {
 struct Within {
     clears_depth: bool,
     is_queried: bool,
-    pipelines: PipelineFacts,
+    /// Of the pipelines that are bound within; none: what was bound before the pass draws.
+    pipelines: Option<PipelineFacts>,
 }
 
 impl Buffer {
@@ -101,6 +104,7 @@ impl Recorded {
         self.open = None;
         self.target = None;
         self.mask = None;
+        self.pipeline = PipelineFacts::default();
         self.within = Within::default();
         self.queries = 0;
         self.is_conditional = false;
@@ -129,16 +133,23 @@ impl Recorded {
         let candidate = self.target.take();
         let target = candidate.as_ref().and_then(|candidate| candidate.map.mask());
         if let (Some(target), Some(Event::Pass(pass))) = (target, open) {
-            target.recorded(pass.facts, self.within.pipelines, self.compute.is_whole());
+            target.recorded(pass.facts, self.pipelines(), self.compute.is_whole());
         }
         self.mask.take()
+    }
+
+    /// What the pipelines do that draw in the pass which is being recorded.
+    fn pipelines(&self) -> PipelineFacts {
+        self.within.pipelines.unwrap_or(self.pipeline)
     }
 
     /// Commands within a pass say more of it.
     fn tell(&mut self, more: Within) {
         self.within.clears_depth |= more.clears_depth;
         self.within.is_queried |= more.is_queried;
-        self.within.pipelines.see(more.pipelines);
+        if let Some(pipelines) = more.pipelines {
+            self.within.pipelines.get_or_insert_default().see(pipelines);
+        }
         if let Some(Event::Pass(pass)) = self.open.and_then(|open| self.events.get_mut(open)) {
             pass.facts.clears_depth_later |= more.clears_depth;
             pass.facts.is_queried |= more.is_queried;
@@ -151,7 +162,8 @@ impl Recorded {
 
     /// A graphics pipeline, or what stands for one, is bound.
     pub fn use_pipeline(&mut self, pipelines: PipelineFacts) {
-        self.tell(Within { pipelines, ..Within::default() });
+        self.pipeline = pipelines;
+        self.tell(Within { pipelines: Some(pipelines), ..Within::default() });
     }
 
     /// A secondary is executed: its events follow, and what it does within the pass counts for that.
@@ -179,7 +191,7 @@ impl Recorded {
 /// # Safety
 ///
 /// `handle` is a live command buffer.
-unsafe fn with_buffer<F>(
+pub unsafe fn with_buffer<F>(
     handle: vk::CommandBuffer,
     choose: impl FnOnce(&ArmedTable) -> Option<F>,
 ) -> Option<(Option<Arc<Buffer>>, F)> {

@@ -127,23 +127,25 @@ pub unsafe extern "system" fn bind_pipeline(
         |_| {
             // SAFETY: the application's own arguments.
             unsafe {
-                let Some((known, next)) = device::with(buffer, |next| next.cmd_bind_pipeline) else { return };
+                let Some((known, next)) = recording::with_buffer(buffer, |next| next.cmd_bind_pipeline)
+                else {
+                    return;
+                };
                 next(buffer, point, pipeline);
-                if let (Some(rates), vk::PipelineBindPoint::GRAPHICS) = (known.rates(), point)
+                let Some(known) = known else { return };
+                if let (Some(rates), vk::PipelineBindPoint::GRAPHICS) = (&known.armed.rate_attachments, point)
                     && let Some(pipeline) = rates.pipeline_rate(pipeline)
                     && let Some(rate) = rates.set_rates.bound(buffer, pipeline)
-                    && let Some(set) = known.hooked.cmd_set_fragment_shading_rate
+                    && let Some(set) = known.armed.next.cmd_set_fragment_shading_rate
                 {
                     set(buffer, &rate.size, &rate.combiners);
                 }
-                if let (Some(masks), Some(recording)) = (known.masks(), recording::buffer(buffer)) {
+                if let Some(masks) = &known.armed.masks {
                     match point {
                         vk::PipelineBindPoint::GRAPHICS => {
-                            recording.recorded().use_pipeline(masks.pipeline(pipeline));
+                            known.recorded().use_pipeline(masks.pipeline(pipeline));
                         }
-                        vk::PipelineBindPoint::COMPUTE => {
-                            recording.recorded().compute.bind_pipeline(pipeline)
-                        }
+                        vk::PipelineBindPoint::COMPUTE => known.recorded().compute.bind_pipeline(pipeline),
                         _ => {}
                     }
                 }

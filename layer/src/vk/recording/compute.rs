@@ -5,9 +5,11 @@
 use super::with_buffer;
 use crate::abi::guard;
 use crate::vk::dispatch::ArmedTable;
+use crate::vk::dispatch_key::DispatchKey;
 use ash::vk;
 use smallvec::SmallVec;
-use std::slice;
+use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
+use std::{mem, ptr, slice};
 
 /// What a command buffer has bound for compute.
 #[derive(Debug, Clone, Default)]
@@ -101,9 +103,68 @@ impl Bound {
     }
 }
 
+/// The next layer's vkCmdBindDescriptorSets of one device, found without a lock: engines call that for every draw.
+///
+/// It changes only while that device is made or destroyed, when no command buffer of it is recorded (external synchronization
+/// of vkDestroyDevice), so that both words belong together for whoever finds the key of his own.
+struct QuickBind {
+    /// 0: of none.
+    key: AtomicUsize,
+    next: AtomicPtr<()>,
+}
+
+static QUICK_BIND: QuickBind = QuickBind { key: AtomicUsize::new(0), next: AtomicPtr::new(ptr::null_mut()) };
+
+/// A device is made. The first one is found quickly as long as it lives.
+pub fn device_made(key: DispatchKey, next: &ArmedTable) {
+    let Some(bind) = next.cmd_bind_descriptor_sets else { return };
+    let QuickBind { key: quick, next } = &QUICK_BIND;
+    // Reserved first: two devices may be made at once.
+    if quick.compare_exchange(0, RESERVED, Ordering::AcqRel, Ordering::Relaxed).is_ok() {
+        next.store(bind as *mut (), Ordering::Relaxed);
+        quick.store(key.address(), Ordering::Release);
+    }
+}
+
+/// A device is about to be destroyed.
+pub fn device_ends(key: DispatchKey) {
+    let _ = QUICK_BIND.key.compare_exchange(key.address(), 0, Ordering::AcqRel, Ordering::Relaxed);
+}
+
+/// No address of a dispatch table.
+const RESERVED: usize = 1;
+
 /// `vkCmdBindDescriptorSets`.
 #[allow(clippy::too_many_arguments, reason = "those of the call")]
 pub unsafe extern "system" fn bind_sets(
+    handle: vk::CommandBuffer,
+    point: vk::PipelineBindPoint,
+    layout: vk::PipelineLayout,
+    first: u32,
+    count: u32,
+    sets: *const vk::DescriptorSet,
+    offset_count: u32,
+    offsets: *const u32,
+) {
+    // SAFETY: the application's own arguments.
+    let next = match unsafe { DispatchKey::of(handle) } {
+        Some(key)
+            if point != vk::PipelineBindPoint::COMPUTE
+                && QUICK_BIND.key.load(Ordering::Acquire) == key.address() =>
+        {
+            let next = QUICK_BIND.next.load(Ordering::Relaxed);
+            // SAFETY: it was made from such a function, and stored before the key of this device, which lives.
+            unsafe { mem::transmute::<*mut (), vk::PFN_vkCmdBindDescriptorSets>(next) }
+        }
+        _ => bind_sets_noted,
+    };
+    // SAFETY: as above.
+    unsafe { next(handle, point, layout, first, count, sets, offset_count, offsets) }
+}
+
+/// The same, of any device, and noted where it is for compute.
+#[allow(clippy::too_many_arguments, reason = "those of the call")]
+unsafe extern "system" fn bind_sets_noted(
     handle: vk::CommandBuffer,
     point: vk::PipelineBindPoint,
     layout: vk::PipelineLayout,

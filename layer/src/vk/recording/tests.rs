@@ -33,13 +33,34 @@ fn facts(recorded: &Recorded) -> Vec<PassFacts> {
     passes.collect()
 }
 
-const NO_PIPELINES: PipelineFacts = PipelineFacts {
+const QUERIED: Within = Within { is_queried: true, clears_depth: false, pipelines: None };
+const CLEARED: Within = Within { is_queried: false, clears_depth: true, pipelines: None };
+
+const LESS: PipelineFacts = PipelineFacts {
     have_side_effects: false,
     are_unknown: false,
-    directions: Directions { less: false, greater: false },
+    directions: Directions { less: true, greater: false },
 };
-const QUERIED: Within = Within { is_queried: true, clears_depth: false, pipelines: NO_PIPELINES };
-const CLEARED: Within = Within { is_queried: false, clears_depth: true, pipelines: NO_PIPELINES };
+const GREATER: PipelineFacts =
+    PipelineFacts { directions: Directions { less: false, greater: true }, ..LESS };
+
+/// What draws in a pass: what is bound in it, or, where nothing is, what was bound before.
+#[test]
+fn a_pipeline_stays_bound_from_one_pass_to_the_next() {
+    let mut recorded = Recorded::default();
+    recorded.use_pipeline(LESS);
+    recorded.begin(Some(pass(1)), None, None);
+    assert_eq!(recorded.pipelines(), LESS);
+    recorded.end();
+    recorded.begin(Some(pass(2)), None, None);
+    recorded.use_pipeline(GREATER);
+    assert_eq!(recorded.pipelines(), GREATER);
+    recorded.end();
+    recorded.begin(Some(pass(3)), None, None);
+    assert_eq!(recorded.pipelines(), GREATER);
+    recorded.clear();
+    assert_eq!(recorded.pipelines(), PipelineFacts::default());
+}
 
 #[test]
 fn what_commands_say_of_a_pass_counts_for_that_pass_alone() {
