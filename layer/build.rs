@@ -5,7 +5,7 @@
 
 use naga::back::spv;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use parafovea_core::kernels::compose::ComposeParams;
+use parafovea_core::kernels::compose::{ComposeParams, ReuseParams};
 use parafovea_core::layout::{Field, Uniform};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ fn declared<T: Uniform>() -> Declared {
 fn main() {
     // Never unloaded: both loaders may close the library while threads, and callbacks of the other half, are in it.
     println!("cargo::rustc-link-arg-cdylib=-Wl,-z,nodelete");
-    let uniforms = [declared::<ComposeParams>()];
+    let uniforms = [declared::<ComposeParams>(), declared::<ReuseParams>()];
     if let Err(message) = build(&uniforms) {
         eprintln!("error: {message}");
         process::exit(1);
@@ -39,7 +39,7 @@ fn build(uniforms: &[Declared]) -> Result<(), String> {
     for stem in complete_kernels(repository)? {
         let path = layer.join("shaders").join(format!("{stem}.wgsl"));
         let words = compile(&path, uniforms).map_err(|error| format!("{}: {error}", path.display()))?;
-        let bytes: Vec<u8> = words.into_iter().flat_map(u32::to_ne_bytes).collect();
+        let bytes: Vec<u8> = without_storage_class(&words).into_iter().flat_map(u32::to_ne_bytes).collect();
         let target = out.join(format!("{stem}.spv"));
         fs::write(&target, bytes).map_err(|error| format!("{}: {error}", target.display()))?;
     }
@@ -93,6 +93,53 @@ fn compile(path: &Path, uniforms: &[Declared]) -> Result<Vec<u32>, String> {
         ..spv::Options::default()
     };
     spv::write_vec(&module, &info, &options, None).map_err(|error| error.to_string())
+}
+
+/// Declares storage buffers as SPIR-V 1.0 has them, as uniforms that are decorated BufferBlock, which every Vulkan device
+/// takes: naga uses a storage class of an extension that Vulkan 1.0 does not have.
+fn without_storage_class(words: &[u32]) -> Vec<u32> {
+    const HEADER: usize = 5;
+    const EXTENSION: u32 = 10;
+    const TYPE_POINTER: u32 = 32;
+    const VARIABLE: u32 = 59;
+    const DECORATE: u32 = 71;
+    const UNIFORM: u32 = 2;
+    const STORAGE_BUFFER: u32 = 12;
+    const BLOCK: u32 = 2;
+    const BUFFER_BLOCK: u32 = 3;
+
+    let mut rest = &words[HEADER..];
+    let instructions: Vec<&[u32]> = std::iter::from_fn(|| {
+        let (instruction, others) = rest.split_at_checked((*rest.first()? >> 16) as usize)?;
+        rest = others;
+        Some(instruction)
+    })
+    .collect();
+    let opcode = |instruction: &[u32]| instruction[0] & 0xffff;
+    let is_storage =
+        |instruction: &&&[u32]| opcode(instruction) == TYPE_POINTER && instruction[2] == STORAGE_BUFFER;
+    let in_storage: Vec<u32> = instructions.iter().filter(is_storage).map(|pointer| pointer[3]).collect();
+
+    let mut out = words[..HEADER].to_vec();
+    for instruction in instructions {
+        let at = out.len();
+        out.extend_from_slice(instruction);
+        match opcode(instruction) {
+            EXTENSION => {
+                let name: Vec<u8> = instruction[1..].iter().flat_map(|word| word.to_le_bytes()).collect();
+                if name.starts_with(b"SPV_KHR_storage_buffer_storage_class\0") {
+                    out.truncate(at);
+                }
+            }
+            TYPE_POINTER if instruction[2] == STORAGE_BUFFER => out[at + 2] = UNIFORM,
+            VARIABLE if instruction[3] == STORAGE_BUFFER => out[at + 3] = UNIFORM,
+            DECORATE if instruction[2] == BLOCK && in_storage.contains(&instruction[1]) => {
+                out[at + 2] = BUFFER_BLOCK;
+            }
+            _ => {}
+        }
+    }
+    out
 }
 
 /// Compares each uniform buffer of the shader with the Rust struct of the same name.

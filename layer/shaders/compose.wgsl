@@ -107,3 +107,220 @@ fn pixel(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let gain = 1.0 - params.strength * (1.0 - gains(angle));
     return vec4(attenuate(rgb, gain), 1.0);
 }
+
+// Re-use: tiles that were not rendered are taken from earlier pictures, a draw for each of those.
+// Reference: core/src/kernels/compose/reuse.rs, and core/src/reuse/history.rs with the same names.
+
+struct ReuseParams {
+    matrix: array<vec4<f32>, 3>,
+    earlier_offset: vec2<u32>,
+    earlier_extent: vec2<f32>,
+    tile_size: vec2<f32>,
+    tiles: vec2<u32>,
+    first_word: u32,
+    age: u32,
+    ages: u32,
+    border: f32,
+    matrices: array<vec4<f32>, 24>,
+    extents: array<vec4<f32>, 8>,
+    grids: array<vec4<u32>, 8>,
+}
+
+@group(0) @binding(1) var<uniform> reuse: ReuseParams;
+// Lists of tiles, and stale tiles as bits.
+@group(0) @binding(2) var<storage, read> words: array<u32>;
+
+// One instance for each entry of a list.
+fn listed_corner(vertex: u32, low: vec2<f32>, high: vec2<f32>) -> vec4<f32> {
+    let corner = select(low, high, vec2((vertex & 1u) != 0u, (vertex & 2u) != 0u));
+    return vec4(corner / vec2<f32>(params.rect_extent) * 2.0 - 1.0, 0.0, 1.0);
+}
+
+fn tile_low(tile: u32) -> vec2<f32> {
+    return vec2<f32>(vec2(tile % reuse.tiles.x, tile / reuse.tiles.x)) * reuse.tile_size;
+}
+
+@vertex
+fn listed(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
+    let low = tile_low(words[instance]);
+    let high = min(low + reuse.tile_size, vec2<f32>(params.rect_extent));
+    return listed_corner(vertex, low, high);
+}
+
+// As `listed`, but for tiles in which nothing is attenuated.
+@vertex
+fn listed_with_work(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
+    let low = tile_low(words[instance]);
+    let high = min(low + reuse.tile_size, vec2<f32>(params.rect_extent));
+    if !tile_has_work(low, high) {
+        return vec4(-2.0, -2.0, 0.0, 1.0);
+    }
+    return listed_corner(vertex, low, high);
+}
+
+fn is_stale(tile: vec2<i32>, tiles: vec2<u32>, first_word: u32) -> bool {
+    let is_inside = all(tile >= vec2(0)) && all(vec2<u32>(tile) < tiles);
+    let index = select(0u, u32(tile.y) * tiles.x + u32(tile.x), is_inside);
+    return is_inside && ((words[first_word + index / 32u] >> (index % 32u)) & 1u) == 1u;
+}
+
+// Whether the tile at a point of the earlier picture of that index was rendered.
+fn is_fresh_at(index: u32, point: vec2<f32>) -> bool {
+    let grid = reuse.grids[index];
+    let tile = min(vec2<u32>(point * reuse.extents[index].xy), max(grid.xy, vec2(1u)) - 1u);
+    return !is_stale(vec2<i32>(tile), grid.xy, grid.z);
+}
+
+// The newest age in which what a point shows was rendered; 0 for none.
+fn newest_age(point: vec2<f32>) -> u32 {
+    for (var index = 0u; index < reuse.ages; index++) {
+        let homogeneous = reuse.matrices[3u * index].xyz * point.x
+            + reuse.matrices[3u * index + 1u].xyz * point.y
+            + reuse.matrices[3u * index + 2u].xyz;
+        let at = homogeneous.xy / homogeneous.z;
+        let is_inside = homogeneous.z > 0.0 && all(at >= vec2(0.0)) && all(at <= reuse.extents[index].zw);
+        if is_inside && is_fresh_at(index, at) {
+            return index + 1u;
+        }
+    }
+    return 0u;
+}
+
+// Where a point lies in the picture of this draw.
+fn in_earlier(point: vec2<f32>) -> vec2<f32> {
+    let homogeneous = reuse.matrix[0].xyz * point.x + reuse.matrix[1].xyz * point.y + reuse.matrix[2].xyz;
+    return homogeneous.xy / homogeneous.z;
+}
+
+fn earlier_texel(texel: vec2<f32>) -> vec4<f32> {
+    return textureLoad(source, vec2<i32>(texel) + vec2<i32>(reuse.earlier_offset), 0);
+}
+
+// Bilinear. A texel without weight does not count, even if it is no number.
+fn weighted(texel: vec2<f32>, weight: f32) -> vec4<f32> {
+    return select(vec4(0.0), earlier_texel(texel) * weight, weight > 0.0);
+}
+
+// Of texels that all were rendered.
+fn whole_footprint(at: vec2<f32>) -> vec4<f32> {
+    let base = floor(at - 0.5);
+    let share = at - 0.5 - base;
+    let low = clamp(base, vec2(0.0), reuse.earlier_extent - 1.0);
+    let high = clamp(base + 1.0, vec2(0.0), reuse.earlier_extent - 1.0);
+    let rest = 1.0 - share;
+    return weighted(low, rest.x * rest.y)
+        + weighted(vec2(high.x, low.y), share.x * rest.y)
+        + weighted(vec2(low.x, high.y), rest.x * share.y)
+        + weighted(high, share.x * share.y);
+}
+
+// Of those that were rendered.
+fn mixed_footprint(at: vec2<f32>) -> vec4<f32> {
+    let base = floor(at - 0.5);
+    let share = at - 0.5 - base;
+    let low = clamp(base, vec2(0.0), reuse.earlier_extent - 1.0);
+    let high = clamp(base + 1.0, vec2(0.0), reuse.earlier_extent - 1.0);
+    let index = reuse.age - 1u;
+    let fresh = vec4(
+        f32(is_fresh_at(index, low + 0.5)),
+        f32(is_fresh_at(index, vec2(high.x, low.y) + 0.5)),
+        f32(is_fresh_at(index, vec2(low.x, high.y) + 0.5)),
+        f32(is_fresh_at(index, high + 0.5)),
+    );
+    let rest = 1.0 - share;
+    let weights = fresh * vec4(rest.x * rest.y, share.x * rest.y, rest.x * share.y, share.x * share.y);
+    let sum = dot(weights, vec4(1.0));
+    if sum <= 0.0 {
+        discard;
+    }
+    let shares = weights / sum;
+    return weighted(low, shares.x)
+        + weighted(vec2(high.x, low.y), shares.y)
+        + weighted(vec2(low.x, high.y), shares.z)
+        + weighted(high, shares.w);
+}
+
+fn attenuated(rgba: vec4<f32>, point: vec2<f32>) -> vec4<f32> {
+    let angle = eccentricity(point);
+    let gain = 1.0 - params.strength * (1.0 - gains(angle));
+    return vec4(select(rgba.rgb, attenuate(rgba.rgb, gain), angle > params.plateau), rgba.a);
+}
+
+fn mixed_pixel(point: vec2<f32>) -> vec4<f32> {
+    if newest_age(point) != reuse.age {
+        discard;
+    }
+    return mixed_footprint(in_earlier(point));
+}
+
+// How much of a fresh pixel beside stale tiles is taken from the earlier picture.
+fn border_share(point: vec2<f32>) -> f32 {
+    let tile = vec2<i32>(point / reuse.tile_size);
+    var nearest = reuse.border;
+    for (var i = 0; i < 9; i++) {
+        let beside = tile + vec2(i % 3, i / 3) - 1;
+        let low = vec2<f32>(beside) * reuse.tile_size;
+        let away = length(max(max(low - point, point - low - reuse.tile_size), vec2(0.0)));
+        nearest = select(nearest, min(nearest, away), is_stale(beside, reuse.tiles, reuse.first_word));
+    }
+    return 1.0 - nearest / reuse.border;
+}
+
+// Multiplied by its share, which blending reads as alpha.
+fn border_pixel(point: vec2<f32>, rgba: vec4<f32>) -> vec4<f32> {
+    let share = border_share(point);
+    if share <= 0.0 {
+        discard;
+    }
+    return vec4(rgba.rgb * share, share);
+}
+
+fn point_of(position: vec4<f32>) -> vec2<f32> {
+    return position.xy - vec2<f32>(params.rect_offset);
+}
+
+// Where nothing has moved.
+@fragment
+fn still(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    return earlier_texel(floor(point_of(position)));
+}
+
+@fragment
+fn still_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let point = point_of(position);
+    return attenuated(earlier_texel(floor(point)), point);
+}
+
+@fragment
+fn whole(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    return whole_footprint(in_earlier(point_of(position)));
+}
+
+@fragment
+fn whole_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let point = point_of(position);
+    return attenuated(whole_footprint(in_earlier(point)), point);
+}
+
+@fragment
+fn mixed(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    return mixed_pixel(point_of(position));
+}
+
+@fragment
+fn mixed_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let point = point_of(position);
+    return attenuated(mixed_pixel(point), point);
+}
+
+@fragment
+fn border(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let point = point_of(position);
+    return border_pixel(point, mixed_pixel(point));
+}
+
+@fragment
+fn border_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let point = point_of(position);
+    return border_pixel(point, attenuated(mixed_pixel(point), point));
+}

@@ -21,17 +21,17 @@ mod pipeline;
 mod recorder;
 
 pub use app_commands::{AppCommands, ImagePart, Scope};
-pub(crate) use buffer::UniformRing;
+pub(crate) use buffer::{UniformRing, WordRing};
 pub(crate) use commands::Uses;
 pub(crate) use compute::{ComputeLayout, ComputeSet};
-pub(crate) use descriptor::{TextureSets, UniformSet};
+pub(crate) use descriptor::{ListSet, TextureSets, UniformSet};
 pub(crate) use device_buffer::DeviceBuffer;
 pub(crate) use draw::{ColorTarget, color_pass};
 pub use error::GpuError;
 pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view};
 pub(crate) use owned::Owned;
-pub(crate) use pipeline::{TilePipeline, tile_pipeline};
-pub(crate) use recorder::Recorder;
+pub(crate) use pipeline::{Output, TilePipeline, TileShader, tile_pipeline};
+pub(crate) use recorder::{DrawRecorder, Recorder, TileDraw};
 
 use crate::link::DeviceRecord;
 use ash::vk;
@@ -211,7 +211,18 @@ impl Gpu {
 
     /// Whether images of this format can be sampled, drawn to and copied.
     pub(crate) fn can_compose(&self, format: vk::Format) -> bool {
-        let needed = vk::FormatFeatureFlags::SAMPLED_IMAGE | vk::FormatFeatureFlags::COLOR_ATTACHMENT;
+        self.has_features(
+            format,
+            vk::FormatFeatureFlags::SAMPLED_IMAGE | vk::FormatFeatureFlags::COLOR_ATTACHMENT,
+        )
+    }
+
+    /// Whether what is drawn to images of this format can be blended with what is there.
+    pub(crate) fn can_blend(&self, format: vk::Format) -> bool {
+        self.has_features(format, vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND)
+    }
+
+    fn has_features(&self, format: vk::Format, needed: vk::FormatFeatureFlags) -> bool {
         // SAFETY: the physical device is one of this live instance.
         let properties =
             unsafe { self.instance.get_physical_device_format_properties(self.physical_device, format) };

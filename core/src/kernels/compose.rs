@@ -3,10 +3,14 @@
 //!
 //! The region is divided into tiles of [`TILE_SIZE`] pixels; tiles without work are not drawn, and pixels
 //! inside the plateau of full colour around what is looked at are not written.
+//!
+//! Where parts of the picture were not rendered, these are taken from earlier pictures first ([`reuse_image`]).
 
 mod image;
+mod reuse;
 
 pub use image::{PixelFormat, compose_image};
+pub use reuse::{EarlierPixels, ReuseParams, reuse_image, set_words};
 
 use crate::chroma::{ChromaSettings, Curves, Focus, Gamut, Mode, attenuate};
 use crate::geometry::{Fov, ImagePlane, PixelRect, eccentricity, tile_eccentricity, unit_direction};

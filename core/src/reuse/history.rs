@@ -106,6 +106,11 @@ impl<'a> Reuse<'a> {
         self.earlier.iter().map_while(Option::as_ref)
     }
 
+    /// The earlier pictures, the newest first.
+    pub fn pictures(&self) -> impl Iterator<Item = &Picture<'a>> {
+        self.earlier().map(|earlier| &earlier.picture)
+    }
+
     /// How many earlier ones there are.
     pub fn ages(&self) -> usize {
         self.earlier().count()

@@ -10,7 +10,8 @@ const MARGIN: f32 = 1.0;
 /// The tiles of a picture, counted row by row, in lists. Memory is only asked for beyond the longest lists so far.
 #[derive(Clone, Debug, Default)]
 pub struct TileLists {
-    /// Those that were rendered.
+    /// Those that are shown as they are in the newest picture: they were rendered, or no earlier picture has all of them. To
+    /// be drawn before the others.
     pub fresh: Vec<u32>,
     /// For each age, from 1 on: stale tiles all of which is taken from the picture of that age, and from nothing of it that was
     /// not rendered there.
@@ -76,18 +77,19 @@ impl TileLists {
 
     fn add_stale(&mut self, reuse: &Reuse, tile: [u32; 2]) {
         let index = index(reuse, tile);
-        let mut is_first = true;
+        let mut is_found = false;
         for (age, earlier) in reuse.earlier().enumerate() {
             match has(earlier, &self.corners[age], reuse, tile) {
-                Has::All if is_first => return self.whole[age].push(index),
+                Has::All if !is_found => return self.whole[age].push(index),
                 Has::All => return self.mixed[age].push(index),
                 Has::Part => {
                     self.mixed[age].push(index);
-                    is_first = false;
+                    is_found = true;
                 }
                 Has::Nothing => {}
             }
         }
+        self.fresh.push(index);
     }
 
     fn add_border(&mut self, reuse: &Reuse, tile: [u32; 2]) {

@@ -75,6 +75,17 @@ pub const APP_COPIED_TO_SAMPLED: ImageBarrier = ImageBarrier {
     dst_access: Access::SHADER_READ,
 };
 
+/// What the application wrote for an earlier frame, before we sample it.
+pub const APP_RENDERED_TO_SAMPLED: ImageBarrier = ImageBarrier {
+    name: "app_rendered_to_sampled",
+    old_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
+    new_layout: Layout::SHADER_READ_ONLY_OPTIMAL,
+    src_stage: APP_WRITE_STAGES,
+    dst_stage: Stage::FRAGMENT_SHADER,
+    src_access: APP_WRITES,
+    dst_access: Access::SHADER_READ,
+};
+
 /// Our last read of an image that was sampled, before the application writes it again.
 pub const APP_SAMPLED_TO_RENDERED: ImageBarrier = ImageBarrier {
     name: "app_sampled_to_rendered",
@@ -121,9 +132,10 @@ pub const RUNTIME_COPIED_TO_DRAWN: ImageBarrier = ImageBarrier {
 };
 
 /// All of them.
-pub const ALL: [ImageBarrier; 7] = [
+pub const ALL: [ImageBarrier; 8] = [
     APP_CREATED,
     APP_RENDERED_TO_COPIED,
+    APP_RENDERED_TO_SAMPLED,
     APP_COPIED_TO_SAMPLED,
     APP_SAMPLED_TO_RENDERED,
     APP_COPIED_TO_RENDERED,

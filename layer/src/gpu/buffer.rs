@@ -1,4 +1,4 @@
-//! Parameters for the GPU in a buffer that stays mapped, a part for each submit under way.
+//! Parameters for the GPU in buffers that stay mapped, a part for each submit under way.
 
 use super::{Gpu, GpuError, Owned, Recorder, SUBMITS_IN_FLIGHT};
 use ash::vk;
@@ -6,31 +6,22 @@ use std::marker::PhantomData;
 use std::ptr::NonNull;
 use std::sync::Arc;
 
-/// A ring of `T`s: room for a set number of them in each submit.
-pub(crate) struct UniformRing<T> {
+/// A buffer that the host writes and the GPU reads.
+struct MappedBuffer {
     // Dropped before the memory that it is bound to; freeing memory unmaps it.
     buffer: Owned<vk::Buffer>,
     _memory: Owned<vk::DeviceMemory>,
     mapped: NonNull<u8>,
-    /// From one element to the next, bytes.
-    stride: u32,
-    per_submit: u32,
-    element: PhantomData<T>,
+    size: u64,
 }
 
 // SAFETY: the pointer is to memory that `_memory` keeps mapped, and writing through it takes `&mut self`.
-unsafe impl<T: Send> Send for UniformRing<T> {}
+unsafe impl Send for MappedBuffer {}
 
-impl<T: bytemuck::Pod> UniformRing<T> {
-    pub(crate) fn new(gpu: &Arc<Gpu>, per_submit: u32) -> Result<Self, GpuError> {
-        // A power of two of at most 256.
-        let alignment = gpu.limits.min_uniform_buffer_offset_alignment.max(1) as u32;
-        let stride = (size_of::<T>() as u32).next_multiple_of(alignment);
-        let size = u64::from(stride) * u64::from(per_submit) * SUBMITS_IN_FLIGHT as u64;
-        let info = vk::BufferCreateInfo::default()
-            .size(size)
-            .usage(vk::BufferUsageFlags::UNIFORM_BUFFER)
-            .sharing_mode(vk::SharingMode::EXCLUSIVE);
+impl MappedBuffer {
+    fn new(gpu: &Arc<Gpu>, size: u64, usage: vk::BufferUsageFlags) -> Result<Self, GpuError> {
+        let info =
+            vk::BufferCreateInfo::default().size(size).usage(usage).sharing_mode(vk::SharingMode::EXCLUSIVE);
         // SAFETY: the device is live.
         let buffer = unsafe {
             let handle =
@@ -52,30 +43,95 @@ impl<T: bytemuck::Pod> UniformRing<T> {
         };
         let mapped = NonNull::new(mapped.cast::<u8>())
             .ok_or(GpuError::Call { call: "vkMapMemory", result: vk::Result::ERROR_MEMORY_MAP_FAILED })?;
-        Ok(Self { buffer, _memory: memory, mapped, stride, per_submit, element: PhantomData })
+        Ok(Self { buffer, _memory: memory, mapped, size })
     }
 
-    /// Writes element `index` of the submit that is being recorded; returns its offset in the buffer.
+    /// Writes at an offset, bytes, what the GPU does not read now.
+    fn write(&mut self, offset: u64, bytes: &[u8]) -> Result<(), GpuError> {
+        if offset.checked_add(bytes.len() as u64).is_none_or(|end| end > self.size) {
+            return Err(GpuError::Invalid("more parameters than a submit has room for"));
+        }
+        // SAFETY: this stays within the mapped buffer.
+        unsafe {
+            let target = self.mapped.as_ptr().add(offset as usize);
+            std::ptr::copy_nonoverlapping(bytes.as_ptr(), target, bytes.len());
+        }
+        Ok(())
+    }
+}
+
+/// A ring of `T`s: room for a set number of them in each submit.
+pub(crate) struct UniformRing<T> {
+    buffer: MappedBuffer,
+    /// From one element to the next, bytes.
+    stride: u32,
+    per_submit: u32,
+    element: PhantomData<fn(T)>,
+}
+
+impl<T: bytemuck::Pod> UniformRing<T> {
+    pub(crate) fn new(gpu: &Arc<Gpu>, per_submit: u32) -> Result<Self, GpuError> {
+        // A power of two of at most 256.
+        let alignment = gpu.limits.min_uniform_buffer_offset_alignment.max(1) as u32;
+        let stride = (size_of::<T>() as u32).next_multiple_of(alignment);
+        let size = u64::from(stride) * u64::from(per_submit) * SUBMITS_IN_FLIGHT as u64;
+        let buffer = MappedBuffer::new(gpu, size, vk::BufferUsageFlags::UNIFORM_BUFFER)?;
+        Ok(Self { buffer, stride, per_submit, element: PhantomData })
+    }
+
+    /// Writes element `index` of the submit that is being recorded; returns its offset in the buffer. The GPU does not
+    /// read that part now, as the slot's last submit was waited for.
     pub(crate) fn write(&mut self, recorder: &Recorder, index: u32, value: &T) -> Result<u32, GpuError> {
         if index >= self.per_submit {
             return Err(GpuError::Invalid("more regions than a submit has room for"));
         }
         let offset = (recorder.slot() as u32 * self.per_submit + index) * self.stride;
-        let bytes = bytemuck::bytes_of(value);
-        // SAFETY: slot and index are in range, so this stays within the mapped buffer; the GPU does not read
-        // it now, as the slot's last submit was waited for.
-        unsafe {
-            let target = self.mapped.as_ptr().add(offset as usize);
-            std::ptr::copy_nonoverlapping(bytes.as_ptr(), target, bytes.len());
-        }
+        self.buffer.write(offset.into(), bytemuck::bytes_of(value))?;
         Ok(offset)
     }
 
     pub(super) fn gpu(&self) -> &Arc<Gpu> {
-        self.buffer.gpu()
+        self.buffer.buffer.gpu()
     }
 
     pub(super) fn handle(&self) -> vk::Buffer {
-        self.buffer.handle()
+        self.buffer.buffer.handle()
+    }
+}
+
+/// A ring of words that shaders index themselves: room for a set number of them in each submit.
+pub(crate) struct WordRing {
+    buffer: MappedBuffer,
+    per_submit: u32,
+}
+
+impl WordRing {
+    pub(crate) fn new(gpu: &Arc<Gpu>, per_submit: u32) -> Result<Self, GpuError> {
+        let size = u64::from(per_submit) * size_of::<u32>() as u64 * SUBMITS_IN_FLIGHT as u64;
+        if size > u64::from(gpu.limits.max_storage_buffer_range) {
+            return Err(GpuError::Unsupported("a storage buffer of this size"));
+        }
+        let buffer = MappedBuffer::new(gpu, size, vk::BufferUsageFlags::STORAGE_BUFFER)?;
+        Ok(Self { buffer, per_submit })
+    }
+
+    /// How many words each submit has.
+    pub(crate) fn per_submit(&self) -> u32 {
+        self.per_submit
+    }
+
+    /// Writes words from place `at` of the submit that is being recorded on; returns their place in the buffer. The GPU does
+    /// not read that part now, as the slot's last submit was waited for.
+    pub(crate) fn write(&mut self, recorder: &Recorder, at: u32, words: &[u32]) -> Result<u32, GpuError> {
+        if u64::from(at) + words.len() as u64 > u64::from(self.per_submit) {
+            return Err(GpuError::Invalid("more words than a submit has room for"));
+        }
+        let place = recorder.slot() as u32 * self.per_submit + at;
+        self.buffer.write(u64::from(place) * size_of::<u32>() as u64, bytemuck::cast_slice(words))?;
+        Ok(place)
+    }
+
+    pub(super) fn handle(&self) -> vk::Buffer {
+        self.buffer.buffer.handle()
     }
 }

@@ -1,21 +1,41 @@
-//! What shaders are bound to: set 0 is the uniform of a region, at a dynamic offset; set 1 is one texture.
+//! What shaders are bound to: set 0 is the parameters of a region, at dynamic offsets; set 1 is one texture.
 
+use super::buffer::WordRing;
 use super::{Gpu, GpuError, Owned, UniformRing};
 use ash::vk;
 use std::sync::Arc;
 
-/// Layout of a set with one binding. Layouts made alike are compatible, so nobody needs to share them.
+/// Set 0 of draws that read nothing else: a uniform.
+const UNIFORM: [vk::DescriptorType; 1] = [vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC];
+
+/// Set 0 of draws of listed tiles: two uniforms, and a buffer of words.
+const LISTS: [vk::DescriptorType; 3] = [
+    vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC,
+    vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC,
+    vk::DescriptorType::STORAGE_BUFFER,
+];
+
+/// Set 1.
+const TEXTURE: [vk::DescriptorType; 1] = [vk::DescriptorType::SAMPLED_IMAGE];
+
+/// Most bindings of a set.
+const MOST_BINDINGS: usize = 3;
+
+/// Layout of a set with these bindings. Layouts made alike are compatible, so nobody needs to share them.
 fn layout(
     gpu: &Arc<Gpu>,
-    kind: vk::DescriptorType,
+    kinds: &[vk::DescriptorType],
     stages: vk::ShaderStageFlags,
 ) -> Result<Owned<vk::DescriptorSetLayout>, GpuError> {
-    let binding = [vk::DescriptorSetLayoutBinding::default()
-        .binding(0)
-        .descriptor_type(kind)
-        .descriptor_count(1)
-        .stage_flags(stages)];
-    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&binding);
+    let bindings = (0u32..).zip(kinds).map(|(binding, kind)| {
+        vk::DescriptorSetLayoutBinding::default()
+            .binding(binding)
+            .descriptor_type(*kind)
+            .descriptor_count(1)
+            .stage_flags(stages)
+    });
+    let bindings: Vec<_> = bindings.collect();
+    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
     // SAFETY: the device is live.
     unsafe {
         let handle = gpu
@@ -26,15 +46,23 @@ fn layout(
     }
 }
 
-/// Layout of set 0.
+const BOTH_STAGES: vk::ShaderStageFlags = vk::ShaderStageFlags::from_raw(
+    vk::ShaderStageFlags::VERTEX.as_raw() | vk::ShaderStageFlags::FRAGMENT.as_raw(),
+);
+
+/// Layout of set 0 of [`UniformSet`].
 pub(super) fn uniform_layout(gpu: &Arc<Gpu>) -> Result<Owned<vk::DescriptorSetLayout>, GpuError> {
-    let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-    layout(gpu, vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, stages)
+    layout(gpu, &UNIFORM, BOTH_STAGES)
+}
+
+/// Layout of set 0 of [`ListSet`].
+pub(super) fn list_layout(gpu: &Arc<Gpu>) -> Result<Owned<vk::DescriptorSetLayout>, GpuError> {
+    layout(gpu, &LISTS, BOTH_STAGES)
 }
 
 /// Layout of set 1.
 pub(super) fn texture_layout(gpu: &Arc<Gpu>) -> Result<Owned<vk::DescriptorSetLayout>, GpuError> {
-    layout(gpu, vk::DescriptorType::SAMPLED_IMAGE, vk::ShaderStageFlags::FRAGMENT)
+    layout(gpu, &TEXTURE, vk::ShaderStageFlags::FRAGMENT)
 }
 
 /// Sets of one layout, with the pool that they go with, and the layout, which writing to them needs.
@@ -46,11 +74,12 @@ struct Sets {
 
 fn allocate(
     gpu: &Arc<Gpu>,
-    kind: vk::DescriptorType,
+    kinds: &[vk::DescriptorType],
     layout: Owned<vk::DescriptorSetLayout>,
     count: u32,
 ) -> Result<Sets, GpuError> {
-    let sizes = [vk::DescriptorPoolSize { ty: kind, descriptor_count: count }];
+    let sizes: Vec<_> =
+        kinds.iter().map(|&ty| vk::DescriptorPoolSize { ty, descriptor_count: count }).collect();
     let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
     // SAFETY: the device is live.
     let pool = unsafe {
@@ -68,6 +97,30 @@ fn allocate(
     Ok(Sets { _pool: pool, _layout: layout, handles })
 }
 
+/// A new set 0 over buffers, of each of which that many bytes are read from an offset on.
+fn buffer_set(
+    gpu: &Arc<Gpu>,
+    layout: Owned<vk::DescriptorSetLayout>,
+    buffers: &[(vk::DescriptorType, vk::Buffer, u64)],
+) -> Result<Sets, GpuError> {
+    let kinds: Vec<_> = buffers.iter().map(|(kind, ..)| *kind).collect();
+    let sets = allocate(gpu, &kinds, layout, 1)?;
+    let mut infos = [vk::DescriptorBufferInfo::default(); MOST_BINDINGS];
+    for (info, &(_, buffer, range)) in infos.iter_mut().zip(buffers) {
+        *info = vk::DescriptorBufferInfo { buffer, offset: 0, range };
+    }
+    for (binding, (info, kind)) in (0u32..).zip(infos.chunks(1).zip(kinds)) {
+        let write = vk::WriteDescriptorSet::default()
+            .dst_set(sets.handles[0])
+            .dst_binding(binding)
+            .descriptor_type(kind)
+            .buffer_info(info);
+        // SAFETY: set and buffer are live, and the set is not in use.
+        unsafe { gpu.device.update_descriptor_sets(&[write], &[]) };
+    }
+    Ok(sets)
+}
+
 /// Set 0 over a ring of uniforms.
 pub(crate) struct UniformSet {
     sets: Sets,
@@ -76,21 +129,38 @@ pub(crate) struct UniformSet {
 impl UniformSet {
     pub(crate) fn new<T: bytemuck::Pod>(ring: &UniformRing<T>) -> Result<Self, GpuError> {
         let gpu = ring.gpu();
-        let kind = vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC;
-        let sets = allocate(gpu, kind, uniform_layout(gpu)?, 1)?;
-        let buffer =
-            [vk::DescriptorBufferInfo { buffer: ring.handle(), offset: 0, range: size_of::<T>() as u64 }];
-        let write = vk::WriteDescriptorSet::default()
-            .dst_set(sets.handles[0])
-            .dst_binding(0)
-            .descriptor_type(kind)
-            .buffer_info(&buffer);
-        // SAFETY: set and buffer are live, and the set is not in use.
-        unsafe { gpu.device.update_descriptor_sets(&[write], &[]) };
-        Ok(Self { sets })
+        let buffers = [(UNIFORM[0], ring.handle(), size_of::<T>() as u64)];
+        Ok(Self { sets: buffer_set(gpu, uniform_layout(gpu)?, &buffers)? })
     }
 
-    pub(super) fn handle(&self) -> vk::DescriptorSet {
+    /// The set, for one dynamic offset.
+    pub(crate) fn handle(&self) -> vk::DescriptorSet {
+        self.sets.handles[0]
+    }
+}
+
+/// Set 0 over two rings of uniforms and one of words.
+pub(crate) struct ListSet {
+    sets: Sets,
+}
+
+impl ListSet {
+    pub(crate) fn new<A: bytemuck::Pod, B: bytemuck::Pod>(
+        first: &UniformRing<A>,
+        second: &UniformRing<B>,
+        words: &WordRing,
+    ) -> Result<Self, GpuError> {
+        let gpu = first.gpu();
+        let buffers = [
+            (LISTS[0], first.handle(), size_of::<A>() as u64),
+            (LISTS[1], second.handle(), size_of::<B>() as u64),
+            (LISTS[2], words.handle(), vk::WHOLE_SIZE),
+        ];
+        Ok(Self { sets: buffer_set(gpu, list_layout(gpu)?, &buffers)? })
+    }
+
+    /// The set, for two dynamic offsets.
+    pub(crate) fn handle(&self) -> vk::DescriptorSet {
         self.sets.handles[0]
     }
 }
@@ -103,8 +173,7 @@ pub(crate) struct TextureSets {
 impl TextureSets {
     /// For views that are in SHADER_READ_ONLY_OPTIMAL when they are read, and outlive the result.
     pub(crate) fn new(gpu: &Arc<Gpu>, views: &[Owned<vk::ImageView>]) -> Result<Self, GpuError> {
-        let kind = vk::DescriptorType::SAMPLED_IMAGE;
-        let sets = allocate(gpu, kind, texture_layout(gpu)?, views.len() as u32)?;
+        let sets = allocate(gpu, &TEXTURE, texture_layout(gpu)?, views.len() as u32)?;
         for (&set, view) in sets.handles.iter().zip(views) {
             let image = [vk::DescriptorImageInfo {
                 sampler: vk::Sampler::null(),
@@ -114,7 +183,7 @@ impl TextureSets {
             let write = vk::WriteDescriptorSet::default()
                 .dst_set(set)
                 .dst_binding(0)
-                .descriptor_type(kind)
+                .descriptor_type(TEXTURE[0])
                 .image_info(&image);
             // SAFETY: set and view are live, and the set is not in use.
             unsafe { gpu.device.update_descriptor_sets(&[write], &[]) };

@@ -1,4 +1,4 @@
-//! Pipelines that draw tiles: an instance each, a strip of four vertices, no vertex input, alpha masked off.
+//! Pipelines that draw tiles: an instance each, a strip of four vertices, no vertex input.
 
 use super::{Gpu, GpuError, Owned, color_pass, descriptor};
 use ash::vk;
@@ -21,23 +21,47 @@ impl TilePipeline {
     }
 }
 
-/// Makes a pipeline that draws to attachments of `format` with the entry points `vertex` and `fragment` of a
-/// module of SPIR-V.
+/// What a pipeline does with what is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Output {
+    /// Replaces colour, and leaves alpha.
+    Color,
+    /// Replaces colour and alpha.
+    ColorAndAlpha,
+    /// Adds colour to what is there, of which a share of 1 - alpha stays; leaves alpha.
+    Blended,
+}
+
+/// How tiles are drawn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TileShader {
+    /// Entry point for vertices.
+    pub(crate) vertex: &'static CStr,
+    /// Entry point for fragments.
+    pub(crate) fragment: &'static CStr,
+    /// Whether set 0 is a [`super::ListSet`], else a [`super::UniformSet`].
+    pub(crate) has_lists: bool,
+    /// What becomes of it.
+    pub(crate) output: Output,
+}
+
+/// Makes a pipeline that draws to attachments of `format` with entry points of a module of SPIR-V.
 pub(crate) fn tile_pipeline(
     gpu: &Arc<Gpu>,
     format: vk::Format,
     spirv: &[u8],
-    vertex: &CStr,
-    fragment: &CStr,
+    shader: &TileShader,
 ) -> Result<TilePipeline, GpuError> {
     let module = shader_module(gpu, spirv)?;
-    let layout = pipeline_layout(gpu)?;
+    let layout = pipeline_layout(gpu, shader.has_lists)?;
     let pass = color_pass(gpu, format)?;
     let stage = |flag, name| {
         vk::PipelineShaderStageCreateInfo::default().stage(flag).module(module.handle()).name(name)
     };
-    let stages =
-        [stage(vk::ShaderStageFlags::VERTEX, vertex), stage(vk::ShaderStageFlags::FRAGMENT, fragment)];
+    let stages = [
+        stage(vk::ShaderStageFlags::VERTEX, shader.vertex),
+        stage(vk::ShaderStageFlags::FRAGMENT, shader.fragment),
+    ];
     let vertex_input = vk::PipelineVertexInputStateCreateInfo::default();
     let assembly =
         vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_STRIP);
@@ -48,8 +72,7 @@ pub(crate) fn tile_pipeline(
         .line_width(1.0);
     let multisample =
         vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
-    let rgb = vk::ColorComponentFlags::R | vk::ColorComponentFlags::G | vk::ColorComponentFlags::B;
-    let blend_attachments = [vk::PipelineColorBlendAttachmentState::default().color_write_mask(rgb)];
+    let blend_attachments = [blend(shader.output)];
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blend_attachments);
     let dynamic_states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
     let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic_states);
@@ -76,6 +99,18 @@ pub(crate) fn tile_pipeline(
     Ok(TilePipeline { pipeline, layout })
 }
 
+fn blend(output: Output) -> vk::PipelineColorBlendAttachmentState {
+    let rgb = vk::ColorComponentFlags::R | vk::ColorComponentFlags::G | vk::ColorComponentFlags::B;
+    let mask = if output == Output::ColorAndAlpha { vk::ColorComponentFlags::RGBA } else { rgb };
+    vk::PipelineColorBlendAttachmentState::default()
+        .color_write_mask(mask)
+        .blend_enable(output == Output::Blended)
+        .src_color_blend_factor(vk::BlendFactor::ONE)
+        .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+        .src_alpha_blend_factor(vk::BlendFactor::ONE)
+        .dst_alpha_blend_factor(vk::BlendFactor::ZERO)
+}
+
 pub(super) fn shader_module(gpu: &Arc<Gpu>, spirv: &[u8]) -> Result<Owned<vk::ShaderModule>, GpuError> {
     let words: Vec<u32> =
         spirv.chunks_exact(4).map(|word| u32::from_ne_bytes([word[0], word[1], word[2], word[3]])).collect();
@@ -90,9 +125,10 @@ pub(super) fn shader_module(gpu: &Arc<Gpu>, spirv: &[u8]) -> Result<Owned<vk::Sh
     }
 }
 
-fn pipeline_layout(gpu: &Arc<Gpu>) -> Result<Owned<vk::PipelineLayout>, GpuError> {
-    let (uniform, texture) = (descriptor::uniform_layout(gpu)?, descriptor::texture_layout(gpu)?);
-    let sets = [uniform.handle(), texture.handle()];
+fn pipeline_layout(gpu: &Arc<Gpu>, has_lists: bool) -> Result<Owned<vk::PipelineLayout>, GpuError> {
+    let parameters = if has_lists { descriptor::list_layout(gpu) } else { descriptor::uniform_layout(gpu) }?;
+    let texture = descriptor::texture_layout(gpu)?;
+    let sets = [parameters.handle(), texture.handle()];
     let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
     // SAFETY: the device and both layouts are live.
     unsafe {

@@ -1,8 +1,9 @@
 //! Recording of commands.
 
 use super::barrier::ImageBarrier;
-use super::{ColorTarget, TilePipeline, UniformSet};
+use super::{ColorTarget, TilePipeline};
 use ash::vk;
+use std::ops::Range;
 
 /// A command buffer that is being recorded.
 pub(crate) struct Recorder<'a> {
@@ -98,38 +99,47 @@ pub(crate) struct DrawRecorder<'a> {
     recorder: &'a Recorder<'a>,
 }
 
+/// Tiles to draw.
+pub(crate) struct TileDraw<'a> {
+    /// How.
+    pub(crate) pipeline: &'a TilePipeline,
+    /// Set 0, of the kind that the pipeline takes.
+    pub(crate) parameters: vk::DescriptorSet,
+    /// As many offsets as that kind has uniforms, each from its ring.
+    pub(crate) offsets: &'a [u32],
+    /// Set 1.
+    pub(crate) texture: vk::DescriptorSet,
+    /// What the tiles divide, within the target.
+    pub(crate) viewport: vk::Rect2D,
+    /// What may be written, within the target.
+    pub(crate) scissor: vk::Rect2D,
+    /// Which instances.
+    pub(crate) tiles: Range<u32>,
+}
+
 impl DrawRecorder<'_> {
-    /// Draws `tiles` instances of a pipeline, with the uniforms at an offset of a set, reading `texture`.
-    /// `viewport` and `scissor` lie within the target.
-    pub(crate) fn draw_tiles(
-        &self,
-        pipeline: &TilePipeline,
-        uniforms: (&UniformSet, u32),
-        texture: vk::DescriptorSet,
-        viewport: vk::Rect2D,
-        scissor: vk::Rect2D,
-        tiles: u32,
-    ) {
+    /// Draws tiles.
+    pub(crate) fn draw_tiles(&self, draw: &TileDraw<'_>) {
         let Recorder { device, commands, .. } = *self.recorder;
         let viewport = vk::Viewport {
-            x: viewport.offset.x as f32,
-            y: viewport.offset.y as f32,
-            width: viewport.extent.width as f32,
-            height: viewport.extent.height as f32,
+            x: draw.viewport.offset.x as f32,
+            y: draw.viewport.offset.y as f32,
+            width: draw.viewport.extent.width as f32,
+            height: draw.viewport.extent.height as f32,
             min_depth: 0.0,
             max_depth: 1.0,
         };
-        let (uniform_set, offset) = uniforms;
-        let sets = [uniform_set.handle(), texture];
+        let sets = [draw.parameters, draw.texture];
+        let layout = draw.pipeline.layout();
         let graphics = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: within a render pass that the pipeline is compatible with; the sets have the layouts of the
-        // pipeline, and one dynamic offset, which comes from the same ring of uniforms.
+        // pipeline, and as many dynamic offsets as uniforms, which come from the same rings.
         unsafe {
-            device.cmd_bind_pipeline(commands, graphics, pipeline.handle());
-            device.cmd_bind_descriptor_sets(commands, graphics, pipeline.layout(), 0, &sets, &[offset]);
+            device.cmd_bind_pipeline(commands, graphics, draw.pipeline.handle());
+            device.cmd_bind_descriptor_sets(commands, graphics, layout, 0, &sets, draw.offsets);
             device.cmd_set_viewport(commands, 0, &[viewport]);
-            device.cmd_set_scissor(commands, 0, &[scissor]);
-            device.cmd_draw(commands, 4, tiles, 0, 0);
+            device.cmd_set_scissor(commands, 0, &[draw.scissor]);
+            device.cmd_draw(commands, 4, draw.tiles.len() as u32, 0, draw.tiles.start);
         }
     }
 }

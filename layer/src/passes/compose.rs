@@ -5,25 +5,31 @@
 
 mod app_images;
 mod draws;
+mod pipelines;
+mod record;
+mod reuse;
 mod runtime_images;
 mod shape;
 
 pub use app_images::{APP_USAGE, AppImages};
 pub use parafovea_core::kernels::compose::ComposeParams;
+pub use reuse::{EarlierImage, ReuseRegion};
 pub use runtime_images::{RUNTIME_USAGE, RuntimeImages};
 pub use shape::{SwapchainShape, stores_unit_range};
 
-use crate::gpu::barrier::{
-    APP_COPIED_TO_RENDERED, APP_COPIED_TO_SAMPLED, APP_RENDERED_TO_COPIED, APP_SAMPLED_TO_RENDERED,
-    RUNTIME_ACQUIRED_TO_COPIED, RUNTIME_COPIED_TO_DRAWN,
-};
-use crate::gpu::{Gpu, GpuError, Recorder, TilePipeline, UniformRing, UniformSet, Uses, tile_pipeline};
+use crate::gpu::{Gpu, GpuError, UniformRing, UniformSet, Uses};
 use ash::vk;
-use draws::Draws;
+use draws::{Draws, EarlierImages};
+use pipelines::{Pipelines, ReusePipelines};
+use record::{Sets, record};
+use reuse::ReuseBuffers;
 use std::sync::Arc;
 
 /// Most regions in one submit: the 16 layers that every OpenXR runtime takes, of up to four views each.
 pub const MAX_REGIONS: usize = 64;
+
+/// Most regions in one submit that are completed from earlier pictures: the eyes' views of four projection layers.
+pub const MAX_REUSED: usize = 8;
 
 /// One rectangle of one array layer that gets processed.
 #[derive(Clone, Copy, Debug)]
@@ -49,13 +55,16 @@ pub struct ComposeJob<'a> {
     pub runtime_index: u32,
     /// What is processed; all the rest is only copied. Where regions overlap, the last one counts.
     pub regions: &'a [ComposeRegion],
+    /// What is completed from earlier pictures first; such rectangles do not overlap.
+    pub reuse: &'a [ReuseRegion<'a>],
 }
 
 /// The pass.
 pub struct Compose {
     // First: waits before the rest is destroyed.
     uses: Uses,
-    pipelines: Vec<(vk::Format, TilePipeline)>,
+    pipelines: Vec<(vk::Format, Pipelines)>,
+    reuse: Option<ReuseBuffers>,
     uniforms: UniformRing<ComposeParams>,
     uniform_set: UniformSet,
     gpu: Arc<Gpu>,
@@ -69,7 +78,7 @@ impl Compose {
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, GpuError> {
         let uniforms = UniformRing::new(&gpu, MAX_REGIONS as u32)?;
         let uniform_set = UniformSet::new(&uniforms)?;
-        Ok(Self { uses: Uses::new(&gpu), pipelines: Vec::new(), uniforms, uniform_set, gpu })
+        Ok(Self { uses: Uses::new(&gpu), pipelines: Vec::new(), reuse: None, uniforms, uniform_set, gpu })
     }
 
     /// Whether swapchains of this format can be substituted.
@@ -82,12 +91,22 @@ impl Compose {
     /// # Errors
     /// [`GpuError::Call`] when the pipeline cannot be made.
     pub fn prepare(&mut self, format: vk::Format) -> Result<(), GpuError> {
-        if self.pipelines.iter().any(|(existing, _)| *existing == format) {
-            return Ok(());
+        if !self.pipelines.iter().any(|(existing, _)| *existing == format) {
+            self.pipelines.push((format, Pipelines::new(&self.gpu, format)?));
         }
-        let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/compose.spv"));
-        let pipeline = tile_pipeline(&self.gpu, format, spirv, c"tile", c"pixel")?;
-        self.pipelines.push((format, pipeline));
+        Ok(())
+    }
+
+    /// As [`Self::prepare`], where pictures may be completed from earlier ones too.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn prepare_reuse(&mut self, format: vk::Format) -> Result<(), GpuError> {
+        self.prepare(format)?;
+        let found = self.pipelines.iter_mut().find(|(existing, _)| *existing == format);
+        if let Some((_, Pipelines { reuse: reuse @ None, .. })) = found {
+            *reuse = Some(ReusePipelines::new(&self.gpu, format)?);
+        }
         Ok(())
     }
 
@@ -103,17 +122,30 @@ impl Compose {
     pub fn submit(&mut self, jobs: &[ComposeJob]) -> Result<(), GpuError> {
         check(jobs)?;
         for job in jobs {
-            self.prepare(job.app.shape().format)?;
+            let format = job.app.shape().format;
+            if job.reuse.is_empty() { self.prepare(format) } else { self.prepare_reuse(format) }?;
         }
         let draws = Draws::new(jobs)?;
-        let Self { uniforms, uniform_set, pipelines, gpu, .. } = self;
+        self.make_room(&draws)?;
+        let Self { uniforms, uniform_set, pipelines, reuse, gpu, .. } = self;
         let submit = gpu.submit(|recorder| {
             for (number, draw) in (0..).zip(draws.iter()) {
                 draw.offset.set(uniforms.write(recorder, number, &draw.params)?);
             }
-            record(recorder, jobs, &draws, uniform_set, pipelines);
+            if let Some(reuse) = reuse {
+                let mut at = 0;
+                let reused = draws.iter().filter_map(|draw| Some((draw, draw.reuse?)));
+                for (number, (draw, region)) in reused.enumerate() {
+                    draw.placed.replace(reuse.place(recorder, number, region, &mut at)?);
+                }
+            }
+            let sets = Sets { plain: uniform_set, lists: reuse.as_ref().map(ReuseBuffers::set) };
+            record(recorder, jobs, &draws, &sets, pipelines);
             Ok(())
         })?;
+        if let Some(reuse) = &self.reuse {
+            reuse.uses().mark(submit);
+        }
         self.uses.mark(submit);
         for job in jobs {
             job.app.uses().mark(submit);
@@ -121,58 +153,16 @@ impl Compose {
         }
         Ok(())
     }
-}
 
-/// Each step for all jobs before the next step, so that no job waits for another one's.
-fn record(
-    recorder: &Recorder,
-    jobs: &[ComposeJob],
-    draws: &Draws,
-    uniform_set: &UniformSet,
-    pipelines: &[(vk::Format, TilePipeline)],
-) {
-    for job in jobs {
-        recorder.barrier(&APP_RENDERED_TO_COPIED, job.app_image(), job.layers());
-        recorder.barrier(&RUNTIME_ACQUIRED_TO_COPIED, job.runtime_image(), job.layers());
-    }
-    for job in jobs {
-        recorder.copy_image(job.app_image(), job.runtime_image(), job.app.shape().extent, job.layers());
-    }
-    for (number, job) in jobs.iter().enumerate() {
-        let app = if draws.any_of(number) { &APP_COPIED_TO_SAMPLED } else { &APP_COPIED_TO_RENDERED };
-        recorder.barrier(app, job.app_image(), job.layers());
-        recorder.barrier(&RUNTIME_COPIED_TO_DRAWN, job.runtime_image(), job.layers());
-    }
-    for (number, job) in jobs.iter().enumerate() {
-        draw(recorder, number, job, draws, uniform_set, pipelines);
-    }
-    for (_, job) in jobs.iter().enumerate().filter(|(number, _)| draws.any_of(*number)) {
-        recorder.barrier(&APP_SAMPLED_TO_RENDERED, job.app_image(), job.layers());
-    }
-}
-
-/// Draws the regions of one job, one render pass for each layer that has any.
-fn draw(
-    recorder: &Recorder,
-    number: usize,
-    job: &ComposeJob,
-    draws: &Draws,
-    uniform_set: &UniformSet,
-    pipelines: &[(vk::Format, TilePipeline)],
-) {
-    let format = job.app.shape().format;
-    let Some((_, pipeline)) = pipelines.iter().find(|(existing, _)| *existing == format) else { return };
-    for layer in 0..job.layers() {
-        let mut of_layer = draws.iter().filter(|draw| draw.job == number && draw.layer == layer).peekable();
-        let target = job.runtime.target(job.runtime_index, layer);
-        let texture = job.app.texture(job.app_index, layer);
-        let (Some(_), Some(target), Some(texture)) = (of_layer.peek(), target, texture) else { continue };
-        recorder.draw_to(target, |pass| {
-            for draw in of_layer {
-                let uniforms = (uniform_set, draw.offset.get());
-                pass.draw_tiles(pipeline, uniforms, texture, draw.viewport, draw.scissor, draw.tiles);
-            }
-        });
+    /// Room for the lists of a submit. What is not enough is replaced, after its last use was waited for.
+    fn make_room(&mut self, draws: &Draws) -> Result<(), GpuError> {
+        let needs_room = draws.reused().next().is_some()
+            && self.reuse.as_ref().is_none_or(|reuse| !reuse.fits(draws.reused()));
+        if needs_room {
+            self.reuse = None;
+            self.reuse = Some(ReuseBuffers::new(&self.gpu, &self.uniforms, draws.reused())?);
+        }
+        Ok(())
     }
 }
 
@@ -206,6 +196,32 @@ fn check(jobs: &[ComposeJob]) -> Result<(), GpuError> {
         };
         if jobs[..number].iter().any(twice) {
             return Err(GpuError::Invalid("an image in two jobs"));
+        }
+        check_reuse(job)?;
+    }
+    let reused: usize = jobs.iter().map(|job| job.reuse.len()).sum();
+    if reused > MAX_REUSED {
+        return Err(GpuError::Invalid("more regions than a submit has room for"));
+    }
+    Ok(())
+}
+
+/// Refuses earlier pictures that are not where they are said to be.
+fn check_reuse(job: &ComposeJob) -> Result<(), GpuError> {
+    let shape = job.app.shape();
+    for region in job.reuse {
+        for (picture, earlier) in region.reuse.pictures().zip(&region.earlier) {
+            let fits = |axis: usize, limit: u32| {
+                earlier.offset[axis].checked_add(picture.extent[axis]).is_some_and(|end| end <= limit)
+            };
+            let is_there = earlier.app_index != job.app_index
+                && (earlier.app_index as usize) < job.app.images().len().min(EarlierImages::MOST)
+                && earlier.array_layer < shape.array_layers
+                && fits(0, shape.extent.width)
+                && fits(1, shape.extent.height);
+            if !is_there {
+                return Err(GpuError::Invalid("an earlier picture that is not there"));
+            }
         }
     }
     Ok(())

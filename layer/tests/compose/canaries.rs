@@ -1,6 +1,7 @@
 //! Every barrier is needed, and validation would notice if it were missing.
 
 use crate::pictures::{picture, region};
+use crate::reuse;
 use crate::swapchain::{Swapchain, shape};
 use crate::vulkan::Vulkan;
 use ash::vk;
@@ -15,7 +16,8 @@ use std::sync::Mutex;
 static DROPPED: Mutex<Option<ImageBarrier>> = Mutex::new(None);
 static NEXT: Mutex<Option<(vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkCmdPipelineBarrier)>> = Mutex::new(None);
 
-/// Two frames with work and four without, so that each image is used again after either.
+/// Two frames with work and four without, so that each image is used again after either; then some that are completed
+/// from earlier ones.
 fn frames(vulkan: &Vulkan) {
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let format = vk::Format::R8G8B8A8_SRGB;
@@ -25,6 +27,7 @@ fn frames(vulkan: &Vulkan) {
         let layers = [picture(64, 64, frame as u32)];
         swapchain.frame(vulkan, &mut compose, frame as u32 % 2, &layers, regions).unwrap();
     }
+    reuse::in_turn(vulkan, &mut compose, 6);
 }
 
 #[test]

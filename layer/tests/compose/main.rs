@@ -7,6 +7,7 @@ mod allocations;
 mod canaries;
 mod failures;
 mod pictures;
+mod reuse;
 mod swapchain;
 #[allow(dead_code, reason = "shared with the tests of mask")]
 mod transfer;

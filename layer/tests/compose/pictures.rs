@@ -9,7 +9,7 @@ use parafovea_core::geometry::Fov;
 use parafovea_core::kernels::compose::{PixelFormat, compose_image};
 
 /// A wide, asymmetric view, canted a little.
-const FOV: Fov = Fov { left: -0.95, right: 0.8, up: 0.7, down: -0.9 };
+pub const FOV: Fov = Fov { left: -0.95, right: 0.8, up: 0.7, down: -0.9 };
 
 /// Smooth gradients, every pure colour, and noise, in thirds from top to bottom; alpha is anything.
 pub fn picture(width: u32, height: u32, seed: u32) -> Vec<u8> {
@@ -63,7 +63,7 @@ pub fn reference(
     pixels
 }
 
-fn pixel_format(format: vk::Format) -> PixelFormat {
+pub fn pixel_format(format: vk::Format) -> PixelFormat {
     match format {
         vk::Format::R8G8B8A8_SRGB => PixelFormat::Rgba8Srgb,
         vk::Format::B8G8R8A8_SRGB => PixelFormat::Bgra8Srgb,

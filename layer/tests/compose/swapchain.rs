@@ -8,7 +8,7 @@ use parafovea::passes::compose::{
     AppImages, Compose, ComposeJob, ComposeRegion, RUNTIME_USAGE, RuntimeImages, SwapchainShape,
 };
 
-/// Two images on either side.
+/// Some images for the application, and two of the runtime.
 pub struct Swapchain {
     pub app: AppImages,
     pub runtime: RuntimeImages,
@@ -30,13 +30,17 @@ pub fn shape(format: vk::Format, width: u32, height: u32, array_layers: u32) -> 
 
 impl Swapchain {
     pub fn new(vulkan: &Vulkan, shape: &SwapchainShape) -> Self {
+        Self::with_images(vulkan, shape, 2)
+    }
+
+    pub fn with_images(vulkan: &Vulkan, shape: &SwapchainShape, count: u32) -> Self {
         let handles: Vec<vk::Image> = (0..2)
             .map(|_| {
                 let usage = shape.usage | RUNTIME_USAGE;
                 vulkan.runtime_image(shape.format, shape.extent, shape.array_layers, usage)
             })
             .collect();
-        let app = AppImages::new(&vulkan.gpu, shape, 2).unwrap();
+        let app = AppImages::new(&vulkan.gpu, shape, count).unwrap();
         app.make_ready().unwrap();
         Self {
             app,
@@ -51,8 +55,9 @@ impl Swapchain {
             app: &self.app,
             app_index: index,
             runtime: &self.runtime,
-            runtime_index: 1 - index,
+            runtime_index: (index + 1) % 2,
             regions,
+            reuse: &[],
         }
     }
 
@@ -66,12 +71,25 @@ impl Swapchain {
         regions: &[ComposeRegion],
     ) -> Result<Vec<Vec<u8>>, GpuError> {
         let texel_size = layers[0].len() / (self.extent.width * self.extent.height) as usize;
-        let layer = |image, layer: usize| Layer { image, layer: layer as u32, extent: self.extent };
-        for (number, pixels) in layers.iter().enumerate() {
-            vulkan.upload(layer(self.app.images()[index as usize], number), pixels);
-        }
+        self.render(vulkan, index, layers);
         compose.submit(&[self.job(index, regions)])?;
-        let target = self.runtime_handles[1 - index as usize];
-        Ok((0..layers.len()).map(|number| vulkan.download(layer(target, number), texel_size)).collect())
+        Ok(self.shown(vulkan, (index + 1) % 2, layers.len(), texel_size))
+    }
+
+    /// The application fills the layers of an image.
+    pub fn render(&self, vulkan: &Vulkan, index: u32, layers: &[Vec<u8>]) {
+        for (number, pixels) in layers.iter().enumerate() {
+            vulkan.upload(self.layer(self.app.images()[index as usize], number), pixels);
+        }
+    }
+
+    /// The runtime reads the layers of an image.
+    pub fn shown(&self, vulkan: &Vulkan, index: u32, layers: usize, texel_size: usize) -> Vec<Vec<u8>> {
+        let target = self.runtime_handles[index as usize];
+        (0..layers).map(|number| vulkan.download(self.layer(target, number), texel_size)).collect()
+    }
+
+    fn layer(&self, image: vk::Image, layer: usize) -> Layer {
+        Layer { image, layer: layer as u32, extent: self.extent }
     }
 }

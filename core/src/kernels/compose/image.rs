@@ -26,7 +26,7 @@ impl PixelFormat {
         matches!(self, Self::Bgra8Srgb | Self::Bgra8Unorm)
     }
 
-    fn decode(self, texel: &[u8]) -> Vec3 {
+    pub(super) fn decode(self, texel: &[u8]) -> Vec3 {
         let linear = |byte: u8| {
             let value = f32::from(byte) / 255.0;
             if self.is_srgb() { srgb_to_linear(value) } else { value }
@@ -35,7 +35,7 @@ impl PixelFormat {
         if self.is_bgr() { rgb.zyx() } else { rgb }
     }
 
-    fn encode(self, rgb: Vec3, texel: &mut [u8]) {
+    pub(super) fn encode(self, rgb: Vec3, texel: &mut [u8]) {
         let stored = if self.is_bgr() { rgb.zyx() } else { rgb };
         for (byte, linear) in texel.iter_mut().zip(stored.to_array()) {
             let value = linear.clamp(0.0, 1.0);

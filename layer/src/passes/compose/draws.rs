@@ -1,13 +1,14 @@
 //! Which tiles of which regions are drawn, worked out before anything is recorded.
 
+use super::reuse::{Placed, ReuseRegion};
 use super::{ComposeJob, ComposeParams, ComposeRegion, MAX_REGIONS, SwapchainShape};
 use crate::gpu::GpuError;
 use ash::vk;
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 /// One region with work, inside its image.
 #[derive(Clone, Debug)]
-pub(super) struct Draw {
+pub(super) struct Draw<'a> {
     /// Index of the job.
     pub(super) job: usize,
     /// Array layer.
@@ -22,30 +23,37 @@ pub(super) struct Draw {
     pub(super) params: ComposeParams,
     /// Where the uniforms of `params` were written.
     pub(super) offset: Cell<u32>,
+    /// What is taken from earlier pictures.
+    pub(super) reuse: Option<&'a ReuseRegion<'a>>,
+    /// Where that was written.
+    pub(super) placed: RefCell<Placed>,
 }
 
 /// The draws of all jobs, in order.
-pub(super) struct Draws {
-    draws: [Option<Draw>; MAX_REGIONS],
+pub(super) struct Draws<'a> {
+    draws: [Option<Draw<'a>>; MAX_REGIONS],
 }
 
-impl Draws {
-    pub(super) fn new(jobs: &[ComposeJob]) -> Result<Self, GpuError> {
+impl<'a> Draws<'a> {
+    pub(super) fn new(jobs: &[ComposeJob<'a>]) -> Result<Self, GpuError> {
         let mut draws = [const { None }; MAX_REGIONS];
         let mut free = draws.iter_mut();
         for (number, job) in jobs.iter().enumerate() {
-            for region in job.regions {
+            for region in
+                job.regions.iter().filter(|region| !job.reuse.iter().any(|reuse| is_same(reuse, region)))
+            {
                 if let Some(draw) = draw(number, job.app.shape(), region)? {
-                    let slot =
-                        free.next().ok_or(GpuError::Invalid("more regions than a submit has room for"))?;
-                    *slot = Some(draw);
+                    *next(&mut free)? = Some(draw);
                 }
+            }
+            for reuse in job.reuse {
+                *next(&mut free)? = Some(reuse_draw(number, job, reuse)?);
             }
         }
         Ok(Self { draws })
     }
 
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Draw> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Draw<'a>> {
         self.draws.iter().map_while(Option::as_ref)
     }
 
@@ -53,10 +61,89 @@ impl Draws {
     pub(super) fn any_of(&self, job: usize) -> bool {
         self.iter().any(|draw| draw.job == job)
     }
+
+    /// What is taken from earlier pictures.
+    pub(super) fn reused(&self) -> impl Iterator<Item = &'a ReuseRegion<'a>> {
+        self.iter().filter_map(|draw| draw.reuse)
+    }
+
+    /// Which images of earlier pictures the job of this index reads.
+    pub(super) fn earlier_of(&self, job: usize) -> EarlierImages {
+        let draws = self.iter().filter(|draw| draw.job == job);
+        let used = draws.filter_map(|draw| draw.reuse).flat_map(ReuseRegion::used);
+        EarlierImages(used.fold(0, |images, (_, earlier)| images | 1 << earlier.app_index))
+    }
+}
+
+/// Indices of images, as bits.
+#[derive(Clone, Copy)]
+pub(super) struct EarlierImages(u64);
+
+impl EarlierImages {
+    /// Largest number of images.
+    pub(super) const MOST: usize = u64::BITS as usize;
+
+    pub(super) fn iter(self) -> impl Iterator<Item = usize> {
+        (0..Self::MOST).filter(move |index| self.0 >> index & 1 == 1)
+    }
+}
+
+fn next<'a, 'b>(
+    free: &mut impl Iterator<Item = &'b mut Option<Draw<'a>>>,
+) -> Result<&'b mut Option<Draw<'a>>, GpuError>
+where
+    'a: 'b,
+{
+    free.next().ok_or(GpuError::Invalid("more regions than a submit has room for"))
+}
+
+fn is_same(reuse: &ReuseRegion, region: &ComposeRegion) -> bool {
+    reuse.array_layer == region.array_layer && reuse.rect == region.rect
+}
+
+/// The draw of a region that is completed from earlier pictures, with what is done to the same rectangle besides.
+fn reuse_draw<'a>(job: usize, of: &ComposeJob<'a>, reuse: &'a ReuseRegion<'a>) -> Result<Draw<'a>, GpuError> {
+    let vk::Rect2D { offset, extent } = reuse.rect;
+    let shape = of.app.shape();
+    let fits = |offset: i32, extent: u32, limit: u32| {
+        u32::try_from(offset)
+            .ok()
+            .and_then(|offset| offset.checked_add(extent))
+            .is_some_and(|end| end <= limit)
+    };
+    let is_inside = extent.width > 0
+        && extent.height > 0
+        && fits(offset.x, extent.width, shape.extent.width)
+        && fits(offset.y, extent.height, shape.extent.height);
+    if !is_inside
+        || reuse.array_layer >= shape.array_layers
+        || reuse.reuse.now().extent != [extent.width, extent.height]
+    {
+        return Err(GpuError::Invalid("a rectangle beyond its image"));
+    }
+    let offset = [offset.x as u32, offset.y as u32];
+    let params = of.regions.iter().find(|region| is_same(reuse, region)).map(|region| region.params);
+    let params = params
+        .filter(|params| (params.rect_offset, params.rect_extent) == (offset, reuse.reuse.now().extent));
+    Ok(Draw {
+        job,
+        layer: reuse.array_layer,
+        viewport: reuse.rect,
+        scissor: reuse.rect,
+        tiles: 0,
+        params: params.unwrap_or_else(|| ComposeParams::neutral(offset, reuse.reuse.now().extent)),
+        offset: Cell::new(0),
+        reuse: Some(reuse),
+        placed: RefCell::default(),
+    })
 }
 
 /// The draw of one region; none when nothing of it is inside the image, or nothing has work.
-fn draw(job: usize, shape: &SwapchainShape, region: &ComposeRegion) -> Result<Option<Draw>, GpuError> {
+fn draw<'a>(
+    job: usize,
+    shape: &SwapchainShape,
+    region: &ComposeRegion,
+) -> Result<Option<Draw<'a>>, GpuError> {
     if region.array_layer >= shape.array_layers {
         return Err(GpuError::Invalid("an array layer out of range"));
     }
@@ -68,8 +155,17 @@ fn draw(job: usize, shape: &SwapchainShape, region: &ComposeRegion) -> Result<Op
     };
     let Some(scissor) = intersection(viewport, region.rect) else { return Ok(None) };
     let [columns, rows] = params.tile_grid();
-    let layer = region.array_layer;
-    Ok(Some(Draw { job, layer, viewport, scissor, tiles: columns * rows, params, offset: Cell::new(0) }))
+    Ok(Some(Draw {
+        job,
+        layer: region.array_layer,
+        viewport,
+        scissor,
+        tiles: columns * rows,
+        params,
+        offset: Cell::new(0),
+        reuse: None,
+        placed: RefCell::default(),
+    }))
 }
 
 /// What two rectangles have in common, if anything; `a` lies within an image.

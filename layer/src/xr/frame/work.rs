@@ -74,6 +74,7 @@ impl<'a> Work<'a> {
             runtime: self.target.images()?,
             runtime_index: self.runtime_index,
             regions: &self.target.regions,
+            reuse: &[],
         })
     }
 

@@ -1,0 +1,57 @@
+//! The pipelines for one format.
+
+use crate::gpu::{Gpu, GpuError, Output, TilePipeline, TileShader, tile_pipeline};
+use ash::vk;
+use std::ffi::CStr;
+use std::sync::Arc;
+
+const SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/compose.spv"));
+
+/// Pipelines that draw to images of one format.
+pub(super) struct Pipelines {
+    /// Attenuates the colour of all tiles.
+    pub(super) chroma: TilePipeline,
+    /// What completes pictures, once that is prepared.
+    pub(super) reuse: Option<ReusePipelines>,
+}
+
+/// Pipelines that draw listed tiles. Of two the second attenuates colour too.
+pub(super) struct ReusePipelines {
+    /// Attenuates the colour of tiles that are shown as they are.
+    pub(super) fresh: TilePipeline,
+    /// Tiles taken from an earlier picture as a whole, where nothing has moved.
+    pub(super) still: [TilePipeline; 2],
+    /// Tiles taken from an earlier picture as a whole.
+    pub(super) whole: [TilePipeline; 2],
+    /// Tiles of which pixels are taken from an earlier picture.
+    pub(super) mixed: [TilePipeline; 2],
+    /// Fresh tiles, blended with an earlier picture beside stale ones; nothing where the format cannot be blended.
+    pub(super) border: Option<[TilePipeline; 2]>,
+}
+
+impl Pipelines {
+    pub(super) fn new(gpu: &Arc<Gpu>, format: vk::Format) -> Result<Self, GpuError> {
+        let shader =
+            TileShader { vertex: c"tile", fragment: c"pixel", has_lists: false, output: Output::Color };
+        Ok(Self { chroma: tile_pipeline(gpu, format, SPIRV, &shader)?, reuse: None })
+    }
+}
+
+impl ReusePipelines {
+    pub(super) fn new(gpu: &Arc<Gpu>, format: vk::Format) -> Result<Self, GpuError> {
+        let pipeline = |vertex: &'static CStr, fragment: &'static CStr, output: Output| {
+            tile_pipeline(gpu, format, SPIRV, &TileShader { vertex, fragment, has_lists: true, output })
+        };
+        let both = |plain: &'static CStr, attenuated: &'static CStr, output: Output| {
+            Ok([pipeline(c"listed", plain, output)?, pipeline(c"listed", attenuated, output)?])
+        };
+        let border = || both(c"border", c"border_attenuated", Output::Blended);
+        Ok(Self {
+            fresh: pipeline(c"listed_with_work", c"pixel", Output::Color)?,
+            still: both(c"still", c"still_attenuated", Output::ColorAndAlpha)?,
+            whole: both(c"whole", c"whole_attenuated", Output::ColorAndAlpha)?,
+            mixed: both(c"mixed", c"mixed_attenuated", Output::ColorAndAlpha)?,
+            border: if gpu.can_blend(format) { Some(border()?) } else { None },
+        })
+    }
+}

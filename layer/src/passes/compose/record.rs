@@ -1,0 +1,142 @@
+//! What is recorded for a frame.
+
+use super::ComposeJob;
+use super::draws::{Draw, Draws};
+use super::pipelines::{Pipelines, ReusePipelines};
+use crate::gpu::barrier::{
+    APP_COPIED_TO_RENDERED, APP_COPIED_TO_SAMPLED, APP_RENDERED_TO_COPIED, APP_RENDERED_TO_SAMPLED,
+    APP_SAMPLED_TO_RENDERED, RUNTIME_ACQUIRED_TO_COPIED, RUNTIME_COPIED_TO_DRAWN,
+};
+use crate::gpu::{DrawRecorder, ListSet, Recorder, TileDraw, TilePipeline, UniformSet};
+use ash::vk;
+use std::ops::Range;
+
+/// What draws are bound to.
+pub(super) struct Sets<'a> {
+    /// Of draws of all tiles.
+    pub(super) plain: &'a UniformSet,
+    /// Of draws of listed tiles.
+    pub(super) lists: Option<&'a ListSet>,
+}
+
+/// Each step for all jobs before the next step, so that no job waits for another one's.
+pub(super) fn record(
+    recorder: &Recorder,
+    jobs: &[ComposeJob],
+    draws: &Draws,
+    sets: &Sets,
+    pipelines: &[(vk::Format, Pipelines)],
+) {
+    for job in jobs {
+        recorder.barrier(&APP_RENDERED_TO_COPIED, job.app_image(), job.layers());
+        recorder.barrier(&RUNTIME_ACQUIRED_TO_COPIED, job.runtime_image(), job.layers());
+    }
+    for job in jobs {
+        recorder.copy_image(job.app_image(), job.runtime_image(), job.app.shape().extent, job.layers());
+    }
+    for (number, job) in jobs.iter().enumerate() {
+        let app = if draws.any_of(number) { &APP_COPIED_TO_SAMPLED } else { &APP_COPIED_TO_RENDERED };
+        recorder.barrier(app, job.app_image(), job.layers());
+        recorder.barrier(&RUNTIME_COPIED_TO_DRAWN, job.runtime_image(), job.layers());
+        for image in draws.earlier_of(number).iter() {
+            recorder.barrier(&APP_RENDERED_TO_SAMPLED, job.app.images()[image], job.layers());
+        }
+    }
+    for (number, job) in jobs.iter().enumerate() {
+        draw(recorder, number, job, draws, sets, pipelines);
+    }
+    for (number, job) in jobs.iter().enumerate().filter(|(number, _)| draws.any_of(*number)) {
+        recorder.barrier(&APP_SAMPLED_TO_RENDERED, job.app_image(), job.layers());
+        for image in draws.earlier_of(number).iter() {
+            recorder.barrier(&APP_SAMPLED_TO_RENDERED, job.app.images()[image], job.layers());
+        }
+    }
+}
+
+/// Draws the regions of one job, one render pass for each layer that has any.
+fn draw(
+    recorder: &Recorder,
+    number: usize,
+    job: &ComposeJob,
+    draws: &Draws,
+    sets: &Sets,
+    pipelines: &[(vk::Format, Pipelines)],
+) {
+    let format = job.app.shape().format;
+    let Some((_, pipelines)) = pipelines.iter().find(|(existing, _)| *existing == format) else { return };
+    for layer in 0..job.layers() {
+        let mut of_layer = draws.iter().filter(|draw| draw.job == number && draw.layer == layer).peekable();
+        let target = job.runtime.target(job.runtime_index, layer);
+        let texture = job.app.texture(job.app_index, layer);
+        let (Some(_), Some(target), Some(texture)) = (of_layer.peek(), target, texture) else { continue };
+        recorder.draw_to(target, |pass| {
+            for draw in of_layer {
+                match (draw.reuse, &pipelines.reuse, sets.lists) {
+                    (None, ..) => pass.draw_tiles(&TileDraw {
+                        pipeline: &pipelines.chroma,
+                        parameters: sets.plain.handle(),
+                        offsets: &[draw.offset.get()],
+                        texture,
+                        viewport: draw.viewport,
+                        scissor: draw.scissor,
+                        tiles: 0..draw.tiles,
+                    }),
+                    (Some(_), Some(pipelines), Some(lists)) => {
+                        Completion { pass, job, draw, pipelines, lists, texture }.draw();
+                    }
+                    (Some(_), ..) => {}
+                }
+            }
+        });
+    }
+}
+
+/// A region that is completed from earlier pictures.
+struct Completion<'a> {
+    pass: &'a DrawRecorder<'a>,
+    job: &'a ComposeJob<'a>,
+    draw: &'a Draw<'a>,
+    pipelines: &'a ReusePipelines,
+    lists: &'a ListSet,
+    texture: vk::DescriptorSet,
+}
+
+impl Completion<'_> {
+    /// Borders last: they are blended with fresh tiles whose colour is attenuated already.
+    fn draw(&self) {
+        let placed = self.draw.placed.borrow();
+        let attenuates = self.draw.params.has_work();
+        let variant = usize::from(attenuates);
+        if attenuates {
+            self.tiles(&self.pipelines.fresh, placed.offset, self.texture, &placed.fresh);
+        }
+        let Some(region) = self.draw.reuse else { return };
+        let texture = |image: &super::EarlierImage| self.job.app.texture(image.app_index, image.array_layer);
+        for (index, image) in region.used() {
+            let (age, Some(texture)) = (&placed.ages[index], texture(image)) else { continue };
+            let whole = if age.is_still { &self.pipelines.still } else { &self.pipelines.whole };
+            self.tiles(&whole[variant], age.offset, texture, &age.whole);
+            self.tiles(&self.pipelines.mixed[variant], age.offset, texture, &age.mixed);
+        }
+        let Some(border) = &self.pipelines.border else { return };
+        for (index, image) in region.used() {
+            let (age, Some(texture)) = (&placed.ages[index], texture(image)) else { continue };
+            self.tiles(&border[variant], age.offset, texture, &age.border);
+        }
+    }
+
+    fn tiles(&self, pipeline: &TilePipeline, offset: u32, texture: vk::DescriptorSet, tiles: &Range<u32>) {
+        if tiles.is_empty() {
+            return;
+        }
+        self.pass.draw_tiles(&TileDraw {
+            pipeline,
+            parameters: self.lists.handle(),
+            offsets: &[self.draw.offset.get(), offset],
+            texture,
+            viewport: self.draw.viewport,
+            scissor: self.draw.scissor,
+            tiles: tiles.clone(),
+        });
+    }
+}
