@@ -39,6 +39,11 @@ pub fn wants_reuse(config: &Config) -> bool {
     wants_maps(config) && config.reuse.mode != ReuseMode::Off
 }
 
+/// In how many frames the outermost region is rendered once.
+pub fn longest_period(config: &Config) -> u32 {
+    config.reuse.periods.of_regions().into_iter().max().unwrap_or(1).into()
+}
+
 /// How the gaze is judged. One from a file may rest for ever.
 pub fn gaze_settings(config: &Config) -> GazeSettings {
     let settings = GazeSettings { hold_ms: config.gaze.hold_ms as f32, ..GazeSettings::default() };

@@ -1,10 +1,14 @@
 //! Frames. What happens at `xrEndFrame`, from top to bottom, is [`deliver`].
 
+mod complete;
+mod history;
 mod layers;
 mod nearest;
 mod regions;
 mod shown;
 mod work;
+
+pub use history::History;
 
 use super::instance::next_of_any;
 use super::plan;
@@ -135,9 +139,13 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
     let _give_up = GiveUpOnPanic(active);
     let next = &session.instance.next;
 
+    let mut history = active.history();
     let mut works: Works = swapchains.iter().filter_map(|swapchain| Work::begin(swapchain)).collect();
     // SAFETY: the caller vouches for `info`.
-    unsafe { process(session, active, info, &mut works) };
+    unsafe {
+        process(session, active, info, &mut works);
+        complete::complete(session, active, info, &mut works, &mut history);
+    }
     works.retain(|work| work.is_due());
     works.retain(|work| work.take_image(next));
     if works.is_empty() {
@@ -225,7 +233,10 @@ fn submit(active: &Active, tools: &Tools, works: &mut Works) -> Result<(), GpuEr
         }
         tracing::error!("processing is off for this session: {error}");
         active.worsen_to(Health::CopyOnly);
-        works.iter_mut().for_each(|work| work.target.regions.clear());
+        for work in works.iter_mut() {
+            work.target.regions.clear();
+            work.reuse.clear();
+        }
         submit(works)
     })
 }

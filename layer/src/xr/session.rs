@@ -12,7 +12,8 @@ use super::structures::{VulkanBinding, extending};
 use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
 use crate::abi::guard;
-use crate::config::ChromaMode;
+use crate::config::{ChromaMode, Config, wants_reuse};
+use crate::link::BACKEND_NONE;
 use crate::registry::Registry;
 use openxr_sys as xr;
 use std::sync::Arc;
@@ -36,10 +37,18 @@ pub struct Session {
 impl Session {
     /// Whether the configuration could give `compose` work: only then are swapchains substituted.
     pub fn may_have_work(&self) -> bool {
-        let is_healthy = self.active.as_ref().is_some_and(|active| active.health() == Health::Works);
         let config = self.instance.config.get();
-        let has_gaze = self.gaze.may_have_gaze(self, &config);
-        is_healthy && config.enabled && config.chroma.mode != ChromaMode::Off && has_gaze
+        let has_gaze = || self.gaze.may_have_gaze(self, &config);
+        let may_attenuate = config.enabled && config.chroma.mode != ChromaMode::Off && has_gaze();
+        let is_healthy = self.active.as_ref().is_some_and(|active| active.health() == Health::Works);
+        is_healthy && (may_attenuate || self.may_reuse(&config))
+    }
+
+    /// Whether pictures could be completed from earlier ones: the configuration asks for it, and the device's backend can leave
+    /// something out.
+    pub fn may_reuse(&self, config: &Config) -> bool {
+        let offer = || self.active.as_ref().and_then(|active| active.device.offer());
+        wants_reuse(config) && offer().is_some_and(|offer| offer.backend != BACKEND_NONE)
     }
 
     /// Marks what this thread submits as the runtime's, while it is in a call down.

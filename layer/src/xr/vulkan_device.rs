@@ -141,7 +141,6 @@ impl VulkanDevice {
 
     /// Makes `stale` the tiles of an eye's picture (0: left, 1: right) that the passes of the frame that ended last left out.
     /// `words` is memory that is kept, so that a steady frame allocates nothing.
-    #[cfg_attr(not(test), expect(dead_code, reason = "the history of pictures is about to ask for it"))]
     pub fn stale(&self, eye: usize, words: &mut Vec<u32>, stale: &mut StaleTiles) {
         stale.clear();
         loop {

@@ -18,6 +18,9 @@ pub struct Options {
     /// Number of the first frame, from which the animation starts.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=1 << 32))]
     pub first_frame: u64,
+    /// Nothing is animated: every frame shows what the first one does.
+    #[arg(long)]
+    pub still: bool,
     /// Number of point lights; each costs about the same [default: as many as the scene has].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(lights::MAX)))]
     pub lights: Option<u32>,

@@ -82,6 +82,8 @@ struct App {
     frame: u64,
     /// What to add to that for the animation's clock.
     first_frame: u64,
+    /// Whether that clock stands still.
+    is_still: bool,
     /// When to ask for the end.
     last_frame: Option<u64>,
     exit_requested: bool,
@@ -126,6 +128,7 @@ impl App {
             blend_mode: blend_modes.first().copied().unwrap_or(xr::EnvironmentBlendMode::OPAQUE),
             frame: 0,
             first_frame: options.first_frame,
+            is_still: options.still,
             last_frame: options.frames,
             exit_requested: false,
         })
@@ -192,7 +195,8 @@ impl App {
 
     fn render(&mut self, time: xr::Time, views: &[xr::View]) -> Result<()> {
         let cameras: Vec<_> = views.iter().map(camera).collect();
-        self.renderer.prepare(self.first_frame + self.frame, &cameras);
+        let animated = if self.is_still { 0 } else { self.frame };
+        self.renderer.prepare(self.first_frame + animated, &cameras);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.projection.acquire()?;
         let gaze = match &mut self.input {

@@ -26,6 +26,12 @@ pub fn orientation(view: &xr::CompositionLayerProjectionView) -> Option<Quat> {
     rotation(x, y, z, w)
 }
 
+/// The field of view of a view.
+pub fn fov(view: &xr::CompositionLayerProjectionView) -> Fov {
+    let xr::Fovf { angle_left: left, angle_right: right, angle_up: up, angle_down: down } = view.fov;
+    Fov { left, right, up, down }
+}
+
 /// What a view shows of an image, with a focus in the space of its layer. `None` for a rectangle that is not
 /// within the image, and other values that the runtime refuses.
 pub fn region(
@@ -35,16 +41,10 @@ pub fn region(
     chroma: &ChromaSettings,
 ) -> Option<ComposeRegion> {
     let rect = rect_within(&view.sub_image, images)?;
-    let fov = Fov {
-        left: view.fov.angle_left,
-        right: view.fov.angle_right,
-        up: view.fov.angle_up,
-        down: view.fov.angle_down,
-    };
     let offset = [rect.offset.x as u32, rect.offset.y as u32];
     let extent = [rect.extent.width, rect.extent.height];
     let focus = Focus { direction: in_view(focus.direction, orientation(view)?), ..focus };
-    let params = ComposeParams::new(offset, extent, fov, focus.direction, chroma, images.is_unit_range);
+    let params = ComposeParams::new(offset, extent, fov(view), focus.direction, chroma, images.is_unit_range);
     Some(ComposeRegion {
         array_layer: view.sub_image.image_array_index,
         rect,
@@ -52,7 +52,8 @@ pub fn region(
     })
 }
 
-fn rect_within(image: &xr::SwapchainSubImage, images: &Images) -> Option<vk::Rect2D> {
+/// The rectangle of a view, if it is within the images.
+pub fn rect_within(image: &xr::SwapchainSubImage, images: &Images) -> Option<vk::Rect2D> {
     let rect = vulkan_rect(image)?;
     let fits = |offset: i32, length: u32, limit: u32| {
         length > 0

@@ -1,11 +1,14 @@
 //! One virtual swapchain in one frame.
 
-use super::regions::{Images, region};
-use crate::passes::compose::ComposeJob;
+use super::history::ShownPicture;
+use super::regions::{Images, fov, orientation, rect_within, region};
+use crate::passes::compose::{ComposeJob, ReuseRegion};
 use crate::xr::dispatch::Next;
 use crate::xr::swapchain::{Newest, Substitute, Swapchain, Target};
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
+use parafovea_core::geometry;
+use smallvec::SmallVec;
 use std::sync::MutexGuard;
 
 /// What is to be done for a virtual swapchain.
@@ -16,6 +19,8 @@ pub struct Work<'a> {
     pub target: MutexGuard<'a, Target>,
     /// Whether a projection layer of this frame shows it.
     pub is_projected: bool,
+    /// What is completed from earlier pictures.
+    pub reuse: SmallVec<[ReuseRegion<'a>; 2]>,
     substitute: &'a Substitute,
     newest: Newest,
     runtime_index: u32,
@@ -28,7 +33,15 @@ impl<'a> Work<'a> {
         let newest = substitute.ring().newest()?;
         let mut target = substitute.target();
         target.regions.clear();
-        Some(Self { swapchain, target, is_projected: false, substitute, newest, runtime_index: 0 })
+        Some(Self {
+            swapchain,
+            target,
+            is_projected: false,
+            reuse: SmallVec::new(),
+            substitute,
+            newest,
+            runtime_index: 0,
+        })
     }
 
     /// Adds the rectangle that `view` shows.
@@ -38,16 +51,53 @@ impl<'a> Work<'a> {
         focus: Focus,
         chroma: &ChromaSettings,
     ) {
+        let region = region(view, &self.images(), focus, chroma);
+        self.target.regions.extend(region);
+    }
+
+    /// The picture that `view` shows; nothing where that makes no sense.
+    pub fn picture(
+        &self,
+        view: &xr::CompositionLayerProjectionView,
+        space: xr::Space,
+        time: xr::Time,
+    ) -> Option<ShownPicture> {
+        let rect = rect_within(&view.sub_image, &self.images())?;
+        let plane = fov(view).tangents().plane([rect.extent.width, rect.extent.height]);
+        Some(ShownPicture {
+            substitute: self.substitute.number,
+            space,
+            time,
+            release: self.newest.release,
+            image_index: self.newest.index,
+            array_layer: view.sub_image.image_array_index,
+            rect,
+            view: geometry::View { orientation: orientation(view)?, plane },
+        })
+    }
+
+    /// Whether the picture of a release is still there.
+    pub fn is_intact(&self, release: u64) -> bool {
+        self.substitute.ring().is_intact(release)
+    }
+
+    /// Whether pictures stay for so many frames.
+    pub fn keeps(&self, frames: u32) -> bool {
+        // While the application draws the next one.
+        self.substitute.ring().count() > u64::from(frames)
+    }
+
+    fn images(&self) -> Images {
         let Substitute { extent, array_layers, is_unit_range, .. } = *self.substitute;
-        let images = Images { extent, array_layers, is_unit_range };
-        self.target.regions.extend(region(view, &images, focus, chroma));
+        Images { extent, array_layers, is_unit_range }
     }
 
     /// Whether the runtime's picture is not the one to show. What the application released is written even if
-    /// no layer shows it that we know of; a picture of before only if a projection layer shows it again,
-    /// and it is still there.
+    /// no layer shows it that we know of; a picture of before only if a projection layer shows it again, it is still there, and
+    /// nothing of it comes from others, which may not be.
     pub fn is_due(&self) -> bool {
-        self.newest.fresh || (self.is_projected && self.newest.intact && self.target.is_outdated())
+        let may_be_redone = self.is_projected && self.newest.intact && self.reuse.is_empty();
+        self.newest.fresh || (may_be_redone && self.target.is_outdated())
     }
 
     /// Takes an image of the runtime to write to; false when there is none now. Errors are the session's
@@ -74,7 +124,7 @@ impl<'a> Work<'a> {
             runtime: self.target.images()?,
             runtime_index: self.runtime_index,
             regions: &self.target.regions,
-            reuse: &[],
+            reuse: &self.reuse,
         })
     }
 

@@ -2,6 +2,7 @@
 
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::compose::Compose;
+use crate::xr::frame::History;
 use crate::xr::plan::SessionPlan;
 use crate::xr::vulkan_device::VulkanDevice;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -13,6 +14,7 @@ pub struct Active {
     pub device: VulkanDevice,
     /// What its frames shall do.
     pub plan: SessionPlan,
+    history: Mutex<History>,
     tools: OnceLock<Option<Tools>>,
     health: AtomicU8,
 }
@@ -46,6 +48,7 @@ impl Active {
         Self {
             device,
             plan: SessionPlan::default(),
+            history: Mutex::default(),
             tools: OnceLock::new(),
             health: AtomicU8::new(Health::Works as u8),
         }
@@ -63,6 +66,11 @@ impl Active {
         let make_or_log =
             || make().inspect_err(|error: &GpuError| tracing::error!("no work on this device: {error}")).ok();
         self.tools.get_or_init(make_or_log).as_ref()
+    }
+
+    /// What its frames showed last.
+    pub fn history(&self) -> MutexGuard<'_, History> {
+        self.history.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What may be tried.

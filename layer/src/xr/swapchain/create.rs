@@ -4,7 +4,7 @@ use super::description::Description;
 use super::eligibility::{NotSubstituted, filled_usage, runtime_usage, shape, vulkan_usage};
 use super::{SWAPCHAINS, Substitute, Swapchain};
 use crate::abi::guard;
-use crate::config::wants_maps;
+use crate::config::{longest_period, wants_maps};
 use crate::link::BACKEND_MASK;
 use crate::passes::compose::{APP_USAGE, SwapchainShape};
 use crate::xr::instance::next_of_any;
@@ -102,7 +102,11 @@ unsafe fn plan(
     let mut compose = tools.ok_or(NotSubstituted::NoWork)?.compose();
     // SAFETY: the caller vouches for `info`.
     let shape = unsafe { shape(info, |format| compose.supports(format)) }?;
-    compose.prepare(shape.format).map_err(|error| {
+    let prepared = match session.may_reuse(&session.instance.config.get()) {
+        true => compose.prepare_reuse(shape.format),
+        false => compose.prepare(shape.format),
+    };
+    prepared.map_err(|error| {
         tracing::error!("swapchains of format {:?} stay as they are: {error}", shape.format);
         NotSubstituted::Format(shape.format)
     })?;
@@ -149,7 +153,10 @@ fn substitute(
     let tools = active.tools().ok_or("no work on this device")?;
     let images = runtime_images(session, handle)
         .map_err(|result| format!("xrEnumerateSwapchainImages returned {result:?}"))?;
-    let substitute = Substitute::new(&tools.gpu, shape, images).map_err(|error| error.to_string())?;
+    let config = session.instance.config.get();
+    // Pictures of a whole period stay while the application draws one or two more.
+    let least = if session.may_reuse(&config) { longest_period(&config) + 2 } else { 0 };
+    let substitute = Substitute::new(&tools.gpu, shape, images, least).map_err(|error| error.to_string())?;
     let vk::Extent2D { width, height } = shape.extent;
     tracing::info!(
         "swapchain of {width}x{height}x{} {:?} is virtual, {} images",

@@ -72,9 +72,19 @@ impl Ring {
             index: self.image_of(self.released),
             release: self.released,
             fresh: self.shown < self.released,
-            // Its next turn is `count` later; what it holds is lost once that turn was waited for.
-            intact: self.waited < self.released + self.count,
+            intact: self.is_intact(self.released),
         })
+    }
+
+    /// Whether an image still holds what was released as that release. Its next turn is [`Self::count`] later; what it holds
+    /// is lost once that turn was waited for.
+    pub fn is_intact(&self, release: u64) -> bool {
+        self.waited < release + self.count
+    }
+
+    /// How many images there are.
+    pub fn count(&self) -> u64 {
+        self.count
     }
 
     /// Notes that the image of that release was written to the runtime's image.

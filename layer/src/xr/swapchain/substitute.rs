@@ -4,10 +4,16 @@ use super::{Ring, Target};
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::compose::{AppImages, RuntimeImages, SwapchainShape, stores_unit_range};
 use ash::vk;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
+
+/// Numbers of virtual swapchains: handles are used again.
+static NUMBER: AtomicU64 = AtomicU64::new(0);
 
 /// Both sides of a virtual swapchain.
 pub struct Substitute {
+    /// Its number, which no other ever has.
+    pub number: u64,
     /// The images that the application draws to.
     pub app: AppImages,
     /// Size of an image, pixels.
@@ -22,7 +28,7 @@ pub struct Substitute {
 }
 
 impl Substitute {
-    /// Makes as many images as the runtime has.
+    /// Makes as many images as the runtime has, and at least `least`.
     ///
     /// # Errors
     ///
@@ -31,9 +37,11 @@ impl Substitute {
         gpu: &Arc<Gpu>,
         shape: &SwapchainShape,
         runtime_images: Vec<vk::Image>,
+        least: u32,
     ) -> Result<Self, GpuError> {
-        let count = runtime_images.len() as u32;
+        let count = least.max(runtime_images.len() as u32);
         Ok(Self {
+            number: NUMBER.fetch_add(1, Ordering::Relaxed),
             app: AppImages::new(gpu, shape, count)?,
             extent: shape.extent,
             array_layers: shape.array_layers,

@@ -1,0 +1,99 @@
+//! What of a frame's pictures is taken from earlier ones.
+
+use super::Works;
+use super::history::{Completing, History, ShownPicture};
+use super::layers::{self, Projection, Shown};
+use super::work::Work;
+use crate::config::{ReuseMode, longest_period, wants_reuse};
+use crate::xr::session::{Active, Health, Session};
+use openxr_sys as xr;
+
+/// Notes the pictures that a frame shows, completes those of which not all was rendered, and tells the planner which ones
+/// the next frame's can be made of.
+///
+/// # Safety
+///
+/// `info` and what it points to are valid, as `xrEndFrame` demands.
+pub unsafe fn complete<'a>(
+    session: &Session,
+    active: &Active,
+    info: &xr::FrameEndInfo,
+    works: &mut Works<'a>,
+    history: &'a mut History,
+) {
+    let config = session.instance.config.get();
+    let wants_reuse = wants_reuse(&config);
+    if active.health() != Health::Works || !(wants_reuse || (0..2).any(|eye| history.has_pictures(eye))) {
+        return;
+    }
+    let how = if config.reuse.mode == ReuseMode::Paper { Completing::PAPER } else { Completing::TURNED };
+    // SAFETY: the caller vouches for `info`.
+    let scene = unsafe { only_projection(info) };
+    let mut kept = [false; 2];
+    for eye in 0..2 {
+        let shown = scene.as_ref().and_then(|scene| picture(scene, eye, info.display_time, works));
+        let is_others = |(other, _): (ShownPicture, &Work)| {
+            shown.is_some_and(|(shown, _)| {
+                (shown.substitute, shown.array_layer, shown.rect)
+                    == (other.substitute, other.array_layer, other.rect)
+            })
+        };
+        // One picture for both eyes is completed once.
+        let is_both = eye == 1
+            && scene
+                .as_ref()
+                .and_then(|scene| picture(scene, 0, info.display_time, works))
+                .is_some_and(is_others);
+        kept[eye] = if is_both {
+            history.show(eye, None, |_| false, |_, _| {});
+            kept[0]
+        } else {
+            let is_intact = |release| shown.is_some_and(|(_, work)| work.is_intact(release));
+            let picture = shown.as_ref().map(|(picture, _)| picture);
+            history.show(eye, picture, is_intact, |words, stale| active.device.stale(eye, words, stale));
+            shown.is_some_and(|(_, work)| work.keeps(longest_period(&config)))
+        };
+        if !wants_reuse && history.region(eye, how).is_none() {
+            history.show(eye, None, |_| false, |_, _| {});
+        }
+        history.complete(eye, how);
+        if kept[eye] && wants_reuse {
+            active.plan.planning().history_kept(eye);
+        }
+    }
+    let history: &'a History = history;
+    for eye in 0..2 {
+        let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
+        let work = view
+            .and_then(|view| works.iter_mut().find(|work| work.swapchain.handle == view.sub_image.swapchain));
+        if let Some(work) = work {
+            work.reuse.extend(history.region(eye, how));
+        }
+    }
+}
+
+/// The projection layer of a frame that has only one: with more it is not known whose passes were whose.
+///
+/// # Safety
+///
+/// As for [`complete`].
+unsafe fn only_projection(info: &xr::FrameEndInfo) -> Option<Projection<'_>> {
+    // SAFETY: the caller vouches for `info`.
+    let mut projections = unsafe { layers::of(info) }.filter_map(|shown| match shown {
+        Shown::Projection(layer) => Some(layer),
+        Shown::Flat(_) | Shown::Cube(_) => None,
+    });
+    projections.next().filter(|_| projections.next().is_none())
+}
+
+/// The picture of an eye, where it is in a virtual swapchain.
+fn picture<'a, 'b>(
+    scene: &Projection<'_>,
+    eye: usize,
+    time: xr::Time,
+    works: &'b Works<'a>,
+) -> Option<(ShownPicture, &'b Work<'a>)> {
+    let view = scene.views.get(eye)?;
+    let work = works.iter().find(|work| work.swapchain.handle == view.sub_image.swapchain)?;
+    Some((work.picture(view, scene.space, time)?, work))
+}

@@ -1,0 +1,201 @@
+//! The pictures of the last frames, which still lie in the application's images: what is not rendered anew is taken from them.
+//!
+//! A picture is kept from the frame that shows it first, with the pose and field of view of then and the tiles that its passes
+//! left out, until the application draws to its image again. Nothing is copied, and what was re-used is never re-used again.
+
+use crate::passes::compose::{EarlierImage, ReuseRegion};
+use ash::vk;
+use openxr_sys as xr;
+use parafovea_core::geometry::View;
+use parafovea_core::reuse::{MAX_AGES, Picture, Reuse, StaleTiles, TileLists};
+use std::array;
+
+/// Pictures that are further apart than this, nanoseconds, are not of one run: the application paused, or was hidden.
+const LONGEST_GAP_NS: i64 = 100_000_000;
+
+/// How pictures are completed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Completing {
+    /// Whether what is re-used is turned with the head; else it stays where it was in the picture (paper B).
+    pub turns: bool,
+    /// How far fresh pixels beside re-used ones are blended, pixels.
+    pub border: f32,
+}
+
+impl Completing {
+    /// As paper B does.
+    pub const PAPER: Self = Self { turns: false, border: 0.0 };
+    /// Turned with the head.
+    pub const TURNED: Self = Self { turns: true, border: 4.0 };
+}
+
+/// What the frames showed last, of both eyes.
+#[derive(Debug, Default)]
+pub struct History {
+    eyes: [EyeHistory; 2],
+    /// Memory for what the Vulkan half says.
+    words: Vec<u32>,
+}
+
+/// A picture as a frame shows it.
+#[derive(Debug, Clone, Copy)]
+pub struct ShownPicture {
+    /// Which virtual swapchain it is in.
+    pub substitute: u64,
+    /// The space of its pose.
+    pub space: xr::Space,
+    /// When it is shown.
+    pub time: xr::Time,
+    /// Which release it is, counted from 1.
+    pub release: u64,
+    /// Which of the application's images it is in.
+    pub image_index: u32,
+    /// In which layer of it.
+    pub array_layer: u32,
+    /// In which rectangle, within the image.
+    pub rect: vk::Rect2D,
+    /// How it was looked at, and its pixels.
+    pub view: View,
+}
+
+impl History {
+    /// A frame shows a picture of an eye (0: left, 1: right), or none. `is_intact` says of a release whether its picture is still
+    /// there, and `stale` which tiles of this one are stale, with memory to work in.
+    pub fn show(
+        &mut self,
+        eye: usize,
+        shown: Option<&ShownPicture>,
+        is_intact: impl Fn(u64) -> bool,
+        stale: impl FnOnce(&mut Vec<u32>, &mut StaleTiles),
+    ) {
+        let Self { eyes, words } = self;
+        let history = &mut eyes[eye];
+        match shown {
+            Some(shown) => history.show(shown, is_intact, |tiles| stale(words, tiles)),
+            None => history.len = 0,
+        }
+    }
+
+    /// Whether any picture of an eye is there.
+    pub fn has_pictures(&self, eye: usize) -> bool {
+        self.eyes[eye].len > 0
+    }
+
+    /// Works out what of the newest picture of an eye is taken from which earlier one.
+    pub fn complete(&mut self, eye: usize, how: Completing) {
+        let EyeHistory { pictures, len, lists, .. } = &mut self.eyes[eye];
+        match reuse(&pictures[..*len], how) {
+            Some(reuse) => lists.update(&reuse, how.border > 0.0),
+            None => lists.clear(),
+        }
+    }
+
+    /// What [`Self::complete`] worked out; none where the newest picture is whole.
+    pub fn region(&self, eye: usize, how: Completing) -> Option<ReuseRegion<'_>> {
+        let EyeHistory { pictures, len, lists, .. } = &self.eyes[eye];
+        let pictures = &pictures[..*len];
+        let [width, height] = pictures.first()?.extent;
+        let EarlierImage { array_layer, offset: [x, y], .. } = pictures[0].image;
+        Some(ReuseRegion {
+            array_layer,
+            rect: vk::Rect2D {
+                offset: vk::Offset2D { x: x as i32, y: y as i32 },
+                extent: vk::Extent2D { width, height },
+            },
+            reuse: reuse(pictures, how)?,
+            lists,
+            earlier: array::from_fn(|age| {
+                pictures.get(age + 1).map_or_else(EarlierImage::default, |kept| kept.image)
+            }),
+            border: how.border,
+        })
+    }
+}
+
+/// Of one eye.
+#[derive(Debug, Default)]
+struct EyeHistory {
+    /// The newest first. What lies beyond [`Self::len`] is memory to be used again.
+    pictures: Vec<Kept>,
+    len: usize,
+    /// The swapchain and the space of all of them.
+    of: Option<(u64, xr::Space)>,
+    lists: TileLists,
+}
+
+/// One picture.
+#[derive(Debug)]
+struct Kept {
+    release: u64,
+    image: EarlierImage,
+    extent: [u32; 2],
+    view: View,
+    time: xr::Time,
+    stale: StaleTiles,
+}
+
+impl Kept {
+    fn new(shown: &ShownPicture, stale: StaleTiles) -> Self {
+        let vk::Rect2D { offset, extent } = shown.rect;
+        Self {
+            release: shown.release,
+            image: EarlierImage {
+                app_index: shown.image_index,
+                array_layer: shown.array_layer,
+                offset: [offset.x as u32, offset.y as u32],
+            },
+            extent: [extent.width, extent.height],
+            view: shown.view,
+            time: shown.time,
+            stale,
+        }
+    }
+
+    fn picture(&self) -> Picture<'_> {
+        Picture { view: self.view, extent: self.extent, stale: &self.stale }
+    }
+}
+
+impl EyeHistory {
+    fn show(
+        &mut self,
+        shown: &ShownPicture,
+        is_intact: impl Fn(u64) -> bool,
+        stale: impl FnOnce(&mut StaleTiles),
+    ) {
+        let of = Some((shown.substitute, shown.space));
+        let last = self.pictures.first().filter(|_| self.len > 0 && self.of == of);
+        let gap = last.map(|last| shown.time.as_nanos().saturating_sub(last.time.as_nanos()));
+        if !gap.is_some_and(|gap| (0..=LONGEST_GAP_NS).contains(&gap)) {
+            self.len = 0;
+        }
+        self.of = of;
+        match self.pictures.first_mut().filter(|_| self.len > 0) {
+            // The same picture again, wherever it is said to have been seen from.
+            Some(newest) if newest.release == shown.release => newest.time = shown.time,
+            _ => self.push(shown, stale),
+        }
+        let earlier = self.pictures[1..self.len].iter();
+        self.len = 1 + earlier.take_while(|kept| is_intact(kept.release)).count();
+    }
+
+    fn push(&mut self, shown: &ShownPicture, stale: impl FnOnce(&mut StaleTiles)) {
+        let mut tiles = match self.pictures.len() > MAX_AGES {
+            true => self.pictures.pop().map(|kept| kept.stale).unwrap_or_default(),
+            false => StaleTiles::default(),
+        };
+        stale(&mut tiles);
+        self.pictures.insert(0, Kept::new(shown, tiles));
+        self.len = (self.len + 1).min(self.pictures.len());
+    }
+}
+
+/// Of pictures, the newest first, where something of that is stale.
+fn reuse(pictures: &[Kept], how: Completing) -> Option<Reuse<'_>> {
+    let (newest, earlier) = pictures.split_first()?;
+    let is_stale = !newest.stale.is_empty();
+    is_stale.then(|| Reuse::new(newest.picture(), earlier.iter().map(Kept::picture), how.turns))
+}
+
+#[cfg(test)]
+mod tests;

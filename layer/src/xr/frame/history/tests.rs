@@ -1,0 +1,125 @@
+use super::*;
+use glam::Quat;
+use openxr_sys::Handle;
+use parafovea_core::geometry::Fov;
+use parafovea_core::reuse::STALE;
+
+const EXTENT: [u32; 2] = [64, 32];
+const FRAME_NS: i64 = 11_111_111;
+const ALWAYS: fn(u64) -> bool = |_| true;
+
+/// Picture `number` of an application that draws to five images in turn.
+fn shown(number: u64) -> ShownPicture {
+    let fov = Fov { left: -0.8, right: 0.8, up: 0.5, down: -0.5 };
+    let extent = vk::Extent2D { width: EXTENT[0], height: EXTENT[1] };
+    ShownPicture {
+        substitute: 1,
+        space: xr::Space::from_raw(7),
+        time: xr::Time::from_nanos(number as i64 * FRAME_NS),
+        release: number,
+        image_index: (number % 5) as u32,
+        array_layer: 0,
+        rect: vk::Rect2D { offset: vk::Offset2D { x: 64, y: 0 }, extent },
+        view: View {
+            orientation: Quat::from_rotation_y(number as f32 * 0.01),
+            plane: fov.tangents().plane(EXTENT),
+        },
+    }
+}
+
+fn left_half_is_stale(_: &mut Vec<u32>, stale: &mut StaleTiles) {
+    stale.set(EXTENT, [16, 16], &[STALE, STALE, 0, 0, STALE, STALE, 0, 0]);
+}
+
+fn nothing_is_stale(_: &mut Vec<u32>, stale: &mut StaleTiles) {
+    stale.clear();
+}
+
+/// A whole picture and a stale one.
+fn of_two() -> History {
+    let mut history = History::default();
+    history.show(0, Some(&shown(1)), ALWAYS, nothing_is_stale);
+    history.complete(0, Completing::TURNED);
+    assert!(history.region(0, Completing::TURNED).is_none(), "a whole picture needs nothing");
+    history.show(0, Some(&shown(2)), ALWAYS, left_half_is_stale);
+    history
+}
+
+/// How many earlier pictures there are for the newest.
+fn ages(history: &History) -> usize {
+    history.region(0, Completing::PAPER).unwrap().reuse.ages()
+}
+
+#[test]
+fn stale_pictures_are_completed_from_earlier_ones() {
+    let mut history = of_two();
+    history.complete(0, Completing::PAPER);
+    let region = history.region(0, Completing::PAPER).unwrap();
+    assert_eq!(region.rect, shown(2).rect);
+    let offset = [64, 0];
+    assert_eq!(region.earlier[0], EarlierImage { app_index: 1, array_layer: 0, offset });
+    assert_eq!((region.lists.whole[0].as_slice(), region.reuse.ages()), (&[0, 1, 4, 5][..], 1));
+    assert!(history.region(1, Completing::PAPER).is_none(), "the other eye has none");
+}
+
+#[test]
+fn pictures_are_kept_as_long_as_they_can_be_used() {
+    let mut history = of_two();
+    for number in 3..30 {
+        history.show(0, Some(&shown(number)), ALWAYS, left_half_is_stale);
+        assert_eq!(ages(&history), (number as usize - 1).min(MAX_AGES));
+    }
+    history.show(0, Some(&shown(30)), |release| release >= 28, left_half_is_stale);
+    assert_eq!(ages(&history), 2, "the application draws to the others");
+    history.show(0, Some(&shown(31)), ALWAYS, left_half_is_stale);
+    let region = history.region(0, Completing::PAPER).unwrap();
+    assert_eq!(region.reuse.ages(), 3);
+    assert_eq!(region.earlier[..3].iter().map(|image| image.app_index).collect::<Vec<_>>(), [0, 4, 3]);
+}
+
+#[test]
+fn what_does_not_belong_together_begins_anew() {
+    let later = |ns: i64| xr::Time::from_nanos(2 * FRAME_NS + ns);
+    let next = shown(3);
+    for (what, picture) in [
+        ("another swapchain", ShownPicture { substitute: 2, ..next }),
+        ("another space", ShownPicture { space: xr::Space::from_raw(8), ..next }),
+        ("a pause", ShownPicture { time: later(LONGEST_GAP_NS + 1), ..next }),
+        ("time that runs back", ShownPicture { time: later(-1), ..next }),
+    ] {
+        let mut history = of_two();
+        history.show(0, Some(&picture), ALWAYS, left_half_is_stale);
+        assert_eq!(ages(&history), 0, "{what}");
+    }
+    let mut history = of_two();
+    history.show(0, None, ALWAYS, left_half_is_stale);
+    assert!(!history.has_pictures(0), "a frame without a picture");
+    history.show(0, Some(&next), ALWAYS, left_half_is_stale);
+    assert_eq!(ages(&history), 0);
+    let mut history = of_two();
+    history.show(0, Some(&ShownPicture { time: later(LONGEST_GAP_NS), ..next }), ALWAYS, left_half_is_stale);
+    assert_eq!(ages(&history), 2, "a few frames were left out");
+}
+
+/// Resolution and field of view may change: every picture has its own.
+#[test]
+fn another_rectangle_goes_on() {
+    let mut history = of_two();
+    let extent = vk::Extent2D { width: 48, height: 24 };
+    let smaller = ShownPicture { rect: vk::Rect2D { extent, ..shown(3).rect }, ..shown(3) };
+    history.show(0, Some(&smaller), ALWAYS, left_half_is_stale);
+    let region = history.region(0, Completing::TURNED).unwrap();
+    assert_eq!((region.reuse.ages(), region.rect.extent), (2, extent));
+}
+
+#[test]
+fn the_same_picture_again_is_no_other() {
+    let mut history = of_two();
+    let again = ShownPicture { time: shown(5).time, ..shown(2) };
+    history.show(0, Some(&again), ALWAYS, |_, _| panic!("it is known"));
+    assert_eq!(ages(&history), 1);
+    let next =
+        ShownPicture { time: xr::Time::from_nanos(again.time.as_nanos() + LONGEST_GAP_NS), ..shown(3) };
+    history.show(0, Some(&next), ALWAYS, left_half_is_stale);
+    assert_eq!(ages(&history), 2, "shown without a gap");
+}
