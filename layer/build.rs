@@ -5,6 +5,7 @@
 
 use naga::back::spv;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use parafovea_core::kernels::analyze::AnalyzeParams;
 use parafovea_core::kernels::compose::{ComposeParams, ReuseParams};
 use parafovea_core::layout::{Field, Uniform};
 use std::collections::BTreeSet;
@@ -25,7 +26,7 @@ fn declared<T: Uniform>() -> Declared {
 fn main() {
     // Never unloaded: both loaders may close the library while threads, and callbacks of the other half, are in it.
     println!("cargo::rustc-link-arg-cdylib=-Wl,-z,nodelete");
-    let uniforms = [declared::<ComposeParams>(), declared::<ReuseParams>()];
+    let uniforms = [declared::<AnalyzeParams>(), declared::<ComposeParams>(), declared::<ReuseParams>()];
     if let Err(message) = build(&uniforms) {
         eprintln!("error: {message}");
         process::exit(1);

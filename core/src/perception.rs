@@ -1,10 +1,9 @@
 //! What contrast there is, and how much of it is seen.
 //!
-//! [`luminance`] makes cd/m^2 of colours, [`pyramid`] takes them apart into octaves of spatial frequency, [`analyze`]
-//! keeps the contrast of each octave for each tile of a picture. What a coarsely shaded tile no longer shows,
+//! [`luminance`] makes cd/m^2 of colours, [`pyramid`] takes them apart into octaves of spatial frequency, and
+//! [`crate::kernels::analyze`] keeps the contrast of each octave for each tile of a picture. What a coarsely shaded tile no longer shows,
 //! [`extrapolate`] puts back. [`csf`] says how much of a contrast is seen.
 
-pub mod analyze;
 pub mod csf;
 pub mod extrapolate;
 pub mod luminance;
@@ -15,8 +14,9 @@ use crate::image::Plane;
 /// Octave bands of spatial frequency that contrast is measured in, finest first.
 pub const BANDS: usize = 4;
 
-/// What a tile shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What a tile shows; in a buffer of the GPU five numbers.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct TileContrast {
     /// Contrast of each octave, finest first: change of luminance over the luminance around it, >= 0 and finite; 1 is
     /// a change as large as the mean. Where it is dark beside a light it exceeds 1.

@@ -20,10 +20,11 @@ mod owned;
 mod pipeline;
 mod recorder;
 
+pub(crate) use app_commands::COMPUTES;
 pub use app_commands::{AppCommands, ImagePart, Scope};
 pub(crate) use buffer::{UniformRing, WordRing};
 pub(crate) use commands::Uses;
-pub(crate) use compute::{ComputeLayout, ComputeSet};
+pub(crate) use compute::{Bound, ComputeLayout, ComputeSet};
 pub(crate) use descriptor::{ListSet, TextureSets, UniformSet};
 pub(crate) use device_buffer::DeviceBuffer;
 pub(crate) use draw::{ColorTarget, color_pass};

@@ -1,5 +1,6 @@
 //! The passes, in the order in which a frame goes through them. Each has one stem in three places: the
 //! shader in `layer/shaders`, the CPU reference in `parafovea_core::kernels`, and the pass here.
 
+pub mod analyze;
 pub mod compose;
 pub mod fill;

@@ -17,9 +17,8 @@ const EQUAL_OCTAVES: [f32; BANDS] = [1.70, 1.10, 1.02, 1.0];
 ///
 /// Detail that exists in lost octaves only (a fine regular pattern) cannot be known: look at 1x1 now and then.
 pub fn extrapolate(measured: TileContrast, shaded_at: ShadingRate) -> TileContrast {
-    let (width, height) = (shaded_at.width().ilog2() as usize, shaded_at.height().ilog2() as usize);
-    let survivor = width.max(height).min(BANDS - 1);
-    let lost_entirely = width.min(height);
+    let survivor = survivor(shaded_at);
+    let lost_entirely = shaded_at.width().min(shaded_at.height()).ilog2() as usize;
     let octave = measured.bands[survivor] / EQUAL_OCTAVES[survivor];
     let mut bands = measured.bands;
     for (i, band) in bands[..survivor].iter_mut().enumerate() {
@@ -27,6 +26,11 @@ pub fn extrapolate(measured: TileContrast, shaded_at: ShadingRate) -> TileContra
         *band = if i < lost_entirely { expected } else { band.max(expected) };
     }
     TileContrast { bands, ..measured }
+}
+
+/// The finest octave that a rate leaves in both directions, as an index of the bands: 0..=2.
+pub fn survivor(shaded_at: ShadingRate) -> usize {
+    shaded_at.width().max(shaded_at.height()).ilog2() as usize
 }
 
 #[cfg(test)]

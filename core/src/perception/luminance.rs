@@ -35,7 +35,8 @@ fn bounded([r, g, b]: [f32; 3], white_cd_m2: f32, weights: Vec3) -> f32 {
     (relative * white_cd_m2).clamp(0.0, BRIGHTEST_CD_M2)
 }
 
-fn usable_white(white_cd_m2: f32) -> f32 {
+/// A luminance of white, or the usual one in place of what is none.
+pub(crate) fn usable_white(white_cd_m2: f32) -> f32 {
     if white_cd_m2.is_finite() && white_cd_m2 > 0.0 { white_cd_m2 } else { USUAL_WHITE_CD_M2 }
 }
 
@@ -48,7 +49,7 @@ fn component(value: f32) -> f32 {
 /// A luminance that may come from anywhere, as one that [`luminance`] gives: what is negative or NaN as 0.
 ///
 /// One comparison of bits: seen as an integer, whatever has a sign or is NaN is above positive infinity.
-pub(super) fn as_luminance(value: f32) -> f32 {
+pub(crate) fn as_luminance(value: f32) -> f32 {
     if value.to_bits() > 0x7f80_0000 { 0.0 } else { value.min(BRIGHTEST_CD_M2) }
 }
 

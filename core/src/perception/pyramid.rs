@@ -65,7 +65,7 @@ fn binomial([a, b, c, d, e]: [f32; 5]) -> f32 {
 
 /// Row `y` of Burt and Adelson's EXPAND of `coarse`, as wide as `out`: what the next finer level is predicted to be.
 /// `row` is scratch.
-pub(super) fn expand_row(coarse: &Plane, y: u32, out: &mut [f32], row: &mut Vec<f32>) {
+pub(crate) fn expand_row(coarse: &Plane, y: u32, out: &mut [f32], row: &mut Vec<f32>) {
     let (k, last) = (y / 2, coarse.height() - 1);
     let (before, at, after) = (coarse.row(k.saturating_sub(1)), coarse.row(k), coarse.row((k + 1).min(last)));
     // One texel more at each end, which repeats the last.
@@ -94,7 +94,7 @@ fn between(at: f32, after: f32) -> f32 {
 }
 
 /// Row `y` of the level two finer than `coarse`, as wide as `out`, interpolated linearly. `row` is scratch.
-pub(super) fn upsampled_row(coarse: &Plane, y: u32, out: &mut [f32], row: &mut Vec<f32>) {
+pub(crate) fn upsampled_row(coarse: &Plane, y: u32, out: &mut [f32], row: &mut Vec<f32>) {
     let (k, last) = (y / 4, coarse.height() - 1);
     let (at, after) = (coarse.row(k), coarse.row((k + 1).min(last)));
     let along = (y % 4) as f32 * 0.25;

@@ -49,6 +49,14 @@ const BUFFER_READS: Scope = Scope {
 const BUFFER_COPIES: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };
 
+/// What compute shaders do with buffers.
+pub(crate) const COMPUTES: Scope = Scope {
+    stages: vk::PipelineStageFlags::COMPUTE_SHADER,
+    access: vk::AccessFlags::from_raw(
+        vk::AccessFlags::SHADER_READ.as_raw() | vk::AccessFlags::SHADER_WRITE.as_raw(),
+    ),
+};
+
 /// A part of an image that a barrier is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImagePart {
@@ -165,7 +173,13 @@ impl<'a> AppCommands<'a> {
         self.memory_barrier(BUFFER_COPIES, BUFFER_READS);
     }
 
-    fn memory_barrier(&self, from: Scope, to: Scope) {
+    /// Orders what compute shaders do from here on after what they have written.
+    pub(crate) fn computed_to_computed(&self) {
+        self.memory_barrier(COMPUTES, COMPUTES);
+    }
+
+    /// Orders accesses to memory.
+    pub(crate) fn memory_barrier(&self, from: Scope, to: Scope) {
         let info = vk::MemoryBarrier::default().src_access_mask(from.access).dst_access_mask(to.access);
         let none = vk::DependencyFlags::empty();
         // SAFETY: the command buffer is being recorded outside of a render pass, as `new` demands.
@@ -197,6 +211,24 @@ impl<'a> AppCommands<'a> {
             device.cmd_bind_pipeline(commands, compute, pipeline.handle());
             device.cmd_bind_descriptor_sets(commands, compute, layout.handle(), 0, &[set.handle()], &[]);
             device.cmd_dispatch_indirect(commands, arguments.handle(), 0);
+        }
+    }
+
+    /// Runs `groups` workgroups.
+    pub(crate) fn dispatch(
+        &self,
+        layout: &ComputeLayout,
+        pipeline: &Owned<vk::Pipeline>,
+        set: &ComputeSet,
+        groups: [u32; 2],
+    ) {
+        let (device, commands, compute) = (&self.gpu.device, self.commands, vk::PipelineBindPoint::COMPUTE);
+        // SAFETY: the command buffer is being recorded outside of a render pass, as `new` demands; pipeline and set have
+        // this layout.
+        unsafe {
+            device.cmd_bind_pipeline(commands, compute, pipeline.handle());
+            device.cmd_bind_descriptor_sets(commands, compute, layout.handle(), 0, &[set.handle()], &[]);
+            device.cmd_dispatch(commands, groups[0], groups[1], 1);
         }
     }
 }

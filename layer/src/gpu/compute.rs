@@ -1,4 +1,4 @@
-//! Compute pipelines over one descriptor set: a storage buffer at binding 0, storage images at the following ones.
+//! Compute pipelines over one descriptor set, whose bindings a pass lists.
 
 use super::pipeline::shader_module;
 use super::{Gpu, GpuError, Owned};
@@ -6,28 +6,24 @@ use ash::vk;
 use std::ffi::CStr;
 use std::sync::Arc;
 
-/// Bindings of the set: the buffer, and two images of which each pipeline uses one.
-const BINDINGS: [vk::DescriptorType; 3] = [
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_IMAGE,
-    vk::DescriptorType::STORAGE_IMAGE,
-];
-
 /// Layouts that the pipelines and sets of a pass share.
 pub(crate) struct ComputeLayout {
     pipeline: Owned<vk::PipelineLayout>,
     set: Owned<vk::DescriptorSetLayout>,
+    kinds: &'static [vk::DescriptorType],
 }
 
 impl ComputeLayout {
-    pub(crate) fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
-        let bindings: [_; 3] = std::array::from_fn(|binding| {
+    /// With one descriptor of each of `kinds`, from binding 0 on.
+    pub(crate) fn new(gpu: &Arc<Gpu>, kinds: &'static [vk::DescriptorType]) -> Result<Self, GpuError> {
+        let binding = |(binding, kind): (u32, &vk::DescriptorType)| {
             vk::DescriptorSetLayoutBinding::default()
-                .binding(binding as u32)
-                .descriptor_type(BINDINGS[binding])
+                .binding(binding)
+                .descriptor_type(*kind)
                 .descriptor_count(1)
                 .stage_flags(vk::ShaderStageFlags::COMPUTE)
-        });
+        };
+        let bindings: Vec<_> = (0..).zip(kinds).map(binding).collect();
         let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: the device is live.
         let set = unsafe {
@@ -47,7 +43,7 @@ impl ComputeLayout {
                 .map_err(GpuError::from_call("vkCreatePipelineLayout"))?;
             Owned::new(gpu, handle, |device, handle| device.destroy_pipeline_layout(handle, None))
         };
-        Ok(Self { pipeline, set })
+        Ok(Self { pipeline, set, kinds })
     }
 
     /// Makes the pipeline of an entry point of a module of SPIR-V.
@@ -74,6 +70,15 @@ impl ComputeLayout {
     }
 }
 
+/// What a binding is bound to; it outlives the set.
+#[derive(Clone, Copy)]
+pub(crate) enum Bound {
+    /// The whole of a buffer.
+    Buffer(vk::Buffer),
+    /// A storage image in GENERAL, or a sampled one in SHADER_READ_ONLY_OPTIMAL.
+    Image(vk::ImageView),
+}
+
 /// One descriptor set, with the pool that it is alone in.
 pub(crate) struct ComputeSet {
     _pool: Owned<vk::DescriptorPool>,
@@ -81,14 +86,11 @@ pub(crate) struct ComputeSet {
 }
 
 impl ComputeSet {
-    /// Over a storage buffer, and a storage image in GENERAL at one of bindings 1 and 2. Both outlive the result.
-    pub(crate) fn new(
-        layout: &ComputeLayout,
-        buffer: vk::Buffer,
-        (binding, view): (u32, vk::ImageView),
-    ) -> Result<Self, GpuError> {
+    /// Over what is listed, each with its binding. Bindings that the pipeline does not use may be left out.
+    pub(crate) fn new(layout: &ComputeLayout, bound: &[(u32, Bound)]) -> Result<Self, GpuError> {
         let gpu = layout.set.gpu();
-        let sizes = BINDINGS.map(|ty| vk::DescriptorPoolSize { ty, descriptor_count: 1 });
+        let sizes: Vec<_> =
+            layout.kinds.iter().map(|ty| vk::DescriptorPoolSize { ty: *ty, descriptor_count: 1 }).collect();
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
         // SAFETY: the device is live.
         let pool = unsafe {
@@ -104,19 +106,31 @@ impl ComputeSet {
         // SAFETY: pool and layout are live ones of this device.
         let handle = unsafe { gpu.device.allocate_descriptor_sets(&info) }
             .map_err(GpuError::from_call("vkAllocateDescriptorSets"))?[0];
-        let buffers = [vk::DescriptorBufferInfo { buffer, offset: 0, range: vk::WHOLE_SIZE }];
-        let images = [vk::DescriptorImageInfo {
-            sampler: vk::Sampler::null(),
-            image_view: view,
-            image_layout: vk::ImageLayout::GENERAL,
-        }];
-        let write = |binding: u32| {
-            let ty = BINDINGS[binding as usize];
-            vk::WriteDescriptorSet::default().dst_set(handle).dst_binding(binding).descriptor_type(ty)
-        };
-        let writes = [write(0).buffer_info(&buffers), write(binding).image_info(&images)];
-        // SAFETY: set, buffer and view are live, and the set is not in use.
-        unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
+        for (binding, bound) in bound {
+            let kind = *layout
+                .kinds
+                .get(*binding as usize)
+                .ok_or(GpuError::Invalid("a binding that the layout does not have"))?;
+            let write =
+                vk::WriteDescriptorSet::default().dst_set(handle).dst_binding(*binding).descriptor_type(kind);
+            match *bound {
+                Bound::Buffer(buffer) => {
+                    let buffers = [vk::DescriptorBufferInfo { buffer, offset: 0, range: vk::WHOLE_SIZE }];
+                    // SAFETY: set and buffer are live, and the set is not in use.
+                    unsafe { gpu.device.update_descriptor_sets(&[write.buffer_info(&buffers)], &[]) };
+                }
+                Bound::Image(image_view) => {
+                    let image_layout = match kind {
+                        vk::DescriptorType::SAMPLED_IMAGE => vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+                        _ => vk::ImageLayout::GENERAL,
+                    };
+                    let sampler = vk::Sampler::null();
+                    let images = [vk::DescriptorImageInfo { sampler, image_view, image_layout }];
+                    // SAFETY: set and view are live, and the set is not in use.
+                    unsafe { gpu.device.update_descriptor_sets(&[write.image_info(&images)], &[]) };
+                }
+            }
+        }
         Ok(Self { _pool: pool, handle })
     }
 

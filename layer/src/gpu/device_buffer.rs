@@ -1,4 +1,4 @@
-//! Buffers that live on the device, with a first content.
+//! Buffers that live on the device.
 
 use super::{Gpu, GpuError, Owned};
 use ash::vk;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 pub(crate) struct DeviceBuffer {
     // Dropped before the memory that it is bound to.
     buffer: Owned<vk::Buffer>,
-    _memory: Owned<vk::DeviceMemory>,
+    memory: Owned<vk::DeviceMemory>,
 }
 
 impl DeviceBuffer {
@@ -20,6 +20,44 @@ impl DeviceBuffer {
         write: impl FnOnce(&mut [u8]),
     ) -> Result<Self, GpuError> {
         let size = size.max(1);
+        let coherent = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
+        let made = Self::bound(gpu, usage, size, |requirements| {
+            gpu.allocate(requirements, coherent | vk::MemoryPropertyFlags::DEVICE_LOCAL)
+                .or_else(|_| gpu.allocate(requirements, coherent))
+        })?;
+        // SAFETY: the memory is what the buffer requires, hence as long as the slice, and mapped by nobody else. Zeroes
+        // make it initialised before it is seen as a slice.
+        unsafe {
+            let memory = made.memory.handle();
+            let mapped = gpu
+                .device
+                .map_memory(memory, 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty())
+                .map_err(GpuError::from_call("vkMapMemory"))?
+                .cast::<u8>();
+            mapped.write_bytes(0, size as usize);
+            write(std::slice::from_raw_parts_mut(mapped, size as usize));
+            gpu.device.unmap_memory(memory);
+        }
+        Ok(made)
+    }
+
+    /// Makes a buffer of `size` bytes, at least 1, where the device is fastest. What it holds is not defined.
+    pub(crate) fn without_content(
+        gpu: &Arc<Gpu>,
+        usage: vk::BufferUsageFlags,
+        size: u64,
+    ) -> Result<Self, GpuError> {
+        Self::bound(gpu, usage, size.max(1), |requirements| {
+            gpu.allocate(requirements, vk::MemoryPropertyFlags::DEVICE_LOCAL)
+        })
+    }
+
+    fn bound(
+        gpu: &Arc<Gpu>,
+        usage: vk::BufferUsageFlags,
+        size: u64,
+        allocate: impl FnOnce(&vk::MemoryRequirements) -> Result<Owned<vk::DeviceMemory>, GpuError>,
+    ) -> Result<Self, GpuError> {
         let is_storage = usage.contains(vk::BufferUsageFlags::STORAGE_BUFFER);
         if is_storage && size > u64::from(gpu.limits.max_storage_buffer_range) {
             return Err(GpuError::Unsupported("a storage buffer of this size"));
@@ -33,26 +71,11 @@ impl DeviceBuffer {
         };
         // SAFETY: the buffer is a live one of this device.
         let requirements = unsafe { gpu.device.get_buffer_memory_requirements(buffer.handle()) };
-        let coherent = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
-        let memory = gpu
-            .allocate(&requirements, coherent | vk::MemoryPropertyFlags::DEVICE_LOCAL)
-            .or_else(|_| gpu.allocate(&requirements, coherent))?;
-        // SAFETY: both are new; the memory is what the buffer requires, hence as long as the slice, and mapped by nobody
-        // else. Zeroes make it initialised before it is seen as a slice.
-        unsafe {
-            gpu.device
-                .bind_buffer_memory(buffer.handle(), memory.handle(), 0)
-                .map_err(GpuError::from_call("vkBindBufferMemory"))?;
-            let mapped = gpu
-                .device
-                .map_memory(memory.handle(), 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty())
-                .map_err(GpuError::from_call("vkMapMemory"))?
-                .cast::<u8>();
-            mapped.write_bytes(0, size as usize);
-            write(std::slice::from_raw_parts_mut(mapped, size as usize));
-            gpu.device.unmap_memory(memory.handle());
-        }
-        Ok(Self { buffer, _memory: memory })
+        let memory = allocate(&requirements)?;
+        // SAFETY: both are new, and the memory is what the buffer requires.
+        unsafe { gpu.device.bind_buffer_memory(buffer.handle(), memory.handle(), 0) }
+            .map_err(GpuError::from_call("vkBindBufferMemory"))?;
+        Ok(Self { buffer, memory })
     }
 
     /// The handle, valid as long as `self`.

@@ -8,8 +8,8 @@
 pub use parafovea_core::kernels::fill::FillFormat;
 
 use crate::gpu::{
-    AppCommands, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, ImageDescription, ImagePart, Owned,
-    OwnedImage, Scope, array_view,
+    AppCommands, Bound, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, ImageDescription, ImagePart,
+    Owned, OwnedImage, Scope, array_view,
 };
 use ash::vk;
 use parafovea_core::mask::SkipList;
@@ -40,6 +40,13 @@ pub fn fill_format(format: vk::Format) -> Option<(FillFormat, vk::Format)> {
     };
     Some((kind, view))
 }
+
+/// The list, and two images of which each pipeline uses one.
+const BINDINGS: [vk::DescriptorType; 3] = [
+    vk::DescriptorType::STORAGE_BUFFER,
+    vk::DescriptorType::STORAGE_IMAGE,
+    vk::DescriptorType::STORAGE_IMAGE,
+];
 
 /// The entry point of a format, and the binding of its images.
 fn entry(format: FillFormat) -> (&'static CStr, u32) {
@@ -124,7 +131,7 @@ impl Fill {
     /// # Errors
     /// A failed call.
     pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
-        let layout = ComputeLayout::new(gpu)?;
+        let layout = ComputeLayout::new(gpu, &BINDINGS)?;
         let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/fill.spv"));
         let [a, b, c, d, e] = FillFormat::ALL.map(|format| layout.pipeline(spirv, entry(format).0));
         Ok(Self { pipelines: [a?, b?, c?, d?, e?], layout, gpu: Arc::clone(gpu) })
@@ -156,7 +163,10 @@ impl Fill {
         let aspects = vk::ImageAspectFlags::COLOR;
         let part = ImagePart { image: copy.handle(), aspects, level: 0, first_layer: 0, layers };
         let view = array_view(&self.gpu, part, stored, vk::ImageUsageFlags::STORAGE)?;
-        let set = ComputeSet::new(&self.layout, list.handle(), (entry(kind).1, view.handle()))?;
+        let set = ComputeSet::new(
+            &self.layout,
+            &[(0, Bound::Buffer(list.handle())), (entry(kind).1, Bound::Image(view.handle()))],
+        )?;
         Ok(FillTarget { set, _view: view, copy, format: kind, extent, layers })
     }
 

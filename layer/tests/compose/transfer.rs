@@ -206,6 +206,30 @@ impl Vulkan {
         }
     }
 
+    /// Copies the beginning of one buffer to that of another, and waits for it.
+    pub fn copy(&self, from: vk::Buffer, to: vk::Buffer, size: usize) {
+        let region = vk::BufferCopy { src_offset: 0, dst_offset: 0, size: size as u64 };
+        let everything = vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+            .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE);
+        let all = vk::PipelineStageFlags::ALL_COMMANDS;
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: plain use of Vulkan.
+        self.run(|commands| unsafe {
+            self.device.cmd_pipeline_barrier(commands, all, all, none, &[everything], &[], &[]);
+            self.device.cmd_copy_buffer(commands, from, to, &[region]);
+            self.device.cmd_pipeline_barrier(commands, all, all, none, &[everything], &[], &[]);
+        });
+        self.idle();
+    }
+
+    /// The first bytes of a buffer on the device.
+    pub fn read(&self, from: vk::Buffer, size: usize) -> Vec<u8> {
+        let (buffer, memory) = self.buffer(size);
+        self.copy(from, buffer, size);
+        self.read_memory(memory, size)
+    }
+
     /// Records and submits, without waiting.
     pub fn run(&self, record: impl FnOnce(vk::CommandBuffer)) {
         let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);

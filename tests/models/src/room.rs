@@ -8,8 +8,8 @@ use parafovea_core::audio::AudioFeatures;
 use parafovea_core::gaze::{GazePhase, GazeState};
 use parafovea_core::geometry::Fov;
 use parafovea_core::image::Plane;
+use parafovea_core::kernels::analyze::{Buffers, ContrastSettings, analyze};
 use parafovea_core::perception::ContrastMap;
-use parafovea_core::perception::analyze::{Buffers, ContrastSettings, analyze};
 use parafovea_core::plan::{
     AudioVisual, EyeInput, FramePlan, PlanInput, PlanSettings, Planner, RateSettings,
 };

@@ -1,8 +1,8 @@
 //! Contrast sensitivity against the vectors, and all of `perception` against double precision.
 
 use parafovea_core::image::Plane;
+use parafovea_core::kernels::analyze::{Aggregation, Buffers, ContrastSettings, analyze};
 use parafovea_core::perception::ContrastMap;
-use parafovea_core::perception::analyze::{Aggregation, Buffers, ContrastSettings, analyze};
 use parafovea_core::perception::csf::{Stimulus, VisualField, castle, tursun};
 use parafovea_models::checks::checks;
 use parafovea_models::reference::perception::{contrast, csf as reference};
@@ -213,7 +213,7 @@ proptest! {
         let height = texels.len() as u32 / width;
         let picture = Plane::from_fn(width, height, |x, y| texels[(y * width + x) as usize]);
         let map = |aggregation| {
-            let settings = ContrastSettings { tile_size: 1 << log2_size, aggregation, dark_cd_m2: 0.1 };
+            let settings = ContrastSettings { texel: [1 << log2_size; 2], aggregation, ..ContrastSettings::default() };
             let mut map = ContrastMap::default();
             analyze(&picture, &settings, &mut Buffers::default(), &mut map);
             map

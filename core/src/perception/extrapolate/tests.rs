@@ -1,7 +1,7 @@
 use super::*;
 use crate::image::Plane;
+use crate::kernels::analyze::{Aggregation, Buffers, ContrastSettings, analyze};
 use crate::perception::ContrastMap;
-use crate::perception::analyze::{Aggregation, Buffers, ContrastSettings, analyze};
 use proptest::prelude::*;
 
 const MEASURED: TileContrast = TileContrast { bands: [0.9, 0.1, 0.3, 0.2], adaptation_cd_m2: 50.0 };

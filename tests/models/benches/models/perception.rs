@@ -2,7 +2,7 @@
 
 use criterion::{Criterion, Throughput};
 use parafovea_core::image::Plane;
-use parafovea_core::perception::analyze::{Aggregation, Buffers, ContrastSettings, analyze, tiles};
+use parafovea_core::kernels::analyze::{Aggregation, Buffers, ContrastSettings, analyze, tiles};
 use parafovea_core::perception::csf::{Stimulus, VisualField, castle, tursun};
 use parafovea_core::perception::{BandFrequencies, ContrastMap};
 use std::hint::black_box;

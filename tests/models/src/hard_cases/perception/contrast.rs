@@ -5,7 +5,7 @@ use crate::reference::perception::contrast as reference;
 use glam::Vec3;
 use parafovea_core::color::Matrix;
 use parafovea_core::image::Plane;
-use parafovea_core::perception::analyze::{Buffers, ContrastSettings, analyze};
+use parafovea_core::kernels::analyze::{Buffers, ContrastSettings, analyze};
 use parafovea_core::perception::luminance::luminance_plane;
 use parafovea_core::perception::{BANDS, ContrastMap, TileContrast};
 

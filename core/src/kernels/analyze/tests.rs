@@ -1,6 +1,8 @@
+use super::restore::restored;
 use super::*;
 use crate::perception::TileContrast;
-use crate::perception::pyramid::LEVELS;
+use crate::perception::extrapolate::{extrapolate, survivor};
+use crate::rate::{ShadingRate, VULKAN_RATES};
 use proptest::prelude::*;
 
 fn analyzed(picture: &Plane, settings: &ContrastSettings) -> ContrastMap {
@@ -29,12 +31,12 @@ fn one_tile_for_every_started_one() {
         ((65, 64), 64, (2, 1)),
         ((65, 64), 8, (9, 8)),
         ((65, 64), 0, (9, 8)),
-        ((65, 64), 24, (5, 4)),
+        ((65, 64), 24, (3, 3)),
         ((65, 64), u32::MAX, (2, 1)),
         ((0, 5), 16, (0, 1)),
         ((0, 0), 16, (0, 0)),
     ] {
-        let settings = ContrastSettings { tile_size, ..ContrastSettings::default() };
+        let settings = ContrastSettings { texel: [tile_size; 2], ..ContrastSettings::default() };
         let tiles = analyzed(&Plane::filled(size.0, size.1, 1.0), &settings).tiles;
         assert_eq!((tiles.width(), tiles.height()), grid, "{size:?} by {tile_size}");
     }
@@ -48,7 +50,7 @@ fn a_grating_is_in_the_band_of_its_frequency() {
             50.0 + 10.0 * (x as f32 * std::f32::consts::TAU / period as f32 + 0.5).sin()
         });
         for aggregation in [Aggregation::Mean, Aggregation::Peak] {
-            let settings = ContrastSettings { aggregation, tile_size: 32, ..ContrastSettings::default() };
+            let settings = ContrastSettings { aggregation, texel: [32; 2], ..ContrastSettings::default() };
             let TileContrast { bands, adaptation_cd_m2 } = analyzed(&picture, &settings).tiles.at(8, 4);
             let strongest = (0..BANDS).max_by(|a, b| bands[*a].total_cmp(&bands[*b])).unwrap();
             assert_eq!(strongest, expected, "{period} {aggregation:?}: {bands:?}");
@@ -157,7 +159,7 @@ fn any_picture() -> impl Strategy<Value = Plane> {
 fn any_settings() -> impl Strategy<Value = ContrastSettings> {
     let aggregation = prop_oneof![Just(Aggregation::Peak), Just(Aggregation::Mean)];
     (0u32..8, aggregation).prop_map(|(log2, aggregation)| ContrastSettings {
-        tile_size: 1 << log2,
+        texel: [1 << log2, 8 << (log2 % 4)],
         aggregation,
         ..ContrastSettings::default()
     })
@@ -204,6 +206,104 @@ proptest! {
             for band in 0..BANDS {
                 prop_assert!(mean.bands[band] <= peak.bands[band] * 1.0001);
             }
+        }
+    }
+}
+
+#[test]
+fn levels_lie_one_after_the_other() {
+    for extent in [[1, 1], [100, 60], [257, 3]] {
+        let mut buffers = Buffers::default();
+        buffers.pyramid.build(&Plane::filled(extent[0], extent[1], 1.0));
+        let mut offset = (extent[0] * extent[1]) as usize;
+        for level in 1..=LEVELS {
+            let plane = buffers.pyramid.level(level);
+            assert_eq!(level_size(extent, level), [plane.width(), plane.height()]);
+            assert_eq!(level_offset(extent, level), offset);
+            offset += plane.texels().len();
+        }
+        assert_eq!(level_offset(extent, LEVELS + 1), offset);
+    }
+}
+
+/// The picture as a part of a larger image, whose tiles it begins in the middle of.
+#[test]
+fn tiles_begin_where_those_of_the_image_do() {
+    let (offset, extent) = ([24, 40], [100, 60]);
+    let image = noise(256, 256, 5);
+    let picture = Plane::from_fn(extent[0], extent[1], |x, y| image.at(x + offset[0], y + offset[1]));
+    for texel in [[16, 16], [8, 8], [32, 16]] {
+        let settings = ContrastSettings { texel, overhang: offset, ..ContrastSettings::default() };
+        let (inner, outer) = (
+            analyzed(&picture, &settings),
+            analyzed(&image, &ContrastSettings { texel, ..ContrastSettings::default() }),
+        );
+        let first = [offset[0] / texel[0], offset[1] / texel[1]];
+        let tiles = settings.tiles(extent);
+        assert_eq!([inner.tiles.width(), inner.tiles.height()], tiles);
+        // The finest band of a tile that the border and its repetition do not reach; bands begin on multiples of 8.
+        for (x, y) in (2..tiles[0] - 2).flat_map(|x| (2..tiles[1] - 2).map(move |y| (x, y))) {
+            let (inner, outer) = (inner.tiles.at(x, y), outer.tiles.at(first[0] + x, first[1] + y));
+            assert!(
+                (inner.bands[0] - outer.bands[0]).abs() < 1e-5,
+                "{texel:?} ({x}, {y}): {inner:?} {outer:?}"
+            );
+            assert!((inner.adaptation_cd_m2 - outer.adaptation_cd_m2).abs() < 1e-3);
+        }
+    }
+}
+
+fn tile(bands: [f32; BANDS]) -> TileContrast {
+    TileContrast { bands, adaptation_cd_m2: 50.0 }
+}
+
+#[test]
+fn what_was_known_stays_known_while_a_tile_is_coarse() {
+    // A smooth picture: the guess would be far too high, and refine the tile again.
+    let fine = tile([0.01, 0.05, 0.3, 0.3]);
+    let shown = tile([0.4, 0.2, 0.3, 0.3]);
+    let held = restored(shown, fine, ShadingRate::R4X4);
+    assert_eq!(held.bands, fine.bands);
+    // Brighter contrast of the same shape.
+    let more = restored(tile([0.4, 0.2, 0.45, 0.3]), fine, ShadingRate::R4X4);
+    assert!((more.bands[0] - 0.015).abs() < 1e-6 && (more.bands[1] - 0.075).abs() < 1e-6, "{more:?}");
+    // Something else: guessed.
+    let other = tile([0.4, 0.2, 0.9, 0.3]);
+    assert_eq!(restored(other, fine, ShadingRate::R4X4), extrapolate(other, ShadingRate::R4X4));
+    assert_eq!(
+        restored(shown, TileContrast::default(), ShadingRate::R4X4),
+        extrapolate(shown, ShadingRate::R4X4)
+    );
+}
+
+proptest! {
+    #[test]
+    fn what_is_shaded_at_full_rate_is_as_measured(now in prop::array::uniform4(0.0..9.0f32), before in prop::array::uniform4(0.0..9.0f32)) {
+        prop_assert_eq!(restored(tile(now), tile(before), ShadingRate::R1X1), tile(now));
+    }
+
+    /// No walk away from what was measured, however long the tile stays coarse.
+    #[test]
+    fn a_coarse_tile_remembers(fine in prop::array::uniform4(0.01..2.0f32), noise in prop::collection::vec(0.8..1.25f32, 1..200), rate in 0usize..6) {
+        let rate = VULKAN_RATES[rate];
+        let mut known = tile(fine);
+        let survivor = survivor(rate);
+        let mut last = 1.0;
+        for factor in noise {
+            let mut shown = fine.map(|band| band * factor);
+            shown[..survivor].fill(0.0);
+            known = restored(tile(shown), known, rate);
+            last = factor;
+        }
+        for (known, fine) in known.bands.iter().zip(fine) {
+            prop_assert!((known - fine * last).abs() < 1e-3 * fine, "{known} {fine} {last}");
+        }
+    }
+
+    #[test]
+    fn restored_contrast_is_finite(now in prop::array::uniform4(0.0..1e6f32), before in prop::array::uniform4(0.0..1e6f32), rate in 0usize..7) {
+        for band in restored(tile(now), tile(before), VULKAN_RATES[rate]).bands {
+            prop_assert!(band.is_finite() && band >= 0.0);
         }
     }
 }

@@ -1,0 +1,325 @@
+// Kernel `analyze`: the contrast of each tile of a picture, by octave of spatial frequency.
+// Reference: core/src/kernels/analyze.rs and what it calls. One dispatch for luminance, one for each
+// of five reductions, one for the tiles. Only the first depends on the format of the picture.
+
+struct AnalyzeParams {
+    rect_offset: vec2<u32>,
+    extent: vec2<u32>,
+    texel: vec2<u32>,
+    overhang: vec2<u32>,
+    weights: vec3<f32>,
+    white_cd_m2: f32,
+    tiles: vec2<u32>,
+    dark_cd_m2: f32,
+    aggregation: u32,
+}
+
+// perception::TileContrast: five numbers without a gap.
+struct TileContrast {
+    bands: array<f32, 4>,
+    adaptation_cd_m2: f32,
+}
+
+@group(0) @binding(0) var<uniform> params: AnalyzeParams;
+@group(0) @binding(1) var picture: texture_2d<f32>;
+// Levels 0 to 5 of the pyramid, one after the other.
+@group(0) @binding(2) var<storage, read_write> levels: array<f32>;
+// The map: of the frame before until it is written.
+@group(0) @binding(3) var<storage, read_write> map: array<TileContrast>;
+// The rates that the picture was shaded at, four tiles of a row in a word; rows begin with a new one.
+@group(0) @binding(4) var<storage, read> rates: array<u32>;
+
+const THREADS: u32 = 64u;
+
+const BRIGHTEST_CD_M2: f32 = 10000.0;
+const LARGEST_COMPONENT: f32 = 65504.0;
+const INFINITY: u32 = 0x7f800000u;
+
+// By its bits: a compiler may take it that no number is NaN.
+fn component(value: f32) -> f32 {
+    let is_nan = (bitcast<u32>(value) & 0x7fffffffu) > INFINITY;
+    return select(clamp(value, -LARGEST_COMPONENT, LARGEST_COMPONENT), 0.0, is_nan);
+}
+
+@compute @workgroup_size(8, 8)
+fn luminance(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= params.extent) {
+        return;
+    }
+    let color = textureLoad(picture, params.rect_offset + id.xy, 0);
+    let rgb = vec3(component(color.r), component(color.g), component(color.b));
+    let relative = params.weights.x * rgb.r + params.weights.y * rgb.g + params.weights.z * rgb.b;
+    levels[id.y * params.extent.x + id.x] = clamp(relative * params.white_cd_m2, 0.0, BRIGHTEST_CD_M2);
+}
+
+fn level_size(level: u32) -> vec2<u32> {
+    return (params.extent + (1u << level) - 1u) >> vec2(level);
+}
+
+fn level_offset(level: u32) -> u32 {
+    var offset = 0u;
+    for (var finer = 0u; finer < level; finer++) {
+        let size = level_size(finer);
+        offset += size.x * size.y;
+    }
+    return offset;
+}
+
+// One column of a level, filtered at five rows.
+fn column(level: Level, x: u32, rows: array<u32, 5>) -> f32 {
+    return binomial(
+        texel(level, x, rows[0]),
+        texel(level, x, rows[1]),
+        texel(level, x, rows[2]),
+        texel(level, x, rows[3]),
+        texel(level, x, rows[4]),
+    );
+}
+
+fn binomial(a: f32, b: f32, c: f32, d: f32, e: f32) -> f32 {
+    return c + ((a - c) + (e - c)) * 0.0625 + ((b - c) + (d - c)) * 0.25;
+}
+
+// Two before to two after; beyond the edge the last texel repeats.
+fn around(middle: u32, count: u32) -> array<u32, 5> {
+    return array<u32, 5>(
+        max(middle, 2u) - 2u,
+        max(middle, 1u) - 1u,
+        middle,
+        min(middle + 1u, count - 1u),
+        min(middle + 2u, count - 1u),
+    );
+}
+
+// One texel of level `index`, from the level before.
+fn reduce(index: u32, at: vec2<u32>) {
+    let size = level_size(index);
+    if any(at >= size) {
+        return;
+    }
+    let finer = Level(level_offset(index - 1u), level_size(index - 1u));
+    let columns = around(2u * at.x, finer.size.x);
+    let rows = around(2u * at.y, finer.size.y);
+    levels[level_offset(index) + at.y * size.x + at.x] = binomial(
+        column(finer, columns[0], rows),
+        column(finer, columns[1], rows),
+        column(finer, columns[2], rows),
+        column(finer, columns[3], rows),
+        column(finer, columns[4], rows),
+    );
+}
+
+@compute @workgroup_size(8, 8)
+fn level1(@builtin(global_invocation_id) id: vec3<u32>) {
+    reduce(1u, id.xy);
+}
+
+@compute @workgroup_size(8, 8)
+fn level2(@builtin(global_invocation_id) id: vec3<u32>) {
+    reduce(2u, id.xy);
+}
+
+@compute @workgroup_size(8, 8)
+fn level3(@builtin(global_invocation_id) id: vec3<u32>) {
+    reduce(3u, id.xy);
+}
+
+@compute @workgroup_size(8, 8)
+fn level4(@builtin(global_invocation_id) id: vec3<u32>) {
+    reduce(4u, id.xy);
+}
+
+@compute @workgroup_size(8, 8)
+fn level5(@builtin(global_invocation_id) id: vec3<u32>) {
+    reduce(5u, id.xy);
+}
+
+struct Level {
+    offset: u32,
+    size: vec2<u32>,
+}
+
+fn texel(level: Level, x: u32, y: u32) -> f32 {
+    return levels[level.offset + y * level.size.x + x];
+}
+
+// Three texels of a row.
+fn texels(level: Level, x: vec3<u32>, y: u32) -> vec3<f32> {
+    return vec3(texel(level, x.x, y), texel(level, x.y, y), texel(level, x.z, y));
+}
+
+// What level `band` + 1 predicts for the four texels (2k, 2k + 1) of level `band`: upper row, then lower row.
+fn expanded(level: Level, k: vec2<u32>) -> vec4<f32> {
+    let last = level.size - 1u;
+    let x = vec3(max(k.x, 1u) - 1u, k.x, min(k.x + 1u, last.x));
+    let before = texels(level, x, max(k.y, 1u) - 1u);
+    let at = texels(level, x, k.y);
+    let after = texels(level, x, min(k.y + 1u, last.y));
+    let even = at + ((before - at) + (after - at)) * 0.125;
+    let odd = at + (after - at) * 0.5;
+    return vec4(
+        even.y + ((even.x - even.y) + (even.z - even.y)) * 0.125,
+        even.y + (even.z - even.y) * 0.5,
+        odd.y + ((odd.x - odd.y) + (odd.z - odd.y)) * 0.125,
+        odd.y + (odd.z - odd.y) * 0.5,
+    );
+}
+
+// Level `band` + 2 at the same texels, interpolated.
+fn upsampled(level: Level, k: vec2<u32>) -> vec4<f32> {
+    let first = k / 2u;
+    let second = min(first + 1u, level.size - 1u);
+    let along = vec2<f32>(k % 2u) * 0.5;
+    let upper = vec2(texel(level, first.x, first.y), texel(level, second.x, first.y));
+    let lower = vec2(texel(level, first.x, second.y), texel(level, second.x, second.y));
+    let down = lower - upper;
+    let rows = array<vec2<f32>, 2>(upper + down * along.y, upper + down * (along.y + 0.25));
+    let steps = vec2(rows[0].y - rows[0].x, rows[1].y - rows[1].x);
+    return vec4(
+        rows[0].x + steps.x * along.x,
+        rows[0].x + steps.x * (along.x + 0.25),
+        rows[1].x + steps.y * along.x,
+        rows[1].x + steps.y * (along.x + 0.25),
+    );
+}
+
+// The four texels of level `band`.
+fn fine(level: Level, k: vec2<u32>) -> vec4<f32> {
+    let first = 2u * k;
+    let second = min(first + 1u, level.size - 1u);
+    return vec4(
+        texel(level, first.x, first.y),
+        texel(level, second.x, first.y),
+        texel(level, first.x, second.y),
+        texel(level, second.x, second.y),
+    );
+}
+
+// The pixels of a tile, the last one included. Never empty.
+struct Covered {
+    first: vec2<u32>,
+    last: vec2<u32>,
+}
+
+fn covered(tile: vec2<u32>) -> Covered {
+    let first = max(tile * params.texel, params.overhang) - params.overhang;
+    let last = min((tile + 1u) * params.texel - params.overhang, params.extent) - 1u;
+    return Covered(first, last);
+}
+
+// Of a thread, or of all: for each band the greatest contrast or the sum, and in the picture the sum of luminance.
+struct Gathered {
+    bands: vec4<f32>,
+    light: f32,
+}
+
+fn gather(band: u32, tile: Covered, thread: u32) -> vec2<f32> {
+    let level = Level(level_offset(band), level_size(band));
+    let coarse = Level(level_offset(band + 1u), level_size(band + 1u));
+    let surround = Level(level_offset(band + 2u), level_size(band + 2u));
+    let first = tile.first >> vec2(band);
+    let last = tile.last >> vec2(band);
+    let corner = first / 2u;
+    let blocks = last / 2u - corner + 1u;
+    var contrast = 0.0;
+    var light = 0.0;
+    for (var i = thread; i < blocks.x * blocks.y; i += THREADS) {
+        let k = corner + vec2(i % blocks.x, i / blocks.x);
+        let x = vec2(2u * k.x, 2u * k.x + 1u);
+        let y = vec2(2u * k.y, 2u * k.y + 1u);
+        let columns = (x >= first.xx) & (x <= last.xx);
+        let rows = (y >= first.yy) & (y <= last.yy);
+        let inside = columns.xyxy & rows.xxyy;
+        let values = fine(level, k);
+        let contrasts = abs(values - expanded(coarse, k)) / (upsampled(surround, k) + params.dark_cd_m2);
+        let counted = select(vec4(0.0), contrasts, inside);
+        if params.aggregation == 0u {
+            contrast = max(contrast, max(max(counted.x, counted.y), max(counted.z, counted.w)));
+        } else {
+            contrast += counted.x + counted.y + counted.z + counted.w;
+        }
+        let lit = select(vec4(0.0), values, inside);
+        light += lit.x + lit.y + lit.z + lit.w;
+    }
+    return vec2(contrast, light);
+}
+
+fn joined(a: Gathered, b: Gathered) -> Gathered {
+    return Gathered(select(a.bands + b.bands, max(a.bands, b.bands), params.aggregation == 0u), a.light + b.light);
+}
+
+// perception::extrapolate::EQUAL_OCTAVES, kernels::analyze::restore::SAME
+const EQUAL_OCTAVES: array<f32, 3> = array<f32, 3>(1.70, 1.10, 1.02);
+const SAME: f32 = 2.0;
+
+// kernels::analyze::restored
+fn restored(measured: vec4<f32>, previous: array<f32, 4>, rate: u32) -> vec4<f32> {
+    let log2_size = vec2(rate >> 2u, rate & 3u);
+    let survivor = max(log2_size.x, log2_size.y);
+    if survivor == 0u || survivor > 2u {
+        return measured;
+    }
+    let lost_entirely = min(log2_size.x, log2_size.y);
+    var before = previous;
+    let now = select(measured.z, measured.y, survivor == 1u);
+    let then = before[survivor];
+    let is_same = now <= SAME * then && then <= SAME * now;
+    var change = 1.0;
+    if then > 0.0 {
+        change = now / then;
+    }
+    var octaves = EQUAL_OCTAVES;
+    let octave = now / octaves[survivor];
+    var bands = array<f32, 4>(measured.x, measured.y, measured.z, measured.w);
+    for (var i = 0u; i < survivor; i++) {
+        let known = select(octave * octaves[i], before[i] * change, is_same);
+        bands[i] = select(max(bands[i], known), known, i < lost_entirely);
+    }
+    return vec4(bands[0], bands[1], bands[2], bands[3]);
+}
+
+fn write(place: vec2<u32>, tile: Covered, sum: Gathered) {
+    var measured = sum.bands;
+    if params.aggregation != 0u {
+        for (var band = 0u; band < 4u; band++) {
+            let size = (tile.last >> vec2(band)) - (tile.first >> vec2(band)) + 1u;
+            measured[band] /= f32(size.x * size.y);
+        }
+    }
+    let pixels = tile.last - tile.first + 1u;
+    let index = place.y * params.tiles.x + place.x;
+    let row_words = (params.tiles.x + 3u) / 4u;
+    let rate = (rates[place.y * row_words + place.x / 4u] >> (8u * (place.x % 4u))) & 0xffu;
+    let known = restored(measured, map[index].bands, rate);
+    map[index].bands = array<f32, 4>(known.x, known.y, known.z, known.w);
+    map[index].adaptation_cd_m2 = sum.light / f32(pixels.x * pixels.y);
+}
+
+var<workgroup> gathered: array<Gathered, 64>;
+var<workgroup> gathered_again: array<Gathered, 8>;
+
+// One workgroup a tile.
+@compute @workgroup_size(64)
+fn tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let tile = covered(group.xy);
+    let finest = gather(0u, tile, thread);
+    let bands = vec4(finest.x, gather(1u, tile, thread).x, gather(2u, tile, thread).x, gather(3u, tile, thread).x);
+    gathered[thread] = Gathered(bands, finest.y);
+    workgroupBarrier();
+    // Twice by eights: two barriers, which software devices find dear.
+    if thread < 8u {
+        var sum = gathered[8u * thread];
+        for (var i = 1u; i < 8u; i++) {
+            sum = joined(sum, gathered[8u * thread + i]);
+        }
+        gathered_again[thread] = sum;
+    }
+    workgroupBarrier();
+    if thread == 0u {
+        var sum = gathered_again[0];
+        for (var i = 1u; i < 8u; i++) {
+            sum = joined(sum, gathered_again[i]);
+        }
+        write(group.xy, tile, sum);
+    }
+}

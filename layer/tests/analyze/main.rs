@@ -1,0 +1,259 @@
+//! The pass `analyze` on a Vulkan device, under the validation layers where they are installed, compared stage by stage
+//! with its CPU reference. Where there is no Vulkan device the tests print so and pass.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+mod formats;
+mod pictures;
+#[path = "../compose/transfer.rs"]
+#[allow(dead_code, reason = "shared with the tests of compose")]
+mod transfer;
+#[path = "../compose/vulkan.rs"]
+#[allow(dead_code, reason = "shared with the tests of compose")]
+mod vulkan;
+
+use ash::vk;
+use formats::stored;
+use glam::Vec3;
+use parafovea::gpu::AppCommands;
+use parafovea::passes::analyze::{Analyze, AnalyzeParams, USAGE, ViewTiles, rate_row_bytes};
+use parafovea_core::color::Matrix;
+use parafovea_core::image::Plane;
+use parafovea_core::kernels::analyze::{
+    Aggregation, Buffers, ContrastSettings, level_offset, level_size, restore, tiles,
+};
+use parafovea_core::perception::luminance::luminance_plane;
+use parafovea_core::perception::pyramid::LEVELS;
+use parafovea_core::perception::{ContrastMap, TileContrast};
+use parafovea_core::rate::VULKAN_RATES;
+use std::sync::Arc;
+use transfer::Layer;
+use vulkan::Vulkan;
+
+const FLOATS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+const WHITE_CD_M2: f32 = 100.0;
+
+/// A view in an image, and the tiles of that image.
+#[derive(Clone, Copy)]
+struct Shape {
+    image: [u32; 2],
+    offset: [u32; 2],
+    extent: [u32; 2],
+    texel: [u32; 2],
+    aggregation: Aggregation,
+}
+
+impl Shape {
+    fn settings(&self) -> ContrastSettings {
+        let Self { texel, offset, aggregation, .. } = *self;
+        ContrastSettings { texel, overhang: offset, aggregation, ..ContrastSettings::default() }
+    }
+}
+
+/// A whole image, by tiles of 16 x 16.
+fn whole(extent: [u32; 2]) -> Shape {
+    Shape { image: extent, offset: [0; 2], extent, texel: [16; 2], aggregation: Aggregation::Peak }
+}
+
+/// What both made of a picture, and then of the same picture at other rates.
+struct Analyzed {
+    levels: Vec<f32>,
+    maps: Vec<Vec<TileContrast>>,
+}
+
+impl Analyzed {
+    fn on_gpu(
+        (vulkan, analyze): (&Vulkan, &Analyze),
+        shape: &Shape,
+        format: vk::Format,
+        bytes: &[u8],
+        rates: &[&Plane<u8>],
+    ) -> Self {
+        let [width, height] = shape.image;
+        let extent = vk::Extent2D { width, height };
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST | USAGE;
+        // In the second layer, so that the first one shows where it is taken instead.
+        let image = vulkan.image(vk::ImageCreateFlags::empty(), format, extent, 2, usage);
+        vulkan.upload(Layer { image, layer: 1, extent }, bytes);
+        let settings = shape.settings();
+        let params = AnalyzeParams::new(shape.offset, shape.extent, &settings, WHITE_CD_M2, Matrix::Bt709);
+        let tiles = Arc::new(ViewTiles::new(&vulkan.gpu, settings.tiles(shape.extent)).unwrap());
+        let target = analyze.target((image, format, 1), &params, &tiles).unwrap();
+        let mut maps = Vec::new();
+        for rates in rates {
+            let bytes = packed(rates);
+            vulkan.copy(vulkan.staging(&bytes), tiles.rates(), bytes.len());
+            vulkan.run(|commands| {
+                // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
+                let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
+                analyze.record(&commands, &target, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+            });
+            let count = rates.texels().len();
+            let bytes = vulkan.read(tiles.contrast(), count * size_of::<TileContrast>());
+            maps.push(numbers(&bytes));
+        }
+        let texels = level_offset(shape.extent, LEVELS + 1);
+        let levels = numbers(&vulkan.read(target.levels(), texels * 4));
+        Self { levels, maps }
+    }
+
+    fn on_cpu(shape: &Shape, colors: &Plane<Vec3>, rates: &[&Plane<u8>]) -> Self {
+        let part = Plane::from_fn(shape.extent[0], shape.extent[1], |x, y| {
+            colors.at(shape.offset[0] + x, shape.offset[1] + y)
+        });
+        let mut luminance = Plane::default();
+        luminance_plane(&part, WHITE_CD_M2, Matrix::Bt709, &mut luminance);
+        let mut buffers = Buffers::default();
+        buffers.pyramid.build(&luminance);
+        let mut measured = ContrastMap::default();
+        tiles(&luminance, &shape.settings(), &mut buffers, &mut measured);
+        let mut maps = Vec::new();
+        let mut previous = ContrastMap::default();
+        for rates in rates {
+            let mut map = measured.clone();
+            restore(rates, &previous, &mut map);
+            maps.push(map.tiles.texels().to_vec());
+            previous = map;
+        }
+        let coarser = (1..=LEVELS).flat_map(|level| buffers.pyramid.level(level).texels().to_vec());
+        let levels = luminance.texels().iter().copied().chain(coarser).collect();
+        Self { levels, maps }
+    }
+}
+
+/// What a buffer holds, one after the other.
+fn numbers<T: bytemuck::Pod>(bytes: &[u8]) -> Vec<T> {
+    bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
+}
+
+fn packed(rates: &Plane<u8>) -> Vec<u8> {
+    let row_bytes = rate_row_bytes(rates.width()) as usize;
+    let mut bytes = vec![0; row_bytes * rates.height() as usize];
+    for (row, bytes) in (0..).zip(bytes.chunks_mut(row_bytes)) {
+        bytes[..rates.width() as usize].copy_from_slice(rates.row(row));
+    }
+    bytes
+}
+
+/// Compares every stage. `relative`: how far the device may be off because of the format.
+fn assert_matches(case: &str, shape: &Shape, gpu: &Analyzed, cpu: &Analyzed, relative: f32) {
+    for level in 0..=LEVELS {
+        let range = level_offset(shape.extent, level)..level_offset(shape.extent, level + 1);
+        let [width, _] = level_size(shape.extent, level);
+        for (index, (gpu, cpu)) in gpu.levels[range.clone()].iter().zip(&cpu.levels[range]).enumerate() {
+            let (x, y) = (index as u32 % width, index as u32 / width);
+            assert!(
+                (gpu - cpu).abs() <= relative * cpu + 1e-6,
+                "{case}, level {level} ({x}, {y}): {gpu} {cpu}"
+            );
+        }
+    }
+    for (pass, (gpu, cpu)) in gpu.maps.iter().zip(&cpu.maps).enumerate() {
+        assert_eq!(gpu.len(), cpu.len());
+        for (tile, (gpu, cpu)) in gpu.iter().zip(cpu).enumerate() {
+            let light = (gpu.adaptation_cd_m2 - cpu.adaptation_cd_m2).abs();
+            assert!(light <= relative * cpu.adaptation_cd_m2 + 1e-6, "{case}, tile {tile}: {gpu:?} {cpu:?}");
+            for (band, (gpu, cpu)) in gpu.bands.iter().zip(cpu.bands).enumerate() {
+                // What is left when two equal numbers are subtracted is no contrast.
+                let close = (gpu - cpu).abs() <= relative * cpu + relative * 1e-2;
+                assert!(close, "{case}, rates {pass}, tile {tile}, band {band}: {gpu} {cpu}");
+            }
+        }
+    }
+}
+
+/// Everything at 1x1, then all rates beside each other, then again.
+fn compare(
+    (vulkan, analyze): (&Vulkan, &Analyze),
+    case: &str,
+    shape: &Shape,
+    format: vk::Format,
+    (bytes, colors): (Vec<u8>, Plane<Vec3>),
+    relative: f32,
+) {
+    let [columns, rows] = shape.settings().tiles(shape.extent);
+    let fine = Plane::filled(columns, rows, 0);
+    let coarse = Plane::from_fn(columns, rows, |x, y| VULKAN_RATES[((x + 3 * y) % 7) as usize].texel());
+    let rates = [&coarse, &fine, &coarse];
+    let gpu = Analyzed::on_gpu((vulkan, analyze), shape, format, &bytes, &rates);
+    let cpu = Analyzed::on_cpu(shape, &colors, &rates);
+    assert_matches(case, shape, &gpu, &cpu, relative);
+}
+
+/// The pass on a device; none where there is none.
+fn analyze() -> Option<(Vulkan, Analyze)> {
+    let vulkan = Vulkan::at(vk::API_VERSION_1_1)?;
+    let analyze = Analyze::new(&vulkan.gpu).unwrap();
+    Some((vulkan, analyze))
+}
+
+#[test]
+fn pictures_match_the_reference() {
+    let Some((vulkan, analyze)) = analyze() else { return };
+    for picture in pictures::ALL {
+        for format in [FLOATS, vk::Format::R16G16B16A16_SFLOAT] {
+            let shape = whole([160, 112]);
+            compare(
+                (&vulkan, &analyze),
+                picture.0,
+                &shape,
+                format,
+                stored(format, &pictures::plane(picture, shape.image), &[]),
+                1e-4,
+            );
+        }
+    }
+    vulkan.assert_valid();
+}
+
+#[test]
+fn formats_of_swapchains_match_the_reference() {
+    let Some((vulkan, analyze)) = analyze() else { return };
+    for format in [vk::Format::R8G8B8A8_UNORM, vk::Format::R8G8B8A8_SRGB, vk::Format::B8G8R8A8_SRGB] {
+        let decoded = decoded((&vulkan, &analyze), format);
+        for picture in &pictures::ALL[..12] {
+            let shape = whole([97, 80]);
+            let stored = stored(format, &pictures::plane(*picture, shape.image), &decoded);
+            compare((&vulkan, &analyze), picture.0, &shape, format, stored, 1e-4);
+        }
+    }
+    vulkan.assert_valid();
+}
+
+/// What the device reads each byte of a format as: the luminance of grey tiles. lavapipe approximates sRGB.
+fn decoded((vulkan, analyze): (&Vulkan, &Analyze), format: vk::Format) -> Vec<f32> {
+    let shape = whole([256 * 16, 16]);
+    let bytes: Vec<u8> = (0..16).flat_map(|_| (0..256 * 16).flat_map(|x| [(x / 16) as u8; 4])).collect();
+    let rates = Plane::filled(256, 1, 0);
+    let gpu = Analyzed::on_gpu((vulkan, analyze), &shape, format, &bytes, &[&rates]);
+    let decoded: Vec<f32> = gpu.maps[0].iter().map(|tile| tile.adaptation_cd_m2 / WHITE_CD_M2).collect();
+    for (byte, decoded) in (0u8..=255).zip(&decoded) {
+        let exact = formats::decoded(format, byte);
+        assert!((decoded - exact).abs() <= 0.02 * exact + 1e-4, "{format:?}, {byte}: {decoded} {exact}");
+    }
+    decoded
+}
+
+#[test]
+fn tiles_of_any_size_and_place_match_the_reference() {
+    let Some((vulkan, analyze)) = analyze() else { return };
+    let natural = pictures::ALL[0];
+    for texel in [[8, 8], [16, 8], [32, 32], [64, 64], [16, 32]] {
+        for (image, offset, extent) in [
+            ([1, 1], [0, 0], [1, 1]),
+            ([3, 130], [0, 0], [3, 130]),
+            ([131, 117], [0, 0], [131, 117]),
+            ([256, 128], [89, 13], [120, 101]),
+            ([256, 128], [128, 0], [128, 128]),
+        ] {
+            for aggregation in [Aggregation::Peak, Aggregation::Mean] {
+                let shape = Shape { image, offset, extent, texel, aggregation };
+                let case = format!("{extent:?} at {offset:?} by {texel:?}, {aggregation:?}");
+                let stored = stored(FLOATS, &pictures::plane(natural, image), &[]);
+                compare((&vulkan, &analyze), &case, &shape, FLOATS, stored, 1e-4);
+            }
+        }
+    }
+    vulkan.assert_valid();
+}
