@@ -7,6 +7,7 @@ use naga::back::spv;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use parafovea_core::kernels::analyze::AnalyzeParams;
 use parafovea_core::kernels::compose::{ComposeParams, ReuseParams};
+use parafovea_core::kernels::decide::DecideParams;
 use parafovea_core::layout::{Field, Uniform};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -26,7 +27,12 @@ fn declared<T: Uniform>() -> Declared {
 fn main() {
     // Never unloaded: both loaders may close the library while threads, and callbacks of the other half, are in it.
     println!("cargo::rustc-link-arg-cdylib=-Wl,-z,nodelete");
-    let uniforms = [declared::<AnalyzeParams>(), declared::<ComposeParams>(), declared::<ReuseParams>()];
+    let uniforms = [
+        declared::<AnalyzeParams>(),
+        declared::<DecideParams>(),
+        declared::<ComposeParams>(),
+        declared::<ReuseParams>(),
+    ];
     if let Err(message) = build(&uniforms) {
         eprintln!("error: {message}");
         process::exit(1);

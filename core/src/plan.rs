@@ -2,14 +2,13 @@
 //!
 //! [`Planner`] makes a [`FramePlan`] of a [`PlanInput`] in three steps. What holds for the whole frame is a handful of
 //! numbers: the rails widen every radius by the uncertainty of the gaze, limit how fast tiles become coarser, and leave
-//! things off while the gaze is lost. From these come a [`DecideParams`] for each eye, the uniform of a later kernel;
-//! [`decide()`] is its reference, and all that is done for each tile. Around it, [`crate::schedule::CellAges`] says which
+//! things off while the gaze is lost. From these come a [`DecideParams`](crate::kernels::decide::DecideParams) for each eye, the uniform of the kernel
+//! `decide`; [`crate::kernels::decide`] is its reference, and all that is done for each tile. Around it, [`crate::schedule::CellAges`] says which
 //! directions are rendered anew, and [`crate::chroma::Trail`] how colour follows the gaze.
 //!
 //! [`FramePlan`] as text (its `Display`) and [`FramePlan::picture`] show a plan to people.
 
 mod contrast;
-mod decide;
 mod eye;
 mod frame;
 mod input;
@@ -28,7 +27,6 @@ mod text;
 mod turns;
 
 pub use contrast::VisibleContrast;
-pub use decide::{DecideParams, TileMemory, decide};
 pub use frame::{EyePlan, FramePlan};
 pub use input::{EyeInput, PlanInput};
 pub use lattice::{LatticeShape, MAX_SIDE, TEXEL_SIDES, TileLattice};

@@ -252,6 +252,9 @@ fn joined(a: Gathered, b: Gathered) -> Gathered {
 const EQUAL_OCTAVES: array<f32, 3> = array<f32, 3>(1.70, 1.10, 1.02);
 const SAME: f32 = 2.0;
 
+// A rate without reuse::STALE.
+const NOT_STALE: u32 = 0x7fu;
+
 // kernels::analyze::restored
 fn restored(measured: vec4<f32>, previous: array<f32, 4>, rate: u32) -> vec4<f32> {
     let log2_size = vec2(rate >> 2u, rate & 3u);
@@ -289,7 +292,7 @@ fn write(place: vec2<u32>, tile: Covered, sum: Gathered) {
     let pixels = tile.last - tile.first + 1u;
     let index = place.y * params.tiles.x + place.x;
     let row_words = (params.tiles.x + 3u) / 4u;
-    let rate = (rates[place.y * row_words + place.x / 4u] >> (8u * (place.x % 4u))) & 0xffu;
+    let rate = (rates[place.y * row_words + place.x / 4u] >> (8u * (place.x % 4u))) & NOT_STALE;
     let known = restored(measured, map[index].bands, rate);
     map[index].bands = array<f32, 4>(known.x, known.y, known.z, known.w);
     map[index].adaptation_cd_m2 = sum.light / f32(pixels.x * pixels.y);

@@ -3,4 +3,5 @@
 
 pub mod analyze;
 pub mod compose;
+pub mod decide;
 pub mod fill;

@@ -1,11 +1,11 @@
 //! What contrast permits: how coarse each tile may be before more of its contrast is lost than the budget allows
 //! (paper A, Algorithm 2).
 
-use super::decide::DecideParams;
 use super::lattice::deg_of_chord;
 use super::rings::STEPS_PER_OCTAVE;
 use super::sensitivity::Sensitivity;
 use crate::frco::half_octaves_within;
+use crate::kernels::decide::DecideParams;
 use crate::perception::{BANDS, ContrastMap, TileContrast};
 
 /// The contrast of one view, and how much of it is seen.
@@ -20,7 +20,7 @@ pub struct VisibleContrast<'a> {
 impl VisibleContrast<'_> {
     /// Writes the coarseness that each tile may keep, and grow to, given its pixels per degree and its squared chord to the
     /// gaze.
-    pub(super) fn permit(
+    pub(crate) fn permit(
         &self,
         params: &DecideParams,
         resolution: &[f32],

@@ -1,6 +1,5 @@
 //! What the planner keeps of one view from frame to frame.
 
-use super::decide::TileMemory;
 use super::frame::EyePlan;
 use super::input::EyeInput;
 use super::lattice::{LatticeShape, TileLattice};
@@ -8,6 +7,7 @@ use super::renewal::Renewal;
 use crate::chroma::Trail;
 use crate::geometry::{Fov, rotation};
 use crate::image::Plane;
+use crate::kernels::decide::TileMemory;
 use glam::Quat;
 
 /// One view: where its tiles look, and what they remember.

@@ -6,6 +6,7 @@ use super::statistics::Statistics;
 use crate::chroma::{ChromaSettings, Focus};
 use crate::geometry::{Fov, ImagePlane};
 use crate::image::Plane;
+use crate::kernels::decide::DecideParams;
 use crate::rate::ShadingRate;
 use crate::reuse::STALE;
 use glam::{UVec2, Vec2, Vec3};
@@ -57,6 +58,8 @@ pub struct EyePlan {
     pub ages: Plane<u8>,
     /// Rings that limit the rates, with everything that widens them.
     pub rings: Rings,
+    /// What the rates were decided by: the uniform of the kernel `decide`.
+    pub decision: DecideParams,
     /// Sums over the tiles.
     pub statistics: Statistics,
 }
@@ -74,6 +77,7 @@ impl Default for EyePlan {
             rates: Plane::filled(0, 0, 0),
             ages: Plane::filled(0, 0, 0),
             rings: Rings::FULL,
+            decision: bytemuck::Zeroable::zeroed(),
             statistics: Statistics::default(),
         }
     }

@@ -103,6 +103,21 @@ impl TileLattice {
         self.texel.into()
     }
 
+    /// Size of the view, pixels.
+    pub(super) fn extent(&self) -> [u32; 2] {
+        self.extent.into()
+    }
+
+    /// Pixels of the first tile that lie before the view.
+    pub(super) fn overhang(&self) -> [u32; 2] {
+        self.overhang.into()
+    }
+
+    /// What the view shows; one point before it was set.
+    pub(super) fn plane(&self) -> ImagePlane {
+        self.plane.unwrap_or(ImagePlane { origin: Vec2::ZERO, step: Vec2::ZERO })
+    }
+
     /// Pixels per degree in the middle of each tile, row by row, see [`pixels_per_degree`].
     pub fn resolution(&self) -> &[f32] {
         &self.resolution

@@ -1,7 +1,6 @@
 //! From what is known when a frame is planned to its plan.
 
 use super::contrast::VisibleContrast;
-use super::decide::decide;
 use super::eye::EyeMemory;
 use super::frame::FramePlan;
 use super::input::{EyeInput, PlanInput};
@@ -14,6 +13,7 @@ use super::statistics::Statistics;
 use crate::chroma::Focus;
 use crate::gaze::GazePhase;
 use crate::geometry::{rotation, unit_direction};
+use crate::kernels::decide::decide;
 use crate::perception::ContrastMap;
 use crate::schedule::CellAges;
 use crate::schedule::cap::PeriodCap;
@@ -142,7 +142,8 @@ impl Planner {
         };
         out.gaze = if rules.has_gaze() { out.centres[index] } else { Vec3::ZERO };
         out.rings = permit.rings;
-        let params = rules.params(&self.settings, out.centres, &permit);
+        let params = rules.params(&self.settings, out.centres, &permit, &memory.lattice);
+        out.decision = params;
         let contrast = contrast.filter(|_| permit.budget.is_some());
         decide(&params, &mut memory.lattice, memory.renewal.due(), contrast, &mut memory.tiles, out);
         out.statistics = Statistics::new(&memory.lattice, &out.rates, &out.ages);

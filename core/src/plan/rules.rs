@@ -1,13 +1,14 @@
 //! What holds for all tiles of one frame, in both eyes.
 
-use super::decide::DecideParams;
+use super::lattice::TileLattice;
 use super::rails::{Area, FrameRails};
 use super::reasons::{Reason, Reasons};
 use super::rings::Rings;
 use super::settings::{AudioVisual, PlanSettings, RateSettings};
 use crate::audio::AudioFeatures;
-use crate::avpm::Budget;
+use crate::avpm::{Budget, SensitivityUnit};
 use crate::fixed_foveation::FixedFoveation;
+use crate::kernels::decide::DecideParams;
 use crate::schedule::{Schedule, UpdateConfiguration};
 use glam::Vec3;
 
@@ -87,7 +88,13 @@ impl FrameRules {
         settings: &PlanSettings,
         centres: [Vec3; 2],
         permit: &Permit,
+        lattice: &TileLattice,
     ) -> DecideParams {
+        let unit = match &settings.rates {
+            RateSettings::AudioVisual(model) if permit.budget.is_some() => Some(model.budget.unit),
+            _ => None,
+        };
+        let plane = lattice.plane();
         let available = &settings.device.available;
         let budget = permit.budget.unwrap_or(0.0);
         DecideParams {
@@ -101,7 +108,21 @@ impl FrameRules {
             texels: available.texels().map(u32::from),
             budget,
             coarsening_budget: budget * settings.rails.hysteresis_budget,
-            reserved: [0.0; 2],
+            sensitivity: match unit {
+                None => 0,
+                Some(SensitivityUnit::CastleCsf) => 1,
+                Some(SensitivityUnit::Tursun) => 2,
+            },
+            look_every: 0,
+            plane_origin: plane.origin.into(),
+            plane_step: plane.step.into(),
+            extent: lattice.extent(),
+            overhang: lattice.overhang(),
+            texel: lattice.texel(),
+            tiles: lattice.tiles(),
+            look_at: 0,
+            reserved: 0,
+            reserved_end: [0; 2],
         }
     }
 }

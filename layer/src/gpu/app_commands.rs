@@ -178,6 +178,17 @@ impl<'a> AppCommands<'a> {
         self.memory_barrier(COMPUTES, COMPUTES);
     }
 
+    /// Writes parameters of compute shaders to the beginning of a buffer: at most 65,536 bytes, a multiple of 4. Ordered
+    /// after earlier use of them, and before later.
+    pub(crate) fn write_parameters(&self, to: &DeviceBuffer, bytes: &[u8]) {
+        const PARAMETERS: Scope =
+            Scope { stages: vk::PipelineStageFlags::COMPUTE_SHADER, access: vk::AccessFlags::UNIFORM_READ };
+        self.memory_barrier(PARAMETERS, BUFFER_COPIES);
+        // SAFETY: the command buffer is being recorded outside of a render pass, and the buffer is live, as `new` demands.
+        unsafe { self.gpu.device.cmd_update_buffer(self.commands, to.handle(), 0, bytes) };
+        self.memory_barrier(BUFFER_COPIES, PARAMETERS);
+    }
+
     /// Orders accesses to memory.
     pub(crate) fn memory_barrier(&self, from: Scope, to: Scope) {
         let info = vk::MemoryBarrier::default().src_access_mask(from.access).dst_access_mask(to.access);

@@ -36,6 +36,7 @@ const DEVICE: &[&CStr] = &[
     c"vkCmdResetQueryPool",
     c"vkCmdSetScissor",
     c"vkCmdSetViewport",
+    c"vkCmdUpdateBuffer",
     c"vkCmdWriteTimestamp",
     c"vkCreateBuffer",
     c"vkCreateCommandPool",

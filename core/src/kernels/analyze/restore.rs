@@ -4,11 +4,12 @@ use crate::image::Plane;
 use crate::perception::extrapolate::{extrapolate, survivor};
 use crate::perception::{ContrastMap, TileContrast};
 use crate::rate::ShadingRate;
+use crate::reuse::STALE;
 
 /// By how much the finest octave that survives may have changed since the frame before for the tile to count as the same.
 const SAME: f32 = 2.0;
 
-/// Puts back what the tiles of `map` do not show because they were shaded at `rates` ([`ShadingRate::texel`]), where
+/// Puts back what the tiles of `map` do not show because they were shaded at `rates` ([`ShadingRate::texel`], with [`STALE`] or without), where
 /// `previous` is what was known a frame ago. All three are of the same tiles; what is missing in one counts as 1x1,
 /// and as not known.
 ///
@@ -18,7 +19,8 @@ pub fn restore(rates: &Plane<u8>, previous: &ContrastMap, map: &mut ContrastMap)
     let rates = rates.texels().iter().copied().chain(std::iter::repeat(0));
     let previous = previous.tiles.texels().iter().copied().chain(std::iter::repeat(TileContrast::default()));
     for ((tile, rate), previous) in map.tiles.texels_mut().iter_mut().zip(rates).zip(previous) {
-        *tile = restored(*tile, previous, ShadingRate::from_texel(rate).unwrap_or(ShadingRate::R1X1));
+        *tile =
+            restored(*tile, previous, ShadingRate::from_texel(rate & !STALE).unwrap_or(ShadingRate::R1X1));
     }
 }
 

@@ -40,6 +40,12 @@ impl FovealTable {
         Self { texels: texels.collect() }
     }
 
+    /// log2 of sensitivity: 41 spatial frequencies from 1/16 cycle per degree on, four to an octave, in each of 95 rows of
+    /// luminance from 2^-10 cd/m^2 on, as many.
+    pub fn texels(&self) -> &[f32] {
+        &self.texels
+    }
+
     /// [`achromatic`](super::achromatic) sensitivity in each band of a tile, finest first, each an octave below the one
     /// before ([`BandFrequencies`](crate::perception::BandFrequencies)), where the finest is at `finest_cpd` cycles per
     /// degree, and the tile has `luminance_cd_m2` and lies at `eccentricity_deg`.

@@ -1,0 +1,283 @@
+// Kernel `decide`: from one view's parameters to a rate for each of its tiles.
+// Reference: core/src/kernels/decide.rs and what it calls. A thread decides four tiles of a row, which share a word.
+
+struct DecideParams {
+    gaze_left: vec3<f32>,
+    inflation_deg: f32,
+    gaze_right: vec3<f32>,
+    coarsening: u32,
+    ring_chords: vec4<f32>,
+    coarsening_chords: vec4<f32>,
+    levels: vec4<u32>,
+    texels: vec4<u32>,
+    budget: f32,
+    coarsening_budget: f32,
+    sensitivity: u32,
+    look_every: u32,
+    plane_origin: vec2<f32>,
+    plane_step: vec2<f32>,
+    extent: vec2<u32>,
+    overhang: vec2<u32>,
+    texel: vec2<u32>,
+    tiles: vec2<u32>,
+    look_at: u32,
+    reserved: u32,
+    reserved_end: vec2<u32>,
+}
+
+// perception::TileContrast
+struct TileContrast {
+    bands: array<f32, 4>,
+    adaptation_cd_m2: f32,
+}
+
+@group(0) @binding(0) var<uniform> params: DecideParams;
+@group(0) @binding(1) var<storage, read> contrast: array<TileContrast>;
+// castle::FovealTable
+@group(0) @binding(2) var<storage, read> foveal: array<f32>;
+// Coarseness of each tile, and its rate: four tiles of a row in a word; rows begin with a new one.
+@group(0) @binding(3) var<storage, read_write> memory: array<u32>;
+@group(0) @binding(4) var<storage, read_write> rates: array<u32>;
+
+const RINGS_ONLY: u32 = 0u;
+const CASTLE_CSF: u32 = 1u;
+const LOG2_10: f32 = 3.3219281;
+const LOG2_E: f32 = 1.442695;
+const NOT_FINITE: u32 = 0x7f800000u;
+
+fn is_finite(value: f32) -> bool {
+    return (bitcast<u32>(value) & NOT_FINITE) != NOT_FINITE;
+}
+
+// A corner of the lattice of tiles, pixels of the view.
+fn corner_pixel(corner: vec2<u32>) -> vec2<f32> {
+    let pixels = corner * params.texel;
+    return vec2<f32>(min(max(pixels, params.overhang) - params.overhang, params.extent));
+}
+
+fn squared_chord(corner: vec2<f32>, gaze: vec3<f32>) -> f32 {
+    let away = normalize(vec3(corner, -1.0)) - gaze;
+    return dot(away, away);
+}
+
+// Whether `direction` meets column (axis 0) or row (1) `index` of tiles.
+fn meets(direction: vec3<f32>, axis: u32, index: u32) -> bool {
+    if direction.z >= 0.0 {
+        return false;
+    }
+    let pixel = (direction[axis] / -direction.z - params.plane_origin[axis]) / params.plane_step[axis];
+    if !(pixel >= 0.0 && pixel <= f32(params.extent[axis])) {
+        return false;
+    }
+    let tile = (u32(pixel) + params.overhang[axis]) / params.texel[axis];
+    return min(tile, params.tiles[axis] - 1u) == index;
+}
+
+// The point nearest to `gaze` on the great circle across `normal`, and its squared chord.
+fn foot(gaze: vec3<f32>, normal: vec3<f32>) -> vec4<f32> {
+    let length_squared = dot(normal, normal);
+    let along = dot(gaze, normal) / length_squared;
+    let sin_squared = min(along * along * length_squared, 1.0);
+    return vec4(gaze - normal * along, 2.0 * sin_squared / (1.0 + sqrt(1.0 - sin_squared)));
+}
+
+fn lowered(chord: f32, at: vec4<f32>, axis: u32, index: u32) -> f32 {
+    return select(chord, min(chord, at.w), meets(at.xyz, axis, index));
+}
+
+// Squared chord between the nearest point of a tile, between the lines `low` and `high` on the plane one unit ahead, and
+// a gaze.
+fn chord_to(tile: vec2<u32>, low: vec2<f32>, high: vec2<f32>, gaze: vec3<f32>) -> f32 {
+    if meets(gaze, 0u, tile.x) && meets(gaze, 1u, tile.y) {
+        return 0.0;
+    }
+    var chord = min(
+        min(squared_chord(low, gaze), squared_chord(high, gaze)),
+        min(squared_chord(vec2(high.x, low.y), gaze), squared_chord(vec2(low.x, high.y), gaze)),
+    );
+    chord = lowered(chord, foot(gaze, vec3(0.0, 1.0, low.y)), 0u, tile.x);
+    chord = lowered(chord, foot(gaze, vec3(0.0, 1.0, high.y)), 0u, tile.x);
+    chord = lowered(chord, foot(gaze, vec3(1.0, 0.0, low.x)), 1u, tile.y);
+    chord = lowered(chord, foot(gaze, vec3(1.0, 0.0, high.x)), 1u, tile.y);
+    return chord;
+}
+
+// Arc sine of 0..=1 to 2e-8 (Abramowitz and Stegun, 4.4.46): that of drivers may be off by a hundredth of a degree.
+fn arc_sine(x: f32) -> f32 {
+    let a = 1.5707963 + x * (-0.2145988 + x * (0.0889790 + x * (-0.0501743 + x * (0.0308919
+        + x * (-0.0170881 + x * (0.0066701 + x * -0.0012625))))));
+    return 1.5707963 - sqrt(1.0 - x) * a;
+}
+
+fn deg_of_chord(chord: f32) -> f32 {
+    return degrees(2.0 * arc_sine(min(sqrt(chord) * 0.5, 1.0)));
+}
+
+// Pixels per degree along one axis, from the step of a pixel and the coordinate across.
+fn along(reach: f32, step: f32, across: f32) -> f32 {
+    return select(radians(reach / (sqrt(1.0 + across) * abs(step))), 0.0, step == 0.0);
+}
+
+// geometry::pixels_per_degree
+fn pixels_per_degree(point: vec2<f32>) -> f32 {
+    let squared = point * point;
+    let reach = 1.0 + squared.x + squared.y;
+    return min(along(reach, params.plane_step.x, squared.y), along(reach, params.plane_step.y, squared.x));
+}
+
+// castle::FovealTable's nodes.
+const STEPS: f32 = 4.0;
+const FREQUENCY: vec2<f32> = vec2(-4.0, 6.0);
+const LUMINANCE: vec2<f32> = vec2(-10.0, 13.5);
+const COLUMNS: u32 = 41u;
+const ROWS: u32 = 95u;
+
+struct Cell {
+    index: u32,
+    along: f32,
+}
+
+fn cell(value: f32, ends: vec2<f32>, nodes: u32) -> Cell {
+    let position = (clamp(value, ends.x, ends.y) - ends.x) * STEPS;
+    let index = min(u32(position), nodes - 2u);
+    return Cell(index, position - f32(index));
+}
+
+fn row_at(column: u32, row: u32, along: f32) -> f32 {
+    let left = foveal[row * COLUMNS + column];
+    return left + (foveal[row * COLUMNS + column + 1u] - left) * along;
+}
+
+// FovealTable::sensitivities, in the field where more is seen.
+fn castle_csf(finest_cpd: f32, luminance: f32, eccentricity: f32) -> vec4<f32> {
+    let row = cell(log2(clamp(luminance, 1e-3, 1e4)), LUMINANCE, ROWS);
+    let finest = clamp(finest_cpd, 0.0625, 64.0);
+    let column = cell(log2(finest), FREQUENCY, COLUMNS);
+    var seen = vec4(0.0);
+    for (var band = 0u; band < 4u; band++) {
+        let inside = column.index >= 4u * band;
+        let first = select(0u, column.index - 4u * band, inside);
+        let within = select(0.0, column.along, inside);
+        let above = row_at(first, row.index, within);
+        let below = row_at(first, row.index + 1u, within);
+        let cpd = max(finest / f32(1u << band), 0.0625);
+        let fall = LOG2_10 * min(0.0239853 + 0.0189038 * cpd, 0.0400662 + 0.00813619 * cpd);
+        seen[band] = exp2(above + (below - above) * row.along - fall * eccentricity);
+    }
+    return seen;
+}
+
+// tursun::Fit::QUARTER at its knots, and the slopes there of the curve that Fritsch and Carlson put through them.
+const KNOTS: array<f32, 5> = array<f32, 5>(5.28964, 6.22567, 3.40410, 4.01061, -32.0);
+const SLOPES: array<f32, 5> = array<f32, 5>(0.0, 0.0, 0.0, 0.0, -54.31917);
+const TURSUN_FALL: f32 = 0.0398141;
+
+fn tursun(finest_cpd: f32, luminance: f32, eccentricity: f32) -> vec4<f32> {
+    let adapted = 0.2 * log2(1.0 + 0.7 / clamp(luminance, 1e-3, 1e4));
+    var knots = KNOTS;
+    var slopes = SLOPES;
+    var seen = vec4(0.0);
+    for (var band = 0u; band < 4u; band++) {
+        let cpd = clamp(finest_cpd / f32(1u << band), 0.0, 64.0);
+        let octave = log2(max(cpd, 4.0)) - 2.0;
+        let i = min(u32(octave), 3u);
+        let t = octave - f32(i);
+        let rise = knots[i + 1u] - knots[i];
+        let quadratic = 3.0 * rise - 2.0 * slopes[i] - slopes[i + 1u];
+        let cubic = slopes[i] + slopes[i + 1u] - 2.0 * rise;
+        let log10 = knots[i] + t * (slopes[i] + t * (quadratic + t * cubic));
+        let exponent = log10 * LOG2_10 - adapted - TURSUN_FALL * cpd * LOG2_E * eccentricity;
+        // BAND_GAIN
+        seen[band] = f32(1u << band) * exp2(max(exponent, -126.0));
+    }
+    return seen;
+}
+
+// Coarseness within a budget: frco::half_octaves_within, in steps of half an octave.
+fn level_within(visible: vec4<f32>, budget: f32) -> u32 {
+    if !is_finite(visible.x + visible.y + visible.z + visible.w) || !is_finite(budget) {
+        return 0u;
+    }
+    let losses =
+        vec4(0.5 * visible.x, visible.x, visible.x + 0.5 * visible.y, visible.x + visible.y);
+    return 32u * dot(vec4<u32>(losses <= vec4(budget)), vec4(1u));
+}
+
+// The level of the last ring that `chord` has reached.
+fn level_at(chord: f32, rings: vec4<f32>) -> u32 {
+    var level = 0u;
+    for (var i = 0u; i < 4u; i++) {
+        level = select(level, params.levels[i], chord >= rings[i]);
+    }
+    return level;
+}
+
+// Whether it is a tile's turn to be seen at full rate.
+fn is_looked_at(index: u32) -> bool {
+    return params.look_every > 0u
+        && ((index * 0x9e3779b1u) >> 8u) % max(params.look_every, 1u) == params.look_at;
+}
+
+// The coarseness of a tile, from that of the frame before.
+fn decided(tile: vec2<u32>, before: u32) -> u32 {
+    let corners = vec4(corner_pixel(tile), corner_pixel(tile + 1u));
+    let low = params.plane_origin + params.plane_step * corners.xy;
+    let high = params.plane_origin + params.plane_step * corners.zw;
+    let chord = min(chord_to(tile, low, high, params.gaze_left), chord_to(tile, low, high, params.gaze_right));
+    var keep = level_at(chord, params.ring_chords);
+    var grow = level_at(chord, params.coarsening_chords);
+    if params.sensitivity != RINGS_ONLY {
+        let index = tile.y * params.tiles.x + tile.x;
+        let eccentricity = clamp(deg_of_chord(chord) - params.inflation_deg, 0.0, 120.0);
+        let middle = params.plane_origin + params.plane_step * ((corners.xy + corners.zw) * 0.5);
+        let pixels = pixels_per_degree(middle);
+        let is_known = is_finite(pixels) && pixels > 0.0;
+        let luminance = contrast[index].adaptation_cd_m2;
+        var seen = vec4(0.0);
+        if params.sensitivity == CASTLE_CSF {
+            seen = castle_csf(select(4.0, pixels / 4.0, is_known), luminance, eccentricity);
+        } else {
+            seen = tursun(select(4.0, pixels / 2.0, is_known), luminance, eccentricity);
+        }
+        let bands = contrast[index].bands;
+        let visible = seen * vec4(bands[0], bands[1], bands[2], bands[3]);
+        keep = min(keep, level_within(visible, params.budget));
+        grow = min(grow, level_within(visible, params.coarsening_budget));
+        if is_looked_at(index) {
+            keep = 0u;
+        }
+    }
+    grow = min(grow, keep);
+    return max(min(before, keep), min(grow, before + min(params.coarsening, 255u)));
+}
+
+// The coarsest rate whose coarseness a tile has reached.
+fn texel_of(level: u32) -> u32 {
+    var rate = 0u;
+    for (var i = 0u; i < 4u; i++) {
+        rate = select(rate, params.texels[i], level >= params.levels[i]);
+    }
+    return rate;
+}
+
+@compute @workgroup_size(64)
+fn decide(@builtin(global_invocation_id) id: vec3<u32>) {
+    let row_words = (params.tiles.x + 3u) / 4u;
+    if id.x >= row_words * params.tiles.y {
+        return;
+    }
+    let first = vec2(id.x % row_words * 4u, id.x / row_words);
+    let before = memory[id.x];
+    var levels = 0u;
+    var texels = 0u;
+    for (var i = 0u; i < 4u; i++) {
+        let tile = vec2(first.x + i, first.y);
+        if tile.x < params.tiles.x {
+            let level = decided(tile, (before >> (8u * i)) & 0xffu);
+            levels |= level << (8u * i);
+            texels |= texel_of(level) << (8u * i);
+        }
+    }
+    memory[id.x] = levels;
+    rates[id.x] = texels;
+}

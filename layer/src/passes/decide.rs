@@ -1,0 +1,119 @@
+//! `decide`: the rate of each tile of a view, ahead of the passes that draw it, by the newest gaze and sound and by the
+//! contrast that [`super::analyze`] found in the last picture.
+
+pub use parafovea_core::kernels::decide::DecideParams;
+
+use super::analyze::{ViewTiles, rate_row_bytes};
+use crate::gpu::{
+    AppCommands, Bound, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, Owned, Scope,
+};
+use ash::vk;
+use parafovea_core::perception::csf::Stimulus;
+use parafovea_core::perception::csf::castle::FovealTable;
+use std::sync::Arc;
+
+/// Parameters, contrast, the table of sensitivities, coarseness, rates.
+const BINDINGS: [vk::DescriptorType; 5] = [
+    vk::DescriptorType::UNIFORM_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
+];
+
+/// Threads of a workgroup, each of which decides four tiles. The shader has the same number.
+const THREADS: u32 = 64;
+
+/// The pass.
+pub struct Decide {
+    pipeline: Owned<vk::Pipeline>,
+    layout: ComputeLayout,
+    /// castleCSF at the gaze.
+    foveal: DeviceBuffer,
+    gpu: Arc<Gpu>,
+}
+
+/// The tiles of one view, and what they remember from frame to frame.
+pub struct DecideTarget {
+    // In the order in which each may be destroyed.
+    set: ComputeSet,
+    params: DeviceBuffer,
+    _memory: DeviceBuffer,
+    tiles: Arc<ViewTiles>,
+}
+
+impl Decide {
+    /// Prepares the pass.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
+        let layout = ComputeLayout::new(gpu, &BINDINGS)?;
+        let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/decide.spv"));
+        let pipeline = layout.pipeline(spirv, c"decide")?;
+        let usual = Stimulus::default();
+        let table = FovealTable::new(usual.temporal_hz, usual.area_deg2);
+        let bytes = bytemuck::cast_slice(table.texels());
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let foveal =
+            DeviceBuffer::new(gpu, usage, bytes.len() as u64, |content| content.copy_from_slice(bytes))?;
+        Ok(Self { pipeline, layout, foveal, gpu: Arc::clone(gpu) })
+    }
+
+    /// Prepares to decide `tiles`, which all are at full rate until then.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn target(&self, tiles: &Arc<ViewTiles>) -> Result<DecideTarget, GpuError> {
+        let gpu = &self.gpu;
+        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+        let params = DeviceBuffer::new(gpu, usage, size_of::<DecideParams>() as u64, |_| {})?;
+        let [columns, rows] = tiles.tiles();
+        let bytes = u64::from(rate_row_bytes(columns)) * u64::from(rows);
+        let memory = DeviceBuffer::new(gpu, vk::BufferUsageFlags::STORAGE_BUFFER, bytes.max(4), |_| {})?;
+        let bound = [
+            (0, Bound::Buffer(params.handle())),
+            (1, Bound::Buffer(tiles.contrast())),
+            (2, Bound::Buffer(self.foveal.handle())),
+            (3, Bound::Buffer(memory.handle())),
+            (4, Bound::Buffer(tiles.rates())),
+        ];
+        let set = ComputeSet::new(&self.layout, &bound)?;
+        Ok(DecideTarget { set, params, _memory: memory, tiles: Arc::clone(tiles) })
+    }
+
+    /// Records the decision on the tiles of `target`. [`ViewTiles::rates`] hold it afterwards, ready to be copied or to be
+    /// read by compute shaders.
+    ///
+    /// # Errors
+    /// [`GpuError::Invalid`] where `params` are of other tiles; then nothing is recorded.
+    pub fn record(
+        &self,
+        commands: &AppCommands,
+        target: &DecideTarget,
+        params: &DecideParams,
+    ) -> Result<(), GpuError> {
+        let [columns, rows] = target.tiles.tiles();
+        if params.tiles != [columns, rows] {
+            return Err(GpuError::Invalid("parameters of other tiles"));
+        }
+        commands.write_parameters(&target.params, bytemuck::bytes_of(params));
+        commands.memory_barrier(RATES_READ, COMPUTES);
+        let words = rate_row_bytes(columns) / 4 * rows;
+        commands.dispatch(&self.layout, &self.pipeline, &target.set, [words.div_ceil(THREADS), 1]);
+        commands.memory_barrier(COMPUTES, RATES_READ);
+        Ok(())
+    }
+}
+
+/// Who uses the rates: copies to the image that the application's passes are given, and the analysis.
+const RATES_READ: Scope = Scope {
+    stages: vk::PipelineStageFlags::from_raw(
+        vk::PipelineStageFlags::COMPUTE_SHADER.as_raw() | vk::PipelineStageFlags::TRANSFER.as_raw(),
+    ),
+    access: vk::AccessFlags::from_raw(
+        vk::AccessFlags::SHADER_READ.as_raw()
+            | vk::AccessFlags::SHADER_WRITE.as_raw()
+            | vk::AccessFlags::TRANSFER_READ.as_raw(),
+    ),
+};

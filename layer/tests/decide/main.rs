@@ -1,0 +1,257 @@
+//! The pass `decide` on a Vulkan device, under the validation layers where they are installed, compared with its CPU
+//! reference. Where there is no Vulkan device the tests print so and pass.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+#[path = "../analyze/pictures.rs"]
+mod pictures;
+#[path = "../compose/transfer.rs"]
+#[allow(dead_code, reason = "shared with the tests of compose")]
+mod transfer;
+#[path = "../compose/vulkan.rs"]
+#[allow(dead_code, reason = "shared with the tests of compose")]
+mod vulkan;
+
+use ash::vk;
+use glam::{Quat, Vec3};
+use parafovea::gpu::AppCommands;
+use parafovea::passes::analyze::{ViewTiles, rate_row_bytes};
+use parafovea::passes::decide::{Decide, DecideParams};
+use parafovea_core::audio::AudioFeatures;
+use parafovea_core::avpm::{BudgetSettings, SensitivityUnit};
+use parafovea_core::color::Matrix;
+use parafovea_core::gaze::{GazePhase, GazeState};
+use parafovea_core::geometry::Fov;
+use parafovea_core::image::Plane;
+use parafovea_core::kernels::analyze::{Buffers, ContrastSettings, analyze};
+use parafovea_core::kernels::decide::{TileMemory, decide};
+use parafovea_core::perception::ContrastMap;
+use parafovea_core::perception::luminance::luminance_plane;
+use parafovea_core::plan::{
+    AudioVisual, AvailableRates, DeviceRates, EyeInput, EyePlan, LatticeShape, PlanInput, PlanSettings,
+    Planner, RailSettings, RateSettings, Sensitivity, TileLattice, VisibleContrast,
+};
+use parafovea_core::rate::{PAPER_RATES, VULKAN_RATES};
+use std::sync::Arc;
+use vulkan::Vulkan;
+
+const FRAME_NS: i64 = 10_000_000;
+
+/// A view in an image, by tiles of a size.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    offset: [u32; 2],
+    extent: [u32; 2],
+    texel: [u32; 2],
+}
+
+const USUAL: Shape = Shape { offset: [0; 2], extent: [512, 480], texel: [16; 2] };
+
+impl Shape {
+    fn eye<'a>(&self, contrast: &'a ContrastMap) -> EyeInput<'a> {
+        EyeInput {
+            offset: self.offset,
+            extent: self.extent,
+            fov: Fov { left: -0.9, right: 0.75, up: 0.8, down: -0.85 },
+            orientation: Quat::from_rotation_y(0.05),
+            contrast: Some(contrast),
+            refresh: false,
+        }
+    }
+
+    fn contrast(&self, picture: pictures::Picture) -> ContrastMap {
+        let mut luminance = Plane::default();
+        luminance_plane(&pictures::plane(picture, self.extent), 100.0, Matrix::Bt709, &mut luminance);
+        let settings =
+            ContrastSettings { texel: self.texel, overhang: self.offset, ..ContrastSettings::default() };
+        let mut map = ContrastMap::default();
+        analyze(&luminance, &settings, &mut Buffers::default(), &mut map);
+        map
+    }
+}
+
+/// Eyes that rest, jump, and are lost for a while; nearer than the horizon, so that they look apart.
+fn gaze(frame: u64) -> GazeState {
+    let at =
+        [Vec3::NEG_Z, Vec3::new(0.31, 0.13, -1.0), Vec3::new(-0.2, -0.4, -1.0)][(frame / 8) as usize % 3];
+    let apart = Vec3::new(0.03, 0.0, 0.0);
+    let directions = [(at + apart).normalize(), (at - apart).normalize()];
+    let phase = if frame % 24 == 20 { GazePhase::Lost } else { GazePhase::Fixation };
+    GazeState { directions, phase, trust: if frame % 24 == 20 { 0.0 } else { 1.0 }, ..GazeState::LOST }
+}
+
+fn settings(unit: SensitivityUnit, rails: bool, texel: [u32; 2]) -> PlanSettings {
+    let model = AudioVisual {
+        budget: BudgetSettings { unit, ..BudgetSettings::default() },
+        cap: if rails { AudioVisual::default().cap } else { None },
+        ..AudioVisual::default()
+    };
+    let offered: &[_] = if rails { &VULKAN_RATES } else { &PAPER_RATES };
+    PlanSettings {
+        rates: RateSettings::AudioVisual(model),
+        rails: if rails {
+            RailSettings { coarsening_octaves_per_s: 8.0, ..RailSettings::default() }
+        } else {
+            RailSettings::PAPER
+        },
+        device: DeviceRates { available: AvailableRates::new(offered), texel },
+        ..PlanSettings::default()
+    }
+}
+
+/// Both sides of one view.
+struct Both {
+    decide: Decide,
+    vulkan: Vulkan,
+}
+
+/// How many tiles were decided, by contrast or not, and how many differently.
+#[derive(Debug, Default)]
+struct Counts {
+    tiles: usize,
+    coarse: usize,
+    differ: usize,
+}
+
+impl Both {
+    fn new() -> Option<Self> {
+        let vulkan = Vulkan::at(vk::API_VERSION_1_1)?;
+        Some(Self { decide: Decide::new(&vulkan.gpu).unwrap(), vulkan })
+    }
+
+    /// Decides `frames` frames one after the other, on both sides.
+    fn compare(&self, shape: &Shape, settings: PlanSettings, contrast: &ContrastMap, frames: u64) -> Counts {
+        let gpu = &self.vulkan.gpu;
+        let mut planner = Planner::new(settings);
+        let grid = [contrast.tiles.width(), contrast.tiles.height()];
+        let tiles = Arc::new(ViewTiles::new(gpu, grid).unwrap());
+        let bytes: &[u8] = bytemuck::cast_slice(contrast.tiles.texels());
+        self.vulkan.copy(self.vulkan.staging(bytes), tiles.contrast(), bytes.len());
+        let target = self.decide.target(&tiles).unwrap();
+        let mut reference = Reference::new(shape, contrast, &settings);
+        let mut counts = Counts::default();
+        for frame in 0..frames {
+            let input = PlanInput {
+                time_ns: frame as i64 * FRAME_NS,
+                frame,
+                frame_rate_hz: 100.0,
+                eyes: [shape.eye(contrast); 2],
+                head: Quat::IDENTITY,
+                gaze: gaze(frame),
+                audio: Some(AudioFeatures {
+                    loudness_lufs: -32.0 + frame as f32,
+                    gamma_ld: 3.0 + frame as f32 % 20.0,
+                    gamma_fq_kilomel: 1.4,
+                    silent: false,
+                }),
+            };
+            let params = planner.plan(&input).eyes[0].decision.looking(30, frame);
+            assert_eq!(params.tiles, grid);
+            self.vulkan.run(|commands| {
+                // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
+                let commands = unsafe { AppCommands::new(gpu, commands) };
+                self.decide.record(&commands, &target, &params).unwrap();
+            });
+            let row_bytes = rate_row_bytes(grid[0]);
+            let got = self.vulkan.read(tiles.rates(), (row_bytes * grid[1]) as usize);
+            let expected = reference.decided(&params);
+            for (index, expected) in (0..).zip(expected.texels()) {
+                let (x, y) = (index % grid[0], index / grid[0]);
+                counts.tiles += 1;
+                counts.coarse += usize::from(*expected != 0);
+                counts.differ += usize::from(got[(y * row_bytes + x) as usize] != *expected);
+            }
+        }
+        counts
+    }
+}
+
+/// The reference, with the same parameters.
+struct Reference<'a> {
+    lattice: TileLattice,
+    memory: TileMemory,
+    out: EyePlan,
+    due: Vec<bool>,
+    contrast: &'a ContrastMap,
+    sensitivity: Sensitivity,
+}
+
+impl<'a> Reference<'a> {
+    fn new(shape: &Shape, contrast: &'a ContrastMap, settings: &PlanSettings) -> Self {
+        let RateSettings::AudioVisual(model) = settings.rates else { panic!("contrast is judged") };
+        let fov = shape.eye(contrast).fov;
+        let mut lattice = TileLattice::default();
+        let Shape { offset, extent, texel } = *shape;
+        lattice.set(&LatticeShape { offset, extent, fov, texel });
+        let [columns, rows] = lattice.tiles();
+        let mut memory = TileMemory::default();
+        memory.reset((columns * rows) as usize);
+        let rates = Plane::filled(columns, rows, 0);
+        let out = EyePlan { ages: rates.clone(), rates, ..EyePlan::default() };
+        let due = vec![true; (columns * rows) as usize];
+        Self { lattice, memory, out, due, contrast, sensitivity: Sensitivity::new(model.budget.unit) }
+    }
+
+    fn decided(&mut self, params: &DecideParams) -> &Plane<u8> {
+        let judged = VisibleContrast { map: self.contrast, sensitivity: &self.sensitivity };
+        let judged = (params.sensitivity != 0).then_some(judged);
+        decide(params, &mut self.lattice, &self.due, judged, &mut self.memory, &mut self.out);
+        &self.out.rates
+    }
+}
+
+/// Ties: at most one tile in a thousand, of which some have to be coarse for this to say anything.
+fn assert_same(case: &str, counts: &Counts) {
+    assert!(counts.differ * 1000 <= counts.tiles, "{case}: {counts:?}");
+}
+
+#[test]
+fn pictures_are_decided_as_in_the_reference() {
+    let Some(both) = Both::new() else { return };
+    let mut all = Counts::default();
+    for picture in pictures::ALL {
+        let contrast = USUAL.contrast(picture);
+        for unit in [SensitivityUnit::CastleCsf, SensitivityUnit::Tursun] {
+            for rails in [true, false] {
+                let counts = both.compare(&USUAL, settings(unit, rails, USUAL.texel), &contrast, 16);
+                assert_same(&format!("{}, {unit:?}, rails: {rails}", picture.0), &counts);
+                all.tiles += counts.tiles;
+                all.coarse += counts.coarse;
+                all.differ += counts.differ;
+            }
+        }
+    }
+    println!("{all:?}");
+    assert!(all.coarse * 10 > all.tiles && all.coarse * 10 < all.tiles * 9, "{all:?}");
+    both.vulkan.assert_valid();
+}
+
+#[test]
+fn tiles_of_any_size_and_place_are_decided_as_in_the_reference() {
+    let Some(both) = Both::new() else { return };
+    for texel in [[8, 8], [16, 8], [32, 32], [64, 64]] {
+        for (offset, extent) in [([0, 0], [1, 1]), ([89, 13], [301, 270]), ([0, 0], [300, 411])] {
+            let shape = Shape { offset, extent, texel };
+            let contrast = shape.contrast(pictures::ALL[0]);
+            let settings = settings(SensitivityUnit::CastleCsf, true, texel);
+            let counts = both.compare(&shape, settings, &contrast, 26);
+            assert_same(&format!("{shape:?}"), &counts);
+        }
+    }
+    both.vulkan.assert_valid();
+}
+
+#[test]
+fn other_tiles_are_refused() {
+    let Some(both) = Both::new() else { return };
+    let tiles = Arc::new(ViewTiles::new(&both.vulkan.gpu, [3, 2]).unwrap());
+    let target = both.decide.target(&tiles).unwrap();
+    let params: DecideParams = bytemuck::Zeroable::zeroed();
+    both.vulkan.run(|commands| {
+        // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
+        let commands = unsafe { AppCommands::new(&both.vulkan.gpu, commands) };
+        assert!(both.decide.record(&commands, &target, &params).is_err());
+    });
+    both.vulkan.idle();
+    both.vulkan.assert_valid();
+}
