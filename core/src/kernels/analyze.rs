@@ -1,7 +1,7 @@
 //! Reference of the kernel `analyze`: the contrast of each tile of a picture, by octave of spatial frequency.
 //!
 //! Stage by stage, as the GPU does it: [`luminance_plane`](crate::perception::luminance::luminance_plane), then the levels
-//! of the [`Pyramid`], each from the one before, then [`tiles`], and [`restore`] for tiles that were not shaded at 1x1. It
+//! of the [`Pyramid`], each from the one before, then [`tiles`], and [`restore()`] for tiles that were not shaded at 1x1. It
 //! does not depend on the gaze.
 
 mod restore;

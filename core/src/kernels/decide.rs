@@ -60,7 +60,7 @@ uniform! {
 
 impl DecideParams {
     /// With each tile where contrast is judged seen at full rate once in `every` frames (0: never), of which this is number
-    /// `frame`. For contrast that is measured in what was shaded coarsely ([`crate::kernels::analyze::restore`]).
+    /// `frame`. For contrast that is measured in what was shaded coarsely ([`crate::kernels::analyze::restore()`]).
     pub fn looking(mut self, every: u32, frame: u64) -> Self {
         self.look_every = every;
         self.look_at = frame.checked_rem(every.into()).unwrap_or(0) as u32;
