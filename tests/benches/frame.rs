@@ -119,6 +119,16 @@ fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
         let config = format!("preset = \"{preset}\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n");
         Technique::layer(&format!("rates {preset}"), &config)
     }));
+    // Of five regions 1/1, 1/1, 1/2, 1/2 and 1/3 of the frames.
+    techniques.extend(
+        [("reuse", "off", "on", "off"), ("reuse paper", "off", "paper", "off"), ("reuse, rates, chroma", "fixed", "on", "default")]
+            .map(|(name, rates, reuse, chroma)| {
+                let config = format!(
+                    "preset = \"balanced\"\n[rates]\nmode = \"{rates}\"\ngate = \"on\"\n[reuse]\nmode = \"{reuse}\"\n[chroma]\nmode = \"{chroma}\"\n"
+                );
+                Technique::layer(name, &config)
+            }),
+    );
     let Some(wanted) = wanted else { return Ok(techniques) };
     let known = |name: &String| techniques.iter().any(|technique| technique.name == *name);
     if let Some(unknown) = wanted.iter().find(|name| !known(name)) {

@@ -16,5 +16,6 @@ mod overhead;
 mod pictures;
 mod rates;
 mod readme;
+mod reuse;
 mod shading_rate;
 mod swapchain_cases;
