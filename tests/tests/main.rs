@@ -17,5 +17,6 @@ mod pictures;
 mod rates;
 mod readme;
 mod reuse;
+mod schedule;
 mod shading_rate;
 mod swapchain_cases;
