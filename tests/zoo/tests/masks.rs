@@ -4,6 +4,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+#[path = "common/drawn.rs"]
+mod drawn;
 #[path = "common/effort.rs"]
 mod effort;
 #[path = "common/noted.rs"]
@@ -11,6 +13,7 @@ mod noted;
 #[path = "masks/reuse.rs"]
 mod reuse;
 
+use drawn::mean;
 use effort::{Effort, is_full};
 use glam::{Quat, Vec3};
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -279,14 +282,4 @@ impl Rings {
         }
         assert!(compared > 100, "eye {eye}: only {compared} pixels were compared");
     }
-}
-
-/// Over all pixels and colour channels.
-fn mean(picture: &Picture) -> f64 {
-    let sum: f64 = picture
-        .pixels
-        .iter()
-        .map(|pixel| pixel[..3].iter().map(|&value| f64::from(value)).sum::<f64>())
-        .sum();
-    sum / picture.pixels.len() as f64 / 3.0
 }

@@ -3,16 +3,19 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+#[path = "common/drawn.rs"]
+mod drawn;
 #[path = "common/effort.rs"]
 mod effort;
 
+use drawn::{AS_PUBLISHED, PERIOD, compare};
 use effort::{Effort, is_full};
 use libtest_mimic::{Arguments, Failed, Trial};
 use parafovea_test_layers::{
     ShadingRateFinding, ShadingRateLine, ShadingRateMap, ShadingRatePass, ShadingRateProfile,
 };
 use parafovea_tests::run::{Application, Message, Outcome, Run};
-use parafovea_tests::scenario::Scenario;
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use parafovea_zoo::{Eyes, PassTruth, Queues, SKIPPED, STYLES, Style};
 use std::process::ExitCode;
 
@@ -45,9 +48,58 @@ fn main() -> ExitCode {
             vec![trial(MapOf::StillGaze, profile)]
         }
     });
+    let of_reuse = STYLES.iter().filter(|style| is_full() || REUSED.contains(&style.name));
+    let reused = of_reuse.zip(ShadingRateProfile::ALL.into_iter().cycle()).map(|(style, profile)| {
+        Trial::test(format!("{} on {}, re-used", style.name, profile.name()), move || {
+            check_reuse(style, profile)
+        })
+    });
     let left_alone =
         LEFT_ALONE.into_iter().map(|(name, option)| Trial::test(name, || check_left_alone(option)));
-    libtest_mimic::run(&Arguments::from_args(), trials.chain(left_alone).collect()).exit_code()
+    libtest_mimic::run(&Arguments::from_args(), trials.chain(reused).chain(left_alone).collect()).exit_code()
+}
+
+/// Styles whose periphery is re-used in every test: on this backend all take the same way.
+const REUSED: [&str; 6] = [
+    "render-pass",
+    "dynamic-rendering",
+    "multiview",
+    "double-wide",
+    "offscreen-tonemap",
+    "dynamic-resolution",
+];
+
+/// Tiles that are left out are shaded as coarsely as can be, and shown as they were drawn before.
+fn check_reuse(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed> {
+    let effort = Effort::or_share(12, SHARE.size);
+    // As for masks.
+    let last = effort.frames - 2;
+    let saved: Vec<u64> = (last + 1 - PERIOD..=last).collect();
+    let scenario = effort.scenario().saving(&saved);
+    let on = run(style, effort, profile, AS_PUBLISHED, scenario.clone())?;
+    if let Some(skipped) = on.output.lines().find(|line| line.starts_with(SKIPPED)) {
+        println!("{}: {skipped}", style.name);
+        return Ok(());
+    }
+    let on = on.expect_frames(effort.frames)?;
+    let is_new = |found: &&Message| !found.text.contains(COPY_OF_MAP);
+    let messages: Vec<&Message> = on.findings.vulkan.iter().filter(is_new).collect();
+    assert!(messages.is_empty(), "{messages:#?}");
+    assert!(on.record.errors.is_empty(), "{:#?}", on.record.errors);
+    let (findings, seen) = lines(on.shading_rates()?);
+    assert_eq!(findings, []);
+    assert!(
+        seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse),
+        "nothing was left out\n{}",
+        on.log
+    );
+    let off = Run::new(&application(style, effort)?, &scenario).finish()?.expect_frames(effort.frames)?;
+    for eye in 0..2 {
+        let off =
+            saved.iter().rev().map(|frame| off.submitted(eye, *frame)).collect::<Result<Vec<_>, _>>()?;
+        compare(style, eye, &on.submitted(eye, last)?, &off);
+    }
+    Ok(())
 }
 
 /// Where the eyes look.
@@ -84,14 +136,16 @@ fn run(
     config: &str,
     scenario: Scenario,
 ) -> Result<Outcome, Failed> {
-    let (size, frames) = (effort.size.to_string(), effort.frames.to_string());
-    let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
-    let application = Application::ours("parafovea-zoo", &arguments)?;
-    let run = Run::new(&application, &scenario)
+    let run = Run::new(&application(style, effort)?, &scenario)
         .validated_from(style.headers)
         .two_queues(style.needs.queues == Queues::Two)
         .shading_rates(profile);
     Ok(run.on(config).finish()?)
+}
+
+fn application(style: &Style, effort: Effort) -> Result<Application, Failed> {
+    let (size, frames) = (effort.size.to_string(), effort.frames.to_string());
+    Ok(Application::ours("parafovea-zoo", &["--style", style.name, "--size", &size, "--frames", &frames])?)
 }
 
 fn check(style: &Style, profile: ShadingRateProfile, gaze: MapOf) -> Result<(), Failed> {
