@@ -28,7 +28,7 @@ pub struct Row {
 pub struct Comparison {
     /// That of the first technique.
     pub baseline: f64,
-    /// `value` / `baseline`; of times the median of the turns' ratios.
+    /// `value` / `baseline`; of times as [`Samples::ratio_to`] has it.
     pub ratio: f64,
     /// Half of the interquartile range of the turns' ratios, where there are turns.
     pub spread: Option<f64>,
