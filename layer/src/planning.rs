@@ -118,6 +118,7 @@ impl Planning {
     /// A frame begins, to be shown at `time_ns`.
     pub fn frame_begins(&mut self, time_ns: i64) {
         self.frame += 1;
+        self.views.frame_begins();
         self.has_history = std::mem::take(&mut self.keeps_history);
         let begun_ns = self.begun_ns.replace(time_ns);
         let passed_ns = begun_ns.map(|begun_ns| time_ns.saturating_sub(begun_ns));
@@ -230,6 +231,7 @@ impl Planning {
             self.settings = settings;
             planner.set_settings(settings);
         }
+        planner.set_drift(self.views.drift_arcmin());
         planner.plan(&input);
         self.last = Some(Last { time_ns, frame: self.frame });
         true

@@ -6,7 +6,7 @@ use super::frame::FramePlan;
 use super::input::{EyeInput, PlanInput};
 use super::rails::RailMemory;
 use super::reasons::{Reason, Reasons};
-use super::rules::{FrameRules, Permit};
+use super::rules::{AgeLimits, FrameRules, Permit};
 use super::sensitivity::Sensitivity;
 use super::settings::{PlanSettings, RateSettings, Turns};
 use super::statistics::Statistics;
@@ -27,6 +27,8 @@ pub struct Planner {
     sensitivity: Option<Sensitivity>,
     rails: RailMemory,
     cap: PeriodCap,
+    /// How far what is re-used may be out of place for each frame that it is old, arc minutes.
+    drift_arcmin: f32,
     /// Present where the schedule can leave something out.
     ages: Option<CellAges>,
     eyes: [EyeMemory; 2],
@@ -41,6 +43,7 @@ impl Planner {
             sensitivity: None,
             rails: RailMemory::default(),
             cap: PeriodCap::default(),
+            drift_arcmin: 0.0,
             ages: None,
             eyes: Default::default(),
             plan: FramePlan::default(),
@@ -52,6 +55,13 @@ impl Planner {
     /// What it plans with, the rails in numbers that can be used.
     pub fn settings(&self) -> &PlanSettings {
         &self.settings
+    }
+
+    /// Says how far what is re-used may be out of place for each frame that it is old, after the head's turn is accounted for:
+    /// arc minutes, by its translation and the distance of what is near. Holds until it is said anew; 0 at first. What
+    /// is no number counts as infinite, and then nothing is re-used.
+    pub fn set_drift(&mut self, arcmin: f32) {
+        self.drift_arcmin = if arcmin.is_nan() { f32::INFINITY } else { arcmin.abs() };
     }
 
     /// Plans with `settings` from now on. Tiles keep what they remember, so that an edit does not show as a jump.
@@ -79,8 +89,9 @@ impl Planner {
     pub fn plan(&mut self, input: &PlanInput) -> &FramePlan {
         let mut reasons = Reasons::default();
         let rails = self.rails.frame(&self.settings.rails, input.time_ns, &input.gaze, &mut reasons);
-        let cap = self.cap.update(input.frame_rate_hz);
-        let rules = FrameRules::new(&self.settings, rails, input.audio.as_ref(), cap, &mut reasons);
+        let period_cap = self.cap.update(input.frame_rate_hz);
+        let limits = AgeLimits { period_cap, drift_arcmin: self.drift_arcmin };
+        let rules = FrameRules::new(&self.settings, rails, input.audio.as_ref(), limits, &mut reasons);
         let head = rotation(input.head).unwrap_or(Quat::IDENTITY);
         if let (Some(ages), Some(schedule)) = (&mut self.ages, &rules.schedule) {
             ages.advance(schedule, input.frame, rules.centres.map(|centre| head * centre));

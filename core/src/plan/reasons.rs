@@ -30,6 +30,8 @@ pub enum Reason {
     NothingMeasured,
     /// The periphery is updated more often than the settings ask for, for the sake of the least frequency.
     LeastFrequency,
+    /// Regions are updated more often, because the head's translation moves what is near visibly.
+    HeadMoves,
     /// All tiles are rendered, because that was asked for.
     Refresh,
     /// The clock did not advance: nothing becomes coarser.
@@ -40,7 +42,7 @@ pub enum Reason {
 
 impl Reason {
     /// All of them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::GazeInvalid,
         Self::GazeHeld,
         Self::GazeFading,
@@ -53,6 +55,7 @@ impl Reason {
         Self::Silence,
         Self::NothingMeasured,
         Self::LeastFrequency,
+        Self::HeadMoves,
         Self::Refresh,
         Self::ClockStopped,
         Self::ViewMalformed,
@@ -74,6 +77,7 @@ impl fmt::Display for Reason {
             Self::Silence => "silence",
             Self::NothingMeasured => "no sound or contrast known: fixed foveation",
             Self::LeastFrequency => "periphery kept at its least frequency",
+            Self::HeadMoves => "head moves: regions updated before that shows",
             Self::Refresh => "refresh demanded: every tile rendered",
             Self::ClockStopped => "clock stands: no coarsening",
             Self::ViewMalformed => "view without a usable field of view: full rate",

@@ -4,12 +4,13 @@ use super::lattice::TileLattice;
 use super::rails::{Area, FrameRails};
 use super::reasons::{Reason, Reasons};
 use super::rings::Rings;
-use super::settings::{AudioVisual, PlanSettings, RateSettings};
+use super::settings::{AudioVisual, PlanSettings, RateSettings, Turns};
 use crate::audio::AudioFeatures;
 use crate::avpm::{Budget, SensitivityUnit};
 use crate::fixed_foveation::FixedFoveation;
 use crate::kernels::decide::DecideParams;
-use crate::schedule::{Schedule, UpdateConfiguration};
+use crate::schedule::refresh::visible_shift_arcmin;
+use crate::schedule::{MAX_FACTOR, REGIONS, Regions, Schedule, UpdateConfiguration};
 use glam::Vec3;
 
 /// What holds for all tiles of one frame.
@@ -24,6 +25,28 @@ pub(super) struct FrameRules {
     pub(super) judged: Option<Permit>,
     /// What is rendered less often, with everything that makes it more often; nothing where all is rendered.
     pub(super) schedule: Option<Schedule>,
+}
+
+/// What limits how old anything may become.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AgeLimits {
+    /// Longest period at the measured frame rate, frames.
+    pub(super) period_cap: u8,
+    /// How far what is re-used is out of place for each frame that it is old, arc minutes; not a number below 0.
+    pub(super) drift_arcmin: f32,
+}
+
+impl AgeLimits {
+    /// For each region the longest period after which what is near is not seen to be out of place where the region begins,
+    /// frames.
+    fn unseen(&self, regions: &Regions) -> [u8; REGIONS] {
+        let [a, b, c, d] = regions.radii_deg;
+        [0.0, a, b, c, d].map(|begins_deg| {
+            // Infinite where nothing drifts.
+            let frames = visible_shift_arcmin(begins_deg) / self.drift_arcmin;
+            frames.clamp(0.0, f32::from(MAX_FACTOR) - 1.0) as u8 + 1
+        })
+    }
 }
 
 /// How coarse tiles may be.
@@ -45,7 +68,7 @@ impl FrameRules {
         settings: &PlanSettings,
         rails: FrameRails,
         audio: Option<&AudioFeatures>,
-        period_cap: u8,
+        limits: AgeLimits,
         reasons: &mut Reasons,
     ) -> Self {
         let around_gaze = matches!(rails.area, Area::AroundGaze(_));
@@ -73,7 +96,7 @@ impl FrameRules {
             },
             fixed,
             judged,
-            schedule: if around_gaze { schedule(settings, &rails, period_cap, reasons) } else { None },
+            schedule: if around_gaze { schedule(settings, &rails, limits, reasons) } else { None },
         }
     }
 
@@ -163,15 +186,21 @@ fn judged(
 fn schedule(
     settings: &PlanSettings,
     rails: &FrameRails,
-    period_cap: u8,
+    limits: AgeLimits,
     reasons: &mut Reasons,
 ) -> Option<Schedule> {
     let updates = settings.schedule.as_ref()?;
     let asked = updates.schedule.configuration;
     let followed = if rails.pursuit && updates.faster_in_pursuit { asked.faster() } else { asked };
     reasons.insert_if(followed != asked, Reason::Pursuit);
-    let configuration = if updates.uncapped { followed } else { followed.capped(period_cap) };
-    reasons.insert_if(configuration != followed, Reason::LeastFrequency);
+    let capped = if updates.uncapped { followed } else { followed.capped(limits.period_cap) };
+    reasons.insert_if(capped != followed, Reason::LeastFrequency);
+    let configuration = match updates.turns {
+        Turns::Directions => capped.limited(limits.unseen(&updates.schedule.regions)),
+        // What stays where it is in the picture is out of place by every turn of the head too.
+        Turns::Tiles => capped,
+    };
+    reasons.insert_if(configuration != capped, Reason::HeadMoves);
     (configuration != UpdateConfiguration::F11111).then(|| Schedule {
         regions: updates.schedule.regions.enlarged(rails.inflation_deg),
         configuration,

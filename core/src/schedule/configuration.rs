@@ -81,6 +81,18 @@ impl UpdateConfiguration {
         Self(self.0.map(|factor| factor.min(cap.max(1))))
     }
 
+    /// The same with no region's factor above its own cap, the centre's first, of which none counts as less than 1 or than the
+    /// one before it. The rules of [`Self::new`] still hold.
+    pub fn limited(self, caps: [u8; REGIONS]) -> Self {
+        let (mut cap, mut most) = (1, MAX_FACTOR);
+        Self(std::array::from_fn(|region| {
+            cap = caps[region].max(cap);
+            let factor = self.0[region].min(cap).min(most);
+            most = factor + 1;
+            factor
+        }))
+    }
+
     /// One step faster: every factor above 1 less by one. For what is noticed more readily, such as pursuit
     /// (paper B, section 6: following an object is worse than fixating).
     pub fn faster(self) -> Self {

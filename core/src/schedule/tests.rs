@@ -57,6 +57,18 @@ proptest! {
     }
 
     #[test]
+    fn each_region_keeps_its_own_cap(configuration in configurations(), caps in proptest::array::uniform5(0u8..12)) {
+        let limited = configuration.limited(caps);
+        prop_assert!(UpdateConfiguration::new(limited.factors()).is_ok());
+        let mut cap = 1;
+        for ((new, old), own) in limited.factors().into_iter().zip(configuration.factors()).zip(caps) {
+            cap = own.max(cap);
+            prop_assert!(new <= cap && new <= old);
+        }
+        prop_assert_eq!(configuration.limited([9; REGIONS]), configuration);
+    }
+
+    #[test]
     fn a_direction_is_due_once_in_any_period(
         start in prop_oneof![0..u64::MAX - 9, 0..1000u64],
         x in -1f32..1.0, y in -1f32..1.0, z in -1f32..1.0,

@@ -48,6 +48,12 @@ pub fn head_of(views: impl IntoIterator<Item = Quat>) -> Option<Quat> {
 pub struct Views {
     eyes: [Eye; 2],
     nearest_m: Option<f32>,
+    /// Where the head is, in the space in which the application locates its views, metres.
+    head: Option<Vec3>,
+    /// Where it was in the frame before.
+    last_head: Option<Vec3>,
+    /// How far it moved within the last frame, metres.
+    moved_m: f32,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -72,11 +78,25 @@ struct ShownFov {
 }
 
 impl Views {
+    /// A frame begins.
+    pub fn frame_begins(&mut self) {
+        let moved = self.head.zip(self.last_head).map(|(head, last)| head.distance(last));
+        self.moved_m = moved.unwrap_or_default();
+        self.last_head = self.head;
+    }
+
+    /// How far the nearest of what is shown is out of place in a picture that is a frame old, arc minutes, after the head's turn
+    /// is accounted for, as fast as the head moved from the frame before the last one to that.
+    pub fn drift_arcmin(&self) -> f32 {
+        (self.moved_m / self.nearest_m()).atan().to_degrees() * 60.0
+    }
+
     /// The application located its views. Only the first two are eyes.
     pub fn located(&mut self, views: &[View]) {
         let views = &views[..views.len().min(2)];
         let Some(head) = head_of(views.iter().map(|view| view.orientation)) else { return };
         let middle = middle_of(views.iter());
+        self.head = Some(middle);
         for (eye, view) in self.eyes.iter_mut().zip(views) {
             eye.located = Some(view.fov);
             eye.place(head, middle, view);
@@ -281,6 +301,26 @@ mod tests {
         assert_eq!(views.seen().unwrap().map(|(fov, _)| fov), [FOV; 2]);
         views.located(&canted(Quat::IDENTITY)[..1]);
         assert_eq!(views.positions()[0], Vec3::ZERO, "one view is the head");
+    }
+
+    #[test]
+    fn a_head_that_moves_makes_what_is_near_drift() {
+        let mut views = Views::default();
+        let at = |x: f32| {
+            canted(Quat::IDENTITY).map(|view| View { position: view.position + Vec3::X * x, ..view })
+        };
+        views.frame_begins();
+        assert_eq!(views.drift_arcmin(), 0.0, "nothing is known");
+        for frame in 0..4 {
+            views.located(&at(0.002 * frame as f32));
+            views.frame_begins();
+        }
+        // 2 mm at 0.4 m.
+        assert!((views.drift_arcmin() - 17.19).abs() < 0.01, "{}", views.drift_arcmin());
+        views.set_nearest(Some(2.0));
+        assert!((views.drift_arcmin() - 3.44).abs() < 0.01, "{}", views.drift_arcmin());
+        views.frame_begins();
+        assert_eq!(views.drift_arcmin(), 0.0, "where it was");
     }
 
     #[test]

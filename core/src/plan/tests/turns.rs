@@ -73,6 +73,28 @@ fn a_map_says_what_is_stale() {
     assert_eq!(map, expected.collect::<Vec<_>>());
 }
 
+/// A frame old, what drifts by 20 arc minutes is seen up to 14.2 degrees; two frames old, up to 29.4.
+#[test]
+fn what_drifts_visibly_is_rendered_more_often() {
+    let mut planner = Planner::new(with_schedule(UpdateConfiguration::F11223, Phase::Staggered));
+    for (drift_arcmin, periods) in [
+        (0.0, [1, 1, 2, 2, 3]),
+        (10.0, [1, 1, 2, 2, 3]),
+        (-20.0, [1, 1, 1, 2, 3]),
+        (30.0, [1, 1, 1, 1, 2]),
+        (60.0, [1; 5]),
+        (f32::NAN, [1; 5]),
+    ] {
+        planner.set_drift(drift_arcmin);
+        let plan = settled(&mut planner, input());
+        assert_eq!(plan.reasons.contains(Reason::HeadMoves), periods != [1, 1, 2, 2, 3], "{drift_arcmin}");
+        assert_eq!(plan.periods, periods, "{drift_arcmin}");
+    }
+    planner = Planner::new(as_published(UpdateConfiguration::F12345));
+    planner.set_drift(60.0);
+    assert_eq!(settled(&mut planner, input()).periods, [1, 2, 3, 4, 5]);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
