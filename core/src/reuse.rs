@@ -9,7 +9,7 @@ mod lists;
 mod stale_tiles;
 
 pub use history::{Footprint, Picture, Reuse, Source};
-pub use lists::TileLists;
+pub use lists::{Strip, TileLists};
 pub use stale_tiles::StaleTiles;
 
 /// Most earlier pictures that are looked into: a period of [`crate::schedule::MAX_FACTOR`] frames less the newest one.

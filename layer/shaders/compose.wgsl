@@ -117,9 +117,11 @@ struct ReuseParams {
     earlier_extent: vec2<f32>,
     tile_size: vec2<f32>,
     tiles: vec2<u32>,
+    earlier_tiles: vec2<f32>,
+    earlier_grid: vec2<u32>,
     first_word: u32,
+    earlier_word: u32,
     age: u32,
-    ages: u32,
     border: f32,
     matrices: array<vec4<f32>, 24>,
     extents: array<vec4<f32>, 8>,
@@ -158,38 +160,73 @@ fn listed_with_work(@builtin(vertex_index) vertex: u32, @builtin(instance_index)
     return listed_corner(vertex, low, high);
 }
 
+struct Strip {
+    @builtin(position) position: vec4<f32>,
+    // Which of the nine tiles from the upper left to the lower right of its own are stale.
+    @location(0) @interpolate(flat) stale: u32,
+}
+
+// As `listed`, but for one of four strips of a tile, as wide as borders: the upper, lower, left and right one.
+@vertex
+fn listed_strip(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Strip {
+    let entry = words[instance];
+    let strip = entry >> 30u;
+    let size = reuse.tile_size;
+    let width = min(vec2(reuse.border), size * 0.5);
+    let is_row = strip < 2u;
+    let is_second = (strip & 1u) == 1u;
+    let start = select(vec2(0.0), size - width, is_second);
+    let end = select(width, size, is_second);
+    let low = select(vec2(start.x, width.y), vec2(0.0, start.y), is_row);
+    let high = select(vec2(end.x, size.y - width.y), vec2(size.x, end.y), is_row);
+    let corner = tile_low(entry & 0x3fffffffu);
+    let extent = vec2<f32>(params.rect_extent);
+    let tile = entry & 0x3fffffffu;
+    var stale = 0u;
+    for (var i = 0; i < 9; i++) {
+        let beside = vec2<i32>(vec2(tile % reuse.tiles.x, tile / reuse.tiles.x)) + vec2(i % 3, i / 3) - 1;
+        stale |= u32(is_stale(beside, reuse.tiles, reuse.first_word)) << u32(i);
+    }
+    return Strip(listed_corner(vertex, min(corner + low, extent), min(corner + high, extent)), stale);
+}
+
 fn is_stale(tile: vec2<i32>, tiles: vec2<u32>, first_word: u32) -> bool {
     let is_inside = all(tile >= vec2(0)) && all(vec2<u32>(tile) < tiles);
     let index = select(0u, u32(tile.y) * tiles.x + u32(tile.x), is_inside);
     return is_inside && ((words[first_word + index / 32u] >> (index % 32u)) & 1u) == 1u;
 }
 
-// Whether the tile at a point of the earlier picture of that index was rendered.
-fn is_fresh_at(index: u32, point: vec2<f32>) -> bool {
-    let grid = reuse.grids[index];
-    let tile = min(vec2<u32>(point * reuse.extents[index].xy), max(grid.xy, vec2(1u)) - 1u);
+// Whether a picture has what a point shows: in which tiles of that grid it was rendered, from a place of the words on.
+fn has(homogeneous: vec3<f32>, extents: vec4<f32>, grid: vec3<u32>) -> bool {
+    let at = homogeneous.xy / homogeneous.z;
+    let is_inside = homogeneous.z > 0.0 && all(at >= vec2(0.0)) && all(at <= extents.zw);
+    return is_inside && is_fresh_at(at, extents.xy, grid);
+}
+
+fn is_fresh_at(point: vec2<f32>, tiles: vec2<f32>, grid: vec3<u32>) -> bool {
+    let tile = min(vec2<u32>(point * tiles), max(grid.xy, vec2(1u)) - 1u);
     return !is_stale(vec2<i32>(tile), grid.xy, grid.z);
 }
 
-// The newest age in which what a point shows was rendered; 0 for none.
-fn newest_age(point: vec2<f32>) -> u32 {
-    for (var index = 0u; index < reuse.ages; index++) {
-        let homogeneous = reuse.matrices[3u * index].xyz * point.x
-            + reuse.matrices[3u * index + 1u].xyz * point.y
-            + reuse.matrices[3u * index + 2u].xyz;
-        let at = homogeneous.xy / homogeneous.z;
-        let is_inside = homogeneous.z > 0.0 && all(at >= vec2(0.0)) && all(at <= reuse.extents[index].zw);
-        if is_inside && is_fresh_at(index, at) {
-            return index + 1u;
-        }
-    }
-    return 0u;
+// Where a point lies in the picture of this draw, not divided.
+fn in_earlier(point: vec2<f32>) -> vec3<f32> {
+    return reuse.matrix[0].xyz * point.x + reuse.matrix[1].xyz * point.y + reuse.matrix[2].xyz;
 }
 
-// Where a point lies in the picture of this draw.
-fn in_earlier(point: vec2<f32>) -> vec2<f32> {
-    let homogeneous = reuse.matrix[0].xyz * point.x + reuse.matrix[1].xyz * point.y + reuse.matrix[2].xyz;
-    return homogeneous.xy / homogeneous.z;
+fn earlier_grid() -> vec3<u32> {
+    return vec3(reuse.earlier_grid, reuse.earlier_word);
+}
+
+// Whether the picture of this draw is the newest that has what a point shows.
+fn is_newest(point: vec2<f32>, homogeneous: vec3<f32>) -> bool {
+    var is_newest = has(homogeneous, vec4(reuse.earlier_tiles, reuse.earlier_extent), earlier_grid());
+    for (var index = 0u; index + 1u < reuse.age; index++) {
+        let newer = reuse.matrices[3u * index].xyz * point.x
+            + reuse.matrices[3u * index + 1u].xyz * point.y
+            + reuse.matrices[3u * index + 2u].xyz;
+        is_newest = is_newest && !has(newer, reuse.extents[index], reuse.grids[index].xyz);
+    }
+    return is_newest;
 }
 
 fn earlier_texel(texel: vec2<f32>) -> vec4<f32> {
@@ -214,18 +251,24 @@ fn whole_footprint(at: vec2<f32>) -> vec4<f32> {
         + weighted(high, share.x * share.y);
 }
 
+fn whole_pixel(point: vec2<f32>) -> vec4<f32> {
+    let homogeneous = in_earlier(point);
+    return whole_footprint(homogeneous.xy / homogeneous.z);
+}
+
 // Of those that were rendered.
 fn mixed_footprint(at: vec2<f32>) -> vec4<f32> {
     let base = floor(at - 0.5);
     let share = at - 0.5 - base;
     let low = clamp(base, vec2(0.0), reuse.earlier_extent - 1.0);
     let high = clamp(base + 1.0, vec2(0.0), reuse.earlier_extent - 1.0);
-    let index = reuse.age - 1u;
+    let tiles = reuse.earlier_tiles;
+    let grid = earlier_grid();
     let fresh = vec4(
-        f32(is_fresh_at(index, low + 0.5)),
-        f32(is_fresh_at(index, vec2(high.x, low.y) + 0.5)),
-        f32(is_fresh_at(index, vec2(low.x, high.y) + 0.5)),
-        f32(is_fresh_at(index, high + 0.5)),
+        f32(is_fresh_at(low + 0.5, tiles, grid)),
+        f32(is_fresh_at(vec2(high.x, low.y) + 0.5, tiles, grid)),
+        f32(is_fresh_at(vec2(low.x, high.y) + 0.5, tiles, grid)),
+        f32(is_fresh_at(high + 0.5, tiles, grid)),
     );
     let rest = 1.0 - share;
     let weights = fresh * vec4(rest.x * rest.y, share.x * rest.y, rest.x * share.y, share.x * share.y);
@@ -247,28 +290,29 @@ fn attenuated(rgba: vec4<f32>, point: vec2<f32>) -> vec4<f32> {
 }
 
 fn mixed_pixel(point: vec2<f32>) -> vec4<f32> {
-    if newest_age(point) != reuse.age {
+    let homogeneous = in_earlier(point);
+    if !is_newest(point, homogeneous) {
         discard;
     }
-    return mixed_footprint(in_earlier(point));
+    return mixed_footprint(homogeneous.xy / homogeneous.z);
 }
 
 // How much of a fresh pixel beside stale tiles is taken from the earlier picture.
-fn border_share(point: vec2<f32>) -> f32 {
-    let tile = vec2<i32>(point / reuse.tile_size);
-    var nearest = reuse.border;
-    for (var i = 0; i < 9; i++) {
-        let beside = tile + vec2(i % 3, i / 3) - 1;
-        let low = vec2<f32>(beside) * reuse.tile_size;
-        let away = length(max(max(low - point, point - low - reuse.tile_size), vec2(0.0)));
-        nearest = select(nearest, min(nearest, away), is_stale(beside, reuse.tiles, reuse.first_word));
+fn border_share(point: vec2<f32>, stale: u32) -> f32 {
+    let near = point - floor(point / reuse.tile_size) * reuse.tile_size;
+    let far = reuse.tile_size - near;
+    var nearest = reuse.border * reuse.border;
+    for (var i = 0u; i < 9u; i++) {
+        let x = select(select(0.0, far.x, i % 3u == 2u), near.x, i % 3u == 0u);
+        let y = select(select(0.0, far.y, i / 3u == 2u), near.y, i / 3u == 0u);
+        nearest = select(nearest, min(nearest, x * x + y * y), ((stale >> i) & 1u) == 1u);
     }
-    return 1.0 - nearest / reuse.border;
+    return 1.0 - sqrt(nearest) / reuse.border;
 }
 
 // Multiplied by its share, which blending reads as alpha.
-fn border_pixel(point: vec2<f32>, rgba: vec4<f32>) -> vec4<f32> {
-    let share = border_share(point);
+fn border_pixel(point: vec2<f32>, stale: u32, rgba: vec4<f32>) -> vec4<f32> {
+    let share = border_share(point, stale);
     if share <= 0.0 {
         discard;
     }
@@ -293,13 +337,13 @@ fn still_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4
 
 @fragment
 fn whole(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    return whole_footprint(in_earlier(point_of(position)));
+    return whole_pixel(point_of(position));
 }
 
 @fragment
 fn whole_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let point = point_of(position);
-    return attenuated(whole_footprint(in_earlier(point)), point);
+    return attenuated(whole_pixel(point), point);
 }
 
 @fragment
@@ -314,13 +358,13 @@ fn mixed_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4
 }
 
 @fragment
-fn border(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let point = point_of(position);
-    return border_pixel(point, mixed_pixel(point));
+fn border(strip: Strip) -> @location(0) vec4<f32> {
+    let point = point_of(strip.position);
+    return border_pixel(point, strip.stale, mixed_pixel(point));
 }
 
 @fragment
-fn border_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let point = point_of(position);
-    return border_pixel(point, attenuated(mixed_pixel(point), point));
+fn border_attenuated(strip: Strip) -> @location(0) vec4<f32> {
+    let point = point_of(strip.position);
+    return border_pixel(point, strip.stale, attenuated(mixed_pixel(point), point));
 }

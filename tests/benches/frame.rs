@@ -121,7 +121,7 @@ fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
     }));
     // Of five regions 1/1, 1/1, 1/2, 1/2 and 1/3 of the frames.
     techniques.extend(
-        [("reuse", "off", "on", "off"), ("reuse paper", "off", "paper", "off"), ("reuse, rates, chroma", "fixed", "on", "default")]
+        [("reuse", "off", "on", "off"), ("reuse paper", "off", "paper", "off"), ("everything", "fixed", "on", "default")]
             .map(|(name, rates, reuse, chroma)| {
                 let config = format!(
                     "preset = \"balanced\"\n[rates]\nmode = \"{rates}\"\ngate = \"on\"\n[reuse]\nmode = \"{reuse}\"\n[chroma]\nmode = \"{chroma}\"\n"

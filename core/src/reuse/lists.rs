@@ -18,10 +18,44 @@ pub struct TileLists {
     pub whole: [Vec<u32>; MAX_AGES],
     /// Other stale tiles of which a part may be taken from the picture of that age.
     pub mixed: [Vec<u32>; MAX_AGES],
-    /// Fresh tiles beside stale ones that can be blended with the picture of that age.
+    /// Parts of fresh tiles beside stale ones that can be blended with the picture of that age: the tile, and in bits 30 and 31
+    /// which [`Strip`] of it.
     pub border: [Vec<u32>; MAX_AGES],
     /// The corners of all tiles in each earlier picture, row by row; NaN where it does not show them.
     corners: [Vec<Vec2>; MAX_AGES],
+}
+
+/// A part of a tile along its edge, as wide as the border: rows from end to end, and columns between those.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Strip {
+    /// The upper row.
+    Upper = 0,
+    /// The lower row.
+    Lower = 1,
+    /// The left column.
+    Left = 2,
+    /// The right column.
+    Right = 3,
+}
+
+impl Strip {
+    const ALL: [Self; 4] = [Self::Upper, Self::Lower, Self::Left, Self::Right];
+
+    /// The entry of a tile of that index.
+    pub const fn of(self, tile: u32) -> u32 {
+        tile | (self as u32) << 30
+    }
+
+    /// Which of the tiles around, in the order of [`AROUND`], are near its pixels.
+    const fn neighbours(self) -> &'static [usize] {
+        match self {
+            Self::Upper => &[0, 1, 2, 3, 4],
+            Self::Lower => &[3, 4, 5, 6, 7],
+            Self::Left => &[3],
+            Self::Right => &[4],
+        }
+    }
 }
 
 /// How much of a tile a picture has.
@@ -33,8 +67,8 @@ enum Has {
 }
 
 impl TileLists {
-    /// Sorts the tiles of the newest picture; those beside stale ones are only looked for where there are `borders`.
-    pub fn update(&mut self, reuse: &Reuse, borders: bool) {
+    /// Sorts the tiles of the newest picture. Those beside stale ones are blended up to `border` pixels away from them.
+    pub fn update(&mut self, reuse: &Reuse, border: f32) {
         self.clear();
         let now = reuse.now();
         let [columns, rows] = now.stale.tiles();
@@ -48,8 +82,8 @@ impl TileLists {
                     self.add_stale(reuse, tile);
                 } else {
                     self.fresh.push(row * columns + column);
-                    if borders && has_stale_neighbour(reuse, tile) {
-                        self.add_border(reuse, tile);
+                    if border > 0.0 {
+                        self.add_border(reuse, tile, border);
                     }
                 }
             }
@@ -92,12 +126,20 @@ impl TileLists {
         self.fresh.push(index);
     }
 
-    fn add_border(&mut self, reuse: &Reuse, tile: [u32; 2]) {
+    fn add_border(&mut self, reuse: &Reuse, tile: [u32; 2], border: f32) {
         let index = index(reuse, tile);
+        let stale = stale_neighbours(reuse, tile);
+        if stale == [false; 8] {
+            return;
+        }
+        // In small tiles a strip is less than the border away from what is on the other side.
+        let is_small = (1.0 / reuse.now().tiles_per_pixel()).min_element() < 2.0 * border;
+        let is_near = |strip: &Strip| is_small || strip.neighbours().iter().any(|&beside| stale[beside]);
         for (age, earlier) in reuse.earlier().enumerate() {
             let has = has(earlier, &self.corners[age], reuse, tile);
             if has != Has::Nothing {
-                self.border[age].push(index);
+                self.border[age]
+                    .extend(Strip::ALL.iter().filter(|strip| is_near(strip)).map(|strip| strip.of(index)));
             }
             if has == Has::All {
                 return;
@@ -110,8 +152,8 @@ fn index(reuse: &Reuse, [column, row]: [u32; 2]) -> u32 {
     row * reuse.now().stale.tiles()[0] + column
 }
 
-fn has_stale_neighbour(reuse: &Reuse, [column, row]: [u32; 2]) -> bool {
-    AROUND.iter().any(|&(right, down)| {
+fn stale_neighbours(reuse: &Reuse, [column, row]: [u32; 2]) -> [bool; 8] {
+    AROUND.map(|(right, down)| {
         reuse.now().stale.is_stale([column.wrapping_add_signed(right), row.wrapping_add_signed(down)])
     })
 }

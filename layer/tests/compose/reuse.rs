@@ -84,7 +84,7 @@ fn completed(
         swapchain.render(vulkan, index, std::slice::from_ref(&frame.pixels));
     }
     let mut lists = TileLists::default();
-    lists.update(&reuse(frames, turns), border > 0.0);
+    lists.update(&reuse(frames, turns), border);
     let region = [reuse_region(frames, &lists, turns, border)];
     compose.submit(&[ComposeJob { reuse: &region, ..swapchain.job(0, regions) }]).unwrap();
     swapchain.shown(vulkan, 1, 1, 4).swap_remove(0)
@@ -181,7 +181,7 @@ fn only_the_region_changes() {
         swapchain.render(&vulkan, index, layers);
     }
     let mut lists = TileLists::default();
-    lists.update(&reuse(&frames, true), true);
+    lists.update(&reuse(&frames, true), 4.0);
     let offset = [64, 0];
     let earlier =
         std::array::from_fn(|index| EarlierImage { app_index: index as u32 + 1, array_layer: 1, offset });
@@ -215,7 +215,7 @@ fn steady_frames_with_earlier_pictures_do_not_allocate() {
     assert!(!is_untouched(0, 96, 0, &chroma));
     let mut lists = TileLists::default();
     let mut frame = |index: u32| {
-        lists.update(&reuse(&frames, true), true);
+        lists.update(&reuse(&frames, true), 4.0);
         let mut region = [reuse_region(&frames, &lists, true, 4.0)];
         region[0].earlier = earlier_than(index);
         compose.submit(&[ComposeJob { reuse: &region, ..swapchain.job(index, &chroma) }]).unwrap();
@@ -232,7 +232,7 @@ pub fn in_turn(vulkan: &Vulkan, compose: &mut Compose, count: u32) {
     let swapchain = Swapchain::with_images(vulkan, &shape(format, 64, 64, 1), IMAGES);
     let frames = frames([64, 64], 16, 1.0);
     let mut lists = TileLists::default();
-    lists.update(&reuse(&frames, true), true);
+    lists.update(&reuse(&frames, true), 4.0);
     for number in 0..count {
         let index = number % IMAGES;
         swapchain.render(vulkan, index, &[picture(64, 64, number)]);
@@ -258,7 +258,7 @@ fn earlier_pictures_that_are_not_there_are_refused() {
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let frames = frames([64, 48], 16, 0.0);
     let mut lists = TileLists::default();
-    lists.update(&reuse(&frames, true), true);
+    lists.update(&reuse(&frames, true), 4.0);
     let good = reuse_region(&frames, &lists, true, 4.0);
     let with = |image: EarlierImage| ReuseRegion { earlier: [image; MAX_AGES], ..good };
     let there = EarlierImage { app_index: 1, ..EarlierImage::default() };

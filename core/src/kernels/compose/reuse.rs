@@ -22,12 +22,16 @@ uniform! {
         pub tile_size: [f32; 2],
         /// Columns and rows of tiles of the newest picture.
         pub tiles: [u32; 2],
-        /// Where its stale tiles are in the buffer.
+        /// How many tiles of that picture a pixel is wide and high.
+        pub earlier_tiles: [f32; 2],
+        /// Columns and rows of tiles of that picture.
+        pub earlier_grid: [u32; 2],
+        /// Where the stale tiles of the newest picture are in the buffer.
         pub first_word: u32,
+        /// Where those of that picture are.
+        pub earlier_word: u32,
         /// Which picture this is about: 1 for the one before the newest.
         pub age: u32,
-        /// How many earlier pictures there are.
-        pub ages: u32,
         /// Width over which fresh pixels beside stale tiles are blended, pixels.
         pub border: f32,
         /// The matrices of all earlier pictures, three columns each.
@@ -50,7 +54,6 @@ impl ReuseParams {
             tiles: now.stale.tiles(),
             first_word,
             age: age as u32,
-            ages: reuse.ages() as u32,
             border,
             ..bytemuck::Zeroable::zeroed()
         };
@@ -63,11 +66,14 @@ impl ReuseParams {
             params.extents[index] = [tiles.x, tiles.y, size.x, size.y];
             let [columns, rows] = picture.stale.tiles();
             params.grids[index] = [columns, rows, word, 0];
-            word += picture.stale.words().len() as u32;
             if index + 1 == age {
                 params.matrix = matrix;
                 params.earlier_extent = size.into();
+                params.earlier_tiles = tiles.into();
+                params.earlier_grid = [columns, rows];
+                params.earlier_word = word;
             }
+            word += picture.stale.words().len() as u32;
         }
         params
     }

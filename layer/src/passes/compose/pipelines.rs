@@ -43,7 +43,8 @@ impl ReusePipelines {
             tile_pipeline(gpu, format, SPIRV, &TileShader { vertex, fragment, has_lists: true, output })
         };
         let both = |plain: &'static CStr, attenuated: &'static CStr, output: Output| {
-            Ok([pipeline(c"listed", plain, output)?, pipeline(c"listed", attenuated, output)?])
+            let vertex = if output == Output::Blended { c"listed_strip" } else { c"listed" };
+            Ok([pipeline(vertex, plain, output)?, pipeline(vertex, attenuated, output)?])
         };
         let border = || both(c"border", c"border_attenuated", Output::Blended);
         Ok(Self {

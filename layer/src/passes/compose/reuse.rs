@@ -93,10 +93,10 @@ impl ReuseBuffers {
         uniforms: &UniformRing<ComposeParams>,
         regions: impl Iterator<Item = &'a ReuseRegion<'a>>,
     ) -> Result<Self, GpuError> {
-        // A tile is in a list of each age at most, or twice in that of the first.
+        // Of most tiles at most two parts are in the lists of an age.
         let most = |region: &ReuseRegion| {
             let [columns, rows] = region.reuse.now().stale.tiles();
-            region.words() + columns as usize * rows as usize * (region.reuse.ages() + 1)
+            region.words() + columns as usize * rows as usize * (2 * region.reuse.ages() + 1)
         };
         let count = regions.map(most).sum::<usize>().next_power_of_two();
         let count = u32::try_from(count).map_err(|_| GpuError::Unsupported("so many tiles"))?;

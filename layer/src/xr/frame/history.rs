@@ -85,7 +85,7 @@ impl History {
     pub fn complete(&mut self, eye: usize, how: Completing) {
         let EyeHistory { pictures, len, lists, .. } = &mut self.eyes[eye];
         match reuse(&pictures[..*len], how) {
-            Some(reuse) => lists.update(&reuse, how.border > 0.0),
+            Some(reuse) => lists.update(&reuse, how.border),
             None => lists.clear(),
         }
     }
