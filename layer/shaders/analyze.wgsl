@@ -20,6 +20,12 @@ struct TileContrast {
     adaptation_cd_m2: f32,
 }
 
+// kernels::analyze::Shown
+struct Shown {
+    contrast: f32,
+    rate: u32,
+}
+
 @group(0) @binding(0) var<uniform> params: AnalyzeParams;
 @group(0) @binding(1) var picture: texture_2d<f32>;
 // Levels 0 to 5 of the pyramid, one after the other.
@@ -28,6 +34,8 @@ struct TileContrast {
 @group(0) @binding(3) var<storage, read_write> map: array<TileContrast>;
 // The rates that the picture was shaded at, four tiles of a row in a word; rows begin with a new one.
 @group(0) @binding(4) var<storage, read> rates: array<u32>;
+// What each tile showed in the frame before.
+@group(0) @binding(5) var<storage, read_write> shown: array<Shown>;
 
 const THREADS: u32 = 64u;
 
@@ -248,35 +256,40 @@ fn joined(a: Gathered, b: Gathered) -> Gathered {
     return Gathered(select(a.bands + b.bands, max(a.bands, b.bands), params.aggregation == 0u), a.light + b.light);
 }
 
-// perception::extrapolate::EQUAL_OCTAVES, kernels::analyze::restore::SAME
+// perception::extrapolate::EQUAL_OCTAVES, and the constants of kernels::analyze::restore.
 const EQUAL_OCTAVES: array<f32, 3> = array<f32, 3>(1.70, 1.10, 1.02);
 const SAME: f32 = 2.0;
+const SAME_ACROSS_RATES: f32 = 4.0;
+const STEADY: f32 = 1.25;
+const FLOOR: f32 = 0.01;
 
 // A rate without reuse::STALE.
 const NOT_STALE: u32 = 0x7fu;
 
-// kernels::analyze::restored
-fn restored(measured: vec4<f32>, previous: array<f32, 4>, rate: u32) -> vec4<f32> {
+// kernels::analyze::restored, of the tile at `index`, which was shaded at `rate`.
+fn restored(index: u32, measured: vec4<f32>, rate: u32) -> vec4<f32> {
     let log2_size = vec2(rate >> 2u, rate & 3u);
     let survivor = max(log2_size.x, log2_size.y);
-    if survivor == 0u || survivor > 2u {
-        return measured;
-    }
     let lost_entirely = min(log2_size.x, log2_size.y);
-    var before = previous;
-    let now = select(measured.z, measured.y, survivor == 1u);
-    let then = before[survivor];
-    let is_same = now <= SAME * then && then <= SAME * now;
-    var change = 1.0;
-    if then > 0.0 {
-        change = now / then;
-    }
+    var before = map[index].bands;
+    var bands = array<f32, 4>(measured.x, measured.y, measured.z, measured.w);
+    let now = bands[survivor];
+    let at_same_rate = shown[index].rate == rate;
+    let change = (now + FLOOR) / (select(before[survivor], shown[index].contrast, at_same_rate) + FLOOR);
+    let most = select(SAME_ACROSS_RATES, SAME, at_same_rate);
+    let is_same = change <= most && change * most >= 1.0;
+    let is_steady = at_same_rate && change <= STEADY && change * STEADY >= 1.0;
+    let scale = select(1.0, change, at_same_rate && !is_steady);
     var octaves = EQUAL_OCTAVES;
     let octave = now / octaves[survivor];
-    var bands = array<f32, 4>(measured.x, measured.y, measured.z, measured.w);
     for (var i = 0u; i < survivor; i++) {
-        let known = select(octave * octaves[i], before[i] * change, is_same);
-        bands[i] = select(max(bands[i], known), known, i < lost_entirely);
+        // perception::extrapolate
+        let expected = octave * octaves[i];
+        let guessed = select(max(bands[i], expected), expected, i < lost_entirely);
+        bands[i] = select(guessed, before[i] * scale, is_same);
+    }
+    if !is_steady {
+        shown[index] = Shown(now, rate);
     }
     return vec4(bands[0], bands[1], bands[2], bands[3]);
 }
@@ -293,7 +306,9 @@ fn write(place: vec2<u32>, tile: Covered, sum: Gathered) {
     let index = place.y * params.tiles.x + place.x;
     let row_words = (params.tiles.x + 3u) / 4u;
     let rate = (rates[place.y * row_words + place.x / 4u] >> (8u * (place.x % 4u))) & NOT_STALE;
-    let known = restored(measured, map[index].bands, rate);
+    // What is no rate counts as 1x1.
+    let is_rate = (rate >> 2u) <= 2u && (rate & 3u) <= 2u;
+    let known = restored(index, measured, select(0u, rate, is_rate));
     map[index].bands = array<f32, 4>(known.x, known.y, known.z, known.w);
     map[index].adaptation_cd_m2 = sum.light / f32(pixels.x * pixels.y);
 }

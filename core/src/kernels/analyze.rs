@@ -6,7 +6,7 @@
 
 mod restore;
 
-pub use restore::{restore, restored};
+pub use restore::{Shown, restore, restored};
 
 use crate::color::Matrix;
 use crate::image::Plane;

@@ -11,6 +11,7 @@ use crate::rate::{PAPER_RATES, ShadingRate, VULKAN_RATES};
 use crate::schedule::{Phase, Schedule, UpdateConfiguration};
 use glam::{Quat, Vec3};
 
+mod feedback;
 mod properties;
 mod rails;
 mod turns;

@@ -9,7 +9,7 @@ use crate::gpu::{
     Scope, color_view,
 };
 use ash::vk;
-use parafovea_core::kernels::analyze::{level_offset, level_size};
+use parafovea_core::kernels::analyze::{Shown, level_offset, level_size};
 use parafovea_core::perception::TileContrast;
 use parafovea_core::perception::pyramid::LEVELS;
 use std::ffi::CStr;
@@ -18,10 +18,11 @@ use std::sync::Arc;
 /// What a picture to be analysed must have been created with.
 pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::SAMPLED;
 
-/// Parameters, picture, levels of the pyramid, contrast, rates.
-const BINDINGS: [vk::DescriptorType; 5] = [
+/// Parameters, picture, levels of the pyramid, contrast, rates, what was shown.
+const BINDINGS: [vk::DescriptorType; 6] = [
     vk::DescriptorType::UNIFORM_BUFFER,
     vk::DescriptorType::SAMPLED_IMAGE,
+    vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
@@ -38,6 +39,7 @@ const GROUP_SIDE: u32 = 8;
 pub struct ViewTiles {
     contrast: DeviceBuffer,
     rates: DeviceBuffer,
+    shown: DeviceBuffer,
     tiles: [u32; 2],
 }
 
@@ -57,6 +59,7 @@ impl ViewTiles {
             contrast: DeviceBuffer::new(gpu, usage, contrast, |_| {})?,
             // A shader reads whole words.
             rates: DeviceBuffer::new(gpu, usage, rates.max(4), |_| {})?,
+            shown: DeviceBuffer::new(gpu, usage, columns * rows * size_of::<Shown>() as u64, |_| {})?,
             tiles,
         })
     }
@@ -152,6 +155,7 @@ impl Analyze {
             (2, Bound::Buffer(levels.handle())),
             (3, Bound::Buffer(tiles.contrast())),
             (4, Bound::Buffer(tiles.rates())),
+            (5, Bound::Buffer(tiles.shown.handle())),
         ];
         let set = ComputeSet::new(&self.layout, &bound)?;
         let aspects = vk::ImageAspectFlags::COLOR;

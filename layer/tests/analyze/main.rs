@@ -109,10 +109,10 @@ impl Analyzed {
         let mut measured = ContrastMap::default();
         tiles(&luminance, &shape.settings(), &mut buffers, &mut measured);
         let mut maps = Vec::new();
-        let mut previous = ContrastMap::default();
+        let (mut previous, mut shown) = (ContrastMap::default(), Plane::default());
         for rates in rates {
             let mut map = measured.clone();
-            restore(rates, &previous, &mut map);
+            restore(rates, &previous, &mut shown, &mut map);
             maps.push(map.tiles.texels().to_vec());
             previous = map;
         }

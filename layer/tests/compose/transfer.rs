@@ -245,7 +245,10 @@ impl Vulkan {
     }
 
     /// Between use as attachment and copies, as an application would write it.
-    unsafe fn transition(
+    ///
+    /// # Safety
+    /// The command buffer is being recorded, and the image is live.
+    pub unsafe fn transition(
         &self,
         commands: vk::CommandBuffer,
         image: vk::Image,

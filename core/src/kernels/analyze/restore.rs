@@ -6,41 +6,80 @@ use crate::perception::{ContrastMap, TileContrast};
 use crate::rate::ShadingRate;
 use crate::reuse::STALE;
 
-/// By how much the finest octave that survives may have changed since the frame before for the tile to count as the same.
+/// By how much the finest octave that survives may change from frame to frame for the tile to count as the same.
 const SAME: f32 = 2.0;
 
-/// Puts back what the tiles of `map` do not show because they were shaded at `rates` ([`ShadingRate::texel`], with [`STALE`] or without), where
-/// `previous` is what was known a frame ago. All three are of the same tiles; what is missing in one counts as 1x1,
-/// and as not known.
+/// The same where the rate has changed: blocks fold detail that they cannot show into what they can.
+const SAME_ACROSS_RATES: f32 = 4.0;
+
+/// What is less than this much of a change at the same rate counts as noise.
+const STEADY: f32 = 1.25;
+
+/// Contrast that is added before two are compared, so that noise on a plain wall is no change.
+const FLOOR: f32 = 0.01;
+
+/// What a tile showed in the frame before.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Shown {
+    /// Contrast that was measured in the finest octave that survived, when what is known was last brought up to date.
+    pub contrast: f32,
+    /// [`ShadingRate::texel`] that it was shaded at.
+    pub rate: u32,
+}
+
+/// Puts back what the tiles of `map` do not show because they were shaded at `rates` ([`ShadingRate::texel`], with [`STALE`]
+/// or without), where `previous` is what was known a frame ago and `shown` what was measured then. All four are of the
+/// same tiles; what is missing in one counts as 1x1, and as not known. `shown` takes the size of `map`.
 ///
 /// A map that judged coarse tiles by what they show would find nothing in them and keep them coarse for ever. One that
 /// only guessed would refine where the guess is too high, measure, coarsen, and guess again: hence the memory.
-pub fn restore(rates: &Plane<u8>, previous: &ContrastMap, map: &mut ContrastMap) {
+pub fn restore(rates: &Plane<u8>, previous: &ContrastMap, shown: &mut Plane<Shown>, map: &mut ContrastMap) {
+    let size = [map.tiles.width(), map.tiles.height()];
+    if [shown.width(), shown.height()] != size {
+        *shown = Plane::filled(size[0], size[1], Shown::default());
+    }
     let rates = rates.texels().iter().copied().chain(std::iter::repeat(0));
     let previous = previous.tiles.texels().iter().copied().chain(std::iter::repeat(TileContrast::default()));
-    for ((tile, rate), previous) in map.tiles.texels_mut().iter_mut().zip(rates).zip(previous) {
-        *tile =
-            restored(*tile, previous, ShadingRate::from_texel(rate & !STALE).unwrap_or(ShadingRate::R1X1));
+    let tiles = map.tiles.texels_mut().iter_mut().zip(shown.texels_mut());
+    for (((tile, shown), rate), previous) in tiles.zip(rates).zip(previous) {
+        let shaded_at = ShadingRate::from_texel(rate & !STALE).unwrap_or(ShadingRate::R1X1);
+        (*tile, *shown) = restored(*tile, previous, *shown, shaded_at);
     }
 }
 
-/// One tile.
+/// One tile, and what it shows.
 ///
-/// Where the finest octave that survives is as it was, but for a factor of 2 at most, so is the shape of the spectrum: the
-/// lost octaves are what they were, times what that octave has become. Otherwise they are guessed ([`extrapolate`]).
-pub fn restored(measured: TileContrast, previous: TileContrast, shaded_at: ShadingRate) -> TileContrast {
+/// As long as the finest octave that survives changes little, so does the picture: the lost octaves are what they were,
+/// times what that octave has become at the same rate, if that is more than noise. Otherwise they are guessed
+/// ([`extrapolate`]).
+pub fn restored(
+    measured: TileContrast,
+    previous: TileContrast,
+    shown: Shown,
+    shaded_at: ShadingRate,
+) -> (TileContrast, Shown) {
     let survivor = survivor(shaded_at);
-    let (now, before) = (measured.bands[survivor], previous.bands[survivor]);
-    let is_same = now <= SAME * before && before <= SAME * now;
-    if !is_same {
-        return extrapolate(measured, shaded_at);
+    let contrast = measured.bands[survivor];
+    let now = Shown { contrast, rate: shaded_at.texel().into() };
+    let at_same_rate = shown.rate == now.rate;
+    let before = if at_same_rate { shown.contrast } else { previous.bands[survivor] };
+    let change = (contrast + FLOOR) / (before + FLOOR);
+    let most = if at_same_rate { SAME } else { SAME_ACROSS_RATES };
+    if !(change <= most && change * most >= 1.0) {
+        return (extrapolate(measured, shaded_at), now);
     }
-    let change = if before > 0.0 { now / before } else { 1.0 };
-    let lost_entirely = shaded_at.width().min(shaded_at.height()).ilog2() as usize;
+    if at_same_rate && change <= STEADY && change * STEADY >= 1.0 {
+        return (with_known(measured, previous, survivor, 1.0), shown);
+    }
+    (with_known(measured, previous, survivor, if at_same_rate { change } else { 1.0 }), now)
+}
+
+/// The tile with its bands before `survivor` as they were known, times `scale`.
+fn with_known(measured: TileContrast, previous: TileContrast, survivor: usize, scale: f32) -> TileContrast {
     let mut bands = measured.bands;
-    for (i, band) in bands[..survivor].iter_mut().enumerate() {
-        let known = previous.bands[i] * change;
-        *band = if i < lost_entirely { known } else { band.max(known) };
+    for (band, known) in bands[..survivor].iter_mut().zip(previous.bands) {
+        *band = known * scale;
     }
     TileContrast { bands, ..measured }
 }
