@@ -1,6 +1,7 @@
 //! The `parafovea` command.
 
 mod config;
+mod fit;
 mod install;
 mod run;
 
@@ -41,6 +42,11 @@ enum Command {
         #[arg(trailing_var_arg = true, required = true, value_name = "COMMAND")]
         command: Vec<OsString>,
     },
+    /// Fit the model of sound and vision to the scores of a study of your own, and print its coefficients
+    Fit {
+        /// Comma-separated text with the columns loudness_lufs (or gamma_ld), frequency_khz (or gamma_fq), gamma_vis and mu
+        study: PathBuf,
+    },
     /// Check or write configuration files
     #[command(subcommand)]
     Config(ConfigCommand),
@@ -62,6 +68,7 @@ fn main() -> ExitCode {
         Command::Install { library, dry_run } => install::install(library, dry_run),
         Command::Uninstall { dry_run } => install::uninstall(dry_run),
         Command::Run { command } => run::run(&command),
+        Command::Fit { study } => fit::fit(&study),
         Command::Config(ConfigCommand::Validate { file }) => config::validate(&file),
         Command::Config(ConfigCommand::Default) => config::default(),
     }
