@@ -1,7 +1,10 @@
-//! `cargo dev bench models`: the table of hard cases, how well the gaze is followed, then what each model costs.
+//! `cargo dev bench models`: the table of hard cases, how well the gaze is followed, how many fragments sound saves in our
+//! scenes, then what each model costs.
 
 #[path = "models/audio.rs"]
 mod audio;
+#[path = "models/audio_visual.rs"]
+mod audio_visual;
 #[path = "models/avpm.rs"]
 mod avpm;
 #[path = "models/chroma.rs"]
@@ -22,6 +25,7 @@ mod scene;
 mod schedule;
 
 use criterion::Criterion;
+use parafovea_models::audio_visual as av;
 use parafovea_models::{eyes, hard_cases};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -63,5 +67,6 @@ fn print_tables() {
     // Not in a test: `tests/gaze.rs` asserts the same.
     if std::env::args().any(|argument| argument == "--bench") {
         println!("\n{}", eyes::table(&eyes::rows()));
+        println!("\n{}", av::table(&av::rows(&audio_visual::scenes())));
     }
 }

@@ -1,6 +1,6 @@
 //! The results as JSON, one object a line.
 
-use parafovea_models::{eyes, hard_cases};
+use parafovea_models::{audio_visual, eyes, hard_cases};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::error::Error;
@@ -43,6 +43,7 @@ fn rows() -> Result<Vec<Value>, Box<dyn Error>> {
     }
     let mut rows: Vec<Value> = hard_cases::table().iter().map(hard_case).collect();
     rows.extend(eyes::rows().iter().map(followed));
+    rows.extend(audio_visual::rows(&super::audio_visual::scenes()).iter().map(saved));
     let mut results = results(folder.path())?;
     results.sort();
     for result in results {
@@ -62,6 +63,23 @@ fn hard_case(case: &hard_cases::Case) -> Value {
 fn followed(row: &eyes::Row) -> Value {
     let mut value = json!({
         "bench": "models", "app": "gaze", "case": row.case, "metric": row.metric, "value": row.value, "unit": row.unit,
+    });
+    if let Some(baseline) = row.baseline {
+        value["baseline"] = json!(baseline);
+        value["ratio"] = json!(row.value / baseline);
+    }
+    value
+}
+
+fn saved(row: &audio_visual::Row) -> Value {
+    let unit = match row.metric {
+        "score" => "score",
+        "loss" => "visible contrast",
+        "decided_by_model" => "share of tiles",
+        _ => "invocations per pixel",
+    };
+    let mut value = json!({
+        "bench": "models", "app": row.scene, "case": row.case, "metric": row.metric, "value": row.value, "unit": unit,
     });
     if let Some(baseline) = row.baseline {
         value["baseline"] = json!(baseline);
