@@ -13,7 +13,7 @@ mod noted;
 #[path = "masks/reuse.rs"]
 mod reuse;
 
-use drawn::mean;
+use drawn::{is_of_virtual_image, mean};
 use effort::{Effort, is_full};
 use glam::{Quat, Vec3};
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -26,7 +26,7 @@ use parafovea_core::kernels::fill::FillFormat;
 use parafovea_core::mask::{Mask, MaskView, TileRates, predict};
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use parafovea_tests::picture::Picture;
-use parafovea_tests::run::{Application, LayerMode, Message, Outcome, Run};
+use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 use parafovea_zoo::{Queues, SKIPPED, STYLES, Style};
 use std::collections::BTreeMap;
@@ -149,14 +149,6 @@ fn masked(
         "passes that are not the scene have masks"
     );
     Ok(Some((on, noted)))
-}
-
-/// An imageless framebuffer says how an image was created, which no application knows of a swapchain's: virtual ones are
-/// mutable, as runtimes' may be.
-fn is_of_virtual_image(style: &Style, found: &Message) -> bool {
-    let rules =
-        ["03209", "03214", "03215"].map(|number| format!("VUID-VkRenderPassBeginInfo-framebuffer-{number}"));
-    style.name == "imageless" && rules.contains(&found.rule)
 }
 
 /// Whether masks are where the table says.
