@@ -97,7 +97,9 @@ fn check_reuse(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed>
         "nothing was left out\n{}",
         on.log
     );
-    let off = Run::new(&application(style, effort)?, &scenario).finish()?.expect_frames(effort.frames)?;
+    let has_two = style.needs.queues == Queues::Two;
+    let off = Run::new(&application(style, effort)?, &scenario).two_queues(has_two).finish()?;
+    let off = off.expect_frames(effort.frames)?;
     for eye in 0..2 {
         let off =
             saved.iter().rev().map(|frame| off.submitted(eye, *frame)).collect::<Result<Vec<_>, _>>()?;
