@@ -1,20 +1,44 @@
 //! A barrier of ours that is left out is noticed: by validation, or because the picture is another one. Otherwise
 //! validation that finds nothing would mean nothing.
 
-use parafovea::gpu::barrier::{ALL, ImageBarrier};
+use parafovea::gpu::barrier::{ALL, APP_RENDERED_TO_SAMPLED, ImageBarrier};
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
 const CHROMA: &str =
     "preset = \"none\"\n[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
+const REUSE: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nbackend = \"mask\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n";
 /// In the first frames the gaze is not known yet, and images are only copied.
 const FRAMES: u64 = 20;
 const SAVED: [u64; 2] = [1, 18];
 
-fn run(change: impl FnOnce(Run) -> Run) -> Outcome {
-    let scenario = Scenario::new(FRAMES).sized(128, 128).gazing(-25.0, 0.0).saving(&SAVED);
-    let run = Run::new(&Application::hello_xr("Vulkan2").unwrap(), &scenario).on(CHROMA).validated();
-    change(run).finish().unwrap().expect_frames(FRAMES).unwrap()
+/// What goes through the layer.
+#[derive(Clone, Copy, PartialEq)]
+enum Work {
+    /// Pictures from which colour is removed.
+    Chroma,
+    /// Pictures that are completed from earlier ones.
+    Reuse,
+}
+
+impl Work {
+    /// The work that a barrier is for.
+    fn of(barrier: &ImageBarrier) -> Self {
+        if barrier.name == APP_RENDERED_TO_SAMPLED.name { Self::Reuse } else { Self::Chroma }
+    }
+
+    fn run(self, change: impl FnOnce(Run) -> Run) -> Outcome {
+        let (application, config) = match self {
+            Self::Chroma => (Application::hello_xr("Vulkan2"), CHROMA),
+            Self::Reuse => {
+                let arguments = ["--style", "render-pass", "--size", "128", "--frames", "20"];
+                (Application::ours("parafovea-zoo", &arguments), REUSE)
+            }
+        };
+        let scenario = Scenario::new(FRAMES).sized(128, 128).gazing(-25.0, 0.0).saving(&SAVED);
+        let run = Run::new(&application.unwrap(), &scenario).on(config).validated();
+        change(run).finish().unwrap().expect_frames(FRAMES).unwrap()
+    }
 }
 
 /// As the layer that drops barriers identifies one.
@@ -31,17 +55,19 @@ fn is_noticed(reference: &Outcome, outcome: &Outcome) -> bool {
 
 #[test]
 fn a_missing_barrier_is_noticed() {
-    let reference = run(|run| run);
-    for barrier in ALL {
-        let outcome = run(|run| run.without_barrier(&pattern(&barrier)));
-        assert!(is_noticed(&reference, &outcome), "{} is not missed, or does not occur", barrier.name);
+    for work in [Work::Chroma, Work::Reuse] {
+        let reference = work.run(|run| run);
+        for barrier in ALL.iter().filter(|barrier| Work::of(barrier) == work) {
+            let outcome = work.run(|run| run.without_barrier(&pattern(barrier)));
+            assert!(is_noticed(&reference, &outcome), "{} is not missed, or does not occur", barrier.name);
+        }
     }
 }
 
 #[test]
 fn the_layer_that_drops_barriers_does_nothing_else() {
-    let reference = run(|run| run);
+    let reference = Work::Chroma.run(|run| run);
     // Layouts that no barrier has.
-    let outcome = run(|run| run.without_barrier("0,0,1,1"));
+    let outcome = Work::Chroma.run(|run| run.without_barrier("0,0,1,1"));
     assert!(!is_noticed(&reference, &outcome));
 }

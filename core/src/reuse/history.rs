@@ -101,6 +101,11 @@ impl<'a> Reuse<'a> {
         self.now
     }
 
+    /// Whether nothing has moved since any of the earlier ones.
+    pub fn is_still(&self) -> bool {
+        self.earlier().all(|earlier| earlier.matrix == Mat3::IDENTITY)
+    }
+
     /// The earlier ones, the newest first.
     pub(crate) fn earlier(&self) -> impl Iterator<Item = &Earlier<'a>> {
         self.earlier.iter().map_while(Option::as_ref)

@@ -31,6 +31,7 @@ fn what_stands_still_is_found_at_its_very_place() {
     let fresh = StaleTiles::default();
     let earlier = [picture(extent, 30.0, &some), picture(extent, 30.0, &fresh)];
     let reuse = Reuse::new(picture(extent, 30.0, &now), earlier, true);
+    assert!(reuse.is_still());
     for point in centres(extent) {
         let source = reuse.source(point).unwrap();
         assert_eq!(source.point, point);
@@ -47,6 +48,7 @@ fn what_turns_is_found_in_the_same_direction() {
     let (now, fresh) = (set(extent, [16, 16], |_, _| true), StaleTiles::default());
     let (newest, before) = (picture(extent, 0.0, &now), picture(extent, 4.0, &fresh));
     let reuse = Reuse::new(newest, [before], true);
+    assert!(!reuse.is_still());
     let mut found = 0;
     for point in centres(extent) {
         let here = newest.view.orientation * newest.view.plane.direction(point);

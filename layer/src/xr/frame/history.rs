@@ -27,6 +27,12 @@ impl Completing {
     pub const PAPER: Self = Self { turns: false, border: 0.0 };
     /// Turned with the head.
     pub const TURNED: Self = Self { turns: true, border: 4.0 };
+
+    /// Width of blended borders, pixels. A head that stands still needs none: both sides of a border are of one picture but for
+    /// what moves in it, and on a CPU blending costs more than all the rest.
+    fn border_of(&self, reuse: &Reuse) -> f32 {
+        if reuse.is_still() { 0.0 } else { self.border }
+    }
 }
 
 /// What the frames showed last, of both eyes.
@@ -85,7 +91,7 @@ impl History {
     pub fn complete(&mut self, eye: usize, how: Completing) {
         let EyeHistory { pictures, len, lists, .. } = &mut self.eyes[eye];
         match reuse(&pictures[..*len], how) {
-            Some(reuse) => lists.update(&reuse, how.border),
+            Some(reuse) => lists.update(&reuse, how.border_of(&reuse)),
             None => lists.clear(),
         }
     }
@@ -96,18 +102,19 @@ impl History {
         let pictures = &pictures[..*len];
         let [width, height] = pictures.first()?.extent;
         let EarlierImage { array_layer, offset: [x, y], .. } = pictures[0].image;
+        let reuse = reuse(pictures, how)?;
         Some(ReuseRegion {
             array_layer,
             rect: vk::Rect2D {
                 offset: vk::Offset2D { x: x as i32, y: y as i32 },
                 extent: vk::Extent2D { width, height },
             },
-            reuse: reuse(pictures, how)?,
             lists,
             earlier: array::from_fn(|age| {
                 pictures.get(age + 1).map_or_else(EarlierImage::default, |kept| kept.image)
             }),
-            border: how.border,
+            border: how.border_of(&reuse),
+            reuse,
         })
     }
 }
