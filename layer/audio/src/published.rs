@@ -130,7 +130,7 @@ mod tests {
                 number += 1;
             }
             is_over.store(true, Ordering::Relaxed);
-            readers.map(|reader| reader.join().unwrap());
+            readers.into_iter().for_each(|reader| reader.join().unwrap());
         });
     }
 }
