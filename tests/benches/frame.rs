@@ -1,7 +1,7 @@
 //! `cargo dev bench frame [--json] [--scenes A,B] [--techniques A,B] [--tracker NAME] [--frames N] [--run-up N] [--turns N] [--size PIXELS]
 //! [--error-frames N] [--error-size PIXELS] [--system-driver] [--fvvdp]`. The last judges by FovVideoVDP too: not for commercial use,
 //! and 6 GB. With `--system-driver` applications run on the system's GPU instead of lavapipe, and its time is taken by timestamps.
-//! The run-up is 4 frames, or 120 where a technique is the layer's.
+//! `hello_xr` is a scene too, though not among those that are measured unasked. The run-up is 4 frames, or 120 where a technique is the layer's.
 
 use parafovea_errors::fvvdp::{Fvvdp, NOTICE};
 use parafovea_scene::scene::SceneName;
@@ -31,9 +31,32 @@ const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --
 /// Frames before those that are timed, without the layer: shaders are compiled and caches filled.
 const RUN_UP_ALONE: u64 = 4;
 
+/// What is measured.
+#[derive(Clone, Copy)]
+enum App {
+    Scene(SceneName),
+    HelloXr,
+}
+
+impl App {
+    fn named(name: &str) -> Result<Self, String> {
+        let known = SceneName::ALL.map(SceneName::as_str).join(", ");
+        let scene = SceneName::ALL.into_iter().find(|scene| scene.as_str() == name).map(Self::Scene);
+        let app = scene.or((name == "hello_xr").then_some(Self::HelloXr));
+        app.ok_or_else(|| format!("there is no scene `{name}`; there are {known} and hello_xr"))
+    }
+
+    fn subject(self, tracker: Tracker) -> Subject {
+        match self {
+            Self::Scene(scene) => Subject::around_a_saccade(scene, tracker),
+            Self::HelloXr => Subject::hello_xr(tracker),
+        }
+    }
+}
+
 struct Request {
     json: bool,
-    scenes: Vec<SceneName>,
+    apps: Vec<App>,
     /// Names; all without.
     techniques: Option<Vec<String>>,
     tracker: Tracker,
@@ -51,7 +74,11 @@ impl Request {
     fn read(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
         let mut request = Self {
             json: false,
-            scenes: SceneName::ALL.into_iter().filter(|scene| *scene != SceneName::Courtyard).collect(),
+            apps: SceneName::ALL
+                .into_iter()
+                .filter(|scene| *scene != SceneName::Courtyard)
+                .map(App::Scene)
+                .collect(),
             techniques: None,
             tracker: Tracker::GOOD,
             timed: Effort { turns: 5, run_up: 0, frames: 36, size: 1024 },
@@ -66,7 +93,7 @@ impl Request {
                 // `cargo bench` adds it.
                 "--bench" => {}
                 "--json" => request.json = true,
-                "--scenes" => request.scenes = value().split(',').map(scene).collect::<Result<_, _>>()?,
+                "--scenes" => request.apps = value().split(',').map(App::named).collect::<Result<_, _>>()?,
                 "--system-driver" => request.driver = Driver::System,
                 "--fvvdp" => request.fvvdp = true,
                 "--techniques" => {
@@ -91,12 +118,6 @@ fn number(name: &str, value: &str, least: u64) -> Result<u64, String> {
     number.ok_or_else(|| format!("{name} needs a number from {least} to 8192, not `{value}`"))
 }
 
-fn scene(name: &str) -> Result<SceneName, String> {
-    let known = SceneName::ALL.map(SceneName::as_str).join(", ");
-    let scene = SceneName::ALL.into_iter().find(|scene| scene.as_str() == name);
-    scene.ok_or_else(|| format!("there is no scene `{name}`; there are {known}"))
-}
-
 fn tracker(name: &str) -> Result<Tracker, String> {
     let known = Tracker::NAMED.map(|(name, _)| name).join(", ");
     Tracker::named(name).ok_or_else(|| format!("there is no tracker `{name}`; there are {known}"))
@@ -114,6 +135,8 @@ fn describe(error: &dyn Error) -> String {
 fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
     let mut techniques = Technique::baselines();
     techniques.push(Technique::layer("chroma", "preset = \"none\"\n[chroma]\nmode = \"default\"\n"));
+    // As a user has it: with the gate.
+    techniques.push(Technique::layer("balanced", "preset = \"balanced\"\n"));
     // Rates alone, and never dropped: chroma has its price and no gain, and the gate looks before it decides.
     techniques.extend(["quality", "balanced", "performance"].map(|preset| {
         let config = format!("preset = \"{preset}\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n");
@@ -149,16 +172,25 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
     let with_errors = judged.frames > 0;
     let machine = Machine::of(request.driver)?;
     eprintln!("{machine}");
-    let runs = request.scenes.len()
-        * techniques.len()
-        * (timed.turns + 1 + usize::from(run_up > 0) + usize::from(with_errors));
+    let subjects: Vec<(Subject, Vec<Technique>)> = request
+        .apps
+        .iter()
+        .map(|app| {
+            let subject = app.subject(request.tracker).on(&machine);
+            let techniques =
+                techniques.iter().filter(|technique| subject.can_try(technique)).cloned().collect();
+            (subject, techniques)
+        })
+        .collect();
+    let runs_each = timed.turns + 1 + usize::from(run_up > 0) + usize::from(with_errors);
+    let runs = runs_each * subjects.iter().map(|(_, techniques)| techniques.len()).sum::<usize>();
     let errors_are = match judged.frames {
         0 => "no errors".to_owned(),
         frames => format!("errors of {frames} frames at {0} x {0}", judged.size),
     };
     eprintln!(
         "{} scenes, {} techniques, {} turns of {} frames after {run_up} at {size} x {size}, {errors_are}: {runs} runs",
-        request.scenes.len(),
+        subjects.len(),
         techniques.len(),
         timed.turns,
         timed.frames,
@@ -175,11 +207,10 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
         done += 1;
         eprintln!("[{done}/{runs}] {run}");
     };
-    for &scene in &request.scenes {
-        let subject = Subject::around_a_saccade(scene, request.tracker).on(&machine);
-        let timings = time(&subject, &techniques, timed, machine.has_gpu_times(), &mut progress)?;
+    for (subject, techniques) in &subjects {
+        let timings = time(subject, techniques, timed, machine.has_gpu_times(), &mut progress)?;
         let judged = if with_errors {
-            errors(&subject, &techniques, judged, fvvdp.as_ref(), &mut progress)?
+            errors(subject, techniques, judged, fvvdp.as_ref(), &mut progress)?
         } else {
             Vec::new()
         };

@@ -14,6 +14,7 @@ use parafovea_scene::script::tracker::Tracker;
 /// One scene with somebody in it: the head moves, the eyes wander, and a tracker reports where they look.
 #[derive(Clone, Debug)]
 pub struct Subject {
+    program: Program,
     script: Script,
     tracker: Tracker,
     /// The script's frame that is the first of a run.
@@ -22,10 +23,24 @@ pub struct Subject {
     machine: Option<Machine>,
 }
 
+/// What runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Program {
+    /// The scene that the script is of.
+    Scene,
+    /// Khronos' hello_xr, unmodified, while head and eyes move as in the scene.
+    HelloXr,
+}
+
 impl Subject {
     /// The script of `scene` from `first_frame` on, as `tracker` sees it.
     pub fn new(scene: SceneName, tracker: Tracker, first_frame: u64) -> Self {
-        Self { script: Script::new(scene), tracker, first_frame, machine: None }
+        Self { program: Program::Scene, script: Script::new(scene), tracker, first_frame, machine: None }
+    }
+
+    /// hello_xr, an application that is not ours and has next to nothing to shade, with the script of the courtyard.
+    pub fn hello_xr(tracker: Tracker) -> Self {
+        Self { program: Program::HelloXr, ..Self::new(SceneName::Courtyard, tracker, 0) }
     }
 
     /// The script of `scene` from half a second before its first saccade of 10 degrees or more.
@@ -43,7 +58,18 @@ impl Subject {
 
     /// What it is called in tables and results.
     pub fn name(&self) -> &'static str {
-        self.script.scene.as_str()
+        match self.program {
+            Program::Scene => self.script.scene.as_str(),
+            Program::HelloXr => "hello_xr",
+        }
+    }
+
+    /// Whether the technique can be tried: hello_xr knows none of the arguments of our scenes, the size of its images among them.
+    pub fn can_try(&self, technique: &Technique) -> bool {
+        match self.program {
+            Program::Scene => true,
+            Program::HelloXr => technique.arguments.is_empty() && technique.render_scale == 1.0,
+        }
     }
 
     /// The scenario of a run: run-up and frames of that size, with head and reported gaze from the script. Nothing is
@@ -86,17 +112,24 @@ impl Subject {
         effort: Effort,
         scenario: &Scenario,
     ) -> Result<Run, HarnessError> {
-        let side = ((effort.size as f32 * technique.render_scale).round() as u32).max(1);
-        let size = format!("{side}x{side}");
-        let first_frame = self.first_frame.to_string();
-        let mut arguments = vec!["--scene", self.name(), "--first-frame", &first_frame, "--size", &size];
-        arguments.extend(technique.arguments.iter().map(String::as_str));
-        let application = Application::ours("parafovea-scene", &arguments)?;
+        let application = match self.program {
+            Program::Scene => self.scene(technique, effort)?,
+            Program::HelloXr => Application::hello_xr("Vulkan2")?,
+        };
         let run = Run::new(&application, scenario).layer(technique.layer.clone());
         Ok(match &self.machine {
             Some(machine) => machine.set_up(run),
             None => run,
         })
+    }
+
+    fn scene(&self, technique: &Technique, effort: Effort) -> Result<Application, HarnessError> {
+        let side = ((effort.size as f32 * technique.render_scale).round() as u32).max(1);
+        let size = format!("{side}x{side}");
+        let first_frame = self.first_frame.to_string();
+        let mut arguments = vec!["--scene", self.name(), "--first-frame", &first_frame, "--size", &size];
+        arguments.extend(technique.arguments.iter().map(String::as_str));
+        Application::ours("parafovea-scene", &arguments)
     }
 
     /// When frame `frame` of a run is shown, seconds of the script.
