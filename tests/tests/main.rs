@@ -18,5 +18,6 @@ mod rates;
 mod readme;
 mod reuse;
 mod schedule;
+mod security;
 mod shading_rate;
 mod swapchain_cases;

@@ -2,7 +2,7 @@
 
 use std::fs::{DirBuilder, File, OpenOptions};
 use std::io::Write;
-use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::Path;
 
 /// The file starts anew when it is found larger than this, and a process stops writing after as much:
@@ -21,15 +21,16 @@ impl BoundedFile {
     pub fn open(path: &Path) -> Option<Self> {
         // 0700, as the XDG Base Directory Specification asks for.
         DirBuilder::new().recursive(true).mode(0o700).create(path.parent()?).ok()?;
-        // O_NONBLOCK: a FIFO in the file's place must not make the application wait.
+        // O_NONBLOCK: a FIFO in the file's place must not make the application wait. O_NOFOLLOW, and one name alone: where others
+        // may write to the folder, a link that they left must not make us write to, or empty, another file of the user's.
         let file = OpenOptions::new()
             .append(true)
             .create(true)
             .mode(0o600)
-            .custom_flags(libc::O_NONBLOCK)
+            .custom_flags(libc::O_NONBLOCK | libc::O_NOFOLLOW)
             .open(path)
             .ok()?;
-        let metadata = file.metadata().ok().filter(|metadata| metadata.is_file())?;
+        let metadata = file.metadata().ok().filter(|metadata| metadata.is_file() && metadata.nlink() == 1)?;
         if metadata.len() > MAX_BYTES {
             file.set_len(0).ok()?;
         }
@@ -81,6 +82,21 @@ mod tests {
         std::fs::write(&path, vec![b'x'; MAX_BYTES as usize + 1]).unwrap();
         BoundedFile::open(&path).unwrap().append("new\n");
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "new\n");
+    }
+
+    #[test]
+    fn a_link_in_the_files_place_is_no_log() {
+        let folder = tempfile::tempdir().unwrap();
+        let precious = folder.path().join("precious");
+        let content = vec![b'x'; MAX_BYTES as usize + 1];
+        std::fs::write(&precious, &content).unwrap();
+        let [symbolic, hard] = ["symbolic.log", "hard.log"].map(|name| folder.path().join(name));
+        std::os::unix::fs::symlink(&precious, &symbolic).unwrap();
+        std::fs::hard_link(&precious, &hard).unwrap();
+        for link in [symbolic, hard] {
+            assert!(BoundedFile::open(&link).is_none(), "{}", link.display());
+        }
+        assert_eq!(std::fs::read(&precious).unwrap(), content);
     }
 
     #[test]
