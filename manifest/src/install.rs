@@ -150,12 +150,12 @@ fn present(path: &Path) -> Result<Option<Vec<u8>>, InstallError> {
 }
 
 /// Whether this is a shared library with what both loaders ask for.
-fn is_layer(bytes: &[u8]) -> bool {
+pub(crate) fn is_layer(bytes: &[u8]) -> bool {
     Half::BOTH.into_iter().all(|half| is_library_with(bytes, half.negotiate().as_bytes()))
 }
 
 /// Whether this is a shared library with what the layer asks the library that listens for.
-fn is_audio(bytes: &[u8]) -> bool {
+pub(crate) fn is_audio(bytes: &[u8]) -> bool {
     is_library_with(bytes, GET_TABLE_NAME.to_bytes())
 }
 

@@ -4,7 +4,9 @@
 #![forbid(unsafe_code)]
 
 pub mod config;
+pub mod doctor;
 pub mod install;
 pub mod json;
 pub mod options;
 pub mod paths;
+pub mod status;

@@ -12,6 +12,7 @@ pub struct Environment {
     config_home: Option<PathBuf>,
     data_home: Option<PathBuf>,
     state_home: Option<PathBuf>,
+    runtime_dir: Option<PathBuf>,
 }
 
 impl Environment {
@@ -33,6 +34,7 @@ impl Environment {
             config_home: base("XDG_CONFIG_HOME", ".config"),
             data_home: base("XDG_DATA_HOME", ".local/share"),
             state_home: base("XDG_STATE_HOME", ".local/state"),
+            runtime_dir: absolute("XDG_RUNTIME_DIR"),
         }
     }
 
@@ -59,6 +61,11 @@ impl Environment {
     /// `$XDG_STATE_HOME`, or `~/.local/state`.
     pub fn state_home(&self) -> Option<&Path> {
         self.state_home.as_deref()
+    }
+
+    /// `$XDG_RUNTIME_DIR`: for what is there as long as the user is logged in.
+    pub fn runtime_dir(&self) -> Option<&Path> {
+        self.runtime_dir.as_deref()
     }
 
     /// Where the log of `executable` (its path or its name) goes: `$XDG_STATE_HOME/parafovea/<name>.log`.
@@ -124,7 +131,14 @@ mod tests {
 
     #[test]
     fn elevated_rights_leave_nothing_of_the_environment() {
-        let all = ["HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_STATE_HOME", "PARAFOVEA_CONFIG"];
+        let all = [
+            "HOME",
+            "XDG_CONFIG_HOME",
+            "XDG_DATA_HOME",
+            "XDG_STATE_HOME",
+            "XDG_RUNTIME_DIR",
+            "PARAFOVEA_CONFIG",
+        ];
         let elevated = Environment::new(true, |name| all.contains(&name).then(|| OsString::from("/x")));
         assert_eq!(elevated, Environment::default());
         assert_eq!(elevated.log_file(Path::new("game")), None);

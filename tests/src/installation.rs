@@ -82,6 +82,11 @@ impl Installation {
         self.folder.join("state/parafovea")
     }
 
+    /// `$XDG_RUNTIME_DIR` of every application.
+    pub fn runtime_folder(&self) -> PathBuf {
+        self.folder.join("runtime")
+    }
+
     /// The variable that makes the loaders look here too, besides where they would look anyway.
     pub fn search_path(&self) -> (&'static str, OsString) {
         let mut path = self.folder.join("data").into_os_string();

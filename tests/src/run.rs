@@ -345,6 +345,11 @@ impl Running {
         outcome::submitted_path(&pictures, view, frame).exists()
     }
 
+    /// Its `$XDG_RUNTIME_DIR`, where the layer tells of it.
+    pub fn runtime_folder(&self) -> PathBuf {
+        self.installation.runtime_folder()
+    }
+
     /// What the layer has logged so far.
     pub fn log(&self) -> String {
         outcome::read_logs(&self.installation.log_folder())

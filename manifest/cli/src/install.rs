@@ -21,17 +21,34 @@ fn list(places: &[PathBuf]) -> String {
     places.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(" or ")
 }
 
+/// Whom it is installed for.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct Scope {
+    /// For all users of this machine, below /usr/local/share, which takes root's rights
+    #[arg(long)]
+    system: bool,
+    /// Only say what would be done
+    #[arg(long)]
+    dry_run: bool,
+}
+
+/// Data files of what was not installed by packages: both loaders look here.
+const SYSTEM_DATA: &str = "/usr/local/share";
+
 /// Installs `library`, or the one that came with this program.
-pub fn install(library: Option<PathBuf>, dry_run: bool) -> ExitCode {
-    finish("already installed", dry_run, || {
-        let library = library.map_or_else(beside_this_program, Ok)?;
-        Ok(plan_install(&data_home()?, &library)?)
+pub fn install(library: Option<PathBuf>, scope: Scope) -> ExitCode {
+    finish("already installed", scope.dry_run, || {
+        let library = match library {
+            Some(library) => library,
+            None => library_beside_this_program().ok_or_else(|| Failure::NoLibrary(places()))?,
+        };
+        Ok(plan_install(&scope.data()?, &library)?)
     })
 }
 
 /// Removes what [`install`] installed.
-pub fn uninstall(dry_run: bool) -> ExitCode {
-    finish("not installed", dry_run, || Ok(plan_uninstall(&data_home()?)?))
+pub fn uninstall(scope: Scope) -> ExitCode {
+    finish("not installed", scope.dry_run, || Ok(plan_uninstall(&scope.data()?)?))
 }
 
 fn finish(nothing_to_do: &str, dry_run: bool, plan: impl FnOnce() -> Result<Vec<Step>, Failure>) -> ExitCode {
@@ -56,14 +73,23 @@ fn finish(nothing_to_do: &str, dry_run: bool, plan: impl FnOnce() -> Result<Vec<
     }
 }
 
-fn data_home() -> Result<PathBuf, Failure> {
-    Environment::of_process(false).data_home().map(Path::to_owned).ok_or(Failure::NoHome)
+impl Scope {
+    /// Where data files go.
+    fn data(self) -> Result<PathBuf, Failure> {
+        if self.system {
+            return Ok(PathBuf::from(SYSTEM_DATA));
+        }
+        Environment::of_process(false).data_home().map(Path::to_owned).ok_or(Failure::NoHome)
+    }
 }
 
-/// The library where a build (`target/release`) or a package (`bin` and `lib`) puts it.
-fn beside_this_program() -> Result<PathBuf, Failure> {
+/// The library where a build (`target/release`), an archive (`bin` and `lib`) or a package (`bin` and `lib/parafovea`) puts it.
+pub fn library_beside_this_program() -> Option<PathBuf> {
+    places().into_iter().find(|place| place.is_file())
+}
+
+fn places() -> Vec<PathBuf> {
     let program = env::current_exe().unwrap_or_default();
     let folder = program.parent().unwrap_or(Path::new(""));
-    let places = vec![folder.join(LIBRARY_NAME), folder.join("../lib").join(LIBRARY_NAME)];
-    places.iter().find(|place| place.is_file()).cloned().ok_or(Failure::NoLibrary(places))
+    [".", "../lib", "../lib/parafovea"].map(|place| folder.join(place).join(LIBRARY_NAME)).to_vec()
 }

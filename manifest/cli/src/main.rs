@@ -1,11 +1,15 @@
 //! The `parafovea` command.
 
 mod config;
+mod doctor;
 mod fit;
+mod generate;
 mod install;
+mod profile;
 mod run;
+mod status;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -21,20 +25,18 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Install the layer for this user; applications do not use it until asked to
+    /// Install the layer, for this user unless --system is given; applications do not use it until asked to
     Install {
-        /// The library to install [default: libparafovea.so beside this program or in ../lib]
+        /// The library to install [default: libparafovea.so beside this program, in ../lib or in ../lib/parafovea]
         #[arg(long, value_name = "FILE")]
         library: Option<PathBuf>,
-        /// Only say what would be done
-        #[arg(long)]
-        dry_run: bool,
+        #[command(flatten)]
+        scope: install::Scope,
     },
     /// Remove what install installed; configuration and logs stay
     Uninstall {
-        /// Only say what would be done
-        #[arg(long)]
-        dry_run: bool,
+        #[command(flatten)]
+        scope: install::Scope,
     },
     /// Run an application with the layer
     Run {
@@ -42,10 +44,31 @@ enum Command {
         #[arg(trailing_var_arg = true, required = true, value_name = "COMMAND")]
         command: Vec<OsString>,
     },
+    /// Look for what is wrong with the installation, and say what to do
+    Doctor {
+        /// Look at this application's configuration: its name for OpenXR, or its program's
+        #[arg(value_name = "APPLICATION")]
+        application: Option<String>,
+        #[command(flatten)]
+        options: doctor::Options,
+    },
     /// Fit the model of sound and vision to the scores of a study of your own, and print its coefficients
     Fit {
         /// Comma-separated text with the columns loudness_lufs (or gamma_ld), frequency_khz (or gamma_fq), gamma_vis and mu
         study: PathBuf,
+    },
+    /// Show what the layer does in the applications that run, every second
+    Status {
+        #[command(flatten)]
+        options: status::Options,
+    },
+    /// List, show, change and check the configuration of each application
+    #[command(subcommand)]
+    Profile(profile::Command),
+    /// Print a file of shell completions, or the manual page
+    Generate {
+        /// Which
+        what: generate::What,
     },
     /// Check or write configuration files
     #[command(subcommand)]
@@ -65,10 +88,14 @@ enum ConfigCommand {
 
 fn main() -> ExitCode {
     match Arguments::parse().command {
-        Command::Install { library, dry_run } => install::install(library, dry_run),
-        Command::Uninstall { dry_run } => install::uninstall(dry_run),
+        Command::Install { library, scope } => install::install(library, scope),
+        Command::Uninstall { scope } => install::uninstall(scope),
         Command::Run { command } => run::run(&command),
+        Command::Doctor { application, options } => doctor::doctor(application, options),
         Command::Fit { study } => fit::fit(&study),
+        Command::Status { options } => status::status(options),
+        Command::Profile(command) => profile::profile(&command),
+        Command::Generate { what } => generate::generate(what, &mut Arguments::command()),
         Command::Config(ConfigCommand::Validate { file }) => config::validate(&file),
         Command::Config(ConfigCommand::Default) => config::default(),
     }
@@ -82,7 +109,6 @@ fn print(text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_arguments_are_consistent() {

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Output};
 use tempfile::TempDir;
@@ -109,4 +110,125 @@ fn fit_prints_coefficients_or_what_is_wrong_with_the_study() {
     let wrong = complained(&parafovea(home.path(), &["fit", "study.csv"]));
     assert!(wrong.starts_with("parafovea: study.csv: line 1: there is no column gamma_vis"), "{wrong}");
     assert!(complained(&parafovea(home.path(), &["fit", "none.csv"])).contains("No such file"));
+}
+
+#[test]
+fn a_doctor_that_can_ask_nobody_says_what_is_wrong_and_fixes_what_is_ours() {
+    let home = TempDir::new().unwrap();
+    let names =
+        "parafovea_xrNegotiateLoaderApiLayerInterface parafovea_vkNegotiateLoaderLayerInterfaceVersion";
+    fs::write(home.path().join("built.so"), format!("\u{7f}ELF {names}")).unwrap();
+    parafovea(home.path(), &["install", "--library", "built.so"]);
+    let config = home.path().join(".config/parafovea/config.toml");
+    fs::create_dir_all(config.parent().unwrap()).unwrap();
+    fs::write(&config, "enabled = 1\n").unwrap();
+    fs::set_permissions(&config, fs::Permissions::from_mode(0o666)).unwrap();
+
+    let doctor = |arguments: &[&str]| parafovea(home.path(), &[&["doctor"], arguments].concat());
+    let text = printed(&doctor(&[]));
+    for expected in
+        ["problem  ", "enabled = 1 is not allowed", "To do: correct that line", "--fix puts 1 of them right"]
+    {
+        assert!(text.contains(expected), "{expected} in\n{text}");
+    }
+    assert!(!doctor(&[]).status.success());
+    assert!(printed(&doctor(&["--fix"])).contains("fixed: let only the owner write to "));
+    assert_eq!(fs::metadata(&config).unwrap().permissions().mode() & 0o777, 0o644);
+
+    let json = printed(&doctor(&["--json"]));
+    let findings: Vec<serde_json::Value> =
+        json.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let wrong = findings.iter().find(|finding| finding["id"] == "configuration-wrong").unwrap();
+    assert_eq!((wrong["severity"].as_str(), wrong["fixable"].as_bool()), (Some("problem"), Some(false)));
+    assert!(findings.iter().all(|finding| finding["id"] != "anybody-may-write"), "{json}");
+}
+
+#[test]
+fn a_profile_is_changed_by_the_command_as_by_hand() {
+    let home = TempDir::new().unwrap();
+    let profile = |arguments: &[&str]| parafovea(home.path(), &[&["profile"], arguments].concat());
+    let file = |name: &str| fs::read_to_string(home.path().join(".config/parafovea").join(name)).unwrap();
+    printed(&profile(&["set", "all", "preset", "performance"]));
+    assert_eq!(file("config.toml"), "preset = \"performance\"\n");
+
+    let said = printed(&profile(&["set", "game", "chroma.mode", "default"]));
+    assert!(said.contains("which game no longer looks at"), "{said}");
+    assert_eq!(file("apps/game.toml"), "preset = \"performance\"\n\n[chroma]\nmode = \"default\"\n");
+    let shown = printed(&profile(&["show", "game"]));
+    for line in [
+        "preset = \"performance\"  # set in this file",
+        "rates.transitional_deg = 18.39  # of preset \"performance\"",
+        "chroma.mode = \"default\"  # set in this file",
+    ] {
+        assert!(shown.lines().any(|found| found == line), "{line} in\n{shown}");
+    }
+    assert!(!shown.contains("gaze.source"));
+    assert!(
+        printed(&profile(&["show", "game", "--effective"])).contains("gaze.source = \"eyes\"  # the default")
+    );
+
+    let before = file("apps/game.toml");
+    let refused = complained(&profile(&["set", "game", "chroma.plateau_deg", "wide"]));
+    assert!(
+        refused.contains("chroma.plateau_deg = \"wide\" is not allowed; allowed: a number from 1.1"),
+        "{refused}"
+    );
+    assert!(
+        complained(&profile(&["set", "game", "plateau_deg", "7"]))
+            .contains("did you mean chroma.plateau_deg?")
+    );
+    assert_eq!(file("apps/game.toml"), before);
+    printed(&profile(&["unset", "game", "chroma.mode"]));
+    assert_eq!(file("apps/game.toml"), "preset = \"performance\"\n\n[chroma]\n");
+
+    printed(&profile(&["new", "sim", "flight-simulator"]));
+    assert!(complained(&profile(&["new", "sim", "proton"])).contains("is there already"));
+    let listed = printed(&profile(&["list"]));
+    let names: Vec<_> = listed.lines().filter(|line| !line.starts_with(' ')).collect();
+    assert_eq!(names[..3], ["game", "sim", "all others"], "{listed}");
+    assert!(profile(&["validate"]).status.success());
+    fs::write(home.path().join(".config/parafovea/apps/sim.toml"), "[chroma]\nmode = 1\n").unwrap();
+    assert!(complained(&profile(&["validate"])).contains("sim.toml: line 2: chroma.mode = 1"));
+}
+
+#[test]
+fn completions_and_manual_have_every_command() {
+    let home = TempDir::new().unwrap();
+    let help = printed(&parafovea(home.path(), &["--help"]));
+    let commands: Vec<&str> = help
+        .lines()
+        .skip_while(|line| *line != "Commands:")
+        .skip(1)
+        .map_while(|line| line.strip_prefix("  ")?.split(' ').next())
+        .collect();
+    assert!(commands.contains(&"doctor") && commands.len() >= 10, "{help}");
+    for what in ["bash", "zsh", "fish", "man"] {
+        let text = printed(&parafovea(home.path(), &["generate", what]));
+        for command in &commands {
+            assert!(text.contains(command), "{command} in {what}");
+        }
+    }
+}
+
+#[test]
+fn the_system_is_only_written_to_when_asked_for() {
+    let home = TempDir::new().unwrap();
+    let names =
+        "parafovea_xrNegotiateLoaderApiLayerInterface parafovea_vkNegotiateLoaderLayerInterfaceVersion";
+    fs::write(home.path().join("built.so"), format!("\u{7f}ELF {names}")).unwrap();
+    let would =
+        printed(&parafovea(home.path(), &["install", "--system", "--dry-run", "--library", "built.so"]));
+    assert!(
+        would.lines().all(|line| line.starts_with("would ") && line.contains(" /usr/local/share/")),
+        "{would}"
+    );
+    assert_eq!(would.lines().count(), 3, "{would}");
+}
+
+#[test]
+fn nobody_who_plays_is_no_failure() {
+    let home = TempDir::new().unwrap();
+    assert!(
+        complained(&parafovea(home.path(), &["status", "--once"])).contains("XDG_RUNTIME_DIR is not set")
+    );
 }

@@ -26,6 +26,8 @@ pub enum Step {
     },
     /// Removes a file, and the folder `parafovea` if that leaves it empty.
     Remove(PathBuf),
+    /// Takes the permission to write from everybody but the owner.
+    Restrict(PathBuf),
 }
 
 impl Step {
@@ -51,6 +53,11 @@ impl Step {
                 }
                 Ok(())
             }
+            Self::Restrict(path) => {
+                let mode = fs::metadata(path).map_err(InstallError::io(path))?.permissions().mode();
+                let restricted = Permissions::from_mode(mode & 0o7755);
+                fs::set_permissions(path, restricted).map_err(InstallError::io(path))
+            }
         }
     }
 }
@@ -61,6 +68,7 @@ impl fmt::Display for Step {
             Self::Copy { from, to } => write!(f, "copy {} to {}", from.display(), to.display()),
             Self::Write { path, .. } => write!(f, "write {}", path.display()),
             Self::Remove(path) => write!(f, "remove {}", path.display()),
+            Self::Restrict(path) => write!(f, "let only the owner write to {}", path.display()),
         }
     }
 }

@@ -24,6 +24,7 @@ cargo dev <task>, run anywhere in the repository:
   gpu [--json]          on a GPU with VK_KHR_fragment_shading_rate: the layer's rates beside the same ones set by the application itself, pictures and
                         GPU times; kept in tests/gpu-results/. Without such a GPU it says so, and that is all
   bench NAME [--json]   a bench: break-even (how dear pixels must be for the layer to gain), ears (what listening costs, and how late it is), frame (what techniques save), models (what the models cost, their hard cases, and how well gaze is followed), overhead (what the layer costs)
+  dist                  packs a release build, target/dist/: an archive with an installer, and a Debian package
   soak [--seconds N]    long checks: listening for an hour, or so long, takes no more and more memory
   help                  this text
 ";
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
         Some("gpu") => tasks::gpu(rest),
         Some("bench") => tasks::bench(rest),
         Some("soak") => tasks::soak(rest),
+        Some("dist") => tasks::dist(rest),
         Some("help" | "--help" | "-h") | None => {
             print!("{HELP}");
             Ok(())

@@ -100,6 +100,37 @@ pub fn soak(arguments: &[String]) -> Result<(), String> {
     steps.run("soak", Command::new(profile_folder()?.join("parafovea-soak-ears")).args(arguments))
 }
 
+/// What users get: a release build, packed.
+pub fn dist(arguments: &[String]) -> Result<(), String> {
+    if let Some(extra) = arguments.first() {
+        return Err(format!("`dist` takes no arguments, and got `{extra}`"));
+    }
+    setup(Voice::Implied)?;
+    let mut steps = Steps::default();
+    let mut release = cargo();
+    release.args([
+        "build",
+        "--locked",
+        "--release",
+        "-p",
+        "parafovea",
+        "-p",
+        "parafovea-layer",
+        "-p",
+        "parafovea-probe",
+    ]);
+    if can_build_audio() {
+        release.args(["-p", "parafovea-audio"]);
+    }
+    steps.run("cargo build --release", in_root(&mut release))?;
+    steps.run("cargo build", in_root(cargo().args(["build", "--locked", "-p", "parafovea-dist"])))?;
+    let folder = profile_folder()?;
+    let target = folder.parent().ok_or("the target folder is not known")?;
+    let pack = folder.join("parafovea-dist");
+    let paths = [target.join("release"), ".".into(), target.join("dist")];
+    steps.run("dist", in_root(Command::new(pack).args(paths)))
+}
+
 fn bench_names() -> String {
     BENCHES.map(|(name, _)| name).join(", ")
 }

@@ -1,0 +1,36 @@
+//! What `parafovea doctor` asks Vulkan and OpenXR, in a process of its own, which may hang or crash: `parafovea-probe layers`,
+//! `vulkan` or `openxr` prints one line of JSON, a member of `parafovea_manifest::doctor::Probed`, or on standard error one line
+//! that says why there is none.
+
+mod openxr_runtime;
+mod vulkan_devices;
+
+use parafovea_manifest::doctor::LoaderLayers;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match answer(&std::env::args().nth(1).unwrap_or_default()) {
+        Ok(line) => {
+            println!("{line}");
+            ExitCode::SUCCESS
+        }
+        Err(reason) => {
+            eprintln!("{}", reason.replace('\n', " "));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn answer(question: &str) -> Result<String, String> {
+    let answer = match question {
+        "layers" => {
+            // A loader that is not there is told by another finding.
+            let (openxr, vulkan) = (openxr_runtime::layers().ok(), vulkan_devices::layers().ok());
+            serde_json::to_string(&LoaderLayers { openxr, vulkan })
+        }
+        "vulkan" => serde_json::to_string(&vulkan_devices::answer()?),
+        "openxr" => serde_json::to_string(&openxr_runtime::answer()?),
+        _ => return Err("parafovea-probe is asked for `layers`, `vulkan` or `openxr`".to_owned()),
+    };
+    answer.map_err(|error| error.to_string())
+}

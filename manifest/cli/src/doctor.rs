@@ -1,0 +1,107 @@
+//! `parafovea doctor`.
+
+mod probe;
+
+use crate::install::library_beside_this_program;
+use parafovea_manifest::doctor::{Finding, Severity, Surroundings, examine};
+use parafovea_manifest::install::InstallError;
+use serde_json::json;
+use std::collections::BTreeSet;
+use std::env;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// What to do with what is found.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct Options {
+    /// Put right what can be put right without changing anything that is not Parafovea's
+    #[arg(long)]
+    fix: bool,
+    /// Print one JSON object a line: id, severity, found, means, advice, fixable
+    #[arg(long)]
+    json: bool,
+    /// Print what is as it should be, too
+    #[arg(long, short)]
+    verbose: bool,
+}
+
+/// Prints what is found; fails where a problem is left.
+pub fn doctor(application: Option<String>, options: Options) -> ExitCode {
+    let mut surroundings = Surroundings::new(Path::new("/"), env::vars_os());
+    surroundings.shipped = library_beside_this_program();
+    surroundings.application = application;
+    surroundings.probed = probe::probe();
+    let mut findings = examine(&surroundings);
+    let mut has_failed = false;
+    if options.fix {
+        for line in fix(&findings, &surroundings) {
+            match line {
+                // With --json, standard output has findings only.
+                Ok(line) if options.json => eprintln!("{line}"),
+                Ok(line) => crate::print(&format!("{line}\n")),
+                Err(error) => {
+                    has_failed = true;
+                    eprintln!("parafovea: {error}");
+                }
+            }
+        }
+        surroundings.probed = probe::probe();
+        findings = examine(&surroundings);
+    }
+    for finding in &findings {
+        if options.json {
+            crate::print(&format!("{}\n", as_json(finding)));
+        } else if options.verbose || finding.severity > Severity::Good {
+            crate::print(&format!("{finding}\n"));
+        }
+    }
+    if !options.json {
+        crate::print(&summary(&findings));
+    }
+    let is_well = findings.iter().all(|finding| finding.severity < Severity::Problem);
+    if is_well && !has_failed { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Does what can be done; a line for each step.
+fn fix(findings: &[Finding], surroundings: &Surroundings) -> Vec<Result<String, InstallError>> {
+    let mut done = BTreeSet::new();
+    let mut lines = Vec::new();
+    for fix in findings.iter().filter_map(|finding| finding.fix.as_ref()) {
+        if !done.insert(format!("{fix:?}")) {
+            continue;
+        }
+        match fix.plan(surroundings) {
+            Ok(steps) => {
+                lines.extend(steps.iter().map(|step| step.apply().map(|()| format!("fixed: {step}"))));
+            }
+            Err(error) => lines.push(Err(error)),
+        }
+    }
+    lines
+}
+
+fn as_json(finding: &Finding) -> serde_json::Value {
+    json!({
+        "id": finding.id,
+        "severity": finding.severity.name(),
+        "found": finding.found,
+        "means": finding.means,
+        "advice": finding.advice,
+        "fixable": finding.fix.is_some(),
+    })
+}
+
+fn summary(findings: &[Finding]) -> String {
+    let count = |severity| findings.iter().filter(|finding| finding.severity == severity).count();
+    let (problems, warnings) = (count(Severity::Problem), count(Severity::Warning));
+    let fixable = findings.iter().filter(|finding| finding.fix.is_some()).count();
+    let counted = |number, name: &str| format!("{number} {name}{}", if number == 1 { "" } else { "s" });
+    let mut line = match (problems, warnings) {
+        (0, 0) => "All is well: parafovea run -- GAME, or PARAFOVEA=1 %command% in Steam.".to_owned(),
+        _ => format!("{}, {}.", counted(problems, "problem"), counted(warnings, "warning")),
+    };
+    if fixable > 0 {
+        line += &format!(" parafovea doctor --fix puts {fixable} of them right.");
+    }
+    line + "\n"
+}

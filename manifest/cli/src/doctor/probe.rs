@@ -1,0 +1,90 @@
+//! Asking Vulkan and OpenXR, by a program that comes with this one.
+
+use parafovea_manifest::doctor::Probed;
+use parafovea_manifest::json::{DISABLE_VARIABLE, ENABLE_VARIABLE};
+use serde::de::DeserializeOwned;
+use std::env;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
+
+/// The program that asks.
+const PROGRAM: &str = "parafovea-probe";
+
+/// A runtime that starts its service, and a driver that compiles, take seconds.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// All answers; the questions are asked at the same time.
+pub fn probe() -> Probed {
+    let Some(program) = program() else {
+        let missing = || format!("{PROGRAM} is not beside this program");
+        return Probed { layers: Err(missing()), vulkan: Err(missing()), openxr: Err(missing()) };
+    };
+    let (layers, vulkan, openxr) = (
+        Asked::new(&program, "layers", true),
+        Asked::new(&program, "vulkan", false),
+        Asked::new(&program, "openxr", false),
+    );
+    Probed { layers: layers.answer(), vulkan: vulkan.answer(), openxr: openxr.answer() }
+}
+
+/// Beside this program, as a build or an archive puts it, or where a package does.
+fn program() -> Option<PathBuf> {
+    let own = env::current_exe().ok()?;
+    let folder = own.parent()?;
+    [".", "../lib/parafovea"]
+        .map(|place| folder.join(place).join(PROGRAM))
+        .into_iter()
+        .find(|path| path.is_file())
+}
+
+/// A question that was asked.
+struct Asked(Result<(Child, mpsc::Receiver<String>), String>);
+
+impl Asked {
+    /// Asks; the layer is enabled only where it is to be listed, so that it writes no log for this.
+    fn new(program: &Path, question: &str, with_layer: bool) -> Self {
+        let mut command = Command::new(program);
+        command.arg(question).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        if with_layer {
+            command.env(ENABLE_VARIABLE, "1").env_remove(DISABLE_VARIABLE);
+        } else {
+            command.env(DISABLE_VARIABLE, "1");
+        }
+        let spawned = command.spawn().map(|mut child| {
+            let (sender, receiver) = mpsc::channel();
+            let output = child.stdout.take();
+            // Only a line: what a runtime starts may keep the other end open for as long as it runs.
+            thread::spawn(move || {
+                let mut line = String::new();
+                let _ = output.map(|output| BufReader::new(output).read_line(&mut line));
+                let _ = sender.send(line);
+            });
+            (child, receiver)
+        });
+        Self(spawned.map_err(|error| format!("{}: {error}", program.display())))
+    }
+
+    fn answer<T: DeserializeOwned>(self) -> Result<T, String> {
+        let (mut child, receiver) = self.0?;
+        let Ok(line) = receiver.recv_timeout(PATIENCE) else {
+            let _ = child.kill();
+            let _ = child.wait();
+            return Err(format!("no answer within {} seconds", PATIENCE.as_secs()));
+        };
+        if !line.is_empty() {
+            // It has said all, and ends: nothing that it left behind in the runtime is waited for.
+            thread::spawn(move || child.wait());
+            return serde_json::from_str(&line).map_err(|error| error.to_string());
+        }
+        let status = child.wait().map_err(|error| error.to_string())?;
+        let mut said = String::new();
+        if status.code().is_some() {
+            let _ = child.stderr.take().map(|mut stderr| stderr.read_to_string(&mut said));
+        }
+        Err(said.lines().last().map_or_else(|| status.to_string(), str::to_owned))
+    }
+}

@@ -1,0 +1,45 @@
+//! `parafovea generate`: for packages, and for shells that are set up by hand.
+
+use clap::{Command, ValueEnum};
+use clap_complete::Shell;
+use std::process::ExitCode;
+
+/// What is printed.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum What {
+    /// Completions for bash
+    Bash,
+    /// Completions for zsh
+    Zsh,
+    /// Completions for fish
+    Fish,
+    /// The manual page, for section 1
+    Man,
+}
+
+/// Prints it.
+pub fn generate(what: What, command: &mut Command) -> ExitCode {
+    let mut text = Vec::new();
+    let shell = match what {
+        What::Bash => Shell::Bash,
+        What::Zsh => Shell::Zsh,
+        What::Fish => Shell::Fish,
+        What::Man => {
+            if let Err(error) = manual(command, &mut text) {
+                eprintln!("parafovea: {error}");
+                return ExitCode::FAILURE;
+            }
+            crate::print(&String::from_utf8_lossy(&text));
+            return ExitCode::SUCCESS;
+        }
+    };
+    clap_complete::generate(shell, command, "parafovea", &mut text);
+    crate::print(&String::from_utf8_lossy(&text));
+    ExitCode::SUCCESS
+}
+
+/// One page with every subcommand.
+fn manual(command: &Command, text: &mut Vec<u8>) -> std::io::Result<()> {
+    let page = clap_mangen::Man::new(command.clone());
+    page.render(text)
+}

@@ -1,0 +1,238 @@
+//! `parafovea profile`: the configuration of each application.
+
+mod edit;
+mod effective;
+mod files;
+mod kinds;
+
+use edit::{Change, EditError};
+use effective::{Origin, effective};
+use files::Files;
+use parafovea_manifest::config::{self, ConfigErrors};
+use parafovea_manifest::install::{InstallError, Step};
+use parafovea_manifest::options::{OPTIONS, OptionSpec};
+use std::fmt::Write as _;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// What to do with profiles.
+#[derive(Debug, clap::Subcommand)]
+pub enum Command {
+    /// List the files that there are, for which applications, and whether they are right
+    List,
+    /// Show what holds for an application, and where each value comes from
+    Show {
+        /// The application: its name for OpenXR, or its program's; `all` for those without a file of their own
+        application: String,
+        /// Every option, also those at their defaults
+        #[arg(long)]
+        effective: bool,
+    },
+    /// Set an option in an application's file; comments and all else in it stay
+    Set {
+        /// The application, as for show; `all` for config.toml
+        application: String,
+        /// The option, as `parafovea config default` lists them: chroma.mode
+        key: String,
+        /// Its value
+        value: String,
+    },
+    /// Remove an option from an application's file, so that its preset or default holds
+    Unset {
+        /// The application, as for show; `all` for config.toml
+        application: String,
+        /// The option
+        key: String,
+    },
+    /// Make a new file for an application of some kind, with the settings that suit it, each explained
+    New {
+        /// The application, as for show
+        application: String,
+        /// The kind
+        #[arg(value_parser = clap::builder::PossibleValuesParser::new(kinds::names()))]
+        kind: String,
+    },
+    /// Say what is wrong with any of the files
+    Validate,
+}
+
+/// Why nothing was done.
+#[derive(Debug, thiserror::Error)]
+enum Failure {
+    #[error("neither XDG_CONFIG_HOME nor HOME names an absolute path, so there is no place for profiles")]
+    NoHome,
+    #[error("{0:?} gives no file name")]
+    NoName(String),
+    #[error("there is no option {0}; parafovea config default lists all{did_you_mean}", did_you_mean = near(.0))]
+    NoOption(String),
+    #[error("{}: {}", .0.display(), .1)]
+    Read(PathBuf, std::io::Error),
+    #[error("{} is there already; parafovea profile set changes it", .0.display())]
+    Exists(PathBuf),
+    #[error("{}: {}", .0.display(), .1)]
+    Edit(PathBuf, EditError),
+    #[error("nothing was changed:\n{0}")]
+    Config(#[from] ConfigErrors),
+    #[error(transparent)]
+    Write(#[from] InstallError),
+}
+
+fn near(key: &str) -> String {
+    let name = key.rsplit('.').next().unwrap_or(key);
+    match OPTIONS.iter().find(|option| option.name == name || option.section == name) {
+        Some(option) => format!("; did you mean {}?", option.key()),
+        None => String::new(),
+    }
+}
+
+/// Does it; prints what was done, or why not.
+pub fn profile(command: &Command) -> ExitCode {
+    let files = Files::of_process();
+    let done = match command {
+        Command::List => list(&files),
+        Command::Show { application, effective } => show(&files, application, *effective),
+        Command::Set { application, key, value } => change(&files, application, key, Change::Set(value)),
+        Command::Unset { application, key } => change(&files, application, key, Change::Unset),
+        Command::New { application, kind } => new(&files, application, kind),
+        Command::Validate => return validate(&files),
+    };
+    match done {
+        Ok(text) => {
+            crate::print(&text);
+            ExitCode::SUCCESS
+        }
+        Err(failure) => {
+            eprintln!("parafovea: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn list(files: &Files) -> Result<String, Failure> {
+    let mut text = String::new();
+    for file in files.existing() {
+        let state = match config::load(&file.path) {
+            Ok(config) => {
+                let count = fs::read_to_string(&file.path).map_or(0, |text| effective::set_in(&text).len());
+                let preset = OPTIONS.iter().find(|option| option.key() == "preset");
+                let preset = preset.map_or(String::new(), |option| option.value(&config));
+                format!("preset {preset}, {count} option{} set", if count == 1 { "" } else { "s" })
+            }
+            Err(errors) => {
+                format!("not used: {} errors; see parafovea profile validate", errors.errors().len())
+            }
+        };
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{}\n    {}: {state}", file.application, file.path.display());
+    }
+    if text.is_empty() {
+        text = "no configuration file: the defaults hold for all applications\n".to_owned();
+    }
+    let _ = writeln!(text, "Kinds, for parafovea profile new: {}", kinds::names().join(", "));
+    Ok(text)
+}
+
+fn show(files: &Files, application: &str, all: bool) -> Result<String, Failure> {
+    let file = files.in_force(application);
+    let (config, content) = match &file {
+        None => (config::Config::default(), String::new()),
+        Some(path) => {
+            let content = fs::read_to_string(path).map_err(|error| Failure::Read(path.clone(), error))?;
+            (config::load(path)?, content)
+        }
+    };
+    let mut text = match &file {
+        Some(path) => format!("# {application}: {}\n", path.display()),
+        None => format!("# {application}: no file, the defaults hold\n"),
+    };
+    for value in effective(&config, &content) {
+        let origin = match value.origin {
+            Origin::File => "set in this file".to_owned(),
+            Origin::Preset => format!("of preset {}", value.preset),
+            Origin::Default if !all => continue,
+            Origin::Default => "the default".to_owned(),
+        };
+        let _ = writeln!(text, "{} = {}  # {origin}", value.option.key(), value.value);
+    }
+    if !all {
+        text += "# All else is at its default; --effective shows it.\n";
+    }
+    Ok(text)
+}
+
+fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Result<String, Failure> {
+    let option = option(key)?;
+    let path = files.own(application)?;
+    let own = read(&path)?;
+    // An application with a file of its own does not look at the others: nothing else is to change for it.
+    let from = match &own {
+        Some(_) => None,
+        None => files.in_force(application),
+    };
+    let before = match (own, &from) {
+        (Some(text), _) => text,
+        (None, Some(from)) => read(from)?.unwrap_or_default(),
+        (None, None) => String::new(),
+    };
+    let after = edit::apply(&before, option, change).map_err(|error| Failure::Edit(path.clone(), error))?;
+    config::parse(&path, &after)?;
+    write(&path, after)?;
+    let mut text = format!("{}: ", path.display());
+    text += &match change {
+        Change::Set(value) => format!("{key} = {}\n", value.trim()),
+        Change::Unset => format!("{key} is no longer set\n"),
+    };
+    if let Some(from) = from {
+        let _ = writeln!(
+            text,
+            "It is new, and has all that {} has, which {application} no longer looks at.",
+            from.display()
+        );
+    }
+    Ok(text)
+}
+
+fn new(files: &Files, application: &str, kind: &str) -> Result<String, Failure> {
+    let path = files.own(application)?;
+    if read(&path)?.is_some() {
+        return Err(Failure::Exists(path));
+    }
+    write(&path, kinds::file(kind))?;
+    Ok(format!("{}: written for {kind}\n", path.display()))
+}
+
+/// Prints a line for each error in any file.
+fn validate(files: &Files) -> ExitCode {
+    let mut is_valid = true;
+    for file in files.existing() {
+        match config::load(&file.path) {
+            Ok(_) => crate::print(&format!("{}: valid\n", file.path.display())),
+            Err(errors) => {
+                is_valid = false;
+                eprintln!("{errors}");
+            }
+        }
+    }
+    if is_valid { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn option(key: &str) -> Result<&'static OptionSpec, Failure> {
+    OPTIONS.iter().find(|option| option.key() == key).ok_or_else(|| Failure::NoOption(key.to_owned()))
+}
+
+/// What is in the file, if it is there.
+fn read(path: &Path) -> Result<Option<String>, Failure> {
+    match fs::read_to_string(path) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(Failure::Read(path.to_owned(), error)),
+    }
+}
+
+/// Writes through a link, so that a configuration that is kept elsewhere stays there.
+fn write(path: &Path, text: String) -> Result<(), Failure> {
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    Ok(Step::Write { path, text }.apply()?)
+}

@@ -1,0 +1,69 @@
+//! Which files there are.
+
+use super::Failure;
+use parafovea_manifest::config::Places;
+use parafovea_manifest::paths::{Environment, file_stem};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What stands for all applications without a file of their own.
+pub const ALL: &str = "all";
+
+/// The files of this user.
+pub struct Files {
+    environment: Environment,
+}
+
+/// A file that is there.
+pub struct Found {
+    /// Whom it is for.
+    pub application: String,
+    /// Where it is.
+    pub path: PathBuf,
+}
+
+impl Files {
+    /// As the variables of this process have them.
+    pub fn of_process() -> Self {
+        Self { environment: Environment::of_process(false) }
+    }
+
+    fn folder(&self) -> Option<PathBuf> {
+        Some(self.environment.config_home()?.join("parafovea"))
+    }
+
+    /// The file that is to be changed for an application.
+    pub fn own(&self, application: &str) -> Result<PathBuf, Failure> {
+        let folder = self.folder().ok_or(Failure::NoHome)?;
+        if application == ALL {
+            return Ok(folder.join("config.toml"));
+        }
+        let stem = file_stem(application).ok_or_else(|| Failure::NoName(application.to_owned()))?;
+        Ok(folder.join("apps").join(format!("{stem}.toml")))
+    }
+
+    /// The file that holds for an application; `None`: the defaults do.
+    pub fn in_force(&self, application: &str) -> Option<PathBuf> {
+        let application = (application != ALL).then_some(application);
+        let places = Places::new(&self.environment, application, Path::new(application.unwrap_or_default()));
+        places.find(|file| fs::symlink_metadata(file).is_ok()).map(Path::to_owned)
+    }
+
+    /// Those that are there: of single applications by name, then of all.
+    pub fn existing(&self) -> Vec<Found> {
+        let apps = self.folder().map(|folder| folder.join("apps"));
+        let entries = apps.and_then(|folder| fs::read_dir(folder).ok()).into_iter().flatten().flatten();
+        let mut found: Vec<Found> = entries
+            .map(|entry| entry.path())
+            .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+            .filter_map(|path| {
+                Some(Found { application: path.file_stem()?.to_string_lossy().into_owned(), path })
+            })
+            .collect();
+        found.sort_by(|one, other| one.application.cmp(&other.application));
+        let places = Places::new(&self.environment, None, Path::new(""));
+        let shared = places.files().iter().filter(|file| fs::symlink_metadata(file).is_ok());
+        found.extend(shared.map(|file| Found { application: "all others".to_owned(), path: file.clone() }));
+        found
+    }
+}

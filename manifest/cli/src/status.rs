@@ -1,0 +1,63 @@
+//! `parafovea status`.
+
+mod text;
+
+use parafovea_manifest::paths::Environment;
+use parafovea_manifest::status::{EVERY_S, Found, read_all};
+use serde_json::json;
+use std::io::{self, IsTerminal, Write};
+use std::process::ExitCode;
+use std::thread::sleep;
+use std::time::{Duration, SystemTime};
+
+/// How it is shown.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct Options {
+    /// Show it once, instead of every second
+    #[arg(long)]
+    once: bool,
+    /// Print one JSON object a line and look, for each application
+    #[arg(long)]
+    json: bool,
+}
+
+/// Back to the top left corner, and all below it cleared.
+const CLEAR: &str = "\x1b[H\x1b[2J";
+
+/// Shows the applications with the layer, until it is interrupted or nobody reads.
+pub fn status(options: Options) -> ExitCode {
+    let environment = Environment::of_process(false);
+    if environment.runtime_dir().is_none() {
+        eprintln!("parafovea: XDG_RUNTIME_DIR is not set: applications have no place where they could tell");
+        return ExitCode::FAILURE;
+    }
+    let is_screen = io::stdout().is_terminal() && !options.json && !options.once;
+    loop {
+        let shown = match read_all(&environment, SystemTime::now()) {
+            Ok((found, _)) if options.json => as_json(&found),
+            Ok((found, gone)) => text::of_all(&found, gone, &environment),
+            Err(error) => {
+                eprintln!("parafovea: {error}");
+                return ExitCode::FAILURE;
+            }
+        };
+        let clear = if is_screen { CLEAR } else { "" };
+        let mut stdout = io::stdout().lock();
+        let written = stdout.write_all(format!("{clear}{shown}").as_bytes()).and_then(|()| stdout.flush());
+        if options.once || written.is_err() {
+            return ExitCode::SUCCESS;
+        }
+        drop(stdout);
+        sleep(Duration::from_secs(EVERY_S));
+    }
+}
+
+/// The status as it was told, and how old it is.
+fn as_json(found: &[Found]) -> String {
+    let line = |found: &Found| {
+        let mut object = json!(found.status);
+        object["status_age_ms"] = json!(found.age.as_millis() as u64);
+        format!("{object}\n")
+    };
+    found.iter().map(line).collect()
+}

@@ -1,0 +1,184 @@
+//! The status, for people.
+
+use parafovea_manifest::config::Places;
+use parafovea_manifest::paths::Environment;
+use parafovea_manifest::status::{Found, Gate, Gaze, Rates, Sound, Status};
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+/// All applications; `gone` is how many ended without saying so.
+pub fn of_all(found: &[Found], gone: usize, environment: &Environment) -> String {
+    let mut text: Vec<String> = found.iter().map(|found| of_one(&found.status, environment)).collect();
+    if found.is_empty() {
+        text.push(
+            "No application with Parafovea is running a session.\n\
+             To start one: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %command%.\n\
+             If one should be here: parafovea doctor, and its log in ~/.local/state/parafovea.\n"
+                .to_owned(),
+        );
+    }
+    if gone > 0 {
+        text.push(format!("{gone} ended, or hang: nothing was heard of them for seconds.\n"));
+    }
+    text.join("\n")
+}
+
+fn of_one(status: &Status, environment: &Environment) -> String {
+    let executable = Path::new(&status.executable);
+    let mut text = format!("{} (process {}, {})\n", status.application, status.pid, status.executable);
+    let mut line = |name: &str, value: &str| {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "  {name:9} {value}");
+    };
+    if !status.inert.is_empty() {
+        line("state", &format!("inert: {}", status.inert));
+    } else {
+        line(
+            "state",
+            &format!("active, {:.0} frames a second, {} in all", status.frame_rate_hz, status.frames),
+        );
+        line("backend", &status.backend);
+        line("gaze", &gaze(&status.gaze));
+        line("sound", &sound(&status.sound));
+        line("rates", &rates(&status.rates));
+        line("saving", &gate(&status.rates_gate));
+        line("re-use", &gate(&status.reuse_gate));
+        line("colour", if status.attenuates_colour { "removed away from the gaze" } else { "as it is" });
+        line("passes", &format!("{} matched in the last frame", status.passes_matched));
+        for pass in &status.passes {
+            line("", pass);
+        }
+    }
+    let places = Places::new(environment, Some(&status.application), executable);
+    let file = places.find(|file| fs::symlink_metadata(file).is_ok());
+    line("settings", &file.map_or("the defaults".to_owned(), |file| file.display().to_string()));
+    if let Some(log) = environment.log_file(executable) {
+        line("log", &log.display().to_string());
+    }
+    text
+}
+
+fn gaze(gaze: &Gaze) -> String {
+    let source = match gaze.source.as_str() {
+        "eyes" => "eye tracker",
+        "centre" => return "straight ahead, always".to_owned(),
+        other => other,
+    };
+    match (gaze.is_valid, gaze.age_ms) {
+        (true, Some(age)) => format!("{source}: valid, {age:.0} ms old when it was shown"),
+        (true, None) => format!("{source}: valid"),
+        (false, Some(age)) => format!("{source}: not seen for {:.1} s", age / 1000.0),
+        (false, None) => format!("{source}: none"),
+    }
+}
+
+fn sound(sound: &Sound) -> String {
+    match (sound.source.as_str(), sound.is_heard) {
+        ("off", _) => "off".to_owned(),
+        (source, true) => format!("{source}: heard"),
+        (source, false) => format!("{source}: nothing to rely on"),
+    }
+}
+
+fn rates(rates: &Rates) -> String {
+    if rates.tiles.is_empty() {
+        return "nothing is planned".to_owned();
+    }
+    let tiles: Vec<String> =
+        rates.tiles.iter().map(|(rate, share)| format!("{rate} {:.0} %", share * 100.0)).collect();
+    let shaded = format!("{:.0} % of the pixels shaded; tiles: {}", rates.shaded * 100.0, tiles.join(", "));
+    if rates.rendered < 1.0 {
+        return format!("{shaded}; {:.0} % of the tiles rendered in a frame", rates.rendered * 100.0);
+    }
+    shaded
+}
+
+fn gate(gate: &Gate) -> String {
+    let saved = match gate.ratio {
+        Some([ratio, low, high]) => {
+            let percent = |ratio: f32| (1.0 - ratio) * 100.0;
+            format!(
+                "; saves {:.0} % of a frame ({:.0} to {:.0} %)",
+                percent(ratio),
+                percent(high),
+                percent(low)
+            )
+        }
+        None if gate.mode == "auto" => "; what it saves is not known yet".to_owned(),
+        None => String::new(),
+    };
+    match (gate.mode.as_str(), gate.is_kept) {
+        ("off", _) => "off".to_owned(),
+        ("auto", true) => format!("on{saved}"),
+        ("auto", false) => format!("dropped, because it does not pay{saved}"),
+        (_, _) => format!("on, as the configuration says{saved}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    fn shown(status: Status) -> String {
+        of_all(&[Found { status, age: Duration::ZERO }], 0, &Environment::default())
+    }
+
+    fn active() -> Status {
+        Status {
+            pid: 7,
+            executable: "game.exe".to_owned(),
+            application: "Game".to_owned(),
+            frames: 900,
+            frame_rate_hz: 89.96,
+            backend: "mask".to_owned(),
+            passes_matched: 2,
+            passes: vec!["pass 64x64: the scene".to_owned()],
+            gaze: Gaze { source: "eyes".to_owned(), is_valid: true, age_ms: Some(11.6) },
+            sound: Sound { source: "off".to_owned(), is_heard: false },
+            rates: Rates {
+                tiles: vec![("4x4".to_owned(), 0.25), ("1x1".to_owned(), 0.75)],
+                shaded: 0.77,
+                rendered: 1.0,
+            },
+            rates_gate: Gate { mode: "auto".to_owned(), is_kept: true, ratio: Some([0.65, 0.6, 0.7]) },
+            reuse_gate: Gate { mode: "off".to_owned(), ..Gate::default() },
+            ..Status::default()
+        }
+    }
+
+    #[test]
+    fn an_active_application_has_everything_in_it() {
+        let text = shown(active());
+        for line in [
+            "Game (process 7, game.exe)",
+            "  state     active, 90 frames a second, 900 in all",
+            "  gaze      eye tracker: valid, 12 ms old when it was shown",
+            "  rates     77 % of the pixels shaded; tiles: 4x4 25 %, 1x1 75 %",
+            "  saving    on; saves 35 % of a frame (30 to 40 %)",
+            "  re-use    off",
+            "            pass 64x64: the scene",
+            "  settings  the defaults",
+        ] {
+            assert!(text.lines().any(|found| found == line), "{line}\nin\n{text}");
+        }
+    }
+
+    #[test]
+    fn what_was_dropped_and_what_is_inert_say_why() {
+        let dropped = Gate { mode: "auto".to_owned(), is_kept: false, ratio: Some([1.2, 1.1, 1.3]) };
+        let text = shown(Status { rates_gate: dropped, ..active() });
+        assert!(
+            text.contains("dropped, because it does not pay; saves -20 % of a frame (-30 to -10 %)"),
+            "{text}"
+        );
+        let inert = shown(Status { inert: "its graphics API is not Vulkan".to_owned(), ..active() });
+        assert!(
+            inert.contains("inert: its graphics API is not Vulkan") && !inert.contains("backend"),
+            "{inert}"
+        );
+        let none = of_all(&[], 1, &Environment::default());
+        assert!(none.starts_with("No application") && none.contains("1 ended"), "{none}");
+    }
+}

@@ -1,0 +1,44 @@
+//! What is wrong with an installation: each thing found says what it means and what to do.
+//!
+//! Reads files and the variables that [`Surroundings`] hands in, and calls neither Vulkan nor OpenXR: what only these know
+//! comes in as [`Probed`], from a program that asks them.
+
+mod audio;
+mod configuration;
+mod containers;
+mod device;
+mod finding;
+mod layers;
+mod loaders;
+mod log;
+mod manifests;
+mod order;
+mod probed;
+mod runtime;
+mod surroundings;
+mod variables;
+
+pub use finding::{Finding, Fix, Severity};
+pub use probed::{Device, LoaderLayers, Probed, RuntimeAnswer, VulkanAnswer};
+pub use surroundings::Surroundings;
+
+use layers::Layers;
+
+/// Looks at everything, in the order in which a frame would need it.
+pub fn examine(surroundings: &Surroundings) -> Vec<Finding> {
+    let layers = Layers::find(surroundings);
+    let mut findings = manifests::examine(surroundings, &layers);
+    findings.extend(variables::examine(surroundings));
+    findings.extend(order::examine(surroundings, &layers));
+    findings.extend(loaders::examine(surroundings));
+    findings.extend(runtime::examine(surroundings));
+    findings.extend(device::examine(surroundings, &layers));
+    findings.extend(configuration::examine(surroundings));
+    findings.extend(audio::examine(surroundings, &layers));
+    findings.extend(log::examine(surroundings));
+    findings.extend(containers::examine(surroundings, &layers));
+    findings
+}
+
+#[cfg(test)]
+mod tests;

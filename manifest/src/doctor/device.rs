@@ -1,0 +1,170 @@
+//! What only Vulkan and OpenXR know: whether the loaders list the layers, what the GPU can do, whether eyes are tracked.
+
+use super::layers::Layers;
+use super::manifests::called;
+use super::{Device, Finding, RuntimeAnswer, Surroundings, runtime};
+use crate::json::Half;
+
+pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
+    let probed = &surroundings.probed;
+    let mut findings = Vec::new();
+    match &probed.layers {
+        Err(reason) => findings.push(unknown("the loaders list", reason)),
+        Ok(listed) => {
+            for (half, names) in [(Half::OpenXr, &listed.openxr), (Half::Vulkan, &listed.vulkan)] {
+                let lists = names.as_ref().map(|names| names.iter().any(|name| name == half.layer_name()));
+                if lists == Some(false) && layers.ours(half).next().is_some() {
+                    findings.push(not_listed(half));
+                }
+            }
+        }
+    }
+    match &probed.vulkan {
+        Err(reason) => findings.push(unknown("the GPU can do", reason)),
+        Ok(vulkan) if vulkan.devices.is_empty() => findings.push(
+            Finding::problem("no-device", "Vulkan finds no device", "Games that use Vulkan do not start.")
+                .advise("install a driver (Debian, Ubuntu: mesa-vulkan-drivers, or that of NVIDIA)"),
+        ),
+        Ok(vulkan) => findings.extend(of_devices(&vulkan.devices)),
+    }
+    match &probed.openxr {
+        Err(reason) => findings.push(unknown("the OpenXR runtime offers", reason)),
+        // Without one set, that is what is told.
+        Ok(runtime) if !runtime.name.is_empty() || runtime::is_set(surroundings) => {
+            findings.extend(of_runtime(runtime));
+        }
+        Ok(_) => {}
+    }
+    findings
+}
+
+fn unknown(what: &str, reason: &str) -> Finding {
+    Finding::note("cannot-check", format!("not checked: what {what}: {reason}"), "")
+}
+
+fn not_listed(half: Half) -> Finding {
+    let name = called(half);
+    Finding::problem(
+        "not-listed",
+        format!("the {name} loader does not list the layer, though its manifest is there"),
+        "Games get only the other half, which does nothing alone.",
+    )
+    .advise(match half {
+        Half::OpenXr => "run with XR_LOADER_DEBUG=all, which says why; then: parafovea install",
+        Half::Vulkan => "run with VK_LOADER_DEBUG=layer, which says why; then: parafovea install",
+    })
+}
+
+fn of_devices(devices: &[Device]) -> Vec<Finding> {
+    // Games take a GPU where there is one.
+    let has_gpu = devices.iter().any(|device| !device.is_cpu);
+    let looked_at = devices.iter().filter(|device| !device.is_cpu || !has_gpu);
+    let mut findings: Vec<Finding> = looked_at.filter_map(of_device).collect();
+    if !has_gpu {
+        findings.push(
+            Finding::warning(
+                "no-gpu",
+                "Vulkan finds no GPU, only a device that renders on the CPU",
+                "Virtual reality is too slow so, with Parafovea or without.",
+            )
+            .advise(
+                "install the driver of your GPU (Debian, Ubuntu: mesa-vulkan-drivers, or that of NVIDIA)",
+            ),
+        );
+    }
+    findings
+}
+
+/// What a GPU can do; that a CPU has no rates matters less than that it is one.
+fn of_device(device: &Device) -> Option<Finding> {
+    let name = match device.driver.as_str() {
+        "" => device.name.clone(),
+        driver => format!("{} ({driver})", device.name),
+    };
+    if device.rates.is_empty() {
+        let finding = Finding::warning(
+            "no-shading-rates",
+            format!("{name} has no shading rates (VK_KHR_fragment_shading_rate with attachments)"),
+            "Parafovea uses a mask instead, which fits fewer games and saves less.",
+        )
+        .advise(
+            "update the driver; of GPUs, NVIDIA's since RTX 20, AMD's since RX 6000 and Intel's Arc have it",
+        );
+        return (!device.is_cpu).then_some(finding);
+    }
+    let [[least, _], [most, _]] = device.texel;
+    let texel = if least == most { least.to_string() } else { format!("{least} to {most}") };
+    Some(Finding::good(
+        "shading-rates",
+        format!("{name} has shading rates up to {}, in tiles of {texel} pixels", coarsest(&device.rates)),
+    ))
+}
+
+/// The rate that shades the most pixels at once.
+fn coarsest(rates: &[String]) -> &str {
+    let pixels = |rate: &&String| -> u32 { rate.split('x').map(|side| side.parse().unwrap_or(1)).product() };
+    rates.iter().max_by_key(pixels).map_or("1x1", String::as_str)
+}
+
+fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
+    let has = |name: &str| runtime.extensions.iter().any(|extension| extension == name);
+    if runtime.name.is_empty() {
+        return vec![
+            Finding::problem(
+                "runtime-refuses",
+                format!("the OpenXR runtime gives no instance: {}", runtime.failure),
+                "Games find no headset.",
+            )
+            .advise("start the runtime (SteamVR, or the service of WiVRn or Monado), then look again"),
+        ];
+    }
+    let version = runtime.version.map(|part| part.to_string()).join(".");
+    let mut findings = vec![Finding::good("runtime-answers", format!("{} {version} answers", runtime.name))];
+    if !has("XR_KHR_vulkan_enable") && !has("XR_KHR_vulkan_enable2") {
+        findings.push(
+            Finding::problem(
+                "runtime-without-vulkan",
+                format!("{} does not take pictures of Vulkan", runtime.name),
+                "Parafovea works with games that render with Vulkan, Direct3D by way of Proton included.",
+            )
+            .advise("use another runtime: SteamVR, WiVRn and Monado all take them"),
+        );
+    }
+    let straight_ahead = "for coarser shading around straight ahead, set gaze.source = \"centre\"";
+    if !has("XR_EXT_eye_gaze_interaction") {
+        findings.push(
+            Finding::warning(
+                "no-eye-gaze",
+                format!("{} does not offer eye tracking (XR_EXT_eye_gaze_interaction)", runtime.name),
+                "Without it nothing follows your eyes: rates fall off from straight ahead, widely.",
+            )
+            .advise(straight_ahead),
+        );
+    } else if runtime.tracks_eyes == Some(false) {
+        let headset = runtime.system.as_deref().unwrap_or("the headset");
+        findings.push(
+            Finding::warning(
+                "no-eye-tracker",
+                format!("{headset} does not track eyes"),
+                "Without that nothing follows them: rates fall off from straight ahead, widely.",
+            )
+            .advise(format!(
+                "turn eye tracking on in the headset and its runtime, if it has it; {straight_ahead}"
+            )),
+        );
+    } else if let Some(headset) = &runtime.system {
+        findings.push(Finding::good("headset", format!("{headset} is there, and tracks eyes")));
+    }
+    if runtime.system.is_none() {
+        let reason = if runtime.failure.is_empty() { "it does not say why" } else { &runtime.failure };
+        findings.push(
+            Finding::note(
+                "no-headset",
+                format!("{} has no headset at the moment: {reason}", runtime.name),
+                "Whether it tracks eyes is not known until it is on.",
+            )
+            .advise("turn the headset on, then look again"),
+        );
+    }
+    findings
+}

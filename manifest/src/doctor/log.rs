@@ -1,0 +1,36 @@
+//! Where the layer writes what it decided: Proton swallows standard error, so this is the only place.
+
+use super::{Finding, Surroundings};
+use std::fs;
+use std::path::Path;
+
+pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
+    let Some(state) = surroundings.environment.state_home() else {
+        return vec![
+            Finding::warning(
+                "no-log",
+                "neither XDG_STATE_HOME nor HOME is set",
+                "There is no place for logs, so nobody can see what the layer decided.",
+            )
+            .advise("set HOME"),
+        ];
+    };
+    let folder = state.join("parafovea");
+    match is_writable(&folder) {
+        Ok(()) => vec![Finding::good("log", format!("logs: {}", folder.display()))],
+        Err(error) => vec![
+            Finding::warning(
+                "no-log",
+                format!("{} cannot be written to: {error}", folder.display()),
+                "The layer works, but nobody can see what it decided, and why.",
+            )
+            .advise(format!("make {} a folder that you may write to", folder.display())),
+        ],
+    }
+}
+
+/// Tries it in the folder, or in the nearest above it that is there.
+fn is_writable(folder: &Path) -> std::io::Result<()> {
+    let there = folder.ancestors().find(|path| fs::symlink_metadata(path).is_ok()).unwrap_or(folder);
+    tempfile::tempfile_in(there).map(drop)
+}

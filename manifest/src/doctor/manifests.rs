@@ -1,0 +1,217 @@
+//! Whether both halves are installed, and are one.
+
+use super::layers::{Layer, Layers, Manifest, Unusable};
+use super::{Finding, Fix, Surroundings};
+use crate::install::{library_path, plan_install};
+use crate::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
+    let mut findings: Vec<Finding> =
+        Half::BOTH.iter().flat_map(|half| of_half(surroundings, layers, *half)).collect();
+    if findings.iter().filter(|finding| finding.id == "manifest-missing").count() == Half::BOTH.len() {
+        return vec![
+            Finding::problem(
+                "not-installed",
+                "Parafovea is not installed",
+                "Neither the OpenXR loader nor the Vulkan loader knows of it, so games run without it.",
+            )
+            .advise("parafovea install")
+            .fixed_if(surroundings.shipped.is_some(), Fix::Install),
+        ];
+    }
+    if findings.is_empty() {
+        findings.extend(one_library(surroundings, layers));
+    }
+    if findings.is_empty() {
+        findings.extend(is_outdated(surroundings));
+    }
+    findings.extend(writable(layers, surroundings));
+    if findings.is_empty()
+        && let Some(library) = layers.library(surroundings, Half::OpenXr)
+    {
+        findings
+            .push(Finding::good("installed", format!("both halves are installed, as {}", library.display())));
+    }
+    findings
+}
+
+/// The name of a half in sentences.
+pub(super) fn called(half: Half) -> &'static str {
+    match half {
+        Half::OpenXr => "OpenXR",
+        Half::Vulkan => "Vulkan",
+    }
+}
+
+fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Finding> {
+    let ours: Vec<&Manifest> = layers.ours(half).collect();
+    let name = called(half);
+    let mut findings: Vec<Finding> =
+        ours.iter().filter_map(|manifest| of_manifest(surroundings, half, manifest)).collect();
+    match ours.as_slice() {
+        [] => findings.push(
+            Finding::problem(
+                "manifest-missing",
+                format!("the {name} half is not installed"),
+                format!(
+                    "No folder in which the {name} loader looks has its manifest, and the other half alone does nothing."
+                ),
+            )
+            .advise("parafovea install")
+            .fixed_if(surroundings.shipped.is_some(), Fix::Install),
+        ),
+        [_] => {}
+        several => {
+            let paths: Vec<_> = several.iter().map(|manifest| manifest.path.display().to_string()).collect();
+            let effect = match half {
+                Half::OpenXr => "The OpenXR loader loads each of them, one behind the other.",
+                Half::Vulkan => "The Vulkan loader takes the first, which may belong to another version.",
+            };
+            findings.push(
+                Finding::problem(
+                    "installed-twice",
+                    format!("the {name} half is installed {} times: {}", paths.len(), paths.join(", ")),
+                    effect,
+                )
+                .advise("keep one: parafovea uninstall takes away the one in your home; those of the system, its package"),
+            );
+        }
+    }
+    findings
+}
+
+/// What is wrong with a manifest of ours.
+fn of_manifest(surroundings: &Surroundings, half: Half, manifest: &Manifest) -> Option<Finding> {
+    let (path, name) = (manifest.path.display(), called(half));
+    let skipped = format!("The {name} loader skips it, so games run without Parafovea.");
+    let layer = match &manifest.content {
+        Err(Unusable::Unreadable(reason)) => {
+            return Some(
+                Finding::problem("manifest-unreadable", format!("{path} cannot be read: {reason}"), skipped)
+                    .advise(format!("chmod a+r {path}")),
+            );
+        }
+        Err(Unusable::Malformed(reason)) => {
+            return Some(
+                Finding::problem("manifest-malformed", format!("{path} is no manifest: {reason}"), skipped)
+                    .advise("remove that file, then: parafovea install"),
+            );
+        }
+        Ok(of_file) => of_file.iter().find(|layer| layer.name == half.layer_name()),
+    };
+    let Some(layer) = layer else {
+        return Some(
+            Finding::problem(
+                "manifest-foreign",
+                format!("{path} is the manifest of another layer"),
+                "It is in the place of Parafovea's, which is not installed over it.",
+            )
+            .advise("move that file away, then: parafovea install"),
+        );
+    };
+    let is_the_users = surroundings.environment.data_home().map(|data| half.manifest_path(data));
+    let can_fix = surroundings.shipped.is_some() && is_the_users.as_ref() == Some(&manifest.path);
+    of_layer(surroundings, half, manifest, layer)
+        .map(|finding| finding.advise("parafovea install").fixed_if(can_fix, Fix::Install))
+}
+
+fn of_layer(surroundings: &Surroundings, half: Half, manifest: &Manifest, layer: &Layer) -> Option<Finding> {
+    let (path, name) = (manifest.path.display(), called(half));
+    let enabled_by = |(variable, value): &(String, Option<String>)| {
+        variable == ENABLE_VARIABLE && value.as_ref().is_none_or(|value| value == "1")
+    };
+    if layer.disable != [DISABLE_VARIABLE] || !matches!(layer.enable.as_slice(), [one] if enabled_by(one)) {
+        return Some(Finding::problem(
+            "manifest-edited",
+            format!("{path} has other variables than {ENABLE_VARIABLE} and {DISABLE_VARIABLE}"),
+            "The two halves are not turned on and off together, and one alone does nothing; without a variable that turns a layer off, the loaders refuse it.",
+        ));
+    }
+    let Some(library) = layer.library_at(surroundings, &manifest.path) else {
+        return Some(Finding::problem(
+            "library-missing",
+            format!("{path} names the library {}, which is not there", layer.library),
+            format!("The {name} loader skips this half, and the other alone does nothing."),
+        ));
+    };
+    let negotiate = layer.negotiate.as_deref().unwrap_or_default();
+    let is_layer = fs::read(&library).is_ok_and(|bytes| crate::install::is_layer(&bytes));
+    if !is_layer || negotiate != half.negotiate() {
+        return Some(Finding::problem(
+            "library-wrong",
+            format!("{path} names the library {}, which is not that of this layer", library.display()),
+            format!("The {name} loader does not find the function {} in it.", half.negotiate()),
+        ));
+    }
+    None
+}
+
+/// The two halves are to be the same file: then they meet at once, and are of one version.
+fn one_library(surroundings: &Surroundings, layers: &Layers) -> Option<Finding> {
+    let [openxr, vulkan] = Half::BOTH.map(|half| layers.library(surroundings, half));
+    let (openxr, vulkan) = (openxr?, vulkan?);
+    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    if real(&openxr) == real(&vulkan) {
+        return None;
+    }
+    let found = format!("the OpenXR half is {}, the Vulkan half {}", openxr.display(), vulkan.display());
+    let is_same = matches!((fs::read(&openxr), fs::read(&vulkan)), (Ok(one), Ok(other)) if one == other);
+    let finding = if is_same {
+        Finding::warning(
+            "library-copied",
+            found,
+            "These are two copies of one library: it works, but an update of only one would not.",
+        )
+    } else {
+        Finding::problem(
+            "library-differs",
+            found,
+            "These are two different builds: where their interfaces differ, they do not meet, and do nothing.",
+        )
+    };
+    Some(finding.advise("parafovea install").fixed_if(surroundings.shipped.is_some(), Fix::Install))
+}
+
+/// The library of the user's installation is another than the one that came with this program.
+fn is_outdated(surroundings: &Surroundings) -> Option<Finding> {
+    let (data, shipped) = (surroundings.environment.data_home()?, surroundings.shipped.as_ref()?);
+    let is_installed =
+        library_path(data).is_file() && Half::BOTH.iter().all(|half| half.manifest_path(data).is_file());
+    let differs = plan_install(data, shipped).is_ok_and(|steps| !steps.is_empty());
+    (is_installed && differs).then(|| {
+        Finding::warning(
+            "outdated",
+            format!("what is installed is not the same as {}, or what came with it", shipped.display()),
+            "Games use what is installed, not what came with this program.",
+        )
+        .advise("parafovea install")
+        .fixed_by(Fix::Install)
+    })
+}
+
+/// Files that anybody may change, though they are loaded into games.
+fn writable(layers: &Layers, surroundings: &Surroundings) -> Vec<Finding> {
+    let manifests = Half::BOTH.into_iter().flat_map(|half| layers.ours(half).map(|found| found.path.clone()));
+    let libraries = Half::BOTH.into_iter().filter_map(|half| layers.library(surroundings, half));
+    let mut paths: Vec<PathBuf> = manifests.chain(libraries).collect();
+    paths.sort();
+    paths.dedup();
+    paths.iter().filter_map(|path| anybody_may_write(path, "loaded into games")).collect()
+}
+
+/// A finding where everybody may change the file, which is `used`.
+pub(super) fn anybody_may_write(path: &Path, used: &str) -> Option<Finding> {
+    use std::os::unix::fs::PermissionsExt;
+    let mode = fs::metadata(path).ok()?.permissions().mode();
+    (mode & 0o002 != 0).then(|| {
+        Finding::warning(
+            "anybody-may-write",
+            format!("everybody on this machine may change {}", path.display()),
+            format!("It is {used}, so others could change what those do."),
+        )
+        .advise(format!("chmod go-w {}", path.display()))
+        .fixed_by(Fix::Restrict(path.to_owned()))
+    })
+}

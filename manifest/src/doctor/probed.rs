@@ -1,0 +1,76 @@
+//! What Vulkan and OpenXR answer, as the program `parafovea-probe` prints it in JSON. Each answer is of a run of its own, so
+//! that a runtime that hangs or crashes takes nothing else with it.
+
+use serde::{Deserialize, Serialize};
+
+/// The answers; an error is one line.
+#[derive(Clone, Debug)]
+pub struct Probed {
+    /// Which layers the loaders list, with Parafovea enabled.
+    pub layers: Result<LoaderLayers, String>,
+    /// Which devices there are.
+    pub vulkan: Result<VulkanAnswer, String>,
+    /// Which runtime there is.
+    pub openxr: Result<RuntimeAnswer, String>,
+}
+
+impl Default for Probed {
+    /// Nobody was asked.
+    fn default() -> Self {
+        let nobody = || "nobody was asked".to_owned();
+        Self { layers: Err(nobody()), vulkan: Err(nobody()), openxr: Err(nobody()) }
+    }
+}
+
+/// Names of the layers that the loaders list.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LoaderLayers {
+    /// OpenXR API layers; `None` without a loader.
+    pub openxr: Option<Vec<String>>,
+    /// Vulkan layers; `None` without a loader.
+    pub vulkan: Option<Vec<String>>,
+}
+
+/// What Vulkan says.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct VulkanAnswer {
+    /// The version of Vulkan that the loader speaks: major, minor, patch.
+    pub version: [u32; 3],
+    /// The devices.
+    pub devices: Vec<Device>,
+}
+
+/// A device of Vulkan.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Device {
+    /// What it is called.
+    pub name: String,
+    /// The driver and its version, as text; empty where it does not say.
+    pub driver: String,
+    /// It is a CPU.
+    pub is_cpu: bool,
+    /// The version of Vulkan that it speaks: major, minor, patch.
+    pub version: [u32; 3],
+    /// Rates that attachments can ask for at one sample, such as `4x4`; empty without the extension
+    /// `VK_KHR_fragment_shading_rate` or its feature `attachmentFragmentShadingRate`.
+    pub rates: Vec<String>,
+    /// Smallest and largest size of the texels of such attachments, pixels.
+    pub texel: [[u32; 2]; 2],
+}
+
+/// What the OpenXR runtime says.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RuntimeAnswer {
+    /// The runtime's name; empty where there is no instance.
+    pub name: String,
+    /// Its version: major, minor, patch.
+    pub version: [u32; 3],
+    /// Extensions that it offers.
+    pub extensions: Vec<String>,
+    /// The headset's name; `None` where it has none at this moment.
+    pub system: Option<String>,
+    /// Whether the headset tracks eyes, where it is known (`XrSystemEyeGazeInteractionPropertiesEXT`).
+    pub tracks_eyes: Option<bool>,
+    /// Why it goes no further, such as the result of a call; empty where all was answered.
+    pub failure: String,
+}

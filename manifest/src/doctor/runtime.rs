@@ -1,0 +1,85 @@
+//! The OpenXR runtime that games get.
+//!
+//! Source: OpenXR loader, `manifest_file.cpp` (`RuntimeManifestFile::FindManifestFiles`).
+
+use super::{Finding, Surroundings};
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
+    vec![match manifest(surroundings) {
+        Some(path) => of_manifest(surroundings, &path),
+        None => Finding::problem(
+            "no-runtime",
+            "no OpenXR runtime is set",
+            "Games find no headset: no file active_runtime.json is where the OpenXR loader looks.",
+        )
+        .advise(
+            "make one the active runtime: in SteamVR under Settings, OpenXR; WiVRn and Monado do so when they start, \
+             or link their openxr_*.json as ~/.config/openxr/1/active_runtime.json",
+        ),
+    }]
+}
+
+/// Whether there is a file that names one.
+pub(super) fn is_set(surroundings: &Surroundings) -> bool {
+    manifest(surroundings).is_some()
+}
+
+/// The file that names the runtime.
+fn manifest(surroundings: &Surroundings) -> Option<PathBuf> {
+    if let Some(named) = surroundings.variable("XR_RUNTIME_JSON") {
+        return Some(PathBuf::from(named));
+    }
+    let arch = std::env::consts::ARCH;
+    let home = surroundings.environment.config_home().map(Path::to_owned);
+    home.into_iter()
+        .chain(surroundings.paths_or("XDG_CONFIG_DIRS", &["/etc/xdg"]))
+        .chain([surroundings.system("/etc")])
+        .map(|base| base.join("openxr/1"))
+        .flat_map(|folder| {
+            [folder.join(format!("active_runtime.{arch}.json")), folder.join("active_runtime.json")]
+        })
+        // A link whose target is gone is no file for the loader either, but worth telling: it is somebody's choice.
+        .find(|path| fs::symlink_metadata(path).is_ok())
+}
+
+fn of_manifest(surroundings: &Surroundings, path: &Path) -> Finding {
+    let shown = path.display();
+    let wrong = |reason: String| {
+        Finding::problem("runtime-broken", format!("{shown} {reason}"), "Games find no headset.")
+            .advise("start the runtime that you use, or make it the active one again")
+    };
+    let text = match fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) => return wrong(format!("cannot be read: {error}")),
+    };
+    let Ok(file) = serde_json::from_str::<Value>(&text) else {
+        return wrong("is not JSON".to_owned());
+    };
+    let Some(library) = file["runtime"]["library_path"].as_str() else {
+        return wrong("names no library of a runtime".to_owned());
+    };
+    let real = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let is_there = match library.contains('/') {
+        true => real.parent().is_some_and(|folder| folder.join(library).exists()),
+        false => surroundings.library(library).is_some(),
+    };
+    if !is_there {
+        return wrong(format!("names the library {library}, which is not there"));
+    }
+    let name = file["runtime"]["name"].as_str().unwrap_or_default();
+    Finding::good("runtime", format!("OpenXR runtime: {} ({shown})", kind(name, library)))
+}
+
+/// What people call a runtime of that name and library.
+fn kind(name: &str, library: &str) -> String {
+    let told = format!("{name} {library}").to_lowercase();
+    let known = [("wivrn", "WiVRn"), ("monado", "Monado"), ("vrclient", "SteamVR"), ("steamvr", "SteamVR")];
+    match known.iter().find(|(part, _)| told.contains(part)) {
+        Some((_, known)) => (*known).to_owned(),
+        None if name.is_empty() => library.to_owned(),
+        None => name.to_owned(),
+    }
+}

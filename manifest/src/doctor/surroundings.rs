@@ -1,0 +1,80 @@
+//! Where it is looked: everything outside of this program that findings depend on.
+
+use super::Probed;
+use crate::paths::Environment;
+use std::collections::HashMap;
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+
+/// Everything that findings depend on, apart from the content of files.
+#[derive(Clone, Debug)]
+pub struct Surroundings {
+    variables: HashMap<OsString, OsString>,
+    /// Where files of the user are, by these variables.
+    pub environment: Environment,
+    /// Where the file system begins: `/`.
+    pub root: PathBuf,
+    /// The library that came with this program: what `--fix` installs.
+    pub shipped: Option<PathBuf>,
+    /// The application whose configuration is looked at: its name for OpenXR, or its program.
+    pub application: Option<String>,
+    /// What Vulkan and OpenXR answered.
+    pub probed: Probed,
+}
+
+impl Surroundings {
+    /// Those of a process with these environment variables.
+    pub fn new(root: &Path, variables: impl IntoIterator<Item = (OsString, OsString)>) -> Self {
+        let variables: HashMap<_, _> = variables.into_iter().collect();
+        let environment = Environment::new(false, |name| variables.get(OsStr::new(name)).cloned());
+        Self {
+            variables,
+            environment,
+            root: root.to_owned(),
+            shipped: None,
+            application: None,
+            probed: Probed::default(),
+        }
+    }
+
+    /// A variable's value, where it is set; it may be empty.
+    pub(super) fn set(&self, name: &str) -> Option<&OsStr> {
+        self.variables.get(OsStr::new(name)).map(OsString::as_os_str)
+    }
+
+    /// A variable's value, where it is not empty.
+    pub(super) fn variable(&self, name: &str) -> Option<&OsStr> {
+        self.set(name).filter(|value| !value.is_empty())
+    }
+
+    /// The paths of a variable that lists some, or these of the system where it does not.
+    pub(super) fn paths_or(&self, name: &str, system: &[&str]) -> Vec<PathBuf> {
+        match self.variable(name) {
+            Some(list) => std::env::split_paths(list).filter(|path| !path.as_os_str().is_empty()).collect(),
+            None => system.iter().map(|path| self.system(path)).collect(),
+        }
+    }
+
+    /// A path of the system: `/etc` and such.
+    pub(super) fn system(&self, path: &str) -> PathBuf {
+        self.root.join(path.trim_start_matches('/'))
+    }
+
+    /// `$HOME`.
+    pub(super) fn home(&self) -> Option<&Path> {
+        self.variable("HOME").map(Path::new).filter(|home| home.is_absolute())
+    }
+
+    /// A shared library by its name, as the dynamic linker would probably find it. The linker's own cache is not read: of
+    /// unusual places only `LD_LIBRARY_PATH` is known.
+    pub(super) fn library(&self, name: &str) -> Option<PathBuf> {
+        let multiarch = format!("/usr/lib/{}-linux-gnu", std::env::consts::ARCH);
+        let system = ["/usr/local/lib", &multiarch, "/usr/lib64", "/usr/lib", "/lib64", "/lib"];
+        let listed = self.paths_or("LD_LIBRARY_PATH", &[]);
+        listed
+            .into_iter()
+            .chain(system.iter().map(|folder| self.system(folder)))
+            .map(|folder| folder.join(name))
+            .find(|path| path.is_file())
+    }
+}

@@ -1,0 +1,202 @@
+use super::*;
+use crate::install::{AUDIO_LIBRARY_NAME, LIBRARY_NAME, audio_library_path, library_path, plan_install};
+use crate::json::{Activation, Half};
+use std::ffi::OsString;
+use std::fs::{self, Permissions};
+use std::os::unix::fs::{PermissionsExt, symlink};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+mod faults;
+
+/// A machine on which everything is as it should be, until a fault is planted.
+struct Machine {
+    folder: TempDir,
+    variables: Vec<(&'static str, OsString)>,
+    probed: Probed,
+}
+
+impl Machine {
+    fn new() -> Self {
+        let folder = TempDir::new().unwrap();
+        let root = folder.path().to_owned();
+        let variables =
+            vec![("HOME", root.join("home").into()), ("XDG_RUNTIME_DIR", root.join("run").into())];
+        let machine = Self { folder, variables, probed: probed() };
+        machine.put("build/libparafovea.so", &library("1"));
+        machine.put(&format!("build/{AUDIO_LIBRARY_NAME}"), "\u{7f}ELF parafovea_audio_get_table\0");
+        for library in ["libopenxr_loader.so.1.0.20", "libvulkan.so.1.3.239", "libasound.so.2.0.0"] {
+            machine.link_library(library);
+        }
+        machine
+            .put("home/.config/openxr/1/active_runtime.json", &runtime("../../../../usr/lib/libmonado.so"));
+        machine.put("usr/lib/libmonado.so", "");
+        machine.put("run/pulse/native", "");
+        machine.put("home/.config/parafovea/config.toml", "audio.source = 'system'\n");
+        for step in plan_install(&machine.data(), &machine.path("build/libparafovea.so")).unwrap() {
+            step.apply().unwrap();
+        }
+        machine
+    }
+
+    fn path(&self, below: &str) -> PathBuf {
+        self.folder.path().join(below)
+    }
+
+    fn data(&self) -> PathBuf {
+        self.path("home/.local/share")
+    }
+
+    fn manifest(&self, half: Half) -> PathBuf {
+        half.manifest_path(&self.data())
+    }
+
+    fn put(&self, below: &str, content: &str) {
+        let path = self.path(below);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, content).unwrap();
+    }
+
+    /// A library of the system with its version, as packages have it.
+    fn link_library(&self, name: &str) {
+        self.put(&format!("usr/lib/{name}"), "");
+        let (stem, version) = name.split_once(".so.").unwrap();
+        let link = self.path(&format!("usr/lib/{stem}.so.{}", version.split('.').next().unwrap()));
+        let _ = fs::remove_file(&link);
+        symlink(name, link).unwrap();
+    }
+
+    fn remove(&self, path: &Path) {
+        fs::remove_file(path).unwrap();
+    }
+
+    fn set(&mut self, name: &'static str, value: &str) {
+        self.variables.push((name, value.into()));
+    }
+
+    fn surroundings(&self) -> Surroundings {
+        let variables = self.variables.iter().map(|(name, value)| (OsString::from(name), value.clone()));
+        let mut surroundings = Surroundings::new(self.folder.path(), variables);
+        surroundings.shipped = Some(self.path("build/libparafovea.so"));
+        surroundings.probed = self.probed.clone();
+        surroundings
+    }
+
+    /// Everything but what is well.
+    fn findings(&self) -> Vec<Finding> {
+        let is_bad = |finding: &Finding| finding.severity > Severity::Good;
+        examine(&self.surroundings()).into_iter().filter(is_bad).collect()
+    }
+
+    fn ids(&self) -> Vec<&'static str> {
+        self.findings().iter().map(|finding| finding.id).collect()
+    }
+}
+
+fn library(version: &str) -> String {
+    let [openxr, vulkan] = Half::BOTH.map(Half::negotiate);
+    format!("\u{7f}ELF {version} {openxr}\0{vulkan}\0")
+}
+
+fn runtime(library: &str) -> String {
+    format!("{{\"file_format_version\": \"1.0.0\", \"runtime\": {{\"library_path\": \"{library}\"}}}}")
+}
+
+/// What is answered where all is well.
+fn probed() -> Probed {
+    let layers = |half: Half| Some(vec![half.layer_name().to_owned()]);
+    Probed {
+        layers: Ok(LoaderLayers { openxr: layers(Half::OpenXr), vulkan: layers(Half::Vulkan) }),
+        vulkan: Ok(VulkanAnswer {
+            version: [1, 3, 239],
+            devices: vec![Device {
+                name: "A GPU".to_owned(),
+                rates: ["1x1", "2x2", "4x4", "4x2"].map(str::to_owned).to_vec(),
+                texel: [[8, 8], [16, 16]],
+                ..Device::default()
+            }],
+        }),
+        openxr: Ok(RuntimeAnswer {
+            name: "Monado".to_owned(),
+            extensions: ["XR_KHR_vulkan_enable2", "XR_EXT_eye_gaze_interaction"].map(str::to_owned).to_vec(),
+            system: Some("A headset".to_owned()),
+            tracks_eyes: Some(true),
+            ..RuntimeAnswer::default()
+        }),
+    }
+}
+
+#[test]
+fn a_healthy_machine_has_nothing_to_do() {
+    let machine = Machine::new();
+    assert_eq!(machine.findings(), []);
+    let good: Vec<_> = examine(&machine.surroundings()).into_iter().map(|finding| finding.found).collect();
+    for expected in [
+        "OpenXR loader 1.0.20: ",
+        "Vulkan loader 1.3.239: ",
+        "OpenXR runtime: Monado ",
+        "A GPU has shading rates up to 4x4, in tiles of 8 to 16 pixels",
+        "A headset is there, and tracks eyes",
+        "configuration: ",
+        "logs: ",
+    ] {
+        assert!(good.iter().any(|found| found.starts_with(expected)), "{expected} in {good:#?}");
+    }
+}
+
+#[test]
+fn what_nobody_can_check_is_said_and_is_no_fault() {
+    let mut machine = Machine::new();
+    machine.probed = Probed::default();
+    let findings = machine.findings();
+    assert_eq!(findings.len(), 3);
+    assert!(
+        findings.iter().all(|finding| finding.id == "cannot-check" && finding.severity == Severity::Note)
+    );
+}
+
+#[test]
+fn an_unversioned_loader_and_a_runtime_of_the_environment_are_fine() {
+    let mut machine = Machine::new();
+    machine.remove(&machine.path("usr/lib/libvulkan.so.1"));
+    machine.put("usr/lib/libvulkan.so.1", "");
+    machine.put("elsewhere/wivrn.json", &runtime("libmonado.so"));
+    let named = machine.path("elsewhere/wivrn.json");
+    machine.set("XR_RUNTIME_JSON", named.to_str().unwrap());
+    assert_eq!(machine.findings(), []);
+}
+
+#[test]
+fn other_layers_are_told_in_the_order_of_the_loaders() {
+    let machine = Machine::new();
+    machine.put(
+        "home/.local/share/vulkan/implicit_layer.d/a.json",
+        r#"{"file_format_version": "1.0.0", "layer": {"name": "VK_LAYER_other", "library_path": "x.so", "disable_environment": {"NO": "1"}}}"#,
+    );
+    machine.put(
+        "usr/share/vulkan/implicit_layer.d/b.json",
+        r#"{"file_format_version": "1.0.0", "layer": {"name": "VK_LAYER_off", "library_path": "x.so", "enable_environment": {"YES": "1"}, "disable_environment": {"NO": "1"}}}"#,
+    );
+    let findings = machine.findings();
+    assert_eq!(findings.len(), 1, "{findings:#?}");
+    assert_eq!((findings[0].id, findings[0].severity), ("other-layers", Severity::Note));
+    assert_eq!(findings[0].found, "Vulkan layers, from the game on: VK_LAYER_other, Parafovea");
+}
+
+#[test]
+fn steam_gets_its_launch_options() {
+    let machine = Machine::new();
+    machine.put("home/.steam/steam.pid", "");
+    let advice = |machine: &Machine| machine.findings()[0].advice.clone();
+    assert!(advice(&machine).starts_with("launch options: PARAFOVEA=1 %command% "), "{}", advice(&machine));
+    for half in Half::BOTH {
+        let system = half.manifest_path(&machine.path("usr/share"));
+        fs::create_dir_all(system.parent().unwrap()).unwrap();
+        fs::rename(machine.manifest(half), system).unwrap();
+    }
+    assert!(
+        advice(&machine).contains("PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS=1 %command%"),
+        "{}",
+        advice(&machine)
+    );
+}

@@ -1,0 +1,333 @@
+//! Faults that are planted, and what is found of each.
+
+use super::*;
+
+/// A fault: what it is called here, how it is planted, what is found, and whether `--fix` removes it.
+type Fault = (&'static str, fn(&mut Machine), &'static [&'static str], bool);
+
+const FAULTS: &[Fault] = &[
+    ("never installed", |machine| fs::remove_dir_all(machine.data()).unwrap(), &["not-installed"], true),
+    (
+        "one manifest missing",
+        |machine| machine.remove(&machine.manifest(Half::Vulkan)),
+        &["manifest-missing"],
+        true,
+    ),
+    (
+        "manifest that names a library that is gone",
+        |machine| machine.remove(&library_path(&machine.data())),
+        &["library-missing", "library-missing"],
+        true,
+    ),
+    (
+        "manifest with a wrong path",
+        |machine| {
+            write(
+                &machine.manifest(Half::OpenXr),
+                &Half::OpenXr.manifest("/nowhere.so", Activation::Implicit),
+            )
+        },
+        &["library-missing"],
+        true,
+    ),
+    (
+        "manifest that names another library",
+        |machine| {
+            machine.put("usr/lib/other.so", "\u{7f}ELF");
+            let other = machine.path("usr/lib/other.so");
+            write(
+                &machine.manifest(Half::Vulkan),
+                &Half::Vulkan.manifest(other.to_str().unwrap(), Activation::Implicit),
+            );
+        },
+        &["library-wrong"],
+        true,
+    ),
+    ("copies in the place of one file", |machine| copy(machine, &library("1")), &["library-copied"], true),
+    ("halves of two builds", |machine| copy(machine, &library("0")), &["library-differs"], true),
+    (
+        "an older build installed",
+        |machine| write(&library_path(&machine.data()), &library("0")),
+        &["outdated"],
+        true,
+    ),
+    (
+        "manifest that is not JSON",
+        |machine| write(&machine.manifest(Half::OpenXr), "{\"api_layer\": "),
+        &["manifest-malformed"],
+        false,
+    ),
+    (
+        "manifest that is a folder",
+        |machine| {
+            machine.remove(&machine.manifest(Half::OpenXr));
+            fs::create_dir(machine.manifest(Half::OpenXr)).unwrap();
+        },
+        &["manifest-unreadable"],
+        false,
+    ),
+    (
+        "manifest of another layer in our place",
+        |machine| {
+            let text =
+                Half::Vulkan.manifest("x.so", Activation::Implicit).replace("PARAFOVEA_foveation", "OTHER");
+            write(&machine.manifest(Half::Vulkan), &text);
+        },
+        &["manifest-foreign"],
+        false,
+    ),
+    (
+        "manifest that was edited",
+        |machine| edit(&machine.manifest(Half::OpenXr), "\"PARAFOVEA\"", "\"MINE\""),
+        &["manifest-edited"],
+        true,
+    ),
+    (
+        "installed for the user and for the system",
+        |machine| {
+            for half in Half::BOTH {
+                let system = half.manifest_path(&machine.path("usr/share"));
+                fs::create_dir_all(system.parent().unwrap()).unwrap();
+                fs::copy(machine.manifest(half), system).unwrap();
+            }
+        },
+        &["installed-twice", "installed-twice"],
+        false,
+    ),
+    ("disabled by the environment", |machine| machine.set("DISABLE_PARAFOVEA", ""), &["disabled"], false),
+    ("enabled by another value than 1", |machine| machine.set("PARAFOVEA", "yes"), &["half-enabled"], false),
+    (
+        "left out by a filter of the Vulkan loader",
+        |machine| machine.set("VK_LOADER_LAYERS_DISABLE", "*MESA*, ~implicit~"),
+        &["filtered"],
+        false,
+    ),
+    (
+        "another folder for implicit layers",
+        |machine| {
+            let folder = machine.manifest(Half::Vulkan).parent().unwrap().to_owned();
+            machine.set("VK_IMPLICIT_LAYER_PATH", folder.to_str().unwrap());
+        },
+        &["other-folders"],
+        false,
+    ),
+    (
+        "a base folder that is relative",
+        |machine| machine.set("XDG_STATE_HOME", "state"),
+        &["relative-home"],
+        false,
+    ),
+    (
+        "a layer between game and Parafovea",
+        |machine| openxr_layer(machine, "XR_APILAYER_OTHER_motion"),
+        &["layer-order"],
+        false,
+    ),
+    (
+        "another layer that foveates",
+        |machine| openxr_layer(machine, "XR_APILAYER_OTHER_quad_views"),
+        &["rival-layer"],
+        false,
+    ),
+    (
+        "an old OpenXR loader",
+        |machine| machine.link_library("libopenxr_loader.so.1.0.5"),
+        &["old-loader"],
+        false,
+    ),
+    (
+        "no Vulkan loader",
+        |machine| machine.remove(&machine.path("usr/lib/libvulkan.so.1")),
+        &["no-vulkan-loader"],
+        false,
+    ),
+    (
+        "no runtime",
+        |machine| machine.remove(&machine.path("home/.config/openxr/1/active_runtime.json")),
+        &["no-runtime"],
+        false,
+    ),
+    (
+        "a runtime that is gone",
+        |machine| machine.remove(&machine.path("usr/lib/libmonado.so")),
+        &["runtime-broken"],
+        false,
+    ),
+    (
+        "a link to a runtime that is gone",
+        |machine| {
+            let active = machine.path("home/.config/openxr/1/active_runtime.json");
+            machine.remove(&active);
+            symlink("/nowhere.json", active).unwrap();
+        },
+        &["runtime-broken"],
+        false,
+    ),
+    (
+        "a runtime that does not run",
+        |machine| {
+            machine.probed.openxr = Ok(RuntimeAnswer {
+                failure: "ERROR_RUNTIME_UNAVAILABLE".to_owned(),
+                ..RuntimeAnswer::default()
+            });
+        },
+        &["runtime-refuses"],
+        false,
+    ),
+    ("no gaze extension", |machine| answer(machine).extensions.truncate(1), &["no-eye-gaze"], false),
+    (
+        "a headset without eye tracker",
+        |machine| answer(machine).tracks_eyes = Some(false),
+        &["no-eye-tracker"],
+        false,
+    ),
+    (
+        "a runtime without Vulkan",
+        |machine| drop(answer(machine).extensions.remove(0)),
+        &["runtime-without-vulkan"],
+        false,
+    ),
+    ("no shading rates", |machine| device(machine).rates.clear(), &["no-shading-rates"], false),
+    ("no GPU", |machine| device(machine).is_cpu = true, &["no-gpu"], false),
+    ("no driver", |machine| machine.probed.vulkan = Ok(VulkanAnswer::default()), &["no-device"], false),
+    (
+        "a loader that does not list the layer",
+        |machine| machine.probed.layers = Ok(LoaderLayers { openxr: Some(Vec::new()), vulkan: None }),
+        &["not-listed"],
+        false,
+    ),
+    (
+        "no library that listens",
+        |machine| {
+            machine.remove(&audio_library_path(&machine.data()));
+            machine.remove(&machine.path("build").join(AUDIO_LIBRARY_NAME));
+        },
+        &["no-audio-library"],
+        false,
+    ),
+    ("no ALSA", |machine| machine.remove(&machine.path("usr/lib/libasound.so.2")), &["no-alsa"], false),
+    (
+        "no sound server",
+        |machine| machine.remove(&machine.path("run/pulse/native")),
+        &["no-sound-server"],
+        false,
+    ),
+    (
+        "a profile with an error",
+        |machine| machine.put("home/.config/parafovea/apps/game.toml", "[chroma]\nmode = 'on'\n"),
+        &["configuration-wrong"],
+        false,
+    ),
+    (
+        "a configuration that is not there",
+        |machine| machine.set("PARAFOVEA_CONFIG", "/nowhere.toml"),
+        &["configuration-wrong"],
+        false,
+    ),
+    (
+        "turned off by the configuration",
+        |machine| machine.put("home/.config/parafovea/config.toml", "enabled = false"),
+        &["turned-off"],
+        false,
+    ),
+    (
+        "a file of the gaze that is gone",
+        |machine| {
+            machine
+                .put("home/.config/parafovea/config.toml", "[gaze]\nsource = 'file'\nfile = '/nowhere.csv'")
+        },
+        &["file-missing"],
+        false,
+    ),
+    (
+        "a configuration that everybody may write to",
+        |machine| allow_everybody(&machine.path("home/.config/parafovea/config.toml")),
+        &["anybody-may-write"],
+        true,
+    ),
+    (
+        "a library that everybody may write to",
+        |machine| allow_everybody(&library_path(&machine.data())),
+        &["anybody-may-write"],
+        true,
+    ),
+    ("no place for logs", |machine| machine.put("home/.local/state", ""), &["no-log"], false),
+    (
+        "Steam in a Flatpak",
+        |machine| machine.put("home/.var/app/com.valvesoftware.Steam/cache", ""),
+        &["flatpak-steam"],
+        false,
+    ),
+    ("in a Flatpak", |machine| machine.put(".flatpak-info", ""), &["in-flatpak"], false),
+];
+
+#[test]
+fn each_planted_fault_is_found_alone_and_has_advice() {
+    for (name, plant, expected, is_fixable) in FAULTS {
+        let mut machine = Machine::new();
+        plant(&mut machine);
+        let findings = machine.findings();
+        assert_eq!(machine.ids(), *expected, "{name}: {findings:#?}");
+        for finding in &findings {
+            assert!(finding.severity > Severity::Note, "{name}: {finding}");
+            assert!(!finding.means.is_empty() && !finding.advice.is_empty(), "{name}: {finding}");
+            assert!(!finding.found.contains('\n') && !finding.advice.contains('\n'), "{name}: {finding}");
+        }
+        assert_eq!(findings.iter().all(|finding| finding.fix.is_some()), *is_fixable, "{name}");
+    }
+}
+
+#[test]
+fn what_can_be_fixed_is_well_afterwards() {
+    for (name, plant, _, _) in FAULTS.iter().filter(|(.., is_fixable)| *is_fixable) {
+        let mut machine = Machine::new();
+        plant(&mut machine);
+        let surroundings = machine.surroundings();
+        for fix in machine.findings().into_iter().filter_map(|finding| finding.fix) {
+            for step in fix.plan(&surroundings).unwrap() {
+                step.apply().unwrap();
+            }
+        }
+        assert_eq!(machine.findings(), [], "{name}");
+    }
+}
+
+fn write(path: &Path, text: &str) {
+    fs::write(path, text).unwrap();
+}
+
+fn edit(path: &Path, from: &str, to: &str) {
+    let text = fs::read_to_string(path).unwrap();
+    assert!(text.contains(from));
+    write(path, &text.replace(from, to));
+}
+
+/// The Vulkan half gets a library of its own.
+fn copy(machine: &mut Machine, content: &str) {
+    machine.put(&format!("usr/lib/{LIBRARY_NAME}"), content);
+    let other = machine.path(&format!("usr/lib/{LIBRARY_NAME}"));
+    write(
+        &machine.manifest(Half::Vulkan),
+        &Half::Vulkan.manifest(other.to_str().unwrap(), Activation::Implicit),
+    );
+}
+
+/// An implicit layer of the system.
+fn openxr_layer(machine: &mut Machine, name: &str) {
+    let text = Half::OpenXr.manifest("x.so", Activation::Explicit).replace(Half::OpenXr.layer_name(), name);
+    let mut file: serde_json::Value = serde_json::from_str(&text).unwrap();
+    file["api_layer"]["disable_environment"] = "NO_OTHER".into();
+    machine.put("usr/share/openxr/1/api_layers/implicit.d/other.json", &file.to_string());
+}
+
+fn allow_everybody(path: &Path) {
+    fs::set_permissions(path, Permissions::from_mode(0o666)).unwrap();
+}
+
+fn answer(machine: &mut Machine) -> &mut RuntimeAnswer {
+    machine.probed.openxr.as_mut().unwrap()
+}
+
+fn device(machine: &mut Machine) -> &mut Device {
+    &mut machine.probed.vulkan.as_mut().unwrap().devices[0]
+}

@@ -1,0 +1,130 @@
+//! Variables of the environment that turn the layer off, or half of it.
+//!
+//! Source for those of the Vulkan loader: `LoaderLayerInterface.md`, "Layer Filtering" and "Linux Layer Discovery".
+
+use super::{Finding, Surroundings};
+use crate::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};
+use std::ffi::OsStr;
+
+pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
+    [disabled, half_enabled, filtered, other_folders, relative_homes]
+        .into_iter()
+        .filter_map(|check| check(surroundings))
+        .collect()
+}
+
+fn disabled(surroundings: &Surroundings) -> Option<Finding> {
+    surroundings.set(DISABLE_VARIABLE)?;
+    Some(
+        Finding::problem(
+            "disabled",
+            format!("the variable {DISABLE_VARIABLE} is set"),
+            "It turns the layer off in everything that is started from here, whatever else is set.",
+        )
+        .advise(format!("unset {DISABLE_VARIABLE}, and look where it is set: a start-up file of the shell, or of the session")),
+    )
+}
+
+fn half_enabled(surroundings: &Surroundings) -> Option<Finding> {
+    let value = surroundings.set(ENABLE_VARIABLE).filter(|value| *value != OsStr::new("1"))?;
+    Some(
+        Finding::problem(
+            "half-enabled",
+            format!("{ENABLE_VARIABLE} is {:?}, and not 1", value.to_string_lossy()),
+            "The OpenXR loader only asks whether it is set, the Vulkan loader whether it is 1: only one half is loaded, and does nothing alone.",
+        )
+        .advise(format!("{ENABLE_VARIABLE}=1 turns it on; to turn it off, unset it")),
+    )
+}
+
+/// `VK_LOADER_LAYERS_DISABLE`, since loader 1.3.234.
+fn filtered(surroundings: &Surroundings) -> Option<Finding> {
+    let filters =
+        |name| surroundings.variable(name).map(OsStr::to_string_lossy).unwrap_or_default().into_owned();
+    let matches =
+        |list: &str| list.split(',').map(str::trim).find(|glob| matches_layer(glob)).map(str::to_owned);
+    let by = matches(&filters("VK_LOADER_LAYERS_DISABLE"))?;
+    if matches(&filters("VK_LOADER_LAYERS_ALLOW")).is_some() {
+        return None;
+    }
+    Some(
+        Finding::problem(
+            "filtered",
+            format!("VK_LOADER_LAYERS_DISABLE has {by:?}, which this layer matches"),
+            "The Vulkan loader leaves the Vulkan half out, and the OpenXR half alone does nothing.",
+        )
+        .advise(format!(
+            "take it out of that variable, or set VK_LOADER_LAYERS_ALLOW={}",
+            Half::Vulkan.layer_name()
+        )),
+    )
+}
+
+/// Whether a filter of the loader means our layer: a word of it, or text with `*` at its ends.
+fn matches_layer(glob: &str) -> bool {
+    let name = Half::Vulkan.layer_name();
+    let (inner, begins, ends) = (glob.trim_matches('*'), !glob.starts_with('*'), !glob.ends_with('*'));
+    match glob {
+        "" => false,
+        "~all~" | "~implicit~" => true,
+        _ => match (begins, ends) {
+            (true, true) => name == inner,
+            (true, false) => name.starts_with(inner),
+            (false, true) => name.ends_with(inner),
+            (false, false) => name.contains(inner),
+        },
+    }
+}
+
+/// `VK_IMPLICIT_LAYER_PATH` replaces all other folders.
+fn other_folders(surroundings: &Surroundings) -> Option<Finding> {
+    let folders = surroundings.variable("VK_IMPLICIT_LAYER_PATH")?;
+    Some(
+        Finding::warning(
+            "other-folders",
+            format!("VK_IMPLICIT_LAYER_PATH is {:?}", folders.to_string_lossy()),
+            "Vulkan loaders that know this variable look nowhere else for implicit layers.",
+        )
+        .advise("use VK_ADD_IMPLICIT_LAYER_PATH, which adds to the usual folders"),
+    )
+}
+
+/// The specification of base directories has a path that is not absolute ignored; loaders do not all do so.
+fn relative_homes(surroundings: &Surroundings) -> Option<Finding> {
+    let names = ["HOME", "XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_STATE_HOME"];
+    let is_relative = |name: &&str| {
+        surroundings.variable(name).is_some_and(|path| !path.to_string_lossy().starts_with('/'))
+    };
+    let name = names.into_iter().find(is_relative)?;
+    Some(
+        Finding::problem(
+            "relative-home",
+            format!("{name} is no absolute path"),
+            "Loaders and Parafovea look in different places then, depending on the folder that a game is started in.",
+        )
+        .advise(format!("make {name} an absolute path, or unset it")),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_filter_means_the_layer_as_the_loader_reads_it() {
+        for glob in [
+            "~all~",
+            "~implicit~",
+            "*",
+            "VK_LAYER_PARAFOVEA*",
+            "*PARAFOVEA*",
+            "*_foveation",
+            "VK_LAYER_PARAFOVEA_foveation",
+        ] {
+            assert!(matches_layer(glob), "{glob}");
+        }
+        for glob in ["", "~explicit~", "VK_LAYER_PARAFOVEA", "*MESA*", "PARAFOVEA*"] {
+            assert!(!matches_layer(glob), "{glob}");
+        }
+    }
+}

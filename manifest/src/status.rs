@@ -1,0 +1,101 @@
+//! What the layer tells of an application that runs: a small file for each process, written anew every second, which
+//! `parafovea status` reads.
+//!
+//! The file is the user's alone (mode 0600, in a folder of mode 0700 below `$XDG_RUNTIME_DIR`). It has no direction of the gaze and
+//! no level of the sound: of both only where they come from, and whether and since when they are there.
+
+mod folder;
+
+pub use folder::{Found, Gone, StatusFile, read_all};
+
+use serde::{Deserialize, Serialize};
+
+/// A status that was not written for longer than this, seconds, is of an application that ended, or hangs.
+pub const FRESH_S: u64 = 5;
+
+/// How often the layer writes, seconds.
+pub const EVERY_S: u64 = 1;
+
+/// What is told of an application's session.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Status {
+    /// The version of the layer.
+    pub version: String,
+    /// The process; in a container it may have another number outside.
+    pub pid: u32,
+    /// The program, by which configuration and log are named.
+    pub executable: String,
+    /// What the application calls itself for OpenXR.
+    pub application: String,
+    /// Why nothing is done in this session; empty where it is active.
+    pub inert: String,
+    /// Frames that ended in it.
+    pub frames: u64,
+    /// Frames a second, Hz; 0: not known.
+    pub frame_rate_hz: f32,
+    /// How shading becomes coarser: "rate attachment", "mask" or "none".
+    pub backend: String,
+    /// Passes that had coarser rates, or parts left out, in the last frame.
+    pub passes_matched: u32,
+    /// Each kind of pass: whether it is the scene, and why not. As the log has it.
+    pub passes: Vec<String>,
+    /// The gaze.
+    pub gaze: Gaze,
+    /// The sound.
+    pub sound: Sound,
+    /// Shading rates.
+    pub rates: Rates,
+    /// What the gate says of rates.
+    pub rates_gate: Gate,
+    /// What the gate says of re-use.
+    pub reuse_gate: Gate,
+    /// Whether colour is removed at this moment.
+    pub attenuates_colour: bool,
+}
+
+/// Where the gaze comes from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Gaze {
+    /// `gaze.source`.
+    pub source: String,
+    /// Whether there was one in the last frame.
+    pub is_valid: bool,
+    /// How old the last one was when that frame was shown, milliseconds; `None`: there was none, or it is straight ahead.
+    pub age_ms: Option<f32>,
+}
+
+/// Where the sound comes from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Sound {
+    /// `audio.source`.
+    pub source: String,
+    /// Whether something is known of the last seconds.
+    pub is_heard: bool,
+}
+
+/// What the maps ask for.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Rates {
+    /// Share of the tiles of both eyes at each rate, such as `("4x4", 0.3)`, the coarsest first; empty without maps.
+    pub tiles: Vec<(String, f32)>,
+    /// Share of the pixels that is shaded, by the plan: 0..=1.
+    pub shaded: f32,
+    /// Share of the tiles that is rendered in a frame, 0..=1; 1: nothing is re-used.
+    pub rendered: f32,
+}
+
+/// What a gate says of a technique.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Gate {
+    /// Who decides: "auto", "on" or "off".
+    pub mode: String,
+    /// Whether the technique stays; false where it was dropped.
+    pub is_kept: bool,
+    /// What frames cost with it, in costs without it, and the bounds of a confidence interval; `None`: not known yet.
+    pub ratio: Option<[f32; 3]>,
+}

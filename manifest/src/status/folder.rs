@@ -1,0 +1,194 @@
+//! The folder with the files.
+
+use super::{FRESH_S, Status};
+use crate::paths::Environment;
+use std::fs::{self, DirBuilder, File, OpenOptions};
+use std::io::{self, Read, Write};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+/// More than a status has.
+const MAX_BYTES: u64 = 1 << 18;
+
+/// A file of an application that ended is removed when it is as old as this.
+const FORGOTTEN: Duration = Duration::from_secs(60);
+
+/// The file of a process; it goes when this is dropped.
+#[derive(Debug)]
+pub struct StatusFile {
+    path: PathBuf,
+    next: PathBuf,
+}
+
+impl StatusFile {
+    /// Makes the folder for the file of the process `pid`; `None` without `$XDG_RUNTIME_DIR`.
+    ///
+    /// # Errors
+    /// The folder cannot be made, or belongs to somebody else.
+    pub fn new(environment: &Environment, pid: u32) -> io::Result<Option<Self>> {
+        let Some(folder) = folder(environment) else { return Ok(None) };
+        DirBuilder::new().recursive(true).mode(0o700).create(&folder)?;
+        let metadata = fs::symlink_metadata(&folder)?;
+        let above = folder.parent().map(fs::metadata).transpose()?;
+        if !metadata.is_dir() || above.is_some_and(|above| above.uid() != metadata.uid()) {
+            return Err(io::ErrorKind::PermissionDenied.into());
+        }
+        Ok(Some(Self { path: folder.join(format!("{pid}.json")), next: folder.join(format!(".{pid}")) }))
+    }
+
+    /// Puts `status` in place of what was told before: whoever reads sees the one or the other, never a part.
+    ///
+    /// # Errors
+    /// The file system refuses.
+    pub fn write(&self, status: &Status) -> io::Result<()> {
+        let text = serde_json::to_vec(status)?;
+        let mut file =
+            OpenOptions::new().write(true).create(true).truncate(true).mode(0o600).open(&self.next)?;
+        file.write_all(&text)?;
+        fs::rename(&self.next, &self.path)
+    }
+}
+
+impl Drop for StatusFile {
+    fn drop(&mut self) {
+        // Nobody is to be told; what stays is forgotten by its age.
+        let _ = fs::remove_file(&self.path);
+        let _ = fs::remove_file(&self.next);
+    }
+}
+
+/// A status that was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// The status.
+    pub status: Status,
+    /// How long ago it was written.
+    pub age: Duration,
+}
+
+/// How many files are of applications that ended without saying so.
+pub type Gone = usize;
+
+/// Every application's status that is fresh, by process, and how many are not; those that are old for long are removed.
+///
+/// # Errors
+/// There is a folder, which cannot be read.
+pub fn read_all(environment: &Environment, now: SystemTime) -> io::Result<(Vec<Found>, Gone)> {
+    let Some(folder) = folder(environment) else { return Ok((Vec::new(), 0)) };
+    let entries = match fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok((Vec::new(), 0)),
+        Err(error) => return Err(error),
+    };
+    let (mut found, mut gone) = (Vec::new(), 0);
+    for path in entries.flatten().map(|entry| entry.path()) {
+        if path.extension().is_none_or(|extension| extension != "json") {
+            continue;
+        }
+        // A file that is replaced meanwhile is read by the next look.
+        let Some((status, age)) = read(&path, now) else { continue };
+        if age <= Duration::from_secs(FRESH_S) {
+            found.push(Found { status, age });
+        } else {
+            gone += 1;
+            if age > FORGOTTEN {
+                let _ = fs::remove_file(&path);
+            }
+        }
+    }
+    found.sort_by_key(|found| found.status.pid);
+    Ok((found, gone))
+}
+
+fn read(path: &Path, now: SystemTime) -> Option<(Status, Duration)> {
+    let file = File::open(path).ok()?;
+    let metadata = file.metadata().ok().filter(|metadata| metadata.is_file())?;
+    let age = now.duration_since(metadata.modified().ok()?).unwrap_or_default();
+    let mut text = Vec::new();
+    file.take(MAX_BYTES).read_to_end(&mut text).ok()?;
+    Some((serde_json::from_slice(&text).ok()?, age))
+}
+
+fn folder(environment: &Environment) -> Option<PathBuf> {
+    Some(environment.runtime_dir()?.join("parafovea"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::PermissionsExt;
+    use tempfile::TempDir;
+
+    fn environment(folder: &TempDir) -> Environment {
+        Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| folder.path().into()))
+    }
+
+    fn status(pid: u32) -> Status {
+        Status { pid, passes: vec!["a pass".to_owned()], ..Status::default() }
+    }
+
+    #[test]
+    fn what_is_written_is_read_until_the_application_ends() {
+        let runtime = TempDir::new().unwrap();
+        let environment = environment(&runtime);
+        let now = SystemTime::now();
+        assert_eq!(read_all(&environment, now).unwrap(), (Vec::new(), 0));
+        let [one, other] = [7, 3].map(|pid| StatusFile::new(&environment, pid).unwrap().unwrap());
+        one.write(&status(7)).unwrap();
+        other.write(&status(1)).unwrap();
+        other.write(&status(3)).unwrap();
+        let (found, gone) = read_all(&environment, now).unwrap();
+        assert_eq!(
+            found.iter().map(|found| found.status.clone()).collect::<Vec<_>>(),
+            [status(3), status(7)]
+        );
+        assert_eq!(gone, 0);
+        drop(one);
+        assert_eq!(read_all(&environment, now).unwrap().0.len(), 1);
+        drop(other);
+        assert_eq!(fs::read_dir(runtime.path().join("parafovea")).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn only_the_user_can_read_it() {
+        let runtime = TempDir::new().unwrap();
+        let file = StatusFile::new(&environment(&runtime), 7).unwrap().unwrap();
+        file.write(&status(7)).unwrap();
+        let mode = |path: &str| fs::metadata(runtime.path().join(path)).unwrap().permissions().mode() & 0o777;
+        assert_eq!((mode("parafovea"), mode("parafovea/7.json")), (0o700, 0o600));
+    }
+
+    #[test]
+    fn what_is_old_is_not_shown_and_in_the_end_removed() {
+        let runtime = TempDir::new().unwrap();
+        let environment = environment(&runtime);
+        let file = StatusFile::new(&environment, 7).unwrap().unwrap();
+        file.write(&status(7)).unwrap();
+        let later = |seconds| SystemTime::now() + Duration::from_secs(seconds);
+        assert_eq!(read_all(&environment, later(FRESH_S + 1)).unwrap(), (Vec::new(), 1));
+        assert_eq!(read_all(&environment, later(3600)).unwrap(), (Vec::new(), 1));
+        assert_eq!(read_all(&environment, later(3600)).unwrap(), (Vec::new(), 0));
+    }
+
+    #[test]
+    fn what_is_no_status_is_skipped() {
+        let runtime = TempDir::new().unwrap();
+        let folder = runtime.path().join("parafovea");
+        fs::create_dir(&folder).unwrap();
+        fs::create_dir(folder.join("1.json")).unwrap();
+        fs::write(folder.join("2.json"), "{").unwrap();
+        fs::write(folder.join("3"), "{}").unwrap();
+        fs::write(folder.join("4.json"), "{\"pid\": 4, \"of_a_later_version\": 1}").unwrap();
+        let (found, _) = read_all(&environment(&runtime), SystemTime::now()).unwrap();
+        assert_eq!(found.iter().map(|found| found.status.pid).collect::<Vec<_>>(), [4]);
+    }
+
+    #[test]
+    fn without_a_place_nothing_is_written() {
+        assert!(StatusFile::new(&Environment::default(), 7).unwrap().is_none());
+        let runtime = TempDir::new().unwrap();
+        fs::write(runtime.path().join("parafovea"), "").unwrap();
+        assert!(StatusFile::new(&environment(&runtime), 7).is_err());
+    }
+}

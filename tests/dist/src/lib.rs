@@ -1,0 +1,54 @@
+//! What users get: an archive with an installer for one user, and a Debian package for all, made from what cargo built.
+//!
+//! Manifests in the package name the library by a path that is relative to them, so that its content can be tried wherever it is
+//! unpacked.
+
+mod archive;
+mod deb;
+mod glibc;
+mod parts;
+
+pub use archive::archive;
+pub use deb::{architecture as debian_architecture, package};
+pub use glibc::{NEWEST_GLIBC, newest_glibc};
+pub use parts::{Entry, Parts};
+
+use std::path::{Path, PathBuf};
+
+/// The version of all of it.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Why nothing was packed.
+#[derive(Debug, thiserror::Error)]
+pub enum DistError {
+    /// A file cannot be read or written.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The command did not print what belongs into the package.
+    #[error("parafovea generate {what} failed: {output}")]
+    Generate {
+        /// What was asked for.
+        what: &'static str,
+        /// What it said.
+        output: String,
+    },
+    /// It was linked with a newer C library than most systems have.
+    #[error("{} needs GLIBC_{}.{}, and shall need no more than GLIBC_{}.{}", .path.display(), .needs[0], .needs[1], NEWEST_GLIBC[0], NEWEST_GLIBC[1])]
+    TooNew {
+        /// The file.
+        path: PathBuf,
+        /// Major and minor version.
+        needs: [u32; 2],
+    },
+}
+
+impl DistError {
+    pub(crate) fn file(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        move |source| Self::File { path: path.to_owned(), source }
+    }
+}
