@@ -1,5 +1,6 @@
 //! `cargo dev bench frame [--json] [--scenes A,B] [--techniques A,B] [--tracker NAME] [--frames N] [--run-up N] [--turns N] [--size PIXELS]
-//! [--error-frames N] [--error-size PIXELS] [--system-driver] [--fvvdp]`. The last judges by FovVideoVDP too: not for commercial use,
+//! [--error-frames N] [--error-size PIXELS] [--system-driver] [--fvvdp] [--against NAME=FILE]`. With `--against`, techniques of the layer have
+//! their turn with that build's library too, as `cargo dev bench --compare REV` asks for. `--fvvdp` judges by FovVideoVDP too: not for commercial use,
 //! and 6 GB. With `--system-driver` applications run on the system's GPU instead of lavapipe, and its time is taken by timestamps.
 //! `hello_xr` is a scene too, though not among those that are measured unasked. The run-up is 4 frames, or 120 where a technique is the layer's.
 
@@ -10,9 +11,11 @@ use parafovea_tests::artifacts::target_folder;
 use parafovea_tests::device::Machine;
 use parafovea_tests::installation::Driver;
 use parafovea_tests::measure::{
-    Effort, LAYER_RUN_UP, RUN_UP, Subject, Summary, Technique, error_rows, errors, print_json, rows, time,
+    Effort, LAYER_RUN_UP, RUN_UP, Subject, Summary, Technique, Timing, against_rows, error_rows, errors,
+    print_json, rows, time,
 };
 use std::error::Error;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -26,7 +29,7 @@ fn main() -> ExitCode {
     }
 }
 
-const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --run-up, --turns, --size, --error-frames, --error-size, --system-driver, --fvvdp";
+const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --run-up, --turns, --size, --error-frames, --error-size, --system-driver, --fvvdp, --against";
 
 /// Frames before those that are timed, without the layer: shaders are compiled and caches filled.
 const RUN_UP_ALONE: u64 = 4;
@@ -68,6 +71,8 @@ struct Request {
     driver: Driver,
     /// Whether FovVideoVDP judges too.
     fvvdp: bool,
+    /// Another build of the layer: its name and its library.
+    against: Option<(String, PathBuf)>,
 }
 
 impl Request {
@@ -86,6 +91,7 @@ impl Request {
             judged: Effort { turns: 1, run_up: RUN_UP, frames: 30, size: 512 },
             driver: Driver::Lavapipe,
             fvvdp: false,
+            against: None,
         };
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().unwrap_or_default();
@@ -96,6 +102,7 @@ impl Request {
                 "--scenes" => request.apps = value().split(',').map(App::named).collect::<Result<_, _>>()?,
                 "--system-driver" => request.driver = Driver::System,
                 "--fvvdp" => request.fvvdp = true,
+                "--against" => request.against = Some(against(&value())?),
                 "--techniques" => {
                     request.techniques = Some(value().split(',').map(str::to_owned).collect());
                 }
@@ -116,6 +123,12 @@ impl Request {
 fn number(name: &str, value: &str, least: u64) -> Result<u64, String> {
     let number = value.parse().ok().filter(|number| (least..=8192).contains(number));
     number.ok_or_else(|| format!("{name} needs a number from {least} to 8192, not `{value}`"))
+}
+
+fn against(text: &str) -> Result<(String, PathBuf), String> {
+    let parts = text.split_once('=').map(|(name, file)| (name.to_owned(), PathBuf::from(file)));
+    let found = parts.filter(|(_, file)| file.is_file());
+    found.ok_or_else(|| format!("--against needs NAME=FILE with the library of another build, not `{text}`"))
 }
 
 fn tracker(name: &str) -> Result<Tracker, String> {
@@ -165,11 +178,17 @@ fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
 }
 
 fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
-    let techniques = techniques(request.techniques.as_deref())?;
+    let mut techniques = techniques(request.techniques.as_deref())?;
+    if let Some((name, library)) = &request.against {
+        techniques.retain(|technique| technique.has_layer() || technique == &Technique::off());
+        let layer = techniques.iter().filter(|technique| technique.has_layer());
+        let others: Vec<Technique> = layer.map(|technique| technique.of_library(name, library)).collect();
+        techniques.extend(others);
+    }
     let has_layer = techniques.iter().any(Technique::has_layer);
     let run_up = request.run_up.unwrap_or(if has_layer { LAYER_RUN_UP } else { RUN_UP_ALONE });
     let (timed, judged) = (Effort { run_up, ..request.timed }, request.judged);
-    let with_errors = judged.frames > 0;
+    let with_errors = judged.frames > 0 && request.against.is_none();
     let machine = Machine::of(request.driver)?;
     eprintln!("{machine}");
     let subjects: Vec<(Subject, Vec<Technique>)> = request
@@ -182,11 +201,11 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
             (subject, techniques)
         })
         .collect();
-    let runs_each = timed.turns + 1 + usize::from(run_up > 0) + usize::from(with_errors);
+    let runs_each = timed.turns + 1 + usize::from(with_errors);
     let runs = runs_each * subjects.iter().map(|(_, techniques)| techniques.len()).sum::<usize>();
     let errors_are = match judged.frames {
-        0 => "no errors".to_owned(),
-        frames => format!("errors of {frames} frames at {0} x {0}", judged.size),
+        frames if with_errors => format!("errors of {frames} frames at {0} x {0}", judged.size),
+        _ => "no errors".to_owned(),
     };
     eprintln!(
         "{} scenes, {} techniques, {} turns of {} frames after {run_up} at {size} x {size}, {errors_are}: {runs} runs",
@@ -215,6 +234,10 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
             Vec::new()
         };
         let app = subject.name();
+        if let Some((name, _)) = &request.against {
+            compare(app, name, &timings, request.json);
+            continue;
+        }
         if request.json {
             print_json(&rows(app, &timings));
             for (technique, judged) in techniques[1..].iter().zip(&judged) {
@@ -225,4 +248,24 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+/// Prints how this build compares with the other one, technique by technique.
+fn compare(app: &str, name: &str, timings: &[Timing], json: bool) {
+    let rows = against_rows(app, name, timings);
+    if json {
+        return print_json(&rows);
+    }
+    println!(
+        "\n### {app}\n\n| technique | metric | here | {name} | here / {name} |\n|---|---|---:|---:|---:|"
+    );
+    for row in &rows {
+        let Some(with) = row.comparison else { continue };
+        let spread = with.spread.map_or(String::new(), |spread| format!(" ± {spread:.3}"));
+        let (case, metric, unit) = (&row.case, &row.metric, row.unit);
+        println!(
+            "| {case} | {metric}, {unit} | {:.2} | {:.2} | {:.3}{spread} |",
+            row.value, with.baseline, with.ratio
+        );
+    }
 }

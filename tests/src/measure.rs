@@ -12,10 +12,10 @@ mod summary;
 mod technique;
 mod timing;
 
-pub use errors::{Judged, RUN_UP, errors};
-pub use rows::{Comparison, Row, error_rows, print_json, rows};
+pub use errors::{Judged, RUN_UP, errors, judge, with_pictures};
+pub use rows::{Comparison, Row, against_rows, error_rows, print_json, rows};
 pub use statistics::{Ratio, Samples};
 pub use subject::Subject;
 pub use summary::Summary;
 pub use technique::Technique;
-pub use timing::{Effort, LAYER_RUN_UP, Timing, time};
+pub use timing::{Counts, Effort, LAYER_RUN_UP, Timing, take_turns, time};

@@ -116,6 +116,12 @@ impl Record {
         self.after(run_up).windows(2).map(taken).collect()
     }
 
+    /// CPU time that the process had spent when the first `run_up` frames had ended, nanoseconds; 0 without them.
+    pub fn process_cpu_ns_after(&self, run_up: u64) -> u64 {
+        let last = run_up.checked_sub(1).and_then(|last| self.frames.get(last as usize));
+        last.map_or(0, |frame| frame.process_cpu_ns)
+    }
+
     /// The last frame of the run-up, where there is one, and those after it.
     fn after(&self, run_up: u64) -> &[Frame] {
         self.frames.get((run_up as usize).saturating_sub(1)..).unwrap_or_default()
@@ -152,6 +158,7 @@ mod tests {
         assert_eq!((record.frames.len(), record.errors.len()), (2, 1));
         assert_eq!([0, 1, 2].map(|run_up| record.cpu_ms_of_frames(run_up).len()), [1, 1, 0]);
         assert_eq!(record.cpu_ms_of_frames(0), [2.0]);
+        assert_eq!([0, 1, 2].map(|run_up| record.process_cpu_ns_after(run_up)), [0, 1_000_000, 3_000_000]);
         let time = |process_cpu_ns, gpu_ns| GpuTime { process_cpu_ns, gpu_ns };
         let times =
             [time(999_999, 7), time(1_000_000, 500_000), time(2_000_000, 250_000), time(3_000_000, 7)];

@@ -103,6 +103,7 @@ pub struct Run {
     application: Application,
     scenario: Scenario,
     layer: LayerMode,
+    library: Option<PathBuf>,
     copies: bool,
     ears: bool,
     validation: bool,
@@ -120,6 +121,7 @@ impl Run {
             application: application.clone(),
             scenario: scenario.clone(),
             layer: LayerMode::Absent,
+            library: None,
             copies: false,
             ears: false,
             validation: false,
@@ -134,6 +136,12 @@ impl Run {
     /// Sets how the layer is there.
     pub fn layer(mut self, mode: LayerMode) -> Self {
         self.layer = mode;
+        self
+    }
+
+    /// Installs this library as the layer; otherwise the one of this build.
+    pub fn library(mut self, path: &Path) -> Self {
+        self.library = Some(path.to_owned());
         self
     }
 
@@ -279,9 +287,10 @@ impl Run {
     }
 
     fn halves(&self, folder: &Path) -> Result<Halves, HarnessError> {
-        let library = match self.ears {
-            true => link_with_ears(folder)?,
-            false => Library::Parafovea.path()?,
+        let library = match (&self.library, self.ears) {
+            (Some(library), _) => library.clone(),
+            (None, true) => link_with_ears(folder)?,
+            (None, false) => Library::Parafovea.path()?,
         };
         let mut halves = Halves { openxr: Some(library.clone()), vulkan: Some(library.clone()) };
         if self.copies {

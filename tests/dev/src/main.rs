@@ -4,6 +4,7 @@
 //! needs more (the demo, the benches) is a program of the `parafovea-tests` package that a task builds and
 //! runs. Everything is written below the target folder.
 
+mod compare;
 mod packages;
 mod setup;
 mod steps;
@@ -25,6 +26,11 @@ cargo dev <task>, run anywhere in the repository:
                         GPU times; kept in tests/gpu-results/. Without such a GPU it says so, and that is all
   bench NAME [--json]   a bench: break-even (how dear pixels must be for the layer to gain), ears (what listening costs, and how late it is), frame (what techniques save), models (what the models cost, their hard cases, and how well gaze is followed), overhead (what the layer costs)
   dist                  packs a release build, target/dist/: an archive with an installer, and a Debian package
+  bench --compare REV [ARGUMENTS]
+                        the layer as it is here beside that of a commit, by turns, in the bench `frame` with these arguments: ratios with their spread
+  report [--quick | --all] [--json]
+                        speed against error, against what users could do instead: a page, tables and plots in target/report/; --quick
+                        takes 5 minutes, the whole an hour, and --all every point of every sweep (`report --help` lists more)
   soak [--seconds N]    long checks: listening for an hour, or so long, takes no more and more memory
   help                  this text
 ";
@@ -40,6 +46,7 @@ fn main() -> ExitCode {
         Some("zoo") => tasks::zoo(rest),
         Some("gpu") => tasks::gpu(rest),
         Some("bench") => tasks::bench(rest),
+        Some("report") => tasks::report(rest),
         Some("soak") => tasks::soak(rest),
         Some("dist") => tasks::dist(rest),
         Some("help" | "--help" | "-h") | None => {

@@ -1,5 +1,6 @@
 //! The tasks beyond `setup`: each builds what it needs with the one profile that they all share.
 
+use crate::compare;
 use crate::packages::can_build_audio;
 use crate::setup::{Voice, setup};
 use crate::steps::{Steps, cargo, profile_folder};
@@ -80,6 +81,9 @@ pub fn bench(arguments: &[String]) -> Result<(), String> {
     let Some((name, rest)) = arguments.split_first() else {
         return Err(format!("bench needs a name: {}", bench_names()));
     };
+    if name == "--compare" {
+        return compare(rest);
+    }
     let Some((name, package)) = BENCHES.into_iter().find(|(known, _)| known == name) else {
         return Err(format!("there is no bench `{name}`; there is: {}", bench_names()));
     };
@@ -91,6 +95,45 @@ pub fn bench(arguments: &[String]) -> Result<(), String> {
         ["bench", "--locked", "--quiet", "--profile", "dev", "--package", package, "--bench", name, "--"];
     steps.run(&format!("bench {name}"), in_root(cargo().args(bench).args(rest)))
 }
+
+/// Speed against error.
+pub fn report(arguments: &[String]) -> Result<(), String> {
+    setup(Voice::Implied)?;
+    let mut steps = Steps::default();
+    build(&mut steps)?;
+    steps.run("report", Command::new(profile_folder()?.join("parafovea-report")).args(arguments))
+}
+
+/// The layer as it is here, beside that of a commit.
+fn compare(arguments: &[String]) -> Result<(), String> {
+    let Some((revision, rest)) = arguments.split_first() else {
+        return Err("--compare needs a commit, for instance HEAD~5".to_owned());
+    };
+    setup(Voice::Implied)?;
+    let mut steps = Steps::default();
+    let (name, library) = compare::built(&mut steps, revision)?;
+    build(&mut steps)?;
+    let against = format!("{name}={}", library.display());
+    let bench = [
+        "bench",
+        "--locked",
+        "--quiet",
+        "--profile",
+        "dev",
+        "--package",
+        "parafovea-tests",
+        "--bench",
+        "frame",
+    ];
+    let arguments = if rest.iter().any(|argument| argument == "--techniques") { &[][..] } else { &COMPARED };
+    let mut command = cargo();
+    command.args(bench).args(["--", "--against", &against]).args(arguments).args(rest);
+    steps.run(&format!("bench frame against {name}"), in_root(&mut command))
+}
+
+/// What is compared where nothing else is asked for.
+const COMPARED: [&str; 4] =
+    ["--scenes", "courtyard", "--techniques", "chroma,rates balanced,reuse,everything"];
 
 /// Long checks: listening for an hour.
 pub fn soak(arguments: &[String]) -> Result<(), String> {
@@ -150,6 +193,7 @@ fn workspace(command: &str) -> Command {
     cargo
 }
 
-fn in_root(command: &mut Command) -> &mut Command {
+/// Has a command run in the repository's root.
+pub fn in_root(command: &mut Command) -> &mut Command {
     command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))
 }

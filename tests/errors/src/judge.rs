@@ -249,7 +249,8 @@ impl Judge {
         let rows =
             Metric::ALL.iter().zip(&self.pools).flat_map(|(&metric, pool)| rows(metric, pool)).collect();
         let eyes = eyes.map(|record| record.map(|record| record.summary));
-        Report { viewing: self.viewing, frames, eyes, rows }
+        let frame_means = self.pools.iter().map(Pool::frame_means).collect();
+        Report { viewing: self.viewing, frames, eyes, rows, frame_means }
     }
 
     /// Sustained and transient change.

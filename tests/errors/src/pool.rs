@@ -93,6 +93,8 @@ pub(crate) struct Pool {
     sums: [f64; RINGS],
     pixels: [u64; RINGS],
     worst: [Option<WorstTile>; RINGS],
+    /// Sum and pixels of all rings and eyes, frame by frame, of what is judged frame by frame.
+    frames: Vec<(f64, u64)>,
 }
 
 impl Pool {
@@ -107,6 +109,13 @@ impl Pool {
         (eye, frame): (usize, Option<usize>),
         of_mean: fn(f64) -> f64,
     ) {
+        if let Some(frame) = frame {
+            let values: f64 = sums.values.iter().flatten().sum();
+            let pixels: u64 = sums.pixels.iter().flatten().map(|&pixels| u64::from(pixels)).sum();
+            self.frames.resize(self.frames.len().max(frame + 1), (0.0, 0));
+            self.frames[frame].0 += values;
+            self.frames[frame].1 += pixels;
+        }
         for ring in 0..RINGS {
             let most = sums.pixels.iter().map(|pixels| pixels[ring]).max().unwrap_or(0);
             let least = most.min(LEAST_PIXELS * sums.frames).max(1);
@@ -128,6 +137,12 @@ impl Pool {
     /// Mean over the pixels of a ring, `None` where no picture shows it.
     pub fn mean(&self, ring: usize) -> Option<f64> {
         (self.pixels[ring] > 0).then(|| self.sums[ring] / self.pixels[ring] as f64)
+    }
+
+    /// Mean over the whole view of both eyes, frame by frame; empty for what is judged over the whole clip.
+    pub fn frame_means(&self) -> Vec<Option<f64>> {
+        let mean = |&(sum, pixels): &(f64, u64)| (pixels > 0).then(|| sum / pixels as f64);
+        self.frames.iter().map(mean).collect()
     }
 
     /// Pixels that the mean was taken over, in all frames and both eyes together.

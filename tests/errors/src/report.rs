@@ -52,9 +52,17 @@ pub struct Report {
     pub eyes: [Option<EyeSummary>; 2],
     /// Each metric in each ring, in the order of [`Metric::ALL`] and outwards.
     pub rows: Vec<Row>,
+    /// Each metric frame by frame, in the order of [`Metric::ALL`]: the mean over the whole view of both eyes. Empty for
+    /// what is judged over the whole clip, as flicker.
+    pub frame_means: Vec<Vec<Option<f64>>>,
 }
 
 impl Report {
+    /// A metric frame by frame, over the whole view.
+    pub fn by_frame(&self, metric: Metric) -> &[Option<f64>] {
+        &self.frame_means[metric as usize]
+    }
+
     /// The row of a metric and ring (index into [`RING_NAMES`]).
     pub fn row(&self, metric: Metric, ring: usize) -> &Row {
         &self.rows[metric as usize * RINGS + ring]

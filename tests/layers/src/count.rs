@@ -64,6 +64,17 @@ pub struct Count {
     pub draws: u64,
     /// Calls of vkQueueSubmit and vkQueueSubmit2.
     pub queue_submits: u64,
+    /// The invocations of each execution of a primary command buffer, in the order in which they were read.
+    pub by_submit: Vec<Counted>,
+}
+
+/// What was counted of one execution of a primary command buffer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct Counted {
+    /// CPU time of the process when it was submitted (CLOCK_PROCESS_CPUTIME_ID), nanoseconds.
+    pub process_cpu_ns: u64,
+    /// How many.
+    pub value: u64,
 }
 
 /// Samples that passed depth and stencil tests on one device, in the render passes that the application began.
@@ -75,6 +86,8 @@ pub struct SampleCount {
     pub reason: Option<String>,
     /// Render passes that were executed and counted.
     pub passes: u64,
+    /// The samples of each execution of a primary command buffer, in the order in which they were read.
+    pub by_submit: Vec<Counted>,
 }
 
 /// What primary command buffers took on one device.

@@ -36,7 +36,8 @@ mod two_queues;
 pub mod validation;
 
 pub use count::{
-    COUNT_FILE_VARIABLE, Count, GpuTime, GpuTimes, SAMPLES_FILE_VARIABLE, SampleCount, TIMES_FILE_VARIABLE,
+    COUNT_FILE_VARIABLE, Count, Counted, GpuTime, GpuTimes, SAMPLES_FILE_VARIABLE, SampleCount,
+    TIMES_FILE_VARIABLE,
 };
 pub use drop_barrier::{DROP_BARRIER_VARIABLE, DROP_FILE_VARIABLE, Dropped};
 pub use manifest::TestLayer;

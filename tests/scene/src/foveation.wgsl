@@ -14,6 +14,9 @@ struct Fovea {
     transitional: f32,
     peripheral: f32,
     padding: vec2f,
+    // Of two ellipses around the view's centre, instead of eccentricities: half axes of the inner and the outer one upwards, as parts of half the
+    // view's height, their ratio to those sideways, and the share between them. The outer one is 0 where there are none.
+    ellipses: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> fovea: Fovea;
@@ -33,6 +36,12 @@ fn screen_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f 
 // The share of blocks that is shaded at a texel of the view.
 fn share(texel: vec2f) -> f32 {
     let at = texel / fovea.rect.zw;
+    if fovea.ellipses.y > 0.0 {
+        let offset = at * 2.0 - 1.0;
+        let radius = length(vec2f(offset.x / fovea.ellipses.z, offset.y));
+        let outside = select(fovea.ellipses.w, fovea.peripheral, radius > fovea.ellipses.y);
+        return select(1.0, outside, radius > fovea.ellipses.x);
+    }
     let across = mix(fovea.tangents.xw, fovea.tangents.yz, at);
     let eccentricity = acos(clamp(dot(normalize(vec3f(across, -1.0)), fovea.gaze), -1.0, 1.0));
     // No wider than a texel, the step of radii that are equal.

@@ -2,8 +2,9 @@
 
 use clap::{Parser, ValueEnum};
 
-use crate::renderer::Foveation;
+use crate::renderer::{Foveation, Radii};
 use crate::scene::{SceneName, lights};
+use parafovea_core::fixed_foveation::openxr_toolkit::ScreenEllipses;
 
 /// Scenes in virtual reality: an OpenXR application with costly per-pixel lighting.
 #[derive(Clone, Debug, Parser)]
@@ -37,8 +38,9 @@ pub struct Options {
     #[arg(long)]
     pub depth_layer: bool,
     /// Shade all texels up to EF degrees from the gaze (or from straight ahead, where the runtime tells no gaze), fewer
-    /// from there to ET degrees, and a share of 1/16 or 1/4 beyond; fill the others from their neighbours.
-    #[arg(long, value_name = "EF,ET,SHARE", value_parser = parse_foveation, conflicts_with = "depth_layer")]
+    /// from there to ET degrees, and a share of 1/16 or 1/4 beyond; fill the others from their neighbours. Or by the place on the
+    /// screen, as OpenXR Toolkit's preset "Balanced" has it.
+    #[arg(long, value_name = "EF,ET,SHARE | toolkit-balanced", value_parser = parse_foveation, conflicts_with = "depth_layer")]
     pub foveation: Option<Foveation>,
     /// Show the notice board in a quad layer as well.
     #[arg(long)]
@@ -91,7 +93,10 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
 /// # Errors
 /// A text that says what is expected.
 pub fn parse_foveation(text: &str) -> Result<Foveation, String> {
-    let expected = || "expected EF,ET,SHARE, as in 14.34,27.08,1/16".to_owned();
+    if text == "toolkit-balanced" {
+        return Ok(Foveation::Ellipses(ScreenEllipses::BALANCED));
+    }
+    let expected = || "expected EF,ET,SHARE, as in 14.34,27.08,1/16, or toolkit-balanced".to_owned();
     let [foveal, transitional, share] =
         text.split(',').collect::<Vec<_>>().try_into().map_err(|_| expected())?;
     let angle = |text: &str| match text.parse::<f32>() {
@@ -107,7 +112,7 @@ pub fn parse_foveation(text: &str) -> Result<Foveation, String> {
         "1/4" => 1.0 / 4.0,
         _ => return Err(format!("{share:?} is neither 1/16 nor 1/4")),
     };
-    Ok(Foveation { foveal_deg, transitional_deg, peripheral })
+    Ok(Foveation::Radii(Radii { foveal_deg, transitional_deg, peripheral }))
 }
 
 #[cfg(test)]
@@ -124,9 +129,12 @@ mod tests {
 
     #[test]
     fn foveations() {
-        let foveation = Foveation { foveal_deg: 14.34, transitional_deg: 27.08, peripheral: 0.0625 };
-        assert_eq!(parse_foveation("14.34,27.08,1/16"), Ok(foveation));
-        assert_eq!(parse_foveation("0,0,1/4").map(|foveation| foveation.peripheral), Ok(0.25));
+        let radii = |foveal_deg, transitional_deg, peripheral| {
+            Ok(Foveation::Radii(Radii { foveal_deg, transitional_deg, peripheral }))
+        };
+        assert_eq!(parse_foveation("14.34,27.08,1/16"), radii(14.34, 27.08, 0.0625));
+        assert_eq!(parse_foveation("0,0,1/4"), radii(0.0, 0.0, 0.25));
+        assert_eq!(parse_foveation("toolkit-balanced"), Ok(Foveation::Ellipses(ScreenEllipses::BALANCED)));
         for wrong in ["", "14.34", "14,27", "14,27,1/8", "14,x,1/4", "27,14,1/4", "-1,3,1/4", "NaN,3,1/4"] {
             assert!(parse_foveation(wrong).is_err(), "{wrong} was taken");
         }

@@ -12,7 +12,7 @@ use crate::camera::Camera;
 use crate::scene::{Material, Scene, SceneName, time_of};
 
 use self::buffers::Buffers;
-pub use self::foveation::{FOVEATION_SHADER, FoveatedImage, Foveation, Foveator};
+pub use self::foveation::{FOVEATION_SHADER, FoveatedImage, Foveation, Foveator, Radii};
 use self::pipelines::Pipelines;
 pub use self::pipelines::{Output, SCENES_SHADER, SHADER};
 

@@ -3,14 +3,15 @@
 #![expect(clippy::unwrap_used, reason = "a test says where it failed")]
 
 use glam::{Quat, Vec3, vec3};
+use parafovea_core::fixed_foveation::openxr_toolkit::ScreenEllipses;
 use parafovea_scene::camera::Camera;
 use parafovea_scene::offscreen::Offscreen;
-use parafovea_scene::renderer::Foveation;
+use parafovea_scene::renderer::{Foveation, Radii};
 use parafovea_scene::scene::SceneName;
 
 const SIDE: u32 = 256;
 const EDGE: f32 = std::f32::consts::FRAC_PI_4;
-const L1_C1: Foveation = Foveation { foveal_deg: 14.34, transitional_deg: 27.08, peripheral: 1.0 / 16.0 };
+const L1_C1: Radii = Radii { foveal_deg: 14.34, transitional_deg: 27.08, peripheral: 1.0 / 16.0 };
 
 /// Draws the crowd, which has hardly anything black, with a gaze.
 struct Visitor(Offscreen);
@@ -53,7 +54,7 @@ fn squared_error(a: &[u8], b: &[u8]) -> f64 {
 fn what_is_looked_at_stays_as_it_is() {
     let mut visitor = Visitor::new();
     for gaze in [Vec3::NEG_Z, vec3(-0.4, 0.2, -1.0).normalize()] {
-        let (full, foveated) = (visitor.draw(None, gaze), visitor.draw(Some(L1_C1), gaze));
+        let (full, foveated) = (visitor.draw(None, gaze), visitor.draw(Some(Foveation::Radii(L1_C1)), gaze));
         let differences = differences(&full, &foveated, gaze);
         let nearest = differences.iter().copied().fold(f32::INFINITY, f32::min);
         assert!(nearest > L1_C1.foveal_deg - 0.7, "something changed at {nearest} degrees");
@@ -65,8 +66,31 @@ fn what_is_looked_at_stays_as_it_is() {
 fn all_is_shaded_within_a_wide_fovea() {
     let mut visitor = Visitor::new();
     let full = visitor.draw(None, Vec3::NEG_Z);
-    let wide = Foveation { foveal_deg: 180.0, transitional_deg: 180.0, peripheral: 0.25 };
+    let wide = Foveation::Radii(Radii { foveal_deg: 180.0, transitional_deg: 180.0, peripheral: 0.25 });
     assert!(full == visitor.draw(Some(wide), Vec3::NEG_Z));
+}
+
+/// Rates by place: inside of the inner ellipse nothing changes, and much does outside, wherever the eyes look.
+#[test]
+fn ellipses_stay_on_the_screen() {
+    let mut visitor = Visitor::new();
+    let map = ScreenEllipses::BALANCED;
+    let [ahead, aside] = [Vec3::NEG_Z, vec3(-0.4, 0.2, -1.0).normalize()]
+        .map(|gaze| visitor.draw(Some(Foveation::Ellipses(map)), gaze));
+    assert!(ahead == aside, "they follow the gaze");
+    let full = visitor.draw(None, Vec3::NEG_Z);
+    let texels = full.chunks_exact(4).zip(ahead.chunks_exact(4)).enumerate();
+    let changed = texels.filter(|(_, (a, b))| a != b).map(|(texel, _)| {
+        let [x, y] =
+            [texel as u32 % SIDE, texel as u32 / SIDE].map(|at| (at as f32 + 0.5) / SIDE as f32 * 2.0 - 1.0);
+        (x / map.horizontal_scale).hypot(y)
+    });
+    let radii: Vec<f32> = changed.collect();
+    let nearest = radii.iter().copied().fold(f32::INFINITY, f32::min);
+    // A block goes by its centre.
+    let block = 2.0 * 2.0_f32.sqrt() / (SIDE as f32 / 2.0);
+    assert!((map.inner - block..map.inner + 0.1).contains(&nearest), "the first change is at {nearest}");
+    assert!(radii.len() > full.len() / 4 / 5, "only {} texels changed", radii.len());
 }
 
 /// What was skipped is filled: no texel keeps the black that the image was cleared with.
@@ -76,7 +100,7 @@ fn nothing_stays_black() {
     let black = |texels: &[u8]| texels.chunks_exact(4).filter(|texel| texel[..3] == [0, 0, 0]).count();
     let full = black(&visitor.draw(None, Vec3::NEG_Z));
     for peripheral in [1.0 / 16.0, 0.25] {
-        let foveation = Foveation { foveal_deg: 0.0, transitional_deg: 0.0, peripheral };
+        let foveation = Foveation::Radii(Radii { foveal_deg: 0.0, transitional_deg: 0.0, peripheral });
         let found = black(&visitor.draw(Some(foveation), Vec3::NEG_Z));
         assert!(found <= full + 64, "{found} black texels at {peripheral}, {full} in the whole picture");
     }
@@ -87,7 +111,7 @@ fn more_shading_is_nearer_to_the_truth() {
     let mut visitor = Visitor::new();
     let full = visitor.draw(None, Vec3::NEG_Z);
     let mut error = |foveal_deg, transitional_deg, peripheral| {
-        let foveation = Foveation { foveal_deg, transitional_deg, peripheral };
+        let foveation = Foveation::Radii(Radii { foveal_deg, transitional_deg, peripheral });
         squared_error(&full, &visitor.draw(Some(foveation), Vec3::NEG_Z))
     };
     let coarse = error(9.44, 18.39, 1.0 / 16.0);
@@ -104,7 +128,7 @@ fn more_shading_is_nearer_to_the_truth() {
 fn the_fovea_follows_the_gaze() {
     let mut visitor = Visitor::new();
     let camera = Camera::new(vec3(0.0, 1.6, 0.0), Quat::IDENTITY, [-EDGE, EDGE, -EDGE, EDGE]);
-    visitor.0.set_foveation(Some(L1_C1));
+    visitor.0.set_foveation(Some(Foveation::Radii(L1_C1)));
     let mut draw = |gaze: Vec3| {
         visitor.0.draw_gazing(30, &[camera], gaze.normalize()).unwrap();
         visitor.0.texels().unwrap()

@@ -38,9 +38,7 @@ pub fn errors(
     fvvdp: Option<&Fvvdp>,
     mut progress: impl FnMut(&str),
 ) -> Result<Vec<Judged>, HarnessError> {
-    let mut scenario = subject.scenario(effort);
-    scenario.output.save_frames = (effort.run_up..effort.length()).collect();
-    scenario.output.save = vec![Picture::Eye];
+    let scenario = with_pictures(subject.scenario(effort), effort);
     let mut show = |technique: &Technique| -> Result<Outcome, HarnessError> {
         progress(&format!("{}: {}, pictures", subject.name(), technique.name));
         subject.run_as(technique, effort, &scenario)?.finish()?.expect_frames(effort.length())
@@ -81,7 +79,19 @@ fn jod(
     Ok(worse)
 }
 
-fn judge(
+/// The same, with what the eyes see in the frames after the run-up kept for [`judge`].
+pub fn with_pictures(mut scenario: Scenario, effort: Effort) -> Scenario {
+    scenario.output.save_frames = (effort.run_up..effort.length()).collect();
+    scenario.output.save = vec![Picture::Eye];
+    scenario
+}
+
+/// How far the pictures of `test` are from those of `reference`, both runs of `subject` in one scenario
+/// [`with_pictures`].
+///
+/// # Errors
+/// [`HarnessError::File`] where a picture is not there, [`HarnessError::Application`] where they do not belong together.
+pub fn judge(
     subject: &Subject,
     scenario: &Scenario,
     reference: &Outcome,

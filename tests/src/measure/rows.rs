@@ -6,7 +6,7 @@ use serde::Serialize;
 /// One figure.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// `frame`, `break-even` or `gpu`.
+    /// `frame`, `break-even`, `gpu` or `report`.
     pub bench: &'static str,
     /// The scene.
     pub app: String,
@@ -38,6 +38,16 @@ pub struct Comparison {
 pub fn rows(app: &str, timings: &[Timing]) -> Vec<Row> {
     let Some(baseline) = timings.first() else { return Vec::new() };
     timings.iter().flat_map(|timing| rows_of(app, timing, baseline)).collect()
+}
+
+/// How the layer of this build compares with that of another, whose timings have the same name and `@ other` behind it.
+pub fn against_rows(app: &str, other: &str, timings: &[Timing]) -> Vec<Row> {
+    let pairs = timings.iter().filter_map(|timing| {
+        let name = format!("{} @ {other}", timing.technique);
+        Some((timing, timings.iter().find(|timing| timing.technique == name)?))
+    });
+    let is_of_both = |row: &Row| row.metric != "layer_cpu_median";
+    pairs.flat_map(|(timing, other)| rows_of(app, timing, other)).filter(is_of_both).collect()
 }
 
 fn rows_of(app: &str, timing: &Timing, baseline: &Timing) -> Vec<Row> {

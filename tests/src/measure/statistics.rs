@@ -44,7 +44,7 @@ impl Samples {
 
     /// The least that each frame of a turn took in any turn: all turns render the same, and what else the machine does only
     /// adds to that. As many frames as the shortest turn has.
-    fn least(&self) -> impl Iterator<Item = f64> {
+    pub fn least(&self) -> impl Iterator<Item = f64> {
         let frames = self.turns.iter().map(Vec::len).min().unwrap_or(0);
         (0..frames).map(|frame| self.turns.iter().map(|turn| turn[frame]).fold(f64::INFINITY, f64::min))
     }

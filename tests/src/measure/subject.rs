@@ -45,9 +45,16 @@ impl Subject {
 
     /// The script of `scene` from half a second before its first saccade of 10 degrees or more.
     pub fn around_a_saccade(scene: SceneName, tracker: Tracker) -> Self {
+        Self::before_a_saccade(scene, tracker, (FRAMES_PER_SECOND / 2.0) as u64)
+    }
+
+    /// The script of `scene` from so many frames before its first saccade of 10 degrees or more that has as many before it.
+    pub fn before_a_saccade(scene: SceneName, tracker: Tracker, frames: u64) -> Self {
+        let before_s = frames as f64 / FRAMES_PER_SECOND;
         let saccades = Script::new(scene).gaze.saccades();
-        let large = saccades.iter().find(|saccade| saccade.amplitude_deg >= 10.0 && saccade.start_s >= 0.5);
-        let start_s = large.map_or(0.0, |saccade| saccade.start_s - 0.5);
+        let is_meant = |start_s: f64, amplitude_deg: f32| amplitude_deg >= 10.0 && start_s >= before_s;
+        let large = saccades.iter().find(|saccade| is_meant(saccade.start_s, saccade.amplitude_deg));
+        let start_s = large.map_or(0.0, |saccade| saccade.start_s - before_s);
         Self::new(scene, tracker, (start_s * FRAMES_PER_SECOND) as u64)
     }
 
@@ -117,6 +124,10 @@ impl Subject {
             Program::HelloXr => Application::hello_xr("Vulkan2")?,
         };
         let run = Run::new(&application, scenario).layer(technique.layer.clone());
+        let run = match &technique.library {
+            Some(library) => run.library(library),
+            None => run,
+        };
         Ok(match &self.machine {
             Some(machine) => machine.set_up(run),
             None => run,

@@ -2,6 +2,7 @@
 
 use crate::run::LayerMode;
 use parafovea_core::fixed_foveation::FixedFoveation;
+use std::path::{Path, PathBuf};
 
 /// One way to run an application.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,6 +11,8 @@ pub struct Technique {
     pub name: String,
     /// The layer.
     pub layer: LayerMode,
+    /// Its library, where that is of another build.
+    pub library: Option<PathBuf>,
     /// Side of the application's images, as a part of what the runtime recommends.
     pub render_scale: f32,
     /// What the application is told besides.
@@ -19,12 +22,18 @@ pub struct Technique {
 impl Technique {
     /// The application alone.
     pub fn off() -> Self {
-        Self { name: "off".to_owned(), layer: LayerMode::Absent, render_scale: 1.0, arguments: Vec::new() }
+        let (name, arguments) = ("off".to_owned(), Vec::new());
+        Self { name, layer: LayerMode::Absent, library: None, render_scale: 1.0, arguments }
     }
 
     /// The layer with this configuration.
     pub fn layer(name: &str, config: &str) -> Self {
         Self { name: name.to_owned(), layer: LayerMode::On(config.to_owned()), ..Self::off() }
+    }
+
+    /// The same with another build's library, which `name` stands for.
+    pub fn of_library(&self, name: &str, library: &Path) -> Self {
+        Self { name: format!("{} @ {name}", self.name), library: Some(library.to_owned()), ..self.clone() }
     }
 
     /// The application alone, with smaller images: what every user can do.
@@ -38,6 +47,12 @@ impl Technique {
         let foveation = format!("{},{},1/{share}", map.foveal_deg, map.transitional_deg);
         let arguments = vec!["--foveation".to_owned(), foveation];
         Self { name: name.to_owned(), arguments, ..Self::off() }
+    }
+
+    /// The application alone, shading by the place on the screen as OpenXR Toolkit's preset "Balanced" does.
+    pub fn openxr_toolkit() -> Self {
+        let arguments = ["--foveation", "toolkit-balanced"].map(str::to_owned).into();
+        Self { name: "OpenXR Toolkit balanced".to_owned(), arguments, ..Self::off() }
     }
 
     /// What users could do without us, the application as it is first: three render scales, and the nine pairs

@@ -2,6 +2,7 @@
 
 use super::{Samples, Subject, Technique};
 use crate::HarnessError;
+use crate::run::Outcome;
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,10 +47,41 @@ pub struct Timing {
     pub samples: Option<u64>,
 }
 
-/// What one run shaded.
-struct Counts {
-    fragments: u64,
-    samples: Option<u64>,
+impl Timing {
+    /// Nothing but what was counted.
+    pub fn new(technique: &Technique, counts: Counts) -> Self {
+        Self {
+            technique: technique.name.clone(),
+            with_layer: technique.has_layer(),
+            cpu_ms: Samples::default(),
+            gpu_ms: Samples::default(),
+            fragments: counts.fragments,
+            samples: counts.samples,
+        }
+    }
+}
+
+/// What a run shaded in the mean of the frames after its run-up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counts {
+    /// As [`Timing::fragments`].
+    pub fragments: u64,
+    /// As [`Timing::samples`].
+    pub samples: Option<u64>,
+}
+
+impl Counts {
+    /// Of a run that was [`counted`](crate::run::Run::counted).
+    ///
+    /// # Errors
+    /// Where fragments could not be counted.
+    pub fn of(outcome: &Outcome, effort: Effort) -> Result<Self, HarnessError> {
+        let of_a_frame = |all: u64| all / effort.frames.max(1);
+        Ok(Self {
+            fragments: of_a_frame(outcome.fragments_after(effort.run_up)?),
+            samples: outcome.samples_after(effort.run_up).ok().map(of_a_frame),
+        })
+    }
 }
 
 /// Times all `techniques` on `subject`, the first of which is the baseline: turn by turn, each technique once, in an
@@ -69,27 +101,26 @@ pub fn time(
 ) -> Result<Vec<Timing>, HarnessError> {
     let mut timings = Vec::new();
     for technique in techniques {
-        let mut count = |what: &str, effort: Effort| -> Result<Counts, HarnessError> {
-            progress(&format!("{}: {}, counting fragments{what}", subject.name(), technique.name));
-            let run = subject.run(technique, effort)?.counted();
-            let outcome = run.finish()?.expect_frames(effort.length())?;
-            Ok(Counts { fragments: outcome.fragments()?, samples: outcome.samples().ok() })
-        };
-        let all = count("", effort)?;
-        let run_up = match effort.run_up {
-            0 => Counts { fragments: 0, samples: Some(0) },
-            _ => count(" of the run-up", Effort { frames: 0, ..effort })?,
-        };
-        let of_a_frame = |all: u64, run_up: u64| all.saturating_sub(run_up) / effort.frames.max(1);
-        timings.push(Timing {
-            technique: technique.name.clone(),
-            with_layer: technique.has_layer(),
-            cpu_ms: Samples::default(),
-            gpu_ms: Samples::default(),
-            fragments: of_a_frame(all.fragments, run_up.fragments),
-            samples: all.samples.zip(run_up.samples).map(|(all, run_up)| of_a_frame(all, run_up)),
-        });
+        progress(&format!("{}: {}, counting fragments", subject.name(), technique.name));
+        let outcome = subject.run(technique, effort)?.counted().finish()?.expect_frames(effort.length())?;
+        timings.push(Timing::new(technique, Counts::of(&outcome, effort)?));
     }
+    take_turns(subject, techniques, effort, with_gpu, &mut timings, progress)?;
+    Ok(timings)
+}
+
+/// The turns of [`time`], added to `timings`, which has one for each of `techniques`.
+///
+/// # Errors
+/// As for [`time`].
+pub fn take_turns(
+    subject: &Subject,
+    techniques: &[Technique],
+    effort: Effort,
+    with_gpu: bool,
+    timings: &mut [Timing],
+    mut progress: impl FnMut(&str),
+) -> Result<(), HarnessError> {
     for turn in 0..effort.turns {
         let mut order: Vec<usize> = (0..techniques.len()).collect();
         if turn % 2 == 1 {
@@ -106,5 +137,5 @@ pub fn time(
             }
         }
     }
-    Ok(timings)
+    Ok(())
 }

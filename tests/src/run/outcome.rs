@@ -8,7 +8,7 @@ use crate::installation::Installation;
 use crate::picture::Picture;
 use crate::record::Record;
 use crate::scenario::Scenario;
-use parafovea_test_layers::{Count, GpuTime, GpuTimes, SampleCount, ShadingRateLine};
+use parafovea_test_layers::{Count, Counted, GpuTime, GpuTimes, SampleCount, ShadingRateLine};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
@@ -75,9 +75,17 @@ impl Outcome {
     /// # Errors
     /// [`HarnessError::File`] where it was not there, [`HarnessError::Application`] where it could not count.
     pub fn fragments(&self) -> Result<u64, HarnessError> {
-        let number = |count: Count| {
-            let reason = count.reason.unwrap_or_default();
-            count.fragment_invocations.ok_or_else(|| self.failed(&reason))
+        self.fragments_after(0)
+    }
+
+    /// As [`Self::fragments`], of what was submitted after the first `run_up` frames.
+    ///
+    /// # Errors
+    /// As for [`Self::fragments`].
+    pub fn fragments_after(&self, run_up: u64) -> Result<u64, HarnessError> {
+        let number = |count: Count| match (count.fragment_invocations, count.reason) {
+            (Some(_), _) => Ok(self.counted_after(run_up, &count.by_submit)),
+            (None, reason) => Err(self.failed(&reason.unwrap_or_default())),
         };
         self.reports(COUNT_FILE)?.into_iter().map(number).sum()
     }
@@ -88,11 +96,28 @@ impl Outcome {
     /// # Errors
     /// As for [`Self::fragments`].
     pub fn samples(&self) -> Result<u64, HarnessError> {
-        let number = |count: SampleCount| {
-            let reason = count.reason.unwrap_or_default();
-            count.samples.ok_or_else(|| self.failed(&reason))
+        self.samples_after(0)
+    }
+
+    /// As [`Self::samples`], of what was submitted after the first `run_up` frames.
+    ///
+    /// # Errors
+    /// As for [`Self::fragments`].
+    pub fn samples_after(&self, run_up: u64) -> Result<u64, HarnessError> {
+        let number = |count: SampleCount| match (count.samples, count.reason) {
+            (Some(_), _) => Ok(self.counted_after(run_up, &count.by_submit)),
+            (None, reason) => Err(self.failed(&reason.unwrap_or_default())),
         };
         self.reports(SAMPLES_FILE)?.into_iter().map(number).sum()
+    }
+
+    fn counted_after(&self, run_up: u64, by_submit: &[Counted]) -> u64 {
+        let from_ns = self.record.process_cpu_ns_after(run_up);
+        by_submit
+            .iter()
+            .filter(|counted| counted.process_cpu_ns >= from_ns)
+            .map(|counted| counted.value)
+            .sum()
     }
 
     /// Time on the GPU that the application's and the layer's command buffers took in each frame, on all devices, in

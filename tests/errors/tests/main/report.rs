@@ -48,6 +48,25 @@ fn a_report_has_a_row_for_each_metric_and_ring_and_prints_its_conditions() {
 }
 
 #[test]
+fn the_mean_of_the_frames_is_that_of_the_rings() {
+    let reference = clip(23, 1);
+    let report = judge(&reference, &held(&blurred(&reference, 1), 2), &Viewing::default()).unwrap();
+    for metric in [Metric::Squared, Metric::Sustained, Metric::Transient, Metric::YellowViolet] {
+        let frames = report.by_frame(metric);
+        assert_eq!(frames.len(), 23, "{metric:?}");
+        let by_frame = frames.iter().map(|mean| mean.unwrap()).sum::<f64>() / 23.0;
+        let rings = (0..RINGS).map(|ring| report.row(metric, ring));
+        let (sum, pixels) = rings.fold((0.0, 0), |(sum, pixels), row| {
+            (sum + row.mean.unwrap_or(0.0) * row.pixels as f64, pixels + row.pixels)
+        });
+        let by_ring = sum / pixels as f64;
+        assert!((by_frame - by_ring).abs() < 1e-9 * by_ring, "{metric:?}: {by_frame}, {by_ring}");
+        assert!(frames.iter().any(|mean| *mean != frames[0]), "{metric:?}: all frames are alike");
+    }
+    assert!(report.by_frame(Metric::Flicker).is_empty());
+}
+
+#[test]
 fn clips_that_cannot_be_compared_are_refused() {
     let reference = clip(2, 0);
     let refused = |change: fn(&mut Clip)| {

@@ -1,7 +1,7 @@
 //! The command buffers of a device, and their queries.
 
 use super::features::Family;
-use super::{GpuTime, Kind};
+use super::{Counted, Kind};
 use crate::cpu_time::process_cpu_ns;
 use ash::vk;
 use std::collections::HashMap;
@@ -39,9 +39,8 @@ struct Buffer {
 /// What was counted on a device.
 #[derive(Clone, Default)]
 pub(super) struct Sums {
-    sum: u64,
-    /// What each command buffer took.
-    pub times: Vec<GpuTime>,
+    /// What the queries of each command buffer counted, or the nanoseconds that it took.
+    pub by_submit: Vec<Counted>,
     /// Why that is not all.
     pub reason: Option<String>,
     /// Primary command buffers executed.
@@ -57,7 +56,8 @@ pub(super) struct Sums {
 impl Sums {
     /// What the queries counted, if that is all.
     pub fn counted(&self) -> Option<u64> {
-        self.reason.is_none().then_some(self.sum)
+        let sum = || self.by_submit.iter().map(|counted| counted.value).sum();
+        self.reason.is_none().then(sum)
     }
 }
 
@@ -287,10 +287,10 @@ impl Buffers {
             Ok(()) if self.kind == Kind::Times => {
                 let bits = self.pools.get(&known.pool).map_or(u64::MAX, |pool| pool.timestamps);
                 let steps = results[1].wrapping_sub(results[0]) & bits;
-                let gpu_ns = (steps as f64 * f64::from(self.timestamp_period_ns)).round() as u64;
-                self.sums.times.push(GpuTime { process_cpu_ns, gpu_ns });
+                let value = (steps as f64 * f64::from(self.timestamp_period_ns)).round() as u64;
+                self.sums.by_submit.push(Counted { process_cpu_ns, value });
             }
-            Ok(()) => self.sums.sum += results.iter().sum::<u64>(),
+            Ok(()) => self.sums.by_submit.push(Counted { process_cpu_ns, value: results.iter().sum() }),
             Err(error) => self.sums.reason = Some(format!("vkGetQueryPoolResults: {error}")),
         }
     }

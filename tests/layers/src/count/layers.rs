@@ -3,8 +3,8 @@
 use super::buffers::Sums;
 use super::recording::{counting_of_device, draw, draw_indexed, draw_indexed_indirect, draw_indirect};
 use super::{
-    COUNT_FILE_VARIABLE, Count, Counter, Counting, GpuTimes, Kind, SAMPLES_FILE_VARIABLE, SampleCount,
-    TIMES_FILE_VARIABLE, pass, recording, submit,
+    COUNT_FILE_VARIABLE, Count, Counted, Counter, Counting, GpuTime, GpuTimes, Kind, SAMPLES_FILE_VARIABLE,
+    SampleCount, TIMES_FILE_VARIABLE, pass, recording, submit,
 };
 use crate::layer::{Instance, Layer, NextDevice, Tracked, hooks};
 use crate::report;
@@ -93,17 +93,25 @@ fn report_invocations(sums: Sums) {
         command_buffers: sums.command_buffers,
         draws: sums.draws,
         queue_submits: sums.queue_submits,
+        by_submit: sums.by_submit,
     };
     report::append(COUNT_FILE_VARIABLE, &count);
 }
 
 fn report_samples(sums: Sums) {
-    let count = SampleCount { samples: sums.counted(), reason: sums.reason, passes: sums.passes };
+    let count = SampleCount {
+        samples: sums.counted(),
+        reason: sums.reason,
+        passes: sums.passes,
+        by_submit: sums.by_submit,
+    };
     report::append(SAMPLES_FILE_VARIABLE, &count);
 }
 
 fn report_times(sums: Sums) {
-    report::append(TIMES_FILE_VARIABLE, &GpuTimes { buffers: sums.times, reason: sums.reason });
+    let time = |taken: Counted| GpuTime { process_cpu_ns: taken.process_cpu_ns, gpu_ns: taken.value };
+    let buffers = sums.by_submit.into_iter().map(time).collect();
+    report::append(TIMES_FILE_VARIABLE, &GpuTimes { buffers, reason: sums.reason });
 }
 
 /// An application that makes occlusion queries would begin them while one of the layer `samples` is active.

@@ -4,7 +4,8 @@
 use crate::device::SIDE;
 use crate::process::{Ended, Process};
 use parafovea_test_layers::{
-    COUNT_FILE_VARIABLE, Count, GpuTimes, SAMPLES_FILE_VARIABLE, SampleCount, TIMES_FILE_VARIABLE, TestLayer,
+    COUNT_FILE_VARIABLE, Count, Counted, GpuTimes, SAMPLES_FILE_VARIABLE, SampleCount, TIMES_FILE_VARIABLE,
+    TestLayer,
 };
 
 fn counted(program: &str) -> (Count, Ended) {
@@ -24,7 +25,10 @@ fn whole_image() -> u64 {
 #[test]
 fn counts_what_the_device_counts() {
     let (count, ended) = counted("triangle_once");
+    let [submit] = count.by_submit[..] else { panic!("not one submit: {count:?}") };
+    assert!(submit.process_cpu_ns > 0);
     let expected = Count {
+        by_submit: vec![Counted { value: whole_image(), ..submit }],
         fragment_invocations: Some(whole_image()),
         reason: None,
         command_buffers: 1,
@@ -40,6 +44,8 @@ fn a_buffer_that_is_submitted_again_counts_again() {
     let (count, ended) = counted("triangle_thrice_with_chained_features");
     assert_eq!(count.fragment_invocations, Some(3 * whole_image()));
     assert_eq!((count.command_buffers, count.draws, count.queue_submits), (3, 3, 3));
+    assert!(count.by_submit.iter().all(|submit| submit.value == whole_image()), "{count:?}");
+    assert!(count.by_submit.is_sorted_by_key(|submit| submit.process_cpu_ns) && count.by_submit.len() == 3);
     assert_eq!(ended.findings, [""; 0]);
 }
 
@@ -69,7 +75,8 @@ fn samples_are_those_that_pass_the_depth_test() {
         ("half_a_triangle", 2 * PIXELS / 2, 2),
     ] {
         let (count, ended) = samples(program);
-        assert_eq!(count, SampleCount { samples: Some(passed), reason: None, passes }, "{program}");
+        assert_eq!((count.samples, count.reason, count.passes), (Some(passed), None, passes), "{program}");
+        assert_eq!(count.by_submit.iter().map(|submit| submit.value).sum::<u64>(), passed, "{program}");
         assert_eq!(ended.findings, [""; 0]);
     }
 }
@@ -88,7 +95,7 @@ fn samples_of_passes_that_are_not_the_applications_are_not_counted() {
     let process = Process::new("triangle_once").layer(TestLayer::Samples.name());
     let ended = process.file(SAMPLES_FILE_VARIABLE, "samples.json").run();
     let count: SampleCount = serde_json::from_str(ended.read("samples.json").trim()).unwrap();
-    assert_eq!(count, SampleCount { samples: Some(0), reason: None, passes: 0 });
+    assert_eq!((count.samples, count.reason, count.passes), (Some(0), None, 0));
 }
 
 /// Why there are samples: a driver may count as invocations what its early depth test then rejects, as lavapipe 22.3.6

@@ -6,6 +6,7 @@ use std::mem::size_of;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use parafovea_core::fixed_foveation::openxr_toolkit::ScreenEllipses;
 
 use super::{DEPTH_FORMAT, MAX_CAMERAS, Rect};
 use crate::camera::Camera;
@@ -17,10 +18,18 @@ const KEEP_DEG: f32 = 0.25;
 /// Distance between two cameras' uniforms.
 const STRIDE: u64 = 256;
 
-/// Which share of the texels is shaded at an eccentricity: all up to `foveal_deg`, falling linearly to `peripheral` at
-/// `transitional_deg`.
+/// Which share of the texels is shaded where.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Foveation {
+pub enum Foveation {
+    /// By the angle to the gaze.
+    Radii(Radii),
+    /// By the place on the screen, wherever the eyes look.
+    Ellipses(ScreenEllipses),
+}
+
+/// All texels are shaded up to `foveal_deg` from the gaze, falling linearly to `peripheral` at `transitional_deg`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Radii {
     /// Degrees.
     pub foveal_deg: f32,
     /// Degrees.
@@ -40,6 +49,29 @@ struct FoveaUniform {
     transitional: f32,
     peripheral: f32,
     padding: [f32; 2],
+    ellipses: [f32; 4],
+}
+
+impl FoveaUniform {
+    fn new(foveation: &Foveation, camera: &Camera, rect: &Rect, gaze: Vec3) -> Self {
+        let (radii, ellipses) = match foveation {
+            Foveation::Radii(radii) => (*radii, [0.0; 4]),
+            Foveation::Ellipses(map) => (
+                Radii { foveal_deg: 0.0, transitional_deg: 0.0, peripheral: map.periphery.fraction() },
+                [map.inner, map.outer, map.horizontal_scale, map.middle.fraction()],
+            ),
+        };
+        Self {
+            tangents: camera.tangents,
+            rect: [rect.x, rect.y, rect.width, rect.height].map(|side| side as f32),
+            gaze: gaze.into(),
+            foveal: radii.foveal_deg.to_radians(),
+            transitional: radii.transitional_deg.to_radians(),
+            peripheral: radii.peripheral,
+            padding: [0.0; 2],
+            ellipses,
+        }
+    }
 }
 
 /// What draws templates and fills; for all images of a format.
@@ -229,8 +261,10 @@ impl Foveator {
         views: &[(Camera, Rect)],
     ) {
         let mut gazes = [Vec3::NEG_Z; MAX_CAMERAS];
-        for (local, (camera, _)) in gazes.iter_mut().zip(views) {
-            *local = (camera.orientation.inverse() * gaze).normalize_or(Vec3::NEG_Z);
+        if let Foveation::Radii(_) = self.foveation {
+            for (local, (camera, _)) in gazes.iter_mut().zip(views) {
+                *local = (camera.orientation.inverse() * gaze).normalize_or(Vec3::NEG_Z);
+            }
         }
         let has_moved = image.gazes.get().is_none_or(|old| {
             old.iter().zip(&gazes).any(|(old, new)| old.angle_between(*new).to_degrees() > KEEP_DEG)
@@ -254,15 +288,7 @@ impl Foveator {
         views: &[(Camera, Rect)],
     ) {
         for (index, ((camera, rect), gaze)) in (0..).zip(views.iter().zip(gazes)) {
-            let uniform = FoveaUniform {
-                tangents: camera.tangents,
-                rect: [rect.x, rect.y, rect.width, rect.height].map(|side| side as f32),
-                gaze: (*gaze).into(),
-                foveal: self.foveation.foveal_deg.to_radians(),
-                transitional: self.foveation.transitional_deg.to_radians(),
-                peripheral: self.foveation.peripheral,
-                padding: [0.0; 2],
-            };
+            let uniform = FoveaUniform::new(&self.foveation, camera, rect, *gaze);
             self.queue.write_buffer(&image.uniforms, STRIDE * index, bytemuck::bytes_of(&uniform));
         }
         let mut recording = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

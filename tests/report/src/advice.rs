@@ -1,0 +1,131 @@
+//! What to switch on for which application, in words, from what was measured.
+
+use crate::results::{Results, mean};
+use crate::summary::{Row, mean_rows};
+use crate::verdict::EVERYTHING;
+
+/// Below this share of the time a technique counts as a gain: less is within what two runs differ by.
+const GAIN: f64 = 0.95;
+
+/// One kind of application.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Advice {
+    /// Which.
+    pub application: &'static str,
+    /// What to set for it.
+    pub setting: String,
+    /// What was measured that says so.
+    pub measured: String,
+}
+
+/// Advice from `results`, and from committed results of GPUs.
+pub fn advice(results: &Results, gpus: &[Results]) -> Vec<Advice> {
+    let rows = mean_rows(results);
+    let row = |name: &str| rows.iter().find(|row| row.technique == name);
+    vec![
+        on_a_gpu(row("rates balanced"), gpus),
+        by_the_mask(results, row("rates balanced")),
+        streamed(results, row("chroma")),
+        reused(row("re-use 11223").or(row(EVERYTHING)), row("rates balanced")),
+        Advice {
+            application: "Limited by its own work on the CPU, or by few and cheap pixels",
+            setting: "nothing: start it without the layer".to_owned(),
+            measured: "what is saved are shaded pixels; `cargo dev bench break-even` says from which cost of a pixel on that pays"
+                .to_owned(),
+        },
+    ]
+}
+
+fn on_a_gpu(rates: Option<&Row>, gpus: &[Results]) -> Advice {
+    let measured = gpus.iter().filter(|results| !results.conditions.device_is_cpu).find_map(|results| {
+        let rows = mean_rows(results);
+        let ratio = rows.iter().find(|row| row.technique == "rates balanced")?.ratio?;
+        Some((ratio, format!("{ratio:.2} of the GPU time on {}", results.conditions.device)))
+    });
+    let shades = rates.and_then(|row| row.samples.map(|samples| (samples, row.loss)));
+    let (setting, measured) = match (measured, shades) {
+        (Some((ratio, text)), _) if ratio < GAIN => (BALANCED, text),
+        (Some((_, text)), _) => ("nothing: it does not gain there", text),
+        (None, Some((samples, loss))) => (
+            BALANCED,
+            format!(
+                "no GPU yet; the same map shades {samples:.2} of the samples here and loses {loss:.2} JND"
+            ),
+        ),
+        (None, None) => (BALANCED, "no GPU yet".to_owned()),
+    };
+    Advice {
+        application: "Limited by its pixels, on a GPU with VK_KHR_fragment_shading_rate",
+        setting: setting.to_owned(),
+        measured,
+    }
+}
+
+const BALANCED: &str = "preset = \"balanced\", which is the default";
+
+fn by_the_mask(results: &Results, rates: Option<&Row>) -> Advice {
+    let ratio = rates.and_then(|row| row.ratio).filter(|_| results.conditions.backend == "mask");
+    let (setting, measured) = match ratio {
+        Some(ratio) if ratio < GAIN => (BALANCED, format!("{ratio:.2} of the time here, by the mask")),
+        Some(ratio) => ("rates.mode = \"off\"", format!("{ratio:.2} times the time here, by the mask")),
+        None => (BALANCED, "not measured here; the gate drops it where it does not pay".to_owned()),
+    };
+    Advice {
+        application: "Limited by its pixels, on a device without that extension, or drawn by the CPU",
+        setting: setting.to_owned(),
+        measured,
+    }
+}
+
+fn streamed(results: &Results, chroma: Option<&Row>) -> Advice {
+    let bits = || results.scenes.iter().flat_map(|scene| &scene.bits);
+    let codec =
+        ["H.264 4:2:0", "JPEG 4:2:0"].into_iter().find(|codec| bits().any(|bits| bits.codec == *codec));
+    let saved = codec.and_then(|codec| {
+        mean(bits().filter(|bits| bits.codec == codec).map(|bits| bits.total)).map(|total| (codec, total))
+    });
+    let (setting, measured) = match (saved, chroma) {
+        (Some((codec, total)), Some(row)) if total < 0.0 => (
+            "preset = \"streaming\"",
+            format!(
+                "{:.1} % fewer bits at equal PSNR of luma ({codec}), for {:.2} JND of colour",
+                -100.0 * total,
+                row.chroma.unwrap_or(f64::NAN)
+            ),
+        ),
+        (Some((codec, total)), _) => {
+            ("chroma.mode = \"off\"", format!("{:+.1} % bits at equal PSNR of luma ({codec})", 100.0 * total))
+        }
+        (None, _) => ("preset = \"streaming\"", "bits were not measured".to_owned()),
+    };
+    Advice {
+        application: "Shown over a network, as video (WiVRn, ALVR, Steam Link)",
+        setting: setting.to_owned(),
+        measured,
+    }
+}
+
+/// Re-use alone, or everything, where that was not measured alone.
+fn reused(reuse: Option<&Row>, rates: Option<&Row>) -> Advice {
+    let ratio = |row: Option<&Row>| row.and_then(|row| row.ratio);
+    let (setting, measured) = match (reuse, ratio(reuse), ratio(rates)) {
+        (Some(row), Some(own), _) if own >= GAIN => (
+            "reuse.mode = \"off\", which is the default",
+            format!("{} takes {own:.2} of the time", row.technique),
+        ),
+        (Some(row), Some(own), Some(rates)) if own >= rates => (
+            "reuse.mode = \"off\", which is the default: rates gain more",
+            format!("{} takes {own:.2} of the time, rates alone {rates:.2}", row.technique),
+        ),
+        (Some(row), Some(own), _) => (
+            "reuse.mode = \"on\"",
+            format!("{} takes {own:.2} of the time and loses {:.2} JND", row.technique, row.loss),
+        ),
+        _ => ("reuse.mode = \"off\", which is the default", "not measured".to_owned()),
+    };
+    Advice {
+        application: "Seated, with the head mostly still, and the periphery dear (a cockpit, a cinema)",
+        setting: setting.to_owned(),
+        measured,
+    }
+}

@@ -1,0 +1,182 @@
+//! `cargo dev report [--quick | --all] [--json] [...]`: see `--help`.
+
+use clap::Parser;
+use parafovea_report::pictures::Pictures;
+use parafovea_report::plan::Plan;
+use parafovea_report::points::{Extent, points};
+use parafovea_report::results::Results;
+use parafovea_report::{gpu, measure, page, plot, summary, table};
+use parafovea_scene::scene::SceneName;
+use parafovea_tests::artifacts::target_folder;
+use parafovea_tests::installation::Driver;
+use parafovea_tests::measure::print_json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// How much faster, how wrong, on what, and against what a user would do instead: target/report/index.html, with the same as Markdown, CSV and SVG.
+#[derive(Parser)]
+#[command(name = "cargo dev report")]
+struct Arguments {
+    /// 2 scenes, 6 techniques beside the application alone, 30 frames at 512 x 512: at most five minutes.
+    #[arg(long)]
+    quick: bool,
+    /// Every point of every sweep, in six scenes, where otherwise a choice of them is made that fits into an hour.
+    #[arg(long, conflicts_with = "quick")]
+    all: bool,
+    /// Also prints each figure as an object a line.
+    #[arg(long)]
+    json: bool,
+    /// Other scenes, apart by commas.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    scenes: Vec<SceneName>,
+    /// Other techniques, apart by commas; the application alone is always among them.
+    #[arg(long, value_delimiter = ',')]
+    techniques: Vec<String>,
+    /// How often each technique is timed.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..100))]
+    turns: Option<u64>,
+    /// Frames before those that count.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..1000))]
+    run_up: Option<u64>,
+    /// Frames that are timed, and at most so many are judged.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(2..1000))]
+    frames: Option<u64>,
+    /// Side of the timed pictures, pixels; those that are judged are at most as large.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(64..8192))]
+    size: Option<u32>,
+    /// On the system's GPU instead of lavapipe.
+    #[arg(long)]
+    system_driver: bool,
+    /// Keeps the results among the sources, as those of a GPU that others compare with.
+    #[arg(long, requires = "system_driver")]
+    keep: bool,
+    /// Measures nothing: makes the page of results that are in this file.
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    match report(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("error: {reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn report(arguments: &Arguments) -> Result<(), String> {
+    let folder = target_folder().map_err(|error| error.to_string())?.join("report");
+    let mut pictures =
+        Pictures::new(&folder.join("pictures")).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let results = match &arguments.from {
+        Some(path) => Results::read(path)?,
+        None => measured(arguments, &mut pictures)?,
+    };
+    results.write(&folder.join("results.json"))?;
+    if arguments.keep {
+        let path = gpu::path(&results);
+        std::fs::create_dir_all(gpu::folder()).map_err(|error| error.to_string())?;
+        results.write(&path)?;
+        eprintln!("kept: {}", path.display());
+    }
+    write(&results, &folder, &pictures)?;
+    if arguments.json {
+        print_json(&table::json_rows(&results));
+    }
+    Ok(())
+}
+
+fn measured(arguments: &Arguments, pictures: &mut Pictures) -> Result<Results, String> {
+    let plan = plan(arguments)?;
+    eprintln!(
+        "{} scenes, {} techniques, {} turns of {} frames at {size} x {size}, errors of {} frames at {side} x {side}: {} runs",
+        plan.scenes.len(),
+        plan.points.len(),
+        plan.timed.turns,
+        plan.timed.frames,
+        plan.judged.frames,
+        plan.runs(),
+        size = plan.timed.size,
+        side = plan.judged.size,
+    );
+    let command = std::env::args().skip(1).fold("cargo dev report".to_owned(), |command, argument| {
+        match argument.contains(' ') {
+            true => format!("{command} \"{argument}\""),
+            false => format!("{command} {argument}"),
+        }
+    });
+    let (results, seconds) = measure(&plan, &command, pictures).map_err(|error| error.to_string())?;
+    eprintln!("{:.1} minutes", seconds / 60.0);
+    let full = Plan::full();
+    if plan.work() < full.work() {
+        let minutes = seconds / 60.0 * full.work() as f64 / plan.work() as f64;
+        eprintln!(
+            "the whole report is {:.0} times as much work: about {minutes:.0} minutes",
+            full.work() as f64 / plan.work() as f64
+        );
+    }
+    Ok(results)
+}
+
+fn plan(arguments: &Arguments) -> Result<Plan, String> {
+    let mut plan = match (arguments.quick, arguments.all) {
+        (true, _) => Plan::quick(),
+        (_, true) => Plan::all(),
+        _ => Plan::full(),
+    };
+    let is_cut = !arguments.scenes.is_empty() || !arguments.techniques.is_empty() || arguments.size.is_some();
+    if is_cut {
+        // The pass at the finest resolution is part of the whole report only.
+        plan.fine = None;
+    }
+    if !arguments.scenes.is_empty() {
+        plan.scenes.clone_from(&arguments.scenes);
+    }
+    if !arguments.techniques.is_empty() {
+        let all = points(Extent::All);
+        for wanted in &arguments.techniques {
+            if !all.iter().any(|point| point.technique.name == *wanted) {
+                let names: Vec<&str> = all.iter().map(|point| point.technique.name.as_str()).collect();
+                return Err(format!("there is no technique `{wanted}`; there are {}", names.join(", ")));
+            }
+        }
+        let is_wanted = |name: &String| name == "off" || arguments.techniques.contains(name);
+        plan.points = all.into_iter().filter(|point| is_wanted(&point.technique.name)).collect();
+    }
+    plan.timed.turns = arguments.turns.map_or(plan.timed.turns, |turns| turns as usize);
+    for effort in [&mut plan.timed, &mut plan.judged] {
+        effort.run_up = arguments.run_up.unwrap_or(effort.run_up);
+    }
+    if let Some(frames) = arguments.frames {
+        plan.timed.frames = frames;
+        plan.judged.frames = plan.judged.frames.min(frames);
+    }
+    if let Some(size) = arguments.size {
+        plan.timed.size = size;
+        plan.judged.size = plan.judged.size.min(size);
+    }
+    if arguments.system_driver {
+        plan.driver = Driver::System;
+    }
+    Ok(plan)
+}
+
+/// Page, Markdown, CSV and the plot apart.
+fn write(results: &Results, folder: &Path, pictures: &Pictures) -> Result<(), String> {
+    let gpus = gpu::kept()?;
+    let gpu_rows = gpus.first().map(summary::mean_rows).unwrap_or_default();
+    let csv = table::csv(results).map_err(|error| error.to_string())?;
+    let files = [
+        ("index.html", page::page(results, &gpus, pictures)?),
+        ("report.md", table::markdown(results, &gpu_rows)),
+        ("report.csv", csv),
+        ("overview.svg", plot::overview(results)?),
+    ];
+    for (name, text) in files {
+        let path = folder.join(name);
+        std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+        eprintln!("{}", path.display());
+    }
+    Ok(())
+}

@@ -1,0 +1,300 @@
+//! The page: one file, which needs nothing else.
+
+use crate::advice::advice;
+use crate::pictures::Pictures;
+use crate::plot;
+use crate::points::Sweep;
+use crate::results::{Bits, Conditions, Errors, Fine, HardCase, Results, SceneResults};
+use crate::statistics::Bootstrap;
+use crate::summary::{Row, mean_rows, scene_rows};
+use crate::table::{cells, titles};
+use crate::verdict::{Contest, RIVALS, Verdict, contest, why_not};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use parafovea_errors::RING_NAMES;
+
+const STYLE: &str = "\
+body{font:15px/1.5 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;color:#1b1f24}\
+h1{font-size:1.7em;margin-bottom:.2em}h2{margin-top:2em;border-bottom:1px solid #d0d7de}\
+table{border-collapse:collapse;font-size:.88em;margin:1em 0}.wide{overflow-x:auto}\
+th,td{border:1px solid #d0d7de;padding:.25em .55em;text-align:right;vertical-align:top}\
+th{background:#f3f5f7}th:first-child,td:first-child,.words td,.words th{text-align:left}\
+td.wins{background:#d7f2df}td.loses{background:#fbdcd8}td.tie,td.apart{background:#f3f0d9}\
+.note{color:#57606a;font-size:.9em}figure{display:inline-block;margin:.4em}figure img{width:256px;height:auto;display:block}\
+figcaption{font-size:.8em;color:#57606a}svg{max-width:100%;height:auto}";
+
+/// The page of `results`; `gpus` are committed results of GPUs.
+///
+/// # Errors
+/// A text, where a plot cannot be drawn.
+pub fn page(results: &Results, gpus: &[Results], pictures: &Pictures) -> Result<String, String> {
+    let gpu_rows: Vec<Row> = gpus.first().map(mean_rows).unwrap_or_default();
+    let contests = contests(results);
+    let mut scenes = Vec::new();
+    for scene in &results.scenes {
+        scenes.push(html_of_scene(results, scene, pictures)?);
+    }
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width";
+                title { "Parafovea: speed against error" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { "Parafovea: speed against error" }
+                p { "How much faster, how wrong, on what, and against what a user would do instead." }
+                (first_screen(results, gpus, &contests))
+                h2 { "All techniques, mean of " (results.scenes.len()) " scenes" }
+                (table(results, &mean_rows(results), &gpu_rows))
+                (how_to_read(&results.conditions))
+                h2 { "Cost against loss" }
+                (plots(results, gpus)?)
+                h2 { "At equal cost" }
+                (equal_cost(results, &contests))
+                h2 { "Bits that chroma attenuation saves" }
+                (bits(results))
+                h2 { "Scene by scene" }
+                @for scene in &scenes { (scene) }
+                @if let Some(fine) = &results.fine { (finely(fine)) }
+                h2 { "Hard cases of the models" }
+                (hard_cases(&results.hard_cases))
+            }
+        }
+    };
+    Ok(page.into_string())
+}
+
+/// Everything against what a user could do instead, scene by scene.
+pub fn contests(results: &Results) -> Vec<(&SceneResults, Contest)> {
+    let bootstrap = Bootstrap::default();
+    let ours = results.techniques().into_iter().filter(|(sweep, _)| *sweep == Sweep::Everything);
+    let ours: Vec<&str> = ours.map(|(_, name)| name).collect();
+    let scenes = results.scenes.iter();
+    let all = scenes
+        .flat_map(|scene| ours.iter().flat_map(move |name| RIVALS.map(move |rival| (scene, *name, rival))));
+    all.filter_map(|(scene, name, rival)| Some((scene, contest(scene, name, rival, &bootstrap)?))).collect()
+}
+
+fn first_screen(results: &Results, gpus: &[Results], contests: &[(&SceneResults, Contest)]) -> Markup {
+    let conditions = &results.conditions;
+    html! {
+        table.words {
+            tr { th { "Your application is ..." } th { "Switch on" } th { "Measured" } }
+            @for advice in advice(results, gpus) {
+                tr { td { (advice.application) } td { (advice.setting) } td { (advice.measured) } }
+            }
+        }
+        @for sentence in crate::verdict::sentences(results, contests) { p { (sentence) } }
+        p.note {
+            (conditions.date) ", commit " (conditions.commit) ", " (conditions.device) ", " (conditions.processor) ", "
+            (conditions.threads) " threads: " code { (conditions.command) }
+        }
+        @if conditions.device_is_cpu {
+            p.note {
+                "This device is a CPU that draws in software. Its times are those of the fallback, the mask, on such a device: "
+                b { "they are not the speed that a user with a GPU sees." } " Errors are those of any device."
+            }
+        }
+    }
+}
+
+fn table(results: &Results, rows: &[Row], gpu: &[Row]) -> Markup {
+    html! {
+        div.wide {
+            table {
+                tr { @for title in titles(results) { th { (title) } } }
+                @for row in rows {
+                    tr { @for cell in cells(row, gpu) { td { (cell) } } }
+                }
+            }
+        }
+    }
+}
+
+fn how_to_read(conditions: &Conditions) -> Markup {
+    let [turns, run_up, frames, size] = conditions.timed;
+    let [_, judged, side] = conditions.judged;
+    html! {
+        ul.note {
+            li {
+                "Times are medians of " (frames) " frames with both eyes at " (size) " x " (size) ", after a run-up of " (run_up)
+                ", in " (turns) " turns by turns; \"x off\" is the ratio of what each frame took in its least disturbed turn. p99 is what one frame in a hundred exceeds."
+            }
+            li {
+                "Errors are of " (judged) " of these frames at " (side) " x " (side) ", with a saccade of at least 10 degrees in their middle, against the same frames of the application "
+                "alone, at where the eyes truly look; the application sees a tracker that is 58 ms late, half a degree off, and noisy. JND: change of "
+                "contrast that stays, in just noticeable differences of castleCSF, by ring of degrees from the gaze. Contrast loss: that and what comes and goes, over the whole view."
+            }
+            li {
+                "Flicker is RMS contrast at 8 to 30 Hz. Fragments are as the device counts them, which on lavapipe 22.3.6 is before the early depth test; samples are what passes it. "
+                "With FR they contain the application's own template and fill."
+            }
+            li { "The layer's gate is open: nothing is dropped because it does not pay. By default it would be." }
+        }
+    }
+}
+
+fn plots(results: &Results, gpus: &[Results]) -> Result<Markup, String> {
+    let mut all = vec![(results.conditions.backend.as_str(), results, plot::overview(results)?)];
+    for gpu in gpus {
+        all.push((gpu.conditions.backend.as_str(), gpu, plot::overview(gpu)?));
+    }
+    Ok(html! {
+        @for (backend, results, svg) in all {
+            h3 { "By " (backend) ", on " (results.conditions.device) @if results.conditions.device_is_cpu { " (the fallback)" } }
+            (PreEscaped(svg))
+        }
+        p.note { "Thin: a line a scene. Thick, with dots: the mean of the scenes. Left is cheaper, down is better." }
+        @if gpus.is_empty() {
+            p.note { "By rate attachments on a GPU: none yet (" code { "cargo dev report --system-driver --keep" } " on one makes it)." }
+        }
+    })
+}
+
+fn equal_cost(results: &Results, contests: &[(&SceneResults, Contest)]) -> Markup {
+    html! {
+        p.note {
+            "What each other sweep loses where it costs the same, on a line over the logarithm of the cost between its points, of which the application alone is one. "
+            "Intervals hold 95 % of 1000 draws of blocks of 5 frames, both from the same frames; one that has 0 in it is a tie."
+        }
+        table {
+            tr { @for title in ["scene", "ours", "x off", "loss", "against", "its loss there", "difference", "verdict"] { th { (title) } } }
+            @for (scene, contest) in contests {
+                tr {
+                    td { (scene.scene) }
+                    td { (contest.technique) }
+                    td { (format!("{:.2}", contest.cost)) }
+                    td { (format!("{:.3}", contest.loss)) }
+                    td { (contest.rival.title()) }
+                    td { (format!("{:.3}", contest.rival_loss)) @if !contest.is_reached { " (never as cheap)" } }
+                    td { @match contest.difference {
+                        Some(interval) => (format!("{:+.3} to {:+.3}", interval.low, interval.high)),
+                        None => "-",
+                    } }
+                    td class=(class(contest.verdict)) { (contest.verdict.text()) }
+                }
+            }
+        }
+        @if contests.iter().any(|(_, contest)| contest.verdict != Verdict::Wins) {
+            h3 { "Where it does not win, and why" }
+            ul {
+                @for (scene, contest) in contests.iter().filter(|(_, contest)| contest.verdict != Verdict::Wins) {
+                    li {
+                        (scene.scene) ", " (contest.technique) " against " (contest.rival.title()) " (" (contest.verdict.text()) "): "
+                        (why_not(scene, contest)) "."
+                    }
+                }
+            }
+        }
+        @if results.scenes.is_empty() { p { "Nothing was measured." } }
+    }
+}
+
+fn class(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Wins => "wins",
+        Verdict::Tie => "tie",
+        Verdict::Loses => "loses",
+        Verdict::Apart => "apart",
+    }
+}
+
+fn bits(results: &Results) -> Markup {
+    let rows: Vec<(&str, &Bits)> = results
+        .scenes
+        .iter()
+        .flat_map(|scene| scene.bits.iter().map(|bits| (scene.scene.as_str(), bits)))
+        .collect();
+    let percent = |share: f64| format!("{:+.1} %", 100.0 * share);
+    html! {
+        @if rows.is_empty() { p { "Not measured." } } @else {
+            p.note {
+                "BD-rate: the mean difference in bits at equal PSNR of luma, at four settings of quality, of the pictures that the eyes see; chroma's bits are what is left without those of "
+                "luma alone. Chroma attenuation saves no time."
+            }
+            table {
+                tr { @for title in ["scene", "codec", "all bits", "chroma's bits"] { th { (title) } } }
+                @for (scene, bits) in &rows {
+                    tr { td { (scene) } td { (bits.codec) } td { (percent(bits.total)) } td { (percent(bits.chroma)) } }
+                }
+            }
+            @if !rows.iter().any(|(_, bits)| bits.codec.starts_with("H.264")) {
+                p.note { "H.264: the system has no ffmpeg with libx264." }
+            }
+        }
+    }
+}
+
+fn html_of_scene(results: &Results, scene: &SceneResults, pictures: &Pictures) -> Result<Markup, String> {
+    let svg = plot::of_scene(results, scene)?;
+    let shown: Vec<(&str, String, Option<String>)> = scene
+        .points
+        .iter()
+        .filter_map(|point| {
+            let name = point.technique.as_str();
+            let picture = |kind| pictures.data_uri(&scene.scene, name, kind);
+            Some((name, picture("seen")?, picture("map")))
+        })
+        .collect();
+    Ok(html! {
+        h3 { (scene.scene) }
+        (table(results, &scene_rows(scene), &[]))
+        (PreEscaped(svg))
+        @if !shown.is_empty() {
+            details {
+                summary { "Pictures: the left eye, in the frame of the saccade, and the map of its pass" }
+                @for (name, seen, map) in &shown {
+                    figure { img src=(seen) alt=(name); figcaption { (name) } }
+                    @if let Some(map) = map {
+                        figure { img src=(map) alt={ "map of " (name) }; figcaption { "its map: light 1x1, dark 4x4" } }
+                    }
+                }
+            }
+        }
+    })
+}
+
+fn finely(fine: &Fine) -> Markup {
+    let [run_up, frames, size] = fine.judged;
+    let cells = |errors: &Errors| -> Vec<String> {
+        let rings = errors
+            .sustained
+            .into_iter()
+            .map(|value| value.map_or("-".to_owned(), |value| format!("{value:.2}")));
+        let loss = errors.loss.iter().sum::<f64>() / errors.loss.len().max(1) as f64;
+        rings.chain([format!("{loss:.3}")]).collect()
+    };
+    html! {
+        h2 { "At " (format!("{:.1}", fine.pixels_per_degree)) " pixels per degree" }
+        p.note {
+            (fine.scene) ", " (frames) " frames at " (size) " x " (size) " after " (run_up) ", while the eyes rest: errors alone, in JND that stay, by ring."
+        }
+        table {
+            tr { th { "technique" } @for ring in RING_NAMES { th { (ring) "°" } } th { "contrast loss" } }
+            @for (technique, errors) in &fine.points {
+                tr { td { (technique) } @for cell in cells(errors) { td { (cell) } } }
+            }
+        }
+    }
+}
+
+fn hard_cases(cases: &[HardCase]) -> Markup {
+    let wrong = cases.iter().filter(|case| !case.passed).count();
+    html! {
+        p { (cases.len()) " cases, " (wrong) " wrong. The last column is the difference of single from double precision." }
+        div.wide {
+            table.words {
+                tr { @for title in ["model", "case", "expected", "got", "f32 error"] { th { (title) } } }
+                @for case in cases {
+                    tr {
+                        td { (case.model) } td { (case.case) } td { (case.expected) }
+                        td class=(if case.passed { "" } else { "loses" }) { (case.got) }
+                        td { (case.error.map_or("-".to_owned(), |error| format!("{error:.1e}"))) }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The techniques that are compared: sweeps, each from careful to careless, and the application alone, which is in all of them.
+
+use parafovea_core::fixed_foveation::FixedFoveation;
+use parafovea_tests::measure::Technique;
+use serde::{Deserialize, Serialize};
+
+/// Points of one kind, between which a user would choose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sweep {
+    /// The application alone, which is the end of every sweep: it costs 1 and loses nothing.
+    Off,
+    /// Smaller images: what every user can do.
+    RenderScale,
+    /// FR, by the application itself: the pairs of radii of "Audio-Visual Foveated Rendering"'s pilot study, with a periphery of 1/16.
+    FixedFoveation,
+    /// The ellipses of OpenXR Toolkit's preset "Balanced", which stay where they are, by the application itself.
+    OpenXrToolkit,
+    /// The layer's rates by eccentricity around the gaze, as presets have them.
+    Rates,
+    /// The layer's re-use of the periphery.
+    Reuse,
+    /// The layer's rates, re-use and chroma attenuation together.
+    Everything,
+    /// The layer's chroma attenuation, whose gain is bits, not time.
+    Chroma,
+}
+
+impl Sweep {
+    /// All, in the order of tables.
+    pub const ALL: [Self; 8] = [
+        Self::Off,
+        Self::RenderScale,
+        Self::FixedFoveation,
+        Self::OpenXrToolkit,
+        Self::Rates,
+        Self::Reuse,
+        Self::Everything,
+        Self::Chroma,
+    ];
+
+    /// As people call it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::RenderScale => "render scale",
+            Self::FixedFoveation => "fixed foveation (FR)",
+            Self::OpenXrToolkit => "OpenXR Toolkit",
+            Self::Rates => "eye-tracked rates",
+            Self::Reuse => "re-use",
+            Self::Everything => "everything",
+            Self::Chroma => "chroma",
+        }
+    }
+}
+
+/// One technique of a sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Which sweep it belongs to.
+    pub sweep: Sweep,
+    /// What is done.
+    pub technique: Technique,
+    /// Whether its time is measured; chroma attenuation cannot save any.
+    pub is_timed: bool,
+    /// From which report on it is there.
+    least: Extent,
+}
+
+/// How much a report covers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Extent {
+    /// What fits into five minutes.
+    Quick,
+    /// What fits into an hour.
+    Full,
+    /// All points of all sweeps.
+    All,
+}
+
+/// The points of a report, the application alone first.
+pub fn points(extent: Extent) -> Vec<Point> {
+    all().into_iter().filter(|point| point.least <= extent).collect()
+}
+
+fn all() -> Vec<Point> {
+    use Extent::{All, Full, Quick};
+    let timed = |sweep, technique, least| Point { sweep, technique, is_timed: true, least };
+    let mut points = vec![timed(Sweep::Off, Technique::off(), Quick)];
+    for (scale, least) in [(0.9, Full), (0.8, All), (0.7, Quick), (0.6, All), (0.5, Quick)] {
+        points.push(timed(Sweep::RenderScale, Technique::render_scale(scale), least));
+    }
+    for (pair, map) in FixedFoveation::PILOT.into_iter().enumerate() {
+        let name = format!("FR L{}-C{}", pair / 3 + 1, pair % 3 + 1);
+        // From the one that paper A compares with to its most careless one.
+        let least = match pair {
+            0 | 8 => Quick,
+            4 => Full,
+            _ => All,
+        };
+        points.push(timed(Sweep::FixedFoveation, Technique::fixed_foveation(&name, map), least));
+    }
+    points.push(timed(Sweep::OpenXrToolkit, Technique::openxr_toolkit(), Full));
+    for (preset, least) in [("quality", All), ("balanced", Quick), ("performance", Full)] {
+        points.push(timed(
+            Sweep::Rates,
+            layer(&format!("rates {preset}"), preset, ["fixed", "off", "off"]),
+            least,
+        ));
+    }
+    for (name, mode, periods, least) in [
+        ("re-use 11112", "on", "11112", All),
+        ("re-use 11223", "on", "11223", Full),
+        ("re-use 11233", "on", "11233", All),
+        ("re-use as in the paper", "paper", "11223", All),
+    ] {
+        let config = format!(
+            "preset = \"none\"\n[rates]\ngate = \"on\"\n[reuse]\nmode = \"{mode}\"\nperiods = \"{periods}\"\n"
+        );
+        points.push(timed(Sweep::Reuse, Technique::layer(name, &config), least));
+    }
+    for (preset, least) in [("quality", All), ("balanced", Quick), ("performance", Full)] {
+        let name = format!("everything {preset}");
+        points.push(timed(Sweep::Everything, layer(&name, preset, ["fixed", "on", "default"]), least));
+    }
+    let chroma = layer("chroma", "none", ["off", "off", "default"]);
+    points.push(Point { sweep: Sweep::Chroma, technique: chroma, is_timed: false, least: Quick });
+    points
+}
+
+/// The layer with the modes of rates, re-use and chroma; the gate is open, as it looks before it decides, and what it drops would
+/// not be seen here.
+fn layer(name: &str, preset: &str, [rates, reuse, chroma]: [&str; 3]) -> Technique {
+    let config = format!(
+        "preset = \"{preset}\"\n[rates]\nmode = \"{rates}\"\ngate = \"on\"\n[reuse]\nmode = \"{reuse}\"\n[chroma]\nmode = \"{chroma}\"\n"
+    );
+    Technique::layer(name, &config)
+}

@@ -1,0 +1,214 @@
+//! What was measured, as it is kept: a page is made of it, at once or later, here or where it was committed.
+
+use crate::points::Sweep;
+use crate::statistics::{CostAndLoss, RatePoint};
+use parafovea_errors::RINGS;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Everything of one report.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Results {
+    /// Where and with what.
+    pub conditions: Conditions,
+    /// Scene by scene.
+    pub scenes: Vec<SceneResults>,
+    /// Errors of one scene at 20 pixels a degree, where that was asked for.
+    pub fine: Option<Fine>,
+    /// What the models answer where arithmetic is hard.
+    pub hard_cases: Vec<HardCase>,
+}
+
+/// Where and with what was measured.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Conditions {
+    /// The Vulkan device and its driver.
+    pub device: String,
+    /// Whether that is a CPU: its time is process CPU time.
+    pub device_is_cpu: bool,
+    /// By what the layer has passes shade more coarsely there: `mask` or `rate attachment`.
+    pub backend: String,
+    /// The processor.
+    pub processor: String,
+    /// Its threads that this may use.
+    pub threads: usize,
+    /// The commit, and whether there were changes.
+    pub commit: String,
+    /// The day, as year, month and day.
+    pub date: String,
+    /// The command line.
+    pub command: String,
+    /// What the timed runs were: turns, run-up, frames and pixels of a side.
+    pub timed: [u64; 4],
+    /// What the judged runs were: run-up, frames and pixels of a side.
+    pub judged: [u64; 3],
+}
+
+/// What was found in a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneResults {
+    /// The scene.
+    pub scene: String,
+    /// Point by point, the application alone first.
+    pub points: Vec<PointResults>,
+    /// What chroma attenuation saves where pictures are encoded.
+    pub bits: Vec<Bits>,
+}
+
+/// What was found of one technique in a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PointResults {
+    /// Its sweep.
+    pub sweep: Sweep,
+    /// Its name.
+    pub technique: String,
+    /// Fragment shader invocations of a frame in the judged runs, as the device counts them; lavapipe 22.3.6 counts those too that an early depth test
+    /// rejects.
+    pub fragments: u64,
+    /// Samples of a frame there that passed the depth test in the application's passes, where that could be counted.
+    pub samples: Option<u64>,
+    /// What it costs; nothing where that was not measured.
+    pub cost: Option<Cost>,
+    /// How wrong it is; nothing for the application alone, which the others are compared with.
+    pub errors: Option<Errors>,
+}
+
+/// What a technique costs: time of the device, which on a CPU is process CPU time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cost {
+    /// Median of a frame, milliseconds.
+    pub median_ms: f64,
+    /// What one frame in a hundred exceeds, milliseconds.
+    pub p99_ms: f64,
+    /// The cost over that of the application alone.
+    pub ratio: f64,
+    /// Half of the interquartile range of the turns' ratios.
+    pub spread: f64,
+    /// What each frame took in its least disturbed turn, milliseconds.
+    pub frames_ms: Vec<f64>,
+}
+
+/// How wrong a technique is, around where the eyes truly look.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Contrast loss of each frame: the change of luminance contrast that stays and that which comes and goes, in just noticeable
+    /// differences, added as castleCSF adds the sensitivities to both; mean over the view of both eyes.
+    pub loss: Vec<f64>,
+    /// Its part that stays, by ring.
+    pub sustained: [Option<f64>; RINGS],
+    /// Its part that comes and goes, by ring.
+    pub transient: [Option<f64>; RINGS],
+    /// RMS contrast at 8 to 30 Hz over the whole view; nothing for short clips.
+    pub flicker: Option<f64>,
+    /// Change of colour contrast, just noticeable differences: the greater of red-green and yellow-violet, over the whole view.
+    pub chroma: Option<f64>,
+    /// ꟻLIP, which knows nothing of gaze, over the whole view.
+    pub flip: Option<f64>,
+}
+
+/// Errors at 20 pixels a degree.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fine {
+    /// The scene.
+    pub scene: String,
+    /// Pixels per degree at the centre of the picture.
+    pub pixels_per_degree: f32,
+    /// Run-up, frames and pixels of a side.
+    pub judged: [u64; 3],
+    /// Technique by technique, without the application alone.
+    pub points: Vec<(String, Errors)>,
+}
+
+/// What chroma attenuation saves with one codec.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bits {
+    /// The technique whose pictures were encoded.
+    pub technique: String,
+    /// `JPEG 4:2:0`, for instance.
+    pub codec: String,
+    /// BD-rate of all bits at equal PSNR of luma: -0.1 for a tenth less.
+    pub total: f64,
+    /// The same of the bits of chroma alone.
+    pub chroma: f64,
+    /// All bits and luma's PSNR without and with it, setting by setting.
+    pub curves: [Vec<RatePoint>; 2],
+}
+
+/// A hard case of a model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HardCase {
+    /// Which model.
+    pub model: String,
+    /// What is hard.
+    pub case: String,
+    /// What must come out.
+    pub expected: String,
+    /// What came out.
+    pub got: String,
+    /// Difference from the reference in double precision, where there is one.
+    pub error: Option<f64>,
+    /// Whether it is what was expected.
+    pub passed: bool,
+}
+
+impl Results {
+    /// Reads what [`Self::write`] wrote.
+    ///
+    /// # Errors
+    /// A text that names the file.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
+    }
+
+    /// Keeps it in a file.
+    ///
+    /// # Errors
+    /// A text that names the file.
+    pub fn write(&self, path: &Path) -> Result<(), String> {
+        let text = serde_json::to_string(self).map_err(|error| error.to_string())?;
+        std::fs::write(path, text + "\n").map_err(|error| format!("{}: {error}", path.display()))
+    }
+
+    /// The techniques, in the order of the first scene.
+    pub fn techniques(&self) -> Vec<(Sweep, &str)> {
+        let first = self.scenes.first().into_iter().flat_map(|scene| &scene.points);
+        first.map(|point| (point.sweep, point.technique.as_str())).collect()
+    }
+}
+
+impl SceneResults {
+    /// The application alone.
+    pub fn off(&self) -> Option<&PointResults> {
+        self.points.iter().find(|point| point.sweep == Sweep::Off)
+    }
+
+    /// A point by its name.
+    pub fn point(&self, technique: &str) -> Option<&PointResults> {
+        self.points.iter().find(|point| point.technique == technique)
+    }
+
+    /// The timed points of a sweep, with the application alone, which ends every sweep.
+    pub fn sweep(&self, sweep: Sweep) -> Vec<&PointResults> {
+        let is_in = |point: &&PointResults| point.sweep == Sweep::Off || point.sweep == sweep;
+        self.points.iter().filter(is_in).filter(|point| point.cost.is_some()).collect()
+    }
+}
+
+impl PointResults {
+    /// Mean contrast loss of the frames, JND; 0 for the application alone.
+    pub fn loss(&self) -> f64 {
+        self.errors.as_ref().map_or(0.0, |errors| mean(errors.loss.iter().copied()).unwrap_or(f64::NAN))
+    }
+
+    /// What it costs, in costs of the application alone, and loses; nothing where its time was not measured.
+    pub fn cost_and_loss(&self) -> Option<CostAndLoss> {
+        self.cost.as_ref().map(|cost| CostAndLoss { cost: cost.ratio, loss: self.loss() })
+    }
+}
+
+/// The mean; none of nothing.
+pub fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0u32), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / f64::from(count))
+}

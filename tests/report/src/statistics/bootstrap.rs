@@ -1,0 +1,143 @@
+//! How sure a figure is that was found in a few frames.
+
+use fastrand::Rng;
+
+/// A range that a figure lies in.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Interval {
+    /// Its lower end.
+    pub low: f64,
+    /// Its upper end.
+    pub high: f64,
+}
+
+/// Resampling of frames (Efron 1979), in blocks, as neighbouring frames are alike (the circular block bootstrap of Politis and
+/// Romano 1992).
+#[derive(Clone, Copy, Debug)]
+pub struct Bootstrap {
+    /// How often frames are drawn.
+    pub resamples: usize,
+    /// Frames that are drawn together, one after the other.
+    pub block: usize,
+    /// Share of the drawn figures that lie within the interval, 0..=1.
+    pub confidence: f64,
+    /// Of the random numbers: the same seed gives the same interval.
+    pub seed: u64,
+}
+
+impl Default for Bootstrap {
+    /// 1000 times blocks of 5 frames, 95 %.
+    fn default() -> Self {
+        Self { resamples: 1000, block: 5, confidence: 0.95, seed: 1 }
+    }
+}
+
+impl Bootstrap {
+    /// The interval of what `figure` finds in frames that are drawn from `frames` ones, given by their indices. Where it measures
+    /// several things in the same frames, these are paired. None where it finds nothing in more than one in twenty draws, or
+    /// there are no frames.
+    pub fn interval(
+        &self,
+        frames: usize,
+        mut figure: impl FnMut(&[usize]) -> Option<f64>,
+    ) -> Option<Interval> {
+        if frames == 0 {
+            return None;
+        }
+        let mut random = Rng::with_seed(self.seed);
+        let block = self.block.clamp(1, frames);
+        let mut drawn = Vec::with_capacity(frames + block);
+        let mut found = Vec::with_capacity(self.resamples);
+        for _ in 0..self.resamples {
+            drawn.clear();
+            while drawn.len() < frames {
+                let start = random.usize(0..frames);
+                drawn.extend((start..start + block).map(|frame| frame % frames));
+            }
+            drawn.truncate(frames);
+            found.extend(figure(&drawn).filter(|figure| figure.is_finite()));
+        }
+        if found.is_empty() || found.len() * 20 < self.resamples * 19 {
+            return None;
+        }
+        found.sort_by(f64::total_cmp);
+        let tail = (1.0 - self.confidence) / 2.0;
+        let at =
+            |share: f64| found[((share * (found.len() - 1) as f64).round() as usize).min(found.len() - 1)];
+        Some(Interval { low: at(tail), high: at(1.0 - tail) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mean(values: &[f64], drawn: &[usize]) -> f64 {
+        drawn.iter().map(|&frame| values[frame]).sum::<f64>() / drawn.len() as f64
+    }
+
+    #[test]
+    fn what_does_not_vary_has_an_interval_of_one_point() {
+        let values = [3.0; 12];
+        let interval = Bootstrap::default().interval(12, |drawn| Some(mean(&values, drawn)));
+        assert_eq!(interval, Some(Interval { low: 3.0, high: 3.0 }));
+    }
+
+    /// Of independent frames the interval of the mean is 2 x 1.96 standard errors wide.
+    #[test]
+    fn the_interval_is_as_wide_as_the_standard_error_says() {
+        let mut random = Rng::with_seed(7);
+        // Sums of twelve even numbers: normal, with a standard deviation of 1.
+        let values: Vec<f64> = (0..400).map(|_| (0..12).map(|_| random.f64()).sum::<f64>() - 6.0).collect();
+        let bootstrap = Bootstrap { resamples: 4000, block: 1, ..Bootstrap::default() };
+        let interval = bootstrap.interval(400, |drawn| Some(mean(&values, drawn))).unwrap();
+        let middle = mean(&values, &(0..400).collect::<Vec<_>>());
+        let variance = values.iter().map(|value| (value - middle).powi(2)).sum::<f64>() / 400.0;
+        let expected = 2.0 * 1.96 * (variance / 400.0).sqrt();
+        let width = interval.high - interval.low;
+        assert!((width / expected - 1.0).abs() < 0.06, "{width}, not {expected}");
+        assert!(interval.low < middle && middle < interval.high);
+    }
+
+    /// Frames that come in runs of alike ones are fewer than they look.
+    #[test]
+    fn blocks_widen_the_interval_of_frames_that_are_alike() {
+        let values: Vec<f64> = (0..200).map(|frame| f64::from(frame / 10 % 2)).collect();
+        let width = |block| {
+            let bootstrap = Bootstrap { block, ..Bootstrap::default() };
+            let interval = bootstrap.interval(200, |drawn| Some(mean(&values, drawn))).unwrap();
+            interval.high - interval.low
+        };
+        assert!(width(5) > 1.6 * width(1), "{} and {}", width(5), width(1));
+    }
+
+    /// Two figures of the same frames: what moves both does not make their difference unsure.
+    #[test]
+    fn pairs_stay_together() {
+        let mut random = Rng::with_seed(3);
+        let first: Vec<f64> = (0..60).map(|_| 100.0 * random.f64()).collect();
+        let second: Vec<f64> = first.iter().map(|value| value + 1.0).collect();
+        let difference = |drawn: &[usize]| Some(mean(&second, drawn) - mean(&first, drawn));
+        let interval = Bootstrap::default().interval(60, difference).unwrap();
+        assert!((interval.low - 1.0).abs() < 1e-9 && (interval.high - 1.0).abs() < 1e-9, "{interval:?}");
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_and_too_few_figures_give_none() {
+        let values: Vec<f64> = (0..30).map(f64::from).collect();
+        let with = |seed| {
+            Bootstrap { seed, ..Bootstrap::default() }
+                .interval(30, |drawn| Some(mean(&values, drawn)))
+                .unwrap()
+        };
+        assert_eq!(with(1), with(1));
+        assert_ne!(with(1), with(2));
+        let mut calls = 0;
+        let one_in_ten_fails = |_: &[usize]| {
+            calls += 1;
+            (calls % 10 != 0).then_some(1.0)
+        };
+        assert_eq!(Bootstrap::default().interval(30, one_in_ten_fails), None);
+        assert_eq!(Bootstrap::default().interval(0, |_| Some(1.0)), None);
+    }
+}

@@ -1,0 +1,98 @@
+//! The Pareto front of points, and what lies between them.
+
+/// What a technique costs and what it loses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CostAndLoss {
+    /// Above 0, in any unit.
+    pub cost: f64,
+    /// 0 for nothing, in any unit.
+    pub loss: f64,
+}
+
+/// The indices of those of `points` that no other beats: each other one costs more or loses more. In ascending order of cost, and so in
+/// descending order of loss. Of equal ones the first counts; what has a NaN is left out.
+pub fn front(points: &[CostAndLoss]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..points.len())
+        .filter(|&index| !(points[index].cost.is_nan() || points[index].loss.is_nan()))
+        .collect();
+    order.sort_by(|&a, &b| {
+        points[a].cost.total_cmp(&points[b].cost).then(points[a].loss.total_cmp(&points[b].loss))
+    });
+    let mut least = f64::INFINITY;
+    order.retain(|&index| {
+        let is_less = points[index].loss < least;
+        least = least.min(points[index].loss);
+        is_less
+    });
+    order
+}
+
+/// What a sweep loses at a cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AtCost {
+    /// So much.
+    Loss(f64),
+    /// It gets no cheaper than its cheapest point, which loses so much.
+    OutOfReach {
+        /// The loss of the cheapest point.
+        cheapest: f64,
+    },
+}
+
+/// The least that a sweep loses where it may cost `cost`: that of its [`front`], between two points on a line over the
+/// logarithm of the cost, and for more than the dearest costs that of the dearest, as nobody need spend more. None without points.
+pub fn loss_at(points: &[CostAndLoss], cost: f64) -> Option<AtCost> {
+    let front = front(points);
+    let (first, last) = (points[*front.first()?], points[*front.last()?]);
+    if cost < first.cost {
+        return Some(AtCost::OutOfReach { cheapest: first.loss });
+    }
+    let next = front.iter().position(|&index| points[index].cost > cost);
+    Some(AtCost::Loss(match next {
+        None => last.loss,
+        Some(next) => {
+            let (from, to) = (points[front[next - 1]], points[front[next]]);
+            let into = (cost / from.cost).ln() / (to.cost / from.cost).ln();
+            from.loss + into * (to.loss - from.loss)
+        }
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(points: &[(f64, f64)]) -> Vec<CostAndLoss> {
+        points.iter().map(|&(cost, loss)| CostAndLoss { cost, loss }).collect()
+    }
+
+    #[test]
+    fn the_front_has_what_no_other_point_beats() {
+        let all =
+            points(&[(1.0, 0.0), (0.5, 4.0), (0.7, 2.0), (0.8, 3.0), (0.5, 5.0), (1.2, 0.0), (0.7, 2.0)]);
+        assert_eq!(front(&all), [1, 2, 0]);
+        assert!(front(&[]).is_empty());
+        assert_eq!(front(&points(&[(f64::NAN, 0.0), (0.3, f64::NAN), (1.0, 1.0)])), [2]);
+    }
+
+    #[test]
+    fn between_points_the_loss_is_on_a_line_over_log_cost() {
+        // Halfway from 0.25 to 1 in the logarithm is 0.5.
+        let sweep = points(&[(1.0, 0.0), (0.25, 8.0)]);
+        assert_eq!(loss_at(&sweep, 0.5), Some(AtCost::Loss(4.0)));
+        assert_eq!(loss_at(&sweep, 0.25), Some(AtCost::Loss(8.0)));
+        assert_eq!(loss_at(&sweep, 1.0), Some(AtCost::Loss(0.0)));
+    }
+
+    #[test]
+    fn more_need_not_be_spent_and_less_cannot_be_had() {
+        let sweep = points(&[(0.9, 1.0), (0.5, 3.0), (0.6, 7.0)]);
+        assert_eq!(loss_at(&sweep, 2.0), Some(AtCost::Loss(1.0)));
+        assert_eq!(loss_at(&sweep, 0.4), Some(AtCost::OutOfReach { cheapest: 3.0 }));
+        assert_eq!(loss_at(&[], 0.4), None);
+        // The point at 0.6 is beaten, and bends nothing.
+        let Some(AtCost::Loss(loss)) = loss_at(&sweep, 0.6) else { panic!("out of reach") };
+        let expected = 3.0 - 2.0 * (0.6_f64 / 0.5).ln() / (0.9_f64 / 0.5).ln();
+        assert!((loss - expected).abs() < 1e-12, "{loss}, not {expected}");
+    }
+}

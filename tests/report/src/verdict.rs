@@ -1,0 +1,195 @@
+//! Who loses less at equal cost, and why not where it is not us.
+
+use crate::points::Sweep;
+use crate::results::{PointResults, Results, SceneResults};
+use crate::statistics::{AtCost, Bootstrap, CostAndLoss, Interval, loss_at};
+
+/// The technique that stands for everything on.
+pub const EVERYTHING: &str = "everything balanced";
+
+/// What users could do without us.
+pub const RIVALS: [Sweep; 2] = [Sweep::FixedFoveation, Sweep::RenderScale];
+
+/// How a comparison ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Ours loses less contrast at equal cost.
+    Wins,
+    /// The interval has 0 in it.
+    Tie,
+    /// Ours loses more.
+    Loses,
+    /// The other gets no cheaper than ours and loses less where it is cheapest: there is no equal cost.
+    Apart,
+}
+
+impl Verdict {
+    /// In a word or two.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Wins => "wins",
+            Self::Tie => "tie",
+            Self::Loses => "loses",
+            Self::Apart => "no equal cost",
+        }
+    }
+}
+
+/// One technique of ours against a sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contest {
+    /// Ours.
+    pub technique: String,
+    /// The others.
+    pub rival: Sweep,
+    /// What ours costs, in costs of the application alone.
+    pub cost: f64,
+    /// What ours loses, JND.
+    pub loss: f64,
+    /// What the sweep loses at that cost, or, where it is never as cheap, at its cheapest.
+    pub rival_loss: f64,
+    /// Whether the sweep is as cheap somewhere.
+    pub is_reached: bool,
+    /// Ours less theirs, JND.
+    pub difference: Option<Interval>,
+    /// The outcome.
+    pub verdict: Verdict,
+}
+
+/// Compares a technique with a sweep of the same scene. None where either was not measured.
+pub fn contest(
+    scene: &SceneResults,
+    technique: &str,
+    rival: Sweep,
+    bootstrap: &Bootstrap,
+) -> Option<Contest> {
+    let ours = scene.point(technique)?;
+    let sweep = scene.sweep(rival);
+    if sweep.len() < 2 {
+        return None;
+    }
+    let frames = sweep.iter().chain([&ours]).map(|point| frames(point)).min()?;
+    let every: Vec<usize> = (0..frames).collect();
+    let off = scene.off()?;
+    let (own, at_cost) = found(off, ours, &sweep, &every)?;
+    let (rival_loss, is_reached) = match at_cost {
+        AtCost::Loss(loss) => (loss, true),
+        AtCost::OutOfReach { cheapest } => (cheapest, false),
+    };
+    let difference = bootstrap.interval(frames, |drawn| {
+        let (own, at_cost) = found(off, ours, &sweep, drawn)?;
+        match at_cost {
+            AtCost::Loss(loss) => Some(own.loss - loss),
+            // Cheaper than the other ever is: that it loses less too is a win, that it loses more decides nothing.
+            AtCost::OutOfReach { cheapest } => (own.loss < cheapest).then_some(own.loss - cheapest),
+        }
+    });
+    let verdict = match difference {
+        None => Verdict::Apart,
+        Some(interval) if interval.high < 0.0 => Verdict::Wins,
+        Some(interval) if interval.low > 0.0 => Verdict::Loses,
+        Some(_) => Verdict::Tie,
+    };
+    Some(Contest {
+        technique: technique.to_owned(),
+        rival,
+        cost: own.cost,
+        loss: own.loss,
+        rival_loss,
+        is_reached,
+        difference,
+        verdict,
+    })
+}
+
+/// How many frames both cost and loss of a point are known of.
+fn frames(point: &PointResults) -> usize {
+    let timed = point.cost.as_ref().map_or(0, |cost| cost.frames_ms.len());
+    point.errors.as_ref().map_or(timed, |errors| timed.min(errors.loss.len()))
+}
+
+/// Ours in these frames, and what the sweep loses there at equal cost.
+fn found(
+    off: &PointResults,
+    ours: &PointResults,
+    sweep: &[&PointResults],
+    drawn: &[usize],
+) -> Option<(CostAndLoss, AtCost)> {
+    let own = in_frames(off, ours, drawn)?;
+    let points: Option<Vec<_>> = sweep.iter().map(|point| in_frames(off, point, drawn)).collect();
+    Some((own, loss_at(&points?, own.cost)?))
+}
+
+/// Cost, in costs of the application alone, and loss of a point in these frames.
+fn in_frames(off: &PointResults, point: &PointResults, drawn: &[usize]) -> Option<CostAndLoss> {
+    let sum = |values: &[f64]| drawn.iter().map(|&frame| values.get(frame)).sum::<Option<f64>>();
+    let cost = sum(&point.cost.as_ref()?.frames_ms)? / sum(&off.cost.as_ref()?.frames_ms)?;
+    let loss = match &point.errors {
+        Some(errors) => sum(&errors.loss)? / drawn.len() as f64,
+        None => 0.0,
+    };
+    Some(CostAndLoss { cost, loss })
+}
+
+/// Why a contest was not won, in sentences, from what each part of ours costs and loses alone in that scene.
+pub fn why_not(scene: &SceneResults, contest: &Contest) -> String {
+    let mut reasons = Vec::new();
+    if contest.cost >= 1.0 {
+        reasons.push(format!(
+            "it costs {:.2} times as much as the application alone, so that doing nothing is better",
+            contest.cost
+        ));
+    }
+    for sweep in [Sweep::Rates, Sweep::Reuse] {
+        let alone = scene.points.iter().filter(|point| point.sweep == sweep);
+        let dear =
+            alone.filter_map(|point| Some((point, point.cost.as_ref()?))).find(|(_, cost)| cost.ratio >= 1.0);
+        if let Some((point, cost)) = dear {
+            reasons.push(format!("{} alone costs {:.2} times as much", point.technique, cost.ratio));
+        }
+    }
+    let rates = scene.point("rates balanced").and_then(PointResults::cost_and_loss);
+    if let Some(rates) = rates.filter(|rates| rates.cost < contest.cost) {
+        reasons.push(format!(
+            "rates alone cost {:.2} and lose {:.2} JND, so that what is added to them costs {:.2} more than it saves",
+            rates.cost,
+            rates.loss,
+            contest.cost - rates.cost
+        ));
+    }
+    if let Some(errors) = scene.point(&contest.technique).and_then(|point| point.errors.as_ref()) {
+        let sum = |rings: &[Option<f64>]| rings.iter().flatten().sum::<f64>();
+        let (stays, comes_and_goes) = (sum(&errors.sustained), sum(&errors.transient));
+        if comes_and_goes > stays {
+            reasons.push("most of what it loses comes and goes: the eyes have jumped ahead of the map, or re-used tiles alternate".to_owned());
+        }
+    }
+    if reasons.is_empty() {
+        reasons.push("its map is coarser at the same cost".to_owned());
+    }
+    reasons.join("; ")
+}
+
+/// How everything on did against each rival, in a sentence each.
+pub fn sentences(results: &Results, contests: &[(&SceneResults, Contest)]) -> Vec<String> {
+    let scenes = results.scenes.len();
+    let sentence = |rival: Sweep| {
+        let of_rival =
+            contests.iter().filter(|(_, contest)| contest.rival == rival && contest.technique == EVERYTHING);
+        let verdicts: Vec<Verdict> = of_rival.map(|(_, contest)| contest.verdict).collect();
+        let count = |verdict| verdicts.iter().filter(|other| **other == verdict).count();
+        format!(
+            "At equal cost on this device, everything on (balanced) loses less contrast than {} in {} of {scenes} scenes, ties in {}, loses more in {}{}.",
+            rival.title(),
+            count(Verdict::Wins),
+            count(Verdict::Tie),
+            count(Verdict::Loses),
+            match count(Verdict::Apart) {
+                0 => String::new(),
+                apart => format!(", and has no equal cost in {apart}"),
+            }
+        )
+    };
+    let has = |rival: &Sweep| contests.iter().any(|(_, contest)| contest.rival == *rival);
+    RIVALS.into_iter().filter(has).map(sentence).collect()
+}

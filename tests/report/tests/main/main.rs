@@ -1,0 +1,9 @@
+//! What the report says, and that it says it in files that can be read.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod made_up;
+mod measured;
+mod plans;
+mod verdicts;
+mod written;

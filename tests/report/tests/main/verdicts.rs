@@ -1,0 +1,60 @@
+//! Who loses less at equal cost.
+
+use crate::made_up::{results, scene};
+use parafovea_report::page::contests;
+use parafovea_report::points::Sweep;
+use parafovea_report::statistics::Bootstrap;
+use parafovea_report::verdict::{EVERYTHING, Verdict, contest, sentences, why_not};
+
+fn verdict(everything: (f64, f64), rival: Sweep) -> Verdict {
+    contest(&scene("cockpit", everything, 0.2), EVERYTHING, rival, &Bootstrap::default()).unwrap().verdict
+}
+
+#[test]
+fn what_loses_less_at_equal_cost_wins() {
+    // FR loses halfway from 0.5 to 1.5 at the geometric mean of 0.6 and 0.4, which is 0.49.
+    assert_eq!(verdict((0.49, 0.5), Sweep::FixedFoveation), Verdict::Wins);
+    assert_eq!(verdict((0.49, 1.0), Sweep::FixedFoveation), Verdict::Tie);
+    assert_eq!(verdict((0.49, 1.8), Sweep::FixedFoveation), Verdict::Loses);
+    assert_eq!(verdict((0.5, 1.0), Sweep::RenderScale), Verdict::Wins);
+}
+
+#[test]
+fn whatever_costs_more_than_nothing_loses_to_nothing() {
+    assert_eq!(verdict((1.2, 0.1), Sweep::FixedFoveation), Verdict::Loses);
+    assert_eq!(verdict((1.2, 0.1), Sweep::RenderScale), Verdict::Loses);
+}
+
+#[test]
+fn what_is_cheaper_than_the_other_ever_is_wins_only_if_it_loses_less() {
+    assert_eq!(verdict((0.2, 1.0), Sweep::FixedFoveation), Verdict::Wins);
+    assert_eq!(verdict((0.2, 3.0), Sweep::FixedFoveation), Verdict::Apart);
+}
+
+/// The difference is of the same frames: it is surer than cost and loss themselves.
+#[test]
+fn the_interval_holds_the_difference() {
+    let scene = scene("cockpit", (0.49, 0.5), 0.2);
+    let contest = contest(&scene, EVERYTHING, Sweep::FixedFoveation, &Bootstrap::default()).unwrap();
+    let interval = contest.difference.unwrap();
+    let difference = contest.loss - contest.rival_loss;
+    assert!(interval.low <= difference && difference <= interval.high, "{interval:?}, {difference}");
+    assert!(interval.high - interval.low < 0.3, "{interval:?}");
+    assert!((contest.rival_loss - 1.0).abs() < 0.05, "{contest:?}");
+}
+
+#[test]
+fn scenes_are_counted_and_what_is_not_won_is_explained() {
+    let results = results();
+    let contests = contests(&results);
+    assert_eq!(contests.len(), 4, "two scenes against two rivals");
+    let sentences = sentences(&results, &contests);
+    assert!(
+        sentences.iter().all(|text| text.contains("in 1 of 2 scenes, ties in 0, loses more in 1.")),
+        "{sentences:?}"
+    );
+    let lost = contests.iter().find(|(scene, _)| scene.scene == "foliage").unwrap();
+    let why = why_not(lost.0, &lost.1);
+    assert!(why.contains("1.30 times as much as the application alone"), "{why}");
+    assert!(why.contains("rates alone cost 0.55"), "{why}");
+}
