@@ -1,15 +1,17 @@
 //! Which parts of a picture are not rendered anew but re-used from earlier pictures, and where they lie there.
 //!
-//! [`StaleTiles`] says which tiles of a picture were not rendered. A pixel of one is taken from the newest earlier picture in
-//! which it was ([`Reuse`]), so that nothing is ever sampled from what was itself re-used. [`TileLists`] sorts tiles by what
-//! drawing them takes.
+//! [`StaleTiles`] says which tiles of a picture were not rendered. One is taken from an earlier picture in which what it shows
+//! was rendered ([`Reuse`]), so that nothing is ever sampled from what was itself re-used. [`TileLists`] sorts tiles by where
+//! they are taken from.
 
 mod history;
 mod lists;
+mod rects;
 mod stale_tiles;
 
 pub use history::{Footprint, Picture, Reuse, Source};
-pub use lists::{Strip, TileLists};
+pub use lists::TileLists;
+pub use rects::{Edge, TileRect, TileRects};
 pub use stale_tiles::StaleTiles;
 
 /// Most earlier pictures that are looked into: a period of [`crate::schedule::MAX_FACTOR`] frames less the newest one.

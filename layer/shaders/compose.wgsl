@@ -24,16 +24,28 @@ struct ComposeParams {
 
 @group(0) @binding(0) var<uniform> params: ComposeParams;
 @group(1) @binding(0) var source: texture_2d<f32>;
+// Interpolates.
+@group(1) @binding(1) var between: sampler;
 
-const TILE_SIZE: u32 = 16u;
+const TILE_SIZE: u32 = 64u;
 const HALF_PI: f32 = 1.5707964;
 const MIN_SHIFT: f32 = 1e-6;
+const LEAST: f32 = 1e-30;
+
+// Within 1e-6 radians (Abramowitz and Stegun, 4.4.46).
+fn arc_cosine(x: f32) -> f32 {
+    let t = min(abs(x), 1.0);
+    let high = 0.0308918810 + t * (-0.0170881256 + t * (0.0066700901 - t * 0.0012624911));
+    let low = 1.5707963050 + t * (-0.2145988016 + t * (0.0889789874 + t * (-0.0501743046 + t * high)));
+    let positive = sqrt(1.0 - t) * low;
+    return select(positive, 2.0 * HALF_PI - positive, x < 0.0);
+}
 
 // geometry::eccentricity of a point of the region, in pixels from its upper left corner, less the radius of what
 // counts as looked at.
 fn eccentricity(point: vec2<f32>) -> f32 {
     let direction = vec3(params.plane_origin + params.plane_step * point, -1.0);
-    return atan2(length(cross(direction, params.gaze)), dot(direction, params.gaze)) - params.radius;
+    return arc_cosine(dot(direction, params.gaze) * inverseSqrt(dot(direction, direction))) - params.radius;
 }
 
 // Below 90 degrees plateau and radius are a cone, hence convex: a tile lies inside where its corners do. Beyond, any
@@ -59,14 +71,21 @@ fn tile(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u
     return vec4(vec2<f32>(corner) / vec2<f32>(params.rect_extent) * 2.0 - 1.0, 0.0, 1.0);
 }
 
-// chroma::Curves::gains: of Cb in x, of Cr in y. The angle is above the plateau.
+// cos(x pi / 2) within 3e-5, for x of 0 to 1.
+fn quarter_cosine(x: f32) -> f32 {
+    let square = x * x;
+    return 1.0 - square * (1.2337006 - square * (0.2536695 - square * (0.0208635 - square * 0.0009193)));
+}
+
+// chroma::Curves::gains: of Cb in x, of Cr in y. The angle is above the plateau. The larger of two powers is that of the larger
+// exponent.
 fn gains(angle: f32) -> vec2<f32> {
     let e = saturate((angle - params.plateau) * params.range_scale);
-    let cb = pow((1.0 - e) * (1.0 + e), params.cb_bound);
-    let half = cos(HALF_PI * pow(e, params.cr_bound));
+    let cb = params.cb_bound * log2(max((1.0 - e) * (1.0 + e), LEAST));
+    let half = quarter_cosine(exp2(params.cr_bound * log2(max(e, LEAST))));
     let rim = 1.0 - e * params.rim_scale;
-    let floor = exp2(-vec2(params.cb_fall_off, params.cr_fall_off) * angle);
-    return max(vec2(cb, max(half * half, rim)), floor);
+    let floor = exp2(vec2(max(cb, -params.cb_fall_off * angle), -params.cr_fall_off * angle));
+    return vec2(floor.x, max(max(half * half, rim), floor.y));
 }
 
 // By its bits: a compiler may take it that no number is infinite or NaN.
@@ -83,8 +102,9 @@ fn attenuate(rgb: vec3<f32>, gain: vec2<f32>) -> vec3<f32> {
     }
     let red = rgb.r - y;
     let blue = rgb.b - y;
-    let red_share = weights.r / weights.g;
-    let blue_share = weights.b / weights.g;
+    let green_part = 1.0 / weights.g;
+    let red_share = weights.r * green_part;
+    let blue_share = weights.b * green_part;
 
     let without_blue = y - red_share * gain.y * red;
     let room = select(params.gamut_ceiling - without_blue, without_blue - params.gamut_floor, blue > 0.0);
@@ -109,166 +129,147 @@ fn pixel(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 }
 
 // Re-use: tiles that were not rendered are taken from earlier pictures, a draw for each of those.
-// Reference: core/src/kernels/compose/reuse.rs, and core/src/reuse/history.rs with the same names.
+// Reference: core/src/kernels/compose/reuse.rs, and core/src/reuse/{history,rects}.rs with the same names.
 
 struct ReuseParams {
     matrix: array<vec4<f32>, 3>,
+    to_texture: array<vec4<f32>, 3>,
     earlier_offset: vec2<u32>,
     earlier_extent: vec2<f32>,
     tile_size: vec2<f32>,
-    tiles: vec2<u32>,
     earlier_tiles: vec2<f32>,
     earlier_grid: vec2<u32>,
-    first_word: u32,
     earlier_word: u32,
-    age: u32,
     border: f32,
-    matrices: array<vec4<f32>, 24>,
-    extents: array<vec4<f32>, 8>,
-    grids: array<vec4<u32>, 8>,
 }
 
 @group(0) @binding(1) var<uniform> reuse: ReuseParams;
-// Lists of tiles, and stale tiles as bits.
+// Rectangles of tiles, two words each, and stale tiles as bits.
 @group(0) @binding(2) var<storage, read> words: array<u32>;
 
+// Rectangle of tiles.
+struct TileRect {
+    low: vec2<f32>,
+    high: vec2<f32>,
+    // For each axis: 0 for all of it, 1 for its beginning, 2 for its end.
+    edge: vec2<u32>,
+}
+
+fn tile_rect(instance: u32) -> TileRect {
+    let place = words[2u * instance];
+    let size = words[2u * instance + 1u];
+    let first = vec2(place & 0xffffu, place >> 16u);
+    let end = first + vec2(size & 0x3fffu, (size >> 14u) & 0x3fffu);
+    let extent = vec2<f32>(params.rect_extent);
+    let edge = vec2((size >> 28u) & 3u, size >> 30u);
+    return TileRect(
+        min(vec2<f32>(first) * reuse.tile_size, extent),
+        min(vec2<f32>(end) * reuse.tile_size, extent),
+        edge,
+    );
+}
+
+fn on_screen(point: vec2<f32>) -> vec4<f32> {
+    return vec4(point / vec2<f32>(params.rect_extent) * 2.0 - 1.0, 0.0, 1.0);
+}
+
+// Of the corners that a strip of four vertices has, in turn.
+fn is_far(vertex: u32) -> vec2<bool> {
+    return vec2((vertex & 1u) != 0u, (vertex & 2u) != 0u);
+}
+
 // One instance for each entry of a list.
-fn listed_corner(vertex: u32, low: vec2<f32>, high: vec2<f32>) -> vec4<f32> {
-    let corner = select(low, high, vec2((vertex & 1u) != 0u, (vertex & 2u) != 0u));
-    return vec4(corner / vec2<f32>(params.rect_extent) * 2.0 - 1.0, 0.0, 1.0);
-}
-
-fn tile_low(tile: u32) -> vec2<f32> {
-    return vec2<f32>(vec2(tile % reuse.tiles.x, tile / reuse.tiles.x)) * reuse.tile_size;
-}
-
 @vertex
 fn listed(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
-    let low = tile_low(words[instance]);
-    let high = min(low + reuse.tile_size, vec2<f32>(params.rect_extent));
-    return listed_corner(vertex, low, high);
+    let rect = tile_rect(instance);
+    return on_screen(select(rect.low, rect.high, is_far(vertex)));
 }
 
-// As `listed`, but for tiles in which nothing is attenuated.
+// As `listed`, but for rectangles in which nothing is attenuated.
 @vertex
 fn listed_with_work(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
-    let low = tile_low(words[instance]);
-    let high = min(low + reuse.tile_size, vec2<f32>(params.rect_extent));
-    if !tile_has_work(low, high) {
+    let rect = tile_rect(instance);
+    if !tile_has_work(rect.low, rect.high) {
         return vec4(-2.0, -2.0, 0.0, 1.0);
     }
-    return listed_corner(vertex, low, high);
+    return on_screen(select(rect.low, rect.high, is_far(vertex)));
 }
 
-struct Strip {
+struct Found {
     @builtin(position) position: vec4<f32>,
-    // Which of the nine tiles from the upper left to the lower right of its own are stale.
-    @location(0) @interpolate(flat) stale: u32,
+    // Where it lies in the texture, from 0 to 1, not divided: linear in the position.
+    @location(0) @interpolate(linear) at: vec3<f32>,
 }
 
-// As `listed`, but for one of four strips of a tile, as wide as borders: the upper, lower, left and right one.
+fn found(point: vec2<f32>) -> Found {
+    return Found(on_screen(point), homogeneous(reuse.to_texture, point));
+}
+
 @vertex
-fn listed_strip(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Strip {
-    let entry = words[instance];
-    let strip = entry >> 30u;
-    let size = reuse.tile_size;
-    let width = min(vec2(reuse.border), size * 0.5);
-    let is_row = strip < 2u;
-    let is_second = (strip & 1u) == 1u;
-    let start = select(vec2(0.0), size - width, is_second);
-    let end = select(width, size, is_second);
-    let low = select(vec2(start.x, width.y), vec2(0.0, start.y), is_row);
-    let high = select(vec2(end.x, size.y - width.y), vec2(size.x, end.y), is_row);
-    let corner = tile_low(entry & 0x3fffffffu);
-    let extent = vec2<f32>(params.rect_extent);
-    let tile = entry & 0x3fffffffu;
-    var stale = 0u;
-    for (var i = 0; i < 9; i++) {
-        let beside = vec2<i32>(vec2(tile % reuse.tiles.x, tile / reuse.tiles.x)) + vec2(i % 3, i / 3) - 1;
-        stale |= u32(is_stale(beside, reuse.tiles, reuse.first_word)) << u32(i);
-    }
-    return Strip(listed_corner(vertex, min(corner + low, extent), min(corner + high, extent)), stale);
+fn listed_found(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
+    let rect = tile_rect(instance);
+    return found(select(rect.low, rect.high, is_far(vertex)));
 }
 
-fn is_stale(tile: vec2<i32>, tiles: vec2<u32>, first_word: u32) -> bool {
-    let is_inside = all(tile >= vec2(0)) && all(vec2<u32>(tile) < tiles);
-    let index = select(0u, u32(tile.y) * tiles.x + u32(tile.x), is_inside);
-    return is_inside && ((words[first_word + index / 32u] >> (index % 32u)) & 1u) == 1u;
+struct Border {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(linear) at: vec3<f32>,
+    // How much is taken from there: the product of both.
+    @location(1) @interpolate(linear) share: vec2<f32>,
 }
 
-// Whether a picture has what a point shows: in which tiles of that grid it was rendered, from a place of the words on.
-fn has(homogeneous: vec3<f32>, extents: vec4<f32>, grid: vec3<u32>) -> bool {
-    let at = homogeneous.xy / homogeneous.z;
-    let is_inside = homogeneous.z > 0.0 && all(at >= vec2(0.0)) && all(at <= extents.zw);
-    return is_inside && is_fresh_at(at, extents.xy, grid);
+// Edges and corners of tiles.
+@vertex
+fn listed_border(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Border {
+    let rect = tile_rect(instance);
+    let width = min(vec2(reuse.border), reuse.tile_size * 0.5);
+    let low = select(rect.low, rect.high - width, rect.edge == vec2(2u));
+    let high = select(rect.high, rect.low + width, rect.edge == vec2(1u));
+    let at_high = select(vec2(0.0), vec2(1.0), rect.edge != vec2(1u));
+    let at_low = select(vec2(0.0), vec2(1.0), rect.edge != vec2(2u));
+    let corner = is_far(vertex);
+    let found = found(select(low, high, corner));
+    return Border(found.position, found.at, select(at_low, at_high, corner));
 }
 
-fn is_fresh_at(point: vec2<f32>, tiles: vec2<f32>, grid: vec3<u32>) -> bool {
-    let tile = min(vec2<u32>(point * tiles), max(grid.xy, vec2(1u)) - 1u);
-    return !is_stale(vec2<i32>(tile), grid.xy, grid.z);
+// Where a point lies, not divided.
+fn homogeneous(matrix: array<vec4<f32>, 3>, point: vec2<f32>) -> vec3<f32> {
+    return matrix[0].xyz * point.x + matrix[1].xyz * point.y + matrix[2].xyz;
 }
 
-// Where a point lies in the picture of this draw, not divided.
-fn in_earlier(point: vec2<f32>) -> vec3<f32> {
-    return reuse.matrix[0].xyz * point.x + reuse.matrix[1].xyz * point.y + reuse.matrix[2].xyz;
-}
-
-fn earlier_grid() -> vec3<u32> {
-    return vec3(reuse.earlier_grid, reuse.earlier_word);
-}
-
-// Whether the picture of this draw is the newest that has what a point shows.
-fn is_newest(point: vec2<f32>, homogeneous: vec3<f32>) -> bool {
-    var is_newest = has(homogeneous, vec4(reuse.earlier_tiles, reuse.earlier_extent), earlier_grid());
-    for (var index = 0u; index + 1u < reuse.age; index++) {
-        let newer = reuse.matrices[3u * index].xyz * point.x
-            + reuse.matrices[3u * index + 1u].xyz * point.y
-            + reuse.matrices[3u * index + 2u].xyz;
-        is_newest = is_newest && !has(newer, reuse.extents[index], reuse.grids[index].xyz);
-    }
-    return is_newest;
+// Whether the picture of this draw was rendered there, of which the point is.
+fn is_fresh_at(point: vec2<f32>) -> bool {
+    let tile = min(vec2<u32>(point * reuse.earlier_tiles), max(reuse.earlier_grid, vec2(1u)) - 1u);
+    let index = tile.y * reuse.earlier_grid.x + tile.x;
+    let has_tiles = all(reuse.earlier_grid > vec2(0u));
+    return !has_tiles || ((words[reuse.earlier_word + index / 32u] >> (index % 32u)) & 1u) == 0u;
 }
 
 fn earlier_texel(texel: vec2<f32>) -> vec4<f32> {
     return textureLoad(source, vec2<i32>(texel) + vec2<i32>(reuse.earlier_offset), 0);
 }
 
-// Bilinear. A texel without weight does not count, even if it is no number.
+// Of texels that all were rendered.
+fn whole_pixel(at: vec3<f32>) -> vec4<f32> {
+    return textureSampleLevel(source, between, at.xy / at.z, 0.0);
+}
+
+// A texel without weight does not count, even if it is no number.
 fn weighted(texel: vec2<f32>, weight: f32) -> vec4<f32> {
     return select(vec4(0.0), earlier_texel(texel) * weight, weight > 0.0);
 }
 
-// Of texels that all were rendered.
-fn whole_footprint(at: vec2<f32>) -> vec4<f32> {
-    let base = floor(at - 0.5);
-    let share = at - 0.5 - base;
-    let low = clamp(base, vec2(0.0), reuse.earlier_extent - 1.0);
-    let high = clamp(base + 1.0, vec2(0.0), reuse.earlier_extent - 1.0);
-    let rest = 1.0 - share;
-    return weighted(low, rest.x * rest.y)
-        + weighted(vec2(high.x, low.y), share.x * rest.y)
-        + weighted(vec2(low.x, high.y), rest.x * share.y)
-        + weighted(high, share.x * share.y);
-}
-
-fn whole_pixel(point: vec2<f32>) -> vec4<f32> {
-    let homogeneous = in_earlier(point);
-    return whole_footprint(homogeneous.xy / homogeneous.z);
-}
-
-// Of those that were rendered.
+// Bilinear, of those that were rendered.
 fn mixed_footprint(at: vec2<f32>) -> vec4<f32> {
     let base = floor(at - 0.5);
     let share = at - 0.5 - base;
     let low = clamp(base, vec2(0.0), reuse.earlier_extent - 1.0);
     let high = clamp(base + 1.0, vec2(0.0), reuse.earlier_extent - 1.0);
-    let tiles = reuse.earlier_tiles;
-    let grid = earlier_grid();
     let fresh = vec4(
-        f32(is_fresh_at(low + 0.5, tiles, grid)),
-        f32(is_fresh_at(vec2(high.x, low.y) + 0.5, tiles, grid)),
-        f32(is_fresh_at(vec2(low.x, high.y) + 0.5, tiles, grid)),
-        f32(is_fresh_at(high + 0.5, tiles, grid)),
+        f32(is_fresh_at(low + 0.5)),
+        f32(is_fresh_at(vec2(high.x, low.y) + 0.5)),
+        f32(is_fresh_at(vec2(low.x, high.y) + 0.5)),
+        f32(is_fresh_at(high + 0.5)),
     );
     let rest = 1.0 - share;
     let weights = fresh * vec4(rest.x * rest.y, share.x * rest.y, rest.x * share.y, share.x * share.y);
@@ -283,52 +284,27 @@ fn mixed_footprint(at: vec2<f32>) -> vec4<f32> {
         + weighted(high, shares.w);
 }
 
+fn mixed_pixel(point: vec2<f32>) -> vec4<f32> {
+    let found = homogeneous(reuse.matrix, point);
+    let at = found.xy / found.z;
+    let is_inside = found.z > 0.0 && all(at >= vec2(0.0)) && all(at <= reuse.earlier_extent);
+    if !is_inside || !is_fresh_at(at) {
+        discard;
+    }
+    return mixed_footprint(at);
+}
+
 fn attenuated(rgba: vec4<f32>, point: vec2<f32>) -> vec4<f32> {
     let angle = eccentricity(point);
     let gain = 1.0 - params.strength * (1.0 - gains(angle));
     return vec4(select(rgba.rgb, attenuate(rgba.rgb, gain), angle > params.plateau), rgba.a);
 }
 
-fn mixed_pixel(point: vec2<f32>) -> vec4<f32> {
-    let homogeneous = in_earlier(point);
-    if !is_newest(point, homogeneous) {
-        discard;
-    }
-    return mixed_footprint(homogeneous.xy / homogeneous.z);
-}
-
-// How much of a fresh pixel beside stale tiles is taken from the earlier picture.
-fn border_share(point: vec2<f32>, stale: u32) -> f32 {
-    let near = point - floor(point / reuse.tile_size) * reuse.tile_size;
-    let far = reuse.tile_size - near;
-    var nearest = reuse.border * reuse.border;
-    for (var i = 0u; i < 9u; i++) {
-        let x = select(select(0.0, far.x, i % 3u == 2u), near.x, i % 3u == 0u);
-        let y = select(select(0.0, far.y, i / 3u == 2u), near.y, i / 3u == 0u);
-        nearest = select(nearest, min(nearest, x * x + y * y), ((stale >> i) & 1u) == 1u);
-    }
-    return 1.0 - sqrt(nearest) / reuse.border;
-}
-
-// Multiplied by its share, which blending reads as alpha.
-fn border_pixel(point: vec2<f32>, stale: u32, rgba: vec4<f32>) -> vec4<f32> {
-    let share = border_share(point, stale);
-    if share <= 0.0 {
-        discard;
-    }
-    return vec4(rgba.rgb * share, share);
-}
-
 fn point_of(position: vec4<f32>) -> vec2<f32> {
     return position.xy - vec2<f32>(params.rect_offset);
 }
 
-// Where nothing has moved.
-@fragment
-fn still(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    return earlier_texel(floor(point_of(position)));
-}
-
+// Where nothing has moved. What is not attenuated there is copied.
 @fragment
 fn still_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let point = point_of(position);
@@ -336,14 +312,13 @@ fn still_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4
 }
 
 @fragment
-fn whole(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    return whole_pixel(point_of(position));
+fn whole(found: Found) -> @location(0) vec4<f32> {
+    return whole_pixel(found.at);
 }
 
 @fragment
-fn whole_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let point = point_of(position);
-    return attenuated(whole_pixel(point), point);
+fn whole_attenuated(found: Found) -> @location(0) vec4<f32> {
+    return attenuated(whole_pixel(found.at), point_of(found.position));
 }
 
 @fragment
@@ -357,14 +332,19 @@ fn mixed_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4
     return attenuated(mixed_pixel(point), point);
 }
 
-@fragment
-fn border(strip: Strip) -> @location(0) vec4<f32> {
-    let point = point_of(strip.position);
-    return border_pixel(point, strip.stale, mixed_pixel(point));
+// Multiplied by its share, which blending reads as alpha.
+fn border_pixel(rgba: vec4<f32>, shares: vec2<f32>) -> vec4<f32> {
+    let share = shares.x * shares.y;
+    return vec4(rgba.rgb * share, share);
 }
 
 @fragment
-fn border_attenuated(strip: Strip) -> @location(0) vec4<f32> {
-    let point = point_of(strip.position);
-    return border_pixel(point, strip.stale, attenuated(mixed_pixel(point), point));
+fn border(border: Border) -> @location(0) vec4<f32> {
+    return border_pixel(whole_pixel(border.at), border.share);
+}
+
+@fragment
+fn border_attenuated(border: Border) -> @location(0) vec4<f32> {
+    let rgba = attenuated(whole_pixel(border.at), point_of(border.position));
+    return border_pixel(rgba, border.share);
 }

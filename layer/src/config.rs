@@ -12,7 +12,9 @@ pub use parafovea_manifest::options::{
     PeripheralRate, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, ReusePhase,
 };
 pub use parafovea_manifest::paths::Environment;
-pub use plan::{gate_modes, gaze_settings, longest_period, plan_settings, wants_maps, wants_reuse};
+pub use plan::{
+    gate_modes, gaze_settings, images_for_reuse, longest_period, plan_settings, wants_maps, wants_reuse,
+};
 
 use arc_swap::ArcSwap;
 use parafovea_manifest::config::{ConfigErrors, Watch};

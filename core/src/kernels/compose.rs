@@ -10,7 +10,7 @@ mod image;
 mod reuse;
 
 pub use image::{PixelFormat, compose_image};
-pub use reuse::{EarlierPixels, ReuseParams, reuse_image, set_words};
+pub use reuse::{EarlierPixels, ReuseParams, reuse_image};
 
 use crate::chroma::{ChromaSettings, Curves, Focus, Gamut, Mode, attenuate};
 use crate::geometry::{Fov, ImagePlane, PixelRect, eccentricity, tile_eccentricity, unit_direction};
@@ -18,7 +18,7 @@ use crate::layout::uniform;
 use glam::{UVec2, Vec2, Vec3};
 
 /// Side of a tile in pixels. The shader has the same constant.
-pub const TILE_SIZE: u32 = 16;
+pub const TILE_SIZE: u32 = 64;
 
 uniform! {
     /// Parameters of one region, the shader's uniform of the same name.

@@ -1,7 +1,8 @@
 //! Where the pixels of a picture lie in earlier ones.
 
+use super::rects::Edge;
 use super::{MAX_AGES, StaleTiles};
-use crate::geometry::{Reprojection, View};
+use crate::geometry::{PixelRect, Reprojection, View};
 use glam::{Mat3, Vec2};
 
 /// A turn that moves no pixel farther than this, pixels, counts as none: it would only blur.
@@ -51,6 +52,11 @@ pub(crate) struct Earlier<'a> {
 }
 
 impl Earlier<'_> {
+    /// Whether nothing has moved since.
+    pub(crate) fn is_still(&self) -> bool {
+        self.matrix == Mat3::IDENTITY
+    }
+
     /// Where a point of the newest picture lies in this one; nothing where it does not show it.
     pub(crate) fn point(&self, point: Vec2) -> Option<Vec2> {
         let found = self.matrix * point.extend(1.0);
@@ -103,7 +109,16 @@ impl<'a> Reuse<'a> {
 
     /// Whether nothing has moved since any of the earlier ones.
     pub fn is_still(&self) -> bool {
-        self.earlier().all(|earlier| earlier.matrix == Mat3::IDENTITY)
+        self.earlier().all(Earlier::is_still)
+    }
+
+    /// Whether nothing has moved since the picture of an age, 1..=[`Self::ages`].
+    pub fn is_still_since(&self, age: usize) -> bool {
+        self.at_age(age).is_some_and(Earlier::is_still)
+    }
+
+    pub(crate) fn at_age(&self, age: usize) -> Option<&Earlier<'a>> {
+        self.earlier.get(age.checked_sub(1)?)?.as_ref()
     }
 
     /// The earlier ones, the newest first.
@@ -121,17 +136,16 @@ impl<'a> Reuse<'a> {
         self.earlier().count()
     }
 
-    /// Where the newest rendering of what a point shows lies in the earlier pictures.
-    pub fn source(&self, point: Vec2) -> Option<Source> {
-        self.earlier().enumerate().find_map(|(index, earlier)| {
-            let at = earlier.point(point).filter(|at| earlier.picture.is_fresh_at(*at))?;
-            Some(Source { age: index + 1, point: at })
-        })
+    /// Where what a point shows lies in the picture of an age, if that picture has it: the tile there was rendered.
+    pub fn source(&self, point: Vec2, age: usize) -> Option<Source> {
+        let earlier = self.at_age(age)?;
+        let at = earlier.point(point).filter(|at| earlier.picture.is_fresh_at(*at))?;
+        Some(Source { age, point: at })
     }
 
     /// What a source is made of: bilinear, without the texels of tiles that were not rendered.
     pub fn footprint(&self, source: Source) -> Option<Footprint> {
-        let earlier = self.earlier.get(source.age.checked_sub(1)?)?.as_ref()?;
+        let earlier = self.at_age(source.age)?;
         let picture = &earlier.picture;
         let base = (source.point - 0.5).floor();
         let share = source.point - 0.5 - base;
@@ -147,27 +161,47 @@ impl<'a> Reuse<'a> {
         (sum > 0.0).then_some(footprint)
     }
 
-    /// How much of a fresh pixel is taken from its [`Self::source`], 0..=1: next to a stale tile nearly all, and less from there,
-    /// to nothing at a distance of `width` pixels.
-    pub fn border_share(&self, point: Vec2, width: f32) -> f32 {
-        let tile = self.now.tile_at(point);
+    /// Whether an edge or a corner of a tile is blended with earlier pictures: the tile is fresh, and what it touches there is
+    /// stale; of a corner, nothing beside it, as else that fades into it already.
+    pub fn is_border(&self, tile: [u32; 2], Edge { across, down }: Edge) -> bool {
+        let is_stale = |across: i8, down: i8| {
+            let beside =
+                [tile[0].wrapping_add_signed(across.into()), tile[1].wrapping_add_signed(down.into())];
+            self.now.stale.is_stale(beside)
+        };
+        let is_corner = across != 0 && down != 0;
+        !is_stale(0, 0)
+            && is_stale(across, down)
+            && !(is_corner && (is_stale(across, 0) || is_stale(0, down)))
+    }
+
+    /// The pixels of some tiles: the first of them, and how many columns and rows there are.
+    pub fn tiles(&self, first: [u32; 2], [columns, rows]: [u32; 2]) -> PixelRect {
         let size = 1.0 / self.now.tiles_per_pixel();
-        let mut nearest = f32::INFINITY;
-        for (right, down) in AROUND {
-            let beside = [tile[0].wrapping_add_signed(right), tile[1].wrapping_add_signed(down)];
-            if self.now.stale.is_stale(beside) {
-                let low = Vec2::new(beside[0] as f32, beside[1] as f32) * size;
-                let away = (low - point).max(point - low - size).max(Vec2::ZERO);
-                nearest = nearest.min(away.length());
-            }
-        }
-        if width > 0.0 { (1.0 - nearest / width).max(0.0) } else { 0.0 }
+        let corner =
+            |column: u32, row: u32| (Vec2::new(column as f32, row as f32) * size).min(self.now.size());
+        PixelRect { min: corner(first[0], first[1]), max: corner(first[0] + columns, first[1] + rows) }
+    }
+
+    /// The first pixel whose centre lies in a rectangle, and the column and row after the last one.
+    pub fn pixels(&self, rect: &PixelRect) -> [[u32; 2]; 2] {
+        [rect.min, rect.max].map(|corner| (corner - 0.5).ceil().min(self.now.size()).as_uvec2().into())
+    }
+
+    /// The pixels of an edge or corner of a tile, `border` of them wide, or half of the tile where that is less.
+    pub fn edge(&self, tile: [u32; 2], Edge { across, down }: Edge, border: f32) -> PixelRect {
+        let PixelRect { min, max } = self.tiles(tile, [1, 1]);
+        let width = Vec2::splat(border).min(0.5 / self.now.tiles_per_pixel());
+        let axis = |side: i8, low: f32, high: f32, width: f32| match side {
+            0 => (low, high),
+            1.. => (high - width, high),
+            _ => (low, low + width),
+        };
+        let x = axis(across, min.x, max.x, width.x);
+        let y = axis(down, min.y, max.y, width.y);
+        PixelRect { min: Vec2::new(x.0, y.0), max: Vec2::new(x.1, y.1) }
     }
 }
-
-/// The tiles around one.
-pub(super) const AROUND: [(i32, i32); 8] =
-    [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)];
 
 /// From points of one picture to the same place of another.
 fn resize(from: &Picture, to: &Picture) -> Mat3 {

@@ -1,61 +1,29 @@
 //! Tiles, sorted by what drawing them takes.
 
-use super::history::{AROUND, Earlier};
+use super::history::Earlier;
+use super::rects::{Edge, TileRects};
 use super::{MAX_AGES, Reuse};
+use crate::geometry::PixelRect;
 use glam::{Mat3, Vec2};
 
 /// Pixels around a tile that its re-used pixels may be interpolated from, with room for rounding.
 const MARGIN: f32 = 1.0;
 
-/// The tiles of a picture, counted row by row, in lists. Memory is only asked for beyond the longest lists so far.
+/// The tiles of a picture in lists. Memory is only asked for beyond the longest lists so far.
 #[derive(Clone, Debug, Default)]
 pub struct TileLists {
-    /// Those that are shown as they are in the newest picture: they were rendered, or no earlier picture has all of them. To
-    /// be drawn before the others.
-    pub fresh: Vec<u32>,
+    /// Those that are shown as they are in the newest picture: they were rendered, or no earlier picture has all of them.
+    pub fresh: TileRects,
     /// For each age, from 1 on: stale tiles all of which is taken from the picture of that age, and from nothing of it that was
-    /// not rendered there.
-    pub whole: [Vec<u32>; MAX_AGES],
-    /// Other stale tiles of which a part may be taken from the picture of that age.
-    pub mixed: [Vec<u32>; MAX_AGES],
-    /// Parts of fresh tiles beside stale ones that can be blended with the picture of that age: the tile, and in bits 30 and 31
-    /// which [`Strip`] of it.
-    pub border: [Vec<u32>; MAX_AGES],
+    /// not rendered there. Each stale tile is in one of these, or in [`Self::fresh`].
+    pub whole: [TileRects; MAX_AGES],
+    /// Stale tiles of which a part is taken from the picture of that age, if that has it: to be drawn over the others, the
+    /// oldest first.
+    pub mixed: [TileRects; MAX_AGES],
+    /// Edges of fresh tiles beside stale ones that are blended with the picture of that age, by place in [`Edge::ALL`].
+    pub border: [[TileRects; Edge::ALL.len()]; MAX_AGES],
     /// The corners of all tiles in each earlier picture, row by row; NaN where it does not show them.
     corners: [Vec<Vec2>; MAX_AGES],
-}
-
-/// A part of a tile along its edge, as wide as the border: rows from end to end, and columns between those.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Strip {
-    /// The upper row.
-    Upper = 0,
-    /// The lower row.
-    Lower = 1,
-    /// The left column.
-    Left = 2,
-    /// The right column.
-    Right = 3,
-}
-
-impl Strip {
-    const ALL: [Self; 4] = [Self::Upper, Self::Lower, Self::Left, Self::Right];
-
-    /// The entry of a tile of that index.
-    pub const fn of(self, tile: u32) -> u32 {
-        tile | (self as u32) << 30
-    }
-
-    /// Which of the tiles around, in the order of [`AROUND`], are near its pixels.
-    const fn neighbours(self) -> &'static [usize] {
-        match self {
-            Self::Upper => &[0, 1, 2, 3, 4],
-            Self::Lower => &[3, 4, 5, 6, 7],
-            Self::Left => &[3],
-            Self::Right => &[4],
-        }
-    }
 }
 
 /// How much of a tile a picture has.
@@ -68,7 +36,10 @@ enum Has {
 
 impl TileLists {
     /// Sorts the tiles of the newest picture. Those beside stale ones are blended up to `border` pixels away from them.
-    pub fn update(&mut self, reuse: &Reuse, border: f32) {
+    ///
+    /// A stale tile is taken from the newest picture that has all of it: of a part that a newer one has only where it would
+    /// else be older than `oldest`, since one picture for all of a tile is much cheaper.
+    pub fn update(&mut self, reuse: &Reuse, border: f32, oldest: usize) {
         self.clear();
         let now = reuse.now();
         let [columns, rows] = now.stale.tiles();
@@ -79,83 +50,66 @@ impl TileLists {
             for column in 0..columns {
                 let tile = [column, row];
                 if now.stale.is_stale(tile) {
-                    self.add_stale(reuse, tile);
+                    self.add_stale(reuse, tile, oldest);
                 } else {
-                    self.fresh.push(row * columns + column);
+                    self.fresh.push(tile, None);
                     if border > 0.0 {
-                        self.add_border(reuse, tile, border);
+                        self.add_borders(reuse, tile, border);
                     }
                 }
             }
+            self.each(TileRects::end_row);
         }
     }
 
     /// Nothing is in any list.
     pub fn clear(&mut self) {
-        self.fresh.clear();
-        for list in self.whole.iter_mut().chain(&mut self.mixed).chain(&mut self.border) {
-            list.clear();
+        self.each(TileRects::clear);
+    }
+
+    fn each(&mut self, act: impl FnMut(&mut TileRects)) {
+        let of_ages = self.whole.iter_mut().chain(&mut self.mixed).chain(self.border.as_flattened_mut());
+        std::iter::once(&mut self.fresh).chain(of_ages).for_each(act);
+    }
+
+    /// How many words all lists have.
+    pub fn words(&self) -> usize {
+        let of_ages = self.whole.iter().chain(&self.mixed).chain(self.border.as_flattened());
+        std::iter::once(&self.fresh).chain(of_ages).map(|list| list.words().len()).sum()
+    }
+
+    fn add_stale(&mut self, reuse: &Reuse, tile: [u32; 2], oldest: usize) {
+        let mut has = [Has::Nothing; MAX_AGES];
+        for ((has, earlier), corners) in has.iter_mut().zip(reuse.earlier()).zip(&self.corners) {
+            *has = tile_in(earlier, corners, reuse, tile);
+            if *has == Has::All {
+                break;
+            }
+        }
+        let whole = has.iter().position(|has| *has == Has::All);
+        match whole {
+            Some(index) => self.whole[index].push(tile, None),
+            None => self.fresh.push(tile, None),
+        }
+        if whole.is_none_or(|index| index >= oldest) {
+            for (mixed, _) in self.mixed.iter_mut().zip(has).filter(|(_, has)| *has == Has::Part) {
+                mixed.push(tile, None);
+            }
         }
     }
 
-    /// How many entries all lists have.
-    pub fn len(&self) -> usize {
-        let of_ages = self.whole.iter().chain(&self.mixed).chain(&self.border);
-        self.fresh.len() + of_ages.map(Vec::len).sum::<usize>()
-    }
-
-    /// Whether all lists are empty.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    fn add_stale(&mut self, reuse: &Reuse, tile: [u32; 2]) {
-        let index = index(reuse, tile);
-        let mut is_found = false;
-        for (age, earlier) in reuse.earlier().enumerate() {
-            match has(earlier, &self.corners[age], reuse, tile) {
-                Has::All if !is_found => return self.whole[age].push(index),
-                Has::All => return self.mixed[age].push(index),
-                Has::Part => {
-                    self.mixed[age].push(index);
-                    is_found = true;
+    fn add_borders(&mut self, reuse: &Reuse, tile: [u32; 2], border: f32) {
+        for (kind, edge) in Edge::ALL.into_iter().enumerate() {
+            if reuse.is_border(tile, edge) {
+                let rect = reuse.edge(tile, edge, border);
+                let whole =
+                    reuse.earlier().position(|earlier| has(earlier, corners_in(earlier, &rect)) == Has::All);
+                if let Some(index) = whole {
+                    self.border[index][kind].push(tile, Some(edge));
                 }
-                Has::Nothing => {}
-            }
-        }
-        self.fresh.push(index);
-    }
-
-    fn add_border(&mut self, reuse: &Reuse, tile: [u32; 2], border: f32) {
-        let index = index(reuse, tile);
-        let stale = stale_neighbours(reuse, tile);
-        if stale == [false; 8] {
-            return;
-        }
-        // In small tiles a strip is less than the border away from what is on the other side.
-        let is_small = (1.0 / reuse.now().tiles_per_pixel()).min_element() < 2.0 * border;
-        let is_near = |strip: &Strip| is_small || strip.neighbours().iter().any(|&beside| stale[beside]);
-        for (age, earlier) in reuse.earlier().enumerate() {
-            let has = has(earlier, &self.corners[age], reuse, tile);
-            if has != Has::Nothing {
-                self.border[age]
-                    .extend(Strip::ALL.iter().filter(|strip| is_near(strip)).map(|strip| strip.of(index)));
-            }
-            if has == Has::All {
-                return;
             }
         }
     }
-}
-
-fn index(reuse: &Reuse, [column, row]: [u32; 2]) -> u32 {
-    row * reuse.now().stale.tiles()[0] + column
-}
-
-fn stale_neighbours(reuse: &Reuse, [column, row]: [u32; 2]) -> [bool; 8] {
-    AROUND.map(|(right, down)| {
-        reuse.now().stale.is_stale([column.wrapping_add_signed(right), row.wrapping_add_signed(down)])
-    })
 }
 
 /// Takes the corners of all tiles to where a matrix leads.
@@ -175,19 +129,23 @@ fn fill_corners(corners: &mut Vec<Vec2>, reuse: &Reuse, matrix: &Mat3) {
 }
 
 /// What an earlier picture has of a tile.
-fn has(earlier: &Earlier, corners: &[Vec2], reuse: &Reuse, [column, row]: [u32; 2]) -> Has {
+fn tile_in(earlier: &Earlier, corners: &[Vec2], reuse: &Reuse, [column, row]: [u32; 2]) -> Has {
     let line = reuse.now().stale.tiles()[0] as usize + 1;
     let first = row as usize * line + column as usize;
-    let four = [corners[first], corners[first + 1], corners[first + line], corners[first + line + 1]];
+    has(earlier, [corners[first], corners[first + 1], corners[first + line], corners[first + line + 1]])
+}
+
+/// What an earlier picture has of a rectangle with these corners there, NaN where it does not show them.
+fn has(earlier: &Earlier, corners: [Vec2; 4]) -> Has {
     let picture = &earlier.picture;
-    if four.iter().any(|corner| corner.is_nan()) {
+    if corners.iter().any(|corner| corner.is_nan()) {
         // Partly beside what the picture can show.
         return Has::Part;
     }
-    let is_still = earlier.matrix == Mat3::IDENTITY;
+    let is_still = earlier.is_still();
     let margin = if is_still { 0.0 } else { MARGIN };
-    let low = four.into_iter().fold(Vec2::INFINITY, Vec2::min) - margin;
-    let high = four.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max) + margin;
+    let low = corners.into_iter().fold(Vec2::INFINITY, Vec2::min) - margin;
+    let high = corners.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max) + margin;
     if high.cmple(Vec2::ZERO).any() || low.cmpge(picture.size()).any() {
         return Has::Nothing;
     }
@@ -208,4 +166,13 @@ fn has(earlier: &Earlier, corners: &[Vec2], reuse: &Reuse, [column, row]: [u32; 
         (true, false) if is_inside => Has::All,
         (true, _) => Has::Part,
     }
+}
+
+/// The corners of a rectangle in an earlier picture, NaN where that does not show them.
+fn corners_in(earlier: &Earlier, rect: &PixelRect) -> [Vec2; 4] {
+    let PixelRect { min, max } = *rect;
+    [min, Vec2::new(max.x, min.y), Vec2::new(min.x, max.y), max].map(|corner| {
+        let found = earlier.matrix * corner.extend(1.0);
+        if found.z > 0.0 { found.truncate() / found.z } else { Vec2::NAN }
+    })
 }

@@ -44,6 +44,17 @@ pub fn longest_period(config: &Config) -> u32 {
     config.reuse.periods.of_regions().into_iter().max().unwrap_or(1).into()
 }
 
+/// How many images the application needs so that pictures of a whole period stay while it draws one or two more. Where a few more
+/// are a whole number of all periods, so many: an image then has the same turn again and again, and what leaves tiles out of it
+/// stays as it is while nothing moves.
+pub fn images_for_reuse(config: &Config) -> u32 {
+    const FEW: u32 = 2;
+    let least = longest_period(config) + 2;
+    let periods = config.reuse.periods.of_regions();
+    let is_round = |count: &u32| periods.iter().all(|period| count.is_multiple_of(u32::from(*period).max(1)));
+    (least..=least + FEW).find(is_round).unwrap_or(least)
+}
+
 /// How the gaze is judged. One from a file may rest for ever.
 pub fn gaze_settings(config: &Config) -> GazeSettings {
     let settings = GazeSettings { hold_ms: config.gaze.hold_ms as f32, ..GazeSettings::default() };

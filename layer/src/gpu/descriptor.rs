@@ -1,4 +1,5 @@
-//! What shaders are bound to: set 0 is the parameters of a region, at dynamic offsets; set 1 is one texture.
+//! What shaders are bound to: set 0 is the parameters of a region, at dynamic offsets; set 1 is one texture,
+//! with what interpolates it.
 
 use super::buffer::WordRing;
 use super::{Gpu, GpuError, Owned, UniformRing};
@@ -16,7 +17,7 @@ const LISTS: [vk::DescriptorType; 3] = [
 ];
 
 /// Set 1.
-const TEXTURE: [vk::DescriptorType; 1] = [vk::DescriptorType::SAMPLED_IMAGE];
+const TEXTURE: [vk::DescriptorType; 2] = [vk::DescriptorType::SAMPLED_IMAGE, vk::DescriptorType::SAMPLER];
 
 /// Most bindings of a set.
 const MOST_BINDINGS: usize = 3;
@@ -165,30 +166,53 @@ impl ListSet {
     }
 }
 
+/// A sampler that interpolates between the four nearest texels, as every device does for the formats that `compose` takes.
+fn interpolating(gpu: &Arc<Gpu>) -> Result<Owned<vk::Sampler>, GpuError> {
+    let edge = vk::SamplerAddressMode::CLAMP_TO_EDGE;
+    let info = vk::SamplerCreateInfo::default()
+        .mag_filter(vk::Filter::LINEAR)
+        .min_filter(vk::Filter::LINEAR)
+        .mipmap_mode(vk::SamplerMipmapMode::NEAREST)
+        .address_mode_u(edge)
+        .address_mode_v(edge)
+        .address_mode_w(edge);
+    // SAFETY: the device is live.
+    unsafe {
+        let handle =
+            gpu.device.create_sampler(&info, None).map_err(GpuError::from_call("vkCreateSampler"))?;
+        Ok(Owned::new(gpu, handle, |device, handle| device.destroy_sampler(handle, None)))
+    }
+}
+
 /// Set 1, one for each of several textures.
 pub(crate) struct TextureSets {
     sets: Sets,
+    _sampler: Owned<vk::Sampler>,
 }
 
 impl TextureSets {
     /// For views that are in SHADER_READ_ONLY_OPTIMAL when they are read, and outlive the result.
     pub(crate) fn new(gpu: &Arc<Gpu>, views: &[Owned<vk::ImageView>]) -> Result<Self, GpuError> {
         let sets = allocate(gpu, &TEXTURE, texture_layout(gpu)?, views.len() as u32)?;
+        let sampler = interpolating(gpu)?;
         for (&set, view) in sets.handles.iter().zip(views) {
             let image = [vk::DescriptorImageInfo {
                 sampler: vk::Sampler::null(),
                 image_view: view.handle(),
                 image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
             }];
-            let write = vk::WriteDescriptorSet::default()
-                .dst_set(set)
-                .dst_binding(0)
-                .descriptor_type(TEXTURE[0])
-                .image_info(&image);
-            // SAFETY: set and view are live, and the set is not in use.
-            unsafe { gpu.device.update_descriptor_sets(&[write], &[]) };
+            let samplers = [vk::DescriptorImageInfo { sampler: sampler.handle(), ..Default::default() }];
+            let writes = [(0, &image), (1, &samplers)].map(|(binding, info)| {
+                vk::WriteDescriptorSet::default()
+                    .dst_set(set)
+                    .dst_binding(binding)
+                    .descriptor_type(TEXTURE[binding as usize])
+                    .image_info(info)
+            });
+            // SAFETY: set, view and sampler are live, and the set is not in use.
+            unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
         }
-        Ok(Self { sets })
+        Ok(Self { sets, _sampler: sampler })
     }
 
     /// The set of the view at `index`.

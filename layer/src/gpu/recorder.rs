@@ -63,18 +63,16 @@ impl<'a> Recorder<'a> {
             .src_subresource(subresource)
             .dst_subresource(subresource)
             .extent(extent.into());
-        // SAFETY: the command buffer is being recorded, outside of a render pass; both images are live and have
-        // this many texels and layers.
-        unsafe {
-            self.device.cmd_copy_image(
-                self.commands,
-                from,
-                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-                to,
-                vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-                &[region],
-            );
-        }
+        self.copy_regions(from, to, &[region]);
+    }
+
+    /// Copies rectangles from an image in TRANSFER_SRC_OPTIMAL to one of the same format in TRANSFER_DST_OPTIMAL; they are
+    /// within both, and do not overlap where they go to.
+    pub(crate) fn copy_regions(&self, from: vk::Image, to: vk::Image, regions: &[vk::ImageCopy]) {
+        let (source, target) = (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
+        // SAFETY: the command buffer is being recorded, outside of a render pass; both images are live and have what the
+        // regions name.
+        unsafe { self.device.cmd_copy_image(self.commands, from, source, to, target, regions) };
     }
 
     /// Records what `draw` draws to `target`, which is COLOR_ATTACHMENT_OPTIMAL and keeps its content.

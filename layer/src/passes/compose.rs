@@ -4,6 +4,7 @@
 //! the copy, reading the application's image. Alpha, and pixels without work, stay as they were copied.
 
 mod app_images;
+mod copies;
 mod draws;
 mod pipelines;
 mod record;
@@ -135,8 +136,10 @@ impl Compose {
             if let Some(reuse) = reuse {
                 let mut at = 0;
                 let reused = draws.iter().filter_map(|draw| Some((draw, draw.reuse?)));
-                for (number, (draw, region)) in reused.enumerate() {
-                    draw.placed.replace(reuse.place(recorder, number, region, &mut at)?);
+                for (number, found) in reused.enumerate() {
+                    let extent = jobs[found.0.job].app.shape().extent;
+                    let extent = [extent.width, extent.height];
+                    found.0.placed.replace(reuse.place(recorder, number, found, extent, &mut at)?);
                 }
             }
             let sets = Sets { plain: uniform_set, lists: reuse.as_ref().map(ReuseBuffers::set) };

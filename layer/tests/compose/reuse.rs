@@ -19,6 +19,9 @@ use parafovea_core::reuse::{MAX_AGES, Picture, Reuse, STALE, StaleTiles, TileLis
 /// How many images the application has: one more than there are ages here.
 const IMAGES: u32 = 4;
 
+/// Of tiles that are older, parts are taken from newer pictures.
+const OLDEST: usize = 1;
+
 /// A picture with its pixels and stale tiles.
 struct Frame {
     view: View,
@@ -84,7 +87,7 @@ fn completed(
         swapchain.render(vulkan, index, std::slice::from_ref(&frame.pixels));
     }
     let mut lists = TileLists::default();
-    lists.update(&reuse(frames, turns), border);
+    lists.update(&reuse(frames, turns), border, OLDEST);
     let region = [reuse_region(frames, &lists, turns, border)];
     compose.submit(&[ComposeJob { reuse: &region, ..swapchain.job(0, regions) }]).unwrap();
     swapchain.shown(vulkan, 1, 1, 4).swap_remove(0)
@@ -103,7 +106,10 @@ fn reference(
         .collect();
     let neutral = ComposeParams::neutral([0; 2], frames[0].extent);
     let params = regions.first().map_or(neutral, |region| region.params);
-    reuse_image(&mut pixels, width, format, &params, &reuse(frames, turns), &earlier, border);
+    let reuse = reuse(frames, turns);
+    let mut lists = TileLists::default();
+    lists.update(&reuse, border, OLDEST);
+    reuse_image(&mut pixels, width, format, &params, (&reuse, &lists, border), &earlier);
     pixels
 }
 
@@ -181,7 +187,7 @@ fn only_the_region_changes() {
         swapchain.render(&vulkan, index, layers);
     }
     let mut lists = TileLists::default();
-    lists.update(&reuse(&frames, true), 4.0);
+    lists.update(&reuse(&frames, true), 4.0, OLDEST);
     let offset = [64, 0];
     let earlier =
         std::array::from_fn(|index| EarlierImage { app_index: index as u32 + 1, array_layer: 1, offset });
@@ -195,7 +201,8 @@ fn only_the_region_changes() {
     let before: Vec<_> =
         images[1..].iter().map(|image| EarlierPixels { pixels: &image[1], width, offset }).collect();
     let params = ComposeParams::neutral(offset, [64, 48]);
-    reuse_image(&mut expected, width, pixel_format(format), &params, &reuse(&frames, true), &before, 4.0);
+    let how = (&reuse(&frames, true), &lists, 4.0);
+    reuse_image(&mut expected, width, pixel_format(format), &params, how, &before);
     let others = expected.iter().zip(&shown[1]).filter(|(a, b)| a.abs_diff(**b) > 2).count();
     assert!(others <= 40, "{others}");
     for (index, texel) in shown[1].chunks(4).enumerate().filter(|(index, _)| index % 128 < 64) {
@@ -215,7 +222,7 @@ fn steady_frames_with_earlier_pictures_do_not_allocate() {
     assert!(!is_untouched(0, 96, 0, &chroma));
     let mut lists = TileLists::default();
     let mut frame = |index: u32| {
-        lists.update(&reuse(&frames, true), 4.0);
+        lists.update(&reuse(&frames, true), 4.0, OLDEST);
         let mut region = [reuse_region(&frames, &lists, true, 4.0)];
         region[0].earlier = earlier_than(index);
         compose.submit(&[ComposeJob { reuse: &region, ..swapchain.job(index, &chroma) }]).unwrap();
@@ -232,7 +239,7 @@ pub fn in_turn(vulkan: &Vulkan, compose: &mut Compose, count: u32) {
     let swapchain = Swapchain::with_images(vulkan, &shape(format, 64, 64, 1), IMAGES);
     let frames = frames([64, 64], 16, 1.0);
     let mut lists = TileLists::default();
-    lists.update(&reuse(&frames, true), 4.0);
+    lists.update(&reuse(&frames, true), 4.0, OLDEST);
     for number in 0..count {
         let index = number % IMAGES;
         swapchain.render(vulkan, index, &[picture(64, 64, number)]);
@@ -258,7 +265,7 @@ fn earlier_pictures_that_are_not_there_are_refused() {
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let frames = frames([64, 48], 16, 0.0);
     let mut lists = TileLists::default();
-    lists.update(&reuse(&frames, true), 4.0);
+    lists.update(&reuse(&frames, true), 4.0, OLDEST);
     let good = reuse_region(&frames, &lists, true, 4.0);
     let with = |image: EarlierImage| ReuseRegion { earlier: [image; MAX_AGES], ..good };
     let there = EarlierImage { app_index: 1, ..EarlierImage::default() };

@@ -2,7 +2,7 @@
 
 use super::set;
 use crate::geometry::{Fov, View, eccentricity};
-use crate::reuse::{MAX_AGES, Picture, Reuse, StaleTiles, Strip, TileLists};
+use crate::reuse::{Edge, MAX_AGES, Picture, Reuse, StaleTiles, TileLists, TileRect, TileRects};
 use glam::{Quat, Vec2};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -33,9 +33,10 @@ fn what_stands_still_is_found_at_its_very_place() {
     let reuse = Reuse::new(picture(extent, 30.0, &now), earlier, true);
     assert!(reuse.is_still());
     for point in centres(extent) {
-        let source = reuse.source(point).unwrap();
+        let is_in_newest = now.tile_at(point / Vec2::new(100.0, 70.0))[0] % 2 == 1;
+        assert_eq!(reuse.source(point, 1).is_some(), is_in_newest);
+        let source = reuse.source(point, if is_in_newest { 1 } else { 2 }).unwrap();
         assert_eq!(source.point, point);
-        assert_eq!(source.age, if now.tile_at(point / Vec2::new(100.0, 70.0))[0] % 2 == 1 { 1 } else { 2 });
         let footprint = reuse.footprint(source).unwrap();
         let ([x, y], weight) = footprint[0];
         assert_eq!((Vec2::new(x as f32, y as f32) + 0.5, weight), (point, 1.0));
@@ -52,7 +53,7 @@ fn what_turns_is_found_in_the_same_direction() {
     let mut found = 0;
     for point in centres(extent) {
         let here = newest.view.orientation * newest.view.plane.direction(point);
-        let Some(source) = reuse.source(point) else { continue };
+        let Some(source) = reuse.source(point, 1) else { continue };
         let there = before.view.orientation * before.view.plane.direction(source.point);
         assert!(eccentricity(here, there) < 1e-5, "{point}");
         found += 1;
@@ -60,7 +61,7 @@ fn what_turns_is_found_in_the_same_direction() {
     // 4 of about 92 degrees have come into view.
     assert!((9000..10700).contains(&found), "{found} of 10,800");
     let without = Reuse::new(newest, [before], false);
-    assert!(centres(extent).all(|point| without.source(point).unwrap().point == point), "paper B");
+    assert!(centres(extent).all(|point| without.source(point, 1).unwrap().point == point), "paper B");
 }
 
 #[test]
@@ -71,8 +72,9 @@ fn nothing_comes_from_what_was_not_rendered() {
     let newest = picture(extent, 0.0, &now);
     let reuse = Reuse::new(newest, [picture(extent, 0.7, &stale), picture(extent, 1.4, &stale)], true);
     let mut clamped = 0;
-    for source in centres(extent).filter_map(|point| reuse.source(point)) {
-        let earlier = picture(extent, 0.7, &stale);
+    let both = |point| [1, 2].map(|age| reuse.source(point, age));
+    for source in centres(extent).flat_map(both).flatten() {
+        let earlier = picture(extent, 0.7 * source.age as f32, &stale);
         let footprint = reuse.footprint(source).unwrap();
         assert!((footprint.iter().map(|(_, weight)| weight).sum::<f32>() - 1.0).abs() < 1e-5);
         for ([x, y], weight) in footprint {
@@ -89,14 +91,26 @@ fn borders_fade_over_their_width() {
     let extent = [64, 64];
     let now = set(extent, [16, 16], |column, row| column == 1 && row == 1);
     let reuse = Reuse::new(picture(extent, 0.0, &now), [], true);
-    let share = |x: f32, y: f32| reuse.border_share(Vec2::new(x, y), 4.0);
-    assert_eq!(share(15.5, 20.5), 0.875);
-    assert_eq!(share(12.5, 20.5), 0.125);
-    assert_eq!(share(11.5, 20.5), 0.0);
-    assert_eq!(share(32.5, 20.5), 0.875);
-    assert_eq!(share(20.5, 34.5), 0.375);
-    assert!((share(33.5, 33.5) - (1.0 - 1.5 * 2f32.sqrt() / 4.0)).abs() < 1e-5);
-    assert_eq!(reuse.border_share(Vec2::new(15.5, 20.5), 0.0), 0.0);
+    let share = |tile: [u32; 2], across: i8, down: i8, x: f32, y: f32| {
+        let edge = Edge { across, down };
+        let rect = reuse.edge(tile, edge, 4.0);
+        let (point, is_border) = (Vec2::new(x, y), reuse.is_border(tile, edge));
+        assert!(point.cmpge(rect.min).all() && point.cmplt(rect.max).all(), "{point} is not in {rect:?}");
+        is_border.then(|| edge.share(&rect, point))
+    };
+    assert_eq!(share([0, 1], 1, 0, 15.5, 20.5), Some(0.875));
+    assert_eq!(share([0, 1], 1, 0, 12.5, 20.5), Some(0.125));
+    assert_eq!(share([2, 1], -1, 0, 32.5, 20.5), Some(0.875));
+    assert_eq!(share([1, 2], 0, -1, 20.5, 34.5), Some(0.375));
+    assert_eq!(share([1, 0], 0, 1, 20.5, 12.5), Some(0.125));
+    assert_eq!(share([2, 2], -1, -1, 33.5, 32.5), Some(0.625 * 0.875));
+    assert_eq!(share([1, 1], -1, 0, 16.5, 20.5), None, "stale itself");
+    assert_eq!(share([0, 1], -1, 0, 0.5, 20.5), None, "nothing is stale there");
+    let beside = set(extent, [16, 16], |column, row| row == 1 && column > 0);
+    let reuse = Reuse::new(picture(extent, 0.0, &beside), [], true);
+    let corner = Edge { across: -1, down: -1 };
+    assert!(!reuse.is_border([2, 2], corner), "it fades upwards");
+    assert!(reuse.is_border([0, 2], Edge { across: 1, down: -1 }));
 }
 
 #[test]
@@ -108,21 +122,15 @@ fn pictures_that_cannot_be_related_end_the_history() {
     let good = picture(extent, 0.0, &fresh);
     let ages = |earlier: &[Picture<'_>]| {
         let reuse = Reuse::new(picture(extent, 0.0, &now), earlier.iter().copied(), true);
-        (reuse.ages(), reuse.source(Vec2::ONE).is_some())
+        (reuse.ages(), reuse.source(Vec2::ONE, 1).is_some())
     };
     assert_eq!(ages(&[good, senseless, good]), (1, true));
     assert_eq!(ages(&[senseless, good]), (0, false));
     assert_eq!(ages(&[good; 20]), (MAX_AGES, true));
 }
 
-/// The strip of its tile that a point is in, for borders of 4 pixels.
-fn strip_at(point: Vec2, tile: Vec2) -> Option<Strip> {
-    let width = (tile / 2.0).min(Vec2::splat(4.0));
-    let within = point - (point / tile).floor() * tile;
-    let (near, far) = (within.cmplt(width), within.cmpge(tile - width));
-    let of = |is: bool, strip: Strip| is.then_some(strip);
-    let row = of(near.y, Strip::Upper).or(of(far.y, Strip::Lower));
-    row.or(of(near.x, Strip::Left)).or(of(far.x, Strip::Right))
+fn tiles(rects: &TileRects) -> BTreeSet<[u32; 2]> {
+    rects.iter().flat_map(TileRect::tiles).collect()
 }
 
 proptest! {
@@ -131,6 +139,7 @@ proptest! {
     fn lists_agree_with_pixels(
         width in 20u32..90, height in 20u32..90, texel in prop::array::uniform2(prop_oneof![Just(8u32), Just(16), 5u32..20]),
         yaw in prop::array::uniform3(-6.0f32..6.0), roll in -3.0f32..3.0, is_still in any::<bool>(), seed in 0u32..100,
+        oldest in 0usize..4,
     ) {
         let extent = [width, height];
         let pattern = |of: u32| move |column: u32, row: u32| !(column * 5 + row * 3 + (column * row + seed) * of).is_multiple_of(3);
@@ -143,37 +152,52 @@ proptest! {
         let now = picture(extent, 0.0, &sets[0]);
         let reuse = Reuse::new(now, earlier, true);
         let mut lists = TileLists::default();
-        lists.update(&reuse, 4.0);
-        let [columns, _] = now.stale.tiles();
-        let of = |list: &[u32]| list.iter().copied().collect::<BTreeSet<u32>>();
-        let whole = [0, 1, 2].map(|age| of(&lists.whole[age]));
-        let mixed = [0, 1, 2].map(|age| of(&lists.mixed[age]));
-        let border = [0, 1, 2].map(|age| of(&lists.border[age]));
-        prop_assert_eq!(whole.iter().map(BTreeSet::len).sum::<usize>(), lists.whole.iter().map(Vec::len).sum::<usize>());
-        for point in centres(extent) {
-            let [column, row] = now.tile_at(point);
-            let tile = row * columns + column;
-            let source = reuse.source(point);
-            let age = source.map(|source| source.age - 1);
-            if !now.stale.is_stale([column, row]) {
-                prop_assert!(lists.fresh.contains(&tile));
-                let is_border = reuse.border_share(point, 4.0) > 0.0;
-                let entry = strip_at(point, 1.0 / now.tiles_per_pixel()).map(|strip| strip.of(tile));
-                let is_listed = |age: usize| entry.is_some_and(|entry| border[age].contains(&entry));
-                prop_assert!(!is_border || age.is_none_or(is_listed), "border at {point}");
-                continue;
+        lists.update(&reuse, 4.0, oldest);
+        let (fresh, whole) = (tiles(&lists.fresh), lists.whole.each_ref().map(tiles));
+        let mixed = lists.mixed.each_ref().map(tiles);
+        let border = lists.border.each_ref().map(|of_age| of_age.each_ref().map(tiles));
+        // Every pixel of the footprint was rendered in that picture.
+        let is_had = |point: Vec2, index: usize| {
+            let Some(source) = reuse.source(point, index + 1) else { return false };
+            let footprint = reuse.footprint(source).unwrap();
+            is_still
+                || footprint
+                    .iter()
+                    .all(|([x, y], _)| earlier[index].is_fresh_at(Vec2::new(*x as f32, *y as f32) + 0.5))
+        };
+        let [columns, rows] = now.stale.tiles();
+        for tile in (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])) {
+            let listed = usize::from(fresh.contains(&tile)) + whole.iter().filter(|list| list.contains(&tile)).count();
+            prop_assert_eq!(listed, 1, "{:?}", tile);
+            let from = whole.iter().position(|list| list.contains(&tile));
+            for (index, _) in mixed.iter().enumerate().filter(|(_, list)| list.contains(&tile)) {
+                prop_assert!(from.is_none_or(|from| from >= oldest && from > index), "{tile:?} in {index}");
             }
-            for (index, list) in whole.iter().enumerate() {
-                if list.contains(&tile) {
-                    prop_assert_eq!(age, Some(index), "at {}", point);
-                    let footprint = reuse.footprint(source.unwrap()).unwrap();
-                    for ([x, y], _) in footprint {
-                        prop_assert!(earlier[index].is_fresh_at(Vec2::new(x as f32, y as f32) + 0.5) || is_still, "at {point}");
+            for (kind, edge) in Edge::ALL.into_iter().enumerate() {
+                let listed: Vec<_> = (0..MAX_AGES).filter(|&age| border[age][kind].contains(&tile)).collect();
+                prop_assert!(listed.len() <= usize::from(reuse.is_border(tile, edge)), "{tile:?} {edge:?}");
+                for index in listed {
+                    let [first, end] = reuse.pixels(&reuse.edge(tile, edge, 4.0));
+                    for (x, y) in (first[1]..end[1]).flat_map(|y| (first[0]..end[0]).map(move |x| (x, y))) {
+                        let point = Vec2::new(x as f32, y as f32) + 0.5;
+                        prop_assert!(is_had(point, index), "{edge:?} of {tile:?} at {point}");
                     }
                 }
             }
-            if let Some(age) = age {
-                prop_assert!(whole[age].contains(&tile) || mixed[age].contains(&tile), "at {point}: {age}");
+        }
+        for point in centres(extent) {
+            let tile = now.tile_at(point);
+            if !now.stale.is_stale(tile) {
+                prop_assert!(fresh.contains(&tile));
+                continue;
+            }
+            if let Some(index) = whole.iter().position(|list| list.contains(&tile)) {
+                prop_assert!(is_had(point, index), "{index} at {point}");
+                continue;
+            }
+            for (index, mixed) in mixed.iter().take(3).enumerate() {
+                let is_there = reuse.source(point, index + 1).is_some();
+                prop_assert!(!is_there || mixed.contains(&tile), "{index} at {point}");
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Which tiles of which regions are drawn, worked out before anything is recorded.
 
-use super::reuse::{Placed, ReuseRegion};
+use super::reuse::{EarlierImage, Placed, ReuseRegion};
 use super::{ComposeJob, ComposeParams, ComposeRegion, MAX_REGIONS, SwapchainShape};
 use crate::gpu::GpuError;
 use ash::vk;
@@ -59,7 +59,7 @@ impl<'a> Draws<'a> {
 
     /// Whether the job of this index draws anything.
     pub(super) fn any_of(&self, job: usize) -> bool {
-        self.iter().any(|draw| draw.job == job)
+        self.iter().any(|draw| draw.job == job && draw.draws())
     }
 
     /// What is taken from earlier pictures.
@@ -67,11 +67,51 @@ impl<'a> Draws<'a> {
         self.iter().filter_map(|draw| draw.reuse)
     }
 
-    /// Which images of earlier pictures the job of this index reads.
-    pub(super) fn earlier_of(&self, job: usize) -> EarlierImages {
+    /// From which images of earlier pictures the job of this index copies.
+    pub(super) fn copied_of(&self, job: usize) -> EarlierImages {
         let draws = self.iter().filter(|draw| draw.job == job);
-        let used = draws.filter_map(|draw| draw.reuse).flat_map(ReuseRegion::used);
-        EarlierImages(used.fold(0, |images, (_, earlier)| images | 1 << earlier.app_index))
+        draws.flat_map(Draw::copied).map(|(_, image)| image).collect()
+    }
+
+    /// Which images of earlier pictures the job of this index draws from.
+    pub(super) fn sampled_of(&self, job: usize) -> EarlierImages {
+        let draws = self.iter().filter(|draw| draw.job == job);
+        draws.flat_map(Draw::sampled).map(|(_, image)| image).collect()
+    }
+}
+
+impl<'a> Draw<'a> {
+    /// Whether all that is taken as a whole from the picture of index `age` is copied, and not drawn: nothing has moved, and
+    /// colour stays as it is.
+    pub(super) fn is_copied(&self, region: &ReuseRegion, age: usize) -> bool {
+        !self.params.has_work() && region.reuse.is_still_since(age + 1)
+    }
+
+    /// From which earlier pictures tiles are copied: their index, and where they are.
+    pub(super) fn copied(&self) -> impl Iterator<Item = (usize, &'a EarlierImage)> {
+        let regions = self.reuse.into_iter();
+        regions.flat_map(move |region| {
+            let is_copied =
+                move |age: usize| !region.lists.whole[age].is_empty() && self.is_copied(region, age);
+            region.pictures().filter(move |(age, _)| is_copied(*age))
+        })
+    }
+
+    /// From which earlier pictures anything is drawn.
+    pub(super) fn sampled(&self) -> impl Iterator<Item = (usize, &'a EarlierImage)> {
+        let regions = self.reuse.into_iter();
+        regions.flat_map(move |region| {
+            let is_sampled = move |age: usize| {
+                let is_drawn = !region.lists.whole[age].is_empty() && !self.is_copied(region, age);
+                is_drawn || region.has_parts(age)
+            };
+            region.pictures().filter(move |(age, _)| is_sampled(*age))
+        })
+    }
+
+    /// Whether anything is drawn.
+    pub(super) fn draws(&self) -> bool {
+        self.params.has_work() || self.sampled().next().is_some()
     }
 }
 
@@ -84,7 +124,21 @@ impl EarlierImages {
     pub(super) const MOST: usize = u64::BITS as usize;
 
     pub(super) fn iter(self) -> impl Iterator<Item = usize> {
-        (0..Self::MOST).filter(move |index| self.0 >> index & 1 == 1)
+        (0..Self::MOST).filter(move |index| self.contains(*index))
+    }
+
+    pub(super) fn contains(self, index: usize) -> bool {
+        self.0 >> index & 1 == 1
+    }
+
+    pub(super) fn without(self, others: Self) -> Self {
+        Self(self.0 & !others.0)
+    }
+}
+
+impl<'a> FromIterator<&'a EarlierImage> for EarlierImages {
+    fn from_iter<T: IntoIterator<Item = &'a EarlierImage>>(images: T) -> Self {
+        Self(images.into_iter().fold(0, |bits, image| bits | 1 << image.app_index))
     }
 }
 
@@ -213,7 +267,7 @@ mod tests {
     fn regions_are_limited_to_the_image_and_the_rectangle() {
         let drawn = |region: &ComposeRegion| draw(0, &shape(), region).unwrap();
         let inside = drawn(&region([0, 0], [100, 80], rect(0, 0, 100, 80))).unwrap();
-        assert_eq!((inside.scissor, inside.tiles), (rect(0, 0, 100, 80), 7 * 5));
+        assert_eq!((inside.scissor, inside.tiles), (rect(0, 0, 100, 80), 2 * 2));
         let beyond =
             drawn(&region([90, 70], [u32::MAX, u32::MAX], rect(-5, -5, u32::MAX, u32::MAX))).unwrap();
         assert_eq!((beyond.viewport, beyond.scissor), (rect(90, 70, 10, 10), rect(90, 70, 10, 10)));

@@ -19,13 +19,13 @@ pub(super) struct Pipelines {
 pub(super) struct ReusePipelines {
     /// Attenuates the colour of tiles that are shown as they are.
     pub(super) fresh: TilePipeline,
-    /// Tiles taken from an earlier picture as a whole, where nothing has moved.
-    pub(super) still: [TilePipeline; 2],
+    /// Attenuates the colour of tiles taken from an earlier picture as a whole, where nothing has moved.
+    pub(super) still: TilePipeline,
     /// Tiles taken from an earlier picture as a whole.
     pub(super) whole: [TilePipeline; 2],
     /// Tiles of which pixels are taken from an earlier picture.
     pub(super) mixed: [TilePipeline; 2],
-    /// Fresh tiles, blended with an earlier picture beside stale ones; nothing where the format cannot be blended.
+    /// Edges of fresh tiles, blended with an earlier picture beside stale ones; nothing where the format cannot be blended.
     pub(super) border: Option<[TilePipeline; 2]>,
 }
 
@@ -42,16 +42,16 @@ impl ReusePipelines {
         let pipeline = |vertex: &'static CStr, fragment: &'static CStr, output: Output| {
             tile_pipeline(gpu, format, SPIRV, &TileShader { vertex, fragment, has_lists: true, output })
         };
-        let both = |plain: &'static CStr, attenuated: &'static CStr, output: Output| {
-            let vertex = if output == Output::Blended { c"listed_strip" } else { c"listed" };
-            Ok([pipeline(vertex, plain, output)?, pipeline(vertex, attenuated, output)?])
+        let both = |vertex, [plain, attenuated]: [&'static CStr; 2], output| {
+            Ok::<_, GpuError>([pipeline(vertex, plain, output)?, pipeline(vertex, attenuated, output)?])
         };
-        let border = || both(c"border", c"border_attenuated", Output::Blended);
+        let border = || both(c"listed_border", [c"border", c"border_attenuated"], Output::Blended);
+        let all = Output::ColorAndAlpha;
         Ok(Self {
             fresh: pipeline(c"listed_with_work", c"pixel", Output::Color)?,
-            still: both(c"still", c"still_attenuated", Output::ColorAndAlpha)?,
-            whole: both(c"whole", c"whole_attenuated", Output::ColorAndAlpha)?,
-            mixed: both(c"mixed", c"mixed_attenuated", Output::ColorAndAlpha)?,
+            still: pipeline(c"listed", c"still_attenuated", all)?,
+            whole: both(c"listed_found", [c"whole", c"whole_attenuated"], all)?,
+            mixed: both(c"listed", [c"mixed", c"mixed_attenuated"], all)?,
             border: if gpu.can_blend(format) { Some(border()?) } else { None },
         })
     }

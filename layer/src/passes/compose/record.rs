@@ -1,14 +1,18 @@
 //! What is recorded for a frame.
 
 use super::ComposeJob;
+use super::copies::copy;
 use super::draws::{Draw, Draws};
 use super::pipelines::{Pipelines, ReusePipelines};
+use super::reuse::Age;
 use crate::gpu::barrier::{
     APP_COPIED_TO_RENDERED, APP_COPIED_TO_SAMPLED, APP_RENDERED_TO_COPIED, APP_RENDERED_TO_SAMPLED,
     APP_SAMPLED_TO_RENDERED, RUNTIME_ACQUIRED_TO_COPIED, RUNTIME_COPIED_TO_DRAWN,
 };
 use crate::gpu::{DrawRecorder, ListSet, Recorder, TileDraw, TilePipeline, UniformSet};
 use ash::vk;
+use parafovea_core::reuse::MAX_AGES;
+use smallvec::SmallVec;
 use std::ops::Range;
 
 /// What draws are bound to.
@@ -27,19 +31,28 @@ pub(super) fn record(
     sets: &Sets,
     pipelines: &[(vk::Format, Pipelines)],
 ) {
-    for job in jobs {
+    for (number, job) in jobs.iter().enumerate() {
         recorder.barrier(&APP_RENDERED_TO_COPIED, job.app_image(), job.layers());
         recorder.barrier(&RUNTIME_ACQUIRED_TO_COPIED, job.runtime_image(), job.layers());
+        for image in draws.copied_of(number).iter() {
+            recorder.barrier(&APP_RENDERED_TO_COPIED, job.app.images()[image], job.layers());
+        }
     }
-    for job in jobs {
-        recorder.copy_image(job.app_image(), job.runtime_image(), job.app.shape().extent, job.layers());
+    for (number, job) in jobs.iter().enumerate() {
+        copy(recorder, number, job, draws);
     }
     for (number, job) in jobs.iter().enumerate() {
         let app = if draws.any_of(number) { &APP_COPIED_TO_SAMPLED } else { &APP_COPIED_TO_RENDERED };
         recorder.barrier(app, job.app_image(), job.layers());
         recorder.barrier(&RUNTIME_COPIED_TO_DRAWN, job.runtime_image(), job.layers());
-        for image in draws.earlier_of(number).iter() {
-            recorder.barrier(&APP_RENDERED_TO_SAMPLED, job.app.images()[image], job.layers());
+        let (copied, sampled) = (draws.copied_of(number), draws.sampled_of(number));
+        for image in copied.without(sampled).iter() {
+            recorder.barrier(&APP_COPIED_TO_RENDERED, job.app.images()[image], job.layers());
+        }
+        for image in sampled.iter() {
+            let barrier =
+                if copied.contains(image) { &APP_COPIED_TO_SAMPLED } else { &APP_RENDERED_TO_SAMPLED };
+            recorder.barrier(barrier, job.app.images()[image], job.layers());
         }
     }
     for (number, job) in jobs.iter().enumerate() {
@@ -47,7 +60,7 @@ pub(super) fn record(
     }
     for (number, job) in jobs.iter().enumerate().filter(|(number, _)| draws.any_of(*number)) {
         recorder.barrier(&APP_SAMPLED_TO_RENDERED, job.app_image(), job.layers());
-        for image in draws.earlier_of(number).iter() {
+        for image in draws.sampled_of(number).iter() {
             recorder.barrier(&APP_SAMPLED_TO_RENDERED, job.app.images()[image], job.layers());
         }
     }
@@ -65,7 +78,8 @@ fn draw(
     let format = job.app.shape().format;
     let Some((_, pipelines)) = pipelines.iter().find(|(existing, _)| *existing == format) else { return };
     for layer in 0..job.layers() {
-        let mut of_layer = draws.iter().filter(|draw| draw.job == number && draw.layer == layer).peekable();
+        let of_layer = |draw: &&Draw| draw.job == number && draw.layer == layer && draw.draws();
+        let mut of_layer = draws.iter().filter(of_layer).peekable();
         let target = job.runtime.target(job.runtime_index, layer);
         let texture = job.app.texture(job.app_index, layer);
         let (Some(_), Some(target), Some(texture)) = (of_layer.peek(), target, texture) else { continue };
@@ -102,7 +116,8 @@ struct Completion<'a> {
 }
 
 impl Completion<'_> {
-    /// Borders last: they are blended with fresh tiles whose colour is attenuated already.
+    /// Parts of tiles over whole ones, the oldest first; borders last: they are blended with fresh tiles whose colour is
+    /// attenuated already.
     fn draw(&self) {
         let placed = self.draw.placed.borrow();
         let attenuates = self.draw.params.has_work();
@@ -110,18 +125,22 @@ impl Completion<'_> {
         if attenuates {
             self.tiles(&self.pipelines.fresh, placed.offset, self.texture, &placed.fresh);
         }
-        let Some(region) = self.draw.reuse else { return };
         let texture = |image: &super::EarlierImage| self.job.app.texture(image.app_index, image.array_layer);
-        for (index, image) in region.used() {
-            let (age, Some(texture)) = (&placed.ages[index], texture(image)) else { continue };
-            let whole = if age.is_still { &self.pipelines.still } else { &self.pipelines.whole };
-            self.tiles(&whole[variant], age.offset, texture, &age.whole);
-            self.tiles(&self.pipelines.mixed[variant], age.offset, texture, &age.mixed);
+        let ages: SmallVec<[(&Age, vk::DescriptorSet); MAX_AGES]> = self
+            .draw
+            .sampled()
+            .filter_map(|(index, image)| Some((&placed.ages[index], texture(image)?)))
+            .collect();
+        for (age, texture) in &ages {
+            let whole = if age.is_still { &self.pipelines.still } else { &self.pipelines.whole[variant] };
+            self.tiles(whole, age.offset, *texture, &age.whole);
+        }
+        for (age, texture) in ages.iter().rev() {
+            self.tiles(&self.pipelines.mixed[variant], age.offset, *texture, &age.mixed);
         }
         let Some(border) = &self.pipelines.border else { return };
-        for (index, image) in region.used() {
-            let (age, Some(texture)) = (&placed.ages[index], texture(image)) else { continue };
-            self.tiles(&border[variant], age.offset, texture, &age.border);
+        for (age, texture) in &ages {
+            self.tiles(&border[variant], age.offset, *texture, &age.border);
         }
     }
 

@@ -1,10 +1,11 @@
 //! What is taken from earlier pictures: where a frame's parameters and lists are written, and which instances are drawn.
 
+use super::draws::Draw;
 use super::{ComposeParams, MAX_REUSED};
 use crate::gpu::{Gpu, GpuError, ListSet, Recorder, UniformRing, Uses, WordRing};
 use ash::vk;
-use parafovea_core::kernels::compose::{ReuseParams, set_words};
-use parafovea_core::reuse::{MAX_AGES, Reuse, TileLists};
+use parafovea_core::kernels::compose::ReuseParams;
+use parafovea_core::reuse::{MAX_AGES, Reuse, TileLists, TileRects};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -36,18 +37,22 @@ pub struct EarlierImage {
     pub offset: [u32; 2],
 }
 
-impl ReuseRegion<'_> {
-    /// Of the ages from which something is taken: the index, and where the picture is.
-    pub(super) fn used(&self) -> impl Iterator<Item = (usize, &EarlierImage)> {
-        let TileLists { whole, mixed, border, .. } = self.lists;
-        let is_used = move |age: usize| {
-            !whole[age].is_empty() || !mixed[age].is_empty() || (self.border > 0.0 && !border[age].is_empty())
-        };
-        self.earlier.iter().enumerate().take(self.reuse.ages()).filter(move |(age, _)| is_used(*age))
+impl<'a> ReuseRegion<'a> {
+    /// The earlier pictures: their index, and where they are.
+    pub(super) fn pictures(&'a self) -> impl Iterator<Item = (usize, &'a EarlierImage)> {
+        self.earlier.iter().enumerate().take(self.reuse.ages())
+    }
+
+    /// Whether parts of tiles are drawn from the picture of this index.
+    pub(super) fn has_parts(&self, age: usize) -> bool {
+        !self.lists.mixed[age].is_empty()
+            || (self.border > 0.0 && !self.lists.border[age].iter().all(TileRects::is_empty))
     }
 
     fn words(&self) -> usize {
-        set_words(&self.reuse).map(<[u32]>::len).sum::<usize>() + self.lists.len()
+        // Lists begin at an even place.
+        let sets = self.reuse.pictures().map(|picture| picture.stale.words().len() + 1);
+        sets.sum::<usize>() + self.lists.words()
     }
 }
 
@@ -93,10 +98,10 @@ impl ReuseBuffers {
         uniforms: &UniformRing<ComposeParams>,
         regions: impl Iterator<Item = &'a ReuseRegion<'a>>,
     ) -> Result<Self, GpuError> {
-        // Of most tiles at most two parts are in the lists of an age.
+        // Were each tile for itself.
         let most = |region: &ReuseRegion| {
             let [columns, rows] = region.reuse.now().stale.tiles();
-            region.words() + columns as usize * rows as usize * (2 * region.reuse.ages() + 1)
+            region.words() + columns as usize * rows as usize * 2
         };
         let count = regions.map(most).sum::<usize>().next_power_of_two();
         let count = u32::try_from(count).map_err(|_| GpuError::Unsupported("so many tiles"))?;
@@ -119,44 +124,78 @@ impl ReuseBuffers {
         &self.set
     }
 
-    /// Writes what region `number` of a submit needs, from place `at` of its words on, which moves on.
+    /// Writes what a draw, the `number`th of a submit that needs any, draws from earlier pictures, from place `at` of the submit's
+    /// words on, which moves on.
     pub(super) fn place(
         &mut self,
         recorder: &Recorder,
         number: usize,
-        region: &ReuseRegion,
+        (draw, region): (&Draw, &ReuseRegion),
+        extent: [u32; 2],
         at: &mut u32,
     ) -> Result<Placed, GpuError> {
-        let first_word = self.words.write(recorder, *at, &[])?;
-        for words in set_words(&region.reuse) {
-            self.list(recorder, words, at)?;
-        }
-        let mut placed = Placed { fresh: self.list(recorder, &region.lists.fresh, at)?, ..Placed::default() };
-        let mut params = |age: usize, image: &EarlierImage| {
-            let params = ReuseParams::new(&region.reuse, age, image.offset, region.border, first_word);
-            let index = (number * (MAX_AGES + 1) + age) as u32;
-            let offset = self.params.write(recorder, index, &params)?;
-            Ok((offset, params.is_still()))
+        let plain = ReuseParams::new(&region.reuse, region.border);
+        let params = |this: &mut Self, age: usize, params: &ReuseParams| {
+            this.params.write(recorder, (number * (MAX_AGES + 1) + age) as u32, params)
         };
-        placed.offset = params(0, &EarlierImage::default())?.0;
-        for (index, image) in region.used() {
-            let (offset, is_still) = params(index + 1, image)?;
-            placed.ages[index] = Age { offset, is_still, ..Age::default() };
+        let mut placed = Placed { offset: params(self, 0, &plain)?, ..Placed::default() };
+        if draw.params.has_work() {
+            placed.fresh = self.list(recorder, &[&region.lists.fresh], at)?;
         }
-        for (index, _) in region.used() {
-            let (lists, age) = (region.lists, &mut placed.ages[index]);
-            age.whole = self.list(recorder, &lists.whole[index], at)?;
-            age.mixed = self.list(recorder, &lists.mixed[index], at)?;
-            if region.border > 0.0 {
-                age.border = self.list(recorder, &lists.border[index], at)?;
-            }
+        for (index, image) in draw.sampled() {
+            let age = index + 1;
+            let word = self.stale(recorder, region, index, at)?;
+            let written = plain.at_age(&region.reuse, age, image.offset, extent, word);
+            let lists = region.lists;
+            placed.ages[index] = Age {
+                offset: params(self, age, &written)?,
+                is_still: region.reuse.is_still_since(age),
+                whole: if draw.is_copied(region, index) {
+                    0..0
+                } else {
+                    self.list(recorder, &[&lists.whole[index]], at)?
+                },
+                mixed: self.list(recorder, &[&lists.mixed[index]], at)?,
+                border: self.list(recorder, &lists.border[index].each_ref(), at)?,
+            };
         }
         Ok(placed)
     }
 
-    fn list(&mut self, recorder: &Recorder, words: &[u32], at: &mut u32) -> Result<Range<u32>, GpuError> {
-        let first = self.words.write(recorder, *at, words)?;
+    /// Writes the stale tiles of the earlier picture of an index, where parts of tiles are taken from it; returns their place.
+    fn stale(
+        &mut self,
+        recorder: &Recorder,
+        region: &ReuseRegion,
+        index: usize,
+        at: &mut u32,
+    ) -> Result<u32, GpuError> {
+        let picture = region.reuse.pictures().nth(index);
+        match picture.filter(|_| !region.lists.mixed[index].is_empty()) {
+            Some(picture) => self.write(recorder, picture.stale.words(), at),
+            None => Ok(0),
+        }
+    }
+
+    /// Writes lists as one; returns its instances.
+    fn list(
+        &mut self,
+        recorder: &Recorder,
+        lists: &[&TileRects],
+        at: &mut u32,
+    ) -> Result<Range<u32>, GpuError> {
+        *at = at.next_multiple_of(2);
+        let first = self.write(recorder, &[], at)?;
+        for list in lists {
+            self.write(recorder, list.words(), at)?;
+        }
+        let count: usize = lists.iter().map(|list| list.len()).sum();
+        Ok(first / 2..first / 2 + count as u32)
+    }
+
+    fn write(&mut self, recorder: &Recorder, words: &[u32], at: &mut u32) -> Result<u32, GpuError> {
+        let place = self.words.write(recorder, *at, words)?;
         *at += words.len() as u32;
-        Ok(first..first + words.len() as u32)
+        Ok(place)
     }
 }

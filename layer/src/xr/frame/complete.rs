@@ -27,6 +27,7 @@ pub unsafe fn complete<'a>(
         return;
     }
     let how = if config.reuse.mode == ReuseMode::Paper { Completing::PAPER } else { Completing::TURNED };
+    let how = Completing { oldest: longest_period(&config) as usize, ..how };
     // SAFETY: the caller vouches for `info`.
     let scene = unsafe { only_projection(info) };
     let mut kept = [false; 2];

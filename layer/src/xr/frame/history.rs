@@ -20,16 +20,18 @@ pub struct Completing {
     pub turns: bool,
     /// How far fresh pixels beside re-used ones are blended, pixels.
     pub border: f32,
+    /// How many pictures ago a tile may have been rendered before a part that a newer picture has of it is taken from that.
+    pub oldest: usize,
 }
 
 impl Completing {
     /// As paper B does.
-    pub const PAPER: Self = Self { turns: false, border: 0.0 };
+    pub const PAPER: Self = Self { turns: false, border: 0.0, oldest: MAX_AGES };
     /// Turned with the head.
-    pub const TURNED: Self = Self { turns: true, border: 4.0 };
+    pub const TURNED: Self = Self { turns: true, border: 4.0, oldest: MAX_AGES };
 
     /// Width of blended borders, pixels. A head that stands still needs none: both sides of a border are of one picture but for
-    /// what moves in it, and on a CPU blending costs more than all the rest.
+    /// what moves in it.
     fn border_of(&self, reuse: &Reuse) -> f32 {
         if reuse.is_still() { 0.0 } else { self.border }
     }
@@ -91,7 +93,7 @@ impl History {
     pub fn complete(&mut self, eye: usize, how: Completing) {
         let EyeHistory { pictures, len, lists, .. } = &mut self.eyes[eye];
         match reuse(&pictures[..*len], how) {
-            Some(reuse) => lists.update(&reuse, how.border_of(&reuse)),
+            Some(reuse) => lists.update(&reuse, how.border_of(&reuse), how.oldest),
             None => lists.clear(),
         }
     }

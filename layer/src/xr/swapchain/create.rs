@@ -4,7 +4,7 @@ use super::description::Description;
 use super::eligibility::{NotSubstituted, filled_usage, runtime_usage, shape, vulkan_usage};
 use super::{SWAPCHAINS, Substitute, Swapchain};
 use crate::abi::guard;
-use crate::config::{longest_period, wants_maps};
+use crate::config::{images_for_reuse, wants_maps};
 use crate::link::BACKEND_MASK;
 use crate::passes::compose::{APP_USAGE, SwapchainShape};
 use crate::xr::instance::next_of_any;
@@ -154,8 +154,7 @@ fn substitute(
     let images = runtime_images(session, handle)
         .map_err(|result| format!("xrEnumerateSwapchainImages returned {result:?}"))?;
     let config = session.instance.config.get();
-    // Pictures of a whole period stay while the application draws one or two more.
-    let least = if session.may_reuse(&config) { longest_period(&config) + 2 } else { 0 };
+    let least = if session.may_reuse(&config) { images_for_reuse(&config) } else { 0 };
     let substitute = Substitute::new(&tools.gpu, shape, images, least).map_err(|error| error.to_string())?;
     let vk::Extent2D { width, height } = shape.extent;
     tracing::info!(
