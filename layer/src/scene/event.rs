@@ -87,6 +87,8 @@ pub struct PassFacts {
     pub has_own_rates: bool,
     /// Part of suspended and resumed rendering.
     pub is_suspended: bool,
+    /// It has a mask that may leave tiles out, but nothing after it fills those that are coarse.
+    pub is_unfilled: bool,
 }
 
 /// A copy, blit or resolve.

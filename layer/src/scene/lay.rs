@@ -10,7 +10,7 @@ mod rates;
 mod span;
 
 pub use eye_map::EyeMap;
-pub use rates::DeviceRates;
+pub use rates::{DeviceRates, refine_fresh};
 
 use super::{Eyes, Orientation, Part};
 use parafovea_core::reuse::STALE;

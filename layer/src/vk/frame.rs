@@ -6,7 +6,6 @@ mod plan;
 mod swapchains;
 
 pub use log::Log;
-pub use passes_file::is_wanted as passes_are_written;
 pub use plan::Plan;
 
 use super::objects::Objects;
@@ -23,6 +22,8 @@ pub struct Frame {
     plan: Mutex<Plan>,
     /// Number of the newest plan, to be looked at without the lock.
     serial: AtomicU64,
+    /// Whether it makes anything coarser that is rendered, the same way.
+    coarsens: AtomicBool,
     swapchains: Mutex<Swapchains>,
     log: Mutex<Log>,
     shown: Mutex<Shown>,
@@ -34,6 +35,7 @@ impl Frame {
     pub fn set_plan(&self, record: &PlanRecord, rates: [&[u8]; 2]) {
         let mut plan = lock(&self.plan);
         plan.take(record, rates);
+        self.coarsens.store(plan.coarsens(), Ordering::Relaxed);
         self.serial.store(plan.serial(), Ordering::Release);
     }
 
@@ -45,6 +47,11 @@ impl Frame {
     /// Number of the newest plan; 0 before the first.
     pub fn plan_serial(&self) -> u64 {
         self.serial.load(Ordering::Acquire)
+    }
+
+    /// Whether the newest plan makes anything coarser that is rendered.
+    pub fn coarsens(&self) -> bool {
+        self.coarsens.load(Ordering::Relaxed)
     }
 
     /// Takes the images of a swapchain, or, without any, forgets it; returns those that it had.

@@ -189,7 +189,9 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed:
             if !parts.is_empty() {
                 log.has_rates();
             }
-            candidate.content().note(queue, log.frame(), pass.area, parts);
+            let mut content = candidate.content();
+            content.note(queue, log.frame(), pass.area, parts);
+            content.note_fill(log.frame(), pass.facts.is_unfilled);
         }
     }
     armed.timing.submitted(&recorded.timer, log.frame());

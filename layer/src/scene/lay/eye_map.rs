@@ -13,6 +13,8 @@ pub struct EyeMap {
     texels: Vec<u8>,
     unary: Vec<u8>,
     used: RateSet,
+    /// Whether a tile that is not stale is coarser than 1x1.
+    coarsens: bool,
     stale: StaleTiles,
 }
 
@@ -36,6 +38,7 @@ impl EyeMap {
             self.texels.push(rate.texel() | stale);
             self.unary.push(unary(rate) | stale);
             self.used.insert(rate);
+            self.coarsens |= stale == 0 && rate != ShadingRate::R1X1;
         }
         self.stale.set(extent, texel, &self.texels);
     }
@@ -46,6 +49,7 @@ impl EyeMap {
         self.texels.clear();
         self.unary.clear();
         self.used = RateSet::default();
+        self.coarsens = false;
         self.stale.clear();
     }
 
@@ -72,6 +76,11 @@ impl EyeMap {
     /// The tiles that are stale.
     pub fn stale(&self) -> &StaleTiles {
         &self.stale
+    }
+
+    /// Whether a tile that is not stale is coarser than 1x1.
+    pub fn coarsens(&self) -> bool {
+        self.coarsens
     }
 
     pub(super) fn used(&self) -> RateSet {

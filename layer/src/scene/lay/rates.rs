@@ -53,6 +53,13 @@ impl DeviceRates {
     }
 }
 
+/// Makes texels that are not stale 1x1.
+pub fn refine_fresh(texels: &mut [u8]) {
+    for texel in texels {
+        *texel = if *texel & STALE == 0 { ShadingRate::R1X1.texel() } else { *texel };
+    }
+}
+
 /// Some rates, a bit for each texel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct RateSet(u16);

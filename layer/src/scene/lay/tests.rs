@@ -257,3 +257,18 @@ fn texels_on_the_border_of_two_eyes_are_the_finer_of_both() {
     let image = image([0, 0, 48, 16], [16, 16], 1);
     assert_eq!(laid([&left, &right], &parts, &image, &all_rates()), [10, 5, 5]);
 }
+
+#[test]
+fn what_is_rendered_can_be_kept_from_getting_coarse() {
+    let [full, coarse] = [ShadingRate::R1X1.texel(), ShadingRate::R4X4.texel()];
+    let mut texels = [full, coarse, coarse | STALE, full | STALE];
+    refine_fresh(&mut texels);
+    assert_eq!(texels, [full, full, coarse | STALE, full | STALE]);
+    let mut map = EyeMap::default();
+    for (texels, coarsens) in
+        [([full, coarse | STALE], false), ([coarse, full | STALE], true), ([full, full], false)]
+    {
+        map.set([32, 16], [16, 16], [2, 1], &texels);
+        assert_eq!(map.coarsens(), coarsens, "{texels:?}");
+    }
+}

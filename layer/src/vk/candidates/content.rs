@@ -32,7 +32,19 @@ pub struct Content {
     is_shared: bool,
     /// Whether the last pass that was submitted showed an eye's picture.
     is_scene: bool,
-    /// The texels of the last upload, where tests ask for them.
+    /// The last frame with a pass, and whether nothing fills what is coarse after one of that frame.
+    unfilled: (u64, bool),
+    /// Whether `laid` is on the GPU, or on its way.
+    is_laid: bool,
+    /// What the map on the GPU was made of last.
+    laid: Laid,
+}
+
+/// What a map is made of.
+#[derive(Debug, Default)]
+struct Laid {
+    area: [u32; 4],
+    parts: Parts,
     texels: Vec<u8>,
 }
 
@@ -143,15 +155,40 @@ impl Content {
         self.is_scene
     }
 
-    /// Keeps the texels that were uploaded, for tests.
-    pub fn keep(&mut self, texels: &[u8]) {
-        self.texels.clear();
-        self.texels.extend_from_slice(texels);
+    /// Notes of a pass in frame number `frame` whether nothing fills what is coarse after it.
+    pub fn note_fill(&mut self, frame: u64, is_unfilled: bool) {
+        let (last, was_unfilled) = self.unfilled;
+        self.unfilled = (frame, is_unfilled || (last == frame && was_unfilled));
+        self.is_changed |= self.is_unfilled() != was_unfilled;
     }
 
-    /// What was kept last.
-    pub fn kept(&self) -> &[u8] {
-        &self.texels
+    /// Whether nothing may be coarse, though tiles may be left out.
+    pub fn is_unfilled(&self) -> bool {
+        self.unfilled.1
+    }
+
+    /// Takes what the map on the GPU is to be made of: these texels, laid over `parts` of `area`. Whether that is news: else the
+    /// map is so already.
+    pub fn lay(&mut self, area: [u32; 4], parts: &[Part], texels: &[u8]) -> bool {
+        let laid = &mut self.laid;
+        let is_same = laid.area == area && laid.parts.as_slice() == parts && laid.texels == texels;
+        if !is_same {
+            laid.area = area;
+            laid.parts = parts.into();
+            laid.texels.clear();
+            laid.texels.extend_from_slice(texels);
+        }
+        !(std::mem::replace(&mut self.is_laid, true) && is_same)
+    }
+
+    /// What was laid did not get to the GPU.
+    pub fn lose(&mut self) {
+        self.is_laid = false;
+    }
+
+    /// The texels that the map on the GPU was made of.
+    pub fn texels(&self) -> &[u8] {
+        &self.laid.texels
     }
 
     /// All uses as one: the area around all render areas, and the parts as fractions of it. Where a pass draws that shows

@@ -63,11 +63,10 @@ pub fn write<'a>(
     let written = judged
         .enumerate()
         .try_for_each(|(index, (pass, judged))| {
-            let map = judged
-                .candidate
-                .as_ref()
-                .and_then(Weak::upgrade)
-                .map_or(String::new(), |candidate| map(candidate.map.size(), candidate.content().kept()));
+            let map =
+                judged.candidate.as_ref().and_then(Weak::upgrade).map_or(String::new(), |candidate| {
+                    map(candidate.map.size(), candidate.content().texels())
+                });
             file.write_all(line(objects, [frame, index as u64], pass, &judged.outcome, &map).as_bytes())
         })
         .and_then(|()| file.flush());

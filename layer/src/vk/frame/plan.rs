@@ -35,6 +35,11 @@ impl Plan {
         self.eyes.each_ref().map(EyeMap::stale)
     }
 
+    /// Whether any tile that is not stale is coarser than 1x1.
+    pub fn coarsens(&self) -> bool {
+        self.eyes.iter().any(EyeMap::coarsens)
+    }
+
     /// Lays the plan over what a pass draws; `texels` becomes the content of `image`.
     pub fn lay(&mut self, parts: &[Part], image: &RateImage, rates: &DeviceRates, texels: &mut Vec<u8>) {
         texels.clear();

@@ -5,6 +5,7 @@ use crate::gpu::{AppCommands, ImagePart};
 use crate::mask::{MaskFacts, MaskMap, Reason, eligible};
 use crate::scene::{Pass, PassFacts, Target};
 use crate::vk::armed::Armed;
+use crate::vk::backend::RateMap as _;
 use crate::vk::candidates::Candidate;
 use crate::vk::objects::Objects;
 use ash::vk;
@@ -17,6 +18,8 @@ pub struct OpenMask {
     /// Its depth, as the template takes it.
     depth: ImagePart,
     layouts: [vk::ImageLayout; 2],
+    /// Whether nothing is filled after it, because nothing is coarse.
+    is_unfilled: bool,
     /// What is filled after it, with its format and layout then.
     fills: SmallVec<[(ImagePart, vk::Format, vk::ImageLayout); 4]>,
 }
@@ -65,11 +68,9 @@ impl Masks {
             clears_depth_later: pass.facts.clears_depth_later || facts.clears_depth_later,
             ..pass.facts
         };
-        let outcome = self.opened(&armed.objects, target, attachments, place, |colors| MaskFacts {
-            pass,
-            depth: attachments.depth_facts(self, &armed.objects),
-            colors,
-            pipelines,
+        let coarsens = armed.frame.coarsens();
+        let outcome = self.opened(&armed.objects, (target, coarsens), attachments, place, |colors| {
+            MaskFacts { pass, depth: attachments.depth_facts(self, &armed.objects), colors, pipelines }
         });
         target.tell(outcome.as_ref().map(|_| ()).map_err(|reason| *reason));
         outcome
@@ -78,7 +79,7 @@ impl Masks {
     fn opened(
         &self,
         objects: &Objects,
-        target: &super::TargetMask,
+        (target, coarsens): (&super::TargetMask, bool),
         attachments: &Attachments,
         place: Place,
         facts: impl for<'a> FnOnce(&'a [crate::mask::ColorFacts]) -> MaskFacts<'a>,
@@ -100,6 +101,8 @@ impl Masks {
             return Err(Reason::Area);
         }
         let layers = target.layers();
+        // Copying all of a picture there and back costs more than many a pass.
+        let is_unfilled = target.leaves_out() && !coarsens;
         let mut fills = SmallVec::new();
         for color in attachments.colors.iter().filter(|color| color.is_stored) {
             map.prepare(color.format).map_err(|error| {
@@ -107,11 +110,13 @@ impl Masks {
                 Reason::Failed
             })?;
             let part = part(objects, color.target, vk::ImageAspectFlags::COLOR, layers)?;
-            fills.push((part, color.format, color.layout));
+            if !is_unfilled {
+                fills.push((part, color.format, color.layout));
+            }
         }
         let aspects = aspects(objects, depth.target)?;
         let depth_part = part(objects, depth.target, aspects, layers)?;
-        Ok(OpenMask { map, depth: depth_part, layouts: depth.layouts, fills })
+        Ok(OpenMask { map, depth: depth_part, layouts: depth.layouts, is_unfilled, fills })
     }
 
     /// Records what comes ahead of a pass that may have a mask, and returns that with what `loading` makes the pass begin
@@ -142,6 +147,7 @@ impl Masks {
                 // SAFETY: the caller vouches for the command buffer; the map is kept by the candidate, which the command
                 // buffer keeps.
                 let commands = unsafe { AppCommands::new(gpu, commands) };
+                pass.facts.is_unfilled = open.is_unfilled;
                 open.map.begin(&commands, open.depth, place.area, open.layouts);
                 Some((open, loading))
             }

@@ -3,11 +3,10 @@
 use super::Outdated;
 use super::slot::Slot;
 use crate::gpu::functions::Functions;
-use crate::scene::lay::RateImage;
+use crate::scene::lay::{RateImage, refine_fresh};
 use crate::vk::armed::Armed;
 use crate::vk::backend::Upload;
 use crate::vk::candidates::Need;
-use crate::vk::frame::passes_are_written;
 use ash::vk;
 use std::sync::{Mutex, PoisonError};
 
@@ -95,7 +94,7 @@ unsafe fn fill(
         for candidate in &outdated {
             let size = candidate.map.size();
             let len = candidate.map.staging_len();
-            let (image, parts) = {
+            let (image, parts, is_news) = {
                 let mut content = candidate.content();
                 let (area, parts) = content.whole();
                 let image = RateImage { area, texel: size.texel, tiles: size.tiles, layers: size.layers };
@@ -104,19 +103,27 @@ unsafe fn fill(
                 if !candidate.map.leaves_out() {
                     armed.rates.coarsen_stale(&mut slot.texels);
                 }
-                content.uploaded(plan.serial(), &parts, plan.stale());
-                if passes_are_written() {
-                    content.keep(&slot.texels);
+                if content.is_unfilled() {
+                    refine_fresh(&mut slot.texels);
                 }
-                (image, parts)
+                content.uploaded(plan.serial(), &parts, plan.stale());
+                let is_news = content.lay(area, &parts, &slot.texels);
+                (image, parts, is_news)
             };
+            if !is_news {
+                continue;
+            }
             slot.stage(offset, len, |texels, staging| candidate.map.stage(&parts, &image, texels, staging));
             let (commands, staging) = (slot.commands(), slot.buffer());
             candidate.map.record_upload(Upload { commands, staging, offset: offset as vk::DeviceSize, len });
             offset += len.next_multiple_of(ALIGNMENT);
         }
-        let Some(submit) = armed.next.queue_submit else { return Ok(()) };
-        slot.submit(functions, submit, queue, outdated)
+        let Some(submit) = armed.next.queue_submit.filter(|_| offset > 0) else { return Ok(()) };
+        let submitted = slot.submit(functions, submit, queue, outdated.clone());
+        if submitted.is_err() {
+            outdated.iter().for_each(|candidate| candidate.content().lose());
+        }
+        submitted
     }
 }
 

@@ -133,3 +133,36 @@ fn a_target_on_two_queues_is_not_written_any_more_but_to_shade_all() {
     uploaded(&mut content, 1);
     assert_eq!((content.need(2), content.leaves_out()), (Need::None, false));
 }
+
+#[test]
+fn what_is_on_the_gpu_already_is_no_news() {
+    let mut content = Content::initialised();
+    let (some, others) = ([STALE, 0], [0, STALE]);
+    assert!(content.lay(AREA, &full(), &some));
+    assert!(!content.lay(AREA, &full(), &some));
+    assert_eq!(content.texels(), some);
+    assert!(content.lay(AREA, &full(), &others), "other texels");
+    assert!(content.lay(AREA, &[part([0.0, 0.0, 0.5, 1.0])], &others), "other pictures");
+    assert!(content.lay([0, 0, 50, 50], &[part([0.0, 0.0, 0.5, 1.0])], &others), "another area");
+    content.lose();
+    assert!(content.lay([0, 0, 50, 50], &[part([0.0, 0.0, 0.5, 1.0])], &others), "it never got there");
+}
+
+/// A recording without a fill is given no coarse tiles as long as it is submitted.
+#[test]
+fn passes_without_a_fill_are_known_by_frame() {
+    let mut content = Content::initialised();
+    let noted = |content: &mut Content, frame, is_unfilled| {
+        note(content, frame, AREA, &full());
+        content.note_fill(frame, is_unfilled);
+        let found = (content.is_unfilled(), content.need(0));
+        uploaded(content, 0);
+        found
+    };
+    assert_eq!(noted(&mut content, 1, false), (false, Need::Upload));
+    assert_eq!(noted(&mut content, 2, false), (false, Need::None));
+    assert_eq!(noted(&mut content, 3, true), (true, Need::Upload));
+    assert_eq!(noted(&mut content, 3, false), (true, Need::None), "the other one of the frame is not");
+    assert_eq!(noted(&mut content, 4, true), (true, Need::None));
+    assert_eq!(noted(&mut content, 5, false), (false, Need::Upload));
+}
