@@ -2,14 +2,16 @@
 
 use glam::{Vec2, Vec3};
 use parafovea_core::geometry::{Fov, eccentricity};
-use parafovea_tests::compare::max_difference;
+use parafovea_tests::compare::{max_difference, psnr_db};
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, Outcome, Run};
-use parafovea_tests::scenario::{Head, Scenario, ScenarioExt};
+use parafovea_tests::scenario::{Head, Scenario, ScenarioExt, Zoom};
 
 /// Frames until passes are known and every swapchain image has had its turn.
 const RUN_UP: u64 = 20;
 const HZ: f64 = 90.0;
+/// Frames until everything was rendered once.
+const PERIOD: u64 = 3;
 
 fn config(mode: &str) -> String {
     format!(
@@ -89,6 +91,28 @@ fn a_turning_head_sees_the_world_stand_still() {
         ["paper", "on"].map(|mode| error(&off, &finish(run.clone().on(&config(mode)), frames), &saved));
     println!("mean squared error {paper:.1} without re-projection, {turned:.1} with it");
     assert!(turned <= paper / 4.0, "{turned} of {paper}");
+}
+
+/// Pictures of a narrower field of view are made of those of a wider one, and are the very same once all of them are narrow.
+#[test]
+fn a_field_of_view_may_change() {
+    let changed = RUN_UP + 3;
+    let frames = changed + 8;
+    let saved: Vec<u64> = (RUN_UP..frames).collect();
+    let mut scenario = Scenario::new(frames).sized(256, 224).saving(&saved);
+    scenario.clock.refresh_hz = HZ;
+    // The first frame's time is 0, and each has its own: half a frame before it is before no other.
+    scenario.zoom = vec![Zoom { t: (changed as f64 - 0.5) / HZ, scale: 0.8 }];
+    let run = Run::new(&application(&["--still"]), &scenario).counted();
+    let (off, on) = (finish(run.clone(), frames), finish(run.on(&config("on")), frames));
+    assert!(on.samples().unwrap() < off.samples().unwrap());
+    for (view, &frame) in (0..2).flat_map(|view| saved.iter().map(move |frame| (view, frame))) {
+        let (off, on) = (off.submitted(view, frame).unwrap(), on.submitted(view, frame).unwrap());
+        let is_changing = (changed..changed + PERIOD).contains(&frame);
+        let bound_db = if is_changing { 30.0 } else { 48.0 };
+        let psnr_db = psnr_db(&off, &on, |_, _| true);
+        assert!(psnr_db >= bound_db, "{psnr_db} dB in view {view} of frame {frame}");
+    }
 }
 
 /// What moved while nothing was rendered is not seen where it was before.

@@ -8,12 +8,13 @@ use std::path::Path;
 use std::process::Command;
 
 /// The benches, and the packages that they are in.
-const BENCHES: [(&str, &str); 5] = [
+const BENCHES: [(&str, &str); 6] = [
     ("break-even", "parafovea-tests"),
     ("ears", "parafovea-ears"),
     ("frame", "parafovea-tests"),
     ("models", "parafovea-models"),
     ("overhead", "parafovea-tests"),
+    ("reuse", "parafovea-tests"),
 ];
 
 /// The packages that need ALSA's library.

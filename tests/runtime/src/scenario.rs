@@ -36,6 +36,8 @@ pub struct Scenario {
     pub head: Vec<Head>,
     /// Keyframes of the gaze in the VIEW space, interpolated linearly.
     pub gaze: Vec<Gaze>,
+    /// Keyframes of the fields of view; each lasts until the next.
+    pub zoom: Vec<Zoom>,
     /// Keyframes of buttons, triggers and sticks; each lasts until the next of the same path.
     pub input: Vec<Input>,
 }
@@ -247,6 +249,16 @@ pub struct Gaze {
     pub pitch_deg: f32,
     /// Whether the tracker sees the eyes, from here to the next keyframe.
     pub tracked: bool,
+}
+
+/// A `[[zoom]]` keyframe.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Zoom {
+    /// Seconds since the display time of the first frame.
+    pub t: f64,
+    /// What every view's `fov_deg` is multiplied by, 0.1 to 1.
+    pub scale: f32,
 }
 
 /// An `[[input]]` keyframe.

@@ -1,7 +1,7 @@
 //! What the scenario's keyframes say at a time.
 
 use crate::pose::Pose;
-use crate::scenario::{Gaze, Head, Input};
+use crate::scenario::{Gaze, Head, Input, Zoom};
 use glam::{EulerRot, Quat, Vec3};
 
 /// The head in the LOCAL space.
@@ -25,6 +25,11 @@ pub(crate) fn gaze_at(frames: &[Gaze], t: f64) -> Option<Quat> {
     let to = if to.tracked { to } else { from };
     let mix = |get: fn(&Gaze) -> f32| get(from) + (get(to) - get(from)) * amount;
     from.tracked.then(|| orientation(mix(|gaze| gaze.yaw_deg), mix(|gaze| gaze.pitch_deg), 0.0))
+}
+
+/// What the fields of view are multiplied by.
+pub(crate) fn zoom_at(frames: &[Zoom], t: f64) -> f32 {
+    frames.iter().rev().find(|frame| frame.t <= t).map_or(1.0, |frame| frame.scale)
 }
 
 /// What the last keyframe of an input said; nothing before the first.

@@ -4,7 +4,7 @@ use crate::abi::pointers::{In, List, Out};
 use crate::fault::{Fault, section};
 use crate::pose::Pose;
 use crate::runtime::{Runtime, call};
-use crate::{scenario, spaces, system};
+use crate::{scenario, script, spaces, system};
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
 
@@ -13,14 +13,19 @@ pub(crate) fn pose(view: &scenario::View) -> Pose {
     Pose { orientation: Quat::from_array(view.orientation).normalize(), position: Vec3::from(view.position) }
 }
 
-/// A view's field of view.
+/// A view's field of view, unless it is zoomed.
 pub(crate) fn fov(view: &scenario::View) -> xr::Fovf {
+    zoomed(view, 1.0)
+}
+
+fn zoomed(view: &scenario::View, scale: f32) -> xr::Fovf {
     let scenario::FovDegrees { left, right, up, down } = view.fov_deg;
+    let angle = |degrees: f32| (degrees * scale).to_radians();
     xr::Fovf {
-        angle_left: left.to_radians(),
-        angle_right: right.to_radians(),
-        angle_up: up.to_radians(),
-        angle_down: down.to_radians(),
+        angle_left: angle(left),
+        angle_right: angle(right),
+        angle_up: angle(up),
+        angle_down: angle(down),
     }
 }
 
@@ -71,6 +76,7 @@ fn located(runtime: &Runtime, session: xr::Session, info: &xr::ViewLocateInfo) -
         ),
         None => (head, xr::ViewStateFlags::EMPTY),
     };
-    let place = |view: &scenario::View| (base.inverse().then(head).then(pose(view)), fov(view));
+    let zoom = script::zoom_at(&runtime.scenario.zoom, runtime.clock.scenario_seconds(time));
+    let place = |view: &scenario::View| (base.inverse().then(head).then(pose(view)), zoomed(view, zoom));
     Ok((runtime.scenario.views.iter().map(place).collect(), flags))
 }

@@ -43,6 +43,10 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), String> {
     }
     ascending("head", scenario.head.iter().map(|head| head.t))?;
     ascending("gaze", scenario.gaze.iter().map(|gaze| gaze.t))?;
+    ascending("zoom", scenario.zoom.iter().map(|zoom| zoom.t))?;
+    for zoom in &scenario.zoom {
+        within("zoom.scale", zoom.scale, 0.1..=1.0)?;
+    }
     for input in &scenario.input {
         let value = input.value.pair();
         within("input.value", value[0], -1.0..=1.0)?;

@@ -20,6 +20,7 @@ impl Default for Scenario {
             views: vec![eye(-0.032), eye(0.032)],
             head: vec![Head::default()],
             gaze: vec![Gaze::default()],
+            zoom: Vec::new(),
             input: Vec::new(),
         }
     }
