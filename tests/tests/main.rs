@@ -13,6 +13,7 @@ mod input;
 mod loader_1_1;
 mod native;
 mod overhead;
+mod panics;
 mod pictures;
 mod rates;
 mod readme;

@@ -3,17 +3,45 @@
 use std::any::Any;
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Mutex, PoisonError};
+
+#[cfg(debug_assertions)]
+mod planted;
 
 /// What the layer below answered to the call that a hook stands in.
 ///
 /// A hook records it, so that a panic after that neither repeats the call nor changes its result.
-pub struct Answer<R>(Cell<Option<R>>);
+pub struct Answer<R> {
+    result: Cell<Option<R>>,
+    #[cfg(debug_assertions)]
+    call: &'static str,
+}
 
 impl<R: Copy> Answer<R> {
+    /// To the exported function `call`.
+    fn to(call: &'static str) -> Self {
+        #[cfg(not(debug_assertions))]
+        let _ = call;
+        Self {
+            result: Cell::new(None),
+            #[cfg(debug_assertions)]
+            call,
+        }
+    }
+
     /// Records the answer, and returns it.
     pub fn record(&self, result: R) -> R {
-        self.0.set(Some(result));
+        self.result.set(Some(result));
+        #[cfg(debug_assertions)]
+        planted::after(self.call);
         result
+    }
+}
+
+impl Answer<()> {
+    /// Records that the call was made.
+    pub fn made(&self) {
+        self.record(());
     }
 }
 
@@ -24,21 +52,35 @@ pub fn guard<R: Copy>(
     pass_through: impl FnOnce() -> R,
     hook: impl FnOnce(&Answer<R>) -> R,
 ) -> R {
-    let answer = Answer(Cell::new(None));
+    let answer = Answer::to(call);
+    let hook = |answer: &_| {
+        #[cfg(debug_assertions)]
+        planted::before(call);
+        hook(answer)
+    };
     // Unwind safety: whatever a hook may leave half done is behind a mutex or an atomic of ours, and is only
     // state about the application's objects, never memory that others own.
     match catch_unwind(AssertUnwindSafe(|| hook(&answer))) {
         Ok(result) => result,
         Err(panic) => {
             report(call, panic);
-            answer.0.get().unwrap_or_else(pass_through)
+            answer.result.get().unwrap_or_else(pass_through)
         }
     }
 }
 
+/// The calls that panicked: each is told of once.
+static REPORTED: Mutex<Vec<&'static str>> = Mutex::new(Vec::new());
+
 /// Logs a panic. Dropping the payload, and logging, may panic again: neither gets out.
 fn report(call: &'static str, panic: Box<dyn Any + Send>) {
     let logged = catch_unwind(AssertUnwindSafe(|| {
+        let mut reported = REPORTED.lock().unwrap_or_else(PoisonError::into_inner);
+        if reported.contains(&call) {
+            return drop(panic);
+        }
+        reported.push(call);
+        drop(reported);
         let text = panic
             .downcast_ref::<&str>()
             .copied()

@@ -86,42 +86,75 @@ pub unsafe extern "system" fn create(
     allocator: *const vk::AllocationCallbacks<'_>,
     device: *mut vk::Device,
 ) -> vk::Result {
-    const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
-    // Without the next layer, which the hook finds, there is nothing to pass the call to.
+    // SAFETY: the application vouches for `info` and `device` (valid usage of vkCreateDevice), the loader for what it put into the
+    // chain, and out of which it reads its own pointers.
+    let before = unsafe { (*device, chain::device_link(info).map(|at| (at, *at))) };
     guard(
         "vkCreateDevice",
-        || FAILED,
-        |answer| {
-            // SAFETY: the application vouches for the handle and `info` (valid usage of vkCreateDevice), the
-            // loader for what it put into the chain.
-            let found = unsafe { instance::of(physical_device).zip(chain::advance_device(info)) };
-            let Some((instance, next)) = found else { return FAILED };
-            let name = c"vkCreateDevice".as_ptr();
-            // SAFETY: the loader gave the pointer, the instance is live, and the name gives the type.
-            let create = unsafe {
-                std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkCreateDevice>>((next
-                    .get_instance_proc_addr)(
-                    instance.handle,
-                    name,
-                ))
-            };
-            let Some(create) = create else { return FAILED };
-            let will_be_armed = instance.enabled && next.set_device_loader_data.is_some();
-            let below = Below { create, instance: &instance, physical_device, info, allocator, device };
-            // SAFETY: the application's own arguments; the loader's structure is advanced.
-            let (result, enabled) = unsafe { below.create(will_be_armed) };
-            if result != vk::Result::SUCCESS {
-                return result;
+        || {
+            let (handle, link) = before;
+            // SAFETY: as above; all is as it was before the hook.
+            unsafe {
+                *device = handle;
+                if let Some((at, link)) = link {
+                    *at = link;
+                }
+                create_tracked(physical_device, info, allocator, device, false).0
             }
-            // SAFETY: the call succeeded, so `device` points to a live device of the next layer.
-            let Some(state) = (unsafe { track(&instance, physical_device, *device, next, enabled) }) else {
-                return FAILED;
-            };
+        },
+        |answer| {
+            // SAFETY: the application's own arguments.
+            let (result, state) = unsafe { create_tracked(physical_device, info, allocator, device, true) };
             let result = answer.record(result);
-            tracing::info!("Vulkan device: {state}");
+            if let Some(state) = state {
+                tracing::info!("Vulkan device: {state}");
+            }
             result
         },
     )
+}
+
+/// Creates a device and tracks it, armed where that is `wanted` and the instance is enabled. Says in which state it is.
+///
+/// # Safety
+///
+/// The arguments of vkCreateDevice, as a Vulkan loader hands them to a layer.
+unsafe fn create_tracked(
+    physical_device: vk::PhysicalDevice,
+    info: *const vk::DeviceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    device: *mut vk::Device,
+    wanted: bool,
+) -> (vk::Result, Option<&'static str>) {
+    const FAILED: (vk::Result, Option<&str>) = (vk::Result::ERROR_INITIALIZATION_FAILED, None);
+    // SAFETY: the caller vouches for the handle, `info` and the chain.
+    let found = unsafe { instance::of(physical_device).zip(chain::advance_device(info)) };
+    let Some((instance, mut next)) = found else { return FAILED };
+    let name = c"vkCreateDevice".as_ptr();
+    // SAFETY: the loader gave the pointer, the instance is live, and the name gives the type.
+    let create = unsafe {
+        std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkCreateDevice>>((next
+            .get_instance_proc_addr)(
+            instance.handle, name
+        ))
+    };
+    let Some(create) = create else { return FAILED };
+    if !wanted {
+        // Without it no device is armed.
+        next.set_device_loader_data = None;
+    }
+    let will_be_armed = instance.enabled && next.set_device_loader_data.is_some();
+    let below = Below { create, instance: &instance, physical_device, info, allocator, device };
+    // SAFETY: the application's own arguments; the loader's structure is advanced.
+    let (result, enabled) = unsafe { below.create(will_be_armed) };
+    if result != vk::Result::SUCCESS {
+        return (result, None);
+    }
+    // SAFETY: the call succeeded, so `device` points to a live device of the next layer.
+    match unsafe { track(&instance, physical_device, *device, next, enabled) } {
+        Some(state) => (result, Some(state)),
+        None => FAILED,
+    }
 }
 
 /// The call down to create a device.
@@ -260,21 +293,22 @@ unsafe fn track(
 
 /// `vkDestroyDevice`.
 pub unsafe extern "system" fn destroy(device: vk::Device, allocator: *const vk::AllocationCallbacks<'_>) {
-    guard(
-        "vkDestroyDevice",
-        || (),
-        |_| {
-            // SAFETY: the application vouches that the device is null or live until the call down.
-            let key = unsafe { DispatchKey::of(device) };
-            key.into_iter().for_each(recording::compute::device_ends);
-            if let Some(known) = key.and_then(|key| DEVICES.remove(key)) {
-                if let Some(armed) = &known.armed {
-                    recording::forget_device(armed);
-                    armed.destroy_own();
-                }
-                // SAFETY: the next layer's function with the application's own arguments.
-                unsafe { (known.next.destroy_device)(device, allocator) }
-            }
-        },
-    );
+    // SAFETY: the application vouches that the device is null or live until the call down.
+    let key = unsafe { DispatchKey::of(device) };
+    let Some((key, known)) = key.and_then(|key| Some((key, DEVICES.get(key)?))) else { return };
+    let destroy = || {
+        DEVICES.remove(key);
+        // SAFETY: the next layer's function with the application's own arguments.
+        unsafe { (known.next.destroy_device)(device, allocator) }
+    };
+    guard("vkDestroyDevice", destroy, |answer| {
+        recording::compute::device_ends(key);
+        DEVICES.remove(key);
+        if let Some(armed) = &known.armed {
+            recording::forget_device(armed);
+            armed.destroy_own();
+        }
+        destroy();
+        answer.made();
+    });
 }

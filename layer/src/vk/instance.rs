@@ -41,39 +41,70 @@ pub unsafe extern "system" fn create(
     allocator: *const vk::AllocationCallbacks<'_>,
     instance: *mut vk::Instance,
 ) -> vk::Result {
-    const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
-    // Without the next layer, which the hook finds, there is nothing to pass the call to.
+    // SAFETY: the application vouches for `info` and `instance` (valid usage of vkCreateInstance), the loader for what it put
+    // into the chain, and out of which it reads its own pointers.
+    let before = unsafe { (*instance, chain::instance_link(info).map(|at| (at, *at))) };
     guard(
         "vkCreateInstance",
-        || FAILED,
-        |answer| {
-            // SAFETY: the application vouches for `info` (valid usage of vkCreateInstance), the loader for what
-            // it put into the chain.
-            let Some(next) = (unsafe { chain::advance_instance(info) }) else { return FAILED };
-            let name = c"vkCreateInstance".as_ptr();
-            // SAFETY: the loader gave the pointer; a null instance is right for this name, which gives the type.
-            let create = unsafe {
-                std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkCreateInstance>>((next
-                    .get_instance_proc_addr)(
-                    vk::Instance::null(),
-                    name,
-                ))
-            };
-            let Some(create) = create else { return FAILED };
-            // SAFETY: the application's own arguments; the loader's structure is advanced.
-            let result = unsafe { create_below(create, info, allocator, instance) };
-            // SAFETY: where the call succeeded, `instance` points to a live instance of the next layer.
-            if result == vk::Result::SUCCESS && unsafe { track(info, *instance, next) }.is_none() {
-                return FAILED;
+        || {
+            let (handle, link) = before;
+            // SAFETY: as above; all is as it was before the hook.
+            unsafe {
+                *instance = handle;
+                if let Some((at, link)) = link {
+                    *at = link;
+                }
+                create_tracked(info, allocator, instance, false)
             }
-            let result = answer.record(result);
-            tracing::info!("Vulkan instance: {}", Enablement::of_process());
+        },
+        |answer| {
+            let enablement = Enablement::of_process();
+            let enabled = enablement == Enablement::Enabled;
+            // SAFETY: the application's own arguments.
+            let result = answer.record(unsafe { create_tracked(info, allocator, instance, enabled) });
+            if result == vk::Result::SUCCESS {
+                tracing::info!("Vulkan instance: {enablement}");
+            }
             result
         },
     )
 }
 
-/// Creates the instance with what rate attachments need, or exactly as the application asks where that fails.
+/// Creates an instance, whose devices are armed where `enabled` says so, and tracks it.
+///
+/// # Safety
+///
+/// The arguments of vkCreateInstance, as a Vulkan loader hands them to a layer.
+unsafe fn create_tracked(
+    info: *const vk::InstanceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    instance: *mut vk::Instance,
+    enabled: bool,
+) -> vk::Result {
+    const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
+    // SAFETY: the caller vouches for the arguments and the chain.
+    let Some(next) = (unsafe { chain::advance_instance(info) }) else { return FAILED };
+    let name = c"vkCreateInstance".as_ptr();
+    // SAFETY: the loader gave the pointer; a null instance is right for this name, which gives the type.
+    let create = unsafe {
+        std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkCreateInstance>>((next
+            .get_instance_proc_addr)(
+            vk::Instance::null(),
+            name,
+        ))
+    };
+    let Some(create) = create else { return FAILED };
+    // SAFETY: the application's own arguments; the loader's structure is advanced.
+    let result = unsafe { create_below(create, info, allocator, instance, enabled) };
+    // SAFETY: where the call succeeded, `instance` points to a live instance of the next layer.
+    if result == vk::Result::SUCCESS && unsafe { track(info, *instance, next, enabled) }.is_none() {
+        return FAILED;
+    }
+    result
+}
+
+/// Creates the instance with what rate attachments need where it is `enabled`, or exactly as the application asks where that
+/// fails or it is not.
 ///
 /// # Safety
 ///
@@ -83,6 +114,7 @@ unsafe fn create_below(
     info: *const vk::InstanceCreateInfo<'_>,
     allocator: *const vk::AllocationCallbacks<'_>,
     instance: *mut vk::Instance,
+    enabled: bool,
 ) -> vk::Result {
     // SAFETY: the caller vouches for the arguments. The loader below reads its own pointers out of `instance` and
     // of its structure in the chain, which the first attempt may have changed.
@@ -90,7 +122,6 @@ unsafe fn create_below(
         let mut room = room::<64>();
         let mut copies = Copies::new(&mut room);
         let version = requested_version((*info).p_application_info.as_ref());
-        let enabled = Enablement::of_process() == Enablement::Enabled;
         if let Some(amended) =
             enabled.then(|| rates::create::instance(&*info, version, &mut copies)).flatten()
         {
@@ -118,6 +149,7 @@ unsafe fn track(
     info: *const vk::InstanceCreateInfo<'_>,
     handle: vk::Instance,
     next: NextInstance,
+    enabled: bool,
 ) -> Option<()> {
     // SAFETY: the caller vouches for `info`, the handle and the pointer.
     unsafe {
@@ -127,7 +159,7 @@ unsafe fn track(
             key,
             Arc::new(Instance {
                 handle,
-                enabled: Enablement::of_process() == Enablement::Enabled,
+                enabled,
                 api_version: requested_version((*info).p_application_info.as_ref()),
                 next: table,
                 get_instance_proc_addr: next.get_instance_proc_addr,
@@ -145,16 +177,16 @@ fn requested_version(application: Option<&vk::ApplicationInfo<'_>>) -> u32 {
 
 /// `vkDestroyInstance`.
 pub unsafe extern "system" fn destroy(instance: vk::Instance, allocator: *const vk::AllocationCallbacks<'_>) {
-    guard(
-        "vkDestroyInstance",
-        || (),
-        |_| {
-            // SAFETY: the application vouches that the instance is null or live until the call down.
-            let key = unsafe { DispatchKey::of(instance) };
-            if let Some(known) = key.and_then(|key| INSTANCES.remove(key)) {
-                // SAFETY: the next layer's function with the application's own arguments.
-                unsafe { (known.next.destroy_instance)(instance, allocator) }
-            }
-        },
-    );
+    // SAFETY: the application vouches that the instance is null or live until the call down.
+    let key = unsafe { DispatchKey::of(instance) };
+    let Some((key, known)) = key.and_then(|key| Some((key, INSTANCES.get(key)?))) else { return };
+    let destroy = || {
+        INSTANCES.remove(key);
+        // SAFETY: the next layer's function with the application's own arguments.
+        unsafe { (known.next.destroy_instance)(instance, allocator) }
+    };
+    guard("vkDestroyInstance", destroy, |answer| {
+        destroy();
+        answer.made();
+    });
 }

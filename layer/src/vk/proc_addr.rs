@@ -16,7 +16,16 @@ pub unsafe extern "system" fn instance(handle: vk::Instance, name: *const c_char
     // SAFETY: the caller passes a null-terminated name, and an instance that is null or live.
     guard(
         "vkGetInstanceProcAddr",
-        || None,
+        // SAFETY: as above.
+        || unsafe {
+            let name = text(&name)?;
+            global_hook(name)
+                // The loader makes devices, and ends all, through these.
+                .or_else(|| instance_hook(name))
+                .or_else(|| physical_device_hook(name))
+                .or_else(|| device_hook(name))
+                .or_else(|| (instance::of(handle)?.get_instance_proc_addr)(handle, name.as_ptr()))
+        },
         |_| unsafe {
             let name = text(&name)?;
             // Before any look-up: the instance may be null, or not tracked yet.
@@ -39,7 +48,8 @@ pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) ->
     // SAFETY: the caller passes a null-terminated name and a live device.
     guard(
         "vkGetDeviceProcAddr",
-        || None,
+        // SAFETY: as above.
+        || unsafe { (device::of(handle)?.get_device_proc_addr)(handle, text(&name)?.as_ptr()) },
         |_| unsafe {
             let name = text(&name)?;
             let known = device::of(handle)?;
@@ -80,7 +90,8 @@ pub unsafe extern "system" fn physical_device(
     // SAFETY: the caller passes a null-terminated name and a live instance.
     guard(
         "vk_layerGetPhysicalDeviceProcAddr",
-        || None,
+        // SAFETY: as above.
+        || unsafe { (instance::of(handle)?.get_physical_device_proc_addr?)(handle, text(&name)?.as_ptr()) },
         |_| unsafe {
             let name = text(&name)?;
             let known = instance::of(handle)?;

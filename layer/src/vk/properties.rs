@@ -61,7 +61,14 @@ pub unsafe extern "system" fn enumerate_device_extensions(
     const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
     guard(
         "vkEnumerateDeviceExtensionProperties",
-        || FAILED,
+        || {
+            // SAFETY: a live physical device, and the caller's arguments for the next layer's function.
+            unsafe {
+                instance::of(physical_device).map_or(FAILED, |known| {
+                    (known.next.enumerate_device_extensions)(physical_device, layer, count, properties)
+                })
+            }
+        },
         |_| {
             // SAFETY: the caller passes null or a null-terminated name, a count, and a live physical device; what
             // is not ours to answer goes to the next layer's function with the same arguments.

@@ -26,7 +26,14 @@ pub unsafe extern "system" fn submit(
     // SAFETY: the application's own arguments: `count` valid structures with their arrays.
     guard(
         "vkQueueSubmit",
-        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                device::with: queue,
+                queue_submit(queue, count, submits, fence),
+                vk::Result::ERROR_INITIALIZATION_FAILED
+            )
+        },
         |answer| unsafe {
             let Some((known, next)) = device::with(queue, |next| next.queue_submit) else {
                 return vk::Result::ERROR_INITIALIZATION_FAILED;
@@ -52,7 +59,14 @@ pub unsafe extern "system" fn submit2(
     // SAFETY: the application's own arguments: `count` valid structures with their arrays.
     guard(
         "vkQueueSubmit2",
-        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                device::with: queue,
+                queue_submit2(queue, count, submits, fence),
+                vk::Result::ERROR_INITIALIZATION_FAILED
+            )
+        },
         |answer| unsafe {
             let Some((known, next)) = device::with(queue, |next| next.queue_submit2) else {
                 return vk::Result::ERROR_INITIALIZATION_FAILED;

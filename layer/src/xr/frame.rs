@@ -83,7 +83,24 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
     };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.end_frame)(handle, info) };
-    guard("xrEndFrame", below, |answer| {
+    // After a panic the runtime's images are still written, from what the application drew as it is.
+    let pass_on = || {
+        let _section = known.as_ref().and_then(|known| known.runtime_section());
+        if let Some((known, active)) = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)))
+        {
+            active.worsen_to(Health::CopyOnly);
+            let deliver = || {
+                // SAFETY: valid usage: `info` and what it points to are valid.
+                if let Some(info) = unsafe { info.as_ref() } {
+                    // SAFETY: as above.
+                    unsafe { deliver(known, active, info) };
+                }
+            };
+            guard("the pictures of a frame", || (), |_| deliver());
+        }
+        below()
+    };
+    guard("xrEndFrame", pass_on, |answer| {
         let _section = known.as_ref().and_then(|known| known.runtime_section());
         if let Some((known, active)) = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)))
         {

@@ -81,7 +81,16 @@ pub unsafe extern "system" fn create(
     };
     // SAFETY: the application's own arguments.
     let as_asked = || unsafe { below.create(info, instance) };
-    guard("xrCreateInstance", as_asked, |answer| {
+    // As if nothing of ours were there; but the loader asks us for all of its functions.
+    let inert = || {
+        let result = as_asked();
+        if result == xr::Result::SUCCESS {
+            // SAFETY: the call succeeded, so `instance` is valid.
+            track(&below, unsafe { *instance }, None, GazeExtension::Off);
+        }
+        result
+    };
+    guard("xrCreateInstance", inert, |answer| {
         // SAFETY: the loader checked that `info` and `instance` are not null; both are valid, as
         // xrCreateInstance demands.
         let (Some(info), Some(handle)) = (unsafe { (info.as_ref(), instance.as_mut()) }) else {
@@ -97,10 +106,10 @@ pub unsafe extern "system" fn create(
             }
             None => (as_asked(), GazeExtension::Off),
         };
-        if answer.record(result) == xr::Result::SUCCESS {
+        if result == xr::Result::SUCCESS {
             track(&below, *handle, wanted, eye_gaze);
         }
-        result
+        answer.record(result)
     })
 }
 

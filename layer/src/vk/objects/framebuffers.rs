@@ -44,7 +44,14 @@ pub unsafe extern "system" fn create(
 ) -> vk::Result {
     guard(
         "vkCreateFramebuffer",
-        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                device::with: device,
+                create_framebuffer(device, info, allocator, framebuffer),
+                vk::Result::ERROR_INITIALIZATION_FAILED
+            )
+        },
         |answer| {
             // SAFETY: the application's own arguments; on success `info` and `framebuffer` are valid.
             unsafe {
@@ -83,8 +90,9 @@ pub unsafe extern "system" fn destroy(
 ) {
     guard(
         "vkDestroyFramebuffer",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, destroy_framebuffer(device, framebuffer, allocator), ()) },
+        |answer| {
             // SAFETY: the application's own arguments.
             unsafe {
                 let Some((known, next)) = device::with(device, |next| next.destroy_framebuffer) else {
@@ -97,6 +105,7 @@ pub unsafe extern "system" fn destroy(
                     rates.forget_framebuffer(framebuffer);
                 }
                 next(device, framebuffer, allocator);
+                answer.made();
             }
         },
     );

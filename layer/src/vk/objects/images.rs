@@ -71,7 +71,14 @@ pub unsafe extern "system" fn create(
 ) -> vk::Result {
     guard(
         "vkCreateImage",
-        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                device::with: device,
+                create_image(device, info, allocator, image),
+                vk::Result::ERROR_INITIALIZATION_FAILED
+            )
+        },
         |answer| {
             // SAFETY: the application's own arguments; on success `info` and `image` are valid.
             unsafe {
@@ -110,8 +117,9 @@ pub unsafe extern "system" fn destroy(
 ) {
     guard(
         "vkDestroyImage",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, destroy_image(device, image, allocator), ()) },
+        |answer| {
             // SAFETY: the application's own arguments.
             unsafe {
                 let Some((known, next)) = device::with(device, |next| next.destroy_image) else { return };
@@ -125,6 +133,7 @@ pub unsafe extern "system" fn destroy(
                     }
                 }
                 next(device, image, allocator);
+                answer.made();
             }
         },
     );
@@ -138,8 +147,11 @@ pub unsafe extern "system" fn memory_requirements(
 ) {
     guard(
         "vkGetDeviceImageMemoryRequirements",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(device::with: device, image_memory_requirements(device, info, requirements), ())
+        },
+        |answer| {
             // SAFETY: the application's own arguments: `info` and the creation in it are valid.
             unsafe {
                 let Some((known, next)) = device::with(device, |next| next.image_memory_requirements) else {
@@ -152,6 +164,7 @@ pub unsafe extern "system" fn memory_requirements(
                         let image = vk::ImageCreateInfo { usage, ..*image };
                         let amended = vk::DeviceImageMemoryRequirements { p_create_info: &image, ..*info };
                         next(device, &amended, requirements);
+                        answer.made();
                     }
                     None => next(device, info, requirements),
                 }

@@ -17,12 +17,14 @@ pub struct QueueId {
 pub unsafe extern "system" fn get(device: vk::Device, family: u32, index: u32, queue: *mut vk::Queue) {
     guard(
         "vkGetDeviceQueue",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, get_device_queue(device, family, index, queue), ()) },
+        |answer| {
             // SAFETY: the application's own arguments; the call writes a queue.
             unsafe {
                 let Some((known, next)) = device::with(device, |next| next.get_device_queue) else { return };
                 next(device, family, index, queue);
+                answer.made();
                 if let Some(armed) = &known.armed {
                     armed.objects.queues.insert(*queue, QueueId { family, index });
                 }
@@ -39,12 +41,14 @@ pub unsafe extern "system" fn get2(
 ) {
     guard(
         "vkGetDeviceQueue2",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, get_device_queue2(device, info, queue), ()) },
+        |answer| {
             // SAFETY: the application's own arguments; the call writes a queue, or null.
             unsafe {
                 let Some((known, next)) = device::with(device, |next| next.get_device_queue2) else { return };
                 next(device, info, queue);
+                answer.made();
                 // Protected queues take protected work only.
                 if let Some(armed) = &known.armed
                     && *queue != vk::Queue::null()
@@ -67,7 +71,14 @@ pub unsafe extern "system" fn create_query_pool(
 ) -> vk::Result {
     guard(
         "vkCreateQueryPool",
-        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                device::with: device,
+                create_query_pool(device, info, allocator, pool),
+                vk::Result::ERROR_INITIALIZATION_FAILED
+            )
+        },
         |answer| {
             // SAFETY: the application's own arguments; on success `info` and `pool` are valid.
             unsafe {
@@ -94,8 +105,9 @@ pub unsafe extern "system" fn destroy_query_pool(
 ) {
     guard(
         "vkDestroyQueryPool",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, destroy_query_pool(device, pool, allocator), ()) },
+        |answer| {
             // SAFETY: the application's own arguments.
             unsafe {
                 let Some((known, next)) = device::with(device, |next| next.destroy_query_pool) else {
@@ -105,6 +117,7 @@ pub unsafe extern "system" fn destroy_query_pool(
                     armed.objects.occlusion_pools.remove(pool);
                 }
                 next(device, pool, allocator);
+                answer.made();
             }
         },
     );

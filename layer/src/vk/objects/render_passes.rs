@@ -82,7 +82,14 @@ pub unsafe extern "system" fn create(
 ) -> vk::Result {
     guard(
         "vkCreateRenderPass",
-        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                device::with: device,
+                create_render_pass(device, info, allocator, pass),
+                vk::Result::ERROR_INITIALIZATION_FAILED
+            )
+        },
         |answer| {
             // SAFETY: the application's own arguments; on success `info` and `pass` are valid.
             unsafe {
@@ -118,7 +125,14 @@ pub unsafe extern "system" fn create2(
 ) -> vk::Result {
     guard(
         "vkCreateRenderPass2",
-        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                device::with: device,
+                create_render_pass2(device, info, allocator, pass),
+                vk::Result::ERROR_INITIALIZATION_FAILED
+            )
+        },
         |answer| {
             // SAFETY: the application's own arguments; on success `info` and `pass` are valid.
             unsafe {
@@ -150,8 +164,9 @@ pub unsafe extern "system" fn destroy(
 ) {
     guard(
         "vkDestroyRenderPass",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, destroy_render_pass(device, pass, allocator), ()) },
+        |answer| {
             // SAFETY: the application's own arguments.
             unsafe {
                 let Some((known, next)) = device::with(device, |next| next.destroy_render_pass) else {
@@ -168,6 +183,7 @@ pub unsafe extern "system" fn destroy(
                     rates.forget_render_pass(pass);
                 }
                 next(device, pass, allocator);
+                answer.made();
             }
         },
     );

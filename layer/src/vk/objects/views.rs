@@ -65,7 +65,14 @@ pub unsafe extern "system" fn create(
 ) -> vk::Result {
     guard(
         "vkCreateImageView",
-        || vk::Result::ERROR_INITIALIZATION_FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                device::with: device,
+                create_image_view(device, info, allocator, view),
+                vk::Result::ERROR_INITIALIZATION_FAILED
+            )
+        },
         |answer| {
             // SAFETY: the application's own arguments; on success `info` and `view` are valid.
             unsafe {
@@ -103,8 +110,9 @@ pub unsafe extern "system" fn destroy(
 ) {
     guard(
         "vkDestroyImageView",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, destroy_image_view(device, view, allocator), ()) },
+        |answer| {
             // SAFETY: the application's own arguments.
             unsafe {
                 let Some((known, next)) = device::with(device, |next| next.destroy_image_view) else {
@@ -114,6 +122,7 @@ pub unsafe extern "system" fn destroy(
                     armed.objects.views.remove(view);
                 }
                 next(device, view, allocator);
+                answer.made();
             }
         },
     );

@@ -97,8 +97,11 @@ pub unsafe extern "system" fn set_rate(
 ) {
     guard(
         "vkCmdSetFragmentShadingRateKHR",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(device::with: buffer, cmd_set_fragment_shading_rate(buffer, size, combiners), ())
+        },
+        |answer| {
             // SAFETY: the application's own arguments, which are valid.
             unsafe {
                 let Some((known, next)) = device::with(buffer, |next| next.cmd_set_fragment_shading_rate)
@@ -106,10 +109,12 @@ pub unsafe extern "system" fn set_rate(
                     return;
                 };
                 let Some(rates) = known.rates() else {
-                    return next(buffer, size, combiners);
+                    next(buffer, size, combiners);
+                    return answer.made();
                 };
                 let rate = rates.set_rates.set(buffer, SetRate { size: *size, combiners: *combiners });
                 next(buffer, &rate.size, &rate.combiners);
+                answer.made();
             }
         },
     );
@@ -123,8 +128,11 @@ pub unsafe extern "system" fn bind_pipeline(
 ) {
     guard(
         "vkCmdBindPipeline",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(recording::with_buffer: buffer, cmd_bind_pipeline(buffer, point, pipeline), ())
+        },
+        |answer| {
             // SAFETY: the application's own arguments.
             unsafe {
                 let Some((known, next)) = recording::with_buffer(buffer, |next| next.cmd_bind_pipeline)
@@ -132,6 +140,7 @@ pub unsafe extern "system" fn bind_pipeline(
                     return;
                 };
                 next(buffer, point, pipeline);
+                answer.made();
                 let Some(known) = known else { return };
                 if let (Some(rates), vk::PipelineBindPoint::GRAPHICS) = (&known.armed.rate_attachments, point)
                     && let Some(pipeline) = rates.pipeline_rate(pipeline)

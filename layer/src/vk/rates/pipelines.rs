@@ -75,7 +75,10 @@ pub unsafe extern "system" fn create_shader_module(
 ) -> vk::Result {
     guard(
         "vkCreateShaderModule",
-        || FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(device::with: device, create_shader_module(device, info, allocator, module), FAILED)
+        },
         |answer| {
             // SAFETY: the application's own arguments; on success `info` and `module` are valid.
             unsafe {
@@ -105,8 +108,9 @@ pub unsafe extern "system" fn destroy_shader_module(
 ) {
     guard(
         "vkDestroyShaderModule",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, destroy_shader_module(device, module, allocator), ()) },
+        |answer| {
             // SAFETY: the application's own arguments.
             unsafe {
                 let Some((known, next)) = device::with(device, |next| next.destroy_shader_module) else {
@@ -119,6 +123,7 @@ pub unsafe extern "system" fn destroy_shader_module(
                     masks.forget_shader_module(module);
                 }
                 next(device, module, allocator);
+                answer.made();
             }
         },
     );
@@ -135,7 +140,14 @@ pub unsafe extern "system" fn create_pipelines(
 ) -> vk::Result {
     guard(
         "vkCreateGraphicsPipelines",
-        || FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                device::with: device,
+                create_graphics_pipelines(device, cache, count, infos, allocator, made),
+                FAILED
+            )
+        },
         |answer| {
             // SAFETY: the application's own arguments.
             unsafe {
@@ -164,8 +176,9 @@ pub unsafe extern "system" fn destroy_pipeline(
 ) {
     guard(
         "vkDestroyPipeline",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, destroy_pipeline(device, pipeline, allocator), ()) },
+        |answer| {
             // SAFETY: the application's own arguments.
             unsafe {
                 let Some((known, next)) = device::with(device, |next| next.destroy_pipeline) else { return };
@@ -176,6 +189,7 @@ pub unsafe extern "system" fn destroy_pipeline(
                     masks.forget_pipeline(pipeline);
                 }
                 next(device, pipeline, allocator);
+                answer.made();
             }
         },
     );

@@ -101,7 +101,10 @@ pub unsafe extern "system" fn create(
 ) -> vk::Result {
     guard(
         "vkCreateShadersEXT",
-        || FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(device::with: device, create_shaders(device, count, infos, allocator, made), FAILED)
+        },
         |answer| {
             // SAFETY: the application's own arguments.
             unsafe {
@@ -125,8 +128,9 @@ pub unsafe extern "system" fn destroy(
 ) {
     guard(
         "vkDestroyShaderEXT",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, destroy_shader(device, shader, allocator), ()) },
+        |answer| {
             // SAFETY: the application's own arguments.
             unsafe {
                 let Some((known, next)) = device::with(device, |next| next.destroy_shader) else { return };
@@ -134,6 +138,7 @@ pub unsafe extern "system" fn destroy(
                     rates.shader_objects.remove(shader);
                 }
                 next(device, shader, allocator);
+                answer.made();
             }
         },
     );
@@ -148,12 +153,14 @@ pub unsafe extern "system" fn bind(
 ) {
     guard(
         "vkCmdBindShadersEXT",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: buffer, cmd_bind_shaders(buffer, count, stages, shaders), ()) },
+        |answer| {
             // SAFETY: the application's own arguments.
             unsafe {
                 let Some((known, next)) = device::with(buffer, |next| next.cmd_bind_shaders) else { return };
                 next(buffer, count, stages, shaders);
+                answer.made();
                 if let Some(rates) = known.rates()
                     && let Some(rate) = rates.shaders_bound(buffer, count, stages, shaders)
                     && let Some(set) = known.hooked.cmd_set_fragment_shading_rate

@@ -19,7 +19,10 @@ pub unsafe extern "system" fn create_pool(
     // SAFETY: the application's own arguments; on success `info` and `pool` are valid.
     guard(
         "vkCreateCommandPool",
-        || FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(device::with: device, create_command_pool(device, info, allocator, pool), FAILED)
+        },
         |answer| unsafe {
             let Some((known, next)) = device::with(device, |next| next.create_command_pool) else {
                 return FAILED;
@@ -43,8 +46,9 @@ pub unsafe extern "system" fn destroy_pool(
     // SAFETY: the application's own arguments.
     guard(
         "vkDestroyCommandPool",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, destroy_command_pool(device, pool, allocator), ()) },
+        |answer| unsafe {
             let Some((known, next)) = device::with(device, |next| next.destroy_command_pool) else { return };
             if let Some(armed) = &known.armed
                 && let Some(known_pool) = armed.objects.remove_pool(pool)
@@ -53,6 +57,7 @@ pub unsafe extern "system" fn destroy_pool(
                 known_pool.buffers().iter().for_each(|&freed| drop(BUFFERS.remove(freed)));
             }
             next(device, pool, allocator);
+            answer.made();
         },
     );
 }
@@ -66,7 +71,8 @@ pub unsafe extern "system" fn reset_pool(
     // SAFETY: the application's own arguments.
     guard(
         "vkResetCommandPool",
-        || FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, reset_command_pool(device, pool, flags), FAILED) },
         |answer| unsafe {
             let Some((known, next)) = device::with(device, |next| next.reset_command_pool) else {
                 return FAILED;
@@ -90,7 +96,8 @@ pub unsafe extern "system" fn allocate(
     // SAFETY: the application's own arguments; on success `buffers` has as many as `info` says.
     guard(
         "vkAllocateCommandBuffers",
-        || FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, allocate_command_buffers(device, info, buffers), FAILED) },
         |answer| unsafe {
             let Some((known, next)) = device::with(device, |next| next.allocate_command_buffers) else {
                 return FAILED;
@@ -122,8 +129,9 @@ pub unsafe extern "system" fn free(
     // SAFETY: the application's own arguments: `count` command buffers of the pool, or null.
     guard(
         "vkFreeCommandBuffers",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, free_command_buffers(device, pool, count, buffers), ()) },
+        |answer| unsafe {
             let Some((known, next)) = device::with(device, |next| next.free_command_buffers) else { return };
             let known_pool = known.armed.as_ref().and_then(|armed| armed.objects.pool(pool));
             if let Some(known_pool) = known_pool
@@ -134,6 +142,7 @@ pub unsafe extern "system" fn free(
                 freed.iter().for_each(|&freed| drop(BUFFERS.remove(freed)));
             }
             next(device, pool, count, buffers);
+            answer.made();
         },
     );
 }
@@ -146,7 +155,8 @@ pub unsafe extern "system" fn begin(
     // SAFETY: the application's own arguments.
     guard(
         "vkBeginCommandBuffer",
-        || FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, begin_command_buffer(handle, info), FAILED) },
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.begin_command_buffer) else {
                 return FAILED;
@@ -170,7 +180,8 @@ pub unsafe extern "system" fn reset(
     // SAFETY: the application's own arguments.
     guard(
         "vkResetCommandBuffer",
-        || FAILED,
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, reset_command_buffer(handle, flags), FAILED) },
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.reset_command_buffer) else {
                 return FAILED;
@@ -193,10 +204,12 @@ pub unsafe extern "system" fn execute(
     // SAFETY: the application's own arguments: `count` command buffers.
     guard(
         "vkCmdExecuteCommands",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_execute_commands(handle, count, secondaries), ()) },
+        |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_execute_commands) else { return };
             next(handle, count, secondaries);
+            answer.made();
             let Some(known) = known else { return };
             let mut recorded = known.recorded();
             for secondary in slice::from_raw_parts(secondaries, count as usize) {

@@ -176,14 +176,22 @@ unsafe extern "system" fn bind_sets_noted(
 ) {
     guard(
         "vkCmdBindDescriptorSets",
-        || (),
-        |_| {
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                with_buffer: handle,
+                cmd_bind_descriptor_sets(handle, point, layout, first, count, sets, offset_count, offsets),
+                ()
+            )
+        },
+        |answer| {
             // SAFETY: the application's own arguments: `count` sets and `offset_count` offsets.
             unsafe {
                 let Some((known, next)) = with_buffer(handle, |next| next.cmd_bind_descriptor_sets) else {
                     return;
                 };
                 next(handle, point, layout, first, count, sets, offset_count, offsets);
+                answer.made();
                 if let Some(known) = known.filter(|_| point == vk::PipelineBindPoint::COMPUTE) {
                     let offsets = if offset_count == 0 {
                         &[]
@@ -205,12 +213,14 @@ macro_rules! binds_more {
         pub unsafe extern "system" fn $name(handle: vk::CommandBuffer, $($argument: $type),*) {
             guard(
                 $call,
-                || (),
-                |_| {
+                // SAFETY: the application's own arguments.
+                || unsafe { pass_on!(with_buffer: handle, $field(handle, $($argument),*), ()) },
+                |answer| {
                     // SAFETY: the application's own arguments.
                     unsafe {
                         let Some((known, next)) = with_buffer(handle, |next| next.$field) else { return };
                         next(handle, $($argument),*);
+                        answer.made();
                         if let Some(known) = known.filter(|_| $point) {
                             known.recorded().compute.bind_more();
                         }

@@ -20,10 +20,14 @@ pub unsafe extern "system" fn begin(
     // SAFETY: the application's own arguments; `info` is valid.
     guard(
         "vkCmdBeginRenderPass",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_begin_render_pass(handle, info, contents), ()) },
+        |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_render_pass) else { return };
-            let begin = |info: *const vk::RenderPassBeginInfo<'_>| next(handle, info, contents);
+            let begin = |info: *const vk::RenderPassBeginInfo<'_>| {
+                next(handle, info, contents);
+                answer.made();
+            };
             match known {
                 Some(known) => begin_noted(&known, handle, info, begin),
                 None => begin(info),
@@ -41,10 +45,14 @@ pub unsafe extern "system" fn begin2(
     // SAFETY: the application's own arguments; `info` is valid.
     guard(
         "vkCmdBeginRenderPass2",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_begin_render_pass2(handle, info, subpass), ()) },
+        |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_render_pass2) else { return };
-            let begin = |info: *const vk::RenderPassBeginInfo<'_>| next(handle, info, subpass);
+            let begin = |info: *const vk::RenderPassBeginInfo<'_>| {
+                next(handle, info, subpass);
+                answer.made();
+            };
             match known {
                 Some(known) => begin_noted(&known, handle, info, begin),
                 None => begin(info),
@@ -58,10 +66,12 @@ pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
     // SAFETY: the application's own argument.
     guard(
         "vkCmdEndRenderPass",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_end_render_pass(handle), ()) },
+        |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_render_pass) else { return };
             next(handle);
+            answer.made();
             if let Some(known) = known {
                 end_noted(&known, handle);
             }
@@ -74,10 +84,12 @@ pub unsafe extern "system" fn end2(handle: vk::CommandBuffer, info: *const vk::S
     // SAFETY: the application's own arguments.
     guard(
         "vkCmdEndRenderPass2",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_end_render_pass2(handle, info), ()) },
+        |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_render_pass2) else { return };
             next(handle, info);
+            answer.made();
             if let Some(known) = known {
                 end_noted(&known, handle);
             }
@@ -96,10 +108,18 @@ pub unsafe extern "system" fn clear_attachments(
     // SAFETY: the application's own arguments; `count` attachments are there.
     guard(
         "vkCmdClearAttachments",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                with_buffer: handle,
+                cmd_clear_attachments(handle, count, attachments, rect_count, rects),
+                ()
+            )
+        },
+        |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_clear_attachments) else { return };
             next(handle, count, attachments, rect_count, rects);
+            answer.made();
             let clears_depth = slice::from_raw_parts(attachments, count as usize)
                 .iter()
                 .any(|cleared| cleared.aspect_mask.contains(vk::ImageAspectFlags::DEPTH));

@@ -14,10 +14,12 @@ pub unsafe extern "system" fn begin(
     // SAFETY: the application's own arguments.
     guard(
         "vkCmdBeginQuery",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_begin_query(handle, pool, query, flags), ()) },
+        |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_query) else { return };
             next(handle, pool, query, flags);
+            answer.made();
             if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
                 let mut recorded = known.recorded();
                 recorded.queries += 1;
@@ -32,10 +34,12 @@ pub unsafe extern "system" fn end(handle: vk::CommandBuffer, pool: vk::QueryPool
     // SAFETY: the application's own arguments.
     guard(
         "vkCmdEndQuery",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_end_query(handle, pool, query), ()) },
+        |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_query) else { return };
             next(handle, pool, query);
+            answer.made();
             if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
                 let mut recorded = known.recorded();
                 recorded.queries = recorded.queries.saturating_sub(1);
@@ -52,12 +56,14 @@ pub unsafe extern "system" fn begin_conditional(
     // SAFETY: the application's own arguments.
     guard(
         "vkCmdBeginConditionalRenderingEXT",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_begin_conditional_rendering(handle, info), ()) },
+        |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_conditional_rendering) else {
                 return;
             };
             next(handle, info);
+            answer.made();
             if let Some(known) = known {
                 let mut recorded = known.recorded();
                 recorded.is_conditional = true;
@@ -72,12 +78,14 @@ pub unsafe extern "system" fn end_conditional(handle: vk::CommandBuffer) {
     // SAFETY: the application's own argument.
     guard(
         "vkCmdEndConditionalRenderingEXT",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_end_conditional_rendering(handle), ()) },
+        |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_conditional_rendering) else {
                 return;
             };
             next(handle);
+            answer.made();
             if let Some(known) = known {
                 known.recorded().is_conditional = false;
             }

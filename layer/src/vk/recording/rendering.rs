@@ -16,10 +16,14 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
     // SAFETY: the application's own arguments; `info` is valid.
     guard(
         "vkCmdBeginRendering",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_begin_rendering(handle, info), ()) },
+        |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_rendering) else { return };
-            let begin = |info: *const vk::RenderingInfo<'_>| next(handle, info);
+            let begin = |info: *const vk::RenderingInfo<'_>| {
+                next(handle, info);
+                answer.made();
+            };
             let Some(known) = known else { return begin(info) };
             let armed = &known.armed;
             let mut pass = instance(&armed.objects, &*info);
@@ -66,10 +70,12 @@ pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
     // SAFETY: the application's own argument.
     guard(
         "vkCmdEndRendering",
-        || (),
-        |_| unsafe {
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_end_rendering(handle), ()) },
+        |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_end_rendering) else { return };
             next(handle);
+            answer.made();
             if let Some(known) = known {
                 end_noted(&known, handle);
             }

@@ -24,9 +24,15 @@ macro_rules! hook {
             $($filter: vk::Filter,)?
         ) {
             // SAFETY: the application's own arguments; `count` regions are there.
-            guard($name, || (), |_| unsafe {
+            // SAFETY: as above.
+            let pass_on = || unsafe {
+                pass_on!(with_buffer: handle, $next(handle, from, from_layout, to, to_layout, count, regions $(, $filter)?), ())
+            };
+            // SAFETY: as above.
+            guard($name, pass_on, |answer| unsafe {
                 let Some((known, next)) = with_buffer(handle, |next| next.$next) else { return };
                 next(handle, from, from_layout, to, to_layout, count, regions $(, $filter)?);
+                answer.made();
                 if let Some(known) = known {
                     let regions = slice::from_raw_parts(regions, count as usize);
                     note(&known, TransferKind::$kind, from, to, regions);
@@ -44,11 +50,13 @@ macro_rules! hook2 {
             // SAFETY: the application's own arguments; `info` is valid, with as many regions as it says.
             guard(
                 $name,
-                || (),
                 // SAFETY: as above.
-                |_| unsafe {
+                || unsafe { pass_on!(with_buffer: handle, $next(handle, info), ()) },
+                // SAFETY: as above.
+                |answer| unsafe {
                     let Some((known, next)) = with_buffer(handle, |next| next.$next) else { return };
                     next(handle, info);
+                    answer.made();
                     if let Some(known) = known {
                         let regions = slice::from_raw_parts((*info).p_regions, (*info).region_count as usize);
                         note(&known, TransferKind::$kind, (*info).src_image, (*info).dst_image, regions);

@@ -23,7 +23,13 @@ pub unsafe extern "system" fn enumerate_images(
     let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.enumerate_swapchain_images)(handle, capacity, count, images) };
-    guard("xrEnumerateSwapchainImages", below, |answer| {
+    // What is left of the hook after a panic: a virtual swapchain stays one.
+    let pass_on = || match substitute_of(&known) {
+        // SAFETY: the application's own arguments.
+        Some(substitute) => unsafe { enumerate_ours(substitute, capacity, count, images) },
+        None => below(),
+    };
+    guard("xrEnumerateSwapchainImages", pass_on, |answer| {
         let Some(substitute) = substitute_of(&known) else {
             let result = answer.record(below());
             if let (xr::Result::SUCCESS, Some(known)) = (result, &known) {
@@ -32,32 +38,47 @@ pub unsafe extern "system" fn enumerate_images(
             }
             return result;
         };
-        let ours = substitute.app.images();
-        // SAFETY: valid usage of the function: `count` is valid, `images` an array of `capacity`
-        // structures; in a Vulkan session each is an XrSwapchainImageVulkanKHR, which its type confirms.
-        unsafe {
-            let Some(count) = count.as_mut() else { return xr::Result::ERROR_VALIDATION_FAILURE };
-            *count = ours.len() as u32;
-            if capacity == 0 {
-                return xr::Result::SUCCESS;
-            }
-            if (capacity as usize) < ours.len() {
-                return xr::Result::ERROR_SIZE_INSUFFICIENT;
-            }
-            if images.is_null() {
-                return xr::Result::ERROR_VALIDATION_FAILURE;
-            }
-            let images = images.cast::<xr::SwapchainImageVulkanKHR>();
-            let is_vulkan = |at| (*images.add(at)).ty == xr::SwapchainImageVulkanKHR::TYPE;
-            if !(0..ours.len()).all(is_vulkan) {
-                return xr::Result::ERROR_VALIDATION_FAILURE;
-            }
-            for (at, image) in ours.iter().enumerate() {
-                (*images.add(at)).image = image.as_raw();
-            }
-        }
-        xr::Result::SUCCESS
+        // SAFETY: the application's own arguments.
+        answer.record(unsafe { enumerate_ours(substitute, capacity, count, images) })
     })
+}
+
+/// Our images, as `xrEnumerateSwapchainImages` tells them.
+///
+/// # Safety
+///
+/// The arguments of `xrEnumerateSwapchainImages` in a Vulkan session.
+unsafe fn enumerate_ours(
+    substitute: &Substitute,
+    capacity: u32,
+    count: *mut u32,
+    images: *mut xr::SwapchainImageBaseHeader,
+) -> xr::Result {
+    let ours = substitute.app.images();
+    // SAFETY: valid usage of the function: `count` is valid, `images` an array of `capacity` structures; in a Vulkan session
+    // each is an XrSwapchainImageVulkanKHR, which its type confirms.
+    unsafe {
+        let Some(count) = count.as_mut() else { return xr::Result::ERROR_VALIDATION_FAILURE };
+        *count = ours.len() as u32;
+        if capacity == 0 {
+            return xr::Result::SUCCESS;
+        }
+        if (capacity as usize) < ours.len() {
+            return xr::Result::ERROR_SIZE_INSUFFICIENT;
+        }
+        if images.is_null() {
+            return xr::Result::ERROR_VALIDATION_FAILURE;
+        }
+        let images = images.cast::<xr::SwapchainImageVulkanKHR>();
+        let is_vulkan = |at| (*images.add(at)).ty == xr::SwapchainImageVulkanKHR::TYPE;
+        if !(0..ours.len()).all(is_vulkan) {
+            return xr::Result::ERROR_VALIDATION_FAILURE;
+        }
+        for (at, image) in ours.iter().enumerate() {
+            (*images.add(at)).image = image.as_raw();
+        }
+    }
+    xr::Result::SUCCESS
 }
 
 /// The images that the runtime has written; none where it only counted them.
@@ -94,7 +115,16 @@ pub unsafe extern "system" fn acquire_image(
     let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.acquire_swapchain_image)(handle, info, index) };
-    guard("xrAcquireSwapchainImage", below, |answer| {
+    // SAFETY: valid usage: `info` is null or valid, `index` is valid.
+    let ours = |substitute: &Substitute| unsafe {
+        let is_valid = info.as_ref().is_none_or(|info| info.ty == xr::SwapchainImageAcquireInfo::TYPE);
+        let Some(index) = index.as_mut().filter(|_| is_valid) else {
+            return xr::Result::ERROR_VALIDATION_FAILURE;
+        };
+        result_of(substitute.ring().acquire().map(|image| *index = image))
+    };
+    let pass_on = || substitute_of(&known).map_or_else(below, ours);
+    guard("xrAcquireSwapchainImage", pass_on, |answer| {
         let _section = known.as_ref().and_then(|known| known.session.runtime_section());
         let Some(substitute) = substitute_of(&known) else {
             let result = answer.record(below());
@@ -104,12 +134,8 @@ pub unsafe extern "system" fn acquire_image(
             }
             return result;
         };
-        // SAFETY: valid usage: `info` is null or valid, `index` is valid.
-        let (info, index) = unsafe { (info.as_ref(), index.as_mut()) };
-        let is_valid = info.is_none_or(|info| info.ty == xr::SwapchainImageAcquireInfo::TYPE);
-        let Some(index) = index.filter(|_| is_valid) else { return xr::Result::ERROR_VALIDATION_FAILURE };
         substitute.make_ready();
-        result_of(substitute.ring().acquire().map(|image| *index = image))
+        answer.record(ours(substitute))
     })
 }
 
@@ -121,16 +147,13 @@ pub unsafe extern "system" fn wait_image(
     let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.wait_swapchain_image)(handle, info) };
-    guard("xrWaitSwapchainImage", below, |answer| {
-        let Some(substitute) = substitute_of(&known) else {
-            return answer.record(below());
-        };
-        // SAFETY: valid usage: `info` is valid.
-        match unsafe { info.as_ref() } {
-            Some(info) if info.ty == xr::SwapchainImageWaitInfo::TYPE => result_of(substitute.ring().wait()),
-            _ => xr::Result::ERROR_VALIDATION_FAILURE,
-        }
-    })
+    // SAFETY: valid usage: `info` is valid.
+    let ours = |substitute: &Substitute| match unsafe { info.as_ref() } {
+        Some(info) if info.ty == xr::SwapchainImageWaitInfo::TYPE => result_of(substitute.ring().wait()),
+        _ => xr::Result::ERROR_VALIDATION_FAILURE,
+    };
+    let whichever = || substitute_of(&known).map_or_else(below, ours);
+    guard("xrWaitSwapchainImage", whichever, |answer| answer.record(whichever()))
 }
 
 /// `xrReleaseSwapchainImage`.
@@ -141,7 +164,13 @@ pub unsafe extern "system" fn release_image(
     let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.release_swapchain_image)(handle, info) };
-    guard("xrReleaseSwapchainImage", below, |answer| {
+    // SAFETY: valid usage: `info` is null or valid.
+    let ours = |substitute: &Substitute| match unsafe { info.as_ref() } {
+        Some(info) if info.ty != xr::SwapchainImageReleaseInfo::TYPE => xr::Result::ERROR_VALIDATION_FAILURE,
+        _ => result_of(substitute.ring().release()),
+    };
+    let pass_on = || substitute_of(&known).map_or_else(below, ours);
+    guard("xrReleaseSwapchainImage", pass_on, |answer| {
         let _section = known.as_ref().and_then(|known| known.session.runtime_section());
         let Some(substitute) = substitute_of(&known) else {
             let result = answer.record(below());
@@ -150,13 +179,7 @@ pub unsafe extern "system" fn release_image(
             }
             return result;
         };
-        // SAFETY: valid usage: `info` is null or valid.
-        match unsafe { info.as_ref() } {
-            Some(info) if info.ty != xr::SwapchainImageReleaseInfo::TYPE => {
-                xr::Result::ERROR_VALIDATION_FAILURE
-            }
-            _ => result_of(substitute.ring().release()),
-        }
+        answer.record(ours(substitute))
     })
 }
 

@@ -1,0 +1,45 @@
+//! A bug of ours that panics in a hook, whichever, costs what Parafovea does, and nothing else.
+
+use parafovea_tests::run::{Application, Outcome, Run};
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use std::collections::BTreeSet;
+
+/// Everything that hooks have to do, on a device without shading rates.
+const EVERYTHING: &str =
+    "preset = \"balanced\"\n[rates]\ngate = \"on\"\n[reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n";
+
+const FRAMES: u64 = 20;
+
+/// Runs an application in which hooks panic.
+fn run(application: &Application, planted: &str) -> Outcome {
+    let scenario = Scenario::new(FRAMES).sized(64, 64).gazing(-20.0, 0.0);
+    let run = Run::new(application, &scenario).on(EVERYTHING).env("PARAFOVEA_PANIC", planted);
+    let outcome = run.finish().unwrap_or_else(|error| panic!("{planted}: {error}"));
+    outcome.expect_frames(FRAMES).unwrap_or_else(|error| panic!("{planted}: {error}"))
+}
+
+/// The hooks that an application reaches.
+fn reached(application: &Application) -> BTreeSet<String> {
+    let outcome = run(application, "reached");
+    let lines = outcome.log.lines().filter_map(|line| line.split_once("reached "));
+    lines.map(|(_, call)| call.to_owned()).collect()
+}
+
+fn survives_a_panic_in_each_hook(application: &Application, least: usize) {
+    let hooks = reached(application);
+    assert!(hooks.len() >= least, "only {hooks:?}");
+    for call in &hooks {
+        for planted in [call.clone(), format!("{call}:after")] {
+            let outcome = run(application, &planted);
+            let told = outcome.log.lines().filter(|line| line.contains("internal error in")).count();
+            // Not every hook has something to record.
+            let expected = if planted == *call { 1..=1 } else { 0..=1 };
+            assert!(expected.contains(&told), "{planted}: told {told} times\n{}", outcome.log);
+        }
+    }
+}
+
+#[test]
+fn hello_xr_survives_a_panic_in_each_hook() {
+    survives_a_panic_in_each_hook(&Application::hello_xr("Vulkan2").unwrap(), 40);
+}
