@@ -74,10 +74,14 @@ impl Request {
             for mode in MODES {
                 let on = finish(run.clone().on(&config(mode)), &scenario)?;
                 let report = judge(&scenario, &off, &on)?;
+                let outside = |metric: Metric, scale: f64, digits: usize| {
+                    let mean = outside(&report, metric);
+                    mean.map_or("too few frames".to_owned(), |mean| format!("{:.digits$}", mean * scale))
+                };
                 // Code values, as people know them.
-                let squared = outside(&report, Metric::Squared) * 255.0 * 255.0;
-                let (flip, flicker) = (outside(&report, Metric::Flip), outside(&report, Metric::Flicker));
-                println!("| {speed} | {mode} | {squared:.1} | {flip:.4} | {flicker:.4} |");
+                let squared = outside(Metric::Squared, 255.0 * 255.0, 1);
+                let (flip, flicker) = (outside(Metric::Flip, 1.0, 4), outside(Metric::Flicker, 1.0, 4));
+                println!("| {speed} | {mode} | {squared} | {flip} | {flicker} |");
             }
         }
         Ok(())
@@ -131,10 +135,10 @@ fn judge(scenario: &Scenario, off: &Outcome, on: &Outcome) -> Result<Report, Box
     Ok(judge.finish())
 }
 
-/// The mean over all pixels outside of 10 degrees.
-fn outside(report: &Report, metric: Metric) -> f64 {
+/// The mean over all pixels outside of 10 degrees; none of flicker in a short run.
+fn outside(report: &Report, metric: Metric) -> Option<f64> {
     let rows = OUTSIDE.map(|ring| report.row(metric, ring));
     let pixels: u64 = rows.iter().map(|row| row.pixels).sum();
     let sum: f64 = rows.iter().filter_map(|row| Some(row.mean? * row.pixels as f64)).sum();
-    sum / pixels.max(1) as f64
+    (pixels > 0).then(|| sum / pixels as f64)
 }
