@@ -8,6 +8,8 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use parafovea_core::kernels::analyze::AnalyzeParams;
 use parafovea_core::kernels::compose::{ComposeParams, ReuseParams};
 use parafovea_core::kernels::decide::DecideParams;
+use parafovea_core::kernels::lay::LayParams;
+use parafovea_core::kernels::mask::MaskParams;
 use parafovea_core::layout::{Field, Uniform};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -30,6 +32,8 @@ fn main() {
     let uniforms = [
         declared::<AnalyzeParams>(),
         declared::<DecideParams>(),
+        declared::<LayParams>(),
+        declared::<MaskParams>(),
         declared::<ComposeParams>(),
         declared::<ReuseParams>(),
     ];

@@ -6,3 +6,5 @@ pub mod analyze;
 pub mod compose;
 pub mod decide;
 pub mod fill;
+pub mod lay;
+pub mod mask;

@@ -20,7 +20,7 @@ mod sources;
 pub use depth::{DepthFormat, Direction, NoNearValue, TemplateDepths, near_value, write_template};
 pub use list::{BLOCKS_PER_GROUP, HEADER_WORDS, SkipList, SkippedBlock};
 pub use pattern::Pattern;
-pub use sources::{REACH, SOURCES, Source};
+pub use sources::{REACH, SOURCES, Source, pattern_sources};
 
 use crate::image::Plane;
 use crate::kernels::fill::{FillFormat, fill_image};
@@ -126,7 +126,8 @@ impl<'a> MaskView<'a> {
         }
     }
 
-    fn overlaps(&self, other: &Self) -> bool {
+    /// Whether two views have pixels of one layer in common.
+    pub fn overlaps(&self, other: &Self) -> bool {
         let range = |view: &Self, axis: usize| {
             (view.offset[axis], view.offset[axis].saturating_add(view.extent[axis]))
         };
@@ -138,7 +139,7 @@ impl<'a> MaskView<'a> {
     }
 
     /// The blocks that lie wholly inside: the first one, and the one after the last.
-    fn blocks(&self, extent: [u32; 2]) -> (UVec2, UVec2) {
+    pub(crate) fn blocks(&self, extent: [u32; 2]) -> (UVec2, UVec2) {
         let offset = UVec2::from(self.offset);
         let end = offset.saturating_add(UVec2::from(self.extent)).min(extent.into());
         let first = UVec2::new(offset.x.div_ceil(BLOCK), offset.y.div_ceil(BLOCK));

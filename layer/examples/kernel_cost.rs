@@ -155,7 +155,7 @@ fn decide_cost(vulkan: &Vulkan) {
         let decided = median(vulkan, |commands| {
             // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
             let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
-            decide.record(&commands, &target, &params).unwrap();
+            decide.record(&commands, &target, &params, &[]).unwrap();
         });
         println!("| {name} | {decided:.2} |");
     }

@@ -263,8 +263,8 @@ const SAME_ACROSS_RATES: f32 = 4.0;
 const STEADY: f32 = 1.25;
 const FLOOR: f32 = 0.01;
 
-// A rate without reuse::STALE.
-const NOT_STALE: u32 = 0x7fu;
+// reuse::STALE
+const STALE: u32 = 0x80u;
 
 // kernels::analyze::restored, of the tile at `index`, which was shaded at `rate`.
 fn restored(index: u32, measured: vec4<f32>, rate: u32) -> vec4<f32> {
@@ -305,7 +305,11 @@ fn write(place: vec2<u32>, tile: Covered, sum: Gathered) {
     let pixels = tile.last - tile.first + 1u;
     let index = place.y * params.tiles.x + place.x;
     let row_words = (params.tiles.x + 3u) / 4u;
-    let rate = (rates[place.y * row_words + place.x / 4u] >> (8u * (place.x % 4u))) & NOT_STALE;
+    let rate = (rates[place.y * row_words + place.x / 4u] >> (8u * (place.x % 4u))) & 0xffu;
+    // What was not shaded stays as it was known.
+    if (rate & STALE) != 0u {
+        return;
+    }
     // What is no rate counts as 1x1.
     let is_rate = (rate >> 2u) <= 2u && (rate & 3u) <= 2u;
     let known = restored(index, measured, select(0u, rate, is_rate));

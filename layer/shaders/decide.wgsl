@@ -21,8 +21,15 @@ struct DecideParams {
     texel: vec2<u32>,
     tiles: vec2<u32>,
     look_at: u32,
+    is_turned: u32,
+    has_stale: u32,
     reserved: u32,
-    reserved_end: vec2<u32>,
+    measured_column: vec3<f32>,
+    reserved_column: u32,
+    measured_row: vec3<f32>,
+    reserved_row: u32,
+    measured_depth: vec3<f32>,
+    reserved_depth: u32,
 }
 
 // perception::TileContrast
@@ -38,6 +45,13 @@ struct TileContrast {
 // Coarseness of each tile, and its rate: four tiles of a row in a word; rows begin with a new one.
 @group(0) @binding(3) var<storage, read_write> memory: array<u32>;
 @group(0) @binding(4) var<storage, read_write> rates: array<u32>;
+// Whether each tile is left out: reuse::StaleTiles.
+@group(0) @binding(5) var<storage, read> stale: array<u32>;
+
+// reuse::STALE
+const STALE: u32 = 0x80u;
+// kernels::decide::STILL
+const STILL: f32 = 0.125;
 
 const RINGS_ONLY: u32 = 0u;
 const CASTLE_CSF: u32 = 1u;
@@ -218,6 +232,46 @@ fn is_looked_at(index: u32) -> bool {
         && ((index * 0x9e3779b1u) >> 8u) % max(params.look_every, 1u) == params.look_at;
 }
 
+fn contrast_of(tile: vec2<u32>) -> TileContrast {
+    return contrast[tile.y * params.tiles.x + tile.x];
+}
+
+fn within(at: vec2<f32>) -> vec2<u32> {
+    return vec2<u32>(clamp(at, vec2(0.0), vec2<f32>(params.tiles - 1u)));
+}
+
+fn bands_of(tile: vec2<u32>) -> vec4<f32> {
+    let bands = contrast_of(tile).bands;
+    return vec4(bands[0], bands[1], bands[2], bands[3]);
+}
+
+// Contrast by band, and the luminance that eyes are adapted to: DecideParams::contrast.
+struct Shown {
+    bands: vec4<f32>,
+    luminance: f32,
+    // Not behind the view in which it was measured.
+    is_known: bool,
+}
+
+fn shown_by(tile: vec2<u32>) -> Shown {
+    if params.is_turned == 0u {
+        return Shown(bands_of(tile), contrast_of(tile).adaptation_cd_m2, true);
+    }
+    let pixel = (vec2<f32>(tile) + 0.5) * vec2<f32>(params.texel) - vec2<f32>(params.overhang);
+    let point = vec3(params.plane_origin + params.plane_step * pixel, 1.0);
+    let depth = dot(params.measured_depth, point);
+    if !(depth > 0.0) {
+        return Shown(vec4(0.0), 0.0, false);
+    }
+    let at = vec2(dot(params.measured_column, point), dot(params.measured_row, point)) / depth - 0.5;
+    let first = within(floor(at + STILL));
+    let end = within(ceil(at - STILL));
+    let nearest = within(floor(at + 0.5));
+    var bands = max(bands_of(nearest), max(bands_of(first), bands_of(end)));
+    bands = max(bands, max(bands_of(vec2(end.x, first.y)), bands_of(vec2(first.x, end.y))));
+    return Shown(bands, contrast_of(nearest).adaptation_cd_m2, true);
+}
+
 // The coarseness of a tile, from that of the frame before.
 fn decided(tile: vec2<u32>, before: u32) -> u32 {
     let corners = vec4(corner_pixel(tile), corner_pixel(tile + 1u));
@@ -232,18 +286,18 @@ fn decided(tile: vec2<u32>, before: u32) -> u32 {
         let middle = params.plane_origin + params.plane_step * ((corners.xy + corners.zw) * 0.5);
         let pixels = pixels_per_degree(middle);
         let is_known = is_finite(pixels) && pixels > 0.0;
-        let luminance = contrast[index].adaptation_cd_m2;
+        let shown = shown_by(tile);
+        let luminance = shown.luminance;
         var seen = vec4(0.0);
         if params.sensitivity == CASTLE_CSF {
             seen = castle_csf(select(4.0, pixels / 4.0, is_known), luminance, eccentricity);
         } else {
             seen = tursun(select(4.0, pixels / 2.0, is_known), luminance, eccentricity);
         }
-        let bands = contrast[index].bands;
-        let visible = seen * vec4(bands[0], bands[1], bands[2], bands[3]);
+        let visible = seen * shown.bands;
         keep = min(keep, level_within(visible, params.budget));
         grow = min(grow, level_within(visible, params.coarsening_budget));
-        if is_looked_at(index) {
+        if is_looked_at(index) || !shown.is_known {
             keep = 0u;
         }
     }
@@ -275,7 +329,9 @@ fn decide(@builtin(global_invocation_id) id: vec3<u32>) {
         if tile.x < params.tiles.x {
             let level = decided(tile, (before >> (8u * i)) & 0xffu);
             levels |= level << (8u * i);
-            texels |= texel_of(level) << (8u * i);
+            let index = tile.y * params.tiles.x + tile.x;
+            let is_stale = params.has_stale != 0u && ((stale[index / 32u] >> (index % 32u)) & 1u) != 0u;
+            texels |= (texel_of(level) | select(0u, STALE, is_stale)) << (8u * i);
         }
     }
     memory[id.x] = levels;

@@ -9,11 +9,12 @@ pub use executable::executable;
 pub use parafovea_manifest::config::Config;
 pub use parafovea_manifest::options::{
     AudioMode, AudioSource, ChromaMatrix, ChromaMode, FilePath, GazeSource, LogLevel, PassRules,
-    PeripheralRate, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, ReusePhase,
+    PeripheralRate, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, ReusePhase, SilenceRule,
 };
 pub use parafovea_manifest::paths::Environment;
 pub use plan::{
-    gate_modes, gaze_settings, images_for_reuse, longest_period, plan_settings, wants_maps, wants_reuse,
+    gate_modes, gaze_settings, images_for_reuse, longest_period, plan_settings, wants_contrast, wants_maps,
+    wants_reuse,
 };
 
 use arc_swap::ArcSwap;

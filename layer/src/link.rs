@@ -9,8 +9,8 @@ mod records;
 
 pub use records::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, EyeMapRecord, FrameTimeRecord, NO_EYE,
-    NO_IMAGE, OfferRecord, PlanRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
-    SwapchainRecord,
+    NO_IMAGE, OfferRecord, PictureRecord, PlanRecord, SettingsRecord, ShownRecord, ShownViewRecord,
+    StaleRecord, SwapchainRecord,
 };
 
 use ash::vk;
@@ -20,7 +20,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"parafovea_vkGetLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 6;
+pub const LINK_VERSION: u32 = 7;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
@@ -46,6 +46,8 @@ pub struct LinkTable {
     pub swapchain: unsafe extern "C" fn(device: vk::Device, record: *const SwapchainRecord),
     /// Tells the newest plan.
     pub plan: unsafe extern "C" fn(device: vk::Device, record: *const PlanRecord),
+    /// Tells a finished picture of an eye, between what wrote it and the end of the frame, in a section of the runtime.
+    pub picture: unsafe extern "C" fn(device: vk::Device, record: *const PictureRecord),
     /// Tells what an xrEndFrame shows, before or after the runtime's: it ends the frame of this device.
     pub shown: unsafe extern "C" fn(device: vk::Device, record: *const ShownRecord),
     /// Tells what shall be done, from the configuration.

@@ -18,4 +18,4 @@ pub use eligibility::{
 pub use images::added_usage;
 pub use map::MaskMap;
 pub use template::DepthTemplate;
-pub use views::lay_mask;
+pub use views::{lay_mask, mask_views};

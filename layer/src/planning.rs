@@ -64,6 +64,8 @@ pub struct Planning {
     /// Frames went by without anything to plan.
     was_idle: bool,
     last: Option<Last>,
+    /// How the views of the newest plan are turned in the world.
+    orientations: [Quat; 2],
     handed: Handed,
     /// What is in the maps that are handed over.
     techniques: Techniques<bool>,
@@ -99,6 +101,7 @@ impl Default for Planning {
             settings: PlanSettings::default(),
             was_idle: false,
             last: None,
+            orientations: [Quat::IDENTITY; 2],
             handed: Handed::default(),
             techniques: Techniques { rates: true, reuse: true },
             has_history: [false; 2],
@@ -233,6 +236,7 @@ impl Planning {
         }
         planner.set_drift(self.views.drift_arcmin());
         planner.plan(&input);
+        self.orientations = [0, 1].map(|eye| head * self.views.orientation(eye));
         self.last = Some(Last { time_ns, frame: self.frame });
         true
     }
@@ -262,7 +266,12 @@ impl Planning {
             self.handed.forget();
             return None;
         };
-        self.handed.update(&planner.newest().eyes, self.techniques).then(|| self.handed.record(serial()))
+        let decides = self.settings.contrast_on_gpu && self.techniques.rates;
+        let orientations = decides.then_some(self.orientations);
+        let plan = planner.newest();
+        self.handed
+            .update(&plan.eyes, self.techniques, orientations, plan.frame)
+            .then(|| self.handed.record(serial()))
     }
 
     /// Where an eye keeps colour by the newest plan, in the space of the head.

@@ -34,6 +34,7 @@ mod link_table;
 mod masks;
 mod negotiate;
 mod objects;
+mod perception;
 mod proc_addr;
 mod properties;
 mod rates;

@@ -56,6 +56,20 @@ choice! {
         Off = "off",
         /// by the angle from the gaze alone, in rings
         Fixed = "fixed",
+        /// by the contrast of the pictures and by what is heard, for which audio.source must be set; in silence as "fixed"
+        AudioVisual = "audio-visual",
+        /// the same as it was published, without any limit on what sound hides: to compare with
+        Paper = "paper",
+    }
+}
+
+choice! {
+    /// What holds while nothing is heard.
+    SilenceRule {
+        /// the rings of mode = "fixed"
+        Fixed = "fixed",
+        /// nothing may be lost that is seen
+        Strict = "strict",
     }
 }
 
@@ -256,6 +270,12 @@ options! {
         transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
         /// The coarsest rate, in pixels that are shaded at once; a device without it uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::R4x4;
+        /// For mode = "audio-visual": how much contrast sound may hide, in multiples of what is just seen; more is noticed by some.
+        greatest_loss: f32 = 1.0, 0.0..=4.0 "";
+        /// For mode = "audio-visual": what holds while nothing is heard.
+        silence: SilenceRule = SilenceRule::Fixed;
+        /// For modes that look at pictures: how bright the headset shows white.
+        white_cd_m2: f32 = 100.0, 10.0..=10_000.0 "cd/m^2";
     }
 
     /// The periphery, rendered less often than each frame, and shown from earlier frames in between.

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+mod audio_visual;
 mod break_even;
 mod canaries;
 mod configuration;

@@ -4,8 +4,11 @@
 //! gaze, a few comparisons, and its memory of the frame before. The GPU works out each tile's corners, chord and pixels per
 //! degree by itself, which here are in the [`TileLattice`]; ages stay on the CPU, which knows whose turn it is.
 
+use crate::geometry::{ImagePlane, Reprojection, View};
 use crate::layout::uniform;
+use crate::perception::{BANDS, ContrastMap, TileContrast};
 use crate::plan::{EyePlan, TileLattice, VisibleContrast};
+use glam::{Quat, UVec2, Vec2, Vec3};
 
 uniform! {
     /// Parameters of one view and frame.
@@ -51,12 +54,31 @@ uniform! {
         pub tiles: [u32; 2],
         /// Whose turn it is to be seen at full rate, below `look_every`.
         pub look_at: u32,
+        /// 1 where contrast was measured in a view that is turned against this one, see [`Self::measured_in`]; else 0, and tiles
+        /// show what they showed then.
+        pub is_turned: u32,
+        /// 1 where some tiles are left out ([`crate::reuse::STALE`]); those are said apart.
+        pub has_stale: u32,
         /// Reserved, up to a multiple of 16 bytes; 0.
         pub reserved: u32,
+        /// From a point on the plane one unit ahead, (x, y, 1), to the column of tiles in which its contrast was measured, times
+        /// the third of these.
+        pub measured_column: [f32; 3],
         /// As [`Self::reserved`].
-        pub reserved_end: [u32; 2],
+        pub reserved_column: u32,
+        /// The same for the row.
+        pub measured_row: [f32; 3],
+        /// As [`Self::reserved`].
+        pub reserved_row: u32,
+        /// What both are divided by: > 0 for what lies ahead of the view in which contrast was measured.
+        pub measured_depth: [f32; 3],
+        /// As [`Self::reserved`].
+        pub reserved_depth: u32,
     }
 }
+
+/// A tile that has moved by less than this part of a tile is where it was.
+const STILL: f32 = 1.0 / 8.0;
 
 impl DecideParams {
     /// With each tile where contrast is judged seen at full rate once in `every` frames (0: never), of which this is number
@@ -65,6 +87,65 @@ impl DecideParams {
         self.look_every = every;
         self.look_at = frame.checked_rem(every.into()).unwrap_or(0) as u32;
         self
+    }
+
+    /// With contrast that was measured while the view was `measured`, where it is `now` in this frame: what is far away lies
+    /// elsewhere in the picture once the head has turned. Of orientations that are none, and of turns of less than an eighth of a tile, the
+    /// tiles are taken to be where they were.
+    pub fn measured_in(mut self, measured: &View, now: Quat) -> Self {
+        self.is_turned = 0;
+        let ahead = View { orientation: now, plane: ImagePlane { origin: Vec2::ZERO, step: Vec2::ONE } };
+        let Some(map) = Reprojection::between(&ahead, measured) else { return self };
+        let pixels = map.matrix().transpose();
+        let texel = UVec2::from(self.texel).max(UVec2::ONE).as_vec2();
+        let overhang = UVec2::from(self.overhang).as_vec2();
+        self.measured_column = ((pixels.x_axis + pixels.z_axis * overhang.x) / texel.x).into();
+        self.measured_row = ((pixels.y_axis + pixels.z_axis * overhang.y) / texel.y).into();
+        self.measured_depth = pixels.z_axis.into();
+        let [columns, rows] = self.tiles.map(|count| count.saturating_sub(1));
+        let corners = [[0, 0], [columns, 0], [0, rows], [columns, rows]];
+        let moves = |tile: [u32; 2]| {
+            let away =
+                self.measured_at(tile).map(|at| (at - UVec2::from(tile).as_vec2()).abs().max_element());
+            !away.is_some_and(|away| away < STILL)
+        };
+        self.is_turned = u32::from(corners.into_iter().any(moves));
+        self
+    }
+
+    /// Where a tile was when contrast was measured, in tiles: whole numbers are tiles. Nothing for what was behind the view.
+    fn measured_at(&self, tile: [u32; 2]) -> Option<Vec2> {
+        let pixel = (UVec2::from(tile).as_vec2() + 0.5) * UVec2::from(self.texel).as_vec2()
+            - UVec2::from(self.overhang).as_vec2();
+        let point = (Vec2::from(self.plane_origin) + Vec2::from(self.plane_step) * pixel).extend(1.0);
+        let depth = Vec3::from(self.measured_depth).dot(point);
+        let at =
+            Vec2::new(Vec3::from(self.measured_column).dot(point), Vec3::from(self.measured_row).dot(point))
+                / depth;
+        (depth > 0.0).then_some(at - 0.5)
+    }
+
+    /// The contrast of what tile `index`, counted row by row, shows in this frame: where it lay between tiles when it was measured, the
+    /// greatest of all of them; beyond the picture of then, that of its border. Contrast is NaN for what was behind it.
+    pub(crate) fn contrast(&self, map: &ContrastMap, index: u32) -> TileContrast {
+        let [columns, rows] = self.tiles;
+        if self.is_turned == 0 || columns == 0 || rows == 0 {
+            return map.tiles.texels().get(index as usize).copied().unwrap_or_default();
+        }
+        let Some(at) = self.measured_at([index % columns, index / columns]) else {
+            return TileContrast { bands: [f32::NAN; BANDS], adaptation_cd_m2: 0.0 };
+        };
+        let last = UVec2::new(columns - 1, rows - 1).as_vec2();
+        let tile = |at: Vec2| at.clamp(Vec2::ZERO, last).as_uvec2();
+        let (first, end) = (tile((at + STILL).floor()), tile((at - STILL).ceil()));
+        let nearest = tile((at + 0.5).floor());
+        let mut found = map.tiles.at(nearest.x, nearest.y);
+        for [x, y] in [[first.x, first.y], [end.x, first.y], [first.x, end.y], [end.x, end.y]] {
+            for (band, other) in found.bands.iter_mut().zip(map.tiles.at(x, y).bands) {
+                *band = if other > *band { other } else { *band };
+            }
+        }
+        found
     }
 
     /// Whether it is the turn of tile `index`, counted row by row. Neighbours have their turns at different times.
@@ -163,3 +244,6 @@ fn level_at(chord: f32, rings: &[f32; 4], levels: &[u32; 4]) -> u8 {
     }
     level as u8
 }
+
+#[cfg(test)]
+mod tests;

@@ -33,6 +33,13 @@ impl DepthFormat {
         }
     }
 
+    /// A word of the buffer in which every texel has this depth.
+    pub(crate) fn word(self, depth: f32) -> u32 {
+        let [a, b, c, d] = self.encode(depth);
+        // The GPU's words have the order of the CPU's.
+        u32::from_ne_bytes(if self.texel_size() == 2 { [a, b, a, b] } else { [a, b, c, d] })
+    }
+
     /// The bytes of a depth, 0..=1, of which [`Self::texel_size`] count.
     fn encode(self, depth: f32) -> [u8; 4] {
         // In double precision: 24 bits do not fit beside a half.

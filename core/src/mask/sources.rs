@@ -88,6 +88,14 @@ impl Pattern {
     }
 }
 
+/// The sources of skipped blocks within each pattern, the finest first: [`Pattern::PERIOD`] words each, row by row, as
+/// [`super::SkipList`] has them.
+pub fn pattern_sources() -> impl Iterator<Item = u32> {
+    let rates =
+        [ShadingRate::R1X1, ShadingRate::R2X1, ShadingRate::R2X2, ShadingRate::R4X2, ShadingRate::R4X4];
+    rates.into_iter().flat_map(|rate| Pattern::of(rate).sources())
+}
+
 /// The sources within each pattern, computed once.
 #[derive(Clone, Debug)]
 pub(super) struct PatternSources(Vec<(Pattern, Vec<u32>)>);

@@ -27,9 +27,10 @@ impl VisibleContrast<'_> {
         chords: &[f32],
         [keep, grow]: &mut [Vec<u8>; 2],
     ) {
-        let tiles = self.map.tiles.texels().iter().zip(resolution).zip(chords);
-        for ((keep, grow), ((tile, resolution), chord)) in keep.iter_mut().zip(grow).zip(tiles) {
-            let visible = self.visible(tile, *resolution, deg_of_chord(*chord) - params.inflation_deg);
+        let tiles = (0..).zip(resolution).zip(chords);
+        for ((keep, grow), ((index, resolution), chord)) in keep.iter_mut().zip(grow).zip(tiles) {
+            let tile = params.contrast(self.map, index);
+            let visible = self.visible(&tile, *resolution, deg_of_chord(*chord) - params.inflation_deg);
             *keep = level_within(visible, params.budget);
             *grow = level_within(visible, params.coarsening_budget);
         }

@@ -60,6 +60,8 @@ pub struct EyePlan {
     pub rings: Rings,
     /// What the rates were decided by: the uniform of the kernel `decide`.
     pub decision: DecideParams,
+    /// What they are to be decided by where the GPU knows contrast; nothing where contrast does not count in this frame.
+    pub judged: Option<DecideParams>,
     /// Sums over the tiles.
     pub statistics: Statistics,
 }
@@ -78,6 +80,7 @@ impl Default for EyePlan {
             ages: Plane::filled(0, 0, 0),
             rings: Rings::FULL,
             decision: bytemuck::Zeroable::zeroed(),
+            judged: None,
             statistics: Statistics::default(),
         }
     }

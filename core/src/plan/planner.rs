@@ -68,8 +68,8 @@ impl Planner {
     pub fn set_settings(&mut self, settings: PlanSettings) {
         self.settings = PlanSettings { rails: settings.rails.usable(), ..settings };
         let wanted = match settings.rates {
-            RateSettings::AudioVisual(model) => Some(model.budget.unit),
-            RateSettings::Off | RateSettings::Fixed(_) => None,
+            RateSettings::AudioVisual(model) if !settings.contrast_on_gpu => Some(model.budget.unit),
+            RateSettings::AudioVisual(_) | RateSettings::Off | RateSettings::Fixed(_) => None,
         };
         if self.sensitivity.as_ref().map(Sensitivity::unit) != wanted {
             self.sensitivity = wanted.map(Sensitivity::new);
@@ -144,8 +144,11 @@ impl Planner {
             _ => memory.renewal.renew_all(),
         }
 
-        let contrast = contrast(eye, memory.lattice.tiles(), self.sensitivity.as_ref());
-        reasons.insert_if(rules.judged.is_some() && contrast.is_none(), Reason::NothingMeasured);
+        let on_gpu = self.settings.contrast_on_gpu;
+        let contrast = contrast(eye, memory.lattice.tiles(), self.sensitivity.as_ref()).filter(|_| !on_gpu);
+        reasons.insert_if(rules.judged.is_some() && contrast.is_none() && !on_gpu, Reason::NothingMeasured);
+        let judged = rules.judged.filter(|_| on_gpu && orientation.is_some());
+        out.judged = judged.map(|judged| rules.params(&self.settings, out.centres, &judged, &memory.lattice));
         let permit = match (orientation, rules.judged, contrast) {
             (None, ..) => Permit::NOTHING,
             (Some(_), Some(judged), Some(_)) => judged,

@@ -144,8 +144,15 @@ impl FrameRules {
             texel: lattice.texel(),
             tiles: lattice.tiles(),
             look_at: 0,
+            is_turned: 0,
+            has_stale: 0,
             reserved: 0,
-            reserved_end: [0; 2],
+            measured_column: [0.0; 3],
+            reserved_column: 0,
+            measured_row: [0.0; 3],
+            reserved_row: 0,
+            measured_depth: [0.0; 3],
+            reserved_depth: 0,
         }
     }
 }
@@ -167,16 +174,17 @@ fn judged(
     audio: Option<&AudioFeatures>,
     reasons: &mut Reasons,
 ) -> Option<Permit> {
-    let Some(audio) = audio else {
-        reasons.insert(Reason::NothingMeasured);
-        return None;
-    };
+    reasons.insert_if(audio.is_none(), Reason::NothingMeasured);
+    // Where nobody listens, nothing is heard: the ablation of the paper without both features of sound.
+    let audio = audio.unwrap_or(&AudioFeatures::SILENT);
     reasons.insert_if(audio.silent, Reason::Silence);
     let Budget::Alpha(budget) = model.budget.budget(audio.gamma_ld, audio.gamma_fq_kilomel, audio.silent)
     else {
         reasons.insert(Reason::Silence);
         return None;
     };
+    // What is no number limits to 0.
+    let budget = if model.greatest_loss >= budget { budget } else { model.greatest_loss.max(0.0) };
     reasons.insert_if(model.cap.is_some(), Reason::FixedCap);
     let rings = model.cap.as_ref().map_or(Rings::OPEN, |cap| ring_map(settings, cap));
     Some(Permit { budget: Some(budget), ..permit(settings, rings, rails) })

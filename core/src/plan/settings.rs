@@ -21,6 +21,9 @@ pub struct PlanSettings {
     pub rails: RailSettings,
     /// What the device offers.
     pub device: DeviceRates,
+    /// Whether contrast is known to the GPU alone. Then [`super::EyePlan::judged`] is what the kernel `decide` is to be given there, and
+    /// the plan's own rates are those of fixed foveation, for where that is not possible.
+    pub contrast_on_gpu: bool,
 }
 
 impl Default for PlanSettings {
@@ -32,6 +35,7 @@ impl Default for PlanSettings {
             chroma: None,
             rails: RailSettings::default(),
             device: DeviceRates::default(),
+            contrast_on_gpu: false,
         }
     }
 }
@@ -47,6 +51,7 @@ impl PlanSettings {
             budget: chosen.budget,
             fixed: chosen.fixed_foveation,
             cap: (!is_paper).then_some(cap),
+            greatest_loss: if is_paper { f32::INFINITY } else { AudioVisual::default().greatest_loss },
         };
         let schedule =
             Schedule { regions: chosen.regions, configuration: chosen.update, phase: chosen.phase };
@@ -63,6 +68,7 @@ impl PlanSettings {
             chroma: chosen.chroma,
             rails: if is_paper { RailSettings::PAPER } else { RailSettings::default() },
             device: DeviceRates { available: AvailableRates::among(chosen.rates, offered), texel },
+            contrast_on_gpu: false,
         }
     }
 }
@@ -91,21 +97,31 @@ pub struct AudioVisual {
     /// The model takes a coarse rate for a low-pass filter, but it aliases, so that the model is optimistic
     /// in the periphery.
     pub cap: Option<FixedFoveation>,
+    /// Greatest loss of visible contrast that any sound leads to, >= 0 or infinite, in the units of the sensitivity function in use:
+    /// with castleCSF 1 is a loss that is just seen. What is no number counts as 0.
+    pub greatest_loss: f32,
 }
 
 impl AudioVisual {
     /// To the letter of the paper.
-    pub const PAPER: Self = Self { budget: BudgetSettings::PAPER, fixed: FixedFoveation::L1_C1, cap: None };
+    pub const PAPER: Self = Self {
+        budget: BudgetSettings::PAPER,
+        fixed: FixedFoveation::L1_C1,
+        cap: None,
+        greatest_loss: f32::INFINITY,
+    };
 }
 
 impl Default for AudioVisual {
     /// Paper A's baseline, FR_L1-C1, where nothing is heard; and otherwise never coarser than FR_L1-C3, which of the pairs
-    /// of its pilot study that some sound made as good as the baseline shades least ([`Preset::settings`]).
+    /// of its pilot study that some sound made as good as the baseline shades least ([`Preset::settings`]). No sound hides more
+    /// than what is just seen.
     fn default() -> Self {
         Self {
             budget: BudgetSettings::default(),
             fixed: FixedFoveation::L1_C1,
             cap: Some(FixedFoveation::L1_C3),
+            greatest_loss: 1.0,
         }
     }
 }

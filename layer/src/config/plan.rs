@@ -2,12 +2,13 @@
 
 use super::{
     Config, GazeSource, PeripheralRate, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, ReusePhase,
-    chroma_settings,
+    SilenceRule, chroma_settings,
 };
+use parafovea_core::avpm::{self, BudgetSettings};
 use parafovea_core::fixed_foveation::FixedFoveation;
 use parafovea_core::gate::{GateMode, Techniques};
 use parafovea_core::gaze::GazeSettings;
-use parafovea_core::plan::{PlanSettings, RateSettings, Turns, UpdateSettings};
+use parafovea_core::plan::{AudioVisual, PlanSettings, RateSettings, Turns, UpdateSettings};
 use parafovea_core::presets;
 use parafovea_core::rate::ShadingRate;
 use parafovea_core::schedule::{Phase, Schedule, UpdateConfiguration};
@@ -18,13 +19,39 @@ pub fn plan_settings(config: &Config, offered: &[ShadingRate], texel: [u32; 2]) 
         _ if !config.enabled => RateSettings::Off,
         RatesMode::Off => RateSettings::Off,
         RatesMode::Fixed => RateSettings::Fixed(fixed_foveation(config)),
+        RatesMode::AudioVisual | RatesMode::Paper => RateSettings::AudioVisual(audio_visual(config)),
     };
     let preset = preset(config.preset);
     PlanSettings {
         rates,
         schedule: update_settings(config, preset.settings().faster_in_pursuit),
         chroma: chroma_settings(config),
+        contrast_on_gpu: wants_contrast(config),
         ..PlanSettings::of(preset, false, offered, texel)
+    }
+}
+
+/// Whether the configuration asks for rates by the contrast of pictures.
+pub fn wants_contrast(config: &Config) -> bool {
+    wants_maps(config) && matches!(config.rates.mode, RatesMode::AudioVisual | RatesMode::Paper)
+}
+
+/// How sound and contrast lead to rates: as published, or by castleCSF, within what is configured.
+fn audio_visual(config: &Config) -> AudioVisual {
+    let fixed = fixed_foveation(config);
+    if config.rates.mode == RatesMode::Paper {
+        return AudioVisual { fixed, ..AudioVisual::PAPER };
+    }
+    let usual = AudioVisual::default();
+    let silence = match config.rates.silence {
+        SilenceRule::Fixed => avpm::SilenceRule::FixedFoveation,
+        SilenceRule::Strict => avpm::SilenceRule::Strict,
+    };
+    AudioVisual {
+        budget: BudgetSettings { silence, ..usual.budget },
+        fixed,
+        cap: usual.cap.map(|cap| cap.with_peripheral(fixed.peripheral)),
+        greatest_loss: config.rates.greatest_loss,
     }
 }
 
@@ -168,6 +195,27 @@ mod tests {
             let settings = settings(&config);
             assert_eq!((settings.rates, settings.schedule, settings.chroma), (RateSettings::Off, None, None));
         }
+    }
+
+    #[test]
+    fn sound_hides_what_is_configured_and_in_the_paper_all_that_it_can() {
+        let model = |config: &Config| match settings(config) {
+            PlanSettings { rates: RateSettings::AudioVisual(model), contrast_on_gpu: true, .. } => model,
+            other => panic!("{other:?}"),
+        };
+        let mut config = Config::default();
+        config.rates.mode = RatesMode::AudioVisual;
+        assert_eq!(model(&config), AudioVisual::default());
+        config.rates.greatest_loss = 2.5;
+        config.rates.silence = SilenceRule::Strict;
+        config.rates.peripheral = PeripheralRate::R2x2;
+        let edited = model(&config);
+        assert_eq!((edited.greatest_loss, edited.budget.silence), (2.5, avpm::SilenceRule::Strict));
+        assert_eq!(edited.cap.unwrap().peripheral, ShadingRate::R2X2, "no coarser than in silence");
+        config.rates.peripheral = PeripheralRate::R4x4;
+        config.rates.mode = RatesMode::Paper;
+        assert_eq!(model(&config), AudioVisual::PAPER);
+        assert!(!settings(&Config::default()).contrast_on_gpu);
     }
 
     #[test]

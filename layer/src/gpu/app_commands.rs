@@ -173,6 +173,11 @@ impl<'a> AppCommands<'a> {
         self.memory_barrier(BUFFER_COPIES, BUFFER_READS);
     }
 
+    /// Orders reading of buffers by masked passes after what compute shaders wrote to them.
+    pub(crate) fn computes_to_reads(&self) {
+        self.memory_barrier(COMPUTES, BUFFER_READS);
+    }
+
     /// Orders what compute shaders do from here on after what they have written.
     pub(crate) fn computed_to_computed(&self) {
         self.memory_barrier(COMPUTES, COMPUTES);
@@ -187,6 +192,15 @@ impl<'a> AppCommands<'a> {
         // SAFETY: the command buffer is being recorded outside of a render pass, and the buffer is live, as `new` demands.
         unsafe { self.gpu.device.cmd_update_buffer(self.commands, to.handle(), 0, bytes) };
         self.memory_barrier(BUFFER_COPIES, PARAMETERS);
+    }
+
+    /// Writes words to a buffer at an offset in bytes, a multiple of 4, at most 16,384 of them: a transfer, in the order that the
+    /// caller's barriers say.
+    pub(crate) fn update_words(&self, to: vk::Buffer, offset: u64, words: &[u32]) {
+        // SAFETY: the command buffer is being recorded outside of a render pass, and the buffer is live, as `new` demands.
+        unsafe {
+            self.gpu.device.cmd_update_buffer(self.commands, to, offset, bytemuck::cast_slice(words));
+        }
     }
 
     /// Orders accesses to memory.

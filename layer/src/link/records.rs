@@ -1,6 +1,7 @@
 //! What the halves tell each other, as C structures. Pointers in them are valid during the call only.
 
 use ash::vk;
+use parafovea_core::kernels::decide::DecideParams;
 
 /// [`OfferRecord::backend`]: nothing can be made coarser on this device; the log says why.
 pub const BACKEND_NONE: u32 = 0;
@@ -73,8 +74,46 @@ pub struct EyeMapRecord {
     /// Number of tiles, columns and rows: those that it takes to cover `extent`.
     pub tiles: [u32; 2],
     /// A byte for each tile, row by row, top row first: a texel of a rate image (`ShadingRate::texel`), and the bit `STALE`
-    /// where the tile need not be rendered at all.
+    /// where the tile need not be rendered at all. Where the rates are to be decided on the GPU and cannot be, these hold.
     pub rates: *const u8,
+    /// 1 where the rates of the tiles are to be decided on the GPU, by what follows; else 0.
+    pub is_decided: u32,
+    /// 1 where contrast counts, and the pictures of this eye are to be analysed; else 0.
+    pub is_judged: u32,
+    /// What decides as long as no contrast is known, or none counts.
+    pub fixed: DecideParams,
+    /// What decides where contrast counts.
+    pub judged: DecideParams,
+    /// How the view is turned against a space that rests in the world: x, y, z, w.
+    pub orientation: [f32; 4],
+}
+
+/// A finished picture of an eye, whose contrast decides the rates of later frames.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct PictureRecord {
+    /// 0: left, 1: right.
+    pub eye: u32,
+    /// Family and index of the queue on which it was written, and which this thread may use now.
+    pub queue: [u32; 2],
+    /// The XrSwapchain that it belongs to; that is said to end before its images are destroyed.
+    pub swapchain: u64,
+    /// Where it is, with the usage SAMPLED, in COLOR_ATTACHMENT_OPTIMAL.
+    pub image: vk::Image,
+    /// What it is read as.
+    pub format: vk::Format,
+    /// Its array layer.
+    pub layer: u32,
+    /// x, y, width, height, pixels.
+    pub rect: [u32; 4],
+    /// [`ImagePlane::origin`](parafovea_core::geometry::ImagePlane::origin) of its view, and the step.
+    pub plane: [[f32; 2]; 2],
+    /// How its view was turned, as [`EyeMapRecord::orientation`].
+    pub orientation: [f32; 4],
+    /// Luminance of white, cd/m^2.
+    pub white_cd_m2: f32,
+    /// 1: the mean contrast of a tile counts; 0: the greatest.
+    pub is_mean: u32,
 }
 
 /// The tiles of an eye's picture that its passes left out, as `StaleTiles` has them.

@@ -57,6 +57,26 @@ impl MaskMap {
         self.eligible
     }
 
+    /// Size of the targets, pixels.
+    pub fn extent(&self) -> [u32; 2] {
+        self.extent
+    }
+
+    /// How many array layers there are.
+    pub fn layers(&self) -> u32 {
+        self.layers
+    }
+
+    /// The list of skipped blocks, which compute shaders may write, valid as long as `self`.
+    pub fn list(&self) -> vk::Buffer {
+        self.list.handle()
+    }
+
+    /// The template, if compute shaders may write it, valid as long as `self`.
+    pub fn template(&self) -> Option<vk::Buffer> {
+        self.template.is_storage().then(|| self.template.handle())
+    }
+
     /// How many bytes [`Self::stage`] writes, a multiple of four.
     pub fn staging_len(&self) -> usize {
         self.list.capacity_words() * 4 + self.template.size() as usize

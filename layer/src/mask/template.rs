@@ -9,6 +9,7 @@ use std::sync::Arc;
 /// [`DepthTemplate::handle`] of what [`DepthTemplate::write`] writes.
 pub struct DepthTemplate {
     buffer: DeviceBuffer,
+    is_storage: bool,
     format: DepthFormat,
     depths: TemplateDepths,
     extent: [u32; 2],
@@ -46,17 +47,29 @@ impl DepthTemplate {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
         let size = layer_size(format, extent) * u64::from(layers);
         let nothing = Mask::new(extent, 0);
-        let buffer = DeviceBuffer::new(gpu, usage, size, |bytes| {
+        let write = |bytes: &mut [u8]| {
             for layer in bytes.chunks_exact_mut(layer_size(format, extent).max(1) as usize) {
                 write_template(&nothing, 0, format, depths, layer);
             }
-        })?;
-        Ok(Self { buffer, format, depths, extent, layers })
+        };
+        // What is too large to be written by shaders can still be copied.
+        let storage = usage | vk::BufferUsageFlags::STORAGE_BUFFER;
+        let (buffer, is_storage) = match DeviceBuffer::new(gpu, storage, size, write) {
+            Ok(buffer) => (buffer, true),
+            Err(GpuError::Unsupported(_)) => (DeviceBuffer::new(gpu, usage, size, write)?, false),
+            Err(error) => return Err(error),
+        };
+        Ok(Self { buffer, is_storage, format, depths, extent, layers })
     }
 
     /// The buffer, which copies may write, valid as long as `self`.
     pub fn handle(&self) -> vk::Buffer {
         self.buffer.handle()
+    }
+
+    /// Whether compute shaders may write it.
+    pub fn is_storage(&self) -> bool {
+        self.is_storage
     }
 
     /// Its size in bytes.

@@ -8,29 +8,44 @@ use smallvec::SmallVec;
 /// Lays the rates that [`crate::scene::lay::lay`] wrote for `image` over the pictures of a pass that `parts` say. Views
 /// end where a part does: nothing is interpolated from one into another.
 pub fn lay_mask(mask: &mut Mask, parts: &[Part], image: &RateImage, rates: &[u8]) {
+    let views: Views = views(parts, image, rates).collect();
+    mask.lay(&views);
+}
+
+/// The views of a pass.
+type Views<'a> = SmallVec<[MaskView<'a>; 8]>;
+
+/// The views that `parts` say, without those that overlap an earlier one; their rates do not matter.
+pub fn mask_views(parts: &[Part], image: &RateImage) -> Views<'static> {
+    let mut kept = Views::new();
+    for view in views(parts, image, &[]) {
+        if !kept.iter().any(|earlier| earlier.overlaps(&view)) {
+            kept.push(view);
+        }
+    }
+    kept
+}
+
+/// The views that `parts` say, with the rates that there are.
+fn views<'a>(parts: &[Part], image: &RateImage, rates: &'a [u8]) -> impl Iterator<Item = MaskView<'a>> {
     let [x, y, width, height] = image.area;
     let len = image.tiles[0] as usize * image.tiles[1] as usize;
-    let views: SmallVec<[MaskView; 8]> = parts
-        .iter()
-        .filter_map(|part| {
-            let layer = if image.layers == 1 { 0 } else { part.layer };
-            let texels = rates.get(layer as usize * len..)?.get(..len)?;
-            // Pixels that a part has in part belong to it, as they do in the rates.
-            let axis = |offset: u32, size: u32, first: f32, extent: f32| {
-                let at = |fraction: f32| {
-                    let pixels = f64::from(fraction.clamp(0.0, 1.0)) * f64::from(size);
-                    offset.saturating_add(pixels.round() as u32)
-                };
-                (at(first), at(first + extent) - at(first))
+    parts.iter().map(move |part| {
+        let layer = if image.layers == 1 { 0 } else { part.layer };
+        let texels = rates.get(layer as usize * len..).and_then(|rates| rates.get(..len)).unwrap_or(&[]);
+        // Pixels that a part has in part belong to it, as they do in the rates.
+        let axis = |offset: u32, size: u32, first: f32, extent: f32| {
+            let at = |fraction: f32| {
+                let pixels = f64::from(fraction.clamp(0.0, 1.0)) * f64::from(size);
+                offset.saturating_add(pixels.round() as u32)
             };
-            let [left, top, wide, high] = part.rect;
-            let ((x, width), (y, height)) = (axis(x, width, left, wide), axis(y, height, top, high));
-            let tiles =
-                TileRates { texel: image.texel, first: [0; 2], columns: image.tiles[0], rates: texels };
-            Some(MaskView { layer: part.layer, offset: [x, y], extent: [width, height], tiles })
-        })
-        .collect();
-    mask.lay(&views);
+            (at(first), at(first + extent) - at(first))
+        };
+        let [left, top, wide, high] = part.rect;
+        let ((x, width), (y, height)) = (axis(x, width, left, wide), axis(y, height, top, high));
+        let tiles = TileRates { texel: image.texel, first: [0; 2], columns: image.tiles[0], rates: texels };
+        MaskView { layer: part.layer, offset: [x, y], extent: [width, height], tiles }
+    })
 }
 
 #[cfg(test)]

@@ -12,9 +12,10 @@ use parafovea_core::perception::csf::Stimulus;
 use parafovea_core::perception::csf::castle::FovealTable;
 use std::sync::Arc;
 
-/// Parameters, contrast, the table of sensitivities, coarseness, rates.
-const BINDINGS: [vk::DescriptorType; 5] = [
+/// Parameters, contrast, the table of sensitivities, coarseness, rates, what is left out.
+const BINDINGS: [vk::DescriptorType; 6] = [
     vk::DescriptorType::UNIFORM_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
@@ -38,6 +39,7 @@ pub struct DecideTarget {
     // In the order in which each may be destroyed.
     set: ComputeSet,
     params: DeviceBuffer,
+    stale: DeviceBuffer,
     _memory: DeviceBuffer,
     tiles: Arc<ViewTiles>,
 }
@@ -71,33 +73,43 @@ impl Decide {
         let [columns, rows] = tiles.tiles();
         let bytes = u64::from(rate_row_bytes(columns)) * u64::from(rows);
         let memory = DeviceBuffer::new(gpu, vk::BufferUsageFlags::STORAGE_BUFFER, bytes.max(4), |_| {})?;
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+        let stale = DeviceBuffer::new(gpu, usage, stale_words([columns, rows]) as u64 * 4, |_| {})?;
         let bound = [
             (0, Bound::Buffer(params.handle())),
             (1, Bound::Buffer(tiles.contrast())),
             (2, Bound::Buffer(self.foveal.handle())),
             (3, Bound::Buffer(memory.handle())),
             (4, Bound::Buffer(tiles.rates())),
+            (5, Bound::Buffer(stale.handle())),
         ];
         let set = ComputeSet::new(&self.layout, &bound)?;
-        Ok(DecideTarget { set, params, _memory: memory, tiles: Arc::clone(tiles) })
+        Ok(DecideTarget { set, params, stale, _memory: memory, tiles: Arc::clone(tiles) })
     }
 
-    /// Records the decision on the tiles of `target`. [`ViewTiles::rates`] hold it afterwards, ready to be copied or to be
-    /// read by compute shaders.
+    /// Records the decision on the tiles of `target`, of which `stale` are left out ([`parafovea_core::reuse::StaleTiles::words`]): none of them, or all words.
+    /// [`ViewTiles::rates`] hold it afterwards, ready to be copied or to be read by compute shaders.
     ///
     /// # Errors
-    /// [`GpuError::Invalid`] where `params` are of other tiles; then nothing is recorded.
+    /// [`GpuError::Invalid`] where `params` or `stale` are of other tiles; then nothing is recorded.
     pub fn record(
         &self,
         commands: &AppCommands,
         target: &DecideTarget,
         params: &DecideParams,
+        stale: &[u32],
     ) -> Result<(), GpuError> {
         let [columns, rows] = target.tiles.tiles();
-        if params.tiles != [columns, rows] {
+        let has_stale = !stale.is_empty();
+        if params.tiles != [columns, rows] || (has_stale && stale.len() != stale_words([columns, rows])) {
             return Err(GpuError::Invalid("parameters of other tiles"));
         }
-        commands.write_parameters(&target.params, bytemuck::bytes_of(params));
+        let params = DecideParams { has_stale: has_stale.into(), ..*params };
+        commands.write_parameters(&target.params, bytemuck::bytes_of(&params));
+        for (part, words) in (0u64..).zip(stale.chunks(UPDATE_WORDS)) {
+            commands.update_words(target.stale.handle(), part * UPDATE_WORDS as u64 * 4, words);
+        }
+        commands.memory_barrier(UPDATES, COMPUTES);
         commands.memory_barrier(RATES_READ, COMPUTES);
         let words = rate_row_bytes(columns) / 4 * rows;
         commands.dispatch(&self.layout, &self.pipeline, &target.set, [words.div_ceil(THREADS), 1]);
@@ -105,6 +117,18 @@ impl Decide {
         Ok(())
     }
 }
+
+/// Words that say of each tile whether it is left out.
+fn stale_words([columns, rows]: [u32; 2]) -> usize {
+    (columns as usize * rows as usize).div_ceil(u32::BITS as usize)
+}
+
+/// Most words in one update of a buffer (vkCmdUpdateBuffer: 65,536 bytes).
+const UPDATE_WORDS: usize = 16_384;
+
+/// How what is left out is written.
+const UPDATES: Scope =
+    Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };
 
 /// Who uses the rates: copies to the image that the application's passes are given, and the analysis.
 const RATES_READ: Scope = Scope {

@@ -81,6 +81,7 @@ impl SkipBuffer {
     pub fn new(gpu: &Arc<Gpu>, blocks: usize, list: &SkipList) -> Result<Self, GpuError> {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::INDIRECT_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
         let words = SkipList::capacity_words(blocks).max(list.words().len());
         let buffer = DeviceBuffer::new(gpu, usage, words as u64 * 4, |bytes| {

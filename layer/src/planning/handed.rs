@@ -1,10 +1,18 @@
 //! The maps that were handed over last.
 
 use crate::link::{EyeMapRecord, PlanRecord};
+use glam::Quat;
 use parafovea_core::gate::Techniques;
+use parafovea_core::kernels::decide::DecideParams;
 use parafovea_core::plan::EyePlan;
 use parafovea_core::reuse::STALE;
 use std::ptr;
+
+/// Frames after which each tile whose contrast counts was seen at full rate once.
+const LOOK_EVERY: u32 = 360;
+
+/// Coarseness that a tile can have, 64ths of an octave.
+const COARSEST: u32 = 128;
 
 /// A copy of what the Vulkan half has.
 #[derive(Debug, Default)]
@@ -21,6 +29,17 @@ struct Map {
     texel: [u32; 2],
     tiles: [u32; 2],
     bytes: Vec<u8>,
+    decision: Option<Decision>,
+    /// How much coarser tiles may still become after the last change.
+    unsettled: u32,
+}
+
+/// What the rates of the tiles are decided by on the GPU.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Decision {
+    fixed: DecideParams,
+    judged: Option<DecideParams>,
+    orientation: Quat,
 }
 
 impl Handed {
@@ -29,11 +48,20 @@ impl Handed {
         self.is_known = false;
     }
 
-    /// Takes the maps of a plan, with what they shall have of it. Whether they are news.
-    pub fn update(&mut self, eyes: &[EyePlan; 2], techniques: Techniques<bool>) -> bool {
+    /// Takes the maps of the plan of frame number `frame`, with what they shall have of it; and, where rates are to be decided on the GPU, how
+    /// the views are turned in the world. Whether they are news.
+    pub fn update(
+        &mut self,
+        eyes: &[EyePlan; 2],
+        techniques: Techniques<bool>,
+        orientations: Option<[Quat; 2]>,
+        frame: u64,
+    ) -> bool {
         let kept = (if techniques.rates { !STALE } else { 0 }) | (if techniques.reuse { STALE } else { 0 });
         let mut is_news = !std::mem::replace(&mut self.is_known, true);
-        for (map, eye) in self.eyes.iter_mut().zip(eyes) {
+        for (index, (map, eye)) in self.eyes.iter_mut().zip(eyes).enumerate() {
+            let decision = orientations.map(|orientations| Decision::of(eye, orientations[index], frame));
+            is_news |= map.decide(decision);
             self.newest.clear();
             eye.write_map(&mut self.newest);
             self.newest.iter_mut().for_each(|tile| *tile &= kept);
@@ -59,9 +87,45 @@ impl Map {
         is_news
     }
 
+    /// Takes what decides the rates. Whether that can lead to other rates: where it is another, or tiles still become coarser after
+    /// it was another last.
+    fn decide(&mut self, decision: Option<Decision>) -> bool {
+        let of = |decision: Option<Decision>| {
+            decision.map(|decision| Decision {
+                fixed: DecideParams { coarsening: 0, ..decision.fixed },
+                ..decision
+            })
+        };
+        let step = decision.map_or(0, |decision| decision.fixed.coarsening);
+        let is_other = of(self.decision) != of(decision);
+        let was_unsettled = self.unsettled > 0;
+        self.unsettled = if is_other { COARSEST } else { self.unsettled }.saturating_sub(step);
+        self.decision = decision;
+        is_other || (was_unsettled && step > 0)
+    }
+
     fn record(&self) -> EyeMapRecord {
         let rates = if self.bytes.is_empty() { ptr::null() } else { self.bytes.as_ptr() };
-        EyeMapRecord { extent: self.extent, texel: self.texel, tiles: self.tiles, rates }
+        let decision = self.decision.as_ref();
+        let judged = decision.and_then(|decision| decision.judged);
+        EyeMapRecord {
+            extent: self.extent,
+            texel: self.texel,
+            tiles: self.tiles,
+            rates,
+            is_decided: decision.is_some().into(),
+            is_judged: judged.is_some().into(),
+            fixed: decision.map_or_else(bytemuck::Zeroable::zeroed, |decision| decision.fixed),
+            judged: judged.unwrap_or_else(bytemuck::Zeroable::zeroed),
+            orientation: decision.map_or(Quat::IDENTITY, |decision| decision.orientation).into(),
+        }
+    }
+}
+
+impl Decision {
+    fn of(eye: &EyePlan, orientation: Quat, frame: u64) -> Self {
+        let judged = eye.judged.map(|judged| judged.looking(LOOK_EVERY, frame));
+        Self { fixed: eye.decision, judged, orientation }
     }
 }
 

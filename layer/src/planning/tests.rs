@@ -1,5 +1,5 @@
 use super::*;
-use crate::config::{ChromaMode, Preset, RatesBackend, ReuseMode};
+use crate::config::{ChromaMode, Preset, RatesBackend, RatesMode, ReuseMode};
 use crate::link::{BACKEND_RATE_ATTACHMENT, EyeMapRecord, OfferRecord};
 use parafovea_core::geometry::Fov;
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
@@ -175,12 +175,48 @@ fn plans_have_the_tiles_and_the_rates_of_the_device() {
     session.planning.plan(&session.config, true, Quat::IDENTITY, session.time_ns);
     let record = session.planning.new_rates(&session.config, || 7).unwrap();
     assert_eq!(record.serial, 7);
-    for EyeMapRecord { extent, texel, tiles, rates } in record.eyes {
+    for EyeMapRecord { extent, texel, tiles, rates, is_decided, .. } in record.eyes {
+        assert_eq!(is_decided, 0, "rings need no GPU");
         assert_eq!((extent, texel, tiles), ([512, 512], [8, 8], [64, 64]));
         assert!(!rates.is_null());
     }
     let coarsest = session.rates(0).iter().max().copied();
     assert_eq!(coarsest, Some(ShadingRate::R2X2.texel()));
+}
+
+/// Sound as loud as it gets, then none.
+#[test]
+fn contrast_and_sound_are_left_to_the_gpu() {
+    let mut config = Config::default();
+    config.gaze.source = GazeSource::Centre;
+    config.rates.mode = RatesMode::AudioVisual;
+    let mut session = Session::new(config);
+    let loud = AudioFeatures { loudness_lufs: -10.0, gamma_ld: 25.0, gamma_fq_kilomel: 1.0, silent: false };
+    let mut decided = |heard| {
+        session.planning.listen(heard);
+        session.begin();
+        session.planning.plan(&session.config, true, Quat::from_rotation_y(0.3), session.time_ns);
+        session.planning.new_rates(&session.config, || 1).unwrap().eyes[0]
+    };
+    let eye = decided(Some(loud));
+    assert_eq!((eye.is_decided, eye.is_judged), (1, 1));
+    assert_eq!(eye.judged.budget, 1.0, "no more than what is configured");
+    assert_eq!((eye.fixed.sensitivity, eye.judged.sensitivity), (0, 1));
+    assert_eq!(eye.judged.tiles, eye.tiles);
+    assert!(eye.judged.look_every > 0, "what is coarse is looked at now and then");
+    let turned = Quat::from_array(eye.orientation).angle_between(Quat::from_rotation_y(0.4));
+    assert!(turned < 1e-3, "the left display is turned against the head, which is turned");
+    let eye = decided(Some(AudioFeatures::SILENT));
+    assert_eq!((eye.is_decided, eye.is_judged), (1, 0), "rings");
+    session.config.rates.mode = RatesMode::Paper;
+    let eye = {
+        session.planning.listen(Some(loud));
+        session.begin();
+        session.planning.plan(&session.config, true, Quat::IDENTITY, session.time_ns);
+        session.planning.new_rates(&session.config, || 1).unwrap().eyes[0]
+    };
+    assert_eq!(eye.judged.sensitivity, 2);
+    assert!(eye.judged.budget > 50_000.0, "{}", eye.judged.budget);
 }
 
 #[test]

@@ -8,9 +8,11 @@
 mod eye_map;
 mod rates;
 mod span;
+mod table;
 
 pub use eye_map::EyeMap;
 pub use rates::{DeviceRates, refine_fresh};
+pub use table::lay_table;
 
 use super::{Eyes, Orientation, Part};
 use parafovea_core::reuse::STALE;

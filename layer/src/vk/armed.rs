@@ -6,6 +6,7 @@ use super::dispatch::ArmedTable;
 use super::frame::Frame;
 use super::masks::Masks;
 use super::objects::{Image, Objects};
+use super::perception::Perception;
 use super::rates::Rates;
 use super::submit::Prologues;
 use super::table::Table;
@@ -41,6 +42,8 @@ pub struct Armed {
     pub frame: Frame,
     /// What we submit ahead of the application's submits, by queue.
     pub prologues: Table<vk::Queue, Arc<Prologues>>,
+    /// What it knows of the pictures.
+    pub perception: Perception,
     /// What its passes take.
     pub timing: Timing,
     functions: OnceLock<Option<Functions>>,
@@ -73,6 +76,7 @@ impl Armed {
             candidates: Candidates::default(),
             frame: Frame::default(),
             prologues: Table::default(),
+            perception: Perception::default(),
             timing: Timing::default(),
             functions: OnceLock::new(),
         }
@@ -100,6 +104,9 @@ impl Armed {
         for former in self.frame.set_swapchain(swapchain, images) {
             self.objects.leave_swapchain(former);
         }
+        if images.is_empty() {
+            self.perception.forget_swapchain(self, record.swapchain);
+        }
         for &image in images {
             self.objects.join_swapchain(image, swapchain, || Image::of_swapchain(image, record));
         }
@@ -124,6 +131,7 @@ impl Armed {
         }
         self.candidates.clear();
         self.timing.clear();
+        self.perception.end();
         if let Some(rates) = &self.rate_attachments {
             // SAFETY: the device is live until the call down, and the application does nothing on it any more.
             unsafe { rates.end() };

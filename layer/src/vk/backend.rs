@@ -4,9 +4,11 @@ use super::armed::Armed;
 use super::masks::TargetMask;
 use super::objects::Image;
 use crate::link::OfferRecord;
+use crate::mask::MaskMap;
 use crate::scene::lay::RateImage;
 use crate::scene::{How, Part, Pass};
 use ash::vk;
+use std::sync::Arc;
 
 /// What makes passes coarser on a device.
 pub trait Backend: Send + Sync {
@@ -47,6 +49,11 @@ pub trait RateMap: Send + Sync {
         None
     }
 
+    /// What becomes of texels that were laid on the GPU; nothing where they have to be staged.
+    fn laying(&self) -> Option<Laying> {
+        None
+    }
+
     /// Writes what is copied to the GPU, from the texels of all layers, row by row (`ShadingRate::texel`, and `STALE` only
     /// where [`Self::leaves_out`] holds), which were laid into `image` for the pictures that `parts` say.
     fn stage(&self, _parts: &[Part], _image: &RateImage, texels: &[u8], staging: &mut [u8]) {
@@ -61,6 +68,14 @@ pub trait RateMap: Send + Sync {
     /// The command buffer is being recorded, outside of a render pass, for a queue that draws; the buffer and the map live
     /// until it ran.
     unsafe fn record_upload(&self, upload: Upload);
+}
+
+/// What becomes of texels that were laid on the GPU.
+pub enum Laying {
+    /// [`RateMap::record_upload`] takes them as they are.
+    Texels,
+    /// The kernel `mask` makes this of them.
+    Mask(Arc<MaskMap>),
 }
 
 /// Where a map is uploaded from.

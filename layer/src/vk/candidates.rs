@@ -8,6 +8,7 @@ pub use content::{Content, Need};
 
 use super::armed::Armed;
 use super::backend::RateMap;
+use super::perception::Laid;
 use super::table::Table;
 use crate::scene::{ImageKey, Pass, Target};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -25,17 +26,28 @@ pub struct Candidate {
     /// Its map on the GPU.
     pub map: Box<dyn RateMap>,
     content: Mutex<Content>,
+    laid: Mutex<Option<Laid>>,
 }
 
 impl Candidate {
     fn new(target: Target, map: Box<dyn RateMap>) -> Arc<Self> {
         let content = if map.has_content() { Content::initialised() } else { Content::default() };
-        Arc::new(Self { target, map, content: Mutex::new(content) })
+        Arc::new(Self { target, map, content: Mutex::new(content), laid: Mutex::default() })
     }
 
     /// What its map holds, or shall hold.
     pub fn content(&self) -> MutexGuard<'_, Content> {
         self.content.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes out what its map is laid with on the GPU, so that no lock is held meanwhile; [`Self::keep_laid`] puts it back.
+    pub fn take_laid(&self) -> Option<Laid> {
+        self.laid.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// Keeps what its map is laid with.
+    pub fn keep_laid(&self, laid: Option<Laid>) {
+        *self.laid.lock().unwrap_or_else(PoisonError::into_inner) = laid;
     }
 }
 

@@ -20,7 +20,7 @@ use swapchains::Swapchains;
 #[derive(Default)]
 pub struct Frame {
     plan: Mutex<Plan>,
-    /// Number of the newest plan, to be looked at without the lock.
+    /// [`Plan::serial`] of the newest plan, to be looked at without the lock.
     serial: AtomicU64,
     /// Whether it makes anything coarser that is rendered, the same way.
     coarsens: AtomicBool,
@@ -39,12 +39,20 @@ impl Frame {
         self.serial.store(plan.serial(), Ordering::Release);
     }
 
+    /// The rates of both eyes are decided anew on the GPU: all maps are out of date. Returns the number that they are to have.
+    pub fn decided(&self) -> u64 {
+        let mut plan = lock(&self.plan);
+        plan.decided();
+        self.serial.store(plan.serial(), Ordering::Release);
+        plan.serial()
+    }
+
     /// The newest plan.
     pub fn plan(&self) -> MutexGuard<'_, Plan> {
         lock(&self.plan)
     }
 
-    /// Number of the newest plan; 0 before the first.
+    /// [`Plan::serial`] of the newest plan; 0 before the first.
     pub fn plan_serial(&self) -> u64 {
         self.serial.load(Ordering::Acquire)
     }

@@ -5,8 +5,8 @@ use super::timing::FrameTime;
 use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
-    DeviceRecord, FrameTimeRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord, PlanRecord, SettingsRecord,
-    ShownRecord, StaleRecord, SwapchainRecord,
+    DeviceRecord, FrameTimeRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord, PictureRecord, PlanRecord,
+    SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 
@@ -19,6 +19,7 @@ static TABLE: LinkTable = LinkTable {
     offer,
     swapchain,
     plan,
+    picture,
     shown,
     settings,
     stale,
@@ -64,6 +65,9 @@ unsafe extern "C" fn set_active(device: vk::Device, active: u32) {
         |_| unsafe {
             if let Some(device) = device::of(device) {
                 device.set_active(active != 0);
+                if let (0, Some(armed)) = (active, &device.armed) {
+                    armed.perception.forget();
+                }
             }
         },
     );
@@ -128,6 +132,15 @@ unsafe extern "C" fn plan(device: vk::Device, record: *const PlanRecord) {
                 slice(eye.rates, columns.saturating_mul(rows))
             });
             armed.frame.set_plan(record, rates);
+        });
+    }
+}
+
+unsafe extern "C" fn picture(device: vk::Device, record: *const PictureRecord) {
+    // SAFETY: as above; the image is live until its swapchain is said to end, and this thread may use the queue.
+    unsafe {
+        told("parafovea_vkGetLink.picture", device, record, |armed, record| {
+            armed.perception.analyze(armed, record);
         });
     }
 }

@@ -151,7 +151,9 @@ fn add(to: &mut Outdated, candidate: &Arc<Candidate>) {
 ///
 /// As for [`prepare`].
 unsafe fn update(armed: &Armed, is_followed: bool, queue: vk::Queue, mut touched: Outdated) {
-    let plan = armed.frame.plan_serial();
+    let shows_scene = || touched.iter().any(|candidate| candidate.content().shows_scene());
+    let deciding = if is_followed && shows_scene() { armed.perception.deciding(armed, queue) } else { None };
+    let plan = if deciding.is_some() { armed.frame.decided() } else { armed.frame.plan_serial() };
     touched.retain(|candidate| {
         candidate.map.staging_len() > 0
             && match candidate.content().need(plan) {
@@ -172,7 +174,7 @@ unsafe fn update(armed: &Armed, is_followed: bool, queue: vk::Queue, mut touched
         },
     };
     // SAFETY: the caller vouches for the queue.
-    unsafe { prologues.submit(armed, functions, queue, touched) };
+    unsafe { prologues.submit(armed, functions, queue, touched, deciding.as_ref()) };
 }
 
 /// Notes what a command buffer of the application does, and what its passes show; adds to `obeyed` the candidates with maps

@@ -4,6 +4,7 @@ mod complete;
 mod history;
 mod layers;
 mod nearest;
+mod pictures;
 mod regions;
 mod shown;
 mod work;
@@ -169,7 +170,8 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
         return;
     }
     match submit(active, tools, &mut works) {
-        Ok(()) => {}
+        // SAFETY: as above; the works' images are as they were just written.
+        Ok(()) => unsafe { pictures::tell(session, active, info, &works) },
         // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
         // it gets its image as it is.
         Err(GpuError::Timeout) => works.retain(|work| !work.has_picture()),

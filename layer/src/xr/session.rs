@@ -12,7 +12,7 @@ use super::structures::{VulkanBinding, extending};
 use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
 use crate::abi::guard;
-use crate::config::{ChromaMode, Config, wants_reuse};
+use crate::config::{ChromaMode, Config, wants_contrast, wants_reuse};
 use crate::link::BACKEND_NONE;
 use crate::registry::Registry;
 use openxr_sys as xr;
@@ -41,14 +41,23 @@ impl Session {
         let has_gaze = || self.gaze.may_have_gaze(self, &config);
         let may_attenuate = config.enabled && config.chroma.mode != ChromaMode::Off && has_gaze();
         let is_healthy = self.active.as_ref().is_some_and(|active| active.health() == Health::Works);
-        is_healthy && (may_attenuate || self.may_reuse(&config))
+        is_healthy && (may_attenuate || self.may_reuse(&config) || self.may_judge(&config))
     }
 
     /// Whether pictures could be completed from earlier ones: the configuration asks for it, and the device's backend can leave
     /// something out.
     pub fn may_reuse(&self, config: &Config) -> bool {
-        let offer = || self.active.as_ref().and_then(|active| active.device.offer());
-        wants_reuse(config) && offer().is_some_and(|offer| offer.backend != BACKEND_NONE)
+        wants_reuse(config) && self.has_backend()
+    }
+
+    /// Whether the contrast of pictures could decide rates: the configuration asks for it, and the device has a backend.
+    pub fn may_judge(&self, config: &Config) -> bool {
+        wants_contrast(config) && self.has_backend()
+    }
+
+    fn has_backend(&self) -> bool {
+        let offer = self.active.as_ref().and_then(|active| active.device.offer());
+        offer.is_some_and(|offer| offer.backend != BACKEND_NONE)
     }
 
     /// Marks what this thread submits as the runtime's, while it is in a call down.

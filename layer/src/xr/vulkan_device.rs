@@ -4,7 +4,7 @@
 use super::structures::VulkanBinding;
 use crate::link::{
     DeviceRecord, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr,
-    OfferRecord, PlanRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
+    OfferRecord, PictureRecord, PlanRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -117,6 +117,16 @@ impl VulkanDevice {
     pub unsafe fn tell_plan(&self, record: &PlanRecord) {
         // SAFETY: the device is live, as above; the caller vouches for the record.
         unsafe { (self.table.plan)(self.record.device, record) }
+    }
+
+    /// Tells a finished picture of an eye.
+    ///
+    /// # Safety
+    ///
+    /// As [`PictureRecord`] says.
+    pub unsafe fn tell_picture(&self, record: &PictureRecord) {
+        // SAFETY: the device is live, as above; the caller vouches for the record.
+        unsafe { (self.table.picture)(self.record.device, record) }
     }
 
     /// Tells what a frame shows.

@@ -150,7 +150,7 @@ impl Both {
             self.vulkan.run(|commands| {
                 // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
                 let commands = unsafe { AppCommands::new(gpu, commands) };
-                self.decide.record(&commands, &target, &params).unwrap();
+                self.decide.record(&commands, &target, &params, &[]).unwrap();
             });
             let row_bytes = rate_row_bytes(grid[0]);
             let got = self.vulkan.read(tiles.rates(), (row_bytes * grid[1]) as usize);
@@ -250,7 +250,7 @@ fn other_tiles_are_refused() {
     both.vulkan.run(|commands| {
         // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
         let commands = unsafe { AppCommands::new(&both.vulkan.gpu, commands) };
-        assert!(both.decide.record(&commands, &target, &params).is_err());
+        assert!(both.decide.record(&commands, &target, &params, &[]).is_err());
     });
     both.vulkan.idle();
     both.vulkan.assert_valid();

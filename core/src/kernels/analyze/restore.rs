@@ -28,8 +28,8 @@ pub struct Shown {
     pub rate: u32,
 }
 
-/// Puts back what the tiles of `map` do not show because they were shaded at `rates` ([`ShadingRate::texel`], with [`STALE`]
-/// or without), where `previous` is what was known a frame ago and `shown` what was measured then. All four are of the
+/// Puts back what the tiles of `map` do not show because they were shaded at `rates` ([`ShadingRate::texel`]; those with [`STALE`] were
+/// not shaded at all, and stay as they were known), where `previous` is what was known a frame ago and `shown` what was measured then. All four are of the
 /// same tiles; what is missing in one counts as 1x1, and as not known. `shown` takes the size of `map`.
 ///
 /// A map that judged coarse tiles by what they show would find nothing in them and keep them coarse for ever. One that
@@ -43,6 +43,10 @@ pub fn restore(rates: &Plane<u8>, previous: &ContrastMap, shown: &mut Plane<Show
     let previous = previous.tiles.texels().iter().copied().chain(std::iter::repeat(TileContrast::default()));
     let tiles = map.tiles.texels_mut().iter_mut().zip(shown.texels_mut());
     for (((tile, shown), rate), previous) in tiles.zip(rates).zip(previous) {
+        if rate & STALE != 0 {
+            *tile = previous;
+            continue;
+        }
         let shaded_at = ShadingRate::from_texel(rate & !STALE).unwrap_or(ShadingRate::R1X1);
         (*tile, *shown) = restored(*tile, previous, *shown, shaded_at);
     }

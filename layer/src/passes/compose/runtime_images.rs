@@ -35,7 +35,8 @@ impl RuntimeImages {
         Ok(Self { uses: Uses::new(gpu), targets, handles: images, shape: shape.clone() })
     }
 
-    pub(super) fn images(&self) -> &[vk::Image] {
+    /// The images, in order.
+    pub fn images(&self) -> &[vk::Image] {
         &self.handles
     }
 

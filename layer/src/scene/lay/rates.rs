@@ -39,6 +39,11 @@ impl DeviceRates {
         self.texels[usize::from(permitted) % UNARY] | permitted & STALE
     }
 
+    /// The texel of the coarsest rate that each unary rate permits.
+    pub fn available(&self) -> [u8; UNARY] {
+        self.texels
+    }
+
     /// Makes texels that are stale those of the coarsest rate, for passes that shade everything.
     pub fn coarsen_stale(&self, texels: &mut [u8]) {
         let coarsest = self.texels[UNARY - 1];

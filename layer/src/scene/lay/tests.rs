@@ -1,6 +1,8 @@
 //! The texels of a rate image against a look at every pixel.
 
 use super::*;
+use parafovea_core::image::Plane;
+use parafovea_core::kernels::lay as kernel;
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use proptest::prelude::*;
 
@@ -189,6 +191,38 @@ proptest! {
         }
     }
 
+    /// What the GPU looks up leads to the same texels.
+    #[test]
+    fn tables_lead_to_the_same_texels(
+        maps in prop::array::uniform2(any_map()), stale in prop::collection::vec(any::<bool>(), 600),
+        parts in prop::collection::vec(any_part(), 0..4), image in any_image(), leaves_out in any::<bool>(),
+        offered in prop::sample::subsequence(VULKAN_RATES.to_vec(), 0..7),
+    ) {
+        let mut stale = stale.into_iter().cycle();
+        let maps = maps.map(|map| {
+            let texels = map.texels().iter().map(|texel| match stale.next() {
+                Some(true) => texel | STALE,
+                _ => *texel,
+            });
+            let (texels, mut marked) = (texels.collect::<Vec<_>>(), EyeMap::default());
+            marked.set(map.extent(), map.texel(), map.tiles(), &texels);
+            marked
+        });
+        let rates = DeviceRates::new(offered.iter().copied());
+        let mut expected = laid(maps.each_ref(), &parts, &image, &rates);
+        if !leaves_out {
+            rates.coarsen_stale(&mut expected);
+        }
+        let table = lay_table(maps.each_ref(), &parts, &image).unwrap();
+        let columns = maps.each_ref().map(|map| map.tiles()[0]);
+        let params = table.params(columns, rates.available(), leaves_out);
+        let eyes = maps.each_ref().map(|map| {
+            let [width, height] = map.tiles();
+            Plane::from_fn(width, height, |x, y| map.texels()[(y * width + x) as usize])
+        });
+        prop_assert_eq!(kernel::lay(&params, &table, eyes.each_ref()), expected);
+    }
+
     /// Nothing that the link or an application could say makes it panic.
     #[test]
     fn anything_can_be_laid(
@@ -231,6 +265,7 @@ fn an_eye_without_a_plan_is_at_full_rate() {
     assert_eq!(laid([&coarse, &EyeMap::default()], &[part], &image, &all_rates()), [0; 16]);
     assert_eq!(laid([&coarse, &coarse], &[part], &image, &all_rates()), [10; 16]);
     assert_eq!(laid([&coarse, &coarse], &[], &image, &all_rates()), [0; 16]);
+    assert_eq!(lay_table([&coarse, &EyeMap::default()], &[part], &image), None, "nothing to look up");
 }
 
 #[test]

@@ -103,6 +103,11 @@ impl Content {
         }
     }
 
+    /// Whether passes draw to the target that get the plan's rates.
+    pub fn shows_scene(&self) -> bool {
+        !self.is_shared && self.uses.iter().any(|used| !used.parts.is_empty())
+    }
+
     /// Whether the map has to be written, from plan number `plan`.
     pub fn need(&self, plan: u64) -> Need {
         if !self.is_initialised {

@@ -1,33 +1,92 @@
 //! The newest plan.
 
-use crate::link::PlanRecord;
+use crate::link::{EyeMapRecord, PlanRecord};
 use crate::scene::Part;
-use crate::scene::lay::{DeviceRates, EyeMap, RateImage, Scratch, lay};
+use crate::scene::lay::{DeviceRates, EyeMap, RateImage, Scratch, lay, lay_table};
+use glam::Quat;
+use parafovea_core::kernels::decide::DecideParams;
+use parafovea_core::kernels::lay::LayTable;
 use parafovea_core::reuse::StaleTiles;
 
 /// The newest plan; before the first, number 0 with all at 1x1.
 #[derive(Debug, Default)]
 pub struct Plan {
+    /// Number of the plan that was told last.
+    told: u64,
     serial: u64,
     eyes: [EyeMap; 2],
+    decisions: [Option<Decision>; 2],
     scratch: Scratch,
 }
 
+/// What the rates of an eye's tiles are to be decided by, on the GPU.
+#[derive(Clone, Copy, Debug)]
+pub struct Decision {
+    /// As long as no contrast is known.
+    pub fixed: DecideParams,
+    /// By contrast, where that counts.
+    pub judged: Option<DecideParams>,
+    /// How the view is turned against a space that rests in the world.
+    pub orientation: Quat,
+    /// How much coarser tiles may become since they were decided last, in 64ths of an octave.
+    coarsening: u32,
+}
+
+impl Decision {
+    /// What is decided by: `judged`, if contrast counts, as `measured` makes it, else the other; with all coarsening that came together.
+    pub fn params(&self, measured: impl FnOnce(DecideParams) -> Option<DecideParams>) -> DecideParams {
+        let params = self.judged.and_then(measured).unwrap_or(self.fixed);
+        DecideParams { coarsening: self.coarsening, ..params }
+    }
+}
+
 impl Plan {
-    /// Counts up with every plan.
+    /// Counts up with every plan, and with every decision on rates.
     pub fn serial(&self) -> u64 {
         self.serial
     }
 
+    /// Number of the plan that was told last.
+    pub fn told(&self) -> u64 {
+        self.told
+    }
+
+    /// What the rates of an eye are to be decided by; nothing where they are those of the plan.
+    pub fn decision(&self, eye: usize) -> Option<&Decision> {
+        self.decisions[eye].as_ref()
+    }
+
+    /// The rates of both eyes are decided anew on the GPU.
+    pub fn decided(&mut self) {
+        self.serial += 1;
+        self.decisions.iter_mut().flatten().for_each(|decision| decision.coarsening = 0);
+    }
+
     /// Takes a newer plan, with the maps of both eyes; one that is not newer changes nothing.
     pub fn take(&mut self, record: &PlanRecord, rates: [&[u8]; 2]) {
-        if record.serial <= self.serial {
+        if record.serial <= self.told {
             return;
         }
-        self.serial = record.serial;
+        self.told = record.serial;
+        self.serial += 1;
         for ((map, eye), rates) in self.eyes.iter_mut().zip(&record.eyes).zip(rates) {
             map.set(eye.extent, eye.texel, eye.tiles, rates);
         }
+        for (decision, eye) in self.decisions.iter_mut().zip(&record.eyes) {
+            let before = decision.as_ref().map_or(0, |decision| decision.coarsening);
+            *decision = Decision::of(eye, before);
+        }
+    }
+
+    /// Which tiles each texel of `image` meets, where a pass draws `parts`; nothing where one of the eyes has none.
+    pub fn table(&self, parts: &[Part], image: &RateImage) -> Option<LayTable> {
+        lay_table(self.eyes.each_ref(), parts, image)
+    }
+
+    /// Size of the picture that the plan of an eye is made for and of its tiles, pixels, and columns and rows of tiles.
+    pub fn shape(&self, eye: usize) -> [[u32; 2]; 3] {
+        let map = &self.eyes[eye];
+        [map.extent(), map.texel(), map.tiles()]
     }
 
     /// The tiles of the left and of the right eye that are stale.
@@ -35,9 +94,9 @@ impl Plan {
         self.eyes.each_ref().map(EyeMap::stale)
     }
 
-    /// Whether any tile that is not stale is coarser than 1x1.
+    /// Whether any tile that is not stale is coarser than 1x1, or may be, by what is decided on the GPU.
     pub fn coarsens(&self) -> bool {
-        self.eyes.iter().any(EyeMap::coarsens)
+        self.decisions.iter().any(Option::is_some) || self.eyes.iter().any(EyeMap::coarsens)
     }
 
     /// Lays the plan over what a pass draws; `texels` becomes the content of `image`.
@@ -51,15 +110,39 @@ impl Plan {
     }
 }
 
+impl Decision {
+    /// That of a record, with what may have become coarser before.
+    fn of(record: &EyeMapRecord, coarsening: u32) -> Option<Self> {
+        let [x, y, z, w] = record.orientation;
+        let decision = Self {
+            fixed: record.fixed,
+            judged: (record.is_judged == 1).then_some(record.judged),
+            orientation: Quat::from_xyzw(x, y, z, w),
+            coarsening: (coarsening + record.fixed.coarsening.min(255)).min(255),
+        };
+        // What belongs to other tiles decides nothing.
+        (record.is_decided == 1 && record.fixed.tiles == record.tiles).then_some(decision)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::EyeMapRecord;
     use crate::scene::{Eyes, Orientation};
     use parafovea_core::rate::ShadingRate;
 
     fn record(serial: u64) -> PlanRecord {
-        let eye = EyeMapRecord { extent: [32, 16], texel: [16, 16], tiles: [2, 1], rates: std::ptr::null() };
+        let eye = EyeMapRecord {
+            extent: [32, 16],
+            texel: [16, 16],
+            tiles: [2, 1],
+            rates: std::ptr::null(),
+            is_decided: 0,
+            is_judged: 0,
+            fixed: bytemuck::Zeroable::zeroed(),
+            judged: bytemuck::Zeroable::zeroed(),
+            orientation: [0.0, 0.0, 0.0, 1.0],
+        };
         PlanRecord { serial, eyes: [eye; 2] }
     }
 

@@ -5,7 +5,7 @@ use crate::gpu::AppCommands;
 use crate::mask::{Eligible, MaskMap, PipelineFacts, Reason};
 use crate::scene::lay::RateImage;
 use crate::scene::{How, ImageDescription, Part, PassFacts, Target};
-use crate::vk::backend::{MapSize, RateMap, Upload};
+use crate::vk::backend::{Laying, MapSize, RateMap, Upload};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// The mask of passes that draw to one colour target.
@@ -147,6 +147,10 @@ impl RateMap for TargetMask {
 
     fn mask(&self) -> Option<&TargetMask> {
         Some(self)
+    }
+
+    fn laying(&self) -> Option<Laying> {
+        self.made().map(|map| Laying::Mask(Arc::clone(map)))
     }
 
     fn stage(&self, parts: &[Part], image: &RateImage, texels: &[u8], staging: &mut [u8]) {

@@ -13,7 +13,7 @@ use crate::gpu::functions::Functions;
 use crate::gpu::memory::memory_type;
 use crate::link::DeviceRecord;
 use crate::scene::{ImageDescription, ImageKey, Target};
-use crate::vk::backend::{MapSize, RateMap, Upload};
+use crate::vk::backend::{Laying, MapSize, RateMap, Upload};
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -171,6 +171,10 @@ impl Drop for RateImage {
 impl RateMap for Arc<RateImage> {
     fn size(&self) -> MapSize {
         MapSize { texel: self.maker.texel, tiles: self.key.texels, layers: self.key.layers }
+    }
+
+    fn laying(&self) -> Option<Laying> {
+        Some(Laying::Texels)
     }
 
     unsafe fn record_upload(&self, upload: Upload) {

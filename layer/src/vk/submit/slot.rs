@@ -5,6 +5,7 @@ use crate::gpu::GpuError;
 use crate::gpu::functions::{Functions, init_dispatch};
 use crate::gpu::memory::memory_type;
 use crate::vk::armed::Armed;
+use crate::vk::perception::Kept;
 use ash::vk;
 use std::time::Duration;
 
@@ -23,8 +24,11 @@ pub struct Slot {
     staging: Option<Staging>,
     /// Space to lay a map in.
     pub texels: Vec<u8>,
+    /// Space for what is stale.
+    pub words: Vec<u32>,
     /// What the command buffer uses while it is under way.
     uses: Outdated,
+    kept: Kept,
     is_pending: bool,
 }
 
@@ -62,7 +66,9 @@ impl Slot {
                 memory,
                 staging: None,
                 texels: Vec::new(),
+                words: Vec::new(),
                 uses: Outdated::new(),
+                kept: Kept::new(),
                 is_pending: false,
             };
             match slot.make(armed, device) {
@@ -106,9 +112,23 @@ impl Slot {
     pub fn poll(&mut self, device: &ash::Device) {
         // SAFETY: the fence is one of this live device.
         if self.is_pending && unsafe { device.get_fence_status(self.fence) } == Ok(true) {
-            self.is_pending = false;
-            self.uses.clear();
+            self.done();
         }
+    }
+
+    /// Waits until the GPU is done with it, if it may still work on it.
+    pub fn wait(&mut self, device: &ash::Device) {
+        let timeout = FENCE_TIMEOUT.as_nanos() as u64;
+        // SAFETY: the fence is one of this live device.
+        if self.is_pending && unsafe { device.wait_for_fences(&[self.fence], true, timeout) }.is_ok() {
+            self.done();
+        }
+    }
+
+    fn done(&mut self) {
+        self.is_pending = false;
+        self.uses.clear();
+        self.kept.clear();
     }
 
     /// The command buffer, recording since [`Self::begin`].
@@ -128,7 +148,7 @@ impl Slot {
     /// It is not pending.
     pub unsafe fn begin(&mut self, functions: &Functions, len: usize) -> Result<(), GpuError> {
         let device = &functions.device;
-        if self.staging.as_ref().is_none_or(|staging| staging.len < len) {
+        if len > 0 && self.staging.as_ref().is_none_or(|staging| staging.len < len) {
             if let Some(small) = self.staging.take() {
                 small.destroy(device);
             }
@@ -166,7 +186,7 @@ impl Slot {
         functions: &Functions,
         submit: vk::PFN_vkQueueSubmit,
         queue: vk::Queue,
-        uses: Outdated,
+        (uses, kept): (Outdated, Kept),
     ) -> Result<(), GpuError> {
         let device = &functions.device;
         let commands = [self.commands];
@@ -178,6 +198,7 @@ impl Slot {
             submit(queue, 1, &info, self.fence).result().map_err(GpuError::from_call("vkQueueSubmit"))?;
         }
         self.uses = uses;
+        self.kept = kept;
         self.is_pending = true;
         Ok(())
     }
@@ -190,6 +211,7 @@ impl Slot {
                 && device.wait_for_fences(&[self.fence], true, FENCE_TIMEOUT.as_nanos() as u64).is_err()
             {
                 self.uses.drain(..).for_each(std::mem::forget);
+                self.kept.drain(..).for_each(std::mem::forget);
                 return;
             }
             if let Some(staging) = self.staging.take() {

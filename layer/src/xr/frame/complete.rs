@@ -78,7 +78,7 @@ pub unsafe fn complete<'a>(
 /// # Safety
 ///
 /// As for [`complete`].
-unsafe fn only_projection(info: &xr::FrameEndInfo) -> Option<Projection<'_>> {
+pub(super) unsafe fn only_projection(info: &xr::FrameEndInfo) -> Option<Projection<'_>> {
     // SAFETY: the caller vouches for `info`.
     let mut projections = unsafe { layers::of(info) }.filter_map(|shown| match shown {
         Shown::Projection(layer) => Some(layer),

@@ -5,6 +5,7 @@ use super::regions::{Images, fov, orientation, rect_within, region};
 use crate::passes::compose::{ComposeJob, ReuseRegion};
 use crate::xr::dispatch::Next;
 use crate::xr::swapchain::{Newest, Substitute, Swapchain, Target};
+use ash::vk;
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::geometry;
@@ -74,6 +75,21 @@ impl<'a> Work<'a> {
             rect,
             view: geometry::View { orientation: orientation(view)?, plane },
         })
+    }
+
+    /// Where what `view` shows is once the job is done, in the runtime's image: the image, its format, and the rectangle in it. Nothing where it
+    /// cannot be read there, or where the application has released nothing new.
+    pub fn finished(
+        &self,
+        view: &xr::CompositionLayerProjectionView,
+    ) -> Option<(vk::Image, vk::Format, vk::Rect2D)> {
+        let rect = rect_within(&view.sub_image, &self.images())?;
+        let image = *self.target.images()?.images().get(self.runtime_index as usize)?;
+        (self.newest.fresh && self.substitute.can_be_analyzed).then_some((
+            image,
+            self.substitute.format,
+            rect,
+        ))
     }
 
     /// Whether the picture of a release is still there.

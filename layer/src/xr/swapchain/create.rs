@@ -50,8 +50,14 @@ pub unsafe extern "system" fn create(
             // What the runtime's images may be used for, once a call succeeds.
             let mut usage_flags = xr::SwapchainUsageFlags::EMPTY;
             if let (Some(asked), Ok(_)) = (asked, &planned) {
-                usage_flags = runtime_usage(asked.usage_flags);
+                let may_judge = known.may_judge(&known.instance.config.get());
+                usage_flags = runtime_usage(asked.usage_flags, may_judge);
                 result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
+                if result.into_raw() < 0 && may_judge {
+                    tracing::info!("rates are rings: the runtime's images cannot be read: {result:?}");
+                    usage_flags = runtime_usage(asked.usage_flags, false);
+                    result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
+                }
                 if result.into_raw() < 0 {
                     planned = Err(NotSubstituted::Usage(result));
                 }
@@ -123,7 +129,7 @@ fn track(
     planned: Result<SwapchainShape, NotSubstituted>,
 ) {
     let substitute = match planned {
-        Ok(shape) => substitute(session, active, handle, &shape)
+        Ok(shape) => substitute(session, active, handle, &shape, vulkan_usage(usage_flags))
             .inspect_err(|reason| tracing::error!("swapchain stays as it is: {reason}"))
             .ok(),
         Err(NotSubstituted::NoWork) => None,
@@ -149,13 +155,15 @@ fn substitute(
     active: &Active,
     handle: xr::Swapchain,
     shape: &SwapchainShape,
+    granted: vk::ImageUsageFlags,
 ) -> Result<Substitute, String> {
     let tools = active.tools().ok_or("no work on this device")?;
     let images = runtime_images(session, handle)
         .map_err(|result| format!("xrEnumerateSwapchainImages returned {result:?}"))?;
     let config = session.instance.config.get();
     let least = if session.may_reuse(&config) { images_for_reuse(&config) } else { 0 };
-    let substitute = Substitute::new(&tools.gpu, shape, images, least).map_err(|error| error.to_string())?;
+    let substitute =
+        Substitute::new(&tools.gpu, shape, (images, granted), least).map_err(|error| error.to_string())?;
     let vk::Extent2D { width, height } = shape.extent;
     tracing::info!(
         "swapchain of {width}x{height}x{} {:?} is virtual, {} images",

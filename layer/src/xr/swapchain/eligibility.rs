@@ -3,7 +3,7 @@
 use super::super::structures::extending;
 use crate::abi::pnext::{MAX_LENGTH, Structure};
 use crate::passes::compose::{RUNTIME_USAGE, SwapchainShape};
-use crate::passes::fill;
+use crate::passes::{analyze, fill};
 use ash::vk;
 use openxr_sys as xr;
 use std::fmt;
@@ -117,9 +117,11 @@ pub fn vulkan_usage(usage: xr::SwapchainUsageFlags) -> vk::ImageUsageFlags {
     pairs.fold(vk::ImageUsageFlags::empty(), |all, (_, vulkan)| all | vulkan)
 }
 
-/// What the runtime's swapchain is created with: what the application asks for, and what our copy needs.
-pub fn runtime_usage(asked: xr::SwapchainUsageFlags) -> xr::SwapchainUsageFlags {
-    with(asked, RUNTIME_USAGE)
+/// What the runtime's swapchain is created with: what the application asks for, what our copy needs, and, where its pictures
+/// are `analyzed`, what that needs.
+pub fn runtime_usage(asked: xr::SwapchainUsageFlags, analyzed: bool) -> xr::SwapchainUsageFlags {
+    let more = if analyzed { analyze::USAGE } else { vk::ImageUsageFlags::empty() };
+    with(asked, RUNTIME_USAGE | more)
 }
 
 /// As [`runtime_usage`], where passes that draw to the runtime's images may have masks.

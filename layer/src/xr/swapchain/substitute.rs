@@ -2,6 +2,7 @@
 
 use super::{Ring, Target};
 use crate::gpu::{Gpu, GpuError};
+use crate::passes::analyze;
 use crate::passes::compose::{AppImages, RuntimeImages, SwapchainShape, stores_unit_range};
 use ash::vk;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -22,13 +23,17 @@ pub struct Substitute {
     pub array_layers: u32,
     /// Whether an image stores values from 0 to 1 only.
     pub is_unit_range: bool,
+    /// Format of the swapchain.
+    pub format: vk::Format,
+    /// Whether the runtime's images can be analysed.
+    pub can_be_analyzed: bool,
     ready: Once,
     ring: Mutex<Ring>,
     target: Mutex<Target>,
 }
 
 impl Substitute {
-    /// Makes as many images as the runtime has, and at least `least`.
+    /// Makes as many images as the runtime has, and at least `least`. The runtime's may be used for `granted`.
     ///
     /// # Errors
     ///
@@ -36,7 +41,7 @@ impl Substitute {
     pub fn new(
         gpu: &Arc<Gpu>,
         shape: &SwapchainShape,
-        runtime_images: Vec<vk::Image>,
+        (runtime_images, granted): (Vec<vk::Image>, vk::ImageUsageFlags),
         least: u32,
     ) -> Result<Self, GpuError> {
         let count = least.max(runtime_images.len() as u32);
@@ -46,6 +51,8 @@ impl Substitute {
             extent: shape.extent,
             array_layers: shape.array_layers,
             is_unit_range: stores_unit_range(shape.format),
+            format: shape.format,
+            can_be_analyzed: granted.contains(analyze::USAGE),
             ready: Once::new(),
             ring: Mutex::new(Ring::new(count)),
             target: Mutex::new(Target::new(RuntimeImages::new(gpu, shape, runtime_images)?)),

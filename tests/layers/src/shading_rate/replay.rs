@@ -157,7 +157,11 @@ pub(super) fn replay(
 
 /// A barrier on everything, such as a wait for a semaphore is too.
 pub(super) fn global_barrier(images: &mut HashMap<vk::Image, Image>, masks: Masks) {
-    for subresource in images.values_mut().flat_map(|image| &mut image.subresources) {
-        masks.apply(subresource, false);
+    for image in images.values_mut() {
+        // What no shader can store to, shaders do not write behind such a barrier; transfers are seen themselves.
+        let is_stored = image.usage.contains(vk::ImageUsageFlags::STORAGE);
+        let dst = if is_stored { masks.dst } else { (masks.dst.0, masks.dst.1 & !ALL_WRITES) };
+        let masks = Masks { dst, ..masks };
+        image.subresources.iter_mut().for_each(|subresource| masks.apply(subresource, false));
     }
 }

@@ -76,7 +76,10 @@ fn a_format_list_is_read_and_nothing_else_is_taken() {
 
 #[test]
 fn the_runtime_is_asked_for_what_the_copy_needs_too() {
-    let usage = runtime_usage(xr::SwapchainUsageFlags::SAMPLED);
     let needed = xr::SwapchainUsageFlags::TRANSFER_DST | xr::SwapchainUsageFlags::COLOR_ATTACHMENT;
-    assert!(usage.contains(needed | xr::SwapchainUsageFlags::SAMPLED));
+    let sampled = xr::SwapchainUsageFlags::SAMPLED;
+    assert!(runtime_usage(sampled, false).contains(needed | sampled));
+    let asked = xr::SwapchainUsageFlags::COLOR_ATTACHMENT;
+    assert_eq!(runtime_usage(asked, false), needed);
+    assert_eq!(runtime_usage(asked, true), needed | sampled, "what is analysed is sampled");
 }

@@ -1,8 +1,8 @@
 //! A stand-in for the Vulkan half: it notes what it is told.
 
 use crate::link::{
-    BACKEND_RATE_ATTACHMENT, DeviceRecord, FrameTimeRecord, LINK_VERSION, LinkTable, OfferRecord, PlanRecord,
-    SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord, SwapchainRecord,
+    BACKEND_RATE_ATTACHMENT, DeviceRecord, FrameTimeRecord, LINK_VERSION, LinkTable, OfferRecord,
+    PictureRecord, PlanRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -54,6 +54,7 @@ pub fn table() -> LinkTable {
         offer,
         swapchain,
         plan,
+        picture,
         shown,
         settings,
         stale,
@@ -132,6 +133,8 @@ unsafe extern "C" fn plan(_: vk::Device, record: *const PlanRecord) {
         tell(Told::Plan { serial, extents: eyes.map(|eye| eye.extent), rates });
     }
 }
+
+unsafe extern "C" fn picture(_: vk::Device, _: *const PictureRecord) {}
 
 unsafe extern "C" fn shown(_: vk::Device, record: *const ShownRecord) {
     FRAMES.set(FRAMES.get() + 1);

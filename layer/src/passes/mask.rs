@@ -1,0 +1,125 @@
+//! `mask`: the blocks that a pass of the application skips, from the texels that [`super::lay`] laid.
+
+pub use parafovea_core::kernels::mask::MaskParams;
+
+use super::lay::LayTarget;
+use crate::gpu::{
+    AppCommands, Bound, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, Owned, Scope,
+};
+use crate::mask::MaskMap;
+use ash::vk;
+use parafovea_core::kernels::mask::view_words;
+use parafovea_core::mask::{MaskView, pattern_sources};
+use std::sync::Arc;
+
+/// Parameters, views, texels, list, template.
+const BINDINGS: [vk::DescriptorType; 5] = [
+    vk::DescriptorType::UNIFORM_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
+];
+
+/// Side of what one workgroup decides, blocks. The shader has the same number.
+const GROUP_SIDE: u32 = 8;
+
+/// The pass.
+pub struct MaskPass {
+    blocks: Owned<vk::Pipeline>,
+    seal: Owned<vk::Pipeline>,
+    layout: ComputeLayout,
+    gpu: Arc<Gpu>,
+}
+
+/// The mask of one target.
+pub struct MaskTarget {
+    // In the order in which each may be destroyed.
+    set: ComputeSet,
+    _params: DeviceBuffer,
+    _views: DeviceBuffer,
+    _texels: Arc<LayTarget>,
+    map: Arc<MaskMap>,
+    groups: [u32; 2],
+}
+
+impl MaskPass {
+    /// Prepares the pass.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
+        let layout = ComputeLayout::new(gpu, &BINDINGS)?;
+        let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/mask.spv"));
+        let (blocks, seal) = (layout.pipeline(spirv, c"blocks")?, layout.pipeline(spirv, c"seal")?);
+        Ok(Self { blocks, seal, layout, gpu: Arc::clone(gpu) })
+    }
+
+    /// Prepares to write `map` from `texels`, which are of `tiles` columns and rows of tiles of `texel` pixels in `rate_layers` layers, or in one
+    /// that serves all. Where two of `views`, each in an array layer, overlap, the first one counts.
+    ///
+    /// # Errors
+    /// [`GpuError::Unsupported`] for what the kernel cannot serve; a failed call.
+    pub fn target(
+        &self,
+        map: &Arc<MaskMap>,
+        texels: &Arc<LayTarget>,
+        (texel, tiles, rate_layers): ([u32; 2], [u32; 2], u32),
+        views: &[MaskView],
+    ) -> Result<MaskTarget, GpuError> {
+        let gpu = &self.gpu;
+        let unsupported = GpuError::Unsupported("a mask of this kind, made on the GPU");
+        let template = map.template().ok_or(unsupported)?;
+        let kind = map.eligible();
+        let extent = map.extent();
+        let rows = views.len() as u32;
+        let params = MaskParams::new(extent, map.layers(), (kind.format, kind.depths), (texel, tiles), rows)
+            .ok_or(unsupported)?;
+        let filled = |usage, bytes: &[u8]| {
+            DeviceBuffer::new(gpu, usage, bytes.len() as u64, |content| content.copy_from_slice(bytes))
+        };
+        let rate_layer = |view: &MaskView| if rate_layers == 1 { 0 } else { view.layer };
+        let mut words: Vec<u32> =
+            views.iter().flat_map(|view| view_words(view, rate_layer(view), extent)).collect();
+        words.extend(pattern_sources());
+        let uniform = filled(vk::BufferUsageFlags::UNIFORM_BUFFER, bytemuck::bytes_of(&params))?;
+        let table = filled(vk::BufferUsageFlags::STORAGE_BUFFER, bytemuck::cast_slice(&words))?;
+        let bound = [
+            (0, Bound::Buffer(uniform.handle())),
+            (1, Bound::Buffer(table.handle())),
+            (2, Bound::Buffer(texels.texels())),
+            (3, Bound::Buffer(map.list())),
+            (4, Bound::Buffer(template)),
+        ];
+        let set = ComputeSet::new(&self.layout, &bound)?;
+        Ok(MaskTarget {
+            set,
+            _params: uniform,
+            _views: table,
+            _texels: Arc::clone(texels),
+            map: Arc::clone(map),
+            groups: params.blocks.map(|count| count.div_ceil(GROUP_SIDE).max(1)),
+        })
+    }
+
+    /// Records that the mask of `target` is written from its texels as they are by then, in order with earlier and later passes on this
+    /// queue.
+    pub fn record(&self, commands: &AppCommands, target: &MaskTarget) {
+        commands.reads_to_copies();
+        // Nothing is listed yet.
+        commands.update_words(target.map.list(), 0, &[0; 4]);
+        commands.memory_barrier(WRITTEN_BEFORE, COMPUTES);
+        commands.dispatch(&self.layout, &self.blocks, &target.set, target.groups);
+        commands.computed_to_computed();
+        commands.dispatch(&self.layout, &self.seal, &target.set, [1, 1]);
+        commands.computes_to_reads();
+    }
+}
+
+/// What the kernel's writing comes after: the emptied list, and copies of the template.
+const WRITTEN_BEFORE: Scope = Scope {
+    stages: vk::PipelineStageFlags::TRANSFER,
+    access: vk::AccessFlags::from_raw(
+        vk::AccessFlags::TRANSFER_READ.as_raw() | vk::AccessFlags::TRANSFER_WRITE.as_raw(),
+    ),
+};

@@ -1,0 +1,328 @@
+//! Rates by what the pictures show: their contrast stays on the GPU, and so does what follows from it.
+//!
+//! At xrEndFrame the finished pictures are analysed ([`Perception::analyze`]), on the queue of the session; ahead of the next
+//! submit with a pass of the scene on that queue the rates of the tiles are decided, and laid over the maps of its passes
+//! ([`Perception::deciding`]). Where any of it is missing, the maps hold the plan's own rates, which are rings.
+
+mod eye;
+mod laid;
+mod pictures;
+mod tools;
+
+pub use laid::{Laid, Place, Written};
+
+use super::armed::Armed;
+use super::submit::Prologues;
+use crate::gpu::AppCommands;
+use crate::link::PictureRecord;
+use ash::vk;
+use eye::{Eye, EyeTiles};
+use parafovea_core::geometry::View;
+use parafovea_core::kernels::decide::DecideParams;
+use pictures::Pictures;
+use smallvec::SmallVec;
+use std::any::Any;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tools::Tools;
+
+/// What a device knows of the pictures, and decides by it.
+#[derive(Default)]
+pub struct Perception {
+    tools: Mutex<Made>,
+    state: Mutex<State>,
+}
+
+/// Contrast that is older than so many plans, of which a frame has two at most, is not of what the application draws now.
+const LONGEST_PLANS: u64 = 60;
+
+/// What has to live until the GPU is done with it.
+pub type Kept = SmallVec<[Arc<dyn Any + Send + Sync>; 12]>;
+
+/// The kernels, once they are needed.
+#[derive(Default)]
+enum Made {
+    #[default]
+    NotYet,
+    /// They could not be made, or the device is about to be destroyed.
+    Never,
+    There(Arc<Tools>),
+}
+
+#[derive(Default)]
+struct State {
+    /// Where pictures are analysed: family and index, and the queue itself.
+    queue: Option<([u32; 2], vk::Queue)>,
+    eyes: [Option<Eye>; 2],
+    pictures: Pictures,
+    /// How many pictures were analysed.
+    analyzed: u64,
+    /// What was decided last: number of the plan, and of the last analysis.
+    decided: Option<(u64, u64)>,
+    /// The last reason that was logged why nothing is decided.
+    logged: Option<&'static str>,
+}
+
+/// A decision on the rates of both eyes that is to be recorded.
+pub struct Deciding {
+    eyes: SmallVec<[(Arc<EyeTiles>, DecideParams); 2]>,
+    of: (u64, u64),
+}
+
+impl Perception {
+    /// Analyses a finished picture, if its contrast counts, for the decisions of later frames; without waiting: where too much is under way, it is
+    /// left out.
+    ///
+    /// # Safety
+    ///
+    /// As [`PictureRecord`] says: the image is live and as it says there, and this thread may use the queue.
+    pub unsafe fn analyze(&self, armed: &Armed, record: &PictureRecord) {
+        let eye = record.eye as usize;
+        if eye > 1 {
+            return;
+        }
+        let (told, decision, [extent, texel, tiles]) = {
+            let plan = armed.frame.plan();
+            (plan.told(), plan.decision(eye).copied(), plan.shape(eye))
+        };
+        let Some(decision) = decision else { return self.forget_eye(eye) };
+        let Some(tools) = self.tools(armed) else { return };
+        let [_, _, width, height] = record.rect;
+        if [width, height] != extent {
+            self.tell("the pictures have another size than the plan");
+            return self.forget_eye(eye);
+        }
+        // SAFETY: the caller vouches for the device's queue.
+        let Some((queue, prologues)) = (unsafe { self.queue(armed, record.queue) }) else { return };
+        let Some(eye_tiles) = self.eye(&tools, eye, tiles) else { return };
+        if decision.judged.is_none() {
+            return self.measured(eye, None);
+        }
+        let Some(target) = self.picture(&tools, record, texel, &eye_tiles) else { return };
+        let mut kept = Kept::new();
+        kept.push(target.clone());
+        let record_commands = |commands: vk::CommandBuffer| {
+            // SAFETY: the command buffer is a new one for that queue, which draws; what is named is kept.
+            let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
+            tools.analyze.record(&commands, &target, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+            Ok(())
+        };
+        let Some(functions) = armed.functions() else { return };
+        // SAFETY: the caller vouches for the queue.
+        if unsafe { prologues.run(armed, functions, queue, kept, record_commands) } {
+            self.measured(eye, eye::view_of(record).map(|view| (view, told)));
+        }
+    }
+
+    /// What is to be decided ahead of a submit to `queue` that draws the scene; nothing where all is as it was decided last, or where it
+    /// cannot be decided there.
+    pub fn deciding(&self, armed: &Armed, queue: vk::Queue) -> Option<Deciding> {
+        let state = self.state();
+        let (_, own_queue) = state.queue?;
+        if own_queue != queue {
+            drop(state);
+            self.tell("the scene is drawn on another queue than the session's");
+            return None;
+        }
+        let plan = armed.frame.plan();
+        let of = (plan.told(), state.analyzed);
+        if state.decided == Some(of) {
+            return None;
+        }
+        let mut eyes = SmallVec::new();
+        for (index, eye) in state.eyes.iter().enumerate() {
+            let (Some(eye), Some(decision)) = (eye, plan.decision(index)) else { continue };
+            let is_recent = |(_, at): &(View, u64)| plan.told().saturating_sub(*at) <= LONGEST_PLANS;
+            let measured = eye.measured.filter(is_recent);
+            let params =
+                decision.params(|judged| Some(judged.measured_in(&measured?.0, decision.orientation)));
+            if params.tiles == eye.tiles.view.tiles() {
+                eyes.push((Arc::clone(&eye.tiles), params));
+            }
+        }
+        (!eyes.is_empty()).then_some(Deciding { eyes, of })
+    }
+
+    /// Records a decision, ahead of what is laid from it.
+    ///
+    /// # Safety
+    ///
+    /// The command buffer is being recorded, outside of a render pass, for the queue that [`Self::deciding`] was asked about; what is added to
+    /// `kept` lives until it has finished.
+    pub unsafe fn decide(
+        &self,
+        armed: &Armed,
+        commands: vk::CommandBuffer,
+        deciding: &Deciding,
+        words: &mut Vec<u32>,
+        kept: &mut Kept,
+    ) {
+        let Some(tools) = self.made() else { return };
+        // SAFETY: the caller vouches for the command buffer.
+        let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
+        for (tiles, params) in &deciding.eyes {
+            words.clear();
+            words.extend_from_slice(armed.frame.plan().stale()[tiles.eye].words());
+            let stale: &[u32] = if words.iter().all(|word| *word == 0) { &[] } else { words };
+            if let Err(error) = tools.decide.record(&commands, &tiles.decide, params, stale) {
+                tracing::warn!("rates stay as they are: {error}");
+            }
+            kept.push(Arc::clone(tiles) as Arc<dyn Any + Send + Sync>);
+        }
+        self.state().decided = Some(deciding.of);
+    }
+
+    /// The tiles of both eyes whose rates are decided on the GPU, for what is submitted to `queue`; nothing where the plan's own
+    /// rates hold. An eye without tiles shares the other's.
+    fn decided_tiles(&self, armed: &Armed, queue: vk::Queue) -> Option<[Option<Arc<EyeTiles>>; 2]> {
+        let state = self.state();
+        if state.queue.map(|(_, queue)| queue) != Some(queue) || state.decided.is_none() {
+            return None;
+        }
+        let plan = armed.frame.plan();
+        let of = |index: usize| {
+            let tiles = &state.eyes[index].as_ref()?.tiles;
+            let decision = plan.decision(index)?;
+            (decision.fixed.tiles == tiles.view.tiles()).then(|| Arc::clone(tiles))
+        };
+        Some([of(0), of(1)])
+    }
+
+    /// A swapchain is about to end: waits until its pictures are not read any more.
+    pub fn forget_swapchain(&self, armed: &Armed, swapchain: u64) {
+        let queue = {
+            let mut state = self.state();
+            if !state.pictures.forget(swapchain) {
+                return;
+            }
+            state.queue.map(|(_, queue)| queue)
+        };
+        if let Some(prologues) = queue.and_then(|queue| armed.prologues.get(queue)) {
+            prologues.wait(armed);
+        }
+    }
+
+    /// The session ends: nothing is known any more.
+    pub fn forget(&self) {
+        let state = std::mem::take(&mut *self.state());
+        drop(state);
+    }
+
+    /// The device is about to be destroyed, and the GPU is done with everything.
+    pub fn end(&self) {
+        self.forget();
+        let tools = std::mem::replace(&mut *self.kept_tools(), Made::Never);
+        drop(tools);
+    }
+
+    /// The kernels, made the first time.
+    fn tools(&self, armed: &Armed) -> Option<Arc<Tools>> {
+        let is_new = matches!(*self.kept_tools(), Made::NotYet);
+        if is_new {
+            // Made without the lock, which is not held across calls down.
+            let new = Tools::new(armed).map_or(Made::Never, |tools| Made::There(Arc::new(tools)));
+            *self.kept_tools() = new;
+        }
+        self.made()
+    }
+
+    fn made(&self) -> Option<Arc<Tools>> {
+        match &*self.kept_tools() {
+            Made::There(tools) => Some(Arc::clone(tools)),
+            Made::NotYet | Made::Never => None,
+        }
+    }
+
+    fn kept_tools(&self) -> MutexGuard<'_, Made> {
+        self.tools.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Logs why rates are not decided, once for each reason.
+    fn tell(&self, reason: &'static str) {
+        if self.state().logged.replace(reason) != Some(reason) {
+            tracing::info!("rates are rings, whatever the pictures show: {reason}");
+        }
+    }
+
+    fn forget_eye(&self, eye: usize) {
+        let forgotten = self.state().eyes[eye].take();
+        drop(forgotten);
+    }
+
+    fn measured(&self, eye: usize, view: Option<(View, u64)>) {
+        let mut state = self.state();
+        if let Some(eye) = &mut state.eyes[eye] {
+            eye.measured = view;
+        }
+        state.analyzed += u64::from(view.is_some());
+    }
+
+    /// The queue of a session, which may draw and compute, and what is submitted to it.
+    ///
+    /// # Safety
+    ///
+    /// The device was created with that queue.
+    unsafe fn queue(&self, armed: &Armed, id: [u32; 2]) -> Option<(vk::Queue, Arc<Prologues>)> {
+        let known = self.state().queue.filter(|(known, _)| *known == id);
+        let queue = match known {
+            Some((_, queue)) => queue,
+            None => {
+                let functions = armed.functions()?;
+                // SAFETY: the caller vouches for the queue; the loader's callback may see it again, and writes the same pointer.
+                let queue = unsafe {
+                    let queue = functions.device.get_device_queue(id[0], id[1]);
+                    crate::gpu::functions::init_dispatch(&armed.record, queue).ok()?;
+                    queue
+                };
+                self.state().queue = Some((id, queue));
+                queue
+            }
+        };
+        let prologues = match armed.prologues.get(queue) {
+            Some(known) => known,
+            None => armed.prologues.get_or_insert(queue, Arc::new(Prologues::new(id[0]))),
+        };
+        Some((queue, prologues))
+    }
+
+    /// What is known of an eye with so many tiles; of others nothing is any more.
+    fn eye(&self, tools: &Tools, eye: usize, tiles: [u32; 2]) -> Option<Arc<EyeTiles>> {
+        if let Some(known) = self.state().eyes[eye].as_ref().filter(|known| known.tiles.view.tiles() == tiles)
+        {
+            return Some(Arc::clone(&known.tiles));
+        }
+        match EyeTiles::new(tools, eye, tiles) {
+            Ok(new) => {
+                let new = Arc::new(new);
+                self.state().eyes[eye] = Some(Eye { tiles: Arc::clone(&new), measured: None });
+                Some(new)
+            }
+            Err(error) => {
+                tracing::warn!("rates are rings, whatever the pictures show: {error}");
+                None
+            }
+        }
+    }
+
+    fn picture(
+        &self,
+        tools: &Tools,
+        record: &PictureRecord,
+        texel: [u32; 2],
+        tiles: &Arc<EyeTiles>,
+    ) -> Option<Arc<crate::passes::analyze::AnalyzeTarget>> {
+        if let Some(known) = self.state().pictures.find(record, tiles) {
+            return Some(known);
+        }
+        match pictures::target(tools, record, texel, tiles) {
+            Ok(new) => Some(self.state().pictures.keep(record, tiles, new)),
+            Err(error) => {
+                tracing::warn!("a picture is not analysed: {error}");
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! The map of one candidate, laid from rates that the GPU decided.
+
+use super::eye::EyeTiles;
+use super::{Kept, Perception, Tools};
+use crate::gpu::{AppCommands, GpuError};
+use crate::mask::mask_views;
+use crate::passes::lay::LayTarget;
+use crate::passes::mask::MaskTarget;
+use crate::scene::Part;
+use crate::scene::lay::RateImage;
+use crate::vk::armed::Armed;
+use crate::vk::backend::Laying;
+use ash::vk;
+use smallvec::SmallVec;
+use std::any::Any;
+use std::sync::Arc;
+
+/// Of the plans of both eyes: size of the picture and of a tile, pixels, and columns and rows of tiles.
+type Shapes = [[[u32; 2]; 3]; 2];
+
+/// What a candidate's map is laid with, as long as its passes draw the same.
+pub struct Laid {
+    parts: SmallVec<[Part; 4]>,
+    image: RateImage,
+    shapes: Shapes,
+    leaves_out: bool,
+    eyes: [Arc<EyeTiles>; 2],
+    /// Nothing where it cannot be laid.
+    targets: Option<Targets>,
+}
+
+/// What is written for a map.
+struct Targets {
+    texels: Arc<LayTarget>,
+    /// Of a mask, what is made of those.
+    mask: Option<Arc<MaskTarget>>,
+}
+
+/// Where a map is to be laid.
+pub struct Place<'a> {
+    /// The queue that it is submitted to.
+    pub queue: vk::Queue,
+    /// What the passes draw.
+    pub parts: &'a [Part],
+    /// The map.
+    pub image: &'a RateImage,
+    /// Whether what is stale is left out.
+    pub leaves_out: bool,
+}
+
+/// What was recorded.
+pub enum Written {
+    /// The texels are in this buffer, to be copied.
+    Texels(vk::Buffer),
+    /// The mask is written.
+    Mask,
+}
+
+impl Laid {
+    fn is_for(&self, place: &Place, shapes: &Shapes, eyes: &[Arc<EyeTiles>; 2]) -> bool {
+        self.parts.as_slice() == place.parts
+            && self.image == *place.image
+            && self.shapes == *shapes
+            && self.leaves_out == place.leaves_out
+            && self.eyes.iter().zip(eyes).all(|(known, eye)| Arc::ptr_eq(known, eye))
+    }
+
+    fn new(
+        armed: &Armed,
+        tools: &Tools,
+        place: &Place,
+        laying: &Laying,
+        shapes: Shapes,
+        eyes: [Arc<EyeTiles>; 2],
+    ) -> Self {
+        let targets = targets(armed, tools, place, laying, &shapes, &eyes)
+            .inspect_err(|error| tracing::warn!("a map is that of the plan: {error}"));
+        Self {
+            parts: place.parts.into(),
+            image: *place.image,
+            shapes,
+            leaves_out: place.leaves_out,
+            eyes,
+            targets: targets.ok().flatten(),
+        }
+    }
+}
+
+/// What lays a map; nothing where an eye that it shows has tiles and none of them are decided.
+fn targets(
+    armed: &Armed,
+    tools: &Tools,
+    place: &Place,
+    laying: &Laying,
+    shapes: &Shapes,
+    eyes: &[Arc<EyeTiles>; 2],
+) -> Result<Option<Targets>, GpuError> {
+    let is_own = |(index, eye): (usize, &Arc<EyeTiles>)| {
+        let [_, _, tiles] = shapes[index];
+        eye.eye == index || tiles.contains(&0)
+    };
+    let table = armed.frame.plan().table(place.parts, place.image);
+    let Some(table) = table.filter(|_| eyes.iter().enumerate().all(is_own)) else { return Ok(None) };
+    let views = eyes.each_ref().map(|eye| &eye.view);
+    let texels = Arc::new(tools.lay.target(&table, views, armed.rates.available(), place.leaves_out)?);
+    let mask = match laying {
+        Laying::Texels => None,
+        Laying::Mask(map) => {
+            let RateImage { texel, tiles, layers, .. } = *place.image;
+            let views = mask_views(place.parts, place.image);
+            Some(Arc::new(tools.mask.target(map, &texels, (texel, tiles, layers), &views)?))
+        }
+    };
+    Ok(Some(Targets { texels, mask }))
+}
+
+impl Perception {
+    /// Records that a candidate's map is laid from what was decided last; nothing is recorded where the plan's own rates hold.
+    /// `laid` is what was made for it before, and is made anew where that is for something else.
+    ///
+    /// # Safety
+    ///
+    /// The command buffer is being recorded, outside of a render pass, for that queue; what is added to `kept` lives until it has
+    /// finished.
+    pub unsafe fn lay(
+        &self,
+        armed: &Armed,
+        commands: vk::CommandBuffer,
+        place: &Place,
+        laying: &Laying,
+        laid: &mut Option<Laid>,
+        kept: &mut Kept,
+    ) -> Option<Written> {
+        if place.parts.is_empty() {
+            return None;
+        }
+        let tools = self.made()?;
+        let eyes = match self.decided_tiles(armed, place.queue)? {
+            [Some(left), Some(right)] => [left, right],
+            [Some(one), None] | [None, Some(one)] => [Arc::clone(&one), one],
+            [None, None] => return None,
+        };
+        let shapes = {
+            let plan = armed.frame.plan();
+            [plan.shape(0), plan.shape(1)]
+        };
+        if !laid.as_ref().is_some_and(|laid| laid.is_for(place, &shapes, &eyes)) {
+            *laid = Some(Laid::new(armed, &tools, place, laying, shapes, eyes));
+        }
+        let Targets { texels, mask } = laid.as_ref()?.targets.as_ref()?;
+        // SAFETY: the caller vouches for the command buffer.
+        let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
+        tools.lay.record(&commands, texels);
+        kept.push(Arc::clone(texels) as Arc<dyn Any + Send + Sync>);
+        let Some(mask) = mask else { return Some(Written::Texels(texels.texels())) };
+        tools.mask.record(&commands, mask);
+        kept.push(Arc::clone(mask) as Arc<dyn Any + Send + Sync>);
+        Some(Written::Mask)
+    }
+}

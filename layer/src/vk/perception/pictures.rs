@@ -1,0 +1,93 @@
+//! The images that finished pictures are in, each ready to be analysed.
+
+use super::Tools;
+use super::eye::EyeTiles;
+use crate::gpu::GpuError;
+use crate::link::PictureRecord;
+use crate::passes::analyze::{AnalyzeParams, AnalyzeTarget};
+use ash::vk;
+use parafovea_core::color::Matrix;
+use parafovea_core::kernels::analyze::{Aggregation, ContrastSettings};
+use std::sync::Arc;
+
+/// An application with more images than this begins anew.
+const MOST: usize = 64;
+
+/// The pictures of a session.
+#[derive(Default)]
+pub struct Pictures {
+    known: Vec<Known>,
+}
+
+/// Where a picture is.
+#[derive(Clone, Copy, PartialEq)]
+struct Place {
+    swapchain: u64,
+    image: vk::Image,
+    format: vk::Format,
+    layer: u32,
+    rect: [u32; 4],
+    white_cd_m2: f32,
+    is_mean: u32,
+}
+
+struct Known {
+    place: Place,
+    tiles: Arc<EyeTiles>,
+    target: Arc<AnalyzeTarget>,
+}
+
+impl Pictures {
+    /// What analyses a picture into these tiles, if it was made before.
+    pub fn find(&self, record: &PictureRecord, tiles: &Arc<EyeTiles>) -> Option<Arc<AnalyzeTarget>> {
+        let place = Place::of(record);
+        let known = self.known.iter().find(|known| known.place == place && Arc::ptr_eq(&known.tiles, tiles));
+        known.map(|known| Arc::clone(&known.target))
+    }
+
+    /// Keeps what analyses a picture.
+    pub fn keep(
+        &mut self,
+        record: &PictureRecord,
+        tiles: &Arc<EyeTiles>,
+        target: AnalyzeTarget,
+    ) -> Arc<AnalyzeTarget> {
+        if self.known.len() >= MOST {
+            self.known.clear();
+        }
+        let (place, target) = (Place::of(record), Arc::new(target));
+        self.known.push(Known { place, tiles: Arc::clone(tiles), target: Arc::clone(&target) });
+        target
+    }
+
+    /// Forgets the pictures of a swapchain; whether there were any.
+    pub fn forget(&mut self, swapchain: u64) -> bool {
+        let before = self.known.len();
+        self.known.retain(|known| known.place.swapchain != swapchain);
+        self.known.len() < before
+    }
+}
+
+impl Place {
+    fn of(record: &PictureRecord) -> Self {
+        let PictureRecord { swapchain, image, format, layer, rect, white_cd_m2, is_mean, .. } = *record;
+        Self { swapchain, image, format, layer, rect, white_cd_m2, is_mean }
+    }
+}
+
+/// Prepares to analyse a picture by tiles of `texel` pixels, which are counted from its own corner.
+///
+/// # Errors
+/// A failed call.
+pub fn target(
+    tools: &Tools,
+    record: &PictureRecord,
+    texel: [u32; 2],
+    tiles: &Arc<EyeTiles>,
+) -> Result<AnalyzeTarget, GpuError> {
+    let aggregation = if record.is_mean == 1 { Aggregation::Mean } else { Aggregation::Peak };
+    let settings = ContrastSettings { texel, aggregation, ..ContrastSettings::default() };
+    let [x, y, width, height] = record.rect;
+    let params = AnalyzeParams::new([x, y], [width, height], &settings, record.white_cd_m2, Matrix::Bt709);
+    tools.analyze.target((record.image, record.format, record.layer), &params, &tiles.view)
+}
