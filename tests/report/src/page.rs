@@ -120,7 +120,7 @@ fn how_to_read(conditions: &Conditions) -> Markup {
         ul.note {
             li {
                 "Times are medians of " (frames) " frames with both eyes at " (size) " x " (size) ", after a run-up of " (run_up)
-                ", in " (turns) " turns by turns; \"x off\" is the ratio of what each frame took in its least disturbed turn. p99 is what one frame in a hundred exceeds."
+                ", in " (turns) " turns that alternate with those of the others; \"x off\" is the ratio of what each frame took in its least disturbed turn. p99 is what one frame in a hundred exceeds."
             }
             li {
                 "Errors are of " (judged) " of these frames at " (side) " x " (side) ", with a saccade of at least 10 degrees in their middle, against the same frames of the application "

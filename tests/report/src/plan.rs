@@ -12,6 +12,9 @@ pub const FINE_SIZE: u32 = 2292;
 /// How much longer it takes to judge a picture than to render it with lavapipe: a weight for how far along the work is.
 const JUDGING: u64 = 5;
 
+/// What starting an application takes, in pixels that could be rendered meanwhile.
+const START: u64 = 15_000_000;
+
 /// What is measured.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -91,7 +94,7 @@ impl Plan {
 
 /// How much work a run is, in pixels.
 pub fn rendering(effort: Effort) -> u64 {
-    effort.length() * u64::from(effort.size).pow(2)
+    START + effort.length() * u64::from(effort.size).pow(2)
 }
 
 /// How much work it is to judge its pictures.
