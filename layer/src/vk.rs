@@ -10,7 +10,7 @@
 use std::ffi::CStr;
 
 /// The application's call as it is, to the function of the layer below, which `$find` finds for `$object`; `$failed` where there is
-/// none. For what [`guard`](crate::abi::guard) does after a panic.
+/// none. For what [`guard`](crate::abi::guard()) does after a panic.
 macro_rules! pass_on {
     ($find:path: $object:ident, $field:ident($($argument:expr),*), $failed:expr) => {
         match $find($object, |next| next.$field) {
