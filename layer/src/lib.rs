@@ -19,6 +19,7 @@ pub mod passes;
 pub mod planning;
 mod registry;
 pub mod scene;
+pub mod status;
 #[allow(unsafe_code)]
 pub mod vk;
 #[allow(unsafe_code)]

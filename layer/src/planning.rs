@@ -6,6 +6,7 @@ mod benefit;
 mod frame_rate;
 mod handed;
 mod offer;
+mod told;
 mod views;
 
 pub use benefit::{Benefit, Clock, EndedFrame};
@@ -22,6 +23,7 @@ use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::Techniques;
 use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker, Rejection};
 use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings};
+use told::LastLook;
 
 /// A display time that is earlier than the one before by less than this belongs to another thread that is behind; by more,
 /// the runtime's clock has started anew.
@@ -77,6 +79,7 @@ pub struct Planning {
     begun_ns: Option<i64>,
     /// What the tracker was not believed for, each of [`Rejection::ALL`].
     rejected: [bool; Rejection::ALL.len()],
+    last_look: LastLook,
 }
 
 /// When the newest plan was made, and of what.
@@ -108,6 +111,7 @@ impl Default for Planning {
             keeps_history: [false; 2],
             begun_ns: None,
             rejected: Default::default(),
+            last_look: LastLook::default(),
         }
     }
 }
@@ -166,6 +170,7 @@ impl Planning {
         }
         self.gaze.head_turned(head, time_ns);
         self.gaze.set_views(self.views.seen());
+        self.last_look.note(&look, time_ns);
         let sample = match look {
             Look::NoTracker => {
                 self.gaze.source_ended(time_ns);

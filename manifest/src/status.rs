@@ -38,8 +38,9 @@ pub struct Status {
     pub backend: String,
     /// Passes that had coarser rates, or parts left out, in the last frame.
     pub passes_matched: u32,
-    /// Each kind of pass: whether it is the scene, and why not. As the log has it.
-    pub passes: Vec<String>,
+    /// What was decided, and why, as the log has it: how the device makes shading coarser, what each kind of pass was taken for, which has
+    /// a mask.
+    pub decisions: Vec<String>,
     /// The gaze.
     pub gaze: Gaze,
     /// The sound.

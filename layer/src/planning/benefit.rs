@@ -58,6 +58,11 @@ impl Benefit {
         Techniques { rates: rates.is_on(), reuse: reuse.is_on() }
     }
 
+    /// The gates, for people.
+    pub fn gates(&self) -> &Gates {
+        &self.gates
+    }
+
     /// Takes a frame that ended, and what `times` say of it and of earlier ones; returns what people should know, where the gate
     /// changed its mind.
     pub fn frame_ended(&mut self, frame: &EndedFrame, times: &[FrameTimeRecord]) -> Option<String> {

@@ -12,6 +12,7 @@ use super::recording;
 use crate::abi::guard;
 use crate::link::DeviceRecord;
 use crate::registry::Registry;
+use crate::status::decided;
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -182,7 +183,7 @@ impl Below<'_> {
                     tracing::info!("rate attachments: {:?}", enabled.offer);
                     return (vk::Result::SUCCESS, Some(enabled));
                 }
-                Err(reason) => tracing::info!("no rate attachments: {reason}"),
+                Err(reason) => decided(&format_args!("no rate attachments: {reason}")),
             }
         }
         // SAFETY: as above.
@@ -267,7 +268,7 @@ unsafe fn track(
             let may_mask = rates.is_none() && api_version >= vk::API_VERSION_1_1;
             let masks = may_mask.then(|| Arc::new(Masks::on(&record, is_cpu)));
             if masks.is_none() && rates.is_none() {
-                tracing::info!("no masks either: the application asks for Vulkan 1.0");
+                decided(&"no masks either: the application asks for Vulkan 1.0");
             }
             Arc::new(Armed::new(record, hooked, rates, masks))
         });

@@ -115,6 +115,9 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
                     show_views(known, active, info);
                     deliver(known, active, info);
                 }
+                if let Some(telling) = known.telling.as_ref().filter(|telling| telling.is_asked()) {
+                    telling.tell(plan::moment(active, &known.instance.config.get()));
+                }
             }
         }
         answer.record(below())

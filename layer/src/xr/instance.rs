@@ -36,6 +36,8 @@ pub struct Instance {
     pub handle: xr::Instance,
     /// The functions below.
     pub next: Next,
+    /// What the application calls itself.
+    pub application: String,
     /// Its configuration.
     pub config: LiveConfig,
     /// Whether `XR_EXT_eye_gaze_interaction` is on, whoever asked for it.
@@ -86,7 +88,7 @@ pub unsafe extern "system" fn create(
         let result = as_asked();
         if result == xr::Result::SUCCESS {
             // SAFETY: the call succeeded, so `instance` is valid.
-            track(&below, unsafe { *instance }, None, GazeExtension::Off);
+            track(&below, unsafe { *instance }, String::new(), None, GazeExtension::Off);
         }
         result
     };
@@ -107,7 +109,7 @@ pub unsafe extern "system" fn create(
             None => (as_asked(), GazeExtension::Off),
         };
         if result == xr::Result::SUCCESS {
-            track(&below, *handle, wanted, eye_gaze);
+            track(&below, *handle, name, wanted, eye_gaze);
         }
         answer.record(result)
     })
@@ -179,7 +181,13 @@ unsafe fn create_with_eye_gaze(
 }
 
 /// Begins to track an instance, with hooks where `config` says that it is wanted.
-fn track(below: &Below, handle: xr::Instance, config: Option<LiveConfig>, eye_gaze: GazeExtension) {
+fn track(
+    below: &Below,
+    handle: xr::Instance,
+    application: String,
+    config: Option<LiveConfig>,
+    eye_gaze: GazeExtension,
+) {
     let get = |name: &CStr| {
         let mut function = None;
         // SAFETY: the next layer's function, a live instance of it, a name and a place for the result.
@@ -194,6 +202,7 @@ fn track(below: &Below, handle: xr::Instance, config: Option<LiveConfig>, eye_ga
         Some(Arc::new(Instance {
             handle,
             next,
+            application,
             config,
             eye_gaze: eye_gaze != GazeExtension::Off,
             eye_gaze_is_asked_for: eye_gaze == GazeExtension::Applications,

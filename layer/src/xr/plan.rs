@@ -15,6 +15,7 @@ use crate::link::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameTimeRecord, SettingsRecord,
 };
 use crate::planning::{Benefit, Clock, EndedFrame, Offer, Planning, ShownView, View, head_of};
+use crate::status::Moment;
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
@@ -173,6 +174,22 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
     if let Some(news) = news {
         tracing::info!("{news}");
     }
+}
+
+/// What holds at the end of a frame, for `parafovea status`.
+pub fn moment(active: &Active, config: &Config) -> Moment {
+    let state = &active.plan;
+    let mut moment = Moment {
+        frames: active.device.frames_ended(),
+        backend: active.device.offer().map_or(BACKEND_NONE, |offer| offer.backend),
+        passes_matched: active.device.passes_with_rates(),
+        ..Moment::default()
+    };
+    state.planning().tell(config, &mut moment);
+    let benefit = state.benefit.lock().unwrap_or_else(PoisonError::into_inner);
+    let Techniques { rates, reuse } = benefit.gates().gates();
+    (moment.rates, moment.reuse) = (rates.into(), reuse.into());
+    moment
 }
 
 /// xrBeginFrame succeeded.

@@ -12,10 +12,12 @@ use super::structures::{VulkanBinding, extending};
 use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
 use crate::abi::guard;
-use crate::config::{ChromaMode, Config, wants_contrast, wants_reuse};
+use crate::config::{ChromaMode, Config, Environment, executable, wants_contrast, wants_reuse};
 use crate::link::BACKEND_NONE;
 use crate::registry::Registry;
+use crate::status::Telling;
 use openxr_sys as xr;
+use parafovea_manifest::status::Status;
 use std::sync::Arc;
 
 /// A session of an instance that is not inert.
@@ -32,6 +34,8 @@ pub struct Session {
     pub actions: SessionActions,
     /// Where its gaze comes from.
     pub gaze: SessionGaze,
+    /// Tells `parafovea status` of it, where there is a place for that.
+    pub telling: Option<Telling>,
 }
 
 impl Session {
@@ -102,8 +106,8 @@ pub unsafe extern "system" fn create(
     guard("xrCreateSession", below, |answer| {
         // SAFETY: valid usage: `info` is valid, and its chain and the device in it are.
         let device = unsafe { info.as_ref().map(|info| vulkan_device(info)) };
-        let device = device.flatten();
-        let section = device.as_ref().map(VulkanDevice::runtime_section);
+        let device = device.unwrap_or_else(|| Err("it has no description".to_owned()));
+        let section = device.as_ref().ok().map(VulkanDevice::runtime_section);
         let result = answer.record(below());
         drop(section);
         if let (true, Some(known)) = (result.into_raw() >= 0, known) {
@@ -114,20 +118,18 @@ pub unsafe extern "system" fn create(
     })
 }
 
-/// The device of the session's graphics binding, if both it and its Vulkan half are there; else the log says
-/// why not.
+/// The device of the session's graphics binding, if both it and its Vulkan half are there, or why not.
 ///
 /// # Safety
 ///
 /// `info` is valid, and its chain and the device in it are.
-unsafe fn vulkan_device(info: &xr::SessionCreateInfo) -> Option<VulkanDevice> {
+unsafe fn vulkan_device(info: &xr::SessionCreateInfo) -> Result<VulkanDevice, String> {
     // SAFETY: the caller vouches for the chain and the device.
     unsafe {
         let Some(binding) = extending(info.next).find::<VulkanBinding>() else {
-            tracing::info!("session inert: its graphics API is not Vulkan");
-            return None;
+            return Err("its graphics API is not Vulkan".to_owned());
         };
-        VulkanDevice::find(binding).inspect_err(|reason| tracing::info!("session inert: {reason}")).ok()
+        VulkanDevice::find(binding).map_err(|reason| reason.to_string())
     }
 }
 
@@ -140,10 +142,14 @@ pub(super) unsafe fn track(
     instance: Arc<Instance>,
     system: xr::SystemId,
     handle: xr::Session,
-    device: Option<VulkanDevice>,
+    device: Result<VulkanDevice, String>,
 ) {
+    let inert = device.as_ref().err().cloned().unwrap_or_default();
+    if !inert.is_empty() {
+        tracing::info!("session inert: {inert}");
+    }
     // SAFETY: the caller vouches for the device.
-    let active = device.map(|device| unsafe { Active::new(device) });
+    let active = device.ok().map(|device| unsafe { Active::new(device) });
     let actions = SessionActions::new(active.is_some() && instance.reports_eye_gaze(system));
     let spaces = active.as_ref().and_then(|_| Spaces::create(&instance.next, handle));
     if let Some(active) = &active {
@@ -160,7 +166,17 @@ pub(super) unsafe fn track(
     if active.is_some() {
         gaze.open_files(&instance.config.get());
     }
-    SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, spaces, actions, gaze }));
+    let known = Status {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        pid: std::process::id(),
+        executable: executable().to_string_lossy().into_owned(),
+        application: instance.application.clone(),
+        inert,
+        ..Status::default()
+    };
+    // Never with elevated rights: then instances are inert.
+    let telling = Telling::begin(&Environment::of_process(false), known);
+    SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, spaces, actions, gaze, telling }));
 }
 
 /// `xrDestroySession`.

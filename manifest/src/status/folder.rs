@@ -43,8 +43,13 @@ impl StatusFile {
     /// The file system refuses.
     pub fn write(&self, status: &Status) -> io::Result<()> {
         let text = serde_json::to_vec(status)?;
-        let mut file =
-            OpenOptions::new().write(true).create(true).truncate(true).mode(0o600).open(&self.next)?;
+        let mut file = OpenOptions::new()
+            .write(true)
+            .create(true)
+            .truncate(true)
+            .mode(0o600)
+            .custom_flags(libc::O_NOFOLLOW)
+            .open(&self.next)?;
         file.write_all(&text)?;
         fs::rename(&self.next, &self.path)
     }
@@ -125,7 +130,7 @@ mod tests {
     }
 
     fn status(pid: u32) -> Status {
-        Status { pid, passes: vec!["a pass".to_owned()], ..Status::default() }
+        Status { pid, decisions: vec!["a pass".to_owned()], ..Status::default() }
     }
 
     #[test]

@@ -89,7 +89,7 @@ impl Log {
     pub fn end_frame(&mut self, objects: &Objects, shown: &Shown) {
         passes_file::write(objects, self.frame, self.events.iter().zip(&self.judged));
         self.recognition.frame(&self.events, |key| objects.describe(key), shown);
-        self.recognition.news(|line| tracing::info!("{line}"));
+        self.recognition.news(|line| crate::status::decided(line));
         self.events.clear();
         self.judged.clear();
         objects.forget_departed();

@@ -5,6 +5,7 @@ use crate::gpu::AppCommands;
 use crate::mask::{Eligible, MaskMap, PipelineFacts, Reason};
 use crate::scene::lay::RateImage;
 use crate::scene::{How, ImageDescription, Part, PassFacts, Target};
+use crate::status::decided;
 use crate::vk::backend::{Laying, MapSize, RateMap, Upload};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -102,8 +103,8 @@ impl TargetMask {
         if before != Some(outcome) {
             let [width, height] = self.extent;
             match outcome {
-                Ok(()) => tracing::info!("a pass of {width}x{height} has a mask"),
-                Err(reason) => tracing::info!("a pass of {width}x{height} has no mask: {reason}"),
+                Ok(()) => decided(&format_args!("a pass of {width}x{height} has a mask")),
+                Err(reason) => decided(&format_args!("a pass of {width}x{height} has no mask: {reason}")),
             }
         }
     }

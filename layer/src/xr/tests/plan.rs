@@ -35,7 +35,7 @@ fn session_of_tests() -> xr::Session {
     let device = VulkanDevice::of_table(vulkan_half::table(), vulkan_half::record());
     // SAFETY: nothing is done on this device: no swapchain is substituted.
     unsafe {
-        session::track(instance::hooked(instance).unwrap(), xr::SystemId::from_raw(1), handle, Some(device))
+        session::track(instance::hooked(instance).unwrap(), xr::SystemId::from_raw(1), handle, Ok(device))
     };
     handle
 }

@@ -46,8 +46,8 @@ fn of_one(status: &Status, environment: &Environment) -> String {
         line("re-use", &gate(&status.reuse_gate));
         line("colour", if status.attenuates_colour { "removed away from the gaze" } else { "as it is" });
         line("passes", &format!("{} matched in the last frame", status.passes_matched));
-        for pass in &status.passes {
-            line("", pass);
+        for (index, decision) in status.decisions.iter().enumerate() {
+            line(if index == 0 { "decided" } else { "" }, decision);
         }
     }
     let places = Places::new(environment, Some(&status.application), executable);
@@ -134,7 +134,7 @@ mod tests {
             frame_rate_hz: 89.96,
             backend: "mask".to_owned(),
             passes_matched: 2,
-            passes: vec!["pass 64x64: the scene".to_owned()],
+            decisions: ["no rates", "pass 64x64: the scene"].map(str::to_owned).to_vec(),
             gaze: Gaze { source: "eyes".to_owned(), is_valid: true, age_ms: Some(11.6) },
             sound: Sound { source: "off".to_owned(), is_heard: false },
             rates: Rates {
@@ -158,6 +158,7 @@ mod tests {
             "  rates     77 % of the pixels shaded; tiles: 4x4 25 %, 1x1 75 %",
             "  saving    on; saves 35 % of a frame (30 to 40 %)",
             "  re-use    off",
+            "  decided   no rates",
             "            pass 64x64: the scene",
             "  settings  the defaults",
         ] {

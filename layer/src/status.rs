@@ -1,0 +1,128 @@
+//! What is told of this process while a session is there, for `parafovea status` (`parafovea_manifest::status`).
+//!
+//! A thread of ours writes the file. The application's thread hands it plain numbers, when it is asked to: that allocates nothing
+//! and waits for nobody. Of gaze and sound it is only told where they come from and whether they are there.
+
+mod decisions;
+mod moment;
+
+pub use decisions::decided;
+pub use moment::{GateMoment, Moment};
+
+use parafovea_manifest::paths::Environment;
+use parafovea_manifest::status::{EVERY_S, Status, StatusFile};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{Builder, sleep};
+use std::time::Duration;
+
+/// How long before the file is written the application's thread is asked: some frames.
+const ASKED_BEFORE: Duration = Duration::from_millis(100);
+
+/// Tells of one session until it is dropped.
+pub struct Telling(Arc<Shared>);
+
+struct Shared {
+    /// Gone when the session ends.
+    file: Mutex<Option<StatusFile>>,
+    moment: Mutex<Moment>,
+    is_asked: AtomicBool,
+}
+
+impl Telling {
+    /// Begins to tell of a session; `known` has what does not change. `None` where there is no place for it, which is logged unless
+    /// nobody chose one.
+    pub fn begin(environment: &Environment, known: Status) -> Option<Self> {
+        let file = StatusFile::new(environment, known.pid)
+            .inspect_err(|error| tracing::warn!("parafovea status will not show this: {error}"))
+            .ok()??;
+        let shared = Arc::new(Shared {
+            file: Mutex::new(Some(file)),
+            moment: Mutex::default(),
+            is_asked: AtomicBool::new(true),
+        });
+        let theirs = shared.clone();
+        let tell = move || {
+            let mut status = known;
+            while theirs.write(&mut status) {
+                sleep(Duration::from_secs(EVERY_S) - ASKED_BEFORE);
+                theirs.is_asked.store(true, Ordering::Relaxed);
+                sleep(ASKED_BEFORE);
+            }
+        };
+        Builder::new()
+            .name("parafovea-tell".to_owned())
+            .spawn(tell)
+            .inspect_err(|error| tracing::warn!("parafovea status will not show this: no thread: {error}"))
+            .ok()?;
+        Some(Self(shared))
+    }
+
+    /// Whether the newest is wanted.
+    pub fn is_asked(&self) -> bool {
+        self.0.is_asked.load(Ordering::Relaxed)
+    }
+
+    /// Takes what holds now; in the rare case that the last is being written, it is not taken.
+    pub fn tell(&self, moment: Moment) {
+        if let Ok(mut told) = self.0.moment.try_lock() {
+            *told = moment;
+            self.0.is_asked.store(false, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Drop for Telling {
+    fn drop(&mut self) {
+        // The file goes with it: the application may end before the thread looks again.
+        let file = self.0.file.lock().unwrap_or_else(PoisonError::into_inner).take();
+        drop(file);
+    }
+}
+
+impl Shared {
+    /// Writes the file; false when the session has ended.
+    fn write(&self, status: &mut Status) -> bool {
+        let moment = *self.moment.lock().unwrap_or_else(PoisonError::into_inner);
+        moment.write_to(status);
+        status.decisions = decisions::all();
+        let file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*file {
+            // A full or missing file system: whoever looks sees that nothing is told.
+            Some(file) => file.write(status).is_ok(),
+            None => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use parafovea_manifest::status::read_all;
+    use std::time::SystemTime;
+
+    #[test]
+    fn a_session_is_told_of_until_it_ends() {
+        let runtime = tempfile::tempdir().unwrap();
+        let environment =
+            Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| runtime.path().into()));
+        let known = Status { pid: 7, application: "game".to_owned(), ..Status::default() };
+        let telling = Telling::begin(&environment, known).unwrap();
+        assert!(telling.is_asked());
+        telling.tell(Moment { frames: 5, ..Moment::default() });
+        assert!(!telling.is_asked());
+        let read = || read_all(&environment, SystemTime::now()).unwrap().0;
+        let frames = || read().first().map_or(0, |found| found.status.frames);
+        while frames() < 5 {
+            sleep(Duration::from_millis(10));
+        }
+        assert_eq!(read()[0].status.application, "game");
+        drop(telling);
+        assert_eq!(read(), []);
+    }
+
+    #[test]
+    fn without_a_place_nothing_is_told() {
+        assert!(Telling::begin(&Environment::default(), Status::default()).is_none());
+    }
+}

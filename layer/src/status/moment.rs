@@ -1,0 +1,187 @@
+//! What changes from frame to frame.
+
+use crate::config::{AudioSource, GazeSource};
+use crate::link::{BACKEND_MASK, BACKEND_RATE_ATTACHMENT};
+use parafovea_core::gate::{Gate, GateMode};
+use parafovea_core::rate::ShadingRate;
+use parafovea_manifest::status::{self, Status};
+
+/// How many values a texel of a rate image has, and more.
+const TEXELS: usize = 16;
+
+/// What holds at the end of a frame: plain numbers, so that taking them allocates nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// Frames that ended in the session.
+    pub frames: u64,
+    /// Frames a second, Hz; 0: not known.
+    pub frame_rate_hz: f32,
+    /// `BACKEND_*` of the link.
+    pub backend: u32,
+    /// Passes that had maps in the last frame.
+    pub passes_matched: u32,
+    /// Where the gaze comes from.
+    pub gaze_source: GazeSource,
+    /// Whether there was one in this frame.
+    pub gaze_is_valid: bool,
+    /// How old the last one is, milliseconds.
+    pub gaze_age_ms: Option<f32>,
+    /// Where the sound comes from.
+    pub audio_source: AudioSource,
+    /// Whether something is known of the last seconds.
+    pub is_heard: bool,
+    /// How many tiles of both eyes have each rate, by its texel.
+    pub tiles: [u32; TEXELS],
+    /// Tiles that are rendered in this frame.
+    pub tiles_due: u32,
+    /// Share of the pixels that is shaded, by the plan.
+    pub shaded: f32,
+    /// The gate of rates.
+    pub rates: GateMoment,
+    /// The gate of re-use.
+    pub reuse: GateMoment,
+    /// Whether colour is removed.
+    pub attenuates_colour: bool,
+}
+
+impl Default for Moment {
+    fn default() -> Self {
+        Self {
+            frames: 0,
+            frame_rate_hz: 0.0,
+            backend: 0,
+            passes_matched: 0,
+            gaze_source: GazeSource::Eyes,
+            gaze_is_valid: false,
+            gaze_age_ms: None,
+            audio_source: AudioSource::Off,
+            is_heard: false,
+            tiles: [0; TEXELS],
+            tiles_due: 0,
+            shaded: 1.0,
+            rates: GateMoment::default(),
+            reuse: GateMoment::default(),
+            attenuates_colour: false,
+        }
+    }
+}
+
+/// What a gate says.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct GateMoment {
+    mode: GateMode,
+    is_kept: bool,
+    ratio: Option<[f32; 3]>,
+}
+
+impl From<&Gate> for GateMoment {
+    fn from(gate: &Gate) -> Self {
+        let ratio = gate.evidence().ratio();
+        let ratio = ratio.map(|(ratio, [low, high])| [ratio, low, high].map(|value| value as f32));
+        Self { mode: gate.mode(), is_kept: gate.is_kept(), ratio }
+    }
+}
+
+impl Moment {
+    /// Counts the tiles of an eye's map.
+    pub fn count(&mut self, texels: &[u8]) {
+        for texel in texels {
+            if let Some(count) = self.tiles.get_mut(usize::from(*texel)) {
+                *count += 1;
+            }
+        }
+    }
+
+    /// Puts it in the place of what was told before. Numbers are rounded: what is told is for people, and no more of the gaze than
+    /// they need follows from it.
+    pub fn write_to(&self, status: &mut Status) {
+        status.frames = self.frames;
+        status.frame_rate_hz = rounded(self.frame_rate_hz, 10.0);
+        status.backend = match self.backend {
+            BACKEND_RATE_ATTACHMENT => "rate attachment",
+            BACKEND_MASK => "mask",
+            _ => "none",
+        }
+        .to_owned();
+        status.passes_matched = self.passes_matched;
+        let source = match self.gaze_source {
+            GazeSource::Eyes => "eyes",
+            GazeSource::Centre => "centre",
+            GazeSource::File => "file",
+        };
+        status.gaze = status::Gaze {
+            source: source.to_owned(),
+            is_valid: self.gaze_is_valid,
+            age_ms: self.gaze_age_ms.map(f32::round),
+        };
+        let source = match self.audio_source {
+            AudioSource::Off => "off",
+            AudioSource::System => "system",
+            AudioSource::File => "file",
+        };
+        status.sound = status::Sound { source: source.to_owned(), is_heard: self.is_heard };
+        status.rates = self.rates_told();
+        status.rates_gate = self.rates.told();
+        status.reuse_gate = self.reuse.told();
+        status.attenuates_colour = self.attenuates_colour;
+    }
+
+    fn rates_told(&self) -> status::Rates {
+        let all: u32 = self.tiles.iter().sum();
+        if all == 0 {
+            return status::Rates { tiles: Vec::new(), shaded: 1.0, rendered: 1.0 };
+        }
+        let mut rates: Vec<(ShadingRate, f32)> = (0..)
+            .zip(self.tiles)
+            .filter(|(_, count)| *count > 0)
+            .filter_map(|(texel, count)| {
+                Some((ShadingRate::from_texel(texel)?, rounded(count as f32 / all as f32, 100.0)))
+            })
+            .collect();
+        rates.sort_by(|(one, _), (other, _)| one.fraction().total_cmp(&other.fraction()));
+        status::Rates {
+            tiles: rates
+                .into_iter()
+                .map(|(rate, share)| (format!("{}x{}", rate.width(), rate.height()), share))
+                .collect(),
+            shaded: rounded(self.shaded, 100.0),
+            rendered: rounded(self.tiles_due as f32 / all as f32, 100.0),
+        }
+    }
+}
+
+impl GateMoment {
+    fn told(&self) -> status::Gate {
+        let mode = match self.mode {
+            GateMode::Auto => "auto",
+            GateMode::On => "on",
+            GateMode::Off => "off",
+        };
+        let ratio = self.ratio.map(|ratio| ratio.map(|value| rounded(value, 100.0)));
+        status::Gate { mode: mode.to_owned(), is_kept: self.is_kept, ratio }
+    }
+}
+
+/// To whole parts of 1, of which there are so many.
+fn rounded(value: f32, parts: f32) -> f32 {
+    (value * parts).round() / parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_are_told_as_shares_the_coarsest_first() {
+        let mut moment = Moment { tiles_due: 3, shaded: 0.4, backend: BACKEND_MASK, ..Moment::default() };
+        let [fine, coarse] = [ShadingRate::R1X1, ShadingRate::R4X4].map(ShadingRate::texel);
+        moment.count(&[coarse, fine, coarse, coarse, 0xff]);
+        let mut status = Status::default();
+        moment.write_to(&mut status);
+        assert_eq!(status.rates.tiles, [("4x4".to_owned(), 0.75), ("1x1".to_owned(), 0.25)]);
+        assert_eq!((status.rates.shaded, status.rates.rendered), (0.4, 0.75));
+        assert_eq!(status.backend, "mask");
+        Moment::default().write_to(&mut status);
+        assert_eq!(status.rates, status::Rates { tiles: Vec::new(), shaded: 1.0, rendered: 1.0 });
+    }
+}

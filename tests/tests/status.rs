@@ -1,0 +1,108 @@
+//! What applications tell while they run, as `parafovea status` reads it.
+
+use parafovea_manifest::paths::Environment;
+use parafovea_manifest::status::{Found, Status, read_all};
+use parafovea_tests::artifacts::program;
+use parafovea_tests::run::{Application, Run, Running};
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use std::os::unix::fs::PermissionsExt;
+use std::process::Command;
+use std::time::{Duration, Instant, SystemTime};
+
+/// More frames than any of these renders meanwhile.
+const FRAMES: u64 = 100_000;
+
+/// Long enough on a machine that does much else.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+fn start(application: &Application) -> Running {
+    let scenario = Scenario::new(FRAMES).sized(256, 256).gazing(-10.0, 0.0);
+    let config = "preset = \"none\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n[gaze]\nsource = \"centre\"\n";
+    Run::new(application, &scenario).on(config).start().unwrap()
+}
+
+/// What it tells, once that is so; panics where it never is.
+fn told(running: &Running, is_so: impl Fn(&Status) -> bool) -> Status {
+    let begin = Instant::now();
+    let environment =
+        Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| running.runtime_folder().into()));
+    loop {
+        let (found, _) = read_all(&environment, SystemTime::now()).unwrap();
+        match found.as_slice() {
+            [Found { status, .. }] if is_so(status) => return status.clone(),
+            other => assert!(begin.elapsed() < PATIENCE, "{other:#?}\n{}", running.log()),
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+fn is_decided(status: &Status, what: &str) -> bool {
+    status.decisions.iter().any(|decision| decision.contains(what))
+}
+
+fn tells_what_it_does(application: &Application) {
+    let running = start(application);
+    let status = told(&running, |status| status.passes_matched > 0 && status.rates.shaded < 1.0);
+    assert_eq!((status.inert.as_str(), status.backend.as_str()), ("", "mask"), "{status:#?}");
+    assert!(is_decided(&status, ": the scene: ") && is_decided(&status, "has a mask"), "{status:#?}");
+    assert!(status.frames > 0 && status.frame_rate_hz > 0.0, "{status:#?}");
+    assert!(status.gaze.is_valid && status.gaze.source == "centre", "{status:#?}");
+    assert_eq!(status.sound.source, "off");
+    let all: f32 = status.rates.tiles.iter().map(|(_, share)| share).sum();
+    assert!((all - 1.0).abs() < 0.05 && status.rates.tiles.len() > 1, "{status:#?}");
+    assert_eq!((status.rates_gate.mode.as_str(), status.rates_gate.is_kept), ("on", true));
+    assert_eq!(status.reuse_gate.mode, "off");
+    // It goes on: another second, other numbers.
+    told(&running, |later| later.frames > status.frames);
+    let folder = running.runtime_folder().join("parafovea");
+    let file = folder.join(format!("{}.json", status.pid));
+    assert_eq!(std::fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+
+    let mut command = Command::new(program("parafovea").unwrap());
+    command.args(["status", "--once"]).env("XDG_RUNTIME_DIR", running.runtime_folder());
+    let output = String::from_utf8(command.output().unwrap().stdout).unwrap();
+    for expected in [
+        &*status.application,
+        "backend   mask",
+        "gaze      straight ahead",
+        "saving    on, as the configuration says",
+    ] {
+        assert!(output.contains(expected), "{expected} in\n{output}");
+    }
+    // It ends with this.
+    drop(running);
+}
+
+#[test]
+fn hello_xr_tells_why_nothing_becomes_coarser() {
+    let running = start(&Application::hello_xr("Vulkan2").unwrap());
+    let status = told(&running, |status| is_decided(status, ": the scene: right eye"));
+    assert_eq!((status.application.as_str(), status.backend.as_str()), ("HelloXR", "none"), "{status:#?}");
+    assert!(is_decided(&status, ": the scene: left eye"), "{status:#?}");
+    assert!(is_decided(&status, "no masks either: the application asks for Vulkan 1.0"), "{status:#?}");
+}
+
+#[test]
+fn our_scene_tells() {
+    tells_what_it_does(&Application::ours("parafovea-scene", &[]).unwrap());
+}
+
+#[test]
+fn styles_of_the_zoo_tell() {
+    for style in ["render-pass", "dynamic-rendering", "double-wide"] {
+        let frames = FRAMES.to_string();
+        let arguments = ["--style", style, "--size", "256", "--frames", &frames];
+        tells_what_it_does(&Application::ours("parafovea-zoo", &arguments).unwrap());
+    }
+}
+
+#[test]
+fn what_ends_is_told_of_no_more() {
+    let scenario = Scenario::new(30).sized(256, 256);
+    let application = Application::hello_xr("Vulkan2").unwrap();
+    let running = Run::new(&application, &scenario).on("preset = \"none\"\n").start().unwrap();
+    let folder = running.runtime_folder().join("parafovea");
+    let outcome = running.finish().unwrap().expect_frames(30).unwrap();
+    assert!(outcome.log.contains("session active"), "{}", outcome.log);
+    assert_eq!(std::fs::read_dir(folder).unwrap().count(), 0, "files that are left");
+}
