@@ -3,7 +3,7 @@
 
 use parafovea::gpu::barrier::{ALL, APP_RENDERED_TO_SAMPLED, ImageBarrier};
 use parafovea_tests::run::{Application, Outcome, Run};
-use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_tests::scenario::{Head, Scenario, ScenarioExt};
 
 const CHROMA: &str =
     "preset = \"none\"\n[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
@@ -35,7 +35,19 @@ impl Work {
                 (Application::ours("parafovea-zoo", &arguments), REUSE)
             }
         };
+        // What does not turn is copied from earlier pictures, and what turns is sampled.
+        let head = |t: f64| Head {
+            t,
+            position: [0.0, 1.6, 0.0],
+            yaw_deg: 60.0 * t as f32,
+            pitch_deg: 0.0,
+            roll_deg: 0.0,
+        };
         let scenario = Scenario::new(FRAMES).sized(128, 128).gazing(-25.0, 0.0).saving(&SAVED);
+        let scenario = match self {
+            Self::Chroma => scenario,
+            Self::Reuse => Scenario { head: vec![head(0.0), head(2.0)], ..scenario },
+        };
         let run = Run::new(&application.unwrap(), &scenario).on(config).validated();
         change(run).finish().unwrap().expect_frames(FRAMES).unwrap()
     }

@@ -125,7 +125,8 @@ mod tests {
         let manual = include_str!("../../README.md");
         let input =
             super::super::Input { t: 0.0, path: String::new(), value: super::super::InputValue::Float(0.0) };
-        let everything = Scenario { input: vec![input], ..Scenario::default() };
+        let zoom = super::super::Zoom { t: 0.0, scale: 1.0 };
+        let everything = Scenario { input: vec![input], zoom: vec![zoom], ..Scenario::default() };
         let everything = toml::Table::try_from(&everything).unwrap();
         let mut keys = Vec::new();
         for (section, value) in everything {
