@@ -49,6 +49,13 @@ impl App {
         app.ok_or_else(|| format!("there is no scene `{name}`; there are {known} and hello_xr"))
     }
 
+    fn before_a_saccade(self, tracker: Tracker, frames: u64) -> Subject {
+        match self {
+            Self::Scene(scene) => Subject::before_a_saccade(scene, tracker, frames),
+            Self::HelloXr => Subject::hello_xr(tracker),
+        }
+    }
+
     fn subject(self, tracker: Tracker) -> Subject {
         match self {
             Self::Scene(scene) => Subject::around_a_saccade(scene, tracker),
@@ -187,18 +194,27 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
     }
     let has_layer = techniques.iter().any(Technique::has_layer);
     let run_up = request.run_up.unwrap_or(if has_layer { LAYER_RUN_UP } else { RUN_UP_ALONE });
-    let (timed, judged) = (Effort { run_up, ..request.timed }, request.judged);
+    let timed = Effort { run_up, ..request.timed };
+    let judged = match has_layer {
+        // As it is timed, with the saccade in the middle of what is judged.
+        true => Effort { run_up, ..request.judged },
+        false => request.judged,
+    };
     let with_errors = judged.frames > 0 && request.against.is_none();
     let machine = Machine::of(request.driver)?;
     eprintln!("{machine}");
-    let subjects: Vec<(Subject, Vec<Technique>)> = request
+    let subjects: Vec<([Subject; 2], Vec<Technique>)> = request
         .apps
         .iter()
         .map(|app| {
             let subject = app.subject(request.tracker).on(&machine);
             let techniques =
                 techniques.iter().filter(|technique| subject.can_try(technique)).cloned().collect();
-            (subject, techniques)
+            let seen = match has_layer {
+                true => app.before_a_saccade(request.tracker, judged.run_up + judged.frames / 2).on(&machine),
+                false => subject.clone(),
+            };
+            ([subject, seen], techniques)
         })
         .collect();
     let runs_each = timed.turns + 1 + usize::from(with_errors);
@@ -226,10 +242,10 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
         done += 1;
         eprintln!("[{done}/{runs}] {run}");
     };
-    for (subject, techniques) in &subjects {
+    for ([subject, seen], techniques) in &subjects {
         let timings = time(subject, techniques, timed, machine.has_gpu_times(), &mut progress)?;
         let judged = if with_errors {
-            errors(subject, techniques, judged, fvvdp.as_ref(), &mut progress)?
+            errors(seen, techniques, judged, fvvdp.as_ref(), &mut progress)?
         } else {
             Vec::new()
         };
