@@ -94,7 +94,7 @@ fn compile(path: &Path, uniforms: &[Declared]) -> Result<Vec<u32>, String> {
     let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
         .validate(&module)
         .map_err(|error| error.emit_to_string(&source))?;
-    check_uniforms(&module, uniforms)?;
+    check_parameters(&module, uniforms)?;
     let options = spv::Options {
         lang_version: (1, 0),
         // Without ADJUST_COORDINATE_SPACE: positions are Vulkan's own, y pointing down.
@@ -153,19 +153,22 @@ fn without_storage_class(words: &[u32]) -> Vec<u32> {
     out
 }
 
-/// Compares each uniform buffer of the shader with the Rust struct of the same name.
-fn check_uniforms(module: &naga::Module, uniforms: &[Declared]) -> Result<(), String> {
+/// Compares each buffer of parameters of the shader, uniform or storage, with the Rust struct of the same name.
+fn check_parameters(module: &naga::Module, uniforms: &[Declared]) -> Result<(), String> {
     let buffers = module.global_variables.iter().map(|(_, variable)| variable);
-    for buffer in buffers.filter(|variable| variable.space == naga::AddressSpace::Uniform) {
+    let is_checked = |variable: &&naga::GlobalVariable| {
+        variable.space == naga::AddressSpace::Uniform || variable.name.as_deref() == Some("params")
+    };
+    for buffer in buffers.filter(is_checked) {
         let ty = &module.types[buffer.ty];
         let naga::TypeInner::Struct { members, span } = &ty.inner else {
-            return Err("a uniform buffer that is not a struct has no counterpart in Rust".to_owned());
+            return Err("parameters that are not a struct have no counterpart in Rust".to_owned());
         };
         let name = ty.name.as_deref().unwrap_or("(unnamed)");
         let rust = uniforms
             .iter()
             .find(|declared| declared.name == name)
-            .ok_or_else(|| format!("no Rust struct was declared for the uniform `{name}`"))?;
+            .ok_or_else(|| format!("no Rust struct was declared for the parameters `{name}`"))?;
         let wgsl: Vec<(&str, usize, usize)> = members
             .iter()
             .map(|member| {

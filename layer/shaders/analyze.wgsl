@@ -26,7 +26,8 @@ struct Shown {
     rate: u32,
 }
 
-@group(0) @binding(0) var<uniform> params: AnalyzeParams;
+// Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
+@group(0) @binding(0) var<storage, read> params: AnalyzeParams;
 @group(0) @binding(1) var picture: texture_2d<f32>;
 // Levels 0 to 5 of the pyramid, one after the other.
 @group(0) @binding(2) var<storage, read_write> levels: array<f32>;

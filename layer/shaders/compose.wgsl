@@ -242,7 +242,8 @@ fn is_fresh_at(point: vec2<f32>) -> bool {
     let tile = min(vec2<u32>(point * reuse.earlier_tiles), max(reuse.earlier_grid, vec2(1u)) - 1u);
     let index = tile.y * reuse.earlier_grid.x + tile.x;
     let has_tiles = all(reuse.earlier_grid > vec2(0u));
-    return !has_tiles || ((words[reuse.earlier_word + index / 32u] >> (index % 32u)) & 1u) == 0u;
+    // No branch on uniforms alone: lavapipe of Mesa 22.3 compiles such a shader anew whenever they are written.
+    return !has_tiles | (((words[reuse.earlier_word + index / 32u] >> (index % 32u)) & 1u) == 0u);
 }
 
 fn earlier_texel(texel: vec2<f32>) -> vec4<f32> {

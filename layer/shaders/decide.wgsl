@@ -38,7 +38,8 @@ struct TileContrast {
     adaptation_cd_m2: f32,
 }
 
-@group(0) @binding(0) var<uniform> params: DecideParams;
+// Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
+@group(0) @binding(0) var<storage, read> params: DecideParams;
 @group(0) @binding(1) var<storage, read> contrast: array<TileContrast>;
 // castle::FovealTable
 @group(0) @binding(2) var<storage, read> foveal: array<f32>;

@@ -11,7 +11,8 @@ struct LayParams {
     available: vec4<u32>,
 }
 
-@group(0) @binding(0) var<uniform> params: LayParams;
+// Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
+@group(0) @binding(0) var<storage, read> params: LayParams;
 // kernels::lay::LayTable
 @group(0) @binding(1) var<storage, read> pictures: array<u32>;
 // Rates of tiles, four of a row in a word; rows begin with a new one.

@@ -16,7 +16,8 @@ struct MaskParams {
     reserved: vec2<u32>,
 }
 
-@group(0) @binding(0) var<uniform> params: MaskParams;
+// Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
+@group(0) @binding(0) var<storage, read> params: MaskParams;
 // Six words for each view, see view_words; after those of all views the sources of each pattern, see pattern_sources.
 @group(0) @binding(1) var<storage, read> views: array<u32>;
 // Four texels in a word, row by row, layer by layer.

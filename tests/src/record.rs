@@ -28,6 +28,9 @@ pub struct Frame {
     pub display_time_ns: i64,
     /// CPU time of the whole process until then, in nanoseconds.
     pub process_cpu_ns: u64,
+    /// Most memory that the process has had resident until then, KiB.
+    #[serde(default)]
+    pub peak_memory_kib: u64,
     /// The gaze then, as scripted: a unit vector in the head's space; none while it was not tracked.
     #[serde(default)]
     pub gaze: Option<[f32; 3]>,

@@ -13,6 +13,7 @@ mod frame;
 mod hello_xr;
 mod input;
 mod loader_1_1;
+mod memory;
 mod native;
 mod overhead;
 mod panics;

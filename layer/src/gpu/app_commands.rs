@@ -187,7 +187,7 @@ impl<'a> AppCommands<'a> {
     /// after earlier use of them, and before later.
     pub(crate) fn write_parameters(&self, to: &DeviceBuffer, bytes: &[u8]) {
         const PARAMETERS: Scope =
-            Scope { stages: vk::PipelineStageFlags::COMPUTE_SHADER, access: vk::AccessFlags::UNIFORM_READ };
+            Scope { stages: vk::PipelineStageFlags::COMPUTE_SHADER, access: vk::AccessFlags::SHADER_READ };
         self.memory_barrier(PARAMETERS, BUFFER_COPIES);
         // SAFETY: the command buffer is being recorded outside of a render pass, and the buffer is live, as `new` demands.
         unsafe { self.gpu.device.cmd_update_buffer(self.commands, to.handle(), 0, bytes) };

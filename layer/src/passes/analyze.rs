@@ -20,7 +20,7 @@ pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::SAMPLED;
 
 /// Parameters, picture, levels of the pyramid, contrast, rates, what was shown.
 const BINDINGS: [vk::DescriptorType; 6] = [
-    vk::DescriptorType::UNIFORM_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::SAMPLED_IMAGE,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
@@ -140,9 +140,9 @@ impl Analyze {
         }
         let gpu = &self.gpu;
         let view = color_view(gpu, image, format, layer)?;
-        let uniform = DeviceBuffer::new(
+        let params_buffer = DeviceBuffer::new(
             gpu,
-            vk::BufferUsageFlags::UNIFORM_BUFFER,
+            vk::BufferUsageFlags::STORAGE_BUFFER,
             size_of::<AnalyzeParams>() as u64,
             |bytes| bytes.copy_from_slice(bytemuck::bytes_of(params)),
         )?;
@@ -150,7 +150,7 @@ impl Analyze {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC;
         let levels = DeviceBuffer::without_content(gpu, usage, texels * size_of::<f32>() as u64)?;
         let bound = [
-            (0, Bound::Buffer(uniform.handle())),
+            (0, Bound::Buffer(params_buffer.handle())),
             (1, Bound::Image(view.handle())),
             (2, Bound::Buffer(levels.handle())),
             (3, Bound::Buffer(tiles.contrast())),
@@ -164,7 +164,7 @@ impl Analyze {
         Ok(AnalyzeTarget {
             set,
             _view: view,
-            _params: uniform,
+            _params: params_buffer,
             levels,
             _tiles: tiles,
             params: *params,

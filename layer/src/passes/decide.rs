@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// Parameters, contrast, the table of sensitivities, coarseness, rates, what is left out.
 const BINDINGS: [vk::DescriptorType; 6] = [
-    vk::DescriptorType::UNIFORM_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
@@ -68,7 +68,7 @@ impl Decide {
     /// A failed call.
     pub fn target(&self, tiles: &Arc<ViewTiles>) -> Result<DecideTarget, GpuError> {
         let gpu = &self.gpu;
-        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
         let params = DeviceBuffer::new(gpu, usage, size_of::<DecideParams>() as u64, |_| {})?;
         let [columns, rows] = tiles.tiles();
         let bytes = u64::from(rate_row_bytes(columns)) * u64::from(rows);

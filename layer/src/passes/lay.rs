@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Parameters, table, rates of the left and of the right eye, texels.
 const BINDINGS: [vk::DescriptorType; 5] = [
-    vk::DescriptorType::UNIFORM_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
@@ -88,7 +88,7 @@ impl Lay {
         let filled = |usage, bytes: &[u8]| {
             DeviceBuffer::new(gpu, usage, bytes.len() as u64, |content| content.copy_from_slice(bytes))
         };
-        let uniform = filled(vk::BufferUsageFlags::UNIFORM_BUFFER, bytemuck::bytes_of(&params))?;
+        let params_buffer = filled(vk::BufferUsageFlags::STORAGE_BUFFER, bytemuck::bytes_of(&params))?;
         // A buffer has at least one word.
         let words = if table.words().is_empty() { &[0] } else { table.words() };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -96,7 +96,7 @@ impl Lay {
         let usage = storage | vk::BufferUsageFlags::TRANSFER_SRC;
         let texels = DeviceBuffer::new(gpu, usage, u64::from(len).next_multiple_of(4).max(4), |_| {})?;
         let bound = [
-            (0, Bound::Buffer(uniform.handle())),
+            (0, Bound::Buffer(params_buffer.handle())),
             (1, Bound::Buffer(table.handle())),
             (2, Bound::Buffer(eyes[0].rates())),
             (3, Bound::Buffer(eyes[1].rates())),
@@ -104,7 +104,7 @@ impl Lay {
         ];
         let set = ComputeSet::new(&self.layout, &bound)?;
         let eyes = eyes.map(Arc::clone);
-        Ok(LayTarget { set, _params: uniform, _table: table, texels, _eyes: eyes, len })
+        Ok(LayTarget { set, _params: params_buffer, _table: table, texels, _eyes: eyes, len })
     }
 
     /// Records that the texels of `target` are laid from the rates as they are by then, ready to be copied or to be read by

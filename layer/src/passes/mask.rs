@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// Parameters, views, texels, list, template.
 const BINDINGS: [vk::DescriptorType; 5] = [
-    vk::DescriptorType::UNIFORM_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
@@ -82,10 +82,10 @@ impl MaskPass {
         let mut words: Vec<u32> =
             views.iter().flat_map(|view| view_words(view, rate_layer(view), extent)).collect();
         words.extend(pattern_sources());
-        let uniform = filled(vk::BufferUsageFlags::UNIFORM_BUFFER, bytemuck::bytes_of(&params))?;
+        let params_buffer = filled(vk::BufferUsageFlags::STORAGE_BUFFER, bytemuck::bytes_of(&params))?;
         let table = filled(vk::BufferUsageFlags::STORAGE_BUFFER, bytemuck::cast_slice(&words))?;
         let bound = [
-            (0, Bound::Buffer(uniform.handle())),
+            (0, Bound::Buffer(params_buffer.handle())),
             (1, Bound::Buffer(table.handle())),
             (2, Bound::Buffer(texels.texels())),
             (3, Bound::Buffer(map.list())),
@@ -94,7 +94,7 @@ impl MaskPass {
         let set = ComputeSet::new(&self.layout, &bound)?;
         Ok(MaskTarget {
             set,
-            _params: uniform,
+            _params: params_buffer,
             _views: table,
             _texels: Arc::clone(texels),
             map: Arc::clone(map),

@@ -84,6 +84,15 @@ pub(crate) fn process_cpu_ns() -> i64 {
     read(libc::CLOCK_PROCESS_CPUTIME_ID)
 }
 
+/// Most memory that the process has had resident so far, KiB.
+pub(crate) fn peak_memory_kib() -> i64 {
+    // SAFETY: all zeros are a value of this structure of integers.
+    let mut usage: libc::rusage = unsafe { std::mem::zeroed() };
+    // SAFETY: the pointer is valid; RUSAGE_SELF always is there, so that the call cannot fail.
+    unsafe { libc::getrusage(libc::RUSAGE_SELF, &mut usage) };
+    usage.ru_maxrss
+}
+
 fn read(clock: libc::clockid_t) -> i64 {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     // SAFETY: the pointer is valid; both clocks exist on Linux, so that the call cannot fail.

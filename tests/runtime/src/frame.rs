@@ -189,6 +189,7 @@ fn describe(
         session: session.into_raw(),
         display_time_ns: begun.display_time,
         process_cpu_ns,
+        peak_memory_kib: clock::peak_memory_kib(),
         should_render: begun.should_render,
         head: layers::recorded_pose(script::head_at(&runtime.scenario.head, seconds)),
         gaze: gaze.map(|orientation| (orientation * Vec3::NEG_Z).to_array()),

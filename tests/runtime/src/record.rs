@@ -124,6 +124,9 @@ pub struct Frame {
     pub display_time_ns: i64,
     /// CPU time of the whole process at `xrEndFrame`, in nanoseconds.
     pub process_cpu_ns: i64,
+    /// Most memory that the process has had resident until then, KiB.
+    #[serde(default)]
+    pub peak_memory_kib: i64,
     /// Whether `xrWaitFrame` asked for it to be rendered.
     pub should_render: bool,
     /// The head in the LOCAL space at the display time, as scripted.
