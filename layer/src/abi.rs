@@ -6,4 +6,4 @@ pub mod guard;
 pub mod own_folder;
 pub mod pnext;
 
-pub use guard::{Answer, guard};
+pub use guard::{Answer, attempt, guard};

@@ -69,6 +69,15 @@ pub fn guard<R: Copy>(
     }
 }
 
+/// Runs a step of the exported function `call` that has to be tried even where its hook panicked, and whose own panic is no
+/// reason to leave out what comes after it.
+pub fn attempt(call: &'static str, step: impl FnOnce()) {
+    // Unwind safety: as in `guard`.
+    if let Err(panic) = catch_unwind(AssertUnwindSafe(step)) {
+        report(call, panic);
+    }
+}
+
 /// The calls that panicked: each is told of once.
 static REPORTED: Mutex<Vec<&'static str>> = Mutex::new(Vec::new());
 
@@ -114,6 +123,13 @@ mod tests {
             },
         );
         assert_eq!(result, 3);
+    }
+
+    #[test]
+    fn a_step_that_panics_keeps_nothing_from_being_done() {
+        attempt("test", || panic!("{}", 1));
+        let hook = |_: &Answer<u8>| panic!("{}", 2);
+        assert_eq!(guard("test", || (attempt("test", || panic!("{}", 3)), 7).1, hook), 7);
     }
 
     #[test]

@@ -6,7 +6,7 @@ mod extensions;
 use super::actions::InstanceActions;
 use super::dispatch::Next;
 use super::{session, vulkan_activation};
-use crate::abi::guard;
+use crate::abi::{attempt, guard};
 use crate::config::{Environment, LiveConfig};
 use crate::registry::Registry;
 use crate::vk::Enablement;
@@ -220,7 +220,11 @@ pub unsafe extern "system" fn destroy(handle: xr::Instance) -> xr::Result {
     };
     // SAFETY: the next layer's function with the application's own argument.
     let below = || unsafe { (next.destroy_instance)(handle) };
-    guard("xrDestroyInstance", below, |answer| {
+    let pass_through = || {
+        attempt("xrDestroyInstance", || session::forget_all_of(handle));
+        below()
+    };
+    guard("xrDestroyInstance", pass_through, |answer| {
         session::forget_all_of(handle);
         let result = answer.record(below());
         if result == xr::Result::SUCCESS {

@@ -11,7 +11,7 @@ use super::spaces::Spaces;
 use super::structures::{VulkanBinding, extending};
 use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
-use crate::abi::guard;
+use crate::abi::{attempt, guard};
 use crate::config::{ChromaMode, Config, Environment, executable, wants_contrast, wants_reuse};
 use crate::link::BACKEND_NONE;
 use crate::registry::Registry;
@@ -187,11 +187,19 @@ pub unsafe extern "system" fn destroy(handle: xr::Session) -> xr::Result {
     };
     // SAFETY: the next layer's function with the application's own argument.
     let below = || unsafe { (next.destroy_session)(handle) };
-    guard("xrDestroySession", below, |answer| {
-        let _section = known.as_ref().and_then(|known| known.runtime_section());
-        if let Some(known) = SESSIONS.remove(handle) {
-            end(&known);
+    let forget = || {
+        SESSIONS.remove(handle);
+        if let Some(known) = &known {
+            end(known);
         }
+    };
+    let pass_through = || {
+        attempt("xrDestroySession", forget);
+        below()
+    };
+    guard("xrDestroySession", pass_through, |answer| {
+        let _section = known.as_ref().and_then(|known| known.runtime_section());
+        forget();
         answer.record(below())
     })
 }

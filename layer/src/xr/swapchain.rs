@@ -21,7 +21,7 @@ pub use target::Target;
 use super::dispatch::Next;
 use super::instance::next_of_any;
 use super::session::Session;
-use crate::abi::guard;
+use crate::abi::{attempt, guard};
 use crate::registry::Registry;
 use ash::vk;
 use description::Description;
@@ -88,6 +88,14 @@ impl Swapchain {
         }
     }
 
+    /// Ends our part in it, before it is destroyed: waits for what of ours still uses the runtime's images.
+    fn end(&self) {
+        self.tell_end();
+        if let Some(substitute) = &self.substitute {
+            substitute.target().let_go();
+        }
+    }
+
     fn tell(&self, images: &[vk::Image]) {
         let Some(active) = &self.session.active else { return };
         let record = self.description.record(self.handle.into_raw(), images);
@@ -106,7 +114,7 @@ pub fn virtual_ones(session: xr::Session) -> SmallVec<[Arc<Swapchain>; 8]> {
 /// Forgets the swapchains of a session, before it is destroyed: they go with it.
 pub fn forget_all_of(session: xr::Session) {
     for swapchain in SWAPCHAINS.remove_where(|swapchain| swapchain.session.handle == session) {
-        swapchain.tell_end();
+        swapchain.end();
     }
 }
 
@@ -127,14 +135,19 @@ pub unsafe extern "system" fn destroy(handle: xr::Swapchain) -> xr::Result {
     let Some((known, next)) = find(handle) else { return xr::Result::ERROR_HANDLE_INVALID };
     // SAFETY: the next layer's function with the application's own argument.
     let below = || unsafe { (next.destroy_swapchain)(handle) };
-    guard("xrDestroySwapchain", below, |answer| {
+    let end = || {
+        SWAPCHAINS.remove(handle);
+        if let Some(known) = &known {
+            known.end();
+        }
+    };
+    let pass_through = || {
+        attempt("xrDestroySwapchain", end);
+        below()
+    };
+    guard("xrDestroySwapchain", pass_through, |answer| {
         let _section = known.as_ref().and_then(|known| known.session.runtime_section());
-        if let Some(known) = SWAPCHAINS.remove(handle) {
-            known.tell_end();
-        }
-        if let Some(substitute) = known.as_ref().and_then(|known| known.substitute.as_ref()) {
-            substitute.target().let_go();
-        }
+        end();
         answer.record(below())
     })
 }
