@@ -33,20 +33,21 @@ fn screen_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f 
     return vec4f(corner, 0.0, 1.0);
 }
 
-// The share of blocks that is shaded at a texel of the view.
+// The share of blocks that is shaded at a texel of the view. Without a branch on uniforms alone: lavapipe of Mesa 22.3 compiles such a
+// shader anew whenever they are written.
 fn share(texel: vec2f) -> f32 {
     let at = texel / fovea.rect.zw;
-    if fovea.ellipses.y > 0.0 {
-        let offset = at * 2.0 - 1.0;
-        let radius = length(vec2f(offset.x / fovea.ellipses.z, offset.y));
-        let outside = select(fovea.ellipses.w, fovea.peripheral, radius > fovea.ellipses.y);
-        return select(1.0, outside, radius > fovea.ellipses.x);
-    }
+    let offset = at * 2.0 - 1.0;
+    let radius = length(vec2f(offset.x / fovea.ellipses.z, offset.y));
+    let outside = select(fovea.ellipses.w, fovea.peripheral, radius > fovea.ellipses.y);
+    let of_ellipses = select(1.0, outside, radius > fovea.ellipses.x);
+
     let across = mix(fovea.tangents.xw, fovea.tangents.yz, at);
     let eccentricity = acos(clamp(dot(normalize(vec3f(across, -1.0)), fovea.gaze), -1.0, 1.0));
     // No wider than a texel, the step of radii that are equal.
     let into = (eccentricity - fovea.foveal) / max(fovea.transitional - fovea.foveal, 1e-4);
-    return mix(1.0, fovea.peripheral, clamp(into, 0.0, 1.0));
+    let of_rings = mix(1.0, fovea.peripheral, clamp(into, 0.0, 1.0));
+    return select(of_rings, of_ellipses, fovea.ellipses.y > 0.0);
 }
 
 @fragment
