@@ -266,6 +266,9 @@ impl Vulkan {
             vk::ImageLayout::TRANSFER_DST_OPTIMAL => {
                 (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE)
             }
+            vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => {
+                (vk::PipelineStageFlags::COMPUTE_SHADER, vk::AccessFlags::SHADER_READ)
+            }
             _ => (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::empty()),
         };
         let ((src_stage, src_access), (dst_stage, dst_access)) = (scope(old), scope(new));

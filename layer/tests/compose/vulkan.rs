@@ -51,7 +51,20 @@ impl Vulkan {
         Self::made(vk::API_VERSION_1_0, edit)
     }
 
+    /// As [`Vulkan::at`], without validation, for what is measured.
+    pub fn unchecked(api_version: u32) -> Option<Self> {
+        Self::of(api_version, false, |record| record)
+    }
+
     fn made(api_version: u32, edit: impl FnOnce(DeviceRecord) -> DeviceRecord) -> Option<Self> {
+        Self::of(api_version, true, edit)
+    }
+
+    fn of(
+        api_version: u32,
+        validates: bool,
+        edit: impl FnOnce(DeviceRecord) -> DeviceRecord,
+    ) -> Option<Self> {
         MY_TURN.with(|_| ());
         static QUEUE_SUBMIT_CHECKS: Once = Once::new();
         QUEUE_SUBMIT_CHECKS.call_once(|| {
@@ -71,7 +84,7 @@ impl Vulkan {
                 Err(error) => return skip(&format!("no Vulkan loader: {error}")),
             };
             let messages: &'static Messages = Box::leak(Box::default());
-            let (instance, validated) = instance(&entry, api_version, messages);
+            let (instance, validated) = instance(&entry, api_version, validates.then_some(messages));
             let devices = instance.enumerate_physical_devices().unwrap_or_default();
             let Some(&physical_device) = devices.first() else { return skip("no Vulkan device") };
             let priorities = [1.0];
@@ -141,14 +154,15 @@ fn skip(reason: &str) -> Option<Vulkan> {
 unsafe fn instance(
     entry: &ash::Entry,
     api_version: u32,
-    messages: &'static Messages,
+    messages: Option<&'static Messages>,
 ) -> (ash::Instance, bool) {
     let application = vk::ApplicationInfo::default().api_version(api_version);
     let mut info = vk::InstanceCreateInfo::default().application_info(&application);
     // SAFETY: plain queries.
     let layers = unsafe { entry.enumerate_instance_layer_properties() }.unwrap_or_default();
-    let validated = layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION));
-    if !validated {
+    let is_installed = layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION));
+    let validated = is_installed && messages.is_some();
+    if messages.is_some() && !is_installed {
         println!("without validation: VK_LAYER_KHRONOS_validation is not installed");
     }
     let (names, extensions) = ([VALIDATION.as_ptr()], [ext::debug_utils::NAME.as_ptr()]);
@@ -160,7 +174,9 @@ unsafe fn instance(
         )
         .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION)
         .pfn_user_callback(Some(on_message))
-        .user_data(std::ptr::from_ref(messages).cast_mut().cast());
+        .user_data(
+            messages.map_or(std::ptr::null_mut(), |messages| std::ptr::from_ref(messages).cast_mut().cast()),
+        );
     if validated {
         info = info.enabled_layer_names(&names).enabled_extension_names(&extensions).push_next(&mut features);
     }

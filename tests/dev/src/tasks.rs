@@ -8,10 +8,11 @@ use std::path::Path;
 use std::process::Command;
 
 /// The benches, and the packages that they are in.
-const BENCHES: [(&str, &str); 6] = [
+const BENCHES: [(&str, &str); 7] = [
     ("break-even", "parafovea-tests"),
     ("ears", "parafovea-ears"),
     ("frame", "parafovea-tests"),
+    ("kernels", "parafovea-layer"),
     ("models", "parafovea-models"),
     ("overhead", "parafovea-tests"),
     ("reuse", "parafovea-tests"),

@@ -1,0 +1,158 @@
+//! What the kernels of rates by contrast cost, beside a pass that copies the picture: `cargo dev bench kernels [--json]`.
+//!
+//! CPU time of the process, which on lavapipe is that of the device too; the kernels take turns, and medians are shown. `analyze` and `decide`
+//! are of one view.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a bench prints, and fails where a step does")]
+
+mod copy;
+#[path = "../../tests/analyze/pictures.rs"]
+#[allow(dead_code, reason = "shared with the tests of analyze")]
+mod pictures;
+#[path = "../../tests/compose/transfer.rs"]
+#[allow(dead_code, reason = "shared with the tests of compose")]
+mod transfer;
+#[path = "../../tests/compose/vulkan.rs"]
+#[allow(dead_code, reason = "shared with the tests of compose")]
+mod vulkan;
+
+use ash::vk;
+use copy::Copy;
+use glam::Quat;
+use parafovea::gpu::AppCommands;
+use parafovea::passes::analyze::{Analyze, AnalyzeParams, USAGE, ViewTiles};
+use parafovea::passes::decide::{Decide, DecideParams};
+use parafovea_core::audio::AudioFeatures;
+use parafovea_core::color::Matrix;
+use parafovea_core::gaze::{GazePhase, GazeState};
+use parafovea_core::geometry::Fov;
+use parafovea_core::image::Plane;
+use parafovea_core::kernels::analyze::ContrastSettings;
+use parafovea_core::perception::{ContrastMap, TileContrast};
+use parafovea_core::plan::{AudioVisual, EyeInput, PlanInput, PlanSettings, Planner, RateSettings};
+use std::sync::Arc;
+use transfer::Layer;
+use vulkan::Vulkan;
+
+const FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
+const WHITE_CD_M2: f32 = 100.0;
+
+/// Sides of the views: of a small headset, and of the paper's.
+const SIDES: [u32; 2] = [1024, 2160];
+const TURNS: u64 = 15;
+
+fn main() {
+    let json = std::env::args().any(|argument| argument == "--json");
+    let Some(vulkan) = Vulkan::unchecked(vk::API_VERSION_1_1) else { return };
+    if !json {
+        println!("| view | kernel | CPU ms | x copy |\n|---|---|---:|---:|");
+    }
+    for side in SIDES {
+        for (kernel, ms, ratio) in measured(&vulkan, side) {
+            if json {
+                println!(
+                    r#"{{"bench":"kernels","app":"{side}x{side}","case":"{kernel}","metric":"cpu_median","value":{ms},"unit":"ms","ratio":{ratio}}}"#
+                );
+            } else {
+                println!("| {side} x {side} | {kernel} | {ms:.3} | {ratio:.3} |");
+            }
+        }
+    }
+}
+
+/// Kernels, their medians in milliseconds, and the ratio to that of the copy.
+fn measured(vulkan: &Vulkan, side: u32) -> Vec<(&'static str, f64, f64)> {
+    let extent = vk::Extent2D { width: side, height: side };
+    let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST | USAGE;
+    let image = vulkan.image(vk::ImageCreateFlags::empty(), FORMAT, extent, 1, usage);
+    let plane = pictures::plane(pictures::ALL[0], [side; 2]);
+    let bytes: Vec<u8> = plane
+        .texels()
+        .iter()
+        .flat_map(|color| [color.x, color.y, color.z, 1.0].map(|x| (x * 255.0) as u8))
+        .collect();
+    vulkan.upload(Layer { image, layer: 0, extent }, &bytes);
+    vulkan.idle();
+
+    let copy = Copy::new(vulkan, image, FORMAT, extent);
+    let settings = ContrastSettings::default();
+    let tiles = Arc::new(ViewTiles::new(&vulkan.gpu, settings.tiles([side; 2])).unwrap());
+    let analyze = Analyze::new(&vulkan.gpu).unwrap();
+    let params = AnalyzeParams::new([0; 2], [side; 2], &settings, WHITE_CD_M2, Matrix::Bt709);
+    let analyzed = analyze.target((image, FORMAT, 0), &params, &tiles).unwrap();
+    let decide = Decide::new(&vulkan.gpu).unwrap();
+    let decided = decide.target(&tiles).unwrap();
+
+    let mut times = [const { Vec::new() }; 3];
+    for turn in 0..TURNS {
+        let params = decision(side, turn);
+        times[0].push(cpu_ms(vulkan, |commands| copy.record(vulkan, commands)));
+        times[1].push(cpu_ms(vulkan, |commands| {
+            // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
+            let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
+            analyze.record(&commands, &analyzed, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+        }));
+        times[2].push(cpu_ms(vulkan, |commands| {
+            // SAFETY: as above.
+            let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
+            decide.record(&commands, &decided, &params, &[]).unwrap();
+        }));
+    }
+    let [copy, analyze, decide] = times.map(median);
+    [("copy", copy), ("analyze", analyze), ("decide", decide)]
+        .map(|(name, ms)| (name, ms, ms / copy))
+        .to_vec()
+}
+
+/// What is to be decided: sound is heard, and contrast counts.
+fn decision(side: u32, frame: u64) -> DecideParams {
+    let settings =
+        PlanSettings { rates: RateSettings::AudioVisual(AudioVisual::default()), ..PlanSettings::default() };
+    let [columns, rows] = ContrastSettings::default().tiles([side; 2]);
+    let contrast = ContrastMap { tiles: Plane::filled(columns, rows, TileContrast::default()) };
+    let eye = EyeInput {
+        offset: [0; 2],
+        extent: [side; 2],
+        fov: Fov { left: -0.8, right: 0.8, up: 0.8, down: -0.8 },
+        orientation: Quat::IDENTITY,
+        contrast: Some(&contrast),
+        refresh: false,
+    };
+    let input = PlanInput {
+        time_ns: 0,
+        frame,
+        frame_rate_hz: 90.0,
+        eyes: [eye; 2],
+        head: Quat::IDENTITY,
+        gaze: GazeState { phase: GazePhase::Fixation, trust: 1.0, ..GazeState::LOST },
+        audio: Some(AudioFeatures {
+            loudness_lufs: -20.0,
+            gamma_ld: 12.0,
+            gamma_fq_kilomel: 1.4,
+            silent: false,
+        }),
+    };
+    let params = Planner::new(settings).plan(&input).eyes[0].decision.looking(30, frame);
+    assert!(params.sensitivity != 0, "contrast does not count");
+    params
+}
+
+/// CPU time of the process until what was recorded has run, milliseconds.
+fn cpu_ms(vulkan: &Vulkan, record: impl FnOnce(vk::CommandBuffer)) -> f64 {
+    let before = process_cpu_ns();
+    vulkan.run(record);
+    vulkan.idle();
+    (process_cpu_ns() - before) as f64 / 1e6
+}
+
+fn process_cpu_ns() -> i64 {
+    let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: the pointer is valid, and the clock exists on Linux.
+    unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &mut time) };
+    time.tv_sec * 1_000_000_000 + time.tv_nsec
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
