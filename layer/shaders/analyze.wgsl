@@ -1,6 +1,7 @@
 // Kernel `analyze`: the contrast of each tile of a picture, by octave of spatial frequency.
-// Reference: core/src/kernels/analyze.rs and what it calls. One dispatch for luminance, one for each
-// of five reductions, one for the tiles. Only the first depends on the format of the picture.
+// Reference: core/src/kernels/analyze.rs and what it calls. One dispatch for luminance, one for each of five reductions, one for the
+// parts of tiles, one for the tiles. Only the first depends on the format of the picture. No barrier within a workgroup, and no
+// thread that waits for another: software devices find both dear.
 
 struct AnalyzeParams {
     rect_offset: vec2<u32>,
@@ -29,7 +30,7 @@ struct Shown {
 // Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
 @group(0) @binding(0) var<storage, read> params: AnalyzeParams;
 @group(0) @binding(1) var picture: texture_2d<f32>;
-// Levels 0 to 5 of the pyramid, one after the other.
+// Levels 0 to 5 of the pyramid, one after the other, then PARTS parts of each tile.
 @group(0) @binding(2) var<storage, read_write> levels: array<f32>;
 // The map: of the frame before until it is written.
 @group(0) @binding(3) var<storage, read_write> map: array<TileContrast>;
@@ -38,7 +39,10 @@ struct Shown {
 // What each tile showed in the frame before.
 @group(0) @binding(5) var<storage, read_write> shown: array<Shown>;
 
+// Threads of a workgroup.
 const THREADS: u32 = 64u;
+// Parts that a tile is gathered in, a thread each.
+const PARTS: u32 = 8u;
 
 const BRIGHTEST_CD_M2: f32 = 10000.0;
 const LARGEST_COMPONENT: f32 = 65504.0;
@@ -74,48 +78,46 @@ fn level_offset(level: u32) -> u32 {
     return offset;
 }
 
-// One column of a level, filtered at five rows.
-fn column(level: Level, x: u32, rows: array<u32, 5>) -> f32 {
-    return binomial(
-        texel(level, x, rows[0]),
-        texel(level, x, rows[1]),
-        texel(level, x, rows[2]),
-        texel(level, x, rows[3]),
-        texel(level, x, rows[4]),
-    );
-}
-
 fn binomial(a: f32, b: f32, c: f32, d: f32, e: f32) -> f32 {
     return c + ((a - c) + (e - c)) * 0.0625 + ((b - c) + (d - c)) * 0.25;
 }
 
-// Two before to two after; beyond the edge the last texel repeats.
-fn around(middle: u32, count: u32) -> array<u32, 5> {
-    return array<u32, 5>(
-        max(middle, 2u) - 2u,
-        max(middle, 1u) - 1u,
-        middle,
-        min(middle + 1u, count - 1u),
-        min(middle + 2u, count - 1u),
-    );
+// Column or row `step` of seven that begin two before `first`; beyond the edge the last one repeats.
+fn around(first: u32, step: u32, count: u32) -> u32 {
+    return min(max(first + step, 2u) - 2u, count - 1u);
 }
 
-// One texel of level `index`, from the level before.
-fn reduce(index: u32, at: vec2<u32>) {
+// Two by two texels of level `index`, from the level before.
+fn reduce(index: u32, id: vec2<u32>) {
     let size = level_size(index);
+    let at = 2u * id;
     if any(at >= size) {
         return;
     }
     let finer = Level(level_offset(index - 1u), level_size(index - 1u));
-    let columns = around(2u * at.x, finer.size.x);
-    let rows = around(2u * at.y, finer.size.y);
-    levels[level_offset(index) + at.y * size.x + at.x] = binomial(
-        column(finer, columns[0], rows),
-        column(finer, columns[1], rows),
-        column(finer, columns[2], rows),
-        column(finer, columns[3], rows),
-        column(finer, columns[4], rows),
-    );
+    var upper: array<f32, 7>;
+    var lower: array<f32, 7>;
+    for (var i = 0u; i < 7u; i++) {
+        let x = around(2u * at.x, i, finer.size.x);
+        var column: array<f32, 7>;
+        for (var j = 0u; j < 7u; j++) {
+            column[j] = texel(finer, x, around(2u * at.y, j, finer.size.y));
+        }
+        upper[i] = binomial(column[0], column[1], column[2], column[3], column[4]);
+        lower[i] = binomial(column[2], column[3], column[4], column[5], column[6]);
+    }
+    let to = level_offset(index) + at.y * size.x + at.x;
+    let fits = at + 1u < size;
+    levels[to] = binomial(upper[0], upper[1], upper[2], upper[3], upper[4]);
+    if fits.x {
+        levels[to + 1u] = binomial(upper[2], upper[3], upper[4], upper[5], upper[6]);
+    }
+    if fits.y {
+        levels[to + size.x] = binomial(lower[0], lower[1], lower[2], lower[3], lower[4]);
+    }
+    if all(fits) {
+        levels[to + size.x + 1u] = binomial(lower[2], lower[3], lower[4], lower[5], lower[6]);
+    }
 }
 
 @compute @workgroup_size(8, 8)
@@ -216,13 +218,13 @@ fn covered(tile: vec2<u32>) -> Covered {
     return Covered(first, last);
 }
 
-// Of a thread, or of all: for each band the greatest contrast or the sum, and in the picture the sum of luminance.
+// Of a part, or of all: for each band the greatest contrast or the sum, and in the picture the sum of luminance.
 struct Gathered {
     bands: vec4<f32>,
     light: f32,
 }
 
-fn gather(band: u32, tile: Covered, thread: u32) -> vec2<f32> {
+fn gather(band: u32, tile: Covered, part: u32) -> vec2<f32> {
     let level = Level(level_offset(band), level_size(band));
     let coarse = Level(level_offset(band + 1u), level_size(band + 1u));
     let surround = Level(level_offset(band + 2u), level_size(band + 2u));
@@ -232,7 +234,7 @@ fn gather(band: u32, tile: Covered, thread: u32) -> vec2<f32> {
     let blocks = last / 2u - corner + 1u;
     var contrast = 0.0;
     var light = 0.0;
-    for (var i = thread; i < blocks.x * blocks.y; i += THREADS) {
+    for (var i = part; i < blocks.x * blocks.y; i += PARTS) {
         let k = corner + vec2(i % blocks.x, i / blocks.x);
         let x = vec2(2u * k.x, 2u * k.x + 1u);
         let y = vec2(2u * k.y, 2u * k.y + 1u);
@@ -318,31 +320,42 @@ fn write(place: vec2<u32>, tile: Covered, sum: Gathered) {
     map[index].adaptation_cd_m2 = sum.light / f32(pixels.x * pixels.y);
 }
 
-var<workgroup> gathered: array<Gathered, 64>;
-var<workgroup> gathered_again: array<Gathered, 8>;
+// Where a part of a tile is kept: its bands, then its light.
+fn part_offset(index: u32, part: u32) -> u32 {
+    return level_offset(6u) + (index * PARTS + part) * 5u;
+}
 
-// One workgroup a tile.
+fn gathered(index: u32, part: u32) -> Gathered {
+    let at = part_offset(index, part);
+    return Gathered(vec4(levels[at], levels[at + 1u], levels[at + 2u], levels[at + 3u]), levels[at + 4u]);
+}
+
 @compute @workgroup_size(64)
-fn tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let tile = covered(group.xy);
-    let finest = gather(0u, tile, thread);
-    let bands = vec4(finest.x, gather(1u, tile, thread).x, gather(2u, tile, thread).x, gather(3u, tile, thread).x);
-    gathered[thread] = Gathered(bands, finest.y);
-    workgroupBarrier();
-    // Twice by eights: two barriers, which software devices find dear.
-    if thread < 8u {
-        var sum = gathered[8u * thread];
-        for (var i = 1u; i < 8u; i++) {
-            sum = joined(sum, gathered[8u * thread + i]);
-        }
-        gathered_again[thread] = sum;
+fn parts(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let place = vec2(group.x * (THREADS / PARTS) + thread / PARTS, group.y);
+    if place.x >= params.tiles.x {
+        return;
     }
-    workgroupBarrier();
-    if thread == 0u {
-        var sum = gathered_again[0];
-        for (var i = 1u; i < 8u; i++) {
-            sum = joined(sum, gathered_again[i]);
-        }
-        write(group.xy, tile, sum);
+    let part = thread % PARTS;
+    let tile = covered(place);
+    let finest = gather(0u, tile, part);
+    let at = part_offset(place.y * params.tiles.x + place.x, part);
+    levels[at] = finest.x;
+    levels[at + 1u] = gather(1u, tile, part).x;
+    levels[at + 2u] = gather(2u, tile, part).x;
+    levels[at + 3u] = gather(3u, tile, part).x;
+    levels[at + 4u] = finest.y;
+}
+
+@compute @workgroup_size(64)
+fn tiles(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= params.tiles.x {
+        return;
     }
+    let index = id.y * params.tiles.x + id.x;
+    var sum = gathered(index, 0u);
+    for (var part = 1u; part < PARTS; part++) {
+        sum = joined(sum, gathered(index, part));
+    }
+    write(id.xy, covered(id.xy), sum);
 }

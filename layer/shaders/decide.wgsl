@@ -54,8 +54,10 @@ const STALE: u32 = 0x80u;
 // kernels::decide::STILL
 const STILL: f32 = 0.125;
 
+// DecideParams::sensitivity
 const RINGS_ONLY: u32 = 0u;
 const CASTLE_CSF: u32 = 1u;
+const TURSUN: u32 = 2u;
 const LOG2_10: f32 = 3.3219281;
 const LOG2_E: f32 = 1.442695;
 const NOT_FINITE: u32 = 0x7f800000u;
@@ -254,8 +256,8 @@ struct Shown {
     is_known: bool,
 }
 
-fn shown_by(tile: vec2<u32>) -> Shown {
-    if params.is_turned == 0u {
+fn shown_by(tile: vec2<u32>, is_turned: bool) -> Shown {
+    if !is_turned {
         return Shown(bands_of(tile), contrast_of(tile).adaptation_cd_m2, true);
     }
     let pixel = (vec2<f32>(tile) + 0.5) * vec2<f32>(params.texel) - vec2<f32>(params.overhang);
@@ -274,23 +276,23 @@ fn shown_by(tile: vec2<u32>) -> Shown {
 }
 
 // The coarseness of a tile, from that of the frame before.
-fn decided(tile: vec2<u32>, before: u32) -> u32 {
+fn decided(tile: vec2<u32>, before: u32, sensitivity: u32, is_turned: bool) -> u32 {
     let corners = vec4(corner_pixel(tile), corner_pixel(tile + 1u));
     let low = params.plane_origin + params.plane_step * corners.xy;
     let high = params.plane_origin + params.plane_step * corners.zw;
     let chord = min(chord_to(tile, low, high, params.gaze_left), chord_to(tile, low, high, params.gaze_right));
     var keep = level_at(chord, params.ring_chords);
     var grow = level_at(chord, params.coarsening_chords);
-    if params.sensitivity != RINGS_ONLY {
+    if sensitivity != RINGS_ONLY {
         let index = tile.y * params.tiles.x + tile.x;
         let eccentricity = clamp(deg_of_chord(chord) - params.inflation_deg, 0.0, 120.0);
         let middle = params.plane_origin + params.plane_step * ((corners.xy + corners.zw) * 0.5);
         let pixels = pixels_per_degree(middle);
         let is_known = is_finite(pixels) && pixels > 0.0;
-        let shown = shown_by(tile);
+        let shown = shown_by(tile, is_turned);
         let luminance = shown.luminance;
         var seen = vec4(0.0);
-        if params.sensitivity == CASTLE_CSF {
+        if sensitivity == CASTLE_CSF {
             seen = castle_csf(select(4.0, pixels / 4.0, is_known), luminance, eccentricity);
         } else {
             seen = tursun(select(4.0, pixels / 2.0, is_known), luminance, eccentricity);
@@ -315,26 +317,53 @@ fn texel_of(level: u32) -> u32 {
     return rate;
 }
 
-@compute @workgroup_size(64)
-fn decide(@builtin(global_invocation_id) id: vec3<u32>) {
+// The tiles of a word.
+fn decide(word: u32, sensitivity: u32, is_turned: bool) {
     let row_words = (params.tiles.x + 3u) / 4u;
-    if id.x >= row_words * params.tiles.y {
+    if word >= row_words * params.tiles.y {
         return;
     }
-    let first = vec2(id.x % row_words * 4u, id.x / row_words);
-    let before = memory[id.x];
+    let first = vec2(word % row_words * 4u, word / row_words);
+    let before = memory[word];
     var levels = 0u;
     var texels = 0u;
     for (var i = 0u; i < 4u; i++) {
         let tile = vec2(first.x + i, first.y);
         if tile.x < params.tiles.x {
-            let level = decided(tile, (before >> (8u * i)) & 0xffu);
+            let level = decided(tile, (before >> (8u * i)) & 0xffu, sensitivity, is_turned);
             levels |= level << (8u * i);
             let index = tile.y * params.tiles.x + tile.x;
             let is_stale = params.has_stale != 0u && ((stale[index / 32u] >> (index % 32u)) & 1u) != 0u;
             texels |= (texel_of(level) | select(0u, STALE, is_stale)) << (8u * i);
         }
     }
-    memory[id.x] = levels;
-    rates[id.x] = texels;
+    memory[word] = levels;
+    rates[word] = texels;
+}
+
+// An entry point for each DecideParams::sensitivity, and whether DecideParams::is_turned: a device in software goes both ways at every branch.
+
+@compute @workgroup_size(64)
+fn decide_rings(@builtin(global_invocation_id) id: vec3<u32>) {
+    decide(id.x, RINGS_ONLY, false);
+}
+
+@compute @workgroup_size(64)
+fn decide_castle(@builtin(global_invocation_id) id: vec3<u32>) {
+    decide(id.x, CASTLE_CSF, false);
+}
+
+@compute @workgroup_size(64)
+fn decide_castle_turned(@builtin(global_invocation_id) id: vec3<u32>) {
+    decide(id.x, CASTLE_CSF, true);
+}
+
+@compute @workgroup_size(64)
+fn decide_tursun(@builtin(global_invocation_id) id: vec3<u32>) {
+    decide(id.x, TURSUN, false);
+}
+
+@compute @workgroup_size(64)
+fn decide_tursun_turned(@builtin(global_invocation_id) id: vec3<u32>) {
+    decide(id.x, TURSUN, true);
 }

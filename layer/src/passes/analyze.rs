@@ -28,11 +28,16 @@ const BINDINGS: [vk::DescriptorType; 6] = [
     vk::DescriptorType::STORAGE_BUFFER,
 ];
 
-/// One entry point for each level of the pyramid, then that of the tiles.
-const ENTRIES: [&CStr; LEVELS + 2] =
-    [c"luminance", c"level1", c"level2", c"level3", c"level4", c"level5", c"tiles"];
+/// One entry point for each level of the pyramid, then those of the parts of tiles and of the tiles.
+const ENTRIES: [&CStr; LEVELS + 3] =
+    [c"luminance", c"level1", c"level2", c"level3", c"level4", c"level5", c"parts", c"tiles"];
 
-/// Side of what one workgroup makes of a level, texels. The shader has the same number.
+/// Parts that a tile is gathered in, numbers of each, and threads of a workgroup of tiles. The shader has the same numbers.
+const PARTS: u32 = 8;
+const PART_LEN: u32 = 5;
+const THREADS: u32 = 64;
+
+/// Threads along a side of a workgroup that makes a level. The shader has the same number.
 const GROUP_SIDE: u32 = 8;
 
 /// What is known of the tiles of one view, on the GPU from frame to frame.
@@ -107,7 +112,7 @@ pub struct AnalyzeTarget {
 }
 
 impl AnalyzeTarget {
-    /// Levels 0 to [`LEVELS`] of the pyramid, see [`level_offset`], valid as long as `self`.
+    /// Levels 0 to [`LEVELS`] of the pyramid, see [`level_offset`], and what the tiles are put together from, valid as long as `self`.
     pub fn levels(&self) -> vk::Buffer {
         self.levels.handle()
     }
@@ -121,8 +126,8 @@ impl Analyze {
     pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
         let layout = ComputeLayout::new(gpu, &BINDINGS)?;
         let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/analyze.spv"));
-        let [a, b, c, d, e, f, g] = ENTRIES.map(|entry| layout.pipeline(spirv, entry));
-        Ok(Self { pipelines: [a?, b?, c?, d?, e?, f?, g?], layout, gpu: Arc::clone(gpu) })
+        let [a, b, c, d, e, f, g, h] = ENTRIES.map(|entry| layout.pipeline(spirv, entry));
+        Ok(Self { pipelines: [a?, b?, c?, d?, e?, f?, g?, h?], layout, gpu: Arc::clone(gpu) })
     }
 
     /// Prepares to analyse layer `layer` of `image`, read as `format`, into `tiles`.
@@ -146,9 +151,11 @@ impl Analyze {
             size_of::<AnalyzeParams>() as u64,
             |bytes| bytes.copy_from_slice(bytemuck::bytes_of(params)),
         )?;
-        let texels = level_offset(params.extent, LEVELS + 1) as u64;
+        let [columns, rows] = params.tiles.map(u64::from);
+        let parts = columns * rows * u64::from(PARTS * PART_LEN);
+        let numbers = level_offset(params.extent, LEVELS + 1) as u64 + parts;
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC;
-        let levels = DeviceBuffer::without_content(gpu, usage, texels * size_of::<f32>() as u64)?;
+        let levels = DeviceBuffer::without_content(gpu, usage, numbers * size_of::<f32>() as u64)?;
         let bound = [
             (0, Bound::Buffer(params_buffer.handle())),
             (1, Bound::Image(view.handle())),
@@ -177,15 +184,21 @@ impl Analyze {
     pub fn record(&self, commands: &AppCommands, target: &AnalyzeTarget, layout: vk::ImageLayout) {
         let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
         commands.barrier(target.picture, (layout, Scope::ALL), (read, COMPUTES));
-        let (tiles, levels) = (&self.pipelines[LEVELS + 1], &self.pipelines[..=LEVELS]);
+        let (levels, of_tiles) = self.pipelines.split_at(LEVELS + 1);
         for (level, pipeline) in levels.iter().enumerate() {
             // Before the first one, too: the analysis before this one may still be reading.
             commands.computed_to_computed();
-            let groups = level_size(target.params.extent, level).map(|texels| texels.div_ceil(GROUP_SIDE));
+            // A thread makes two by two texels of a coarser level.
+            let side = if level == 0 { GROUP_SIDE } else { 2 * GROUP_SIDE };
+            let groups = level_size(target.params.extent, level).map(|texels| texels.div_ceil(side));
             commands.dispatch(&self.layout, pipeline, &target.set, groups);
         }
-        commands.computed_to_computed();
-        commands.dispatch(&self.layout, tiles, &target.set, target.params.tiles);
+        let [columns, rows] = target.params.tiles;
+        for (pipeline, tiles_of_group) in of_tiles.iter().zip([THREADS / PARTS, THREADS]) {
+            commands.computed_to_computed();
+            let groups = [columns.div_ceil(tiles_of_group), rows];
+            commands.dispatch(&self.layout, pipeline, &target.set, groups);
+        }
         commands.computed_to_computed();
         commands.barrier(target.picture, (read, COMPUTES), (layout, Scope::ALL));
     }

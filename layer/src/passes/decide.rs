@@ -10,6 +10,7 @@ use crate::gpu::{
 use ash::vk;
 use parafovea_core::perception::csf::Stimulus;
 use parafovea_core::perception::csf::castle::FovealTable;
+use std::ffi::CStr;
 use std::sync::Arc;
 
 /// Parameters, contrast, the table of sensitivities, coarseness, rates, what is left out.
@@ -25,9 +26,17 @@ const BINDINGS: [vk::DescriptorType; 6] = [
 /// Threads of a workgroup, each of which decides four tiles. The shader has the same number.
 const THREADS: u32 = 64;
 
+/// Entry points by [`DecideParams::sensitivity`]: for a view in which contrast was measured, and for one turned from it.
+const ENTRIES: [[&CStr; 2]; 3] = [
+    [c"decide_rings"; 2],
+    [c"decide_castle", c"decide_castle_turned"],
+    [c"decide_tursun", c"decide_tursun_turned"],
+];
+
 /// The pass.
 pub struct Decide {
-    pipeline: Owned<vk::Pipeline>,
+    /// As [`ENTRIES`].
+    pipelines: Vec<[Owned<vk::Pipeline>; 2]>,
     layout: ComputeLayout,
     /// castleCSF at the gaze.
     foveal: DeviceBuffer,
@@ -52,14 +61,17 @@ impl Decide {
     pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
         let layout = ComputeLayout::new(gpu, &BINDINGS)?;
         let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/decide.spv"));
-        let pipeline = layout.pipeline(spirv, c"decide")?;
+        let both = |[still, turned]: [&CStr; 2]| {
+            Ok::<_, GpuError>([layout.pipeline(spirv, still)?, layout.pipeline(spirv, turned)?])
+        };
+        let pipelines = ENTRIES.map(both).into_iter().collect::<Result<_, _>>()?;
         let usual = Stimulus::default();
         let table = FovealTable::new(usual.temporal_hz, usual.area_deg2);
         let bytes = bytemuck::cast_slice(table.texels());
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let foveal =
             DeviceBuffer::new(gpu, usage, bytes.len() as u64, |content| content.copy_from_slice(bytes))?;
-        Ok(Self { pipeline, layout, foveal, gpu: Arc::clone(gpu) })
+        Ok(Self { pipelines, layout, foveal, gpu: Arc::clone(gpu) })
     }
 
     /// Prepares to decide `tiles`, which all are at full rate until then.
@@ -91,7 +103,7 @@ impl Decide {
     /// [`ViewTiles::rates`] hold it afterwards, ready to be copied or to be read by compute shaders.
     ///
     /// # Errors
-    /// [`GpuError::Invalid`] where `params` or `stale` are of other tiles; then nothing is recorded.
+    /// [`GpuError::Invalid`] where `params` or `stale` are of other tiles, or `params` of no kind; then nothing is recorded.
     pub fn record(
         &self,
         commands: &AppCommands,
@@ -104,6 +116,9 @@ impl Decide {
         if params.tiles != [columns, rows] || (has_stale && stale.len() != stale_words([columns, rows])) {
             return Err(GpuError::Invalid("parameters of other tiles"));
         }
+        let by_sensitivity = self.pipelines.get(params.sensitivity as usize);
+        let [still, turned] = by_sensitivity.ok_or(GpuError::Invalid("an unknown sensitivity"))?;
+        let pipeline = if params.is_turned == 0 { still } else { turned };
         let params = DecideParams { has_stale: has_stale.into(), ..*params };
         commands.write_parameters(&target.params, bytemuck::bytes_of(&params));
         for (part, words) in (0u64..).zip(stale.chunks(UPDATE_WORDS)) {
@@ -112,7 +127,7 @@ impl Decide {
         commands.memory_barrier(UPDATES, COMPUTES);
         commands.memory_barrier(RATES_READ, COMPUTES);
         let words = rate_row_bytes(columns) / 4 * rows;
-        commands.dispatch(&self.layout, &self.pipeline, &target.set, [words.div_ceil(THREADS), 1]);
+        commands.dispatch(&self.layout, pipeline, &target.set, [words.div_ceil(THREADS), 1]);
         commands.memory_barrier(COMPUTES, RATES_READ);
         Ok(())
     }

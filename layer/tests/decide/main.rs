@@ -13,7 +13,7 @@ mod transfer;
 mod vulkan;
 
 use ash::vk;
-use glam::{Quat, Vec3};
+use glam::{EulerRot, Quat, Vec3};
 use parafovea::gpu::AppCommands;
 use parafovea::passes::analyze::{ViewTiles, rate_row_bytes};
 use parafovea::passes::decide::{Decide, DecideParams};
@@ -21,7 +21,7 @@ use parafovea_core::audio::AudioFeatures;
 use parafovea_core::avpm::{BudgetSettings, SensitivityUnit};
 use parafovea_core::color::Matrix;
 use parafovea_core::gaze::{GazePhase, GazeState};
-use parafovea_core::geometry::Fov;
+use parafovea_core::geometry::{Fov, View};
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::analyze::{Buffers, ContrastSettings, analyze};
 use parafovea_core::kernels::decide::{TileMemory, decide};
@@ -121,6 +121,20 @@ impl Both {
 
     /// Decides `frames` frames one after the other, on both sides.
     fn compare(&self, shape: &Shape, settings: PlanSettings, contrast: &ContrastMap, frames: u64) -> Counts {
+        self.compare_turned(shape, settings, contrast, frames, |_| Quat::IDENTITY)
+    }
+
+    /// As [`Self::compare`], with a head that has turned since contrast was measured.
+    fn compare_turned(
+        &self,
+        shape: &Shape,
+        settings: PlanSettings,
+        contrast: &ContrastMap,
+        frames: u64,
+        turn: impl Fn(u64) -> Quat,
+    ) -> Counts {
+        let plane = shape.eye(contrast).fov.tangents().plane(shape.extent);
+        let measured = View { orientation: Quat::IDENTITY, plane };
         let gpu = &self.vulkan.gpu;
         let mut planner = Planner::new(settings);
         let grid = [contrast.tiles.width(), contrast.tiles.height()];
@@ -146,6 +160,7 @@ impl Both {
                 }),
             };
             let params = planner.plan(&input).eyes[0].decision.looking(30, frame);
+            let params = params.measured_in(&measured, turn(frame));
             assert_eq!(params.tiles, grid);
             self.vulkan.run(|commands| {
                 // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
@@ -238,6 +253,25 @@ fn tiles_of_any_size_and_place_are_decided_as_in_the_reference() {
             assert_same(&format!("{shape:?}"), &counts);
         }
     }
+    both.vulkan.assert_valid();
+}
+
+/// Slowly, far, and to where nothing was seen.
+#[test]
+fn contrast_of_a_turned_head_is_found_as_in_the_reference() {
+    let Some(both) = Both::new() else { return };
+    let mut all = Counts::default();
+    for unit in [SensitivityUnit::CastleCsf, SensitivityUnit::Tursun] {
+        for step in [0.003, 0.05, 0.3] {
+            let contrast = USUAL.contrast(pictures::ALL[0]);
+            let turn = |frame: u64| Quat::from_euler(EulerRot::YXZ, step * frame as f32, -0.01, 0.02 * step);
+            let counts = both.compare_turned(&USUAL, settings(unit, true, USUAL.texel), &contrast, 16, turn);
+            assert_same(&format!("{unit:?}, {step} a frame"), &counts);
+            all.tiles += counts.tiles;
+            all.coarse += counts.coarse;
+        }
+    }
+    assert!(all.coarse * 20 > all.tiles && all.coarse * 10 < all.tiles * 9, "{all:?}");
     both.vulkan.assert_valid();
 }
 
