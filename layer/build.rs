@@ -6,6 +6,7 @@
 use naga::back::spv;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use parafovea_core::kernels::analyze::AnalyzeParams;
+use parafovea_core::kernels::change::ChangeParams;
 use parafovea_core::kernels::compose::{ComposeParams, ReuseParams};
 use parafovea_core::kernels::decide::DecideParams;
 use parafovea_core::kernels::lay::LayParams;
@@ -31,6 +32,7 @@ fn main() {
     println!("cargo::rustc-link-arg-cdylib=-Wl,-z,nodelete");
     let uniforms = [
         declared::<AnalyzeParams>(),
+        declared::<ChangeParams>(),
         declared::<DecideParams>(),
         declared::<LayParams>(),
         declared::<MaskParams>(),

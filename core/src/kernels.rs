@@ -3,6 +3,7 @@
 //! build fails where one is missing.
 
 pub mod analyze;
+pub mod change;
 pub mod compose;
 pub mod decide;
 pub mod fill;

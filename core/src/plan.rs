@@ -8,6 +8,7 @@
 //!
 //! [`FramePlan`] as text (its `Display`) and [`FramePlan::picture`] show a plan to people.
 
+mod changes;
 mod contrast;
 mod eye;
 mod frame;

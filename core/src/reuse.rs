@@ -4,11 +4,13 @@
 //! was rendered ([`Reuse`]), so that nothing is ever sampled from what was itself re-used. [`TileLists`] sorts tiles by where
 //! they are taken from.
 
+mod compared;
 mod history;
 mod lists;
 mod rects;
 mod stale_tiles;
 
+pub use compared::ComparedTiles;
 pub use history::{Footprint, Picture, Reuse, Source};
 pub use lists::TileLists;
 pub use rects::{Edge, TileRect, TileRects};

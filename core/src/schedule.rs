@@ -4,6 +4,7 @@
 //! [`Regions`] around the gaze are rendered in one of f frames each, as an [`UpdateConfiguration`] says, limited
 //! by [`cap`]; [`Phase`] says in which ones.
 
+mod activity;
 mod ages;
 pub mod cap;
 mod cells;
@@ -12,6 +13,7 @@ pub mod refresh;
 mod regions;
 mod tiles;
 
+pub use activity::Activity;
 pub use ages::CellAges;
 pub use cells::{CELLS, Cell};
 pub use configuration::{ConfigurationError, MAX_FACTOR, REGIONS, UpdateConfiguration};

@@ -8,6 +8,7 @@ mod app_commands;
 pub mod barrier;
 mod buffer;
 mod commands;
+mod compare;
 mod compute;
 mod descriptor;
 mod device_buffer;
@@ -22,17 +23,18 @@ mod recorder;
 
 pub(crate) use app_commands::COMPUTES;
 pub use app_commands::{AppCommands, ImagePart, Scope};
-pub(crate) use buffer::{UniformRing, WordRing};
+pub(crate) use buffer::{ResultRing, UniformRing, WordRing};
 pub(crate) use commands::Uses;
+pub(crate) use compare::Comparison;
 pub(crate) use compute::{Bound, ComputeLayout, ComputeSet};
-pub(crate) use descriptor::{ListSet, TextureSets, UniformSet};
+pub(crate) use descriptor::{CompareSet, ListSet, TextureSets, UniformSet};
 pub(crate) use device_buffer::DeviceBuffer;
 pub(crate) use draw::{ColorTarget, color_pass};
 pub use error::GpuError;
 pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view};
 pub(crate) use owned::Owned;
 pub(crate) use pipeline::{Output, TilePipeline, TileShader, tile_pipeline};
-pub(crate) use recorder::{DrawRecorder, Recorder, TileDraw};
+pub(crate) use recorder::{Compare, DrawRecorder, Recorder, TileDraw};
 
 use crate::link::DeviceRecord;
 use ash::vk;
@@ -167,6 +169,15 @@ impl Gpu {
         }
         let commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         commands.as_ref().map_or(Ok(()), |ring| self.abandon_if_stuck(ring.wait(&self.device, submit)))
+    }
+
+    /// Whether a submit has finished on the GPU. Waits for nothing.
+    pub(crate) fn is_finished(&self, submit: u64) -> bool {
+        if self.is_abandoned() {
+            return false;
+        }
+        let commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
+        commands.as_ref().is_some_and(|ring| ring.is_finished(&self.device, submit))
     }
 
     /// After a wait that failed, what the GPU still uses is unknown.

@@ -2,6 +2,7 @@
 //! shader in `layer/shaders`, the CPU reference in `parafovea_core::kernels`, and the pass here.
 
 pub mod analyze;
+pub mod change;
 pub mod compose;
 pub mod decide;
 pub mod fill;

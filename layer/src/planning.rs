@@ -8,10 +8,12 @@ mod handed;
 mod offer;
 mod told;
 mod views;
+mod watched;
 
 pub use benefit::{Benefit, Clock, EndedFrame};
 pub use offer::Offer;
 pub use views::{ShownView, View, Views, head_of};
+pub use watched::Watched;
 
 use crate::config::{Config, GazeSource, gaze_settings, plan_settings, wants_maps};
 use crate::link::PlanRecord;
@@ -22,6 +24,7 @@ use parafovea_core::audio::AudioFeatures;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::Techniques;
 use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker, Rejection};
+use parafovea_core::geometry;
 use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings};
 use told::LastLook;
 
@@ -244,6 +247,13 @@ impl Planning {
         self.orientations = [0, 1].map(|eye| head * self.views.orientation(eye));
         self.last = Some(Last { time_ns, frame: self.frame });
         true
+    }
+
+    /// Takes how much some tiles of a picture changed: [`Planner::content_changed`].
+    pub fn content_changed(&mut self, view: &geometry::View, tiles: &[u32], changes: &[f32]) {
+        if let Some(planner) = &mut self.planner {
+            planner.content_changed(view, tiles.iter().copied().zip(changes.iter().copied()));
+        }
     }
 
     /// What the eyes do at `time_ns`.

@@ -288,6 +288,8 @@ options! {
         phase: ReusePhase = ReusePhase::Staggered;
         /// Whether a region may be rendered less than 30 times a second, where flicker is worst; in mode = "paper" it always may.
         below_30_hz: bool = false;
+        /// Whether what is seen to change in the periphery is rendered in each frame, as far as there is room for it; in mode = "paper" it never is.
+        refresh: bool = true;
     }
 
     /// Colour, removed where the eye does not resolve it.

@@ -1,22 +1,26 @@
-//! `cargo dev bench reuse [--size PIXELS] [--frames N] [--speeds A,B] [--moving]`: what re-use does to pictures while the head turns,
-//! as the mean squared error, the mean of FLIP and the flicker outside of 10 degrees, in paper B's mode and turned with the head.
-//! With `--moving` the scene moves too.
+//! `cargo dev bench reuse [--size PIXELS] [--frames N] [--speeds A,B] [--scene NAME] [--moving | --paces A,B] [--gaze]`: what re-use does
+//! to pictures while the head turns, as the mean squared error and the mean of FLIP outside of 10 degrees, and as flicker, 8 to 30
+//! Hz, in each ring, in paper B's mode and turned with the head; and the energy of the latter's flicker by the former's.
+//! With `--moving` the scene moves too, with `--paces` so many times as fast as it is meant, and with `--gaze` the eyes
+//! do, three times a second.
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use parafovea_core::geometry::Fov;
-use parafovea_errors::{Eye, Frame, Judge, Metric, Picture, Report, Viewing};
+use parafovea_errors::{Eye, Frame, Judge, Metric, Picture, RING_NAMES, Report, Viewing};
 use parafovea_tests::run::{Application, Outcome, Run};
-use parafovea_tests::scenario::{Head, Scenario, ScenarioExt};
+use parafovea_tests::scenario::{Gaze, Head, Scenario, ScenarioExt};
 use std::error::Error;
 use std::process::ExitCode;
 
-/// Frames until passes are known and every swapchain image has had its turn.
-const RUN_UP: u64 = 20;
+/// Frames until passes are known, every swapchain image has had its turn, and so has the eye tracker.
+const RUN_UP: u64 = 40;
 const HZ: f64 = 90.0;
 /// The rings outside of 10 degrees, as [`Report::row`] counts them.
 const OUTSIDE: [usize; 3] = [3, 4, 5];
 const MODES: [&str; 2] = ["paper", "on"];
-const ARGUMENTS: &str = "--size, --frames, --speeds, --moving";
+const ARGUMENTS: &str = "--size, --frames, --speeds, --scene, --moving, --paces, --gaze";
+/// Frames from one saccade to the next.
+const FIXATION: u64 = 30;
 
 fn main() -> ExitCode {
     let done = Request::read(std::env::args().skip(1)).map_err(Into::into);
@@ -34,13 +38,24 @@ struct Request {
     frames: u64,
     /// Degrees a second.
     speeds: Vec<f32>,
-    is_moving: bool,
+    scene: String,
+    /// How fast the scene moves, where 1 is as fast as it is meant.
+    paces: Vec<f64>,
+    /// Whether the eyes move.
+    has_gaze: bool,
 }
 
 impl Request {
     fn read(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
         let speeds = vec![0.0, 30.0, 60.0, 100.0, 200.0];
-        let mut request = Self { size: 512, frames: 30, speeds, is_moving: false };
+        let mut request = Self {
+            size: 512,
+            frames: 30,
+            speeds,
+            scene: "courtyard".to_owned(),
+            paces: vec![0.0],
+            has_gaze: false,
+        };
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().unwrap_or_default();
             let number = |value: String| {
@@ -49,7 +64,13 @@ impl Request {
             match argument.as_str() {
                 // `cargo bench` adds it.
                 "--bench" => {}
-                "--moving" => request.is_moving = true,
+                "--moving" => request.paces = vec![1.0],
+                "--gaze" => request.has_gaze = true,
+                "--scene" => request.scene = value(),
+                "--paces" => {
+                    let paces: Result<_, _> = value().split(',').map(str::parse).collect();
+                    request.paces = paces.map_err(|error| format!("--paces: {error}"))?;
+                }
                 "--size" => request.size = number(value())?,
                 "--frames" => request.frames = number(value())?.into(),
                 "--speeds" => {
@@ -63,26 +84,35 @@ impl Request {
     }
 
     fn measure(&self) -> Result<(), Box<dyn Error>> {
-        println!("| degrees a second | mode | mean squared error | FLIP | flicker, 8 to 30 Hz |");
-        println!("|---|---|---|---|---|");
-        let arguments: &[&str] = if self.is_moving { &[] } else { &["--still"] };
-        let application = Application::ours("parafovea-scene", arguments)?;
-        for &speed in &self.speeds {
+        let rings = OUTSIDE.map(|ring| format!("flicker at {} degrees |", RING_NAMES[ring])).join(" ");
+        println!("| degrees a second | pace | mode | mean squared error | FLIP | {rings}");
+        println!("|---|---|---|---|---|{}", "---|".repeat(OUTSIDE.len()));
+        for (&speed, &pace) in
+            self.speeds.iter().flat_map(|speed| self.paces.iter().map(move |pace| (speed, pace)))
+        {
+            let pace_argument = pace.to_string();
+            let arguments = ["--scene", &self.scene, "--pace", &pace_argument];
+            let application = Application::ours("parafovea-scene", &arguments)?;
             let scenario = self.scenario(speed);
             let run = Run::new(&application, &scenario);
             let off = finish(run.clone(), &scenario)?;
+            let mut energies = Vec::new();
             for mode in MODES {
-                let on = finish(run.clone().on(&config(mode)), &scenario)?;
-                let report = judge(&scenario, &off, &on)?;
-                let outside = |metric: Metric, scale: f64, digits: usize| {
-                    let mean = outside(&report, metric);
-                    mean.map_or("too few frames".to_owned(), |mean| format!("{:.digits$}", mean * scale))
-                };
+                let on = finish(run.clone().on(&self.config(mode)), &scenario)?;
+                let report = self.judge(&scenario, &off, &on)?;
                 // Code values, as people know them.
-                let squared = outside(Metric::Squared, 255.0 * 255.0, 1);
-                let (flip, flicker) = (outside(Metric::Flip, 1.0, 4), outside(Metric::Flicker, 1.0, 4));
-                println!("| {speed} | {mode} | {squared} | {flip} | {flicker} |");
+                let squared = outside(&report, Metric::Squared).map(|mean| mean * 255.0 * 255.0);
+                let flip = outside(&report, Metric::Flip);
+                let flicker = OUTSIDE.map(|ring| report.row(Metric::Flicker, ring).mean);
+                let cells = [(squared, 1), (flip, 4)].into_iter().chain(flicker.map(|mean| (mean, 4)));
+                let cells: Vec<String> = cells.map(|(mean, digits)| cell(mean, digits)).collect();
+                println!("| {speed} | {pace} | {mode} | {} |", cells.join(" | "));
+                energies.push(flicker.map(|mean| mean.map(|mean| mean * mean)));
             }
+            let [paper, ours] = &energies[..] else { continue };
+            let ratios = paper.iter().zip(ours).map(|(paper, ours)| Some(ours.as_ref()? / paper.as_ref()?));
+            let ratios: Vec<String> = ratios.map(|ratio| cell(ratio, 2)).collect();
+            println!("| {speed} | {pace} | energy, on / paper | | | {} |", ratios.join(" | "));
         }
         Ok(())
     }
@@ -101,38 +131,66 @@ impl Request {
             roll_deg: 0.0,
         };
         scenario.head = vec![head(0.0), head(frames as f64 / HZ)];
+        if self.has_gaze {
+            scenario.gaze = (0..frames.div_ceil(FIXATION)).flat_map(fixation).collect();
+        }
         scenario
+    }
+
+    fn config(&self, mode: &str) -> String {
+        let source = if self.has_gaze { "eyes" } else { "centre" };
+        format!(
+            "preset = \"none\"\n[gaze]\nsource = \"{source}\"\n[rates]\nbackend = \"mask\"\ngate = \"on\"\n[reuse]\nmode = \"{mode}\"\n"
+        )
+    }
+
+    fn judge(&self, scenario: &Scenario, off: &Outcome, on: &Outcome) -> Result<Report, Box<dyn Error>> {
+        let mut judge = Judge::new(Viewing { refresh_hz: HZ as f32, ..Viewing::default() })?;
+        for &frame in &scenario.output.save_frames {
+            let shown = |outcome: &Outcome| -> Result<Frame, Box<dyn Error>> {
+                let eye = |view: usize| -> Result<Option<Eye>, Box<dyn Error>> {
+                    let degrees = scenario.views[view].fov_deg;
+                    let edges = [degrees.left, degrees.right, degrees.up, degrees.down];
+                    let [left, right, up, down] = edges.map(f32::to_radians);
+                    let shown = outcome.submitted(view, frame)?;
+                    let picture = Picture::from_srgb8(shown.width, shown.height, &shown.pixels);
+                    let fov = Fov { left, right, up, down };
+                    Ok(picture.map(|picture| Eye { picture, fov, gaze: self.gaze(frame), age: None }))
+                };
+                Ok(Frame { time_s: frame as f64 / HZ, eyes: [eye(0)?, eye(1)?] })
+            };
+            judge.push(&shown(off)?, &shown(on)?)?;
+        }
+        Ok(judge.finish())
+    }
+
+    /// Where the eyes look in a frame, in the space of the views.
+    fn gaze(&self, frame: u64) -> Vec3 {
+        if !self.has_gaze {
+            return Vec3::NEG_Z;
+        }
+        let Gaze { yaw_deg, pitch_deg, .. } = fixation(frame / FIXATION)[0];
+        let turn =
+            Quat::from_rotation_y(yaw_deg.to_radians()) * Quat::from_rotation_x(pitch_deg.to_radians());
+        turn * Vec3::NEG_Z
     }
 }
 
-fn config(mode: &str) -> String {
-    format!(
-        "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nbackend = \"mask\"\ngate = \"on\"\n[reuse]\nmode = \"{mode}\"\n"
-    )
+/// The beginning and the end of a fixation, of which there are three a second; a saccade takes a frame.
+fn fixation(number: u64) -> [Gaze; 2] {
+    const PLACES: [(f32, f32); 5] = [(-12.0, 4.0), (9.0, -8.0), (2.0, 11.0), (14.0, 0.0), (-6.0, -10.0)];
+    let (yaw_deg, pitch_deg) = PLACES[(number % 5) as usize];
+    let at = |frame: u64| Gaze { t: (frame as f64 - 0.5) / HZ, yaw_deg, pitch_deg, tracked: true };
+    let first = number * FIXATION;
+    [Gaze { t: (first as f64 - 0.5).max(0.0) / HZ, ..at(0) }, at(first + FIXATION - 1)]
 }
 
 fn finish(run: Run, scenario: &Scenario) -> Result<Outcome, Box<dyn Error>> {
     Ok(run.finish()?.expect_frames(scenario.session.frames)?)
 }
 
-fn judge(scenario: &Scenario, off: &Outcome, on: &Outcome) -> Result<Report, Box<dyn Error>> {
-    let mut judge = Judge::new(Viewing { refresh_hz: HZ as f32, ..Viewing::default() })?;
-    for &frame in &scenario.output.save_frames {
-        let frame = |outcome: &Outcome| -> Result<Frame, Box<dyn Error>> {
-            let eye = |view: usize| -> Result<Option<Eye>, Box<dyn Error>> {
-                let degrees = scenario.views[view].fov_deg;
-                let edges = [degrees.left, degrees.right, degrees.up, degrees.down];
-                let [left, right, up, down] = edges.map(f32::to_radians);
-                let shown = outcome.submitted(view, frame)?;
-                let picture = Picture::from_srgb8(shown.width, shown.height, &shown.pixels);
-                let fov = Fov { left, right, up, down };
-                Ok(picture.map(|picture| Eye { picture, fov, gaze: Vec3::NEG_Z, age: None }))
-            };
-            Ok(Frame { time_s: frame as f64 / HZ, eyes: [eye(0)?, eye(1)?] })
-        };
-        judge.push(&frame(off)?, &frame(on)?)?;
-    }
-    Ok(judge.finish())
+fn cell(value: Option<f64>, digits: usize) -> String {
+    value.map_or("too few frames".to_owned(), |value| format!("{value:.digits$}"))
 }
 
 /// The mean over all pixels outside of 10 degrees; none of flicker in a short run.

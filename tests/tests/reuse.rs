@@ -130,3 +130,108 @@ fn a_pause_leaves_nothing_old() {
         assert!(off == on, "view {view}");
     }
 }
+
+/// With what changes rendered at once, and without.
+fn config_of_refresh(refresh: bool) -> String {
+    format!("{}refresh = {refresh}\n", config("on"))
+}
+
+/// People who walk in the periphery are not seen where they were some frames ago.
+#[test]
+fn what_moves_is_rendered_at_once() {
+    let frames = RUN_UP + 14;
+    let saved: Vec<u64> = (frames - 6..frames).collect();
+    let scenario = Scenario::new(frames).sized(320, 320).saving(&saved);
+    let run = Run::new(&application(&["--scene", "crowd"]), &scenario).counted();
+    let off = finish(run.clone(), frames);
+    let [without, with] =
+        [false, true].map(|refresh| finish(run.clone().on(&config_of_refresh(refresh)), frames));
+    let samples = [&off, &without, &with].map(|run| run.samples().unwrap());
+    let errors = [&without, &with].map(|on| error(&off, on, &saved));
+    println!("mean squared error {errors:.3?}, of samples {samples:?}");
+    assert!(errors[1] <= 0.6 * errors[0], "{errors:?}\n{}", with.log);
+    assert!(samples[1] < samples[2] && samples[2] < samples[0], "{samples:?}");
+}
+
+/// Where nothing moves nothing is rendered beyond its turn, whether the head turns or not.
+#[test]
+fn what_stands_still_keeps_its_turn() {
+    let frames = RUN_UP + 14;
+    for speed in [0.0, 60.0] {
+        let scenario = turning(Scenario::new(frames).sized(320, 320), speed);
+        let run = Run::new(&application(&["--still"]), &scenario).counted();
+        let samples = [false, true]
+            .map(|refresh| finish(run.clone().on(&config_of_refresh(refresh)), frames).samples().unwrap());
+        println!("{samples:?} samples at {speed} degrees a second");
+        assert!(
+            samples[1] as f64 <= samples[0] as f64 * if speed == 0.0 { 1.0 } else { 1.05 },
+            "{samples:?}"
+        );
+    }
+}
+
+/// When the lights go out, nothing lit is left in the second frame after that.
+#[test]
+fn a_cut_renders_everything() {
+    let cut = RUN_UP + 4;
+    let frames = cut + 6;
+    let saved: Vec<u64> = (cut..frames).collect();
+    let scenario = Scenario::new(frames).sized(256, 224).saving(&saved);
+    let out = cut.to_string();
+    let run = Run::new(&application(&["--still", "--lights-out", &out]), &scenario);
+    let (off, on) = (finish(run.clone(), frames), finish(run.on(&config("on")), frames));
+    let errors: Vec<f64> = saved.iter().map(|frame| error(&off, &on, &[*frame])).collect();
+    println!("mean squared errors {errors:.2?}");
+    assert!(errors[0] > 10.0, "the first frame cannot know: {errors:?}");
+    assert!(errors[3..].iter().all(|error| *error < 0.1), "{errors:?}");
+}
+
+/// Other swapchains in mid-run begin anew: nothing old is shown, and re-use goes on with the new ones.
+#[test]
+fn swapchains_may_change() {
+    let changed = RUN_UP + 4;
+    let frames = changed + 24;
+    let saved: Vec<u64> = (changed - 2..changed + 8).chain(frames - 4..frames).collect();
+    let at = changed.to_string();
+    for arguments in [
+        &["--change-to", "double-wide"][..],
+        &["--swapchain", "array", "--change-to", "separate"],
+        &["--change-size", "192x160"],
+    ] {
+        let arguments = [&["--change-at", &at], arguments].concat();
+        let scenario = turning(Scenario::new(frames).sized(256, 224).saving(&saved), 30.0);
+        let run = Run::new(&application(&arguments), &scenario).counted();
+        let (off, on) = (finish(run.clone(), frames), finish(run.on(&config("on")), frames));
+        let share = on.samples().unwrap() as f64 / off.samples().unwrap() as f64;
+        assert!(share < 0.9, "{share} of the samples with {arguments:?}\n{}", on.log);
+        for (view, &frame) in (0..2).flat_map(|view| saved.iter().map(move |frame| (view, frame))) {
+            let (off, on) = (off.submitted(view, frame).unwrap(), on.submitted(view, frame).unwrap());
+            if frame == changed {
+                assert!(off == on, "view {view} of the first frame with {arguments:?}");
+            }
+            let psnr_db = psnr_db(&off, &on, |_, _| true);
+            assert!(psnr_db >= 30.0, "{psnr_db} dB in view {view} of frame {frame} with {arguments:?}");
+        }
+    }
+}
+
+/// A session after the first one begins anew, on the same device, and re-uses too.
+#[test]
+fn sessions_may_follow_each_other() {
+    let frames = RUN_UP + 10;
+    let all = 2 * frames;
+    let saved: Vec<u64> = (frames..frames + 8).chain(all - 4..all).collect();
+    let scenario = turning(Scenario::new(frames).sized(256, 224).saving(&saved), 30.0);
+    let run = Run::new(&application(&["--sessions", "2"]), &scenario).counted();
+    let (off, on) = (finish(run.clone(), all), finish(run.on(&config("on")), all));
+    let share = on.samples().unwrap() as f64 / off.samples().unwrap() as f64;
+    assert!(share < 0.9, "{share} of the samples\n{}", on.log);
+    for (view, &frame) in (0..2).flat_map(|view| saved.iter().map(move |frame| (view, frame))) {
+        let (off, on) = (off.submitted(view, frame).unwrap(), on.submitted(view, frame).unwrap());
+        if frame < frames + 2 {
+            assert!(off == on, "view {view} of frame {frame}");
+        }
+        let psnr_db = psnr_db(&off, &on, |_, _| true);
+        assert!(psnr_db >= 30.0, "{psnr_db} dB in view {view} of frame {frame}");
+    }
+}

@@ -1,5 +1,6 @@
 //! From what is known when a frame is planned to its plan.
 
+use super::changes::Changes;
 use super::contrast::VisibleContrast;
 use super::eye::EyeMemory;
 use super::frame::FramePlan;
@@ -12,7 +13,7 @@ use super::settings::{PlanSettings, RateSettings, Turns};
 use super::statistics::Statistics;
 use crate::chroma::Focus;
 use crate::gaze::GazePhase;
-use crate::geometry::{rotation, unit_direction};
+use crate::geometry::{View, rotation, unit_direction};
 use crate::kernels::decide::decide;
 use crate::perception::ContrastMap;
 use crate::schedule::CellAges;
@@ -31,6 +32,7 @@ pub struct Planner {
     drift_arcmin: f32,
     /// Present where the schedule can leave something out.
     ages: Option<CellAges>,
+    changes: Changes,
     eyes: [EyeMemory; 2],
     plan: FramePlan,
 }
@@ -45,6 +47,7 @@ impl Planner {
             cap: PeriodCap::default(),
             drift_arcmin: 0.0,
             ages: None,
+            changes: Changes::default(),
             eyes: Default::default(),
             plan: FramePlan::default(),
         };
@@ -80,6 +83,18 @@ impl Planner {
         }
     }
 
+    /// Says how much each of some tiles of a picture differed from what would have been shown in its place, as the kernel
+    /// `change` found, [`crate::kernels::change::ChangeParams::change`]: what changes visibly is rendered in each of the next
+    /// frames, and everything is in the next one where most of it changed.
+    ///
+    /// `view` is that of the picture in the world, as [`PlanInput::head`] leads to it; its image is one of tiles in place of
+    /// pixels. Tiles are given as column, and row in the upper 16 bits.
+    pub fn content_changed(&mut self, view: &View, tiles: impl ExactSizeIterator<Item = (u32, f32)>) {
+        if self.settings.schedule.is_some_and(|updates| updates.turns == Turns::Directions) {
+            self.changes.seen(view, tiles);
+        }
+    }
+
     /// The plan that was made last; before the first, one of views without pixels.
     pub fn newest(&self) -> &FramePlan {
         &self.plan
@@ -94,8 +109,10 @@ impl Planner {
         let rules = FrameRules::new(&self.settings, rails, input.audio.as_ref(), limits, &mut reasons);
         let head = rotation(input.head).unwrap_or(Quat::IDENTITY);
         if let (Some(ages), Some(schedule)) = (&mut self.ages, &rules.schedule) {
-            ages.advance(schedule, input.frame, rules.centres.map(|centre| head * centre));
-            ages.finish(0);
+            let gazes = rules.centres.map(|centre| head * centre);
+            ages.advance(schedule, input.frame, gazes);
+            let refreshed = self.changes.refresh(input.frame, gazes, ages);
+            reasons.insert_if(refreshed, Reason::ContentChanges);
         }
         for (index, eye) in input.eyes.iter().enumerate() {
             self.plan_eye(index, input.frame, head, eye, &rules, &mut reasons);

@@ -32,6 +32,8 @@ pub enum Reason {
     LeastFrequency,
     /// Regions are updated more often, because the head's translation moves what is near visibly.
     HeadMoves,
+    /// What changes in the periphery is rendered in each frame.
+    ContentChanges,
     /// All tiles are rendered, because that was asked for.
     Refresh,
     /// The clock did not advance: nothing becomes coarser.
@@ -42,7 +44,7 @@ pub enum Reason {
 
 impl Reason {
     /// All of them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::GazeInvalid,
         Self::GazeHeld,
         Self::GazeFading,
@@ -56,6 +58,7 @@ impl Reason {
         Self::NothingMeasured,
         Self::LeastFrequency,
         Self::HeadMoves,
+        Self::ContentChanges,
         Self::Refresh,
         Self::ClockStopped,
         Self::ViewMalformed,
@@ -78,6 +81,7 @@ impl fmt::Display for Reason {
             Self::NothingMeasured => "no sound or contrast known: fixed foveation",
             Self::LeastFrequency => "periphery kept at its least frequency",
             Self::HeadMoves => "head moves: regions updated before that shows",
+            Self::ContentChanges => "content changes: rendered in each frame there",
             Self::Refresh => "refresh demanded: every tile rendered",
             Self::ClockStopped => "clock stands: no coarsening",
             Self::ViewMalformed => "view without a usable field of view: full rate",

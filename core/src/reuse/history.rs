@@ -24,7 +24,7 @@ pub struct Picture<'a> {
 
 impl Picture<'_> {
     /// How many tiles a pixel is wide and high.
-    pub(crate) fn tiles_per_pixel(&self) -> Vec2 {
+    pub fn tiles_per_pixel(&self) -> Vec2 {
         self.stale.tiles_across() / self.size()
     }
 

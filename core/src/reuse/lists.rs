@@ -28,7 +28,7 @@ pub struct TileLists {
 
 /// How much of a tile a picture has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Has {
+pub(super) enum Has {
     Nothing,
     Part,
     All,
@@ -136,7 +136,7 @@ fn tile_in(earlier: &Earlier, corners: &[Vec2], reuse: &Reuse, [column, row]: [u
 }
 
 /// What an earlier picture has of a rectangle with these corners there, NaN where it does not show them.
-fn has(earlier: &Earlier, corners: [Vec2; 4]) -> Has {
+pub(super) fn has(earlier: &Earlier, corners: [Vec2; 4]) -> Has {
     let picture = &earlier.picture;
     if corners.iter().any(|corner| corner.is_nan()) {
         // Partly beside what the picture can show.
@@ -169,7 +169,7 @@ fn has(earlier: &Earlier, corners: [Vec2; 4]) -> Has {
 }
 
 /// The corners of a rectangle in an earlier picture, NaN where that does not show them.
-fn corners_in(earlier: &Earlier, rect: &PixelRect) -> [Vec2; 4] {
+pub(super) fn corners_in(earlier: &Earlier, rect: &PixelRect) -> [Vec2; 4] {
     let PixelRect { min, max } = *rect;
     [min, Vec2::new(max.x, min.y), Vec2::new(min.x, max.y), max].map(|corner| {
         let found = earlier.matrix * corner.extend(1.0);

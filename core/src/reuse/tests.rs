@@ -1,5 +1,6 @@
 use super::{STALE, StaleTiles};
 
+mod compared;
 mod history;
 mod stale_tiles;
 

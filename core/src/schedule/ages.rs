@@ -167,17 +167,20 @@ impl CellAges {
     /// Asks for a refresh of cells that are not due. The larger `need` is, the sooner it is granted (of several
     /// for one cell the largest counts); 0 or less asks for nothing, NaN is the largest.
     pub fn want(&mut self, touched: &Touched, need: f32) {
+        touched.for_each(|cell| self.want_cell(cell, need));
+    }
+
+    /// [`Self::want`] for one cell.
+    pub fn want_cell(&mut self, cell: Cell, need: f32) {
         let need = if need.is_nan() { f32::INFINITY } else { need };
         if need <= 0.0 {
             return;
         }
-        touched.for_each(|cell| {
-            let known = &mut self.needs[cell.index()];
-            if *known == 0.0 {
-                self.wanted.push(cell);
-            }
-            *known = known.max(need);
-        });
+        let known = &mut self.needs[cell.index()];
+        if *known == 0.0 {
+            self.wanted.push(cell);
+        }
+        *known = known.max(need);
     }
 
     /// Grants the most needed refreshes, at most `limit` cells, so that the load stays even; of equal needs those with

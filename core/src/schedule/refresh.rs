@@ -1,7 +1,10 @@
-//! What has to be rendered anew although its turn has not come.
+//! What has to be rendered anew although its turn has not come: where content is seen to have changed.
 //!
 //! The rest of the rules is in [`super::CellAges`]: a cell that a faster region reached is refreshed at once, and
 //! wishes are granted by need.
+
+use crate::perception::csf::castle::achromatic_fall;
+use crate::perception::csf::{SensitivityFall, Stimulus, VisualField};
 
 /// Smallest shift that is seen at an eccentricity in degrees, arc minutes: the minimum angle of resolution.
 ///
@@ -13,65 +16,68 @@ pub fn visible_shift_arcmin(eccentricity_deg: f32) -> f32 {
     1.25 + 1.32 * eccentricity_deg.max(0.0)
 }
 
-/// What is known of a tile that would be re-used.
+/// Smallest change of luminance that is seen, as a share of the luminance around.
+///
+/// What is shown late flickers between two luminances, L and L (1 + c), whose contrast is about c / 2: seen from
+/// c = 2 / sensitivity on, by castleCSF.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Evidence {
-    /// Whether all of the tile, re-projected, lies in the picture that is to be re-used.
-    pub in_history: bool,
-    /// Least eccentricity of the tile from either eye's gaze, degrees.
-    pub eccentricity_deg: f32,
-    /// How far the content may be out of place after re-projection (by the head's translation, or motion in the
-    /// scene), arc minutes.
-    pub shift_arcmin: f32,
-    /// Change of content since it was last rendered: |difference of luminance| / adaptation luminance (the temporal
-    /// difference of `analyze`).
-    pub content_change: f32,
+pub struct VisibleChange {
+    sensitivity: SensitivityFall,
 }
 
-/// From when on a tile is refreshed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RefreshSettings {
-    /// Shift in units of [`visible_shift_arcmin`].
-    pub shift: f32,
-    /// [`Evidence::content_change`].
-    pub content_change: f32,
-    /// Share of tiles with a change of content that makes a scene cut, 0..=1.
-    pub cut_share: f32,
-    /// Most cells that are refreshed beyond the schedule in one frame ([`super::CellAges::finish`]).
-    pub limit_cells: usize,
-}
+impl VisibleChange {
+    /// For changes that are as wide as `width_deg` degrees, half a period of the spatial frequency that is asked about: at 8 Hz,
+    /// where eyes are most sensitive to flicker, over four square degrees, as what moves has an edge that is longer than wide, at 50
+    /// cd/m^2, a bright part of what headsets show. These are our choice.
+    pub fn new(width_deg: f32) -> Self {
+        let stimulus = Stimulus {
+            frequency_cpd: 0.5 / width_deg,
+            temporal_hz: 8.0,
+            eccentricity_deg: 0.0,
+            luminance_cd_m2: 50.0,
+            area_deg2: 4.0,
+        };
+        Self { sensitivity: achromatic_fall(&stimulus) }
+    }
 
-impl Default for RefreshSettings {
-    /// A visible shift; a change of 5 % of the luminance around, about what is seen in large fields in the periphery with
-    /// certainty; a cut when half of the tiles change; 256 cells, about 4 % of a view of 110 by 110 degrees. The latter three
-    /// are our choice.
-    fn default() -> Self {
-        Self { shift: 1.0, content_change: 0.05, cut_share: 0.5, limit_cells: 256 }
+    /// The smallest change that is seen at an eccentricity in degrees, > 0.
+    pub fn at(&self, eccentricity_deg: f32) -> f32 {
+        2.0 / self.sensitivity.at(eccentricity_deg, VisualField::Worst)
     }
 }
 
-/// What a tile asks for beyond the schedule.
+/// From when on, for how long, and how much is refreshed. The numbers are our choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Refresh {
-    /// Nothing.
-    Unneeded,
-    /// To be refreshed if the limit allows it; above 1, the larger the sooner ([`super::CellAges::want`]).
-    Wanted(f32),
-    /// To be refreshed in any case, for there is nothing to re-use ([`super::CellAges::require`]).
-    Required,
+pub struct RefreshSettings {
+    /// Change in units of [`VisibleChange`], above which a cell is refreshed.
+    pub change: f32,
+    /// Share of the tiles that were looked at whose change makes a scene cut, 0..=1.
+    pub cut_share: f32,
+    /// Most cells that are refreshed beyond the schedule in one frame ([`super::CellAges::finish`]).
+    pub limit_cells: usize,
+    /// For how many frames after its last visible change a cell is refreshed: longer than any period, so that it was looked at
+    /// again by then.
+    pub hold_frames: u8,
+}
+
+impl Default for RefreshSettings {
+    /// Half of what is just seen, as thresholds are what half of the answers are at; a cut when half of the tiles change;
+    /// 256 cells, about 4 % of a view of 110 by 110 degrees; 12 frames.
+    fn default() -> Self {
+        Self { change: 0.5, cut_share: 0.5, limit_cells: 256, hold_frames: 12 }
+    }
 }
 
 impl RefreshSettings {
-    /// What the evidence asks for. A shift or change that is NaN, or a threshold that is not above 0, wants a
-    /// refresh with infinite need.
-    pub fn judge(&self, evidence: &Evidence) -> Refresh {
-        if !evidence.in_history {
-            return Refresh::Required;
+    /// How much a change at an eccentricity in degrees asks for a refresh: above 1, the larger the sooner. A change that is NaN,
+    /// or a threshold that is not above 0, asks for it infinitely.
+    pub fn need(&self, change: f32, visible: &VisibleChange, eccentricity_deg: f32) -> f32 {
+        let threshold = self.change * visible.at(eccentricity_deg);
+        if change.is_nan() || threshold.is_nan() || threshold <= 0.0 {
+            f32::INFINITY
+        } else {
+            change / threshold
         }
-        let shift = need(evidence.shift_arcmin, self.shift * visible_shift_arcmin(evidence.eccentricity_deg));
-        let change = need(evidence.content_change, self.content_change);
-        let need = shift.max(change);
-        if need > 1.0 { Refresh::Wanted(need) } else { Refresh::Unneeded }
     }
 
     /// Whether so many tiles changed that the scene did, and everything is refreshed
@@ -79,11 +85,6 @@ impl RefreshSettings {
     pub fn is_scene_cut(&self, changed: usize, tiles: usize) -> bool {
         tiles > 0 && changed as f32 >= self.cut_share.max(0.0) * tiles as f32
     }
-}
-
-/// `value` in units of `threshold`.
-fn need(value: f32, threshold: f32) -> f32 {
-    if value.is_nan() || threshold.is_nan() || threshold <= 0.0 { f32::INFINITY } else { value / threshold }
 }
 
 #[cfg(test)]

@@ -86,6 +86,28 @@ pub const APP_RENDERED_TO_SAMPLED: ImageBarrier = ImageBarrier {
     dst_access: Access::SHADER_READ,
 };
 
+/// What the application wrote, before we compare it with what it wrote for other frames.
+pub const APP_RENDERED_TO_COMPARED: ImageBarrier = ImageBarrier {
+    name: "app_rendered_to_compared",
+    old_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
+    new_layout: Layout::SHADER_READ_ONLY_OPTIMAL,
+    src_stage: APP_WRITE_STAGES,
+    dst_stage: Stage::COMPUTE_SHADER,
+    src_access: APP_WRITES,
+    dst_access: Access::SHADER_READ,
+};
+
+/// Our last read of an image that was compared, before the application writes it again.
+pub const APP_COMPARED_TO_RENDERED: ImageBarrier = ImageBarrier {
+    name: "app_compared_to_rendered",
+    old_layout: Layout::SHADER_READ_ONLY_OPTIMAL,
+    new_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
+    src_stage: Stage::COMPUTE_SHADER,
+    dst_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+    src_access: Access::empty(),
+    dst_access: COLOR_READ_WRITE,
+};
+
 /// Our last read of an image that was sampled, before the application writes it again.
 pub const APP_SAMPLED_TO_RENDERED: ImageBarrier = ImageBarrier {
     name: "app_sampled_to_rendered",
@@ -132,12 +154,14 @@ pub const RUNTIME_COPIED_TO_DRAWN: ImageBarrier = ImageBarrier {
 };
 
 /// All of them.
-pub const ALL: [ImageBarrier; 8] = [
+pub const ALL: [ImageBarrier; 10] = [
     APP_CREATED,
     APP_RENDERED_TO_COPIED,
     APP_RENDERED_TO_SAMPLED,
     APP_COPIED_TO_SAMPLED,
     APP_SAMPLED_TO_RENDERED,
+    APP_RENDERED_TO_COMPARED,
+    APP_COMPARED_TO_RENDERED,
     APP_COPIED_TO_RENDERED,
     RUNTIME_ACQUIRED_TO_COPIED,
     RUNTIME_COPIED_TO_DRAWN,

@@ -1,4 +1,4 @@
-//! Parameters for the GPU in buffers that stay mapped, a part for each submit under way.
+//! Parameters for the GPU, and results of it, in buffers that stay mapped, a part for each submit under way.
 
 use super::{Gpu, GpuError, Owned, Recorder, SUBMITS_IN_FLIGHT};
 use ash::vk;
@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use std::ptr::NonNull;
 use std::sync::Arc;
 
-/// A buffer that the host writes and the GPU reads.
+/// A buffer that both the host and the GPU access.
 struct MappedBuffer {
     // Dropped before the memory that it is bound to; freeing memory unmaps it.
     buffer: Owned<vk::Buffer>,
@@ -19,7 +19,13 @@ struct MappedBuffer {
 unsafe impl Send for MappedBuffer {}
 
 impl MappedBuffer {
-    fn new(gpu: &Arc<Gpu>, size: u64, usage: vk::BufferUsageFlags) -> Result<Self, GpuError> {
+    /// In memory with all that is `wished` for, if there is any.
+    fn new(
+        gpu: &Arc<Gpu>,
+        size: u64,
+        usage: vk::BufferUsageFlags,
+        wished: vk::MemoryPropertyFlags,
+    ) -> Result<Self, GpuError> {
         let info =
             vk::BufferCreateInfo::default().size(size).usage(usage).sharing_mode(vk::SharingMode::EXCLUSIVE);
         // SAFETY: the device is live.
@@ -31,7 +37,9 @@ impl MappedBuffer {
         // SAFETY: the buffer is a live one of this device.
         let requirements = unsafe { gpu.device.get_buffer_memory_requirements(buffer.handle()) };
         let coherent = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
-        let memory = gpu.allocate(&requirements, coherent)?;
+        let memory = gpu
+            .allocate(&requirements, coherent | wished)
+            .or_else(|_| gpu.allocate(&requirements, coherent))?;
         // SAFETY: both are new; the memory is what the buffer requires, and not mapped yet.
         let mapped = unsafe {
             gpu.device
@@ -60,6 +68,53 @@ impl MappedBuffer {
     }
 }
 
+/// A ring of words that shaders write and the host reads: room for a set number of them in each submit.
+pub(crate) struct ResultRing {
+    buffer: MappedBuffer,
+    per_submit: u32,
+}
+
+impl ResultRing {
+    pub(crate) fn new(gpu: &Arc<Gpu>, per_submit: u32) -> Result<Self, GpuError> {
+        let size = u64::from(per_submit) * size_of::<u32>() as u64 * SUBMITS_IN_FLIGHT as u64;
+        if size > u64::from(gpu.limits.max_storage_buffer_range) {
+            return Err(GpuError::Unsupported("a storage buffer of this size"));
+        }
+        // Reading what is not cached is slow.
+        let cached = vk::MemoryPropertyFlags::HOST_CACHED;
+        let mut buffer = MappedBuffer::new(gpu, size, vk::BufferUsageFlags::STORAGE_BUFFER, cached)?;
+        buffer.write(0, &vec![0; size as usize])?;
+        Ok(Self { buffer, per_submit })
+    }
+
+    /// The place in the buffer of result `at` of the submit that is being recorded.
+    pub(crate) fn place(&self, recorder: &Recorder, at: u32) -> u32 {
+        recorder.slot() as u32 * self.per_submit + at
+    }
+
+    /// Reads `count` results from a place on, in place of what is in `out`. The submit that wrote them has finished, after a
+    /// [`Recorder::computed_to_host`].
+    pub(crate) fn read(&self, place: u32, count: usize, out: &mut Vec<f32>) {
+        let first = place as usize * size_of::<f32>();
+        let bytes = count * size_of::<f32>();
+        out.clear();
+        if (first + bytes) as u64 > self.buffer.size {
+            return;
+        }
+        out.resize(count, 0.0);
+        // SAFETY: this stays within the mapped buffer, which was initialised, and which no submit writes there now; any bits make an
+        // f32.
+        unsafe {
+            let source = self.buffer.mapped.as_ptr().add(first);
+            std::ptr::copy_nonoverlapping(source, out.as_mut_ptr().cast::<u8>(), bytes);
+        }
+    }
+
+    pub(super) fn handle(&self) -> vk::Buffer {
+        self.buffer.buffer.handle()
+    }
+}
+
 /// A ring of `T`s: room for a set number of them in each submit.
 pub(crate) struct UniformRing<T> {
     buffer: MappedBuffer,
@@ -72,10 +127,15 @@ pub(crate) struct UniformRing<T> {
 impl<T: bytemuck::Pod> UniformRing<T> {
     pub(crate) fn new(gpu: &Arc<Gpu>, per_submit: u32) -> Result<Self, GpuError> {
         // A power of two of at most 256.
-        let alignment = gpu.limits.min_uniform_buffer_offset_alignment.max(1) as u32;
+        let limits = &gpu.limits;
+        let alignment =
+            limits.min_uniform_buffer_offset_alignment.max(limits.min_storage_buffer_offset_alignment);
+        let alignment = alignment.max(1) as u32;
         let stride = (size_of::<T>() as u32).next_multiple_of(alignment);
         let size = u64::from(stride) * u64::from(per_submit) * SUBMITS_IN_FLIGHT as u64;
-        let buffer = MappedBuffer::new(gpu, size, vk::BufferUsageFlags::UNIFORM_BUFFER)?;
+        let none = vk::MemoryPropertyFlags::empty();
+        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::STORAGE_BUFFER;
+        let buffer = MappedBuffer::new(gpu, size, usage, none)?;
         Ok(Self { buffer, stride, per_submit, element: PhantomData })
     }
 
@@ -111,7 +171,8 @@ impl WordRing {
         if size > u64::from(gpu.limits.max_storage_buffer_range) {
             return Err(GpuError::Unsupported("a storage buffer of this size"));
         }
-        let buffer = MappedBuffer::new(gpu, size, vk::BufferUsageFlags::STORAGE_BUFFER)?;
+        let none = vk::MemoryPropertyFlags::empty();
+        let buffer = MappedBuffer::new(gpu, size, vk::BufferUsageFlags::STORAGE_BUFFER, none)?;
         Ok(Self { buffer, per_submit })
     }
 

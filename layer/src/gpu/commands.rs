@@ -120,6 +120,16 @@ impl CommandRing {
         }
     }
 
+    /// Whether a submit has finished. Waits for nothing.
+    pub(super) fn is_finished(&self, device: &ash::Device, submit: u64) -> bool {
+        let Some(slot) = self.slots.iter().find(|slot| slot.submit == submit && submit != 0) else {
+            return submit <= self.last_submit;
+        };
+        // SAFETY: the fence belongs to the ring of this live device, and was submitted.
+        let status = unsafe { device.get_fence_status(slot.fence) };
+        status == Ok(true)
+    }
+
     /// Waits for what is under way, and destroys everything, unless the wait fails.
     ///
     /// # Safety

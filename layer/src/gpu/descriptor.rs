@@ -1,7 +1,7 @@
 //! What shaders are bound to: set 0 is the parameters of a region, at dynamic offsets; set 1 is one texture,
 //! with what interpolates it.
 
-use super::buffer::WordRing;
+use super::buffer::{ResultRing, WordRing};
 use super::{Gpu, GpuError, Owned, UniformRing};
 use ash::vk;
 use std::sync::Arc;
@@ -16,7 +16,14 @@ const LISTS: [vk::DescriptorType; 3] = [
     vk::DescriptorType::STORAGE_BUFFER,
 ];
 
-/// Set 1.
+/// Set 0 of comparisons: parameters, a buffer of words, and one of results.
+const COMPARES: [vk::DescriptorType; 3] = [
+    vk::DescriptorType::STORAGE_BUFFER_DYNAMIC,
+    vk::DescriptorType::STORAGE_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
+];
+
+/// Set 1, of comparisons also set 2.
 const TEXTURE: [vk::DescriptorType; 2] = [vk::DescriptorType::SAMPLED_IMAGE, vk::DescriptorType::SAMPLER];
 
 /// Most bindings of a set.
@@ -61,9 +68,10 @@ pub(super) fn list_layout(gpu: &Arc<Gpu>) -> Result<Owned<vk::DescriptorSetLayou
     layout(gpu, &LISTS, BOTH_STAGES)
 }
 
-/// Layout of set 1.
+/// Layout of sets from 1 on.
 pub(super) fn texture_layout(gpu: &Arc<Gpu>) -> Result<Owned<vk::DescriptorSetLayout>, GpuError> {
-    layout(gpu, &TEXTURE, vk::ShaderStageFlags::FRAGMENT)
+    let stages = vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::COMPUTE;
+    layout(gpu, &TEXTURE, stages)
 }
 
 /// Sets of one layout, with the pool that they go with, and the layout, which writing to them needs.
@@ -161,6 +169,36 @@ impl ListSet {
     }
 
     /// The set, for two dynamic offsets.
+    pub(crate) fn handle(&self) -> vk::DescriptorSet {
+        self.sets.handles[0]
+    }
+}
+
+/// Set 0 over a ring of uniforms, one of words and one of results.
+pub(crate) struct CompareSet {
+    sets: Sets,
+}
+
+impl CompareSet {
+    pub(crate) fn new<T: bytemuck::Pod>(
+        params: &UniformRing<T>,
+        words: &WordRing,
+        results: &ResultRing,
+    ) -> Result<Self, GpuError> {
+        let gpu = params.gpu();
+        let buffers = [
+            (COMPARES[0], params.handle(), size_of::<T>() as u64),
+            (COMPARES[1], words.handle(), vk::WHOLE_SIZE),
+            (COMPARES[2], results.handle(), vk::WHOLE_SIZE),
+        ];
+        Ok(Self { sets: buffer_set(gpu, Self::layout(gpu)?, &buffers)? })
+    }
+
+    pub(super) fn layout(gpu: &Arc<Gpu>) -> Result<Owned<vk::DescriptorSetLayout>, GpuError> {
+        layout(gpu, &COMPARES, vk::ShaderStageFlags::COMPUTE)
+    }
+
+    /// The set, for one dynamic offset.
     pub(crate) fn handle(&self) -> vk::DescriptorSet {
         self.sets.handles[0]
     }

@@ -1,7 +1,7 @@
 //! Recording of commands.
 
 use super::barrier::ImageBarrier;
-use super::{ColorTarget, TilePipeline};
+use super::{ColorTarget, Comparison, TilePipeline};
 use ash::vk;
 use std::ops::Range;
 
@@ -75,6 +75,31 @@ impl<'a> Recorder<'a> {
         unsafe { self.device.cmd_copy_image(self.commands, from, source, to, target, regions) };
     }
 
+    /// Runs a comparison.
+    pub(crate) fn compare(&self, compare: &Compare<'_>) {
+        let (device, commands, compute) = (self.device, self.commands, vk::PipelineBindPoint::COMPUTE);
+        let sets = [compare.parameters, compare.textures[0], compare.textures[1]];
+        let layout = compare.comparison.layout();
+        // SAFETY: the command buffer is being recorded, outside of a render pass; the sets have the layouts of the pipeline, and
+        // one dynamic offset, which comes from the uniform's ring.
+        unsafe {
+            device.cmd_bind_pipeline(commands, compute, compare.comparison.handle());
+            device.cmd_bind_descriptor_sets(commands, compute, layout, 0, &sets, &[compare.offset]);
+            device.cmd_dispatch(commands, compare.groups, 1, 1);
+        }
+    }
+
+    /// Makes what compute shaders wrote to buffers visible to the host, once the submit has finished.
+    pub(crate) fn computed_to_host(&self) {
+        let info = vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::SHADER_WRITE)
+            .dst_access_mask(vk::AccessFlags::HOST_READ);
+        let (src, dst) = (vk::PipelineStageFlags::COMPUTE_SHADER, vk::PipelineStageFlags::HOST);
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: the command buffer is being recorded, outside of a render pass.
+        unsafe { self.device.cmd_pipeline_barrier(self.commands, src, dst, none, &[info], &[], &[]) };
+    }
+
     /// Records what `draw` draws to `target`, which is COLOR_ATTACHMENT_OPTIMAL and keeps its content.
     pub(crate) fn draw_to(&self, target: &ColorTarget, draw: impl FnOnce(&DrawRecorder)) {
         let info = vk::RenderPassBeginInfo::default()
@@ -90,6 +115,20 @@ impl<'a> Recorder<'a> {
         // SAFETY: the pass was begun above.
         unsafe { self.device.cmd_end_render_pass(self.commands) };
     }
+}
+
+/// A comparison to run.
+pub(crate) struct Compare<'a> {
+    /// How.
+    pub(crate) comparison: &'a Comparison,
+    /// Set 0.
+    pub(crate) parameters: vk::DescriptorSet,
+    /// Offset of its uniform, from its ring.
+    pub(crate) offset: u32,
+    /// Sets 1 and 2.
+    pub(crate) textures: [vk::DescriptorSet; 2],
+    /// How many workgroups.
+    pub(crate) groups: u32,
 }
 
 /// Recording within a render pass.

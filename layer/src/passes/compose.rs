@@ -18,9 +18,13 @@ pub use reuse::{EarlierImage, ReuseRegion};
 pub use runtime_images::{RUNTIME_USAGE, RuntimeImages};
 pub use shape::{SwapchainShape, stores_unit_range};
 
+use super::change::{Change, ChangeRegion, MAX_COMPARED};
 use crate::gpu::{Gpu, GpuError, UniformRing, UniformSet, Uses};
 use ash::vk;
 use draws::{Draws, EarlierImages};
+use parafovea_core::geometry::View;
+use parafovea_core::reuse::MAX_AGES;
+use parafovea_core::reuse::Reuse;
 use pipelines::{Pipelines, ReusePipelines};
 use record::{Sets, record};
 use reuse::ReuseBuffers;
@@ -58,6 +62,8 @@ pub struct ComposeJob<'a> {
     pub regions: &'a [ComposeRegion],
     /// What is completed from earlier pictures first; such rectangles do not overlap.
     pub reuse: &'a [ReuseRegion<'a>],
+    /// What is compared with earlier pictures, for [`Compose::changes`].
+    pub changes: &'a [ChangeRegion<'a>],
 }
 
 /// The pass.
@@ -66,9 +72,19 @@ pub struct Compose {
     uses: Uses,
     pipelines: Vec<(vk::Format, Pipelines)>,
     reuse: Option<ReuseBuffers>,
+    change: Changing,
     uniforms: UniformRing<ComposeParams>,
     uniform_set: UniformSet,
     gpu: Arc<Gpu>,
+}
+
+/// What compares pictures.
+enum Changing {
+    /// Nothing was to be compared yet.
+    NotYet,
+    There(Box<Change>),
+    /// It could not be made.
+    Never,
 }
 
 impl Compose {
@@ -79,7 +95,15 @@ impl Compose {
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, GpuError> {
         let uniforms = UniformRing::new(&gpu, MAX_REGIONS as u32)?;
         let uniform_set = UniformSet::new(&uniforms)?;
-        Ok(Self { uses: Uses::new(&gpu), pipelines: Vec::new(), reuse: None, uniforms, uniform_set, gpu })
+        Ok(Self {
+            uses: Uses::new(&gpu),
+            pipelines: Vec::new(),
+            reuse: None,
+            change: Changing::NotYet,
+            uniforms,
+            uniform_set,
+            gpu,
+        })
     }
 
     /// Whether swapchains of this format can be substituted.
@@ -108,7 +132,25 @@ impl Compose {
         if let Some((_, Pipelines { reuse: reuse @ None, .. })) = found {
             *reuse = Some(ReusePipelines::new(&self.gpu, format)?);
         }
+        self.prepare_change();
         Ok(())
+    }
+
+    /// Makes what compares pictures, if that can be.
+    fn prepare_change(&mut self) {
+        if matches!(self.change, Changing::NotYet) {
+            let made = Change::new(&self.gpu);
+            self.change = made.map_or_else(not_compared, |change| Changing::There(Box::new(change)));
+        }
+    }
+
+    /// Hands out what comparisons have found since the last call, of submits that have finished: of each picture its
+    /// [`ChangeRegion::view`], the tiles that were compared, and how much each of them changed
+    /// ([`parafovea_core::kernels::change::ChangeParams::change`]). Waits for nothing.
+    pub fn changes(&mut self, each: impl FnMut(&View, &[u32], &[f32])) {
+        if let Changing::There(change) = &mut self.change {
+            change.news(each);
+        }
     }
 
     /// Records all jobs and submits them at once on the binding's queue, without waiting for them. A steady
@@ -128,7 +170,9 @@ impl Compose {
         }
         let draws = Draws::new(jobs)?;
         self.make_room(&draws)?;
-        let Self { uniforms, uniform_set, pipelines, reuse, gpu, .. } = self;
+        self.make_room_for_changes(jobs);
+        let Self { uniforms, uniform_set, pipelines, reuse, change, gpu, .. } = self;
+        let mut slot = 0;
         let submit = gpu.submit(|recorder| {
             for (number, draw) in (0..).zip(draws.iter()) {
                 draw.offset.set(uniforms.write(recorder, number, &draw.params)?);
@@ -144,10 +188,17 @@ impl Compose {
             }
             let sets = Sets { plain: uniform_set, lists: reuse.as_ref().map(ReuseBuffers::set) };
             record(recorder, jobs, &draws, &sets, pipelines);
+            slot = recorder.slot();
+            if let Changing::There(change) = change {
+                change.record(recorder, jobs)?;
+            }
             Ok(())
         })?;
         if let Some(reuse) = &self.reuse {
             reuse.uses().mark(submit);
+        }
+        if let Changing::There(change) = &mut self.change {
+            change.submitted(slot, submit);
         }
         self.uses.mark(submit);
         for job in jobs {
@@ -155,6 +206,19 @@ impl Compose {
             job.runtime.uses().mark(submit);
         }
         Ok(())
+    }
+
+    /// Room for what is compared in a submit; without, nothing is compared any more.
+    fn make_room_for_changes(&mut self, jobs: &[ComposeJob]) {
+        if jobs.iter().all(|job| job.changes.is_empty()) {
+            return;
+        }
+        self.prepare_change();
+        if let Changing::There(change) = &mut self.change
+            && let Err(error) = change.make_room(jobs)
+        {
+            self.change = not_compared(error);
+        }
     }
 
     /// Room for the lists of a submit. What is not enough is replaced, after its last use was waited for.
@@ -203,28 +267,41 @@ fn check(jobs: &[ComposeJob]) -> Result<(), GpuError> {
         check_reuse(job)?;
     }
     let reused: usize = jobs.iter().map(|job| job.reuse.len()).sum();
-    if reused > MAX_REUSED {
+    let compared: usize = jobs.iter().map(|job| job.changes.len()).sum();
+    if reused > MAX_REUSED || compared > MAX_COMPARED {
         return Err(GpuError::Invalid("more regions than a submit has room for"));
     }
     Ok(())
 }
 
+fn not_compared(error: GpuError) -> Changing {
+    tracing::warn!("what changes in the periphery is not looked for: {error}");
+    Changing::Never
+}
+
 /// Refuses earlier pictures that are not where they are said to be.
 fn check_reuse(job: &ComposeJob) -> Result<(), GpuError> {
+    job.reuse.iter().try_for_each(|region| check_earlier(job, &region.reuse, &region.earlier))?;
+    job.changes.iter().try_for_each(|region| check_earlier(job, &region.reuse, &region.earlier))
+}
+
+fn check_earlier(
+    job: &ComposeJob,
+    reuse: &Reuse,
+    earlier: &[EarlierImage; MAX_AGES],
+) -> Result<(), GpuError> {
     let shape = job.app.shape();
-    for region in job.reuse {
-        for (picture, earlier) in region.reuse.pictures().zip(&region.earlier) {
-            let fits = |axis: usize, limit: u32| {
-                earlier.offset[axis].checked_add(picture.extent[axis]).is_some_and(|end| end <= limit)
-            };
-            let is_there = earlier.app_index != job.app_index
-                && (earlier.app_index as usize) < job.app.images().len().min(EarlierImages::MOST)
-                && earlier.array_layer < shape.array_layers
-                && fits(0, shape.extent.width)
-                && fits(1, shape.extent.height);
-            if !is_there {
-                return Err(GpuError::Invalid("an earlier picture that is not there"));
-            }
+    for (picture, earlier) in reuse.pictures().zip(earlier) {
+        let fits = |axis: usize, limit: u32| {
+            earlier.offset[axis].checked_add(picture.extent[axis]).is_some_and(|end| end <= limit)
+        };
+        let is_there = earlier.app_index != job.app_index
+            && (earlier.app_index as usize) < job.app.images().len().min(EarlierImages::MOST)
+            && earlier.array_layer < shape.array_layers
+            && fits(0, shape.extent.width)
+            && fits(1, shape.extent.height);
+        if !is_there {
+            return Err(GpuError::Invalid("an earlier picture that is not there"));
         }
     }
     Ok(())

@@ -258,6 +258,7 @@ fn submit(active: &Active, tools: &Tools, works: &mut Works) -> Result<(), GpuEr
         for work in works.iter_mut() {
             work.target.regions.clear();
             work.reuse.clear();
+            work.changes.clear();
         }
         submit(works)
     })

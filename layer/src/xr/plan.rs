@@ -5,7 +5,7 @@
 //! locate may wait for another process. No lock of ours is held meanwhile.
 
 use super::instance::next_of_any;
-use super::session::{self, Active, Health, Session};
+use super::session::{self, Active, Health, Session, Tools};
 use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
 use crate::config::{Config, GazeSource, PassRules, RatesBackend, gate_modes};
@@ -298,6 +298,10 @@ fn plan(session: &Session, active: &Active, time: xr::Time) {
     let look = session.gaze.look(session, &config, time);
     let head = session.head_in_world(time);
     let heard = state.ears().hear(&config);
+
+    if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {
+        compose.changes(|view, tiles, changes| state.planning().content_changed(view, tiles, changes));
+    }
 
     let mut planning = state.planning();
     let time = time.as_nanos();

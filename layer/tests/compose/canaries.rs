@@ -1,9 +1,9 @@
 //! Every barrier is needed, and validation would notice if it were missing.
 
 use crate::pictures::{picture, region};
-use crate::reuse;
 use crate::swapchain::{Swapchain, shape};
 use crate::vulkan::Vulkan;
+use crate::{change, reuse};
 use ash::vk;
 use glam::Vec3;
 use parafovea::gpu::barrier::{ALL, ImageBarrier};
@@ -28,6 +28,7 @@ fn frames(vulkan: &Vulkan) {
         swapchain.frame(vulkan, &mut compose, frame as u32 % 2, &layers, regions).unwrap();
     }
     reuse::in_turn(vulkan, &mut compose, 6);
+    change::in_turn(vulkan, &mut compose, 6);
 }
 
 #[test]
@@ -88,11 +89,14 @@ unsafe extern "system" fn pipeline_barrier(
 ) {
     let (_, next) = NEXT.lock().unwrap().unwrap();
     let dropped = DROPPED.lock().unwrap().unwrap();
-    // SAFETY: our recorder passes exactly one image barrier; everything else is passed on.
+    // SAFETY: our recorder passes one image barrier or none; everything else is passed on.
     unsafe {
-        let image = *images;
-        let signature = (image.old_layout, image.new_layout, src_stage, dst_stage);
-        if signature != (dropped.old_layout, dropped.new_layout, dropped.src_stage, dropped.dst_stage) {
+        let is_dropped = images.as_ref().is_some_and(|image| {
+            let signature = (image.old_layout, image.new_layout, src_stage, dst_stage);
+            image_count > 0
+                && signature == (dropped.old_layout, dropped.new_layout, dropped.src_stage, dropped.dst_stage)
+        });
+        if !is_dropped {
             next(
                 commands,
                 src_stage,

@@ -5,6 +5,7 @@
 
 mod allocations;
 mod canaries;
+mod change;
 mod failures;
 mod pictures;
 mod reuse;

@@ -17,17 +17,17 @@ use parafovea_core::kernels::compose::{EarlierPixels, PixelFormat, reuse_image};
 use parafovea_core::reuse::{MAX_AGES, Picture, Reuse, STALE, StaleTiles, TileLists};
 
 /// How many images the application has: one more than there are ages here.
-const IMAGES: u32 = 4;
+pub const IMAGES: u32 = 4;
 
 /// Of tiles that are older, parts are taken from newer pictures.
 const OLDEST: usize = 1;
 
 /// A picture with its pixels and stale tiles.
-struct Frame {
-    view: View,
-    extent: [u32; 2],
+pub struct Frame {
+    pub view: View,
+    pub extent: [u32; 2],
     stale: StaleTiles,
-    pixels: Vec<u8>,
+    pub pixels: Vec<u8>,
 }
 
 impl Frame {
@@ -55,11 +55,11 @@ impl Frame {
 }
 
 /// The newest frame and three before it, at this speed of the head, degrees a frame.
-fn frames(extent: [u32; 2], texel: u32, speed: f32) -> Vec<Frame> {
+pub fn frames(extent: [u32; 2], texel: u32, speed: f32) -> Vec<Frame> {
     (0..IMAGES).map(|age| Frame::new(extent, texel, age, speed * age as f32)).collect()
 }
 
-fn reuse(frames: &[Frame], turns: bool) -> Reuse<'_> {
+pub fn reuse(frames: &[Frame], turns: bool) -> Reuse<'_> {
     Reuse::new(frames[0].picture(), frames[1..].iter().map(Frame::picture), turns)
 }
 
@@ -251,7 +251,7 @@ pub fn in_turn(vulkan: &Vulkan, compose: &mut Compose, count: u32) {
 }
 
 /// Where the pictures before that of image `index` are.
-fn earlier_than(index: u32) -> [EarlierImage; MAX_AGES] {
+pub fn earlier_than(index: u32) -> [EarlierImage; MAX_AGES] {
     std::array::from_fn(|age| EarlierImage {
         app_index: (index + IMAGES - 1 - (age % 3) as u32) % IMAGES,
         ..EarlierImage::default()

@@ -58,6 +58,7 @@ impl Swapchain {
             runtime_index: (index + 1) % 2,
             regions,
             reuse: &[],
+            changes: &[],
         }
     }
 

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::camera::Camera;
 use crate::renderer::{FoveatedImage, Foveation, Foveator, Pass, Rect, Renderer, depth_buffer};
-use crate::scene::SceneName;
+use crate::scene::{SceneName, time_of};
 
 /// A renderer with an image of its own to draw into.
 #[derive(Debug)]
@@ -86,7 +86,7 @@ impl Offscreen {
     /// # Errors
     /// If the device is lost.
     pub fn draw_gazing(&mut self, frame: u64, cameras: &[Camera], gaze: Vec3) -> Result<()> {
-        self.renderer.prepare(frame, cameras);
+        self.renderer.prepare(time_of(frame), false, cameras);
         let width = self.image.width() / cameras.len() as u32;
         let rects: Vec<_> = (0..cameras.len())
             .map(|index| Rect { x: width * index as u32, y: 0, width, height: self.image.height() })

@@ -22,12 +22,30 @@ pub struct Options {
     /// Nothing is animated: every frame shows what the first one does.
     #[arg(long)]
     pub still: bool,
+    /// How fast the animation goes: 1 as it is meant.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = parse_pace)]
+    pub pace: f64,
+    /// All lights go out with the frame of this number, as in a cut to another scene.
+    #[arg(long, value_name = "N")]
+    pub lights_out: Option<u64>,
     /// Number of point lights; each costs about the same [default: as many as the scene has].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(lights::MAX)))]
     pub lights: Option<u32>,
     /// How the eyes' images are arranged in swapchains.
     #[arg(long, value_enum, default_value_t = Arrangement::Separate)]
     pub swapchain: Arrangement,
+    /// Make the eyes' swapchains anew, as --change-to and --change-size say, before the frame of this number.
+    #[arg(long, value_name = "N")]
+    pub change_at: Option<u64>,
+    /// How the eyes' images are arranged from then on [default: as before].
+    #[arg(long, value_enum, requires = "change_at")]
+    pub change_to: Option<Arrangement>,
+    /// Size of one eye's image from then on [default: as before].
+    #[arg(long, value_name = "WxH", value_parser = parse_size, requires = "change_at")]
+    pub change_size: Option<[u32; 2]>,
+    /// How many sessions to run, one after the other.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub sessions: u32,
     /// Format of the eyes' images.
     #[arg(long, value_enum, default_value_t = ColourFormat::Srgb)]
     pub format: ColourFormat,
@@ -76,6 +94,13 @@ impl Options {
     /// How many lights to draw with.
     pub fn light_count(&self) -> u32 {
         self.lights.unwrap_or(self.scene.definition().default_lights)
+    }
+}
+
+fn parse_pace(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(pace @ 0.0..=10.0) => Ok(pace),
+        _ => Err(format!("{text:?} is not a number from 0 to 10")),
     }
 }
 

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::camera::Camera;
-use crate::scene::{Material, Scene, SceneName, time_of};
+use crate::scene::{Material, Scene, SceneName};
 
 use self::buffers::Buffers;
 pub use self::foveation::{FOVEATION_SHADER, FoveatedImage, Foveation, Foveator, Radii};
@@ -98,11 +98,10 @@ impl Renderer {
         }
     }
 
-    /// Writes what a frame needs: its cameras, and lights and moving things as of its animation time. At
-    /// most [`MAX_CAMERAS`] cameras are taken.
-    pub fn prepare(&mut self, frame: u64, cameras: &[Camera]) {
-        let time = time_of(frame);
-        let lights = self.scene.lights(time, self.light_count);
+    /// Writes what a frame needs: its cameras, and lights, unless it is dark, and moving things as of its animation time, seconds.
+    /// At most [`MAX_CAMERAS`] cameras are taken.
+    pub fn prepare(&mut self, time: f64, is_dark: bool, cameras: &[Camera]) {
+        let lights = self.scene.lights(time, if is_dark { 0 } else { self.light_count });
         let placements = self.scene.placements(time, &lights);
         self.buffers.write(&self.queue, time, cameras, &lights, &placements);
         self.draws.clear();

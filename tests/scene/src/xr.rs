@@ -18,7 +18,7 @@ use self::swapchain::{BOARD_POSE, BOARD_SIZE, Swapchain};
 use crate::camera::Camera;
 use crate::options::Options;
 use crate::renderer::Renderer;
-use crate::scene::text;
+use crate::scene::{FRAMES_PER_SECOND, text};
 
 const VIEW_TYPE: xr::ViewConfigurationType = xr::ViewConfigurationType::PRIMARY_STEREO;
 /// Height of a standing visitor's eyes in metres, for runtimes without a stage.
@@ -33,9 +33,22 @@ pub fn run(options: &Options) -> Result<u64> {
     let instance = create_instance(options)?;
     let system = instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).context("no headset")?;
     let graphics = Graphics::new(&instance, system)?;
-    let mut app = App::new(options, &instance, system, &graphics)?;
-    app.run_session(&instance)?;
-    Ok(app.frame)
+    let mut frames = 0;
+    for _ in 0..options.sessions {
+        let mut app = App::new(options, &instance, system, &graphics)?;
+        app.run_session(&instance)?;
+        frames += app.frame;
+    }
+    Ok(frames)
+}
+
+/// The options from the change of swapchains on, where eyes had `size` before.
+fn changed(options: &Options, size: [u32; 2]) -> Options {
+    Options {
+        swapchain: options.change_to.unwrap_or(options.swapchain),
+        size: Some(options.change_size.unwrap_or(size)),
+        ..options.clone()
+    }
 }
 
 fn create_instance(options: &Options) -> Result<xr::Instance> {
@@ -82,8 +95,12 @@ struct App {
     frame: u64,
     /// What to add to that for the animation's clock.
     first_frame: u64,
-    /// Whether that clock stands still.
-    is_still: bool,
+    /// How fast that clock goes; 0: it stands still.
+    pace: f64,
+    /// The frame from which on no light is lit.
+    lights_out: Option<u64>,
+    /// When the swapchains are made anew, how, and in which format.
+    change: Option<(u64, Options, wgpu::TextureFormat)>,
     /// When to ask for the end.
     last_frame: Option<u64>,
     exit_requested: bool,
@@ -128,7 +145,9 @@ impl App {
             blend_mode: blend_modes.first().copied().unwrap_or(xr::EnvironmentBlendMode::OPAQUE),
             frame: 0,
             first_frame: options.first_frame,
-            is_still: options.still,
+            pace: if options.still { 0.0 } else { options.pace },
+            lights_out: options.lights_out,
+            change: options.change_at.map(|at| (at, changed(options, size), format)),
             last_frame: options.frames,
             exit_requested: false,
         })
@@ -194,9 +213,11 @@ impl App {
     }
 
     fn render(&mut self, time: xr::Time, views: &[xr::View]) -> Result<()> {
+        self.change_swapchains()?;
         let cameras: Vec<_> = views.iter().map(camera).collect();
-        let animated = if self.is_still { 0 } else { self.frame };
-        self.renderer.prepare(self.first_frame + animated, &cameras);
+        let animation_time = (self.first_frame as f64 + self.pace * self.frame as f64) / FRAMES_PER_SECOND;
+        let is_dark = self.lights_out.is_some_and(|from| self.frame >= from);
+        self.renderer.prepare(animation_time, is_dark, &cameras);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.projection.acquire()?;
         let gaze = match &mut self.input {
@@ -218,6 +239,18 @@ impl App {
         }
         self.submit(time, views)?;
         self.frame += 1;
+        Ok(())
+    }
+
+    /// Makes the swapchains anew before the frame that is to begin with new ones.
+    fn change_swapchains(&mut self) -> Result<()> {
+        let Some((_, options, format)) = self.change.take_if(|(at, ..)| *at <= self.frame) else {
+            return Ok(());
+        };
+        self.device.poll(wgpu::PollType::wait_indefinitely())?;
+        let size = options.size.context("a size")?;
+        let devices = (&self.device, &self.queue);
+        self.projection = Projection::new(&self.session, devices, &options, format, size)?;
         Ok(())
     }
 

@@ -26,7 +26,8 @@ impl PixelFormat {
         matches!(self, Self::Bgra8Srgb | Self::Bgra8Unorm)
     }
 
-    pub(super) fn decode(self, texel: &[u8]) -> Vec3 {
+    /// Colour in linear light of a texel of four bytes.
+    pub fn decode(self, texel: &[u8]) -> Vec3 {
         let linear = |byte: u8| {
             let value = f32::from(byte) / 255.0;
             if self.is_srgb() { srgb_to_linear(value) } else { value }

@@ -1,8 +1,5 @@
 use super::*;
 
-const GOOD: Evidence =
-    Evidence { in_history: true, eccentricity_deg: 20.0, shift_arcmin: 0.0, content_change: 0.0 };
-
 #[test]
 fn the_visible_shift_grows_with_eccentricity() {
     for (eccentricity_deg, shift) in
@@ -13,30 +10,36 @@ fn the_visible_shift_grows_with_eccentricity() {
 }
 
 #[test]
-fn evidence_is_judged() {
-    let settings = RefreshSettings::default();
-    let judge = |evidence| settings.judge(&evidence);
-    assert_eq!(judge(GOOD), Refresh::Unneeded);
-    assert_eq!(judge(Evidence { in_history: false, ..GOOD }), Refresh::Required);
-    // 1.25 + 26.4 arc minutes are seen at 20 degrees.
-    assert_eq!(judge(Evidence { shift_arcmin: 27.6, ..GOOD }), Refresh::Unneeded);
-    assert!(matches!(judge(Evidence { shift_arcmin: 2.0 * 27.65, ..GOOD }), Refresh::Wanted(need)
-        if (need - 2.0).abs() < 1e-5));
-    assert_eq!(judge(Evidence { content_change: 0.049, ..GOOD }), Refresh::Unneeded);
-    assert_eq!(judge(Evidence { content_change: 0.2, ..GOOD }), Refresh::Wanted(4.0));
-    assert_eq!(
-        judge(Evidence { shift_arcmin: 2.0 * 27.65, content_change: 0.2, ..GOOD }),
-        Refresh::Wanted(4.0)
-    );
-    for evidence in [
-        Evidence { shift_arcmin: f32::NAN, ..GOOD },
-        Evidence { content_change: f32::NAN, ..GOOD },
-        Evidence { content_change: f32::INFINITY, ..GOOD },
-    ] {
-        assert_eq!(judge(evidence), Refresh::Wanted(f32::INFINITY));
+fn the_visible_change_is_that_of_the_sensitivity_and_grows_with_eccentricity() {
+    let visible = VisibleChange::new(0.7);
+    let stimulus = Stimulus {
+        frequency_cpd: 0.5 / 0.7,
+        temporal_hz: 8.0,
+        eccentricity_deg: 20.0,
+        luminance_cd_m2: 50.0,
+        area_deg2: 4.0,
+    };
+    let sensitivity = crate::perception::csf::castle::achromatic(&stimulus, VisualField::Worst);
+    assert!((visible.at(20.0) * sensitivity / 2.0 - 1.0).abs() < 1e-4);
+    // Of the order of what is known of large flickering fields: a few percent beside the fovea, tens far out.
+    assert!((0.01..0.1).contains(&visible.at(10.0)), "{}", visible.at(10.0));
+    assert!((0.1..1.0).contains(&visible.at(35.0)), "{}", visible.at(35.0));
+    for width_deg in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        let change = VisibleChange::new(width_deg).at(20.0);
+        assert!(change > 0.0 && change.is_finite(), "{change} for {width_deg}");
     }
-    let broken = RefreshSettings { content_change: 0.0, ..settings };
-    assert_eq!(broken.judge(&GOOD), Refresh::Wanted(f32::INFINITY));
+}
+
+#[test]
+fn changes_are_judged_by_what_is_seen() {
+    let (settings, visible) = (RefreshSettings::default(), VisibleChange::new(0.7));
+    let threshold = 0.5 * visible.at(20.0);
+    assert!((settings.need(3.0 * threshold, &visible, 20.0) - 3.0).abs() < 1e-4);
+    assert!(settings.need(threshold, &visible, 10.0) > settings.need(threshold, &visible, 30.0));
+    assert_eq!(settings.need(0.0, &visible, 20.0), 0.0);
+    assert_eq!(settings.need(f32::NAN, &visible, 20.0), f32::INFINITY);
+    let broken = RefreshSettings { change: 0.0, ..settings };
+    assert_eq!(broken.need(0.0, &visible, 20.0), f32::INFINITY);
 }
 
 #[test]

@@ -82,7 +82,7 @@ impl AppImages {
         &self.handles
     }
 
-    pub(super) fn shape(&self) -> &SwapchainShape {
+    pub(in crate::passes) fn shape(&self) -> &SwapchainShape {
         &self.shape
     }
 
@@ -91,7 +91,7 @@ impl AppImages {
     }
 
     /// What reads a layer of an image.
-    pub(super) fn texture(&self, image: u32, layer: u32) -> Option<vk::DescriptorSet> {
+    pub(in crate::passes) fn texture(&self, image: u32, layer: u32) -> Option<vk::DescriptorSet> {
         self.textures.get((image * self.shape.array_layers + layer) as usize)
     }
 }

@@ -30,6 +30,11 @@ pub unsafe fn complete<'a>(
     let how = Completing { oldest: longest_period(&config) as usize, ..how };
     // SAFETY: the caller vouches for `info`.
     let scene = unsafe { only_projection(info) };
+    let watched = {
+        let planning = active.plan.planning();
+        let is_watched = wants_reuse && config.reuse.refresh;
+        [0, 1].map(|eye| planning.watched(eye).filter(|_| is_watched))
+    };
     let mut kept = [false; 2];
     for eye in 0..2 {
         let shown = scene.as_ref().and_then(|scene| picture(scene, eye, info.display_time, works));
@@ -58,6 +63,10 @@ pub unsafe fn complete<'a>(
             history.show(eye, None, |_| false, |_, _| {});
         }
         history.complete(eye, how);
+        match &watched[eye] {
+            Some(watched) => history.compare(eye, how, |direction| watched.is_watched(direction)),
+            None => history.compare_nothing(eye),
+        }
         if kept[eye] && wants_reuse {
             active.plan.planning().history_kept(eye);
         }
@@ -69,6 +78,9 @@ pub unsafe fn complete<'a>(
             .and_then(|view| works.iter_mut().find(|work| work.swapchain.handle == view.sub_image.swapchain));
         if let Some(work) = work {
             work.reuse.extend(history.region(eye, how));
+            let changes =
+                watched[eye].as_ref().map(|watched| history.changes(eye, how, watched.orientation()));
+            work.changes.extend(changes.flatten());
         }
     }
 }

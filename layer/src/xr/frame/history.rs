@@ -3,11 +3,13 @@
 //! A picture is kept from the frame that shows it first, with the pose and field of view of then and the tiles that its passes
 //! left out, until the application draws to its image again. Nothing is copied, and what was re-used is never re-used again.
 
+use crate::passes::change::ChangeRegion;
 use crate::passes::compose::{EarlierImage, ReuseRegion};
 use ash::vk;
+use glam::{Quat, Vec2, Vec3};
 use openxr_sys as xr;
-use parafovea_core::geometry::View;
-use parafovea_core::reuse::{MAX_AGES, Picture, Reuse, StaleTiles, TileLists};
+use parafovea_core::geometry::{ImagePlane, View};
+use parafovea_core::reuse::{ComparedTiles, MAX_AGES, Picture, Reuse, StaleTiles, TileLists};
 use std::array;
 
 /// Pictures that are further apart than this, nanoseconds, are not of one run: the application paused, or was hidden.
@@ -98,6 +100,39 @@ impl History {
         }
     }
 
+    /// Works out which tiles of the newest picture of an eye are compared with earlier ones: those that were rendered, and whose
+    /// middle looks in a direction, in the view's space, of which `is_wanted` says so; none where `how` does not turn pictures.
+    pub fn compare(&mut self, eye: usize, how: Completing, is_wanted: impl Fn(Vec3) -> bool) {
+        let EyeHistory { pictures, len, compared, .. } = &mut self.eyes[eye];
+        compared.clear();
+        let Some((newest, earlier)) = pictures[..*len].split_first().filter(|_| how.turns) else { return };
+        let reuse = Reuse::new(newest.picture(), earlier.iter().map(Kept::picture), how.turns);
+        let plane = of_tiles(&reuse);
+        compared.update(&reuse, how.oldest, |[column, row]| {
+            is_wanted(plane.direction(Vec2::new(column as f32, row as f32) + 0.5))
+        });
+    }
+
+    /// Compares nothing of an eye.
+    pub fn compare_nothing(&mut self, eye: usize) {
+        self.eyes[eye].compared.clear();
+    }
+
+    /// What [`Self::compare`] worked out, of a view that is turned so in the world; none where there is nothing to compare.
+    pub fn changes(&self, eye: usize, how: Completing, orientation: Quat) -> Option<ChangeRegion<'_>> {
+        let EyeHistory { pictures, len, compared, .. } = &self.eyes[eye];
+        let (newest, earlier) = pictures[..*len].split_first().filter(|_| compared.count() > 0)?;
+        let reuse = Reuse::new(newest.picture(), earlier.iter().map(Kept::picture), how.turns);
+        Some(ChangeRegion {
+            array_layer: newest.image.array_layer,
+            offset: newest.image.offset,
+            tiles: compared,
+            earlier: earlier_images(&pictures[..*len]),
+            view: View { orientation, plane: of_tiles(&reuse) },
+            reuse,
+        })
+    }
+
     /// What [`Self::complete`] worked out; none where the newest picture is whole.
     pub fn region(&self, eye: usize, how: Completing) -> Option<ReuseRegion<'_>> {
         let EyeHistory { pictures, len, lists, .. } = &self.eyes[eye];
@@ -112,13 +147,15 @@ impl History {
                 extent: vk::Extent2D { width, height },
             },
             lists,
-            earlier: array::from_fn(|age| {
-                pictures.get(age + 1).map_or_else(EarlierImage::default, |kept| kept.image)
-            }),
+            earlier: earlier_images(pictures),
             border: how.border_of(&reuse),
             reuse,
         })
     }
+}
+
+fn earlier_images(pictures: &[Kept]) -> [EarlierImage; MAX_AGES] {
+    array::from_fn(|age| pictures.get(age + 1).map_or_else(EarlierImage::default, |kept| kept.image))
 }
 
 /// Of one eye.
@@ -130,6 +167,7 @@ struct EyeHistory {
     /// The swapchain and the space of all of them.
     of: Option<(u64, xr::Space)>,
     lists: TileLists,
+    compared: ComparedTiles,
 }
 
 /// One picture.
@@ -197,6 +235,12 @@ impl EyeHistory {
         self.pictures.insert(0, Kept::new(shown, tiles));
         self.len = (self.len + 1).min(self.pictures.len());
     }
+}
+
+/// The image of a picture, one of tiles in place of pixels.
+fn of_tiles(reuse: &Reuse) -> ImagePlane {
+    let now = reuse.now();
+    ImagePlane { step: now.view.plane.step / now.tiles_per_pixel(), ..now.view.plane }
 }
 
 /// Of pictures, the newest first, where something of that is stale.

@@ -2,6 +2,7 @@
 
 use super::history::ShownPicture;
 use super::regions::{Images, fov, orientation, rect_within, region};
+use crate::passes::change::ChangeRegion;
 use crate::passes::compose::{ComposeJob, ReuseRegion};
 use crate::xr::dispatch::Next;
 use crate::xr::swapchain::{Newest, Substitute, Swapchain, Target};
@@ -22,6 +23,8 @@ pub struct Work<'a> {
     pub is_projected: bool,
     /// What is completed from earlier pictures.
     pub reuse: SmallVec<[ReuseRegion<'a>; 2]>,
+    /// What is compared with earlier pictures.
+    pub changes: SmallVec<[ChangeRegion<'a>; 2]>,
     substitute: &'a Substitute,
     newest: Newest,
     runtime_index: u32,
@@ -39,6 +42,7 @@ impl<'a> Work<'a> {
             target,
             is_projected: false,
             reuse: SmallVec::new(),
+            changes: SmallVec::new(),
             substitute,
             newest,
             runtime_index: 0,
@@ -141,6 +145,7 @@ impl<'a> Work<'a> {
             runtime_index: self.runtime_index,
             regions: &self.target.regions,
             reuse: &self.reuse,
+            changes: &self.changes,
         })
     }
 

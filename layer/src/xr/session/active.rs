@@ -68,6 +68,11 @@ impl Active {
         self.tools.get_or_init(make_or_log).as_ref()
     }
 
+    /// Our objects on the device, if they were made.
+    pub fn made_tools(&self) -> Option<&Tools> {
+        self.tools.get()?.as_ref()
+    }
+
     /// What its frames showed last.
     pub fn history(&self) -> MutexGuard<'_, History> {
         self.history.lock().unwrap_or_else(PoisonError::into_inner)
@@ -92,5 +97,10 @@ impl Tools {
     /// The pass.
     pub fn compose(&self) -> MutexGuard<'_, Compose> {
         self.compose.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The pass, unless another thread has it.
+    pub fn free_compose(&self) -> Option<MutexGuard<'_, Compose>> {
+        self.compose.try_lock().ok()
     }
 }

@@ -102,6 +102,31 @@ fn what_does_not_belong_together_begins_anew() {
     assert_eq!(ages(&history), 2, "a few frames were left out");
 }
 
+#[test]
+fn what_was_rendered_is_compared() {
+    let mut history = History::default();
+    let still = |number: u64| ShownPicture { view: shown(1).view, ..shown(number) };
+    history.show(0, Some(&still(1)), ALWAYS, nothing_is_stale);
+    history.show(0, Some(&still(2)), ALWAYS, left_half_is_stale);
+    history.show(0, Some(&still(3)), ALWAYS, left_half_is_stale);
+    history.compare(0, Completing::TURNED, |_| true);
+    let orientation = Quat::from_rotation_y(0.5);
+    let region = history.changes(0, Completing::TURNED, orientation).unwrap();
+    assert_eq!((region.offset, region.view.orientation), ([64, 0], orientation));
+    assert_eq!((region.tiles.count(), region.tiles.with_age(2).len()), (4, 4));
+    assert!(region.tiles.with_age(2).iter().all(|word| word & 0xffff >= 2), "the right half");
+    // The middle of the picture is that of its four by two tiles.
+    let middle = region.view.plane.direction(Vec2::new(2.0, 1.0));
+    assert!(middle.truncate().length() < 1e-5, "{middle}");
+    history.compare(0, Completing::TURNED, |direction| direction.x < 0.0);
+    assert!(history.changes(0, Completing::TURNED, orientation).is_none(), "nothing of the left half");
+    history.compare(0, Completing::PAPER, |_| true);
+    assert!(history.changes(0, Completing::PAPER, orientation).is_none(), "never in the paper's mode");
+    history.compare(0, Completing::TURNED, |_| true);
+    history.compare_nothing(0);
+    assert!(history.changes(0, Completing::TURNED, orientation).is_none());
+}
+
 /// Resolution and field of view may change: every picture has its own.
 #[test]
 fn another_rectangle_goes_on() {

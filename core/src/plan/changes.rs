@@ -1,0 +1,72 @@
+//! Where the content of the periphery changes, by what the pictures showed.
+
+use crate::geometry::{View, eccentricity};
+use crate::schedule::refresh::{RefreshSettings, VisibleChange};
+use crate::schedule::{Activity, Cell, CellAges};
+use glam::{Vec2, Vec3};
+
+/// What is refreshed because it changes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Changes {
+    settings: RefreshSettings,
+    /// Present from the first change on.
+    activity: Option<Activity>,
+    /// Where the eyes look in the world, by the newest plan.
+    gazes: [Vec3; 2],
+    /// The frame that is planned, and how many cells were refreshed in it.
+    granted: (u64, usize),
+}
+
+/// The points of a tile whose cells it touches, parts of its sides: tiles of up to three degrees have no cell in between.
+const POINTS: [f32; 3] = [0.0, 0.5, 1.0];
+
+impl Changes {
+    /// Some tiles of a picture were compared.
+    pub(super) fn seen(&mut self, view: &View, tiles: impl ExactSizeIterator<Item = (u32, f32)>) {
+        let compared = tiles.len();
+        // A part of a tile is half as wide.
+        let visible = VisibleChange::new((view.plane.step.abs().min_element() / 2.0).atan().to_degrees());
+        let mut changed = 0;
+        for (word, change) in tiles {
+            let tile = Vec2::new((word & 0xffff) as f32, (word >> 16) as f32);
+            let direction = |point: Vec2| view.orientation * view.plane.direction(tile + point);
+            let middle = direction(Vec2::splat(0.5));
+            let least =
+                self.gazes.map(|gaze| eccentricity(middle, gaze)).into_iter().fold(f32::MAX, f32::min);
+            let need = self.settings.need(change, &visible, least.to_degrees());
+            if need <= 1.0 {
+                continue;
+            }
+            changed += 1;
+            let activity = self.activity.get_or_insert_default();
+            for (x, y) in POINTS.into_iter().flat_map(|y| POINTS.map(|x| (x, y))) {
+                if let Some(cell) = Cell::of(direction(Vec2::new(x, y))) {
+                    activity.changed(cell, need, self.settings.hold_frames);
+                }
+            }
+        }
+        if self.settings.is_scene_cut(changed, compared)
+            && let Some(activity) = &mut self.activity
+        {
+            activity.cut();
+        }
+    }
+
+    /// Refreshes what changes, in a frame that has begun in `ages`; whether anything is.
+    pub(super) fn refresh(&mut self, frame: u64, gazes: [Vec3; 2], ages: &mut CellAges) -> bool {
+        self.gazes = gazes;
+        if self.granted.0 != frame {
+            self.granted = (frame, 0);
+        }
+        let Some(activity) = &mut self.activity else {
+            ages.finish(0);
+            return false;
+        };
+        let is_cut = activity.ask(frame, ages);
+        self.granted.1 += ages.finish(self.settings.limit_cells.saturating_sub(self.granted.1));
+        is_cut || self.granted.1 > 0
+    }
+}
+
+#[cfg(test)]
+mod tests;

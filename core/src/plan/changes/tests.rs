@@ -1,0 +1,102 @@
+use super::*;
+use crate::geometry::Fov;
+use crate::schedule::{Phase, Regions, Schedule, UpdateConfiguration};
+use glam::Quat;
+use std::iter;
+
+const SCHEDULE: Schedule = Schedule {
+    regions: Regions { radii_deg: [6.3, 9.1, 18.1, 31.1] },
+    configuration: UpdateConfiguration::F11223,
+    phase: Phase::Staggered,
+};
+
+/// 60 x 60 tiles of about 1.7 degrees.
+fn view(yaw_deg: f32) -> View {
+    let fov = Fov { left: -0.9, right: 0.9, up: 0.9, down: -0.9 };
+    View { orientation: Quat::from_rotation_y(yaw_deg.to_radians()), plane: fov.tangents().plane([60; 2]) }
+}
+
+fn word(tile: [u32; 2]) -> u32 {
+    tile[0] | tile[1] << 16
+}
+
+/// The cell in the middle of a tile.
+fn cell(view: &View, [x, y]: [u32; 2]) -> Cell {
+    let point = Vec2::new(x as f32, y as f32) + 0.5;
+    Cell::of(view.orientation * view.plane.direction(point)).unwrap()
+}
+
+fn refresh(changes: &mut Changes, ages: &mut CellAges, frame: u64) -> bool {
+    ages.advance(&SCHEDULE, frame, [Vec3::NEG_Z; 2]);
+    changes.refresh(frame, [Vec3::NEG_Z; 2], ages)
+}
+
+/// What is found in a picture whose head has turned on since is refreshed where it is in the world.
+#[test]
+fn what_changes_visibly_is_refreshed_where_it_is() {
+    let (mut ages, mut changes) = (CellAges::new(), Changes::default());
+    (0..3).for_each(|frame| assert!(!refresh(&mut changes, &mut ages, frame)));
+    let seen = view(20.0);
+    let tiles = [([5, 30], 5.0), ([50, 8], 1e-3), ([40, 40], 0.0)];
+    let quiet = (0..57).map(|column| (word([column, 59]), 0.0));
+    let all: Vec<_> = tiles.iter().map(|(tile, change)| (word(*tile), *change)).chain(quiet).collect();
+    changes.seen(&seen, all.into_iter());
+    for frame in 3..6 {
+        assert!(refresh(&mut changes, &mut ages, frame));
+        assert!(ages.is_due(cell(&seen, [5, 30]), 0) && ages.is_due(cell(&seen, [5, 30]), 1));
+    }
+    let often = |tile| {
+        let (mut ages, mut changes) = (ages.clone(), changes.clone());
+        (6..9)
+            .filter(|frame| {
+                refresh(&mut changes, &mut ages, *frame);
+                ages.is_due(cell(&seen, tile), 0)
+            })
+            .count()
+    };
+    assert_eq!((often([5, 30]), often([50, 8])), (3, 1));
+}
+
+#[test]
+fn two_plans_of_a_frame_refresh_no_more_than_one() {
+    let (mut ages, mut changes) = (CellAges::new(), Changes::default());
+    (0..3).for_each(|frame| _ = refresh(&mut changes, &mut ages, frame));
+    changes.settings.limit_cells = 20;
+    changes.settings.cut_share = 2.0;
+    let due = |ages: &CellAges| {
+        (0..60)
+            .flat_map(|y| (0..60).map(move |x| [x, y]))
+            .filter(|tile| ages.is_due(cell(&view(0.0), *tile), 0))
+            .count()
+    };
+    let everything =
+        || (0..60u32).flat_map(|y| (0..60).map(move |x| (word([x, y]), 9.0))).collect::<Vec<_>>();
+    changes.seen(&view(0.0), everything().into_iter());
+    refresh(&mut changes, &mut ages, 3);
+    let once = due(&ages);
+    changes.seen(&view(0.0), everything().into_iter());
+    refresh(&mut changes, &mut ages, 3);
+    assert_eq!(due(&ages), once);
+    assert_eq!(changes.granted, (3, 20));
+}
+
+#[test]
+fn a_scene_cut_refreshes_everything_at_once() {
+    let (mut ages, mut changes) = (CellAges::new(), Changes::default());
+    (0..4).for_each(|frame| _ = refresh(&mut changes, &mut ages, frame));
+    changes.seen(
+        &view(0.0),
+        (0..100).map(|index| (word([index % 60, index / 60]), 3.0)).collect::<Vec<_>>().into_iter(),
+    );
+    assert!(refresh(&mut changes, &mut ages, 4));
+    let behind = Cell::of(Vec3::Z).unwrap();
+    assert!(ages.is_due(behind, 0) && ages.is_due(behind, 1), "even what was not seen");
+}
+
+#[test]
+fn what_is_not_compared_changes_nothing() {
+    let (mut ages, mut changes) = (CellAges::new(), Changes::default());
+    changes.seen(&view(0.0), iter::empty::<(u32, f32)>().collect::<Vec<_>>().into_iter());
+    assert!(!refresh(&mut changes, &mut ages, 0));
+    assert!(changes.activity.is_none(), "and takes no memory");
+}

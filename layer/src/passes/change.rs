@@ -1,0 +1,231 @@
+//! `change`: how much what tiles show differs from what earlier pictures show in the same directions.
+//!
+//! Recorded with [`super::compose`], whose earlier pictures it looks at. The host reads the results some frames later, once the
+//! submit has finished: nobody waits for them.
+
+pub use parafovea_core::kernels::change::ChangeParams;
+
+use super::compose::{ComposeJob, EarlierImage};
+use crate::gpu::barrier::{APP_COMPARED_TO_RENDERED, APP_RENDERED_TO_COMPARED};
+use crate::gpu::{
+    Compare, CompareSet, Comparison, Gpu, GpuError, Recorder, ResultRing, SUBMITS_IN_FLIGHT, UniformRing,
+    Uses, WordRing,
+};
+use parafovea_core::geometry::View;
+use parafovea_core::reuse::{ComparedTiles, MAX_AGES, Reuse};
+use smallvec::SmallVec;
+use std::sync::Arc;
+
+const SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/change.spv"));
+
+/// Tiles of a workgroup. The shader has the same number.
+const THREADS: u32 = 64;
+
+/// Most regions in one submit that are compared: the eyes' views of four projection layers.
+pub const MAX_COMPARED: usize = 8;
+
+/// A rectangle of one array layer whose tiles are compared with earlier pictures.
+#[derive(Clone, Copy, Debug)]
+pub struct ChangeRegion<'a> {
+    /// The array layer.
+    pub array_layer: u32,
+    /// First pixel of the rectangle.
+    pub offset: [u32; 2],
+    /// The picture, and the earlier ones.
+    pub reuse: Reuse<'a>,
+    /// Which tiles.
+    pub tiles: &'a ComparedTiles,
+    /// Where the earlier pictures are, for each of [`Reuse::ages`].
+    pub earlier: [EarlierImage; MAX_AGES],
+    /// How the picture is looked at: given back with the results.
+    pub view: View,
+}
+
+/// The pass.
+pub(super) struct Change {
+    comparison: Comparison,
+    room: Option<Room>,
+    /// What is under way, by slot.
+    pending: [Pending; SUBMITS_IN_FLIGHT],
+    results: Vec<f32>,
+    gpu: Arc<Gpu>,
+}
+
+/// Room for the parameters, lists and results of a submit.
+struct Room {
+    // First: waits before the rest is destroyed.
+    uses: Uses,
+    set: CompareSet,
+    params: UniformRing<ChangeParams>,
+    words: WordRing,
+    results: ResultRing,
+}
+
+/// What a submit compares.
+#[derive(Default)]
+struct Pending {
+    /// Its number; 0: there is none, or its results were read.
+    submit: u64,
+    /// Where its results begin.
+    place: u32,
+    /// How its pictures are looked at, and how many tiles of each are compared.
+    views: SmallVec<[(View, usize); MAX_COMPARED]>,
+    /// The tiles of all.
+    tiles: Vec<u32>,
+}
+
+impl Change {
+    /// Prepares the pass.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(super) fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
+        Ok(Self {
+            comparison: Comparison::new(gpu, SPIRV, c"change")?,
+            room: None,
+            pending: Default::default(),
+            results: Vec::new(),
+            gpu: Arc::clone(gpu),
+        })
+    }
+
+    /// Room for what jobs compare. What is not enough is replaced, after its last use was waited for, and what it held is lost.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(super) fn make_room(&mut self, jobs: &[ComposeJob]) -> Result<(), GpuError> {
+        let needed: usize = compared(jobs).map(|(_, region)| region.tiles.count()).sum();
+        if needed == 0 || self.room.as_ref().is_some_and(|room| needed <= room.words.per_submit() as usize) {
+            return Ok(());
+        }
+        self.pending.iter_mut().for_each(|pending| pending.submit = 0);
+        self.room = None;
+        // Were each tile fresh.
+        let tiles = |region: &ChangeRegion| {
+            let [columns, rows] = region.reuse.now().stale.tiles();
+            columns as usize * rows as usize
+        };
+        let most: usize = compared(jobs).map(|(_, region)| tiles(region)).sum();
+        let count =
+            u32::try_from(most.next_power_of_two()).map_err(|_| GpuError::Unsupported("so many tiles"))?;
+        let params = UniformRing::new(&self.gpu, (MAX_COMPARED * MAX_AGES) as u32)?;
+        let (words, results) = (WordRing::new(&self.gpu, count)?, ResultRing::new(&self.gpu, count)?);
+        let set = CompareSet::new(&params, &words, &results)?;
+        let lists = self.pending.iter_mut().map(|pending| &mut pending.tiles);
+        lists.for_each(|tiles| tiles.reserve(count as usize));
+        self.results.reserve(count as usize);
+        self.room = Some(Room { uses: Uses::new(&self.gpu), set, params, words, results });
+        Ok(())
+    }
+
+    /// Records what jobs compare, after all that they do besides; all images are COLOR_ATTACHMENT_OPTIMAL before and after.
+    ///
+    /// # Errors
+    /// [`GpuError::Invalid`] where [`Self::make_room`] has not made enough.
+    pub(super) fn record(&mut self, recorder: &Recorder, jobs: &[ComposeJob]) -> Result<(), GpuError> {
+        let Self { comparison, room, pending, .. } = self;
+        let pending = &mut pending[recorder.slot()];
+        pending.submit = 0;
+        pending.views.clear();
+        pending.tiles.clear();
+        let Some(room) = room.as_mut().filter(|_| compared(jobs).next().is_some()) else { return Ok(()) };
+        pending.place = room.results.place(recorder, 0);
+        for job in jobs {
+            for image in images(job) {
+                recorder.barrier(&APP_RENDERED_TO_COMPARED, image, job.app.shape().array_layers);
+            }
+        }
+        let mut number = 0;
+        for (job, region) in compared(jobs) {
+            let extent = job.app.shape().extent;
+            let newest = job.app.texture(job.app_index, region.array_layer);
+            let before = pending.tiles.len();
+            for (index, image) in region.earlier.iter().enumerate().take(region.reuse.ages()) {
+                let tiles = region.tiles.with_age(index + 1);
+                let extent = [extent.width, extent.height];
+                let params = ChangeParams::new(&region.reuse, index + 1, region.offset, image.offset, extent);
+                let earlier = job.app.texture(image.app_index, image.array_layer);
+                let (Some(params), Some(newest), Some(earlier)) = (params, newest, earlier) else { continue };
+                if tiles.is_empty() {
+                    continue;
+                }
+                let at = pending.tiles.len() as u32;
+                let first = [room.words.write(recorder, at, tiles)?, room.results.place(recorder, at)];
+                let params = ChangeParams { first, count: tiles.len() as u32, ..params };
+                recorder.compare(&Compare {
+                    comparison,
+                    parameters: room.set.handle(),
+                    offset: room.params.write(recorder, number, &params)?,
+                    textures: [newest, earlier],
+                    groups: params.count.div_ceil(THREADS),
+                });
+                pending.tiles.extend_from_slice(tiles);
+                number += 1;
+            }
+            pending.views.push((region.view, pending.tiles.len() - before));
+        }
+        for job in jobs {
+            for image in images(job) {
+                recorder.barrier(&APP_COMPARED_TO_RENDERED, image, job.app.shape().array_layers);
+            }
+        }
+        recorder.computed_to_host();
+        Ok(())
+    }
+
+    /// What was recorded last was submitted.
+    pub(super) fn submitted(&mut self, slot: usize, submit: u64) {
+        let pending = &mut self.pending[slot];
+        if let Some(room) = self.room.as_ref().filter(|_| !pending.tiles.is_empty()) {
+            room.uses.mark(submit);
+            pending.submit = submit;
+        }
+    }
+
+    /// Hands out what has been found since, and was not yet handed out: of each picture its view, the tiles, and how much each of
+    /// them changed. Waits for nothing.
+    pub(super) fn news(&mut self, mut each: impl FnMut(&View, &[u32], &[f32])) {
+        let Self { room, pending, results, gpu, .. } = self;
+        let Some(room) = room else { return };
+        for pending in pending.iter_mut().filter(|pending| pending.submit > 0) {
+            if !gpu.is_finished(pending.submit) {
+                continue;
+            }
+            pending.submit = 0;
+            room.results.read(pending.place, pending.tiles.len(), results);
+            let (mut tiles, mut changes) = (&pending.tiles[..], &results[..]);
+            for (view, count) in &pending.views {
+                let of_view = (tiles.split_at_checked(*count), changes.split_at_checked(*count));
+                let (Some((here, others)), Some((changed, later))) = of_view else { break };
+                each(view, here, changed);
+                (tiles, changes) = (others, later);
+            }
+        }
+    }
+}
+
+/// What is compared, with its job.
+fn compared<'a, 'b>(
+    jobs: &'b [ComposeJob<'a>],
+) -> impl Iterator<Item = (&'b ComposeJob<'a>, &'a ChangeRegion<'a>)> {
+    jobs.iter()
+        .flat_map(|job| job.changes.iter().map(move |region| (job, region)))
+        .filter(|(_, region)| region.tiles.count() > 0)
+}
+
+/// The images that a job compares.
+fn images(job: &ComposeJob) -> impl Iterator<Item = ash::vk::Image> {
+    let bit = |index: u32| 1u64.checked_shl(index).unwrap_or(0);
+    let regions = job.changes.iter().filter(|region| region.tiles.count() > 0);
+    let bits = regions.fold(0u64, |bits, region| {
+        let earlier = region.earlier.iter().take(region.reuse.ages()).enumerate();
+        let used = earlier.filter(|(index, _)| !region.tiles.with_age(index + 1).is_empty());
+        used.fold(bits | bit(job.app_index), |bits, (_, image)| bits | bit(image.app_index))
+    });
+    let images = job.app.images();
+    images
+        .iter()
+        .enumerate()
+        .filter(move |(index, _)| bits & bit(*index as u32) != 0)
+        .map(|(_, image)| *image)
+}
