@@ -9,6 +9,7 @@ use crate::config::{Environment, LogLevel, executable};
 use crate::vk::Enablement;
 use file::BoundedFile;
 use std::fmt::{self, Write};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -30,7 +31,8 @@ pub fn start() {
             return;
         };
         // Fails where this process has a subscriber already: a test that links us as a Rust library.
-        let _ = tracing::subscriber::set_global_default(Log { file: Mutex::new(file) });
+        let _ =
+            tracing::subscriber::set_global_default(Log { file: Mutex::new(file), told: Mutex::default() });
     });
 }
 
@@ -54,6 +56,30 @@ fn max_level() -> LevelFilter {
 /// Writes events to the file; spans are not used in this library.
 struct Log {
     file: Mutex<BoundedFile>,
+    told: Mutex<Told>,
+}
+
+/// Warnings and errors that the file has: what fails in every frame is told once.
+#[derive(Default)]
+struct Told(Vec<u64>);
+
+impl Told {
+    /// So many are remembered; those after them are told every time.
+    const MOST: usize = 256;
+
+    /// Whether a text was not told before.
+    fn is_news(&mut self, text: &str) -> bool {
+        let mut hasher = DefaultHasher::new();
+        text.hash(&mut hasher);
+        let hash = hasher.finish();
+        if self.0.contains(&hash) {
+            return false;
+        }
+        if self.0.len() < Self::MOST {
+            self.0.push(hash);
+        }
+        true
+    }
 }
 
 impl Subscriber for Log {
@@ -68,7 +94,13 @@ impl Subscriber for Log {
     fn event(&self, event: &Event<'_>) {
         let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let mut line = Line::new(now, *event.metadata().level());
+        let start = line.0.len();
         event.record(&mut line);
+        let is_warning = *event.metadata().level() <= Level::WARN;
+        let text = line.0.get(start..).unwrap_or_default();
+        if is_warning && !self.told.lock().unwrap_or_else(PoisonError::into_inner).is_news(text) {
+            return;
+        }
         self.file.lock().unwrap_or_else(PoisonError::into_inner).append(&line.finish());
     }
 
@@ -117,6 +149,20 @@ impl Visit for Line {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_text_is_told_once() {
+        let mut told = Told::default();
+        assert_eq!(
+            ["a", "b", "a", "b", "c"].map(|text| told.is_news(text)),
+            [true, true, false, false, true]
+        );
+        for number in 0..2 * Told::MOST {
+            told.is_news(&number.to_string());
+        }
+        assert_eq!(told.0.len(), Told::MOST);
+        assert!(!told.is_news("a"));
+    }
 
     #[test]
     fn an_event_is_one_line_with_time_and_level() {

@@ -48,6 +48,7 @@ mod timing;
 pub use chain::NegotiateLayerInterface;
 pub use enablement::Enablement;
 pub use negotiate::negotiate;
+pub use rates::shader::{Effects, FragmentShaders};
 pub use runtime_section::in_runtime_section;
 
 /// The layer's name, as its manifest gives it to the Vulkan loader.

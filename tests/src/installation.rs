@@ -58,15 +58,16 @@ impl Installation {
             }
         }
         let test_layers = Library::TestLayers.path()?;
-        let is_explicit = |layer: &TestLayer| *layer != TestLayer::Count;
-        for layer in TestLayer::ALL.into_iter().filter(is_explicit) {
-            let file = data.join(format!("vulkan/explicit_layer.d/{}.json", layer.stem()));
-            write(&file, &layer.manifest(&test_layers))?;
+        for layer in TestLayer::ALL {
+            // Implicit layers from the configuration folder come above those from the data folder, and so these above ours.
+            let is_above = matches!(layer, TestLayer::Count | TestLayer::Calls);
+            let (kind, manifest) = if is_above {
+                ("config/vulkan/implicit_layer.d", layer.implicit_manifest(&test_layers))
+            } else {
+                ("data/vulkan/explicit_layer.d", layer.manifest(&test_layers))
+            };
+            write(&folder.join(kind).join(format!("{}.json", layer.stem())), &manifest)?;
         }
-        // Implicit layers from the configuration folder come above those from the data folder, and so this one
-        // above ours.
-        let file = folder.join("config/vulkan/implicit_layer.d/count.json");
-        write(&file, &TestLayer::Count.implicit_manifest(&test_layers))?;
         let runtime_manifest = write_runtime_manifest(folder, &Library::MockRuntime.path()?)
             .map_err(HarnessError::file(folder))?;
         Ok(Self { folder: folder.to_owned(), runtime_manifest })

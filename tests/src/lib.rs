@@ -11,6 +11,7 @@ pub mod compare;
 pub mod demo;
 pub mod device;
 pub mod error;
+pub mod fuzz;
 pub mod installation;
 pub mod measure;
 pub mod native;

@@ -1,6 +1,7 @@
 //! What the mock runtime recorded of a run, as far as the harness asks about it.
 
 use crate::HarnessError;
+use parafovea_mock_runtime::record::PLANTED;
 use parafovea_test_layers::GpuTime;
 use serde::Deserialize;
 use std::path::Path;
@@ -17,6 +18,8 @@ pub struct Record {
     /// What was attached and synchronised, in order, where the scenario asks for that: lines of the kinds
     /// `actions_attached` and `actions_synced`.
     pub input: Vec<serde_json::Value>,
+    /// Calls that a fault of the scenario happened to.
+    pub planted: u64,
 }
 
 /// One `xrEndFrame`.
@@ -59,6 +62,9 @@ enum Line {
     Frame(Frame),
     Error(RuntimeError),
     SwapchainCreated(serde_json::Value),
+    Warning {
+        message: String,
+    },
     #[serde(other)]
     Other,
 }
@@ -84,6 +90,7 @@ impl Record {
                 Line::Frame(frame) => record.frames.push(frame),
                 Line::Error(error) => record.errors.push(error),
                 Line::SwapchainCreated(swapchain) => record.swapchains.push(swapchain),
+                Line::Warning { message } => record.planted += u64::from(message == PLANTED),
                 Line::Other => {}
             }
         }

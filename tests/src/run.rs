@@ -16,8 +16,9 @@ use outcome::Folder;
 use parafovea_manifest::install::{AUDIO_LIBRARY_NAME, LIBRARY_NAME};
 use parafovea_test_layers::validation::VALIDATION_LAYER;
 use parafovea_test_layers::{
-    COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, SAMPLES_FILE_VARIABLE, SHADING_RATE_FILE_VARIABLE,
-    SHADING_RATE_PROFILE_VARIABLE, ShadingRateProfile, TIMES_FILE_VARIABLE, TestLayer,
+    COUNT_FILE_VARIABLE, DROP_BARRIER_VARIABLE, FAULT_FILE_VARIABLE, FAULT_VARIABLE, SAMPLES_FILE_VARIABLE,
+    SHADING_RATE_FILE_VARIABLE, SHADING_RATE_PROFILE_VARIABLE, ShadingRateProfile, TIMES_FILE_VARIABLE,
+    TestLayer, VulkanFault,
 };
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -203,6 +204,16 @@ impl Run {
         self
     }
 
+    /// Counts the calls that come down to the driver, the application's and the layer's own, and makes those of `fault` fail, directly
+    /// below ours; [`Outcome::faults`] has what came down.
+    pub fn faulted(mut self, fault: Option<&VulkanFault>) -> Self {
+        self.test_layers.insert(0, TestLayer::Faults);
+        let run = self.env(&TestLayer::Calls.implicit_variable(), "1");
+        // Structures of strings and numbers always serialise.
+        let text = fault.map(|fault| serde_json::to_string(fault).unwrap_or_default());
+        text.into_iter().fold(run, |run, text| run.env(FAULT_VARIABLE, text))
+    }
+
     /// Makes the runtime choose the first device whose name has this in it.
     pub fn device(mut self, name: &str) -> Self {
         name.clone_into(&mut self.scenario.vulkan.device);
@@ -279,6 +290,7 @@ impl Run {
         command.env("VK_INSTANCE_LAYERS", vulkan_layers.join(":"));
         command.env(COUNT_FILE_VARIABLE, folder.path().join(COUNT_FILE));
         command.env(SAMPLES_FILE_VARIABLE, folder.path().join(SAMPLES_FILE));
+        command.env(FAULT_FILE_VARIABLE, folder.path().join(FAULT_FILE));
         command.env(TIMES_FILE_VARIABLE, folder.path().join(TIMES_FILE));
         command.env(SHADING_RATE_FILE_VARIABLE, folder.path().join(SHADING_RATE_FILE));
         command.envs(self.environment.iter().map(|(name, value)| (name, value)));
@@ -327,6 +339,9 @@ const COUNT_FILE: &str = "count.jsonl";
 
 /// Where the layer that counts samples writes.
 const SAMPLES_FILE: &str = "samples.jsonl";
+
+/// Where the layer that makes calls fail writes.
+const FAULT_FILE: &str = "faults.jsonl";
 
 /// Where the layer that times command buffers writes.
 const TIMES_FILE: &str = "times.jsonl";

@@ -6,7 +6,7 @@ mod input;
 mod order;
 mod sessions;
 mod shapes;
-mod stereo;
+pub mod stereo;
 mod submission;
 
 use crate::app::App;

@@ -11,7 +11,9 @@ mod failure;
 mod functions;
 mod options;
 mod paint;
+mod sequences;
 mod session;
+mod soak;
 mod swapchain;
 mod vulkan;
 mod xr;
@@ -22,10 +24,21 @@ use clap::Parser;
 use failure::Failure;
 use options::Options;
 use parafovea_cases::report::Report;
+use sequences::Manner;
 use std::process::ExitCode;
+use std::time::Duration;
 
 fn main() -> ExitCode {
     let options = Options::parse();
+    if let Some(outcome) = run_long(&options) {
+        return match outcome {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(failure) => {
+                eprintln!("{failure}");
+                ExitCode::FAILURE
+            }
+        };
+    }
     let Some(name) = options.case.as_deref().filter(|_| !options.list) else {
         for case in CASES {
             println!("{}", case.name);
@@ -45,6 +58,16 @@ fn main() -> ExitCode {
         }
     }
     if report.unexpected.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// What there is instead of a case.
+fn run_long(options: &Options) -> Option<Result<(), Failure>> {
+    let manner = if options.hostile { Manner::Hostile } else { Manner::Legal };
+    match (options.soak, options.sequences) {
+        (Some(seconds), _) => Some(soak::run(options, Duration::from_secs(seconds))),
+        (None, Some(count)) => Some(sequences::run(options, options.first, count, manner)),
+        (None, None) => None,
+    }
 }
 
 fn run(case: &Case, options: &Options) -> Report {

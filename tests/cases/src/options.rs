@@ -10,11 +10,24 @@ use std::path::PathBuf;
 #[command(name = "parafovea-cases", version)]
 pub struct Options {
     /// Name of the case
-    #[arg(required_unless_present = "list")]
+    #[arg(required_unless_present_any = ["list", "soak", "sequences"])]
     pub case: Option<String>,
     /// Print the names of the cases, one a line
     #[arg(long)]
     pub list: bool,
+    /// Instead of a case: start and end over and over for so many seconds, and print after each time what the process holds, a JSON
+    /// object a line
+    #[arg(long, value_name = "SECONDS")]
+    pub soak: Option<u64>,
+    /// Instead of a case: so many random sequences of calls, and print what they returned, a line each; of one, every call
+    #[arg(long, value_name = "COUNT")]
+    pub sequences: Option<u64>,
+    /// The number of the first sequence
+    #[arg(long, default_value_t = 0)]
+    pub first: u64,
+    /// Sequences of calls that the specification does not allow
+    #[arg(long)]
+    pub hostile: bool,
     /// Which extension connects OpenXR and Vulkan: XR_KHR_vulkan_enable (1) or XR_KHR_vulkan_enable2 (2)
     #[arg(long, value_enum, default_value = "2")]
     pub enable: Enable,

@@ -22,6 +22,9 @@ cargo dev <task>, run anywhere in the repository:
                         any OpenXR program with the layer (default: the mock runtime on lavapipe)
   zoo [STYLE]           every style of rendering at full length (256 x 256 pixels, 120 frames, with a still and a moving gaze, on both
                         backends, under validation), of which `test` runs a share
+  faults [PART]         the whole fault matrix, call by fault by technique, of which `test` runs a share; or the cells with this in their names
+  fuzz [TARGET] [--minutes N]
+                        mutated inputs for what reads files, chains and shaders, a minute each or so long; `test` runs a few thousand
   gpu [--json]          on a GPU with VK_KHR_fragment_shading_rate: the layer's rates beside the same ones set by the application itself, pictures and
                         GPU times; kept in tests/gpu-results/. Without such a GPU it says so, and that is all
   bench NAME [--json]   a bench: break-even (how dear pixels must be for the layer to gain), ears (what listening costs, and how late it is), frame (what techniques save), kernels (what rates by contrast cost a view), models (what the models cost, their hard cases, and how well gaze is followed), overhead (what the layer costs), reuse (what pictures of a turning head lose)
@@ -31,7 +34,10 @@ cargo dev <task>, run anywhere in the repository:
   report [--quick | --all] [--json]
                         speed against error, against what users could do instead: a page, tables and plots in target/report/; --quick
                         takes 5 minutes, the whole an hour, and --all every point of every sweep (`report --help` lists more)
-  soak [--seconds N]    long checks: listening for an hour, or so long, takes no more and more memory
+  sequences [COUNT]     100000, or so many, random sequences of OpenXR calls with and without the layer, and 1000 hostile ones
+  soak [--minutes N]    half an hour, or so long: an application that starts and ends over and over takes no more and more memory with the layer
+  soak ears [--seconds N]
+                        listening for an hour, or so long, takes no more and more memory
   help                  this text
 ";
 
@@ -44,9 +50,12 @@ fn main() -> ExitCode {
         Some("test") => tasks::test(rest),
         Some("run") => tasks::run(rest),
         Some("zoo") => tasks::zoo(rest),
+        Some("faults") => tasks::faults(rest),
+        Some("fuzz") => tasks::fuzz(rest),
         Some("gpu") => tasks::gpu(rest),
         Some("bench") => tasks::bench(rest),
         Some("report") => tasks::report(rest),
+        Some("sequences") => tasks::sequences(rest),
         Some("soak") => tasks::soak(rest),
         Some("dist") => tasks::dist(rest),
         Some("help" | "--help" | "-h") | None => {

@@ -70,6 +70,57 @@ pub fn zoo(arguments: &[String]) -> Result<(), String> {
     steps.run("zoo", in_root(cargo().args(zoo).args(arguments)).env("PARAFOVEA_ZOO", "full"))
 }
 
+/// The whole fault matrix, of which `test` runs a share.
+pub fn faults(arguments: &[String]) -> Result<(), String> {
+    let wanted = match arguments {
+        [] => "",
+        [wanted] => wanted,
+        [_, extra, ..] => {
+            return Err(format!("`faults` takes one part of a cell's name, and got `{extra}` too"));
+        }
+    };
+    setup(Voice::Implied)?;
+    let mut steps = Steps::default();
+    build(&mut steps)?;
+    let matrix =
+        ["test", "--locked", "--package", "parafovea-tests", "--test", "main", "the_whole_matrix_holds"];
+    let mut command = cargo();
+    command.args(matrix).args(["--", "--ignored", "--nocapture"]).env("PARAFOVEA_FAULTS", wanted);
+    steps.run("faults", in_root(&mut command))
+}
+
+/// Random sequences of calls, of which `test` runs a few.
+pub fn sequences(arguments: &[String]) -> Result<(), String> {
+    let count = match arguments {
+        [] => "100000",
+        [count] if count.parse::<u64>().is_ok() => count,
+        _ => return Err("usage: cargo dev sequences [COUNT]".to_owned()),
+    };
+    setup(Voice::Implied)?;
+    let mut steps = Steps::default();
+    build(&mut steps)?;
+    let all = [
+        "test",
+        "--locked",
+        "--package",
+        "parafovea-tests",
+        "--test",
+        "main",
+        "all_sequences_return_the_same",
+    ];
+    let mut command = cargo();
+    command.args(all).args(["--", "--ignored", "--nocapture"]).env("PARAFOVEA_SEQUENCES", count);
+    steps.run("sequences", in_root(&mut command))
+}
+
+/// Mutated files, chains and shaders for all that reads them.
+pub fn fuzz(arguments: &[String]) -> Result<(), String> {
+    setup(Voice::Implied)?;
+    let mut steps = Steps::default();
+    build(&mut steps)?;
+    steps.run("fuzz", Command::new(profile_folder()?.join("parafovea-fuzz")).args(arguments))
+}
+
 /// What takes a real GPU.
 pub fn gpu(arguments: &[String]) -> Result<(), String> {
     setup(Voice::Implied)?;
@@ -137,12 +188,16 @@ fn compare(arguments: &[String]) -> Result<(), String> {
 const COMPARED: [&str; 4] =
     ["--scenes", "courtyard", "--techniques", "chroma,rates balanced,reuse,everything"];
 
-/// Long checks: listening for an hour.
+/// Long checks: an application that starts and ends over and over, or listening for an hour.
 pub fn soak(arguments: &[String]) -> Result<(), String> {
+    let (program, arguments) = match arguments {
+        [first, rest @ ..] if first == "ears" => ("parafovea-soak-ears", rest),
+        all => ("parafovea-soak", all),
+    };
     setup(Voice::Implied)?;
     let mut steps = Steps::default();
     build(&mut steps)?;
-    steps.run("soak", Command::new(profile_folder()?.join("parafovea-soak-ears")).args(arguments))
+    steps.run("soak", Command::new(profile_folder()?.join(program)).args(arguments))
 }
 
 /// What users get: a release build, packed.

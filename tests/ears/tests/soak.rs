@@ -1,4 +1,4 @@
-//! The hour of `cargo dev soak`, shortened.
+//! The hour of `cargo dev soak ears`, shortened.
 
 use parafovea_ears::measure::capture_cost;
 use std::time::Duration;

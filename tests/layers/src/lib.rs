@@ -1,4 +1,4 @@
-//! Seven Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
+//! Nine Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
 //! own ([`TestLayer::manifest`]), which maps the loader's entry point to that layer's.
 //!
 //! - `VK_LAYER_PARAFOVEA_TEST_pass_through` does nothing: the baseline for what any layer costs.
@@ -11,6 +11,8 @@
 //! - `VK_LAYER_PARAFOVEA_TEST_shading_rate` makes a device look as if it had `VK_KHR_fragment_shading_rate`,
 //!   and checks its use ([`ShadingRateLine`]).
 //! - `VK_LAYER_PARAFOVEA_TEST_two_queues` gives a device with one queue a second one; it must be the lowest.
+//! - `VK_LAYER_PARAFOVEA_TEST_faults` makes chosen calls fail, directly below Parafovea, where `VK_LAYER_PARAFOVEA_TEST_calls`, above it,
+//!   tells whose they are ([`VulkanFault`]).
 //!
 //! # Order
 //!
@@ -25,6 +27,7 @@
 mod count;
 mod cpu_time;
 mod drop_barrier;
+mod faults;
 mod functions;
 mod interface;
 mod layer;
@@ -40,6 +43,7 @@ pub use count::{
     TIMES_FILE_VARIABLE,
 };
 pub use drop_barrier::{DROP_BARRIER_VARIABLE, DROP_FILE_VARIABLE, Dropped};
+pub use faults::{FAULT_FILE_VARIABLE, FAULT_VARIABLE, FaultReport, VulkanFault, Whose};
 pub use manifest::TestLayer;
 pub use shading_rate::{
     SHADING_RATE_FILE_VARIABLE, SHADING_RATE_GPU_VARIABLE, SHADING_RATE_PROFILE_VARIABLE,
@@ -139,4 +143,30 @@ pub unsafe extern "system" fn two_queues_vkNegotiateLoaderLayerInterfaceVersion(
 ) -> vk::Result {
     // SAFETY: the loader vouches for it.
     unsafe { layer::negotiate::<two_queues::TwoQueues>(interface) }
+}
+
+/// The Vulkan loader's first call to the layer `calls`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn calls_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<faults::Calls>(interface) }
+}
+
+/// The Vulkan loader's first call to the layer `faults`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn faults_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<faults::Faults>(interface) }
 }

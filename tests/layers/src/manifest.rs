@@ -20,11 +20,15 @@ pub enum TestLayer {
     ShadingRate,
     /// Offers a second queue where there is one.
     TwoQueues,
+    /// Tells [`TestLayer::Faults`] which calls are the application's.
+    Calls,
+    /// Makes chosen calls fail.
+    Faults,
 }
 
 impl TestLayer {
     /// All of them.
-    pub const ALL: [TestLayer; 7] = [
+    pub const ALL: [TestLayer; 9] = [
         TestLayer::PassThrough,
         TestLayer::Count,
         TestLayer::Samples,
@@ -32,6 +36,8 @@ impl TestLayer {
         TestLayer::DropBarrier,
         TestLayer::ShadingRate,
         TestLayer::TwoQueues,
+        TestLayer::Calls,
+        TestLayer::Faults,
     ];
 
     /// The last part of its name, which its entry point and its manifest's file have too.
@@ -44,6 +50,8 @@ impl TestLayer {
             TestLayer::DropBarrier => "drop_barrier",
             TestLayer::ShadingRate => "shading_rate",
             TestLayer::TwoQueues => "two_queues",
+            TestLayer::Calls => "calls",
+            TestLayer::Faults => "faults",
         }
     }
 

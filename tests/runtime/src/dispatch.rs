@@ -116,6 +116,11 @@ functions! {
     xrConvertTimeToTimespecTimeKHR: TIMESPEC => timespec::from_time;
 }
 
+/// Whether the runtime has a function of that name.
+pub(crate) fn has(name: &str) -> bool {
+    function(name).is_some()
+}
+
 /// `xrGetInstanceProcAddr`.
 pub(crate) extern "system" fn get_instance_proc_addr(
     instance: xr::Instance,

@@ -3,6 +3,7 @@
 use crate::abi::pointers::Out;
 use crate::record::Line;
 use crate::runtime::call;
+use crate::scenario::Answer;
 use openxr_sys as xr;
 
 /// An event of an instance.
@@ -27,8 +28,29 @@ pub(crate) extern "system" fn poll(
     mut buffer: Out<xr::EventDataBuffer>,
 ) -> xr::Result {
     call("xrPollEvent", |runtime| {
+        let time = runtime.now();
+        let session = runtime
+            .sessions
+            .iter()
+            .find(|(_, session)| session.instance == instance)
+            .map(|(handle, _)| handle);
         let instance = runtime.instances.get_mut(instance)?;
         buffer.get()?;
+        match (runtime.answer, session) {
+            (Answer::InstanceLossPending, _) => {
+                buffer.set_event(xr::EventDataInstanceLossPending {
+                    ty: xr::EventDataInstanceLossPending::TYPE,
+                    next: std::ptr::null(),
+                    loss_time: xr::Time::from_nanos(time),
+                })?;
+                return Ok(xr::Result::SUCCESS);
+            }
+            (Answer::SessionLossPending, Some(session)) => {
+                let state = xr::SessionState::LOSS_PENDING;
+                instance.events.push_front(Event::SessionState { session, state, time });
+            }
+            _ => {}
+        }
         let Some(event) = instance.events.pop_front() else { return Ok(xr::Result::EVENT_UNAVAILABLE) };
         if runtime.scenario.output.input {
             let event = match event {

@@ -48,6 +48,13 @@ pub(crate) fn result_name(result: xr::Result) -> String {
     )
 }
 
+/// The result of that name.
+pub(crate) fn result_named(name: &str) -> Option<xr::Result> {
+    // Core results are small numbers; those of extensions go up from 1000000000 in steps of 1000 an extension.
+    let core = (-200..=200).map(xr::Result::from_raw);
+    core.into_iter().find(|result| result_name(*result) == name)
+}
+
 /// The structure type's name as the headers spell it.
 pub(crate) fn structure_name(ty: xr::StructureType) -> String {
     named("XR_TYPE", &format!("{ty:?}"), ty.into_raw(), "STRUCTURE_TYPE")

@@ -7,6 +7,7 @@ use crate::fault::{Fault, section};
 use crate::layers;
 use crate::record;
 use crate::runtime::{Runtime, call};
+use crate::scenario::Answer;
 use crate::script;
 use glam::Vec3;
 use openxr_sys as xr;
@@ -97,7 +98,10 @@ fn next_frame(runtime: &mut Runtime, session: xr::Session) -> Result<(Frame, Dur
     }
     let number = waiting.frames.waits;
     waiting.frames.waits += 1;
-    let slot = runtime.clock.next(clock::monotonic_ns());
+    let mut slot = runtime.clock.next(clock::monotonic_ns());
+    if runtime.answer == Answer::Backwards {
+        slot.display_time = (slot.display_time - 1_000_000_000).max(1);
+    }
     let script = runtime.scenario.session.clone();
     let steps = [
         (SessionState::READY, SessionState::SYNCHRONIZED, 0),

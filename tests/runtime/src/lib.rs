@@ -18,6 +18,7 @@ mod instance;
 mod layers;
 mod manifest;
 mod paths;
+mod planted;
 mod pose;
 pub mod record;
 mod recorder;

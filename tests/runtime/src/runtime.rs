@@ -8,8 +8,10 @@ use crate::debug_utils::{self, Messenger};
 use crate::fault::{Fault, Outcome, result_name, structure_name};
 use crate::handles::{Serial, Table};
 use crate::instance::Instance;
+use crate::planted::{Happening, Planted};
+use crate::record::PLANTED;
 use crate::recorder::Recorder;
-use crate::scenario::Scenario;
+use crate::scenario::{Answer, Scenario};
 use crate::session::Session;
 use crate::spaces::Space;
 use crate::swapchain::Swapchain;
@@ -36,6 +38,10 @@ pub(crate) struct Runtime {
     pub actions: Table<xr::Action, Action>,
     /// The function that runs.
     call: &'static str,
+    /// What it answers.
+    pub answer: Answer,
+    /// How often each of the scenario's faults could have happened.
+    planted: Planted,
 }
 
 static RUNTIME: LazyLock<Mutex<Runtime>> = LazyLock::new(|| Mutex::new(Runtime::from_environment()));
@@ -45,8 +51,19 @@ static RUNTIME: LazyLock<Mutex<Runtime>> = LazyLock::new(|| Mutex::new(Runtime::
 pub(crate) fn call(name: &'static str, body: impl FnOnce(&mut Runtime) -> Outcome) -> xr::Result {
     let run = || {
         let mut runtime = RUNTIME.lock().unwrap_or_else(PoisonError::into_inner);
+        let Happening { result, answer, late } = runtime.next_fault(name);
+        if !late.is_zero() {
+            // Only this call is late.
+            drop(runtime);
+            std::thread::sleep(late);
+            runtime = RUNTIME.lock().unwrap_or_else(PoisonError::into_inner);
+        }
         runtime.call = name;
-        match body(&mut runtime) {
+        runtime.answer = answer;
+        if let Some(result) = result.filter(|&result| result != xr::Result::SESSION_LOSS_PENDING) {
+            return (result, None);
+        }
+        match body(&mut runtime).map(|done| result.unwrap_or(done)) {
             Ok(result) => (result, None),
             Err(fault) => {
                 runtime.recorder.error(name, &fault);
@@ -103,7 +120,18 @@ impl Runtime {
             action_sets: Table::new("XrActionSet"),
             actions: Table::new("XrAction"),
             call: "",
+            answer: Answer::Usual,
+            planted: Planted::default(),
         }
+    }
+
+    /// What of the scenario's faults happens to a call.
+    fn next_fault(&mut self, call: &str) -> Happening {
+        let happening = self.planted.next(&self.scenario.fault, call, self.frames);
+        if happening != Happening::default() {
+            self.recorder.warning(call, PLANTED.to_owned());
+        }
+        happening
     }
 
     /// A structure parameter. What its chain holds beyond what is known is skipped, with a warning in the record.

@@ -40,6 +40,8 @@ pub struct Scenario {
     pub zoom: Vec<Zoom>,
     /// Keyframes of buttons, triggers and sticks; each lasts until the next of the same path.
     pub input: Vec<Input>,
+    /// What goes wrong.
+    pub fault: Vec<Fault>,
 }
 
 /// `[output]`.
@@ -194,6 +196,58 @@ pub struct Vulkan {
     pub device_extensions: Vec<String>,
 }
 
+/// A `[[fault]]`: calls of a function that fail, come late or have a strange answer. Where several hold for a call, the first does.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fault {
+    /// The function, such as `xrLocateViews`.
+    pub call: String,
+    /// What it returns, such as `XR_ERROR_SESSION_LOST`, without doing anything; empty: what it returns anyway.
+    /// `XR_SESSION_LOSS_PENDING` alone is returned by a call that did succeed.
+    #[serde(default)]
+    pub result: String,
+    /// What it answers where it succeeds.
+    #[serde(default)]
+    pub answer: Answer,
+    /// How much later it returns, in milliseconds.
+    #[serde(default)]
+    pub late_ms: u64,
+    /// The frame of the process from which on that is so.
+    #[serde(default)]
+    pub from_frame: u64,
+    /// How many calls are spared then.
+    #[serde(default)]
+    pub skip: u64,
+    /// How many calls it happens to; 0: all.
+    #[serde(default)]
+    pub count: u64,
+}
+
+/// What a call answers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    /// What it would anyway.
+    #[default]
+    Usual,
+    /// Poses that are no numbers, of `xrLocateViews` and `xrLocateSpace`.
+    Nan,
+    /// Fields of view without extent, of `xrLocateViews`.
+    ZeroFov,
+    /// Fields of view of nearly 180 degrees, of `xrLocateViews`.
+    HugeFov,
+    /// Poses that are neither valid nor tracked, of `xrLocateViews` and `xrLocateSpace`.
+    Untracked,
+    /// A display time a second before the last one, of `xrWaitFrame`.
+    Backwards,
+    /// No images, of `xrEnumerateSwapchainImages`.
+    NoImages,
+    /// The event that the instance is about to be lost, of `xrPollEvent`.
+    InstanceLossPending,
+    /// The event that the session is about to be lost, of `xrPollEvent`.
+    SessionLossPending,
+}
+
 /// A `[[view]]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -330,7 +384,11 @@ impl Scenario {
         Ok(scenario)
     }
 
-    fn parse(text: &str) -> Result<Self, String> {
+    /// Reads the text of a scenario file.
+    ///
+    /// # Errors
+    /// As for [`Self::load`], without the file's name.
+    pub fn parse(text: &str) -> Result<Self, String> {
         let scenario: Self = toml::from_str(text).map_err(|error| error.to_string())?;
         check::check(&scenario)?;
         Ok(scenario)

@@ -5,6 +5,7 @@ use crate::actions;
 use crate::fault::{Fault, section};
 use crate::pose::Pose;
 use crate::runtime::{Runtime, call};
+use crate::scenario::Answer;
 use crate::script;
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
@@ -199,7 +200,13 @@ pub(crate) extern "system" fn locate(
         runtime.spaces.get(space)?;
         runtime.spaces.get(base)?;
         let time = check_time(time, section::LOCATING)?;
-        let (flags, pose) = located(runtime, space, base, time)?;
+        let (flags, pose) = match (runtime.answer, located(runtime, space, base, time)?) {
+            (Answer::Untracked, (_, pose)) => (SpaceLocationFlags::EMPTY, pose),
+            (Answer::Nan, (flags, _)) => {
+                (flags, Pose { orientation: Quat::from_array([f32::NAN; 4]), position: Vec3::NAN })
+            }
+            (_, there) => there,
+        };
         let session = runtime.spaces.get(space)?.session;
         let is_gaze = follows_gaze(runtime, space)?;
         if is_gaze && !flags.is_empty() {

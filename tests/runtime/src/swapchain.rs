@@ -6,6 +6,7 @@ use crate::abi::pointers::{In, List, Out};
 use crate::fault::{Fault, section};
 use crate::record::{Line, SwapchainCreated};
 use crate::runtime::{Runtime, call};
+use crate::scenario::Answer;
 use crate::vulkan::{Images, Shape, format};
 use ash::vk;
 use ash::vk::Handle as _;
@@ -174,8 +175,9 @@ pub(crate) extern "system" fn enumerate_images(
     items: Out<xr::SwapchainImageVulkanKHR>,
 ) -> xr::Result {
     call("xrEnumerateSwapchainImages", |runtime| {
-        let images = &runtime.swapchains.get(swapchain)?.images;
-        List { capacity, count, items }.fill_structures("images", images.handles(), |filled, image| {
+        let images = runtime.swapchains.get(swapchain)?.images.handles();
+        let images = if runtime.answer == Answer::NoImages { &[] } else { images };
+        List { capacity, count, items }.fill_structures("images", images, |filled, image| {
             filled.image = image.as_raw();
         })?;
         Ok(xr::Result::SUCCESS)

@@ -4,6 +4,7 @@ use crate::abi::pointers::{In, List, Out};
 use crate::fault::{Fault, section};
 use crate::pose::Pose;
 use crate::runtime::{Runtime, call};
+use crate::scenario::Answer;
 use crate::{scenario, script, spaces, system};
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
@@ -40,7 +41,8 @@ pub(crate) extern "system" fn locate(
 ) -> xr::Result {
     call("xrLocateViews", |runtime| {
         let info = runtime.read(&info)?;
-        let (views, flags) = located(runtime, session, &info)?;
+        let (mut views, flags) = located(runtime, session, &info)?;
+        let flags = change(&mut views, flags, runtime.answer);
         runtime.sessions.get_mut(session)?.frames.views_located = Some(info.display_time.as_nanos());
         state.get()?.view_state_flags = flags;
         List { capacity, count, items }.fill_structures(
@@ -53,6 +55,23 @@ pub(crate) extern "system" fn locate(
         )?;
         Ok(xr::Result::SUCCESS)
     })
+}
+
+/// Makes views what a fault of the scenario has them be.
+fn change(views: &mut [(Pose, xr::Fovf)], flags: xr::ViewStateFlags, answer: Answer) -> xr::ViewStateFlags {
+    let all =
+        |angle: f32| xr::Fovf { angle_left: -angle, angle_right: angle, angle_up: angle, angle_down: -angle };
+    for (pose, fov) in views {
+        match answer {
+            Answer::Nan => {
+                *pose = Pose { orientation: Quat::from_array([f32::NAN; 4]), position: Vec3::NAN };
+            }
+            Answer::ZeroFov => *fov = all(0.0),
+            Answer::HugeFov => *fov = all(1.57),
+            _ => {}
+        }
+    }
+    if answer == Answer::Untracked { xr::ViewStateFlags::EMPTY } else { flags }
 }
 
 type Located = (Vec<(Pose, xr::Fovf)>, xr::ViewStateFlags);

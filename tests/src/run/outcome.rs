@@ -2,13 +2,13 @@
 
 use super::child::Exit;
 use super::validation::Findings;
-use super::{COUNT_FILE, SAMPLES_FILE, SHADING_RATE_FILE, TIMES_FILE};
+use super::{COUNT_FILE, FAULT_FILE, SAMPLES_FILE, SHADING_RATE_FILE, TIMES_FILE};
 use crate::HarnessError;
 use crate::installation::Installation;
 use crate::picture::Picture;
 use crate::record::Record;
 use crate::scenario::Scenario;
-use parafovea_test_layers::{Count, Counted, GpuTime, GpuTimes, SampleCount, ShadingRateLine};
+use parafovea_test_layers::{Count, Counted, FaultReport, GpuTime, GpuTimes, SampleCount, ShadingRateLine};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
@@ -137,6 +137,14 @@ impl Outcome {
             return Err(self.failed("none of its command buffers was timed: no timestamps on its queues"));
         }
         Ok(self.record.gpu_ms_of_frames(run_up, &times))
+    }
+
+    /// What [`Run::faulted`](super::Run::faulted) saw of each device.
+    ///
+    /// # Errors
+    /// [`HarnessError::File`] where it was not there.
+    pub fn faults(&self) -> Result<Vec<FaultReport>, HarnessError> {
+        self.reports(FAULT_FILE)
     }
 
     /// What a layer reports of each device, a line each.

@@ -97,7 +97,13 @@ pub fn run(style: &Style, options: &Options) -> Result<End> {
     let session = unsafe { instance.create_session::<xr::Vulkan>(system, &gpu.session_info()) };
     let (session, waiter, stream) = session.context("creating the session")?;
     let mut show = Show::new(style, options, &session, stream, &gpu)?;
-    show.run(&instance, waiter)?;
+    let shown = show.run(&instance, waiter);
+    if shown.is_err() {
+        // What the GPU still works with goes now.
+        // SAFETY: the device is live, and no other thread uses its queues any more.
+        let _ = unsafe { gpu.device.device_wait_idle() };
+    }
+    shown?;
     gpu.destroy_made()?;
     Ok(End::Shown)
 }

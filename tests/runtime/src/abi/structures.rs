@@ -46,6 +46,7 @@ structures! {
     DebugUtilsMessengerCreateInfoEXT;
     DebugUtilsObjectNameInfoEXT;
     EventDataBuffer;
+    EventDataInstanceLossPending;
     EventDataInteractionProfileChanged;
     EventDataSessionStateChanged;
     ExtensionProperties;

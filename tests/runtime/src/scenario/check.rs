@@ -1,6 +1,7 @@
 //! Values that parse, but that no headset has.
 
 use super::{FovDegrees, Scenario, View};
+use crate::fault;
 use crate::instance::EXTENSIONS;
 use std::fmt::{Debug, Display};
 use std::ops::RangeInclusive;
@@ -51,6 +52,15 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), String> {
         let value = input.value.pair();
         within("input.value", value[0], -1.0..=1.0)?;
         within("input.value", value[1], -1.0..=1.0)?;
+    }
+    for fault in &scenario.fault {
+        if !crate::dispatch::has(&fault.call) {
+            return Err(format!("fault.call has {:?}; allowed: functions of the runtime", fault.call));
+        }
+        if !fault.result.is_empty() && fault::result_named(&fault.result).is_none() {
+            return Err(format!("fault.result has {:?}; allowed: names of XrResult, or \"\"", fault.result));
+        }
+        within("fault.late_ms", fault.late_ms, 0..=10_000)?;
     }
     Ok(())
 }
@@ -108,6 +118,8 @@ mod tests {
             ),
             ("[[gaze]]\nt=1\n[[gaze]]\nt=0", "gaze.t is 0 after 1; allowed: ascending times"),
             ("[[input]]\nvalue=true", "missing field `path`"),
+            ("[[fault]]\ncall='xrNo'", "fault.call has \"xrNo\"; allowed: functions"),
+            ("[[fault]]\ncall='xrEndFrame'\nresult='XR_NO'", "fault.result has \"XR_NO\"; allowed: names"),
         ];
         for (text, message) in cases {
             let error = Scenario::parse(text).unwrap_err();
@@ -126,7 +138,9 @@ mod tests {
         let input =
             super::super::Input { t: 0.0, path: String::new(), value: super::super::InputValue::Float(0.0) };
         let zoom = super::super::Zoom { t: 0.0, scale: 1.0 };
-        let everything = Scenario { input: vec![input], zoom: vec![zoom], ..Scenario::default() };
+        let fault: super::super::Fault = toml::from_str("call = 'xrEndFrame'").unwrap();
+        let everything =
+            Scenario { input: vec![input], zoom: vec![zoom], fault: vec![fault], ..Scenario::default() };
         let everything = toml::Table::try_from(&everything).unwrap();
         let mut keys = Vec::new();
         for (section, value) in everything {

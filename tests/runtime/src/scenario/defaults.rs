@@ -22,6 +22,7 @@ impl Default for Scenario {
             gaze: vec![Gaze::default()],
             zoom: Vec::new(),
             input: Vec::new(),
+            fault: Vec::new(),
         }
     }
 }

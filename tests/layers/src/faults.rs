@@ -1,0 +1,210 @@
+//! Two layers that make chosen calls fail: `faults`, directly below Parafovea, does it, and `calls`, above Parafovea, lets it tell
+//! whose a call is. A call that comes down while the same one of the application, or of the runtime, goes through `calls` is that
+//! one; every other is Parafovea's own. Without `calls` all are taken to be its own.
+
+mod functions;
+
+use crate::layer::{Instance, Layer, NextDevice, Tracked};
+use crate::report;
+use ash::vk;
+use serde::{Deserialize, Serialize};
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::ffi::CStr;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// The variable with the fault to plant, a [`VulkanFault`] as JSON; without it calls are only counted.
+pub const FAULT_VARIABLE: &str = "PARAFOVEA_TEST_FAULT";
+
+/// The variable with the file to which each device appends a line, a [`FaultReport`] as JSON, when it is destroyed.
+pub const FAULT_FILE_VARIABLE: &str = "PARAFOVEA_TEST_FAULT_FILE";
+
+/// Whose calls fail.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Whose {
+    /// Parafovea's own.
+    Own,
+    /// Those of the application and of the runtime.
+    Application,
+}
+
+/// A fault: so many calls of a function fail.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct VulkanFault {
+    /// The function, such as `vkCreateImage`.
+    pub call: String,
+    /// What it returns, a negative `VkResult`. After `VK_ERROR_DEVICE_LOST` (-4) the device stays lost: every submit, every wait
+    /// and every look at a fence returns it.
+    pub result: i32,
+    /// Whose calls.
+    pub whose: Whose,
+    /// How many of these calls succeed before.
+    pub skip: u64,
+    /// How many fail then; those after them succeed.
+    pub count: u64,
+}
+
+/// What came down to one device.
+#[derive(Clone, Default, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct FaultReport {
+    /// Parafovea's own calls of functions that can fail, by name.
+    pub own: BTreeMap<String, u64>,
+    /// Those of the application and of the runtime.
+    pub application: BTreeMap<String, u64>,
+    /// Calls that were made to fail, without those of a device that is lost.
+    pub failed: u64,
+}
+
+/// A call: of which function, and what tells it from another one of that function. Of submits that is the fence: Parafovea's own
+/// work has fences of its own.
+#[derive(Clone, Copy, PartialEq)]
+struct Call {
+    name: &'static CStr,
+    mark: u64,
+}
+
+thread_local! {
+    /// The application's call that goes through Parafovea on this thread.
+    static PASSING: Cell<Option<Call>> = const { Cell::new(None) };
+}
+
+/// The layer above Parafovea.
+pub(crate) struct Calls {
+    next: NextDevice,
+}
+
+static CALLS: Tracked<Calls> = Tracked::new();
+
+impl Layer for Calls {
+    fn tracked() -> &'static Tracked<Self> {
+        &CALLS
+    }
+
+    unsafe fn create_device(
+        _: &Instance,
+        _: vk::PhysicalDevice,
+        info: vk::DeviceCreateInfo<'_>,
+        create: &mut dyn FnMut(&vk::DeviceCreateInfo<'_>) -> Result<NextDevice, vk::Result>,
+    ) -> Result<Self, vk::Result> {
+        Ok(Self { next: create(&info)? })
+    }
+
+    fn hook(name: &CStr) -> vk::PFN_vkVoidFunction {
+        functions::above(name)
+    }
+
+    fn next(&self) -> &NextDevice {
+        &self.next
+    }
+}
+
+impl Calls {
+    /// Makes a call of the application.
+    fn pass(call: Call, next: impl FnOnce() -> vk::Result) -> vk::Result {
+        let outer = PASSING.replace(Some(call));
+        let result = next();
+        PASSING.set(outer);
+        result
+    }
+}
+
+/// The layer below Parafovea.
+pub(crate) struct Faults {
+    next: NextDevice,
+    fault: Option<VulkanFault>,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    report: FaultReport,
+    is_lost: bool,
+}
+
+static FAULTS: Tracked<Faults> = Tracked::new();
+
+impl Layer for Faults {
+    fn tracked() -> &'static Tracked<Self> {
+        &FAULTS
+    }
+
+    unsafe fn create_device(
+        _: &Instance,
+        _: vk::PhysicalDevice,
+        info: vk::DeviceCreateInfo<'_>,
+        create: &mut dyn FnMut(&vk::DeviceCreateInfo<'_>) -> Result<NextDevice, vk::Result>,
+    ) -> Result<Self, vk::Result> {
+        let fault = std::env::var(FAULT_VARIABLE).ok().map(|text| match serde_json::from_str(&text) {
+            Ok(fault) => fault,
+            Err(reason) => panic!("{FAULT_VARIABLE}={text}: {reason}"),
+        });
+        Ok(Self { next: create(&info)?, fault, state: Mutex::default() })
+    }
+
+    fn hook(name: &CStr) -> vk::PFN_vkVoidFunction {
+        functions::below(name)
+    }
+
+    fn next(&self) -> &NextDevice {
+        &self.next
+    }
+
+    fn device_destroyed(&self) {
+        report::append(FAULT_FILE_VARIABLE, &self.state().report);
+    }
+}
+
+/// What a device that is lost refuses (Vulkan specification, "Lost Device").
+const LOST: [&CStr; 8] = [
+    c"vkDeviceWaitIdle",
+    c"vkGetFenceStatus",
+    c"vkGetQueryPoolResults",
+    c"vkQueueSubmit",
+    c"vkQueueSubmit2",
+    c"vkQueueSubmit2KHR",
+    c"vkQueueWaitIdle",
+    c"vkWaitForFences",
+];
+
+impl Faults {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Counts a call, and says whether and how it is to fail.
+    fn failure(&self, call: Call) -> Option<vk::Result> {
+        let whose = match PASSING.get() {
+            Some(passing) if passing == call => {
+                PASSING.set(None);
+                Whose::Application
+            }
+            _ => Whose::Own,
+        };
+        let name = call.name.to_str().unwrap_or_default();
+        let mut state = self.state();
+        let counts = match whose {
+            Whose::Own => &mut state.report.own,
+            Whose::Application => &mut state.report.application,
+        };
+        let count = counts.entry(name.to_owned()).or_default();
+        *count += 1;
+        let before = *count - 1;
+        if state.is_lost && LOST.contains(&call.name) {
+            return Some(vk::Result::ERROR_DEVICE_LOST);
+        }
+        let fault = self.fault.as_ref().filter(|fault| fault.call == name && fault.whose == whose)?;
+        if !(fault.skip..fault.skip.saturating_add(fault.count)).contains(&before) {
+            return None;
+        }
+        state.report.failed += 1;
+        let result = vk::Result::from_raw(fault.result);
+        if result == vk::Result::ERROR_DEVICE_LOST {
+            state.is_lost = true;
+            // A device that is lost works on nothing any more: what it used may be destroyed.
+            // SAFETY: the device is live; tests submit on one thread.
+            let _ = unsafe { self.next.functions.device_wait_idle() };
+        }
+        Some(result)
+    }
+}

@@ -1,0 +1,296 @@
+//! A cell of the matrix, and how it is judged.
+
+use super::technique::Technique;
+use parafovea_test_layers::{VulkanFault, Whose};
+use parafovea_tests::picture::Picture;
+use parafovea_tests::run::Outcome;
+use parafovea_tests::scenario::{Fault, Scenario};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::sync::{Arc, LazyLock, Mutex};
+use std::time::Duration;
+
+/// Of every run; the last few are shown after the session was asked to end.
+pub const FRAMES: u64 = 16;
+
+/// Pictures that are compared: before techniques begin, amidst, and at the end.
+pub const SAVED: [u64; 3] = [1, 8, 14];
+
+/// Longer than any of these runs takes, and shorter than a hang.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// What goes wrong below the layer.
+#[derive(Clone, Debug)]
+pub enum Below {
+    Vulkan(VulkanFault),
+    OpenXr(Vec<Fault>),
+    /// Extensions of the runtime that are not there.
+    ExtensionsOff(Vec<String>),
+}
+
+/// A fault while a technique works.
+pub struct Cell {
+    pub technique: &'static Technique,
+    pub below: Below,
+}
+
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.technique.name)?;
+        match &self.below {
+            Below::Vulkan(VulkanFault { call, result, whose, skip, count }) => {
+                write!(f, "{call} {result} {whose:?} skip {skip} count {count}")
+            }
+            Below::OpenXr(faults) => {
+                for Fault { call, result, answer, late_ms, from_frame, skip, count } in faults {
+                    write!(
+                        f,
+                        "{call} {result} {answer:?} late {late_ms} from {from_frame} skip {skip} count {count}; "
+                    )?;
+                }
+                Ok(())
+            }
+            Below::ExtensionsOff(names) => write!(f, "without {names:?}"),
+        }
+    }
+}
+
+/// What an application saw, and what it showed.
+#[derive(Debug)]
+pub struct Seen {
+    exit_code: Option<i32>,
+    timed_out: bool,
+    frames: usize,
+    /// What it printed, line by line, without what differs from run to run.
+    output: Vec<String>,
+    log: String,
+    rules: Vec<String>,
+    pictures: BTreeMap<(usize, u64), PictureOf>,
+    /// Calls that the fault happened to.
+    hits: u64,
+}
+
+/// A picture that prints as nothing.
+pub struct PictureOf(Picture);
+
+impl fmt::Debug for PictureOf {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("picture")
+    }
+}
+
+/// References: each is run once.
+type References = BTreeMap<String, Arc<Mutex<Option<Arc<Seen>>>>>;
+static REFERENCES: LazyLock<Mutex<References>> = LazyLock::new(Mutex::default);
+
+fn reference(key: String, make: impl FnOnce() -> Seen) -> Arc<Seen> {
+    let slot = REFERENCES.lock().unwrap().entry(key).or_default().clone();
+    slot.lock().unwrap().get_or_insert_with(|| Arc::new(make())).clone()
+}
+
+impl Cell {
+    fn scenario(&self) -> Scenario {
+        let mut scenario = Technique::scenario();
+        match &self.below {
+            Below::Vulkan(_) => {}
+            Below::OpenXr(faults) => scenario.fault.clone_from(faults),
+            Below::ExtensionsOff(names) => scenario.system.extensions_off.clone_from(names),
+        }
+        scenario
+    }
+
+    /// Runs the application with or without the layer, and with or without the fault.
+    fn see(&self, is_on: bool, is_faulty: bool) -> Seen {
+        let scenario = if is_faulty { self.scenario() } else { Technique::scenario() };
+        let fault = match &self.below {
+            Below::Vulkan(fault) if is_faulty => Some(fault),
+            _ => None,
+        };
+        let mut run = self.technique.run(&scenario).faulted(fault).timeout(PATIENCE);
+        if is_on {
+            run = run.on(self.technique.config);
+        }
+        if std::env::var_os("PARAFOVEA_FAULTS_VALIDATED").is_some() {
+            run = run.validated();
+        }
+        Seen::of(&run.finish().unwrap())
+    }
+
+    /// Runs it, and says what is wrong.
+    pub fn check(&self) -> Result<(), String> {
+        let technique = self.technique;
+        let key = format!("{} {}", technique.has_actions, technique.has_rates);
+        let healthy = reference(key.clone(), || self.see(false, false));
+        let shown = reference(technique.name.to_owned(), || self.see(true, false));
+        let below = match &self.below {
+            // Without the layer there are no calls of its own that could fail.
+            Below::Vulkan(fault) if fault.whose == Whose::Own => healthy.clone(),
+            below => reference(format!("{key} {below:?}"), || self.see(false, true)),
+        };
+        let seen = self.see(true, true);
+        let wrong = self.judge(&seen, &below, &healthy, &shown);
+        let warnings = || seen.log.lines().filter(|line| !line.contains(" INFO "));
+        wrong.map_err(|reason| warnings().fold(reason, |all, line| format!("{all}\n    {line}")))
+    }
+
+    fn judge(&self, seen: &Seen, below: &Seen, healthy: &Seen, shown: &Seen) -> Result<(), String> {
+        let fail = |what: &str, seen: &dyn fmt::Debug, wanted: &dyn fmt::Debug| {
+            Err(format!("{what}: {seen:?} instead of {wanted:?}"))
+        };
+        if seen.timed_out {
+            return Err("it hangs".to_owned());
+        }
+        if seen.hits == 0 && self.must_happen() {
+            return Err("the fault never happens".to_owned());
+        }
+        // An error of a virtual swapchain comes later, or, where one frame can do without, not at all.
+        let may_do_without = self.technique.is_virtual && self.is_of_swapchain();
+        // With rate attachments a framebuffer has one more image, without which it cannot be: memory that is short there is short for the
+        // application, which is told so, as it would be by the driver.
+        if self.technique.has_rates && self.is_short_of_memory() && seen.exit_code == Some(1) {
+            let says = |line: &String| {
+                line.contains("starting: A device memory allocation has failed")
+                    || line.contains("starting: A host memory allocation has failed")
+            };
+            return if seen.output.iter().any(says) {
+                Ok(())
+            } else {
+                fail("output", &seen.output, &"an error of memory")
+            };
+        }
+        let is_as_healthy = seen.exit_code == Some(0) && seen.frames == healthy.frames;
+        if !(may_do_without && is_as_healthy) {
+            if seen.exit_code != below.exit_code {
+                let last = |seen: &Seen| (seen.exit_code, seen.output.last().cloned());
+                return fail("exit code", &last(seen), &last(below));
+            }
+            if seen.frames != below.frames {
+                return fail("frames", &seen.frames, &below.frames);
+            }
+            if seen.output != below.output && !may_do_without {
+                let not_in = |one: &Seen, other: &Seen| -> Vec<String> {
+                    one.output.iter().filter(|line| !other.output.contains(line)).cloned().collect()
+                };
+                return fail("output", &not_in(seen, below), &not_in(below, seen));
+            }
+        }
+        let new: Vec<_> = seen
+            .rules
+            .iter()
+            .filter(|rule| !below.rules.contains(rule) && !shown.rules.contains(rule))
+            .collect();
+        if !new.is_empty() {
+            return fail("findings", &new, &"none");
+        }
+        told_once(&seen.log)?;
+        if self.is_undeliverable() {
+            return Ok(());
+        }
+        for (at, picture) in &seen.pictures {
+            if let Some(reference) = below.pictures.get(at) {
+                let as_shown = shown.pictures.get(at).unwrap_or(reference);
+                is_right(&picture.0, &reference.0, &as_shown.0)
+                    .map_err(|reason| format!("{at:?}: {reason}"))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// How often some calls are made depends on how fast the device is.
+    fn must_happen(&self) -> bool {
+        match &self.below {
+            Below::Vulkan(fault) => fault.skip == 0,
+            Below::OpenXr(_) => true,
+            Below::ExtensionsOff(_) => false,
+        }
+    }
+
+    fn is_short_of_memory(&self) -> bool {
+        matches!(&self.below, Below::Vulkan(fault) if [-1, -2].contains(&fault.result))
+    }
+
+    /// Where none of the layer's command buffers ever reaches the device, or nothing is known to be finished, a virtual swapchain's pictures
+    /// stay what they were: that is told in the log, and no error of ours reaches the application.
+    fn is_undeliverable(&self) -> bool {
+        let Below::Vulkan(fault) = &self.below else { return false };
+        const CALLS: [&str; 6] = [
+            "vkBeginCommandBuffer",
+            "vkEndCommandBuffer",
+            "vkQueueSubmit",
+            "vkResetCommandPool",
+            "vkResetFences",
+            "vkWaitForFences",
+        ];
+        self.technique.is_virtual && fault.whose == Whose::Own && CALLS.contains(&fault.call.as_str())
+    }
+
+    fn is_of_swapchain(&self) -> bool {
+        let Below::OpenXr(faults) = &self.below else { return false };
+        faults.iter().any(|fault| fault.call.ends_with("SwapchainImage"))
+    }
+}
+
+/// Lines of what is given up because of one fault, at most.
+const MOST_TOLD: usize = 4;
+
+/// A cause is told once: no line comes twice, and one fault has few consequences.
+fn told_once(log: &str) -> Result<(), String> {
+    let told = log.lines().filter_map(|line| {
+        let (_, text) = line.split_once(" WARN ").or_else(|| line.split_once(" ERROR "))?;
+        Some(text.trim().to_owned())
+    });
+    let told: Vec<String> = told.collect();
+    let different: BTreeSet<&String> = told.iter().collect();
+    if different.len() < told.len() || told.len() > MOST_TOLD {
+        return Err(format!("told {} times", told.len()));
+    }
+    Ok(())
+}
+
+/// A picture is right that is as without the layer, or no farther from that than the technique takes it by itself.
+fn is_right(picture: &Picture, off: &Picture, on: &Picture) -> Result<(), String> {
+    let error = |picture: &Picture| {
+        let squares = picture.pixels.iter().zip(&off.pixels).flat_map(|(one, other)| {
+            (0..4).map(|channel| f64::from(one[channel].abs_diff(other[channel])).powi(2))
+        });
+        squares.sum::<f64>() / picture.pixels.len() as f64
+    };
+    let (has, may) = (error(picture), error(on));
+    if picture.pixels.len() != off.pixels.len() || has > 1.5 * may + 0.01 {
+        return Err(format!("the picture has a squared error of {has}, and {may} without the fault"));
+    }
+    Ok(())
+}
+
+impl Seen {
+    pub fn of(outcome: &Outcome) -> Self {
+        let picture = |view, frame| Some(((view, frame), PictureOf(outcome.submitted(view, frame).ok()?)));
+        let faults = outcome.faults().unwrap_or_default();
+        let findings = outcome.findings.vulkan.iter().chain(&outcome.findings.openxr);
+        // hello_xr prints what the Vulkan loader tells, and has two threads that print.
+        let is_told = |line: &&str| {
+            ["[Loader Message]", "[Validation]", "any key"].iter().all(|noise| !line.contains(noise))
+        };
+        let output = outcome.output.lines().filter(is_told).map(without_numbers).collect();
+        Self {
+            exit_code: outcome.exit_code,
+            timed_out: outcome.timed_out,
+            frames: outcome.record.frames.len(),
+            output,
+            log: outcome.log.clone(),
+            rules: findings.map(|finding| finding.rule.clone()).collect(),
+            pictures: SAVED
+                .iter()
+                .flat_map(|&frame| (0..2).filter_map(move |view| picture(view, frame)))
+                .collect(),
+            hits: outcome.record.planted + faults.iter().map(|report| report.failed).sum::<u64>(),
+        }
+    }
+}
+
+/// Times, handles and process numbers differ in every run.
+fn without_numbers(text: &str) -> String {
+    let words = text.split_inclusive(|character: char| !character.is_ascii_alphanumeric());
+    let is_number = |word: &&str| word.starts_with(|first: char| first.is_ascii_digit());
+    words.filter(|word| !is_number(word)).collect()
+}

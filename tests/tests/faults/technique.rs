@@ -1,0 +1,84 @@
+//! What the layer does while something fails.
+
+use super::runs::FRAMES;
+use parafovea_test_layers::ShadingRateProfile;
+use parafovea_tests::run::{Application, Run};
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
+
+/// A technique, with an application that it works in.
+#[derive(Debug)]
+pub struct Technique {
+    pub name: &'static str,
+    /// Whether the device looks as if it had shading rates.
+    pub has_rates: bool,
+    /// Whether the application is hello_xr, which has actions; otherwise one that has none.
+    pub has_actions: bool,
+    /// Whether swapchains are virtual, so that errors of theirs come at xrEndFrame, or not at all where a frame can do without.
+    pub is_virtual: bool,
+    pub config: &'static str,
+}
+
+impl Technique {
+    pub const ALL: [Technique; 6] = [
+        Technique {
+            name: "mask",
+            has_rates: false,
+            has_actions: false,
+            is_virtual: true,
+            config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\nbackend = \"mask\"\ngate = \"on\"\n",
+        },
+        Technique {
+            name: "attachment",
+            has_rates: true,
+            has_actions: false,
+            is_virtual: false,
+            config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n",
+        },
+        Technique {
+            name: "re-use",
+            has_rates: false,
+            has_actions: false,
+            is_virtual: true,
+            config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nbackend = \"mask\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n",
+        },
+        Technique {
+            name: "chroma",
+            has_rates: false,
+            has_actions: false,
+            is_virtual: true,
+            config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n",
+        },
+        Technique {
+            name: "gaze",
+            has_rates: false,
+            has_actions: true,
+            is_virtual: true,
+            config: "preset = \"none\"\n[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n",
+        },
+        Technique {
+            name: "contrast",
+            has_rates: true,
+            has_actions: false,
+            is_virtual: true,
+            config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n",
+        },
+    ];
+
+    /// Its application with this scenario, without the layer.
+    pub fn run(&self, scenario: &Scenario) -> Run {
+        let frames = FRAMES.to_string();
+        let zoo = ["--style", "render-pass", "--size", "64", "--frames", &frames];
+        let application = if self.has_actions {
+            Application::hello_xr("Vulkan2")
+        } else {
+            Application::ours("parafovea-zoo", &zoo)
+        };
+        let run = Run::new(&application.unwrap(), scenario);
+        if self.has_rates { run.shading_rates(ShadingRateProfile::Layered16) } else { run }
+    }
+
+    /// Nothing goes wrong.
+    pub fn scenario() -> Scenario {
+        Scenario::new(FRAMES).sized(64, 64).gazing(-20.0, 0.0).saving(&super::runs::SAVED)
+    }
+}

@@ -1,0 +1,53 @@
+//! Faults of the driver: every call of ours that can fail does, always or only the second time; and the device is lost.
+
+use super::runs::{Below, Cell};
+use super::technique::Technique;
+use parafovea_test_layers::{VulkanFault, Whose};
+use std::collections::BTreeMap;
+
+const OUT_OF_HOST_MEMORY: i32 = -1;
+const OUT_OF_DEVICE_MEMORY: i32 = -2;
+const DEVICE_LOST: i32 = -4;
+const MEMORY_MAP_FAILED: i32 = -5;
+
+/// The application's submits after which the device is lost.
+const LOST_AFTER: [u64; 2] = [2, 12];
+
+/// The cells of a technique, from what a run without faults calls.
+pub fn cells(technique: &'static Technique) -> Vec<Cell> {
+    let run = technique.run(&Technique::scenario()).on(technique.config).faulted(None);
+    let outcome = run.finish().unwrap().expect_end().unwrap();
+    let mut calls: BTreeMap<String, u64> = BTreeMap::new();
+    for report in outcome.faults().unwrap() {
+        report.own.into_iter().for_each(|(call, count)| *calls.entry(call).or_default() += count);
+    }
+    assert!(
+        calls.contains_key("vkCreateShaderModule") || calls.len() > 5,
+        "{}: only {calls:?}",
+        technique.name
+    );
+    let own = calls.into_iter().flat_map(|(call, count)| own_faults(&call, count));
+    let lost = LOST_AFTER.map(|skip| VulkanFault {
+        call: "vkQueueSubmit".to_owned(),
+        result: DEVICE_LOST,
+        whose: Whose::Application,
+        skip,
+        count: 1,
+    });
+    own.chain(lost).map(|fault| Cell { technique, below: Below::Vulkan(fault) }).collect()
+}
+
+/// All of so many calls fail, or only the second.
+fn own_faults(call: &str, count: u64) -> Vec<VulkanFault> {
+    let result = match call {
+        "vkMapMemory" => MEMORY_MAP_FAILED,
+        "vkCreateFramebuffer" | "vkCreateImageView" | "vkBeginCommandBuffer" => OUT_OF_HOST_MEMORY,
+        _ => OUT_OF_DEVICE_MEMORY,
+    };
+    let fault = |skip, count| VulkanFault { call: call.to_owned(), result, whose: Whose::Own, skip, count };
+    let mut faults = vec![fault(0, u64::MAX)];
+    if count > 1 {
+        faults.push(fault(1, 1));
+    }
+    faults
+}
