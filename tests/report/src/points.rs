@@ -18,6 +18,8 @@ pub enum Sweep {
     OpenXrToolkit,
     /// The layer's rates by eccentricity around the gaze, as presets have them.
     Rates,
+    /// The layer's rates by the contrast of the pictures, in silence: nothing may be lost that is seen.
+    Contrast,
     /// The layer's re-use of the periphery.
     Reuse,
     /// The layer's rates, re-use and chroma attenuation together.
@@ -28,12 +30,13 @@ pub enum Sweep {
 
 impl Sweep {
     /// All, in the order of tables.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Off,
         Self::RenderScale,
         Self::FixedFoveation,
         Self::OpenXrToolkit,
         Self::Rates,
+        Self::Contrast,
         Self::Reuse,
         Self::Everything,
         Self::Chroma,
@@ -47,6 +50,7 @@ impl Sweep {
             Self::FixedFoveation => "fixed foveation (FR)",
             Self::OpenXrToolkit => "OpenXR Toolkit",
             Self::Rates => "eye-tracked rates",
+            Self::Contrast => "rates by contrast, in silence",
             Self::Reuse => "re-use",
             Self::Everything => "everything",
             Self::Chroma => "chroma",
@@ -107,6 +111,13 @@ fn all() -> Vec<Point> {
             layer(&format!("rates {preset}"), preset, ["fixed", "off", "off"]),
             least,
         ));
+    }
+    for preset in ["quality", "balanced", "performance"] {
+        let config = format!(
+            "preset = \"{preset}\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n[chroma]\nmode = \"off\"\n"
+        );
+        let technique = Technique::layer(&format!("contrast {preset}"), &config);
+        points.push(timed(Sweep::Contrast, technique, All));
     }
     for (name, mode, periods, least) in [
         ("re-use 11112", "on", "11112", All),
