@@ -8,6 +8,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use parafovea_core::kernels::analyze::AnalyzeParams;
 use parafovea_core::kernels::change::ChangeParams;
 use parafovea_core::kernels::compose::{ComposeParams, ReuseParams};
+use parafovea_core::kernels::debug_view::DebugViewParams;
 use parafovea_core::kernels::decide::DecideParams;
 use parafovea_core::kernels::lay::LayParams;
 use parafovea_core::kernels::mask::MaskParams;
@@ -38,6 +39,7 @@ fn main() {
         declared::<MaskParams>(),
         declared::<ComposeParams>(),
         declared::<ReuseParams>(),
+        declared::<DebugViewParams>(),
     ];
     if let Err(message) = build(&uniforms) {
         eprintln!("error: {message}");

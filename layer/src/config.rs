@@ -1,10 +1,12 @@
 //! The configuration that holds at this moment, and noticing that its file changed.
 
 mod chroma;
+mod debug_view;
 mod executable;
 mod plan;
 
 pub use chroma::chroma_settings;
+pub use debug_view::debug_view;
 pub use executable::executable;
 pub use parafovea_manifest::config::Config;
 pub use parafovea_manifest::options::{

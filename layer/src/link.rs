@@ -9,8 +9,8 @@ mod records;
 
 pub use records::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, EyeMapRecord, FrameTimeRecord, NO_EYE,
-    NO_IMAGE, OfferRecord, PictureRecord, PlanRecord, SettingsRecord, ShownRecord, ShownViewRecord,
-    StaleRecord, SwapchainRecord,
+    NO_IMAGE, OfferRecord, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord,
+    ShownViewRecord, StaleRecord, SwapchainRecord,
 };
 
 use ash::vk;
@@ -20,7 +20,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"parafovea_vkGetLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 7;
+pub const LINK_VERSION: u32 = 8;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
@@ -62,6 +62,9 @@ pub struct LinkTable {
     /// Writes what the next frame's passes took, of which that has become known; returns 1, or 0 when there is none. It waits for
     /// nothing: times come a frame or more after the frame has ended, in the order of the frames, and of some never.
     pub frame_time: unsafe extern "C" fn(device: vk::Device, record: *mut FrameTimeRecord) -> u32,
+    /// Copies the rates that the GPU decided last for an eye, in a submit of its own, in a section of the runtime. Returns 1, or 0 where
+    /// the plan's own rates hold, and nothing is copied.
+    pub copy_rates: unsafe extern "C" fn(device: vk::Device, record: *const RatesCopyRecord) -> u32,
 }
 
 /// One device as the Vulkan half tracked it.

@@ -4,6 +4,7 @@
 pub mod analyze;
 pub mod change;
 pub mod compose;
+pub mod debug_view;
 pub mod decide;
 pub mod fill;
 pub mod lay;

@@ -6,16 +6,18 @@ mod benefit;
 mod frame_rate;
 mod handed;
 mod offer;
+mod seen;
 mod told;
 mod views;
 mod watched;
 
 pub use benefit::{Benefit, Clock, EndedFrame};
 pub use offer::Offer;
+pub use seen::Seen;
 pub use views::{ShownView, View, Views, head_of};
 pub use watched::Watched;
 
-use crate::config::{Config, GazeSource, gaze_settings, plan_settings, wants_maps};
+use crate::config::{Config, GazeSource, debug_view, gaze_settings, plan_settings, wants_maps};
 use crate::link::PlanRecord;
 use frame_rate::FrameRate;
 use glam::{Quat, Vec3};
@@ -151,9 +153,11 @@ impl Planning {
         self.keeps_history[eye] = true;
     }
 
-    /// Whether there is anything to plan: rates that the device has, or what is stale, or chroma where `can_attenuate`.
+    /// Whether there is anything to plan: rates that the device has, or what is stale, or, where `can_attenuate`, chroma and what is
+    /// shown of plans.
     pub fn has_work(&self, config: &Config, can_attenuate: bool) -> bool {
-        self.has_maps(config) || self.chroma(config, can_attenuate).is_some()
+        let is_shown = can_attenuate && debug_view(config).is_some();
+        self.has_maps(config) || is_shown || self.chroma(config, can_attenuate).is_some()
     }
 
     /// A frame goes by without a plan.
@@ -281,8 +285,7 @@ impl Planning {
             self.handed.forget();
             return None;
         };
-        let decides = self.settings.contrast_on_gpu && self.techniques.rates;
-        let orientations = decides.then_some(self.orientations);
+        let orientations = self.gpu_decides().then_some(self.orientations);
         let plan = planner.newest();
         self.handed
             .update(&plan.eyes, self.techniques, orientations, plan.frame)
@@ -295,6 +298,11 @@ impl Planning {
         let focus = plan.eyes[eye].focus?;
         let direction = self.views.orientation(eye) * focus.direction;
         Some((Focus { direction, ..focus }, plan.chroma?))
+    }
+
+    /// Whether the GPU is asked to decide the rates.
+    fn gpu_decides(&self) -> bool {
+        self.settings.contrast_on_gpu && self.techniques.rates
     }
 
     fn has_maps(&self, config: &Config) -> bool {

@@ -5,9 +5,11 @@
 
 mod decisions;
 mod moment;
+mod unseen;
 
-pub use decisions::decided;
+pub use decisions::{all as all_decisions, decided};
 pub use moment::{GateMoment, Moment};
+pub use unseen::{Known, why_unseen};
 
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{EVERY_S, Status, StatusFile};

@@ -61,7 +61,8 @@ pub fn plan_install(data: &Path, library: &Path) -> Result<Vec<Step>, InstallErr
     Ok(steps)
 }
 
-/// What taking the layer away again takes; nothing, where it is not installed. Configuration and logs stay.
+/// What taking the layer away again takes; nothing, where it is not installed. Folders that are empty then go too,
+/// `data` itself excepted. Configuration and logs stay.
 ///
 /// # Errors
 ///
@@ -71,18 +72,23 @@ pub fn plan_uninstall(data: &Path) -> Result<Vec<Step>, InstallError> {
     for half in Half::BOTH {
         let path = half.manifest_path(data);
         if installed_manifest(half, &path)?.is_some() {
-            steps.push(Step::Remove(path));
+            steps.push(remove(data, path));
         }
     }
     let library = library_path(data);
     if installed_library(&library)?.is_some() {
-        steps.push(Step::Remove(library));
+        steps.push(remove(data, library));
     }
     let audio = audio_library_path(data);
     if installed_audio(&audio)?.is_some() {
-        steps.push(Step::Remove(audio));
+        steps.push(remove(data, audio));
     }
     Ok(steps)
+}
+
+/// Takes a file of ours away, with the folders that were there for it alone: the loaders' and ours below `data`.
+fn remove(data: &Path, path: PathBuf) -> Step {
+    Step::Remove { path, below: data.to_owned() }
 }
 
 /// What it takes that the library that listens is as it was `built`, or is not there where it was not.
@@ -90,7 +96,7 @@ fn plan_audio(data: &Path, built: &Path) -> Result<Option<Step>, InstallError> {
     let to = audio_library_path(data);
     let installed = installed_audio(&to)?;
     if !built.is_file() {
-        return Ok(installed.map(|_| Step::Remove(to)));
+        return Ok(installed.map(|_| remove(data, to)));
     }
     let bytes = fs::read(built).map_err(InstallError::io(built))?;
     if !is_audio(&bytes) {

@@ -183,6 +183,22 @@ choice! {
     }
 }
 
+choice! {
+    /// What is drawn over the pictures in the headset, for people to see what is done; see the guide.
+    DebugView {
+        /// nothing
+        None = "none",
+        /// how coarsely each tile is shaded: green for a half of the pixels, to violet for a sixteenth
+        Rates = "rates",
+        /// the angle from the gaze: a line every 10 degrees
+        Eccentricity = "eccentricity",
+        /// how many frames ago each tile was rendered: nothing where it is new, then yellow to red
+        Age = "age",
+        /// a dot where the eyes are taken to look: who sees the picture sees that
+        Gaze = "gaze",
+    }
+}
+
 presets! {
     /// Values that belong together, for what is not set itself.
     Preset {
@@ -310,5 +326,11 @@ options! {
         max_change_per_s: f32 = 0.5, 0.1..=100.0 "per second";
         /// How luma and chroma are split.
         matrix: ChromaMatrix = ChromaMatrix::Bt709;
+    }
+
+    /// Seeing what is done, in the headset.
+    debug: Debugging {
+        /// What is drawn over the pictures. Swapchains that were made while it was "none" and nothing else needed our own images stay as they are.
+        view: DebugView = DebugView::None;
     }
 }

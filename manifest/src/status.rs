@@ -85,6 +85,9 @@ pub struct Rates {
     pub tiles: Vec<(String, f32)>,
     /// Share of the pixels that is shaded, by the plan: 0..=1.
     pub shaded: f32,
+    /// Whether the GPU decides each tile by the picture's contrast: then `tiles` and `shaded` are what holds where contrast is not known,
+    /// and what each tile has only the GPU knows.
+    pub decided_on_gpu: bool,
     /// Share of the tiles that is rendered in a frame, 0..=1; 1: nothing is re-used.
     pub rendered: f32,
 }

@@ -156,9 +156,10 @@ impl<'a> AppCommands<'a> {
         }
     }
 
-    /// Copies `size` bytes from a buffer, from an offset on, to the beginning of one; both are as long.
-    pub(crate) fn copy_buffer(&self, (from, offset): (vk::Buffer, u64), to: vk::Buffer, size: u64) {
-        let region = vk::BufferCopy { src_offset: offset, dst_offset: 0, size };
+    /// Copies `size` bytes from a buffer, from an offset on, to an offset in one; both are as long.
+    pub(crate) fn copy_buffer(&self, from: (vk::Buffer, u64), to: (vk::Buffer, u64), size: u64) {
+        let ((from, src_offset), (to, dst_offset)) = (from, to);
+        let region = vk::BufferCopy { src_offset, dst_offset, size };
         // SAFETY: the command buffer is being recorded outside of a render pass, and the buffers are live, as `new` demands.
         unsafe { self.gpu.device.cmd_copy_buffer(self.commands, from, to, &[region]) };
     }

@@ -153,7 +153,18 @@ pub const RUNTIME_COPIED_TO_DRAWN: ImageBarrier = ImageBarrier {
     dst_access: COLOR_READ_WRITE,
 };
 
-/// All of them.
+/// The finished picture, before something is blended over it. Another half of ours may have read it in between.
+pub const RUNTIME_DRAWN_TO_BLENDED: ImageBarrier = ImageBarrier {
+    name: "runtime_drawn_to_blended",
+    old_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
+    new_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
+    src_stage: Stage::ALL_COMMANDS,
+    dst_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+    src_access: Access::COLOR_ATTACHMENT_WRITE,
+    dst_access: COLOR_READ_WRITE,
+};
+
+/// All of them but [`RUNTIME_DRAWN_TO_BLENDED`], which occurs only where something is drawn for people to see.
 pub const ALL: [ImageBarrier; 10] = [
     APP_CREATED,
     APP_RENDERED_TO_COPIED,

@@ -159,11 +159,20 @@ impl ListSet {
         second: &UniformRing<B>,
         words: &WordRing,
     ) -> Result<Self, GpuError> {
+        Self::over(first, second, words.handle())
+    }
+
+    /// With words in a buffer that is not a ring, and outlives the result.
+    pub(crate) fn over<A: bytemuck::Pod, B: bytemuck::Pod>(
+        first: &UniformRing<A>,
+        second: &UniformRing<B>,
+        words: vk::Buffer,
+    ) -> Result<Self, GpuError> {
         let gpu = first.gpu();
         let buffers = [
             (LISTS[0], first.handle(), size_of::<A>() as u64),
             (LISTS[1], second.handle(), size_of::<B>() as u64),
-            (LISTS[2], words.handle(), vk::WHOLE_SIZE),
+            (LISTS[2], words, vk::WHOLE_SIZE),
         ];
         Ok(Self { sets: buffer_set(gpu, list_layout(gpu)?, &buffers)? })
     }

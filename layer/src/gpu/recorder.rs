@@ -12,6 +12,9 @@ pub(crate) struct Recorder<'a> {
     slot: usize,
 }
 
+/// Most bytes in one update of a buffer (vkCmdUpdateBuffer).
+const MOST_UPDATED: usize = 65_536;
+
 /// The first `layers` layers of a colour image with one mip level.
 fn color_range(layers: u32) -> vk::ImageSubresourceRange {
     vk::ImageSubresourceRange {
@@ -98,6 +101,44 @@ impl<'a> Recorder<'a> {
         let none = vk::DependencyFlags::empty();
         // SAFETY: the command buffer is being recorded, outside of a render pass.
         unsafe { self.device.cmd_pipeline_barrier(self.commands, src, dst, none, &[info], &[], &[]) };
+    }
+
+    /// Writes bytes to a buffer at an offset, both multiples of four, within it.
+    pub(crate) fn update_buffer(&self, to: vk::Buffer, offset: u64, bytes: &[u8]) {
+        for (part, bytes) in (0u64..).zip(bytes.chunks(MOST_UPDATED)) {
+            let offset = offset + part * MOST_UPDATED as u64;
+            // SAFETY: the command buffer is being recorded, outside of a render pass; the buffer is live, may be copied to, and has
+            // room for as many bytes as an update may have.
+            unsafe { self.device.cmd_update_buffer(self.commands, to, offset, bytes) };
+        }
+    }
+
+    /// What fragment shaders read of buffers, before updates.
+    pub(crate) fn reads_to_updates(&self) {
+        let (reads, updates) = (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::PipelineStageFlags::TRANSFER);
+        self.memory_barrier(reads, updates, vk::MemoryBarrier::default());
+    }
+
+    /// Updates of buffers, and what was copied to them on this queue, before fragment shaders read them.
+    pub(crate) fn updates_to_reads(&self) {
+        let (updates, reads) = (vk::PipelineStageFlags::TRANSFER, vk::PipelineStageFlags::FRAGMENT_SHADER);
+        let barrier = vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+            .dst_access_mask(vk::AccessFlags::SHADER_READ);
+        self.memory_barrier(updates, reads, barrier);
+    }
+
+    fn memory_barrier(
+        &self,
+        before: vk::PipelineStageFlags,
+        after: vk::PipelineStageFlags,
+        barrier: vk::MemoryBarrier<'_>,
+    ) {
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: the command buffer is being recorded, outside of a render pass.
+        unsafe {
+            self.device.cmd_pipeline_barrier(self.commands, before, after, none, &[barrier], &[], &[]);
+        }
     }
 
     /// Records what `draw` draws to `target`, which is COLOR_ATTACHMENT_OPTIMAL and keeps its content.

@@ -199,3 +199,19 @@ pub struct FrameTimeRecord {
     /// All of them together on the GPU, nanoseconds.
     pub ns: u64,
 }
+
+/// Where the rates that the GPU decided for an eye's tiles shall be copied to.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct RatesCopyRecord {
+    /// 0: left, 1: right.
+    pub eye: u32,
+    /// Family and index of the queue that the copy is submitted to, and which this thread may use now.
+    pub queue: [u32; 2],
+    /// Columns and rows of the tiles; nothing is copied where they are others.
+    pub tiles: [u32; 2],
+    /// A buffer that may be copied to, and lives until a later submit to that queue has finished. Fragment shaders may be reading it.
+    pub buffer: vk::Buffer,
+    /// Where in it, bytes, a multiple of 4: a byte for each tile (`ShadingRate::texel`), rows that begin with whole words.
+    pub offset: u64,
+}

@@ -101,8 +101,8 @@ impl MaskMap {
     pub fn upload(&self, commands: &AppCommands, staging: vk::Buffer, offset: u64) {
         commands.reads_to_copies();
         let list = self.list.capacity_words() as u64 * 4;
-        commands.copy_buffer((staging, offset), self.list.handle(), list);
-        commands.copy_buffer((staging, offset + list), self.template.handle(), self.template.size());
+        commands.copy_buffer((staging, offset), (self.list.handle(), 0), list);
+        commands.copy_buffer((staging, offset + list), (self.template.handle(), 0), self.template.size());
         commands.copies_to_reads();
     }
 

@@ -58,6 +58,11 @@ impl Benefit {
         Techniques { rates: rates.is_on(), reuse: reuse.is_on() }
     }
 
+    /// Whether any frame had maps so far.
+    pub fn had_maps(&self) -> bool {
+        self.passes > 0
+    }
+
     /// The gates, for people.
     pub fn gates(&self) -> &Gates {
         &self.gates

@@ -40,6 +40,7 @@ impl Planning {
         if !self.has_maps(config) {
             return;
         }
+        moment.gpu_decides = self.gpu_decides();
         for eye in &plan.eyes {
             (0..eye.rates.height()).for_each(|row| moment.count(eye.rates.row(row)));
             moment.tiles_due += eye.statistics.tiles_due;

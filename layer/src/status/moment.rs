@@ -32,6 +32,8 @@ pub struct Moment {
     pub is_heard: bool,
     /// How many tiles of both eyes have each rate, by its texel.
     pub tiles: [u32; TEXELS],
+    /// Whether the GPU decides the rates of the tiles, and `tiles` hold where it cannot.
+    pub gpu_decides: bool,
     /// Tiles that are rendered in this frame.
     pub tiles_due: u32,
     /// Share of the pixels that is shaded, by the plan.
@@ -57,6 +59,7 @@ impl Default for Moment {
             audio_source: AudioSource::Off,
             is_heard: false,
             tiles: [0; TEXELS],
+            gpu_decides: false,
             tiles_due: 0,
             shaded: 1.0,
             rates: GateMoment::default(),
@@ -72,6 +75,13 @@ pub struct GateMoment {
     mode: GateMode,
     is_kept: bool,
     ratio: Option<[f32; 3]>,
+}
+
+impl GateMoment {
+    /// Whether the technique was dropped, because it does not pay or because the configuration says so.
+    pub fn is_dropped(&self) -> bool {
+        self.mode == GateMode::Off || !self.is_kept
+    }
 }
 
 impl From<&Gate> for GateMoment {
@@ -129,7 +139,7 @@ impl Moment {
     fn rates_told(&self) -> status::Rates {
         let all: u32 = self.tiles.iter().sum();
         if all == 0 {
-            return status::Rates { tiles: Vec::new(), shaded: 1.0, rendered: 1.0 };
+            return status::Rates { shaded: 1.0, rendered: 1.0, ..status::Rates::default() };
         }
         let mut rates: Vec<(ShadingRate, f32)> = (0..)
             .zip(self.tiles)
@@ -145,6 +155,7 @@ impl Moment {
                 .map(|(rate, share)| (format!("{}x{}", rate.width(), rate.height()), share))
                 .collect(),
             shaded: rounded(self.shaded, 100.0),
+            decided_on_gpu: self.gpu_decides,
             rendered: rounded(self.tiles_due as f32 / all as f32, 100.0),
         }
     }
@@ -182,6 +193,6 @@ mod tests {
         assert_eq!((status.rates.shaded, status.rates.rendered), (0.4, 0.75));
         assert_eq!(status.backend, "mask");
         Moment::default().write_to(&mut status);
-        assert_eq!(status.rates, status::Rates { tiles: Vec::new(), shaded: 1.0, rendered: 1.0 });
+        assert_eq!(status.rates, status::Rates { shaded: 1.0, rendered: 1.0, ..status::Rates::default() });
     }
 }

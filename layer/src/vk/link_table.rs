@@ -6,7 +6,7 @@ use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
     DeviceRecord, FrameTimeRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord, PictureRecord, PlanRecord,
-    SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
+    RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 
@@ -26,6 +26,7 @@ static TABLE: LinkTable = LinkTable {
     passes_with_rates,
     frames_ended,
     frame_time,
+    copy_rates,
 };
 
 /// The function behind [`crate::link::GET_LINK_NAME`].
@@ -238,6 +239,21 @@ unsafe extern "C" fn frame_time(device: vk::Device, record: *mut FrameTimeRecord
                     *record = FrameTimeRecord { frame: frame + 1, ns };
                     1
                 }
+                _ => 0,
+            }
+        },
+    )
+}
+
+unsafe extern "C" fn copy_rates(device: vk::Device, record: *const RatesCopyRecord) -> u32 {
+    // SAFETY: the other half passes a live device and a valid record, whose buffer and queue are as it says (link.rs).
+    guard(
+        "parafovea_vkGetLink.copy_rates",
+        || 0,
+        |_| unsafe {
+            let known = device::of(device);
+            match (known.as_ref().and_then(|known| known.armed.as_ref()), record.as_ref()) {
+                (Some(armed), Some(record)) => armed.perception.copy_rates(armed, record).into(),
                 _ => 0,
             }
         },

@@ -4,6 +4,7 @@
 //! submit with a pass of the scene on that queue the rates of the tiles are decided, and laid over the maps of its passes
 //! ([`Perception::deciding`]). Where any of it is missing, the maps hold the plan's own rates, which are rings.
 
+mod copied;
 mod eye;
 mod laid;
 mod pictures;

@@ -1,6 +1,7 @@
 //! Frames. What happens at `xrEndFrame`, from top to bottom, is [`deliver`].
 
 mod complete;
+mod debug_view;
 mod history;
 mod layers;
 mod nearest;
@@ -9,6 +10,7 @@ mod regions;
 mod shown;
 mod work;
 
+pub use debug_view::DebugViews;
 pub use history::History;
 
 use super::instance::next_of_any;
@@ -115,6 +117,7 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
                     show_views(known, active, info);
                     deliver(known, active, info);
                 }
+                plan::tell_unseen(known, active, &known.instance.config.get(), info.display_time);
                 if let Some(telling) = known.telling.as_ref().filter(|telling| telling.is_asked()) {
                     telling.tell(plan::moment(active, &known.instance.config.get()));
                 }
@@ -153,6 +156,8 @@ type Works<'a> = SmallVec<[Work<'a>; 8]>;
 /// `info` and what it points to are valid, as `xrEndFrame` demands.
 unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
     let swapchains = swapchain::virtual_ones(session.handle);
+    // SAFETY: the caller vouches for `info`.
+    unsafe { debug_view::tell_left_out(session, active, info, &swapchains) };
     if swapchains.is_empty() || active.health() == Health::Stopped {
         return;
     }
@@ -173,8 +178,12 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
         return;
     }
     match submit(active, tools, &mut works) {
-        // SAFETY: as above; the works' images are as they were just written.
-        Ok(()) => unsafe { pictures::tell(session, active, info, &works) },
+        // SAFETY: as above; the works' images are as they were just written. What is drawn for people comes last: nothing of ours
+        // looks at it.
+        Ok(()) => unsafe {
+            pictures::tell(session, active, info, &works);
+            debug_view::draw(session, active, info, &works);
+        },
         // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
         // it gets its image as it is.
         Err(GpuError::Timeout) => works.retain(|work| !work.has_picture()),

@@ -6,6 +6,7 @@
 
 use super::instance::next_of_any;
 use super::session::{self, Active, Health, Session, Tools};
+use super::swapchain;
 use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
 use crate::config::{Config, GazeSource, PassRules, RatesBackend, gate_modes};
@@ -15,7 +16,7 @@ use crate::link::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameTimeRecord, SettingsRecord,
 };
 use crate::planning::{Benefit, Clock, EndedFrame, Offer, Planning, ShownView, View, head_of};
-use crate::status::Moment;
+use crate::status::{Known, Moment, all_decisions, decided, why_unseen};
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
@@ -41,6 +42,9 @@ pub struct SessionPlan {
     awaited: AtomicI64,
     /// Display time for which views were located last.
     located: AtomicI64,
+    /// Display time of the first frame, until it was looked whether anything is seen.
+    first: AtomicI64,
+    has_looked: AtomicBool,
     has_failed: AtomicBool,
 }
 
@@ -53,6 +57,8 @@ impl Default for SessionPlan {
             ears: Mutex::default(),
             awaited: AtomicI64::new(NEVER),
             located: AtomicI64::new(NEVER),
+            first: AtomicI64::new(NEVER),
+            has_looked: AtomicBool::new(false),
             has_failed: AtomicBool::new(false),
         }
     }
@@ -190,6 +196,33 @@ pub fn moment(active: &Active, config: &Config) -> Moment {
     let Techniques { rates, reuse } = benefit.gates().gates();
     (moment.rates, moment.reuse) = (rates.into(), reuse.into());
     moment
+}
+
+/// From the first frame on, nanoseconds, until which something should be seen of what is done: passes are known by then, and rates
+/// have become coarser.
+const SEEN_AFTER_NS: i64 = 2_000_000_000;
+
+/// Says once why nothing is seen of an active session, where that is so after some seconds of frames.
+pub fn tell_unseen(session: &Session, active: &Active, config: &Config, time: xr::Time) {
+    let state = &active.plan;
+    if state.has_looked.load(Ordering::Relaxed) {
+        return;
+    }
+    let time_ns = time.as_nanos();
+    let first = state.first.compare_exchange(NEVER, time_ns, Ordering::Relaxed, Ordering::Relaxed);
+    let Err(first) = first else { return };
+    if time_ns.saturating_sub(first) < SEEN_AFTER_NS || state.has_looked.swap(true, Ordering::Relaxed) {
+        return;
+    }
+    let known = Known {
+        had_maps: state.benefit.lock().unwrap_or_else(PoisonError::into_inner).had_maps(),
+        has_own_images: !swapchain::virtual_ones(session.handle).is_empty(),
+        is_healthy: active.health() == Health::Works && !state.has_failed(),
+        decisions: &all_decisions(),
+    };
+    if let Some(why) = why_unseen(config, &moment(active, config), &known) {
+        decided(&why);
+    }
 }
 
 /// xrBeginFrame succeeded.

@@ -12,7 +12,7 @@ use super::structures::{VulkanBinding, extending};
 use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
 use crate::abi::{attempt, guard};
-use crate::config::{ChromaMode, Config, Environment, executable, wants_contrast, wants_reuse};
+use crate::config::{ChromaMode, Config, Environment, debug_view, executable, wants_contrast, wants_reuse};
 use crate::link::BACKEND_NONE;
 use crate::registry::Registry;
 use crate::status::Telling;
@@ -45,7 +45,8 @@ impl Session {
         let has_gaze = || self.gaze.may_have_gaze(self, &config);
         let may_attenuate = config.enabled && config.chroma.mode != ChromaMode::Off && has_gaze();
         let is_healthy = self.active.as_ref().is_some_and(|active| active.health() == Health::Works);
-        is_healthy && (may_attenuate || self.may_reuse(&config) || self.may_judge(&config))
+        let is_shown = debug_view(&config).is_some();
+        is_healthy && (may_attenuate || is_shown || self.may_reuse(&config) || self.may_judge(&config))
     }
 
     /// Whether pictures could be completed from earlier ones: the configuration asks for it, and the device's backend can leave

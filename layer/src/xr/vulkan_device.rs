@@ -4,7 +4,8 @@
 use super::structures::VulkanBinding;
 use crate::link::{
     DeviceRecord, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr,
-    OfferRecord, PictureRecord, PlanRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
+    OfferRecord, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord,
+    SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -188,6 +189,16 @@ impl VulkanDevice {
             ((self.table.frame_time)(self.record.device, record.as_mut_ptr()) == 1)
                 .then(|| record.assume_init())
         }
+    }
+
+    /// Has the rates copied that the GPU decided last for an eye; false where the plan's own rates hold.
+    ///
+    /// # Safety
+    ///
+    /// As [`RatesCopyRecord`] says.
+    pub unsafe fn copy_rates(&self, record: &RatesCopyRecord) -> bool {
+        // SAFETY: the device is live, as above; the caller vouches for the record.
+        unsafe { (self.table.copy_rates)(self.record.device, record) == 1 }
     }
 
     /// Marks this thread's submits as the runtime's or ours until the result is dropped.

@@ -37,7 +37,12 @@ const SYSTEM_DATA: &str = "/usr/local/share";
 
 /// Installs `library`, or the one that came with this program.
 pub fn install(library: Option<PathBuf>, scope: Scope) -> ExitCode {
-    finish("already installed", scope.dry_run, || {
+    const NEXT: &str = "\
+installed; nothing changes for any game by that.
+To look whether all is well: parafovea doctor
+To play: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %command%
+";
+    finish(["already installed", NEXT], scope.dry_run, || {
         let library = match library {
             Some(library) => library,
             None => library_beside_this_program().ok_or_else(|| Failure::NoLibrary(places()))?,
@@ -48,10 +53,14 @@ pub fn install(library: Option<PathBuf>, scope: Scope) -> ExitCode {
 
 /// Removes what [`install`] installed.
 pub fn uninstall(scope: Scope) -> ExitCode {
-    finish("not installed", scope.dry_run, || Ok(plan_uninstall(&scope.data()?)?))
+    finish(["not installed", ""], scope.dry_run, || Ok(plan_uninstall(&scope.data()?)?))
 }
 
-fn finish(nothing_to_do: &str, dry_run: bool, plan: impl FnOnce() -> Result<Vec<Step>, Failure>) -> ExitCode {
+fn finish(
+    [nothing_to_do, next]: [&str; 2],
+    dry_run: bool,
+    plan: impl FnOnce() -> Result<Vec<Step>, Failure>,
+) -> ExitCode {
     let done = plan().and_then(|steps| {
         if steps.is_empty() {
             crate::print(&format!("{nothing_to_do}\n"));
@@ -61,6 +70,9 @@ fn finish(nothing_to_do: &str, dry_run: bool, plan: impl FnOnce() -> Result<Vec<
                 step.apply()?;
             }
             crate::print(&format!("{}{step}\n", if dry_run { "would " } else { "" }));
+        }
+        if !dry_run && !steps.is_empty() {
+            crate::print(next);
         }
         Ok(())
     });
@@ -91,5 +103,8 @@ pub fn library_beside_this_program() -> Option<PathBuf> {
 fn places() -> Vec<PathBuf> {
     let program = env::current_exe().unwrap_or_default();
     let folder = program.parent().unwrap_or(Path::new(""));
-    [".", "../lib", "../lib/parafovea"].map(|place| folder.join(place).join(LIBRARY_NAME)).to_vec()
+    let above = folder.parent().unwrap_or(Path::new(""));
+    [folder.to_owned(), above.join("lib"), above.join("lib/parafovea")]
+        .map(|place| place.join(LIBRARY_NAME))
+        .to_vec()
 }

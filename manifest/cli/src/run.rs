@@ -1,10 +1,12 @@
 //! `parafovea run`.
 
-use parafovea_manifest::json::{DISABLE_VARIABLE, ENABLE_VARIABLE};
+use parafovea_manifest::json::{DISABLE_VARIABLE, ENABLE_VARIABLE, Half};
+use parafovea_manifest::paths::Environment;
 use std::env;
 use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::os::unix::process::CommandExt;
+use std::path::Path;
 use std::process::{Command, ExitCode};
 
 /// Becomes the application, with the layer turned on; returns only where that fails, with the exit codes of
@@ -16,7 +18,28 @@ pub fn run(command: &[OsString]) -> ExitCode {
     if env::var_os(DISABLE_VARIABLE).is_some() {
         eprintln!("parafovea: {DISABLE_VARIABLE} is set, so the layer stays off");
     }
+    if !is_installed() {
+        eprintln!(
+            "parafovea: the layer is not installed where the loaders look, so nothing is done; to install it: parafovea install"
+        );
+    }
     let error = Command::new(program).args(arguments).env(ENABLE_VARIABLE, "1").exec();
-    eprintln!("parafovea: {}: {error}", program.to_string_lossy());
-    ExitCode::from(if error.kind() == ErrorKind::NotFound { 127 } else { 126 })
+    let program = program.to_string_lossy();
+    if error.kind() == ErrorKind::NotFound {
+        eprintln!(
+            "parafovea: {program} is no program of the PATH; where it lies in a folder, give its whole path"
+        );
+        return ExitCode::from(127);
+    }
+    eprintln!("parafovea: {program}: {error}");
+    ExitCode::from(126)
+}
+
+/// Whether a manifest of ours is in any folder of data files. Others, of `VK_ADD_LAYER_PATH` and the like, are the doctor's.
+fn is_installed() -> bool {
+    let environment = Environment::of_process(false);
+    let of_system = env::var_os("XDG_DATA_DIRS").filter(|folders| !folders.is_empty());
+    let of_system = of_system.unwrap_or_else(|| "/usr/local/share:/usr/share".into());
+    let folders = env::split_paths(&of_system).chain(environment.data_home().map(Path::to_owned));
+    folders.into_iter().any(|data| Half::BOTH.into_iter().any(|half| half.manifest_path(&data).exists()))
 }

@@ -28,7 +28,9 @@ const CLEAR: &str = "\x1b[H\x1b[2J";
 pub fn status(options: Options) -> ExitCode {
     let environment = Environment::of_process(false);
     if environment.runtime_dir().is_none() {
-        eprintln!("parafovea: XDG_RUNTIME_DIR is not set: applications have no place where they could tell");
+        eprintln!(
+            "parafovea: XDG_RUNTIME_DIR is not set: applications have no place where they could tell; a login sets it: call this from the session that you play in"
+        );
         return ExitCode::FAILURE;
     }
     let is_screen = io::stdout().is_terminal() && !options.json && !options.once;

@@ -42,7 +42,8 @@ fn installs_says_so_and_uninstalls() {
     assert!(!home.path().join(".local").exists());
 
     let done = printed(&parafovea(home.path(), &["install", "--library", "built.so"]));
-    assert_eq!(done, would.replace("would ", ""));
+    let steps = would.replace("would ", "");
+    assert!(done.strip_prefix(&steps).is_some_and(|next| next.contains("parafovea doctor")), "{done}");
     assert!(manifest.exists());
     let again = parafovea(home.path(), &["install", "--library", "built.so"]);
     assert_eq!(printed(&again), "already installed\n");
@@ -69,7 +70,11 @@ fn run_sets_the_variable_and_exits_as_the_application_does() {
     let script = "echo $PARAFOVEA \"$@\"; exit 7";
     let output = parafovea(home.path(), &["run", "--", "sh", "-c", script, "sh", "-x", "a b"]);
     assert_eq!((printed(&output).as_str(), output.status.code()), ("1 -x a b\n", Some(7)));
-    assert_eq!(parafovea(home.path(), &["run", "--", "no-such-program"]).status.code(), Some(127));
+    let missing = parafovea(home.path(), &["run", "--", "no-such-program"]);
+    assert_eq!(missing.status.code(), Some(127));
+    let complained = complained(&missing);
+    assert!(complained.contains("no-such-program is no program of the PATH"), "{complained}");
+    assert!(complained.contains("to install it: parafovea install"), "{complained}");
     assert_eq!(parafovea(home.path(), &["run", "--", "/"]).status.code(), Some(126));
 }
 

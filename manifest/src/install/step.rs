@@ -24,8 +24,13 @@ pub enum Step {
         /// All of its content.
         text: String,
     },
-    /// Removes a file, and the folder `parafovea` if that leaves it empty.
-    Remove(PathBuf),
+    /// Removes a file, and the folders above it that this leaves empty.
+    Remove {
+        /// The file.
+        path: PathBuf,
+        /// A folder above it, which stays, as do those above that.
+        below: PathBuf,
+    },
     /// Takes the permission to write from everybody but the owner.
     Restrict(PathBuf),
 }
@@ -45,11 +50,14 @@ impl Step {
             Self::Write { path, text } => {
                 replace(path, text.as_bytes(), 0o644).map_err(InstallError::io(path))
             }
-            Self::Remove(path) => {
+            Self::Remove { path, below } => {
                 fs::remove_file(path).map_err(InstallError::io(path))?;
-                if let Some(folder) = path.parent().filter(|folder| folder.ends_with("parafovea")) {
+                let above = path.ancestors().skip(1);
+                for folder in above.take_while(|folder| folder.starts_with(below) && folder != below) {
                     // Only removes an empty folder; one that holds something else stays.
-                    let _ = fs::remove_dir(folder);
+                    if fs::remove_dir(folder).is_err() {
+                        break;
+                    }
                 }
                 Ok(())
             }
@@ -67,7 +75,7 @@ impl fmt::Display for Step {
         match self {
             Self::Copy { from, to } => write!(f, "copy {} to {}", from.display(), to.display()),
             Self::Write { path, .. } => write!(f, "write {}", path.display()),
-            Self::Remove(path) => write!(f, "remove {}", path.display()),
+            Self::Remove { path, .. } => write!(f, "remove {}", path.display()),
             Self::Restrict(path) => write!(f, "let only the owner write to {}", path.display()),
         }
     }

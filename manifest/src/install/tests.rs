@@ -115,6 +115,47 @@ fn uninstalling_leaves_everything_else() {
     assert!(machine.data().join("parafovea/notes.txt").exists());
 }
 
+/// All files and folders below `folder`.
+fn tree(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut found: Vec<_> = entries
+        .flat_map(|path| {
+            let below = if path.is_dir() { tree(&path) } else { Vec::new() };
+            [vec![path], below].concat()
+        })
+        .collect();
+    found.sort();
+    found
+}
+
+#[test]
+fn uninstalling_leaves_the_tree_as_it_was() {
+    let machine = Machine::new();
+    fs::write(machine.folder.path().join(AUDIO_LIBRARY_NAME), "\u{7f}ELF parafovea_audio_get_table\0")
+        .unwrap();
+    fs::create_dir_all(machine.data()).unwrap();
+    let check = || {
+        let before = tree(machine.folder.path());
+        machine.install();
+        assert_eq!(tree(&machine.data()).len(), before.len() - 2 + 11, "{:?}", tree(&machine.data()));
+        machine.uninstall();
+        assert_eq!(tree(machine.folder.path()), before);
+    };
+    check();
+}
+
+#[test]
+fn folders_with_something_else_in_them_stay() {
+    let machine = Machine::new();
+    machine.put(&machine.data().join("vulkan/icd.d/driver.json"), "{}");
+    machine.put(&machine.data().join("openxr/1/api_layers/explicit.d/other.json"), "{}");
+    let before = tree(machine.folder.path());
+    machine.install();
+    assert_ne!(tree(machine.folder.path()), before);
+    machine.uninstall();
+    assert_eq!(tree(machine.folder.path()), before);
+}
+
 #[test]
 fn the_library_that_listens_is_installed_from_beside_the_layer_and_goes_with_it() {
     let machine = Machine::new();
@@ -130,7 +171,11 @@ fn the_library_that_listens_is_installed_from_beside_the_layer_and_goes_with_it(
     fs::write(&built, audio("2")).unwrap();
     assert_eq!(machine.install(), [Step::Copy { from: built.clone(), to: installed.clone() }]);
     fs::remove_file(&built).unwrap();
-    assert_eq!(machine.install(), [Step::Remove(installed.clone())], "one of another build stays behind");
+    assert_eq!(
+        machine.install(),
+        [remove(&machine.data(), installed.clone())],
+        "one of another build stays behind"
+    );
 
     fs::write(&built, audio("3")).unwrap();
     machine.install();

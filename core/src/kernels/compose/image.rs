@@ -36,7 +36,7 @@ impl PixelFormat {
         if self.is_bgr() { rgb.zyx() } else { rgb }
     }
 
-    pub(super) fn encode(self, rgb: Vec3, texel: &mut [u8]) {
+    pub(in crate::kernels) fn encode(self, rgb: Vec3, texel: &mut [u8]) {
         let stored = if self.is_bgr() { rgb.zyx() } else { rgb };
         for (byte, linear) in texel.iter_mut().zip(stored.to_array()) {
             let value = linear.clamp(0.0, 1.0);

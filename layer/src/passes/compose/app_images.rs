@@ -86,7 +86,7 @@ impl AppImages {
         &self.shape
     }
 
-    pub(super) fn uses(&self) -> &Uses {
+    pub(in crate::passes) fn uses(&self) -> &Uses {
         &self.uses
     }
 

@@ -40,16 +40,16 @@ impl RuntimeImages {
         &self.handles
     }
 
-    pub(super) fn shape(&self) -> &SwapchainShape {
+    pub(in crate::passes) fn shape(&self) -> &SwapchainShape {
         &self.shape
     }
 
-    pub(super) fn uses(&self) -> &Uses {
+    pub(in crate::passes) fn uses(&self) -> &Uses {
         &self.uses
     }
 
     /// A layer of an image, to draw to.
-    pub(super) fn target(&self, image: u32, layer: u32) -> Option<&ColorTarget> {
+    pub(in crate::passes) fn target(&self, image: u32, layer: u32) -> Option<&ColorTarget> {
         self.targets.get((image * self.shape.array_layers + layer) as usize)
     }
 }

@@ -4,6 +4,7 @@ use super::history::ShownPicture;
 use super::regions::{Images, fov, orientation, rect_within, region};
 use crate::passes::change::ChangeRegion;
 use crate::passes::compose::{ComposeJob, ReuseRegion};
+use crate::passes::debug_view::{DebugViewJob, DebugViewParams};
 use crate::xr::dispatch::Next;
 use crate::xr::swapchain::{Newest, Substitute, Swapchain, Target};
 use ash::vk;
@@ -94,6 +95,23 @@ impl<'a> Work<'a> {
             self.substitute.format,
             rect,
         ))
+    }
+
+    /// What draws over what `view` shows once the job is done; nothing where that makes no sense.
+    pub fn shown_with(
+        &self,
+        view: &xr::CompositionLayerProjectionView,
+        params: impl FnOnce(vk::Rect2D) -> DebugViewParams,
+    ) -> Option<DebugViewJob<'_>> {
+        let rect = rect_within(&view.sub_image, &self.images())?;
+        Some(DebugViewJob {
+            app: &self.substitute.app,
+            runtime: self.target.images()?,
+            runtime_index: self.runtime_index,
+            array_layer: view.sub_image.image_array_index,
+            params: params(rect),
+            map: None,
+        })
     }
 
     /// Whether the picture of a release is still there.

@@ -2,7 +2,7 @@
 
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::compose::Compose;
-use crate::xr::frame::History;
+use crate::xr::frame::{DebugViews, History};
 use crate::xr::plan::SessionPlan;
 use crate::xr::vulkan_device::VulkanDevice;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -15,6 +15,7 @@ pub struct Active {
     /// What its frames shall do.
     pub plan: SessionPlan,
     history: Mutex<History>,
+    debug_views: Mutex<DebugViews>,
     tools: OnceLock<Option<Tools>>,
     health: AtomicU8,
 }
@@ -49,6 +50,7 @@ impl Active {
             device,
             plan: SessionPlan::default(),
             history: Mutex::default(),
+            debug_views: Mutex::default(),
             tools: OnceLock::new(),
             health: AtomicU8::new(Health::Works as u8),
         }
@@ -76,6 +78,11 @@ impl Active {
     /// What its frames showed last.
     pub fn history(&self) -> MutexGuard<'_, History> {
         self.history.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What is drawn over its pictures for people to see.
+    pub fn debug_views(&self) -> MutexGuard<'_, DebugViews> {
+        self.debug_views.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What may be tried.

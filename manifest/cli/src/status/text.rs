@@ -88,6 +88,10 @@ fn rates(rates: &Rates) -> String {
     let tiles: Vec<String> =
         rates.tiles.iter().map(|(rate, share)| format!("{rate} {:.0} %", share * 100.0)).collect();
     let shaded = format!("{:.0} % of the pixels shaded; tiles: {}", rates.shaded * 100.0, tiles.join(", "));
+    let shaded = match rates.decided_on_gpu {
+        true => format!("decided on the GPU by contrast, tile by tile; where that is not known: {shaded}"),
+        false => shaded,
+    };
     if rates.rendered < 1.0 {
         return format!("{shaded}; {:.0} % of the tiles rendered in a frame", rates.rendered * 100.0);
     }
@@ -140,6 +144,7 @@ mod tests {
             rates: Rates {
                 tiles: vec![("4x4".to_owned(), 0.25), ("1x1".to_owned(), 0.75)],
                 shaded: 0.77,
+                decided_on_gpu: false,
                 rendered: 1.0,
             },
             rates_gate: Gate { mode: "auto".to_owned(), is_kept: true, ratio: Some([0.65, 0.6, 0.7]) },
@@ -164,6 +169,15 @@ mod tests {
         ] {
             assert!(text.lines().any(|found| found == line), "{line}\nin\n{text}");
         }
+    }
+
+    #[test]
+    fn what_only_the_gpu_knows_is_said_to_be_so() {
+        let active = active();
+        let rates = Rates { decided_on_gpu: true, ..active.rates.clone() };
+        let text = shown(Status { rates, ..active });
+        let line = "rates     decided on the GPU by contrast, tile by tile; where that is not known: 77 % of the pixels";
+        assert!(text.contains(line), "{text}");
     }
 
     #[test]

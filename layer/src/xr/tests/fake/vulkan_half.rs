@@ -2,7 +2,8 @@
 
 use crate::link::{
     BACKEND_RATE_ATTACHMENT, DeviceRecord, FrameTimeRecord, LINK_VERSION, LinkTable, OfferRecord,
-    PictureRecord, PlanRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord, SwapchainRecord,
+    PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
+    SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -61,6 +62,7 @@ pub fn table() -> LinkTable {
         passes_with_rates,
         frames_ended,
         frame_time,
+        copy_rates,
     }
 }
 
@@ -98,6 +100,10 @@ unsafe extern "C" fn set_active(_: vk::Device, active: u32) {
 }
 
 unsafe extern "C" fn runtime_section(_: u32) {}
+
+unsafe extern "C" fn copy_rates(_: vk::Device, _: *const RatesCopyRecord) -> u32 {
+    0
+}
 
 unsafe extern "C" fn offer(_: vk::Device, record: *mut OfferRecord) -> u32 {
     let mut rates = [0; 16];

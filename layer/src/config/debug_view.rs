@@ -1,0 +1,32 @@
+//! What is drawn over the pictures for people to see.
+
+use super::Config;
+use parafovea_core::kernels::debug_view::DebugView;
+use parafovea_manifest::options::DebugView as Chosen;
+
+/// What the configuration asks for, if anything.
+pub fn debug_view(config: &Config) -> Option<DebugView> {
+    match config.debug.view {
+        _ if !config.enabled => None,
+        Chosen::None => None,
+        Chosen::Rates => Some(DebugView::Rates),
+        Chosen::Eccentricity => Some(DebugView::Eccentricity),
+        Chosen::Age => Some(DebugView::Age),
+        Chosen::Gaze => Some(DebugView::Gaze),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_drawn_unless_asked_for() {
+        let mut config = Config::default();
+        assert_eq!(debug_view(&config), None);
+        config.debug.view = Chosen::Gaze;
+        assert_eq!(debug_view(&config), Some(DebugView::Gaze));
+        config.enabled = false;
+        assert_eq!(debug_view(&config), None);
+    }
+}

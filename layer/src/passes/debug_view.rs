@@ -1,0 +1,221 @@
+//! `debug_view`: what is decided, drawn over pictures that are finished otherwise, when the user asks to see it.
+//!
+//! It is a submit of its own behind that of [`super::compose`], on the same queue: what reads the finished pictures besides the
+//! runtime comes before it.
+
+pub use parafovea_core::kernels::debug_view::{DebugView, DebugViewParams, MapShape};
+
+use super::compose::{AppImages, RuntimeImages};
+use crate::gpu::barrier::RUNTIME_DRAWN_TO_BLENDED;
+use crate::gpu::{
+    DeviceBuffer, Gpu, GpuError, ListSet, Output, TileDraw, TilePipeline, TileShader, UniformRing, Uses,
+    tile_pipeline,
+};
+use ash::vk;
+use smallvec::SmallVec;
+use std::sync::Arc;
+
+const SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/debug_view.spv"));
+
+/// Most pictures in one submit: those of two eyes.
+pub const MOST_PICTURES: usize = 2;
+
+/// One picture that is drawn over.
+#[derive(Clone, Copy)]
+pub struct DebugViewJob<'a> {
+    /// Images of the application of the same swapchain, which are not read.
+    pub app: &'a AppImages,
+    /// Where the picture is.
+    pub runtime: &'a RuntimeImages,
+    /// Which of those images.
+    pub runtime_index: u32,
+    /// The array layer.
+    pub array_layer: u32,
+    /// What is drawn, if anything ([`DebugViewParams::drawn`]); [`DebugViewParams::first_word`] is set by the pass.
+    pub params: DebugViewParams,
+    /// The map of its tiles; nothing where that was copied to [`DebugViewPass::place`] on this queue, or none is needed.
+    pub map: Option<&'a [u8]>,
+}
+
+/// The pass.
+pub struct DebugViewPass {
+    // First: waits before the rest is destroyed.
+    uses: Uses,
+    pipelines: Vec<(vk::Format, DebugView, TilePipeline)>,
+    maps: Option<Maps>,
+    uniforms: UniformRing<DebugViewParams>,
+    gpu: Arc<Gpu>,
+}
+
+/// Maps of both pictures, one behind the other.
+struct Maps {
+    // First: waits before the rest is destroyed.
+    uses: Uses,
+    set: ListSet,
+    buffer: DeviceBuffer,
+    /// Bytes of one of them.
+    bytes: u32,
+}
+
+impl DebugViewPass {
+    /// Prepares the pass.
+    ///
+    /// # Errors
+    /// [`GpuError::Call`] or [`GpuError::Unsupported`] when memory or objects cannot be had.
+    pub fn new(gpu: Arc<Gpu>) -> Result<Self, GpuError> {
+        let uniforms = UniformRing::new(&gpu, MOST_PICTURES as u32)?;
+        Ok(Self { uses: Uses::new(&gpu), pipelines: Vec::new(), maps: None, uniforms, gpu })
+    }
+
+    /// Makes room for maps of `bytes`, if there is not enough, and says where that of picture `number` is: the buffer, which may be
+    /// written by copies on this queue, and the offset in bytes.
+    ///
+    /// # Errors
+    /// A failed call, or more than the device takes.
+    pub fn place(&mut self, number: usize, bytes: u32) -> Result<(vk::Buffer, u64), GpuError> {
+        let maps = match self.maps.take().filter(|maps| maps.bytes >= bytes) {
+            Some(maps) => maps,
+            None => Maps::new(&self.gpu, &self.uniforms, bytes)?,
+        };
+        let maps = self.maps.insert(maps);
+        Ok((maps.buffer.handle(), number as u64 * u64::from(maps.bytes)))
+    }
+
+    /// Draws over the pictures, at most [`MOST_PICTURES`], without waiting. A steady frame allocates nothing on the heap.
+    ///
+    /// All images are COLOR_ATTACHMENT_OPTIMAL before and after.
+    ///
+    /// # Errors
+    /// [`GpuError::Unsupported`] where the format cannot be blended; [`GpuError::Invalid`] when something is not there or too
+    /// large; [`GpuError::Timeout`] when earlier submits hang; a failed call. Then nothing was submitted.
+    pub fn submit(&mut self, jobs: &[DebugViewJob]) -> Result<(), GpuError> {
+        let mut jobs: SmallVec<[&DebugViewJob; MOST_PICTURES]> = jobs.iter().collect();
+        for job in &jobs {
+            rect_of(job)?;
+        }
+        jobs.retain(|job| job.params.drawn().is_some());
+        if jobs.is_empty() {
+            return Ok(());
+        }
+        for job in &jobs {
+            self.prepare(job)?;
+        }
+        let bytes = jobs.iter().filter_map(|job| Some(job.map?.len())).max().unwrap_or(0);
+        // Also where there are none: the set has to be there.
+        self.place(0, bytes as u32)?;
+        let Self { pipelines, maps: Some(maps), uniforms, gpu, .. } = self else {
+            return Err(GpuError::Invalid("no room for maps"));
+        };
+        let mut draws: SmallVec<[(&DebugViewJob, u32); MOST_PICTURES]> = SmallVec::new();
+        let submit = gpu.submit(|recorder| {
+            recorder.reads_to_updates();
+            for (number, job) in jobs.iter().enumerate() {
+                let first_byte = number as u32 * maps.bytes;
+                if let Some(map) = job.map {
+                    recorder.update_buffer(maps.buffer.handle(), first_byte.into(), map);
+                }
+                let params = DebugViewParams { first_word: first_byte / 4, ..job.params };
+                draws.push((*job, uniforms.write(recorder, number as u32, &params)?));
+            }
+            recorder.updates_to_reads();
+            for (number, job) in jobs.iter().enumerate() {
+                let image =
+                    |job: &DebugViewJob| job.runtime.images().get(job.runtime_index as usize).copied();
+                let image_of_job = image(job).ok_or(GpuError::Invalid("an image index out of range"))?;
+                if !jobs[..number].iter().any(|earlier| image(earlier) == Some(image_of_job)) {
+                    let layers = job.runtime.shape().array_layers;
+                    recorder.barrier(&RUNTIME_DRAWN_TO_BLENDED, image_of_job, layers);
+                }
+            }
+            for (job, offset) in &draws {
+                let format = job.runtime.shape().format;
+                let is_its = |(existing, view, _): &&(vk::Format, DebugView, TilePipeline)| {
+                    *existing == format && Some(*view) == job.params.drawn()
+                };
+                let pipeline = pipelines.iter().find(is_its);
+                let target = job.runtime.target(job.runtime_index, job.array_layer);
+                let texture = job.app.texture(0, job.array_layer);
+                let (Some((_, _, pipeline)), Some(target), Some(texture)) = (pipeline, target, texture)
+                else {
+                    return Err(GpuError::Invalid("an array layer out of range"));
+                };
+                let rect = rect_of(job)?;
+                recorder.draw_to(target, |pass| {
+                    pass.draw_tiles(&TileDraw {
+                        pipeline,
+                        parameters: maps.set.handle(),
+                        offsets: &[*offset, *offset],
+                        texture,
+                        viewport: rect,
+                        scissor: rect,
+                        tiles: 0..1,
+                    });
+                });
+            }
+            Ok(())
+        })?;
+        maps.uses.mark(submit);
+        self.uses.mark(submit);
+        for job in &jobs {
+            job.app.uses().mark(submit);
+            job.runtime.uses().mark(submit);
+        }
+        Ok(())
+    }
+
+    fn prepare(&mut self, job: &DebugViewJob) -> Result<(), GpuError> {
+        let format = job.runtime.shape().format;
+        let Some(view) = job.params.drawn() else { return Ok(()) };
+        if self.pipelines.iter().any(|(existing, of, _)| (*existing, *of) == (format, view)) {
+            return Ok(());
+        }
+        if !self.gpu.can_blend(format) {
+            return Err(GpuError::Unsupported("blending in this format"));
+        }
+        let fragment = match view {
+            DebugView::Rates => c"rates",
+            DebugView::Eccentricity => c"eccentricity",
+            DebugView::Age => c"age",
+            DebugView::Gaze => c"gaze",
+        };
+        let shader = TileShader { vertex: c"corner", fragment, has_lists: true, output: Output::Blended };
+        self.pipelines.push((format, view, tile_pipeline(&self.gpu, format, SPIRV, &shader)?));
+        Ok(())
+    }
+}
+
+impl Maps {
+    fn new(gpu: &Arc<Gpu>, uniforms: &UniformRing<DebugViewParams>, bytes: u32) -> Result<Self, GpuError> {
+        // Offsets of copies are multiples of four.
+        let bytes = bytes.max(4).next_multiple_of(4);
+        let size = u64::from(bytes) * MOST_PICTURES as u64;
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+        let buffer = DeviceBuffer::without_content(gpu, usage, size)?;
+        // The shader has one uniform.
+        let set = ListSet::over(uniforms, uniforms, buffer.handle())?;
+        Ok(Self { uses: Uses::new(gpu), set, buffer, bytes })
+    }
+}
+
+/// The rectangle of a picture, where it is within its image and has a size that is counted without overflow.
+fn rect_of(job: &DebugViewJob) -> Result<vk::Rect2D, GpuError> {
+    let DebugViewParams { rect_offset, rect_extent, map_extent, texel, tiles, .. } = job.params;
+    let needed = MapShape { extent: map_extent, texel, tiles }.bytes() as usize;
+    let shows_tiles = job.params.drawn().is_some_and(DebugView::shows_tiles);
+    if shows_tiles && job.map.is_some_and(|map| map.len() != needed) {
+        return Err(GpuError::Invalid("a map of another size"));
+    }
+    let vk::Extent2D { width, height } = job.runtime.shape().extent;
+    let fits = |axis: usize, limit: u32| {
+        let is_counted = rect_extent[axis].checked_mul(map_extent[axis]).is_some();
+        let end = rect_offset[axis].checked_add(rect_extent[axis]);
+        is_counted && rect_extent[axis] > 0 && end.is_some_and(|end| end <= limit)
+    };
+    if !fits(0, width) || !fits(1, height) {
+        return Err(GpuError::Invalid("a rectangle beyond its image"));
+    }
+    Ok(vk::Rect2D {
+        offset: vk::Offset2D { x: rect_offset[0] as i32, y: rect_offset[1] as i32 },
+        extent: vk::Extent2D { width: rect_extent[0], height: rect_extent[1] },
+    })
+}

@@ -1,0 +1,59 @@
+//! What of the newest plan is shown to people.
+
+use super::Planning;
+use crate::config::Config;
+use glam::Vec3;
+use parafovea_core::image::Plane;
+use parafovea_core::kernels::debug_view::{DebugView, MapShape, map_row_bytes};
+
+/// What is drawn over an eye's picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Where the eyes are taken to look, in the view's space, of any length; all 0 where that is not known.
+    pub gaze: Vec3,
+    /// How the map is divided.
+    pub shape: MapShape,
+    /// Whether the map holds only where the GPU has decided nothing.
+    pub is_decided_on_gpu: bool,
+}
+
+impl Planning {
+    /// What `view` shows of an eye's newest plan; its map, if it has one, goes to `map`. Nothing without a plan.
+    pub fn seen(&self, config: &Config, eye: usize, view: DebugView, map: &mut Vec<u8>) -> Option<Seen> {
+        map.clear();
+        let plan = &self.planner.as_ref()?.newest().eyes[eye];
+        let rates = self.has_maps(config) && self.techniques.rates;
+        let reuse = self.has_maps(config) && self.techniques.reuse;
+        let shown = match view {
+            DebugView::Rates => rates.then_some(&plan.rates),
+            DebugView::Age => reuse.then_some(&plan.ages),
+            DebugView::Eccentricity | DebugView::Gaze => None,
+        };
+        let shape = shown.map_or(MapShape::default(), |tiles| MapShape {
+            extent: plan.extent,
+            texel: plan.texel,
+            tiles: [tiles.width(), tiles.height()],
+        });
+        if let Some(tiles) = shown {
+            write_rows(tiles, map);
+        }
+        // The plan has each eye look at something near, because nobody knows how far it is: the ray is between both.
+        let [left, right] = plan.centres;
+        let gaze = match view {
+            // Angles are from straight ahead where the gaze is not known, as the rings are.
+            DebugView::Eccentricity => left + right,
+            _ if plan.gaze == Vec3::ZERO => Vec3::ZERO,
+            _ => left + right,
+        };
+        Some(Seen { gaze, shape, is_decided_on_gpu: rates && self.gpu_decides() })
+    }
+}
+
+/// Rows that begin with whole words.
+fn write_rows(tiles: &Plane<u8>, map: &mut Vec<u8>) {
+    let row_bytes = map_row_bytes(tiles.width()) as usize;
+    for row in 0..tiles.height() {
+        map.extend_from_slice(tiles.row(row));
+        map.resize(map.len().next_multiple_of(row_bytes.max(1)), 0);
+    }
+}

@@ -1,0 +1,63 @@
+//! Copies of what was decided, for people to look at.
+
+use super::{Kept, Perception};
+use crate::gpu::{AppCommands, Scope};
+use crate::link::RatesCopyRecord;
+use crate::passes::analyze::rate_row_bytes;
+use crate::vk::armed::Armed;
+use ash::vk;
+use std::any::Any;
+use std::sync::Arc;
+
+/// What is shown reads the last copy.
+const LOOKED_AT: Scope =
+    Scope { stages: vk::PipelineStageFlags::FRAGMENT_SHADER, access: vk::AccessFlags::empty() };
+
+/// What decides, and what copies from it and to what is shown.
+const DECIDES: Scope =
+    Scope { stages: vk::PipelineStageFlags::COMPUTE_SHADER, access: vk::AccessFlags::SHADER_WRITE };
+const COPIES: Scope = Scope {
+    stages: vk::PipelineStageFlags::TRANSFER,
+    access: vk::AccessFlags::from_raw(
+        vk::AccessFlags::TRANSFER_READ.as_raw() | vk::AccessFlags::TRANSFER_WRITE.as_raw(),
+    ),
+};
+
+impl Perception {
+    /// Copies the rates of an eye that were decided last, where they are. Whether it was done; the caller orders what reads the copy.
+    ///
+    /// # Safety
+    ///
+    /// As [`RatesCopyRecord`] says: this thread may use the queue, and the buffer is live and large enough.
+    pub unsafe fn copy_rates(&self, armed: &Armed, record: &RatesCopyRecord) -> bool {
+        let found = {
+            let state = self.state();
+            let queue = state.queue.filter(|(id, _)| *id == record.queue && state.decided.is_some());
+            let eye = state.eyes.get(record.eye as usize).and_then(Option::as_ref);
+            queue.zip(eye.map(|eye| Arc::clone(&eye.tiles)))
+        };
+        let Some(((_, queue), tiles)) = found.filter(|(_, tiles)| tiles.view.tiles() == record.tiles) else {
+            return false;
+        };
+        let (Some(tools), Some(prologues), Some(functions)) =
+            (self.made(), armed.prologues.get(queue), armed.functions())
+        else {
+            return false;
+        };
+        let [columns, rows] = record.tiles;
+        let size = u64::from(rate_row_bytes(columns)) * u64::from(rows);
+        let rates = tiles.view.rates();
+        let mut kept = Kept::new();
+        kept.push(tiles as Arc<dyn Any + Send + Sync>);
+        let copy = |commands: vk::CommandBuffer| {
+            // SAFETY: the command buffer is a new one for that queue; the rates are kept, and the caller vouches for the buffer.
+            let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
+            commands.memory_barrier(LOOKED_AT, COPIES);
+            commands.memory_barrier(DECIDES, COPIES);
+            commands.copy_buffer((rates, 0), (record.buffer, record.offset), size);
+            Ok(())
+        };
+        // SAFETY: the caller vouches for the queue.
+        unsafe { prologues.run(armed, functions, queue, kept, copy) }
+    }
+}

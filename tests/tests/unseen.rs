@@ -1,0 +1,32 @@
+//! An application that is active, and of which nothing is seen, says why: once, in its log and its status.
+
+use parafovea_tests::run::{Application, Run};
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
+
+/// More than two seconds.
+const FRAMES: u64 = 200;
+const LINE: &str = "active, but nothing is to be seen of it";
+
+fn log(application: &Application, config: &str) -> Vec<String> {
+    let run = Run::new(application, &Scenario::new(FRAMES).sized(128, 128)).on(config);
+    let log = run.finish().unwrap().expect_frames(FRAMES).unwrap().log;
+    assert!(log.contains("session active"), "{log}");
+    log.lines().filter(|line| line.contains(LINE)).map(str::to_owned).collect()
+}
+
+const RATES: &str =
+    "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n";
+
+#[test]
+fn an_application_that_cannot_have_rates_says_why() {
+    let lines = log(&Application::hello_xr("Vulkan2").unwrap(), RATES);
+    assert!(lines.len() == 1 && lines[0].contains("the application asks for Vulkan 1.0"), "{lines:?}");
+    let lines = log(&Application::hello_xr("Vulkan2").unwrap(), "preset = \"none\"\n");
+    assert!(lines.len() == 1 && lines[0].contains("the configuration asks for nothing"), "{lines:?}");
+}
+
+#[test]
+fn where_rates_are_coarse_nothing_is_said() {
+    let scene = Application::ours("parafovea-scene", &["--still"]).unwrap();
+    assert_eq!(log(&scene, RATES), [""; 0]);
+}
