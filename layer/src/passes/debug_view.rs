@@ -90,8 +90,8 @@ impl DebugViewPass {
     /// large; [`GpuError::Timeout`] when earlier submits hang; a failed call. Then nothing was submitted.
     pub fn submit(&mut self, jobs: &[DebugViewJob]) -> Result<(), GpuError> {
         let mut jobs: SmallVec<[&DebugViewJob; MOST_PICTURES]> = jobs.iter().collect();
-        for job in &jobs {
-            rect_of(job)?;
+        if let Some(error) = jobs.iter().find_map(|job| rect_of(job).err()) {
+            return Err(error);
         }
         jobs.retain(|job| job.params.drawn().is_some());
         if jobs.is_empty() {
