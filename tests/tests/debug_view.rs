@@ -10,7 +10,7 @@ use parafovea_tests::scenario::{Scenario, ScenarioExt};
 const FRAMES: u64 = 24;
 const LAST: u64 = FRAMES - 1;
 /// How far the middle of what both eyes look at may be from the ray.
-const BETWEEN_EYES_DEG: f32 = 0.06;
+const BETWEEN_EYES_DEG: f32 = 0.15;
 const NONE: &str = "preset = \"none\"\n";
 
 fn scenario() -> Scenario {
