@@ -1,5 +1,7 @@
 //! What `core/README.md` and `manifest/HOW-IT-WORKS.md` show is what the code makes.
 
+#![expect(clippy::unwrap_used, reason = "a test says where it failed")]
+
 use parafovea_core::image::Plane;
 use parafovea_models::{debug_views, room};
 use std::fs::File;
