@@ -1,7 +1,9 @@
 //! A barrier of ours that is left out is noticed: by validation, or because the picture is another one. Otherwise
 //! validation that finds nothing would mean nothing.
 
-use parafovea::gpu::barrier::{ALL, APP_RENDERED_TO_SAMPLED, ImageBarrier};
+use parafovea::gpu::barrier::{
+    ALL, APP_COMPARED_TO_RENDERED, APP_RENDERED_TO_COMPARED, APP_RENDERED_TO_SAMPLED, ImageBarrier,
+};
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Head, Scenario, ScenarioExt};
 
@@ -24,7 +26,12 @@ enum Work {
 impl Work {
     /// The work that a barrier is for.
     fn of(barrier: &ImageBarrier) -> Self {
-        if barrier.name == APP_RENDERED_TO_SAMPLED.name { Self::Reuse } else { Self::Chroma }
+        let is_one_of = |all: &[ImageBarrier]| all.iter().any(|other| other.name == barrier.name);
+        if is_one_of(&[APP_RENDERED_TO_SAMPLED, APP_RENDERED_TO_COMPARED, APP_COMPARED_TO_RENDERED]) {
+            Self::Reuse
+        } else {
+            Self::Chroma
+        }
     }
 
     fn run(self, change: impl FnOnce(Run) -> Run) -> Outcome {

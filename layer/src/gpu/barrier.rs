@@ -164,7 +164,7 @@ pub const RUNTIME_DRAWN_TO_BLENDED: ImageBarrier = ImageBarrier {
     dst_access: COLOR_READ_WRITE,
 };
 
-/// All of them but [`RUNTIME_DRAWN_TO_BLENDED`], which occurs only where something is drawn for people to see.
+/// All of them but [`RUNTIME_DRAWN_TO_BLENDED`], which occurs only where something is drawn for people to see: what `compose` records.
 pub const ALL: [ImageBarrier; 10] = [
     APP_CREATED,
     APP_RENDERED_TO_COPIED,
