@@ -21,8 +21,8 @@ mod owned;
 mod pipeline;
 mod recorder;
 
-pub(crate) use app_commands::COMPUTES;
 pub use app_commands::{AppCommands, ImagePart, Scope};
+pub(crate) use app_commands::{COMPUTES, READS_OF_RESULTS};
 pub(crate) use buffer::{ResultRing, UniformRing, WordRing};
 pub(crate) use commands::Uses;
 pub(crate) use compare::Comparison;

@@ -57,6 +57,18 @@ pub(crate) const COMPUTES: Scope = Scope {
     ),
 };
 
+/// Who uses what a compute shader has laid out for others: copies from it, and compute shaders.
+pub(crate) const READS_OF_RESULTS: Scope = Scope {
+    stages: vk::PipelineStageFlags::from_raw(
+        vk::PipelineStageFlags::COMPUTE_SHADER.as_raw() | vk::PipelineStageFlags::TRANSFER.as_raw(),
+    ),
+    access: vk::AccessFlags::from_raw(
+        vk::AccessFlags::SHADER_READ.as_raw()
+            | vk::AccessFlags::SHADER_WRITE.as_raw()
+            | vk::AccessFlags::TRANSFER_READ.as_raw(),
+    ),
+};
+
 /// A part of an image that a barrier is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImagePart {

@@ -134,6 +134,13 @@ impl ComputeSet {
         Ok(Self { _pool: pool, handle })
     }
 
+    /// Over the whole of each buffer, from binding 0 on.
+    pub(crate) fn of_buffers(layout: &ComputeLayout, buffers: &[vk::Buffer]) -> Result<Self, GpuError> {
+        let bound: Vec<_> =
+            (0..).zip(buffers).map(|(binding, buffer)| (binding, Bound::Buffer(*buffer))).collect();
+        Self::new(layout, &bound)
+    }
+
     pub(super) fn handle(&self) -> vk::DescriptorSet {
         self.handle
     }

@@ -41,6 +41,17 @@ impl DeviceBuffer {
         Ok(made)
     }
 
+    /// Makes a buffer that holds `bytes`.
+    pub(crate) fn holding(
+        gpu: &Arc<Gpu>,
+        usage: vk::BufferUsageFlags,
+        bytes: &[u8],
+    ) -> Result<Self, GpuError> {
+        Self::new(gpu, usage, bytes.len() as u64, |content| {
+            content[..bytes.len()].copy_from_slice(bytes);
+        })
+    }
+
     /// Makes a buffer of `size` bytes, at least 1, where the device is fastest. What it holds is not defined.
     pub(crate) fn without_content(
         gpu: &Arc<Gpu>,

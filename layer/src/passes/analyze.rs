@@ -145,12 +145,8 @@ impl Analyze {
         }
         let gpu = &self.gpu;
         let view = color_view(gpu, image, format, layer)?;
-        let params_buffer = DeviceBuffer::new(
-            gpu,
-            vk::BufferUsageFlags::STORAGE_BUFFER,
-            size_of::<AnalyzeParams>() as u64,
-            |bytes| bytes.copy_from_slice(bytemuck::bytes_of(params)),
-        )?;
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let params_buffer = DeviceBuffer::holding(gpu, storage, bytemuck::bytes_of(params))?;
         let [columns, rows] = params.tiles.map(u64::from);
         let parts = columns * rows * u64::from(PARTS * PART_LEN);
         let numbers = level_offset(params.extent, LEVELS + 1) as u64 + parts;

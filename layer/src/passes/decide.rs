@@ -5,7 +5,8 @@ pub use parafovea_core::kernels::decide::DecideParams;
 
 use super::analyze::{ViewTiles, rate_row_bytes};
 use crate::gpu::{
-    AppCommands, Bound, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, Owned, Scope,
+    AppCommands, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, Owned, READS_OF_RESULTS,
+    Scope,
 };
 use ash::vk;
 use parafovea_core::perception::csf::Stimulus;
@@ -14,14 +15,7 @@ use std::ffi::CStr;
 use std::sync::Arc;
 
 /// Parameters, contrast, the table of sensitivities, coarseness, rates, what is left out.
-const BINDINGS: [vk::DescriptorType; 6] = [
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-];
+const BINDINGS: [vk::DescriptorType; 6] = [vk::DescriptorType::STORAGE_BUFFER; 6];
 
 /// Threads of a workgroup, each of which decides four tiles. The shader has the same number.
 const THREADS: u32 = 64;
@@ -68,9 +62,7 @@ impl Decide {
         let usual = Stimulus::default();
         let table = FovealTable::new(usual.temporal_hz, usual.area_deg2);
         let bytes = bytemuck::cast_slice(table.texels());
-        let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        let foveal =
-            DeviceBuffer::new(gpu, usage, bytes.len() as u64, |content| content.copy_from_slice(bytes))?;
+        let foveal = DeviceBuffer::holding(gpu, vk::BufferUsageFlags::STORAGE_BUFFER, bytes)?;
         Ok(Self { pipelines, layout, foveal, gpu: Arc::clone(gpu) })
     }
 
@@ -87,15 +79,9 @@ impl Decide {
         let memory = DeviceBuffer::new(gpu, vk::BufferUsageFlags::STORAGE_BUFFER, bytes.max(4), |_| {})?;
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
         let stale = DeviceBuffer::new(gpu, usage, stale_words([columns, rows]) as u64 * 4, |_| {})?;
-        let bound = [
-            (0, Bound::Buffer(params.handle())),
-            (1, Bound::Buffer(tiles.contrast())),
-            (2, Bound::Buffer(self.foveal.handle())),
-            (3, Bound::Buffer(memory.handle())),
-            (4, Bound::Buffer(tiles.rates())),
-            (5, Bound::Buffer(stale.handle())),
-        ];
-        let set = ComputeSet::new(&self.layout, &bound)?;
+        let (contrast, rates) = (tiles.contrast(), tiles.rates());
+        let bound = [params.handle(), contrast, self.foveal.handle(), memory.handle(), rates, stale.handle()];
+        let set = ComputeSet::of_buffers(&self.layout, &bound)?;
         Ok(DecideTarget { set, params, stale, _memory: memory, tiles: Arc::clone(tiles) })
     }
 
@@ -125,10 +111,10 @@ impl Decide {
             commands.update_words(target.stale.handle(), part * UPDATE_WORDS as u64 * 4, words);
         }
         commands.memory_barrier(UPDATES, COMPUTES);
-        commands.memory_barrier(RATES_READ, COMPUTES);
+        commands.memory_barrier(READS_OF_RESULTS, COMPUTES);
         let words = rate_row_bytes(columns) / 4 * rows;
         commands.dispatch(&self.layout, pipeline, &target.set, [words.div_ceil(THREADS), 1]);
-        commands.memory_barrier(COMPUTES, RATES_READ);
+        commands.memory_barrier(COMPUTES, READS_OF_RESULTS);
         Ok(())
     }
 }
@@ -144,15 +130,3 @@ const UPDATE_WORDS: usize = 16_384;
 /// How what is left out is written.
 const UPDATES: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };
-
-/// Who uses the rates: copies to the image that the application's passes are given, and the analysis.
-const RATES_READ: Scope = Scope {
-    stages: vk::PipelineStageFlags::from_raw(
-        vk::PipelineStageFlags::COMPUTE_SHADER.as_raw() | vk::PipelineStageFlags::TRANSFER.as_raw(),
-    ),
-    access: vk::AccessFlags::from_raw(
-        vk::AccessFlags::SHADER_READ.as_raw()
-            | vk::AccessFlags::SHADER_WRITE.as_raw()
-            | vk::AccessFlags::TRANSFER_READ.as_raw(),
-    ),
-};

@@ -4,19 +4,13 @@ pub use parafovea_core::kernels::lay::{LayParams, LayTable};
 
 use super::analyze::ViewTiles;
 use crate::gpu::{
-    AppCommands, Bound, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, Owned, Scope,
+    AppCommands, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, Owned, READS_OF_RESULTS,
 };
 use ash::vk;
 use std::sync::Arc;
 
 /// Parameters, table, rates of the left and of the right eye, texels.
-const BINDINGS: [vk::DescriptorType; 5] = [
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-];
+const BINDINGS: [vk::DescriptorType; 5] = [vk::DescriptorType::STORAGE_BUFFER; 5];
 
 /// Threads of a workgroup, each of which lays four texels. The shader has the same number.
 const THREADS: u32 = 64;
@@ -85,24 +79,16 @@ impl Lay {
             .into_iter()
             .try_fold(1u32, |all, more| all.checked_mul(more))
             .ok_or(GpuError::Unsupported("a rate image of this size"))?;
-        let filled = |usage, bytes: &[u8]| {
-            DeviceBuffer::new(gpu, usage, bytes.len() as u64, |content| content.copy_from_slice(bytes))
-        };
-        let params_buffer = filled(vk::BufferUsageFlags::STORAGE_BUFFER, bytemuck::bytes_of(&params))?;
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let params_buffer = DeviceBuffer::holding(gpu, storage, bytemuck::bytes_of(&params))?;
         // A buffer has at least one word.
         let words = if table.words().is_empty() { &[0] } else { table.words() };
-        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        let table = filled(storage, bytemuck::cast_slice(words))?;
+        let table = DeviceBuffer::holding(gpu, storage, bytemuck::cast_slice(words))?;
         let usage = storage | vk::BufferUsageFlags::TRANSFER_SRC;
         let texels = DeviceBuffer::new(gpu, usage, u64::from(len).next_multiple_of(4).max(4), |_| {})?;
-        let bound = [
-            (0, Bound::Buffer(params_buffer.handle())),
-            (1, Bound::Buffer(table.handle())),
-            (2, Bound::Buffer(eyes[0].rates())),
-            (3, Bound::Buffer(eyes[1].rates())),
-            (4, Bound::Buffer(texels.handle())),
-        ];
-        let set = ComputeSet::new(&self.layout, &bound)?;
+        let [left, right] = eyes.map(|eye| eye.rates());
+        let bound = [params_buffer.handle(), table.handle(), left, right, texels.handle()];
+        let set = ComputeSet::of_buffers(&self.layout, &bound)?;
         let eyes = eyes.map(Arc::clone);
         Ok(LayTarget { set, _params: params_buffer, _table: table, texels, _eyes: eyes, len })
     }
@@ -110,21 +96,9 @@ impl Lay {
     /// Records that the texels of `target` are laid from the rates as they are by then, ready to be copied or to be read by
     /// compute shaders.
     pub fn record(&self, commands: &AppCommands, target: &LayTarget) {
-        commands.memory_barrier(TEXELS_READ, COMPUTES);
+        commands.memory_barrier(READS_OF_RESULTS, COMPUTES);
         let groups = target.len.div_ceil(4).div_ceil(THREADS);
         commands.dispatch(&self.layout, &self.pipeline, &target.set, [groups, 1]);
-        commands.memory_barrier(COMPUTES, TEXELS_READ);
+        commands.memory_barrier(COMPUTES, READS_OF_RESULTS);
     }
 }
-
-/// Who uses the texels: copies to a rate image, and what makes a mask of them.
-const TEXELS_READ: Scope = Scope {
-    stages: vk::PipelineStageFlags::from_raw(
-        vk::PipelineStageFlags::COMPUTE_SHADER.as_raw() | vk::PipelineStageFlags::TRANSFER.as_raw(),
-    ),
-    access: vk::AccessFlags::from_raw(
-        vk::AccessFlags::SHADER_READ.as_raw()
-            | vk::AccessFlags::SHADER_WRITE.as_raw()
-            | vk::AccessFlags::TRANSFER_READ.as_raw(),
-    ),
-};

@@ -4,7 +4,7 @@ pub use parafovea_core::kernels::mask::MaskParams;
 
 use super::lay::LayTarget;
 use crate::gpu::{
-    AppCommands, Bound, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, Owned, Scope,
+    AppCommands, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, Owned, Scope,
 };
 use crate::mask::MaskMap;
 use ash::vk;
@@ -13,13 +13,7 @@ use parafovea_core::mask::{MaskView, pattern_sources};
 use std::sync::Arc;
 
 /// Parameters, views, texels, list, template.
-const BINDINGS: [vk::DescriptorType; 5] = [
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-    vk::DescriptorType::STORAGE_BUFFER,
-];
+const BINDINGS: [vk::DescriptorType; 5] = [vk::DescriptorType::STORAGE_BUFFER; 5];
 
 /// Side of what one workgroup decides, blocks. The shader has the same number.
 const GROUP_SIDE: u32 = 8;
@@ -75,23 +69,15 @@ impl MaskPass {
         let rows = views.len() as u32;
         let params = MaskParams::new(extent, map.layers(), (kind.format, kind.depths), (texel, tiles), rows)
             .ok_or(unsupported)?;
-        let filled = |usage, bytes: &[u8]| {
-            DeviceBuffer::new(gpu, usage, bytes.len() as u64, |content| content.copy_from_slice(bytes))
-        };
         let rate_layer = |view: &MaskView| if rate_layers == 1 { 0 } else { view.layer };
         let mut words: Vec<u32> =
             views.iter().flat_map(|view| view_words(view, rate_layer(view), extent)).collect();
         words.extend(pattern_sources());
-        let params_buffer = filled(vk::BufferUsageFlags::STORAGE_BUFFER, bytemuck::bytes_of(&params))?;
-        let table = filled(vk::BufferUsageFlags::STORAGE_BUFFER, bytemuck::cast_slice(&words))?;
-        let bound = [
-            (0, Bound::Buffer(params_buffer.handle())),
-            (1, Bound::Buffer(table.handle())),
-            (2, Bound::Buffer(texels.texels())),
-            (3, Bound::Buffer(map.list())),
-            (4, Bound::Buffer(template)),
-        ];
-        let set = ComputeSet::new(&self.layout, &bound)?;
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let params_buffer = DeviceBuffer::holding(gpu, storage, bytemuck::bytes_of(&params))?;
+        let table = DeviceBuffer::holding(gpu, storage, bytemuck::cast_slice(&words))?;
+        let bound = [params_buffer.handle(), table.handle(), texels.texels(), map.list(), template];
+        let set = ComputeSet::of_buffers(&self.layout, &bound)?;
         Ok(MaskTarget {
             set,
             _params: params_buffer,

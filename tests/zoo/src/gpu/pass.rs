@@ -2,6 +2,10 @@
 //!
 //! Whatever begins a pass notes it in [`Gpu::begun`], from what Vulkan is told.
 
+mod order;
+
+pub use order::{TARGETS, dependencies};
+
 use super::{Attachment, Gpu, Image, Made};
 use crate::truth::PassSeen;
 use anyhow::Result;
@@ -48,62 +52,6 @@ pub struct Pass {
     pub framebuffer: vk::Framebuffer,
     pub target: Target,
     pub extent: [u32; 2],
-}
-
-/// All that comes before waits for targets, textures and copies; all that comes after may read them.
-pub const OUTSIDE: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw(
-    TARGETS.as_raw()
-        | vk::PipelineStageFlags::FRAGMENT_SHADER.as_raw()
-        | vk::PipelineStageFlags::TRANSFER.as_raw(),
-);
-
-/// Where attachments are read and written.
-pub const TARGETS: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw(
-    vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT.as_raw()
-        | vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS.as_raw()
-        | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS.as_raw(),
-);
-
-const TARGET_WRITES: vk::AccessFlags = vk::AccessFlags::from_raw(
-    vk::AccessFlags::COLOR_ATTACHMENT_WRITE.as_raw()
-        | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE.as_raw(),
-);
-
-const TARGET_ACCESSES: vk::AccessFlags = vk::AccessFlags::from_raw(
-    TARGET_WRITES.as_raw()
-        | vk::AccessFlags::COLOR_ATTACHMENT_READ.as_raw()
-        | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_READ.as_raw(),
-);
-
-const OUTSIDE_ACCESSES: vk::AccessFlags = vk::AccessFlags::from_raw(
-    TARGET_ACCESSES.as_raw()
-        | vk::AccessFlags::SHADER_READ.as_raw()
-        | vk::AccessFlags::TRANSFER_READ.as_raw()
-        | vk::AccessFlags::TRANSFER_WRITE.as_raw(),
-);
-
-/// The order of a render pass among what is around it: what came before is done, and what comes after waits.
-pub fn dependencies(last_subpass: u32) -> [vk::SubpassDependency; 2] {
-    [
-        vk::SubpassDependency {
-            src_subpass: vk::SUBPASS_EXTERNAL,
-            dst_subpass: 0,
-            src_stage_mask: OUTSIDE,
-            dst_stage_mask: TARGETS,
-            src_access_mask: TARGET_WRITES | vk::AccessFlags::TRANSFER_WRITE,
-            dst_access_mask: TARGET_ACCESSES,
-            dependency_flags: vk::DependencyFlags::empty(),
-        },
-        vk::SubpassDependency {
-            src_subpass: last_subpass,
-            dst_subpass: vk::SUBPASS_EXTERNAL,
-            src_stage_mask: TARGETS,
-            dst_stage_mask: OUTSIDE,
-            src_access_mask: TARGET_WRITES,
-            dst_access_mask: OUTSIDE_ACCESSES,
-            dependency_flags: vk::DependencyFlags::empty(),
-        },
-    ]
 }
 
 impl PassSpec {

@@ -1,0 +1,58 @@
+//! What the gate does with what frames cost.
+
+use super::*;
+
+/// The gate looks how frames are without rates, and only where there are passes that have them.
+#[test]
+fn rates_are_left_off_for_a_look() {
+    let application = Application::new();
+    let looks = |frames: u32| -> Vec<u32> {
+        told();
+        (0..frames).for_each(|_| application.frame());
+        let settings = told().into_iter().filter_map(|told| match told {
+            Told::Settings { is_on, .. } => Some(is_on),
+            _ => None,
+        });
+        settings.collect()
+    };
+    assert_eq!(looks(100), [0; 0]);
+    PASSES.set(2);
+    let looks = looks(100);
+    assert!(looks.len() >= 2, "{looks:?}");
+    assert!(looks.iter().enumerate().all(|(index, is_on)| *is_on == index as u32 % 2), "{looks:?}");
+}
+
+/// On a GPU the gate hears what passes took, two frames later.
+#[test]
+fn rates_that_take_a_gpu_longer_are_dropped() {
+    for (ns, is_on) in [([5_000_000, 7_000_000], 0), ([5_000_000, 3_000_000], 1)] {
+        GPU_NS.set(Some(ns));
+        PASSES.set(2);
+        let application = Application::new();
+        told();
+        (0..400).for_each(|_| application.frame());
+        let settings = told().into_iter().filter_map(|told| match told {
+            Told::Settings { is_on, .. } => Some(is_on),
+            _ => None,
+        });
+        let settings: Vec<u32> = settings.collect();
+        assert!(settings.len() > 2, "it never looked: {settings:?}");
+        assert_eq!(settings.last(), Some(&is_on), "{ns:?}: {settings:?}");
+    }
+    GPU_NS.set(None);
+}
+
+#[test]
+fn what_passes_left_out_is_asked_of_each_eye() {
+    let device = VulkanDevice::of_table(vulkan_half::table(), vulkan_half::record());
+    let (mut words, mut stale) = (Vec::new(), StaleTiles::default());
+    device.stale(1, &mut words, &mut stale);
+    assert!(stale.is_empty());
+    for rows in [vec![0, 1 << 31, 5], vec![2]] {
+        STALE_WORDS.set(rows.clone());
+        device.stale(1, &mut words, &mut stale);
+        assert_eq!((stale.words(), stale.tiles()), (&rows[..], [32, rows.len() as u32]));
+        device.stale(0, &mut words, &mut stale);
+        assert!(stale.is_empty(), "of the left eye nothing");
+    }
+}

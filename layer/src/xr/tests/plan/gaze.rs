@@ -1,0 +1,147 @@
+//! Where the eyes look, and what of it is in the plan.
+
+use super::*;
+
+#[test]
+fn a_gaze_that_moves_between_begin_and_locate_is_in_the_plan_before_the_application_draws() {
+    let application = Application::new();
+    look(-30.0);
+    application.settle();
+    let left_edge = 16 * 32;
+    application.begin();
+    let before = plans();
+    assert!(before.is_empty(), "the gaze has not moved");
+    look(35.0);
+    application.locate();
+    let after = plans();
+    assert_eq!(after.len(), 1);
+    assert_eq!(after[0].1[left_edge], ShadingRate::R1X1.texel(), "where the eyes look now");
+    look(-30.0);
+    application.locate();
+    assert_eq!(plans(), [], "once a frame");
+}
+
+#[test]
+fn gaze_is_located_at_begin_and_with_the_views_and_nowhere_else() {
+    let application = Application::new();
+    look(0.0);
+    application.settle();
+    GAZE_LOCATED.set(0);
+    application.begin();
+    assert_eq!(GAZE_LOCATED.get(), 1);
+    application.locate();
+    application.locate();
+    assert_eq!(GAZE_LOCATED.get(), 2);
+    application.end(&[application.view(0), application.view(1)], None);
+    assert_eq!(GAZE_LOCATED.get(), 2);
+}
+
+#[test]
+fn a_turning_head_with_resting_eyes_changes_no_plan() {
+    let application = Application::new();
+    look(8.0);
+    application.settle();
+    for step in 0..50 {
+        HEAD.set(Quat::from_euler(glam::EulerRot::YXZ, step as f32 * 0.04, step as f32 * 0.01, 0.1));
+        // Never the same to the last bit, as from a tracker that works.
+        look(8.0 + 1e-4 * (step % 3) as f32);
+        application.frame();
+    }
+    assert_eq!(plans(), []);
+}
+
+#[test]
+fn a_tracker_that_has_stopped_is_noticed_when_the_head_turns() {
+    let application = Application::new();
+    look(8.0);
+    application.settle();
+    for step in 0..100 {
+        HEAD.set(Quat::from_rotation_y(step as f32 * 0.01));
+        application.frame();
+    }
+    let plans = plans();
+    let (_, last) = plans.last().expect("wide rates instead");
+    let coarsest = last.iter().max().copied();
+    assert!(coarsest < Some(ShadingRate::R4X4.texel()), "{coarsest:?}");
+}
+
+/// How wide and how high the region at full rate is where the eyes look ahead, tiles, after frames with these views.
+fn full(application: &Application, views: &[xr::CompositionLayerProjectionView]) -> [usize; 2] {
+    let frames = |count: u32, yaw_deg: f32| {
+        look(yaw_deg);
+        for _ in 0..count {
+            application.begin();
+            application.locate();
+            application.end(views, None);
+        }
+    };
+    frames(90, 0.0);
+    // Something new, so that the map at the end is told.
+    frames(20, -20.0);
+    frames(90, 0.0);
+    let map = plans().pop().unwrap().1;
+    let is_full = |at: &usize| map[*at] == ShadingRate::R1X1.texel();
+    let row = (16 * 32..17 * 32).filter(is_full).count();
+    let column = (0..32).map(|row| row * 32 + 16).filter(is_full).count();
+    [row, column]
+}
+
+#[test]
+fn the_fovea_reaches_to_where_either_eye_looks_at_something_near() {
+    let application = Application::new();
+    let plain = [application.view(0), application.view(1)];
+    let [row, column] = full(&application, &plain);
+    assert!(row > column + 2, "4.5 degrees to either side: {row} {column}");
+}
+
+#[test]
+fn depth_says_that_nothing_is_near() {
+    let width = |near_z, far_z| {
+        let application = Application::new();
+        let depth = xr::CompositionLayerDepthInfoKHR {
+            ty: xr::CompositionLayerDepthInfoKHR::TYPE,
+            next: ptr::null(),
+            sub_image: application.view(0).sub_image,
+            min_depth: 0.0,
+            max_depth: 1.0,
+            near_z,
+            far_z,
+        };
+        let mut views = [application.view(0), application.view(1)];
+        views.iter_mut().for_each(|view| view.next = ptr::from_ref(&depth).cast());
+        let [row, column] = full(&application, &views);
+        row - column
+    };
+    let near = width(0.1, 100.0);
+    assert!(width(3.0, f32::INFINITY) < near && width(50.0, 3.0) < near, "{near}");
+    assert_eq!(width(f32::NAN, 100.0), near);
+    assert_eq!(width(0.0, 100.0), near);
+}
+
+#[test]
+fn the_time_of_a_sample_reaches_the_model() {
+    // A gaze that follows something evenly is led on to the time when the frame is shown, if its own time is known.
+    let map = |age_ns: Option<i64>| {
+        let application = Application::new();
+        SAMPLE_AGE_NS.set(age_ns);
+        for step in 0..120 {
+            look(-15.0 + 0.25 * step as f32);
+            application.frame();
+        }
+        plans().pop().unwrap().1
+    };
+    let (known, old) = (map(Some(0)), map(Some(100_000_000)));
+    assert_ne!(known, old, "a sample of 100 ms ago leads on further");
+    assert_ne!(map(None), old, "50 ms are taken where it is not known");
+}
+
+#[test]
+fn a_gaze_that_cannot_be_is_no_gaze() {
+    let application = Application::new();
+    look(0.0);
+    application.settle();
+    look(180.0);
+    (0..80).for_each(|_| application.frame());
+    let (_, map) = plans().pop().expect("wide rates instead");
+    assert!(map.iter().all(|rate| *rate < ShadingRate::R4X4.texel()));
+}

@@ -1,0 +1,110 @@
+//! What the Vulkan half is told of swapchains, and of what they show.
+
+use super::*;
+
+#[test]
+fn images_are_told_once_and_their_end_before_it_comes() {
+    let application = Application::new();
+    told();
+    // SAFETY: valid arguments; the structures are plain data, for which all zero is a valid value.
+    unsafe {
+        let mut count = 0;
+        let swapchain = application.swapchain;
+        swapchain::enumerate_images(swapchain, 0, &mut count, ptr::null_mut());
+        assert_eq!(told(), [], "only counted");
+        let mut images: [xr::SwapchainImageVulkanKHR; 3] = std::mem::zeroed();
+        images.iter_mut().for_each(|image| image.ty = xr::SwapchainImageVulkanKHR::TYPE);
+        for expected in [true, false] {
+            swapchain::enumerate_images(swapchain, 3, &mut count, images.as_mut_ptr().cast());
+            let told = told();
+            assert_eq!(!told.is_empty(), expected, "{told:?}");
+            let record = Told::Swapchain {
+                swapchain: swapchain.into_raw(),
+                images: IMAGES.to_vec(),
+                extent: [SIDE as u32 * 2, SIDE as u32],
+                usage: vk::ImageUsageFlags::COLOR_ATTACHMENT,
+            };
+            assert!(told.iter().all(|told| *told == record), "{told:?}");
+        }
+        assert_eq!(swapchain::destroy(swapchain), xr::Result::SUCCESS);
+        let told = told();
+        let [Told::Swapchain { images, .. }] = &told[..] else { panic!("{told:?}") };
+        assert!(images.is_empty());
+    }
+}
+
+#[test]
+fn what_is_shown_is_told_with_the_image_that_was_released_last() {
+    let application = Application::new();
+    let ui = create_swapchain(application.session, xr::SwapchainUsageFlags::COLOR_ATTACHMENT, 64);
+    let depth_usage = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+    let depth = create_swapchain(application.session, depth_usage, SIDE as u32);
+    let mut depth_info = xr::CompositionLayerDepthInfoKHR {
+        ty: xr::CompositionLayerDepthInfoKHR::TYPE,
+        next: ptr::null(),
+        sub_image: application.view(0).sub_image,
+        min_depth: 0.0,
+        max_depth: 1.0,
+        near_z: 0.1,
+        far_z: 100.0,
+    };
+    depth_info.sub_image.swapchain = depth;
+    let mut views: Vec<_> = (0..4).map(|index| application.view(index % 2)).collect();
+    views[1].next = ptr::from_ref(&depth_info).cast();
+    views[1].fov = xr::Fovf { angle_up: -EDGE, angle_down: EDGE, ..fov() };
+    let shown = || {
+        told().into_iter().find_map(|told| match told {
+            Told::Shown { views, flat, depth } => Some((views, flat, depth)),
+            _ => None,
+        })
+    };
+    application.begin();
+    application.end(&views, Some(ui));
+    let (told_views, flat, depths) = shown().unwrap();
+    assert_eq!((flat, depths), (vec![ui.into_raw()], vec![depth.into_raw()]));
+    let side = SIDE as u32;
+    let expected = |eye, x, is_upside_down| ShownViewRecord {
+        eye,
+        swapchain: application.swapchain.into_raw(),
+        image_index: NO_IMAGE,
+        layer: 0,
+        rect: [x, 0, side, side],
+        is_upside_down,
+    };
+    let eyes = [expected(0, 0, 0), expected(1, side, 1), expected(NO_EYE, 0, 0), expected(NO_EYE, side, 0)];
+    assert_eq!(told_views, eyes);
+
+    let swapchain = application.swapchain;
+    let mut index = 0;
+    // SAFETY: valid arguments.
+    unsafe {
+        for _ in 0..2 {
+            swapchain::acquire_image(swapchain, ptr::null(), &mut index);
+        }
+        swapchain::release_image(swapchain, ptr::null());
+    }
+    application.begin();
+    application.end(&views[..2], None);
+    assert_eq!(shown().unwrap().0[0].image_index, 0, "acquired first, released first");
+    // SAFETY: valid arguments.
+    unsafe { swapchain::release_image(swapchain, ptr::null()) };
+    application.begin();
+    application.end(&views[..2], None);
+    assert_eq!(shown().unwrap().0[0].image_index, 1);
+}
+
+#[test]
+fn a_session_that_ends_takes_its_images_along() {
+    let application = Application::new();
+    // SAFETY: valid arguments; the structures are plain data, for which all zero is a valid value.
+    unsafe {
+        let mut count = 0;
+        let mut images: [xr::SwapchainImageVulkanKHR; 3] = std::mem::zeroed();
+        images.iter_mut().for_each(|image| image.ty = xr::SwapchainImageVulkanKHR::TYPE);
+        swapchain::enumerate_images(application.swapchain, 3, &mut count, images.as_mut_ptr().cast());
+        told();
+        assert_eq!(session::destroy(application.session), xr::Result::SUCCESS);
+    }
+    let told = told();
+    assert!(matches!(&told[..], [Told::Swapchain { images, .. }, Told::Active(false)] if images.is_empty()));
+}
