@@ -10,6 +10,7 @@ mod container;
 mod counting;
 mod debug_view;
 mod dist;
+mod documents;
 mod enabling;
 mod faults;
 mod frame;

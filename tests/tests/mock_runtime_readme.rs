@@ -40,6 +40,28 @@ fn run(other: Option<&[&str]>) -> (Output, tempfile::TempDir) {
 }
 
 #[test]
+fn the_quick_start_works_as_it_stands() {
+    if system_program("hello_xr").is_err() {
+        println!("skipped: hello_xr is not installed");
+        return;
+    }
+    let commands = README.split("```sh\n").nth(1).unwrap().split("```").next().unwrap();
+    let library = Library::MockRuntime.path().unwrap();
+    // The runtime is built already.
+    let commands = commands
+        .replace("cargo build -p parafovea-mock-runtime\n", "set -e\n")
+        .replace("$PWD/target/debug/libparafovea_mock_runtime.so", library.to_str().unwrap());
+    assert!(commands.contains("set -e") && commands.contains(library.to_str().unwrap()), "{commands}");
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new("sh").arg("-c").arg(&commands).current_dir(folder.path()).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
+    for file in ["record.jsonl", "eye0_50.png", "eye1_50.png", "submitted_0_0_50.png"] {
+        assert!(folder.path().join("out").join(file).is_file() && said.contains(file), "{file}: {said}");
+    }
+}
+
+#[test]
 fn an_application_that_keeps_the_rules_passes() {
     if system_program("hello_xr").is_err() {
         println!("skipped: hello_xr is not installed");

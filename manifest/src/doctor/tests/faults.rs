@@ -277,6 +277,39 @@ fn each_planted_fault_is_found_alone_and_has_advice() {
     }
 }
 
+/// What users meet most: in their words, the fault above that it is, and what they are told to do.
+const MET_MOST: [(&str, &str, &str); 15] = [
+    ("manifest missing", "one manifest missing", "parafovea install"),
+    ("wrong path", "manifest with a wrong path", "parafovea install"),
+    ("copy instead of the same file", "copies in the place of one file", "parafovea install"),
+    ("disabled by the environment", "disabled by the environment", "unset DISABLE_PARAFOVEA"),
+    ("layer order", "a layer between game and Parafovea", "turn them off one by one"),
+    ("no gaze extension", "no gaze extension", "gaze.source = \"centre\""),
+    ("no shading rates", "no shading rates", "update the driver"),
+    ("no audio", "no sound server", "systemctl --user start pipewire-pulse"),
+    ("bad profile", "a profile with an error", "correct that line"),
+    ("old loader", "an old OpenXR loader", "update it to"),
+    ("library gone", "manifest that names a library that is gone", "parafovea install"),
+    ("installed twice", "installed for the user and for the system", "keep one"),
+    ("no runtime", "no runtime", "runtime"),
+    ("headset without eye tracker", "a headset without eye tracker", "gaze.source = \"centre\""),
+    ("halves of two builds", "halves of two builds", "parafovea install"),
+];
+
+#[test]
+fn the_fifteen_faults_that_users_meet_most_are_found_with_what_to_do() {
+    for (met, name, advice) in MET_MOST {
+        let (_, plant, ids, _) = FAULTS.iter().find(|(fault, ..)| *fault == name).unwrap();
+        let mut machine = Machine::new();
+        assert_eq!(machine.findings(), [], "{met}: nothing is wrong before");
+        plant(&mut machine);
+        for finding in machine.findings() {
+            assert!(ids.contains(&finding.id), "{met}: {finding}");
+            assert!(finding.advice.contains(advice), "{met}: {finding}");
+        }
+    }
+}
+
 #[test]
 fn what_can_be_fixed_is_well_afterwards() {
     for (name, plant, _, _) in FAULTS.iter().filter(|(.., is_fixable)| *is_fixable) {
