@@ -2,11 +2,13 @@
 
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{Found, Status, read_all};
+use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::artifacts::program;
 use parafovea_tests::run::{Application, Run, Running};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
 /// More frames than any of these renders meanwhile.
@@ -93,6 +95,63 @@ fn styles_of_the_zoo_tell() {
         let frames = FRAMES.to_string();
         let arguments = ["--style", style, "--size", "256", "--frames", &frames];
         tells_what_it_does(&Application::ours("parafovea-zoo", &arguments).unwrap());
+    }
+}
+
+/// What `parafovea status` shows of an application, second after second, until it has shown three other numbers of frames.
+fn refreshed(running: &Running) -> String {
+    let mut command = Command::new(program("parafovea").unwrap());
+    command.arg("status").env("XDG_RUNTIME_DIR", running.runtime_folder()).stdout(Stdio::piped());
+    let mut shows = command.spawn().unwrap();
+    let (mut text, mut frames) = (String::new(), Vec::new());
+    for line in BufReader::new(shows.stdout.take().unwrap()).lines() {
+        let line = line.unwrap();
+        if let Some((_, count)) = line.strip_suffix(" in all").and_then(|line| line.rsplit_once(", ")) {
+            frames.push(count.parse::<u64>().unwrap());
+        }
+        text += &line;
+        text.push('\n');
+        frames.dedup();
+        if frames.len() > 3 {
+            break;
+        }
+    }
+    shows.kill().unwrap();
+    shows.wait().unwrap();
+    assert!(frames.is_sorted() && frames.len() > 3, "{frames:?} in\n{text}");
+    text
+}
+
+/// hello_xr, for which the device is made to look as if it had rates, our scene, and three styles of rendering.
+#[test]
+fn what_is_saved_is_measured_and_shown_anew_every_second() {
+    const AUTO: &str = "preset = \"none\"\n[rates]\nmode = \"fixed\"\n[gaze]\nsource = \"centre\"\n";
+    let scenario = Scenario::new(FRAMES).sized(128, 128);
+    let start = |application: Application| Run::new(&application, &scenario).on(AUTO);
+    let frames = FRAMES.to_string();
+    let style = |style| {
+        let arguments = ["--style", style, "--size", "128", "--frames", &frames];
+        (start(Application::ours("parafovea-zoo", &arguments).unwrap()), "mask")
+    };
+    let hello_xr = start(Application::hello_xr("Vulkan2").unwrap());
+    for (run, backend) in [
+        (hello_xr.shading_rates(ShadingRateProfile::Layered16), "rate attachment"),
+        (start(Application::ours("parafovea-scene", &[]).unwrap()), "mask"),
+        style("render-pass"),
+        style("dynamic-rendering"),
+        style("double-wide"),
+    ] {
+        let running = run.start().unwrap();
+        let status = told(&running, |status| status.rates_gate.ratio.is_some() && status.passes_matched > 0);
+        assert_eq!(status.backend, backend, "{status:#?}");
+        let text = refreshed(&running);
+        let has = |line: &str| text.lines().any(|found| found.trim_start().starts_with(line));
+        assert!(has(&format!("backend   {backend}")), "{text}");
+        assert!(
+            has("saving    on; saves ") || has("saving    dropped, because it does not pay; saves "),
+            "{text}"
+        );
+        assert!(text.contains(" matched in the last frame") && text.contains(": the scene: "), "{text}");
     }
 }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// The benches, and the packages that they are in.
-const BENCHES: [(&str, &str); 7] = [
+const BENCHES: [(&str, &str); 8] = [
     ("break-even", "parafovea-tests"),
     ("ears", "parafovea-ears"),
     ("frame", "parafovea-tests"),
@@ -16,6 +16,7 @@ const BENCHES: [(&str, &str); 7] = [
     ("models", "parafovea-models"),
     ("overhead", "parafovea-tests"),
     ("reuse", "parafovea-tests"),
+    ("status", "parafovea-tests"),
 ];
 
 /// The packages that need ALSA's library.

@@ -6,7 +6,7 @@ use serde::Serialize;
 /// One figure.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// `frame`, `break-even`, `gpu` or `report`.
+    /// `frame`, `break-even`, `gpu`, `report` or `status`.
     pub bench: &'static str,
     /// The scene.
     pub app: String,
