@@ -10,7 +10,7 @@ pub use debug_view::debug_view;
 pub use executable::executable;
 pub use parafovea_manifest::config::Config;
 pub use parafovea_manifest::options::{
-    AudioMode, AudioSource, ChromaMatrix, ChromaMode, FilePath, GazeSource, LogLevel, PassRules,
+    AudioMode, AudioSource, ChromaMatrix, ChromaMode, DebugView, FilePath, GazeSource, LogLevel, PassRules,
     PeripheralRate, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, ReusePhase, SilenceRule,
 };
 pub use parafovea_manifest::paths::Environment;
@@ -21,6 +21,8 @@ pub use plan::{
 
 use arc_swap::ArcSwap;
 use parafovea_manifest::config::{ConfigErrors, Watch};
+use parafovea_manifest::status::AskedView;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, TryLockError};
 use std::time::{Duration, Instant};
 
@@ -31,12 +33,18 @@ const LOOK_EVERY: Duration = Duration::from_millis(500);
 #[derive(Debug)]
 pub struct LiveConfig {
     current: ArcSwap<Config>,
+    is_view_asked: AtomicBool,
     watched: Mutex<Watched>,
 }
 
 #[derive(Debug)]
 struct Watched {
     watch: Watch,
+    /// What the file says.
+    configured: Config,
+    asked: AskedView,
+    /// What was asked for at the last look.
+    view: Option<DebugView>,
     looked: Instant,
 }
 
@@ -47,7 +55,13 @@ impl LiveConfig {
         let mut watch = Watch::new(environment, application, &executable());
         let config = watch.poll().and_then(accept).unwrap_or_default();
         crate::log::set_level(config.log.level);
-        Self { current: ArcSwap::from_pointee(config), watched: Mutex::new(Watched { watch, looked: now }) }
+        let asked = AskedView::new(environment, std::process::id());
+        let watched = Watched { watch, configured: config, asked, view: None, looked: now };
+        Self {
+            current: ArcSwap::from_pointee(config),
+            is_view_asked: AtomicBool::new(false),
+            watched: Mutex::new(watched),
+        }
     }
 
     /// What holds now.
@@ -55,7 +69,12 @@ impl LiveConfig {
         **self.current.load()
     }
 
-    /// Looks for an edit, if it is time to. A file with an error changes nothing.
+    /// Whether the debug view is not the file's, but what `parafovea status --view` asks for.
+    pub fn is_view_asked(&self) -> bool {
+        self.is_view_asked.load(Ordering::Relaxed)
+    }
+
+    /// Looks for an edit, and for a debug view that is asked for, if it is time to. A file with an error changes nothing.
     pub fn poll(&self, now: Instant) {
         let mut watched = match self.watched.try_lock() {
             Ok(watched) => watched,
@@ -66,11 +85,26 @@ impl LiveConfig {
             return;
         }
         watched.looked = now;
-        if let Some(config) = watched.watch.poll().and_then(accept) {
+        let edited = watched.watch.poll().and_then(accept);
+        let view = watched.asked.look();
+        if let Some(config) = edited {
             crate::log::set_level(config.log.level);
             tracing::info!("configuration changed");
-            self.current.store(Arc::new(config));
+            watched.configured = config;
+        } else if view == watched.view {
+            return;
         }
+        if view != watched.view {
+            match view {
+                Some(view) => tracing::info!("parafovea status asks for debug.view = \"{}\"", view.name()),
+                None => tracing::info!("debug.view is what the configuration says"),
+            }
+            watched.view = view;
+        }
+        let mut config = watched.configured;
+        config.debug.view = view.unwrap_or(config.debug.view);
+        self.is_view_asked.store(view.is_some(), Ordering::Relaxed);
+        self.current.store(Arc::new(config));
     }
 }
 

@@ -330,7 +330,7 @@ options! {
 
     /// Seeing what is done, in the headset.
     debug: Debugging {
-        /// What is drawn over the pictures. Swapchains that were made while it was "none" and nothing else needed our own images stay as they are.
+        /// What is drawn over the pictures, for people to see what is done; parafovea status --view changes it while a game runs.
         view: DebugView = DebugView::None;
     }
 }

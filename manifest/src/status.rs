@@ -5,8 +5,10 @@
 //! no level of the sound: of both only where they come from, and whether and since when they are there.
 
 mod folder;
+mod view;
 
 pub use folder::{Found, Gone, StatusFile, read_all};
+pub use view::{AskedView, ask_view};
 
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +55,8 @@ pub struct Status {
     pub reuse_gate: Gate,
     /// Whether colour is removed at this moment.
     pub attenuates_colour: bool,
+    /// What is drawn over the pictures for people to see.
+    pub debug_view: View,
 }
 
 /// Where the gaze comes from.
@@ -90,6 +94,18 @@ pub struct Rates {
     pub decided_on_gpu: bool,
     /// Share of the tiles that is rendered in a frame, 0..=1; 1: nothing is re-used.
     pub rendered: f32,
+}
+
+/// A debug view.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct View {
+    /// As `debug.view` has it, such as "none".
+    pub name: String,
+    /// Whether `parafovea status --view` asks for it, instead of the configuration.
+    pub is_asked: bool,
+    /// Whether it was drawn over the last pictures.
+    pub is_drawn: bool,
 }
 
 /// What a gate says of a technique.

@@ -1,11 +1,14 @@
 //! What `debug.view` draws over the pictures of applications, and where it does not.
 
 use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
+use parafovea_tests::artifacts::program;
 use parafovea_tests::compare::max_difference;
 use parafovea_tests::demo::EyeView;
 use parafovea_tests::picture::Picture;
-use parafovea_tests::run::{Application, Outcome, Run};
-use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_tests::run::{Application, Outcome, Run, Running};
+use parafovea_tests::scenario::{Gaze, Scenario, ScenarioExt};
+use std::process::Command;
+use std::time::{Duration, Instant};
 
 const FRAMES: u64 = 24;
 const LAST: u64 = FRAMES - 1;
@@ -167,18 +170,138 @@ fn rates_that_the_gpu_decided_are_drawn() {
     assert_eq!(drawn, map, "{}", on.log);
 }
 
+/// A picture that is submitted again, without being drawn anew, has the dot where the eyes look by then.
 #[test]
-fn an_edit_shows_it_where_images_are_ours_and_the_log_says_so_where_not() {
-    let running = Run::new(&scene(), &Scenario::new(100_000).sized(128, 128)).on(NONE).start().unwrap();
-    let begin = std::time::Instant::now();
-    let wait_for = |is_so: &dyn Fn() -> bool| {
-        while !is_so() {
-            assert!(begin.elapsed().as_secs() < 120, "{}", running.log());
-            std::thread::sleep(std::time::Duration::from_millis(50));
-        }
+fn what_is_drawn_follows_where_a_picture_is_only_submitted_again() {
+    const SHOWN: u64 = 8;
+    let mut scenario = Scenario::new(1000).sized(192, 160).saving(&(0..SHOWN).collect::<Vec<_>>());
+    let gaze = |t, yaw_deg| Gaze { t, yaw_deg, pitch_deg: 0.0, tracked: true };
+    scenario.gaze = vec![gaze(0.0, -15.0), gaze(0.04, -15.0), gaze(0.05, 15.0)];
+    let application = Application::ours("parafovea-cases", &["own_actions_and_resubmission"]).unwrap();
+    let run = |config: &str| Run::new(&application, &scenario).on(config).validated().finish().unwrap();
+    let (off, on) = (run(NONE), run(&with_view(NONE, "gaze")));
+    assert_valid(&on, &off);
+    // The column of the middle of what differs.
+    let dot = |frame| {
+        let [off, on] = [&off, &on].map(|outcome| outcome.submitted(0, frame).unwrap());
+        let drawn: Vec<u32> =
+            off.enumerate().filter(|(x, y, pixel)| on.at(*x, *y) != *pixel).map(|(x, ..)| x).collect();
+        let middle = drawn.iter().sum::<u32>() as f32 / drawn.len().max(1) as f32;
+        assert!(drawn.iter().all(|x| (*x as f32 - middle).abs() < 10.0), "one dot: {drawn:?}");
+        (!drawn.is_empty()).then_some(middle)
     };
-    wait_for(&|| running.log().contains("session active"));
-    std::thread::sleep(std::time::Duration::from_millis(500));
-    std::fs::write(running.config_file(), with_view(NONE, "rates")).unwrap();
-    wait_for(&|| running.log().contains("debug.view is not drawn"));
+    let dots: Vec<f32> = (0..SHOWN).filter_map(dot).collect();
+    // To the left by 30 degrees, a third of the picture.
+    assert!(dots.len() > 4 && dots[0] - dots[dots.len() - 1] > 40.0, "{dots:?}\n{}", on.log);
+}
+
+/// The views that the guide asks for, one after the other.
+fn of_guide() -> Vec<&'static str> {
+    let guide = include_str!("../../manifest/GUIDE.md");
+    guide.lines().filter_map(|line| line.strip_prefix("$ parafovea status --view ")).collect()
+}
+
+/// What `parafovea status --view` asks for is drawn until it is not asked for any more, whether the pictures are in images of ours or in the
+/// runtime's, and the configuration stays as it is.
+#[test]
+fn parafovea_status_shows_it_in_an_application_that_runs_and_takes_it_away() {
+    const EVERY: u64 = 30;
+    let saved: Vec<u64> = (1..200).map(|index| index * EVERY).collect();
+    let scenario = Scenario::new(100_000).sized(96, 96).gazing(-10.0, 0.0).in_real_time().saving(&saved);
+    let coloured = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
+    for config in [NONE, coloured] {
+        let running = Run::new(&hello_xr(), &scenario).on(config).validated().start().unwrap();
+        let newest = || saved.iter().rev().find(|frame| running.has_submitted(1, **frame)).copied();
+        let wait_for = |frame| wait_until(&running, || newest() >= Some(frame));
+        let ask = |view: &str| {
+            let mut command = Command::new(program("parafovea").unwrap());
+            command.args(["status", "--view", view, "HelloXR"]);
+            let output = command.env("XDG_RUNTIME_DIR", running.runtime_folder()).output().unwrap();
+            let said = [output.stdout, output.stderr].concat();
+            (output.status.success(), String::from_utf8(said).unwrap())
+        };
+        let [shown, taken_away] = of_guide()[..] else { panic!("other commands in the guide") };
+        // Colour is gone by then.
+        wait_for(3 * EVERY);
+        let before = newest().unwrap();
+        let (is_drawn, said) = ask(shown);
+        assert!(
+            is_drawn && said.contains("draws \"eccentricity\" over its pictures"),
+            "{said}\n{}",
+            running.log()
+        );
+        // A picture that was begun before is saved after.
+        let with = newest().unwrap() + 2 * EVERY;
+        wait_for(with);
+        let (is_gone, said) = ask(taken_away);
+        assert!(is_gone && said.contains("nothing is drawn over its pictures"), "{said}\n{}", running.log());
+        let after = newest().unwrap() + 2 * EVERY;
+        wait_for(after);
+        let written = std::fs::read_to_string(running.config_file()).unwrap();
+        let outcome = running.quit().unwrap();
+        assert_eq!(written, config);
+        assert!(
+            outcome.log.contains("parafovea status asks for debug.view = \"eccentricity\""),
+            "{}",
+            outcome.log
+        );
+        let picture = |frame| outcome.submitted(0, frame).unwrap();
+        let (before, with, after) = (picture(before), picture(with), picture(after));
+        let same = before.enumerate().filter(|(x, y, pixel)| with.at(*x, *y) == *pixel).count();
+        assert!(
+            same < (before.width * before.height / 20) as usize,
+            "{same} pixels without a tint\n{}",
+            outcome.log
+        );
+        assert_eq!(max_difference(&before, &after, |_, _| true), 0, "it is gone again");
+        assert_eq!(outcome.log.contains("is virtual"), config == coloured, "{}", outcome.log);
+        let reference = Run::new(&hello_xr(), &Scenario::new(10).sized(96, 96)).validated().finish().unwrap();
+        assert_valid(&outcome, &reference);
+    }
+}
+
+/// Who asks for what cannot be seen is told why.
+#[test]
+fn parafovea_status_says_why_a_view_is_not_drawn() {
+    let running = Run::new(&hello_xr(), &Scenario::new(100_000).sized(96, 96)).on(NONE).start().unwrap();
+    wait_until(&running, || running.log().contains("session active"));
+    let ask = |arguments: &[&str]| {
+        let mut command = Command::new(program("parafovea").unwrap());
+        command.arg("status").args(arguments).env("XDG_RUNTIME_DIR", running.runtime_folder());
+        let output = command.output().unwrap();
+        (output.status.success(), String::from_utf8([output.stdout, output.stderr].concat()).unwrap())
+    };
+    wait_until(&running, || ask(&["--once", "--json", "hello_xr"]).1.contains("HelloXR"));
+    let (is_drawn, said) = ask(&["--view", "rates"]);
+    assert!(!is_drawn && said.contains("\"rates\" is not drawn: nothing can become coarser here"), "{said}");
+    let (is_drawn, said) = ask(&["--view", "gaze", "another game"]);
+    assert!(!is_drawn && said.contains("No application called another game"), "{said}");
+}
+
+fn wait_until(running: &Running, mut is_so: impl FnMut() -> bool) {
+    let begin = Instant::now();
+    while !is_so() {
+        assert!(begin.elapsed() < Duration::from_secs(120), "{}", running.log());
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn an_edit_shows_it_in_images_of_the_runtime() {
+    let saved: Vec<u64> = (1..100).map(|index| index * 30).collect();
+    let scenario = Scenario::new(100_000).sized(96, 96).gazing(14.0, -6.0).in_real_time().saving(&saved);
+    let running = Run::new(&hello_xr(), &scenario).on(NONE).start().unwrap();
+    let newest = || saved.iter().rev().find(|frame| running.has_submitted(1, **frame)).copied();
+    wait_until(&running, || newest() >= Some(30));
+    std::fs::write(running.config_file(), with_view(NONE, "gaze")).unwrap();
+    // Half a second until it is seen, and as much for a machine that does much else.
+    let with = newest().unwrap() + 90;
+    wait_until(&running, || newest() >= Some(with));
+    let outcome = running.quit().unwrap();
+    let [before, with] = [30, with].map(|frame| outcome.submitted(0, frame).unwrap());
+    let view = &EyeView::of_scenario(&scenario)[0];
+    let outside = |x, y| view.eccentricity_deg(&before, x, y) > 1.3 + BETWEEN_EYES_DEG;
+    assert!(!outcome.log.contains("is virtual"), "{}", outcome.log);
+    assert_eq!(max_difference(&before, &with, outside), 0, "{}", outcome.log);
+    assert!(max_difference(&before, &with, |x, y| !outside(x, y)) > 50, "{}", outcome.log);
 }

@@ -95,7 +95,9 @@ fn report(call: &'static str, panic: Box<dyn Any + Send>) {
             .copied()
             .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
             .unwrap_or("no message");
-        tracing::error!("internal error in {call}: {text}");
+        tracing::error!(
+            "internal error in {call}: {text}; the application goes on without that, please report it with this log"
+        );
         drop(panic);
     }));
     if let Err(again) = logged {

@@ -153,19 +153,20 @@ pub const RUNTIME_COPIED_TO_DRAWN: ImageBarrier = ImageBarrier {
     dst_access: COLOR_READ_WRITE,
 };
 
-/// The finished picture, before something is blended over it. Another half of ours may have read it in between.
+/// The finished picture, before something is blended over it: ours, which another half of ours may have read in between, or the application's,
+/// however it was written.
 pub const RUNTIME_DRAWN_TO_BLENDED: ImageBarrier = ImageBarrier {
     name: "runtime_drawn_to_blended",
     old_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
     new_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
     src_stage: Stage::ALL_COMMANDS,
     dst_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
-    src_access: Access::COLOR_ATTACHMENT_WRITE,
+    src_access: Access::MEMORY_WRITE,
     dst_access: COLOR_READ_WRITE,
 };
 
-/// All of them but [`RUNTIME_DRAWN_TO_BLENDED`], which occurs only where something is drawn for people to see: what `compose` records.
-pub const ALL: [ImageBarrier; 10] = [
+/// All of them.
+pub const ALL: [ImageBarrier; 11] = [
     APP_CREATED,
     APP_RENDERED_TO_COPIED,
     APP_RENDERED_TO_SAMPLED,
@@ -176,6 +177,7 @@ pub const ALL: [ImageBarrier; 10] = [
     APP_COPIED_TO_RENDERED,
     RUNTIME_ACQUIRED_TO_COPIED,
     RUNTIME_COPIED_TO_DRAWN,
+    RUNTIME_DRAWN_TO_BLENDED,
 ];
 
 #[cfg(test)]

@@ -185,8 +185,8 @@ pub(crate) struct TileDraw<'a> {
     pub(crate) parameters: vk::DescriptorSet,
     /// As many offsets as that kind has uniforms, each from its ring.
     pub(crate) offsets: &'a [u32],
-    /// Set 1.
-    pub(crate) texture: vk::DescriptorSet,
+    /// Set 1, where the pipeline's shaders use it.
+    pub(crate) texture: Option<vk::DescriptorSet>,
     /// What the tiles divide, within the target.
     pub(crate) viewport: vk::Rect2D,
     /// What may be written, within the target.
@@ -207,14 +207,16 @@ impl DrawRecorder<'_> {
             min_depth: 0.0,
             max_depth: 1.0,
         };
-        let sets = [draw.parameters, draw.texture];
+        let texture = draw.texture.unwrap_or_default();
+        let sets = &[draw.parameters, texture][..1 + usize::from(draw.texture.is_some())];
         let layout = draw.pipeline.layout();
         let graphics = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: within a render pass that the pipeline is compatible with; the sets have the layouts of the
-        // pipeline, and as many dynamic offsets as uniforms, which come from the same rings.
+        // pipeline, and as many dynamic offsets as uniforms, which come from the same rings. A set that its shaders do not use
+        // need not be bound.
         unsafe {
             device.cmd_bind_pipeline(commands, graphics, draw.pipeline.handle());
-            device.cmd_bind_descriptor_sets(commands, graphics, layout, 0, &sets, draw.offsets);
+            device.cmd_bind_descriptor_sets(commands, graphics, layout, 0, sets, draw.offsets);
             device.cmd_set_viewport(commands, 0, &[viewport]);
             device.cmd_set_scissor(commands, 0, &[draw.scissor]);
             device.cmd_draw(commands, 4, draw.tiles.len() as u32, 0, draw.tiles.start);

@@ -1,11 +1,11 @@
 //! `debug_view`: what is decided, drawn over pictures that are finished otherwise, when the user asks to see it.
 //!
-//! It is a submit of its own behind that of [`super::compose`], on the same queue: what reads the finished pictures besides the
-//! runtime comes before it.
+//! It is a submit of its own on the session's queue: behind that of [`super::compose`] and what reads the finished pictures besides the
+//! runtime, or, where the runtime's images are the application's, before that returns one.
 
 pub use parafovea_core::kernels::debug_view::{DebugView, DebugViewParams, MapShape};
 
-use super::compose::{AppImages, RuntimeImages};
+use super::compose::RuntimeImages;
 use crate::gpu::barrier::RUNTIME_DRAWN_TO_BLENDED;
 use crate::gpu::{
     DeviceBuffer, Gpu, GpuError, ListSet, Output, TileDraw, TilePipeline, TileShader, UniformRing, Uses,
@@ -23,8 +23,6 @@ pub const MOST_PICTURES: usize = 2;
 /// One picture that is drawn over.
 #[derive(Clone, Copy)]
 pub struct DebugViewJob<'a> {
-    /// Images of the application of the same swapchain, which are not read.
-    pub app: &'a AppImages,
     /// Where the picture is.
     pub runtime: &'a RuntimeImages,
     /// Which of those images.
@@ -43,6 +41,8 @@ pub struct DebugViewPass {
     uses: Uses,
     pipelines: Vec<(vk::Format, DebugView, TilePipeline)>,
     maps: Option<Maps>,
+    /// Whether copies to the maps are under way that no submit of ours comes behind.
+    has_copies: bool,
     uniforms: UniformRing<DebugViewParams>,
     gpu: Arc<Gpu>,
 }
@@ -64,7 +64,8 @@ impl DebugViewPass {
     /// [`GpuError::Call`] or [`GpuError::Unsupported`] when memory or objects cannot be had.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, GpuError> {
         let uniforms = UniformRing::new(&gpu, MOST_PICTURES as u32)?;
-        Ok(Self { uses: Uses::new(&gpu), pipelines: Vec::new(), maps: None, uniforms, gpu })
+        let (pipelines, maps) = (Vec::new(), None);
+        Ok(Self { uses: Uses::new(&gpu), pipelines, maps, has_copies: false, uniforms, gpu })
     }
 
     /// Makes room for maps of `bytes`, if there is not enough, and says where that of picture `number` is: the buffer, which may be
@@ -73,12 +74,26 @@ impl DebugViewPass {
     /// # Errors
     /// A failed call, or more than the device takes.
     pub fn place(&mut self, number: usize, bytes: u32) -> Result<(vk::Buffer, u64), GpuError> {
-        let maps = match self.maps.take().filter(|maps| maps.bytes >= bytes) {
-            Some(maps) => maps,
-            None => Maps::new(&self.gpu, &self.uniforms, bytes)?,
-        };
-        let maps = self.maps.insert(maps);
+        if self.maps.as_ref().is_none_or(|maps| maps.bytes < bytes) {
+            let larger = Maps::new(&self.gpu, &self.uniforms, bytes)?;
+            self.let_maps_go();
+            self.maps = Some(larger);
+        }
+        let maps = self.maps.as_ref().ok_or(GpuError::Invalid("no room for maps"))?;
         Ok((maps.buffer.handle(), number as u64 * u64::from(maps.bytes)))
+    }
+
+    /// Says that a copy to a [`Self::place`] was submitted: it ends before what is submitted next.
+    pub fn copied(&mut self) {
+        self.has_copies = true;
+    }
+
+    /// Nobody knows when copies end that nothing was submitted behind: their buffer stays, and is lost.
+    fn let_maps_go(&mut self) {
+        let maps = self.maps.take();
+        if std::mem::take(&mut self.has_copies) {
+            std::mem::forget(maps);
+        }
     }
 
     /// Draws over the pictures, at most [`MOST_PICTURES`], without waiting. A steady frame allocates nothing on the heap.
@@ -134,9 +149,7 @@ impl DebugViewPass {
                 };
                 let pipeline = pipelines.iter().find(is_its);
                 let target = job.runtime.target(job.runtime_index, job.array_layer);
-                let texture = job.app.texture(0, job.array_layer);
-                let (Some((_, _, pipeline)), Some(target), Some(texture)) = (pipeline, target, texture)
-                else {
+                let (Some((_, _, pipeline)), Some(target)) = (pipeline, target) else {
                     return Err(GpuError::Invalid("an array layer out of range"));
                 };
                 let rect = rect_of(job)?;
@@ -145,7 +158,7 @@ impl DebugViewPass {
                         pipeline,
                         parameters: maps.set.handle(),
                         offsets: &[*offset, *offset],
-                        texture,
+                        texture: None,
                         viewport: rect,
                         scissor: rect,
                         tiles: 0..1,
@@ -155,9 +168,9 @@ impl DebugViewPass {
             Ok(())
         })?;
         maps.uses.mark(submit);
+        self.has_copies = false;
         self.uses.mark(submit);
         for job in &jobs {
-            job.app.uses().mark(submit);
             job.runtime.uses().mark(submit);
         }
         Ok(())
@@ -181,6 +194,12 @@ impl DebugViewPass {
         let shader = TileShader { vertex: c"corner", fragment, has_lists: true, output: Output::Blended };
         self.pipelines.push((format, view, tile_pipeline(&self.gpu, format, SPIRV, &shader)?));
         Ok(())
+    }
+}
+
+impl Drop for DebugViewPass {
+    fn drop(&mut self) {
+        self.let_maps_go();
     }
 }
 

@@ -1,6 +1,6 @@
 //! What changes from frame to frame.
 
-use crate::config::{AudioSource, GazeSource};
+use crate::config::{AudioSource, DebugView, GazeSource};
 use crate::link::{BACKEND_MASK, BACKEND_RATE_ATTACHMENT};
 use parafovea_core::gate::{Gate, GateMode};
 use parafovea_core::rate::ShadingRate;
@@ -44,6 +44,12 @@ pub struct Moment {
     pub reuse: GateMoment,
     /// Whether colour is removed.
     pub attenuates_colour: bool,
+    /// What is to be drawn over the pictures.
+    pub debug_view: DebugView,
+    /// Whether `parafovea status` asks for it, instead of the configuration.
+    pub debug_view_is_asked: bool,
+    /// Whether it was drawn.
+    pub debug_view_is_drawn: bool,
 }
 
 impl Default for Moment {
@@ -65,6 +71,9 @@ impl Default for Moment {
             rates: GateMoment::default(),
             reuse: GateMoment::default(),
             attenuates_colour: false,
+            debug_view: DebugView::None,
+            debug_view_is_asked: false,
+            debug_view_is_drawn: false,
         }
     }
 }
@@ -114,26 +123,21 @@ impl Moment {
         }
         .to_owned();
         status.passes_matched = self.passes_matched;
-        let source = match self.gaze_source {
-            GazeSource::Eyes => "eyes",
-            GazeSource::Centre => "centre",
-            GazeSource::File => "file",
-        };
         status.gaze = status::Gaze {
-            source: source.to_owned(),
+            source: self.gaze_source.name().to_owned(),
             is_valid: self.gaze_is_valid,
             age_ms: self.gaze_age_ms.map(f32::round),
         };
-        let source = match self.audio_source {
-            AudioSource::Off => "off",
-            AudioSource::System => "system",
-            AudioSource::File => "file",
-        };
-        status.sound = status::Sound { source: source.to_owned(), is_heard: self.is_heard };
+        status.sound = status::Sound { source: self.audio_source.name().to_owned(), is_heard: self.is_heard };
         status.rates = self.rates_told();
         status.rates_gate = self.rates.told();
         status.reuse_gate = self.reuse.told();
         status.attenuates_colour = self.attenuates_colour;
+        status.debug_view = status::View {
+            name: self.debug_view.name().to_owned(),
+            is_asked: self.debug_view_is_asked,
+            is_drawn: self.debug_view_is_drawn,
+        };
     }
 
     fn rates_told(&self) -> status::Rates {

@@ -10,7 +10,7 @@ mod regions;
 mod shown;
 mod work;
 
-pub use debug_view::DebugViews;
+pub use debug_view::{DebugViews, draw_over_released};
 pub use history::History;
 
 use super::instance::next_of_any;
@@ -119,7 +119,7 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
                 }
                 plan::tell_unseen(known, active, &known.instance.config.get(), info.display_time);
                 if let Some(telling) = known.telling.as_ref().filter(|telling| telling.is_asked()) {
-                    telling.tell(plan::moment(active, &known.instance.config.get()));
+                    telling.tell(plan::moment(known, active));
                 }
             }
         }
@@ -157,7 +157,8 @@ type Works<'a> = SmallVec<[Work<'a>; 8]>;
 unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
     let swapchains = swapchain::virtual_ones(session.handle);
     // SAFETY: the caller vouches for `info`.
-    unsafe { debug_view::tell_left_out(session, active, info, &swapchains) };
+    unsafe { debug_view::note_shown(session, active, info) };
+    let is_drawn_over = debug_view::is_wanted(session, active);
     if swapchains.is_empty() || active.health() == Health::Stopped {
         return;
     }
@@ -172,7 +173,7 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
         process(session, active, info, &mut works);
         complete::complete(session, active, info, &mut works, &mut history);
     }
-    works.retain(|work| work.is_due());
+    works.retain(|work| work.is_due(is_drawn_over));
     works.retain(|work| work.take_image(next));
     if works.is_empty() {
         return;
@@ -182,19 +183,23 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
         // looks at it.
         Ok(()) => unsafe {
             pictures::tell(session, active, info, &works);
-            debug_view::draw(session, active, info, &works);
+            if is_drawn_over {
+                debug_view::draw(session, active, info, &works);
+            }
         },
         // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
         // it gets its image as it is.
         Err(GpuError::Timeout) => works.retain(|work| !work.has_picture()),
         Err(error) => {
-            tracing::error!("pictures are not delivered any more: {error}");
+            tracing::error!(
+                "no new pictures are shown any more: {error}; start the application anew, with preset = \"none\" if it comes again"
+            );
             active.worsen_to(Health::Stopped);
             works.retain(|work| !work.has_picture());
         }
     }
     for work in &mut works {
-        work.return_image(next);
+        work.return_image(next, is_drawn_over);
     }
 }
 
@@ -262,7 +267,7 @@ fn submit(active: &Active, tools: &Tools, works: &mut Works) -> Result<(), GpuEr
         if error == GpuError::Timeout {
             return Err(error);
         }
-        tracing::error!("processing is off for this session: {error}");
+        tracing::error!("re-use, colour and debug views are off for this session: {error}");
         active.worsen_to(Health::CopyOnly);
         for work in works.iter_mut() {
             work.target.regions.clear();

@@ -160,7 +160,9 @@ unsafe fn create_with_eye_gaze(
             EyeGaze::AskedFor => (below.create(info, handle), GazeExtension::Applications),
             EyeGaze::Unreadable => (below.create(info, handle), GazeExtension::Off),
             EyeGaze::NotThere => {
-                tracing::info!("no eye gaze: this runtime has no extension for it");
+                tracing::info!(
+                    "no eye gaze: this runtime has no extension for it; gaze.source = \"centre\" goes without"
+                );
                 (below.create(info, handle), GazeExtension::Off)
             }
             EyeGaze::Added(names) => {

@@ -9,7 +9,7 @@ use super::session::{self, Active, Health, Session, Tools};
 use super::swapchain;
 use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
-use crate::config::{Config, GazeSource, PassRules, RatesBackend, gate_modes};
+use crate::config::{Config, GazeSource, PassRules, RatesBackend, debug_view, gate_modes};
 use crate::inputs::audio::Ears;
 use crate::inputs::gaze::rotation;
 use crate::link::{
@@ -183,15 +183,20 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
 }
 
 /// What holds at the end of a frame, for `parafovea status`.
-pub fn moment(active: &Active, config: &Config) -> Moment {
-    let state = &active.plan;
+pub fn moment(session: &Session, active: &Active) -> Moment {
+    let (state, config) = (&active.plan, session.instance.config.get());
+    let frames = active.device.frames_ended();
     let mut moment = Moment {
-        frames: active.device.frames_ended(),
+        frames,
         backend: active.device.offer().map_or(BACKEND_NONE, |offer| offer.backend),
         passes_matched: active.device.passes_with_rates(),
+        debug_view: config.debug.view,
+        debug_view_is_asked: session.instance.config.is_view_asked(),
+        debug_view_is_drawn: debug_view(&config)
+            .is_some_and(|view| active.debug_views().is_drawn(view, frames)),
         ..Moment::default()
     };
-    state.planning().tell(config, &mut moment);
+    state.planning().tell(&config, &mut moment);
     let benefit = state.benefit.lock().unwrap_or_else(PoisonError::into_inner);
     let Techniques { rates, reuse } = benefit.gates().gates();
     (moment.rates, moment.reuse) = (rates.into(), reuse.into());
@@ -220,7 +225,7 @@ pub fn tell_unseen(session: &Session, active: &Active, config: &Config, time: xr
         is_healthy: active.health() == Health::Works && !state.has_failed(),
         decisions: &all_decisions(),
     };
-    if let Some(why) = why_unseen(config, &moment(active, config), &known) {
+    if let Some(why) = why_unseen(config, &moment(session, active), &known) {
         decided(&why);
     }
 }

@@ -5,6 +5,7 @@
 
 mod create;
 mod description;
+mod drawn_over;
 mod eligibility;
 mod images;
 mod ring;
@@ -25,6 +26,7 @@ use crate::abi::{attempt, guard};
 use crate::registry::Registry;
 use ash::vk;
 use description::Description;
+use drawn_over::DrawnOver;
 use openxr_sys as xr;
 use openxr_sys::Handle;
 use ring::Ring;
@@ -42,6 +44,7 @@ pub struct Swapchain {
     pub substitute: Option<Substitute>,
     description: Description,
     turns: Mutex<Turns>,
+    drawn_over: Mutex<DrawnOver>,
     is_told: AtomicBool,
 }
 
@@ -58,8 +61,19 @@ impl Swapchain {
             substitute,
             description,
             turns: Mutex::default(),
+            drawn_over: Mutex::default(),
             is_told: AtomicBool::new(false),
         }
+    }
+
+    /// Its session.
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// What its images are like, for a rectangle of them.
+    pub fn extent_and_layers(&self) -> (vk::Extent2D, u32) {
+        self.description.extent_and_layers()
     }
 
     fn turns(&self) -> MutexGuard<'_, Turns> {
@@ -91,6 +105,7 @@ impl Swapchain {
     /// Ends our part in it, before it is destroyed: waits for what of ours still uses the runtime's images.
     fn end(&self) {
         self.tell_end();
+        self.end_drawing_over();
         if let Some(substitute) = &self.substitute {
             substitute.target().let_go();
         }

@@ -1,13 +1,14 @@
 //! Every barrier is needed, and validation would notice if it were missing.
 
-use crate::pictures::{picture, region};
+use crate::pictures::{FOV, picture, region};
 use crate::swapchain::{Swapchain, shape};
 use crate::vulkan::Vulkan;
 use crate::{change, reuse};
 use ash::vk;
 use glam::Vec3;
 use parafovea::gpu::barrier::{ALL, ImageBarrier};
-use parafovea::passes::compose::Compose;
+use parafovea::passes::compose::{Compose, RUNTIME_USAGE, RuntimeImages};
+use parafovea::passes::debug_view::{DebugView, DebugViewJob, DebugViewParams, DebugViewPass, MapShape};
 use parafovea_core::chroma::ChromaSettings;
 use std::ffi::{CStr, c_char};
 use std::sync::Mutex;
@@ -29,6 +30,51 @@ fn frames(vulkan: &Vulkan) {
     }
     reuse::in_turn(vulkan, &mut compose, 6);
     change::in_turn(vulkan, &mut compose, 6);
+    drawn_over(vulkan);
+}
+
+/// A picture that an application copied into the runtime's image, and lets nothing wait for but further copies, is drawn over.
+fn drawn_over(vulkan: &Vulkan) {
+    const DRAWN: vk::ImageLayout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+    const COPIED: vk::ImageLayout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+    let shape = shape(vk::Format::R8G8B8A8_SRGB, 64, 64, 1);
+    let image = vulkan.runtime_image(shape.format, shape.extent, 1, shape.usage | RUNTIME_USAGE);
+    let images = RuntimeImages::new(&vulkan.gpu, &shape, vec![image]).unwrap();
+    let range = vk::ImageSubresourceRange {
+        aspect_mask: vk::ImageAspectFlags::COLOR,
+        base_mip_level: 0,
+        level_count: 1,
+        base_array_layer: 0,
+        layer_count: 1,
+    };
+    // SAFETY: plain use of Vulkan with live handles.
+    vulkan.run(|commands| unsafe {
+        vulkan.transition(commands, image, 1, (DRAWN, COPIED));
+        let colour = vk::ClearColorValue { float32: [0.5; 4] };
+        vulkan.device.cmd_clear_color_image(commands, image, COPIED, &colour, &[range]);
+        let barrier = vk::ImageMemoryBarrier::default()
+            .image(image)
+            .old_layout(COPIED)
+            .new_layout(DRAWN)
+            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+            .dst_access_mask(vk::AccessFlags::TRANSFER_READ)
+            .subresource_range(range);
+        let copies = vk::PipelineStageFlags::TRANSFER;
+        let none = vk::DependencyFlags::empty();
+        vulkan.device.cmd_pipeline_barrier(commands, copies, copies, none, &[], &[], &[barrier]);
+    });
+    let params =
+        DebugViewParams::new(DebugView::Gaze, [0; 2], [64; 2], FOV, Vec3::NEG_Z, &MapShape::default());
+    let job = DebugViewJob { runtime: &images, runtime_index: 0, array_layer: 0, params, map: None };
+    let mut pass = DebugViewPass::new(vulkan.gpu.clone()).unwrap();
+    pass.submit(&[job]).unwrap();
+}
+
+#[test]
+fn with_all_barriers_nothing_is_reported() {
+    let Some(vulkan) = Vulkan::new() else { return };
+    frames(&vulkan);
+    vulkan.assert_valid();
 }
 
 #[test]

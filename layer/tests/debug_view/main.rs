@@ -40,14 +40,7 @@ fn params(view: DebugView, offset: [u32; 2], extent: [u32; 2]) -> DebugViewParam
 }
 
 fn job<'a>(swapchain: &'a Swapchain, layer: u32, params: DebugViewParams, map: &'a [u8]) -> DebugViewJob<'a> {
-    DebugViewJob {
-        app: &swapchain.app,
-        runtime: &swapchain.runtime,
-        runtime_index: 1,
-        array_layer: layer,
-        params,
-        map: Some(map),
-    }
+    DebugViewJob { runtime: &swapchain.runtime, runtime_index: 1, array_layer: layer, params, map: Some(map) }
 }
 
 /// Whether the colour changes within what the device may round otherwise, around an angle.

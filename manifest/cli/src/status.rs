@@ -1,9 +1,10 @@
 //! `parafovea status`.
 
 mod text;
+mod view;
 
 use parafovea_manifest::paths::Environment;
-use parafovea_manifest::status::{EVERY_S, Found, read_all};
+use parafovea_manifest::status::{EVERY_S, Found, Gone, read_all};
 use serde_json::json;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
@@ -11,8 +12,14 @@ use std::thread::sleep;
 use std::time::{Duration, SystemTime};
 
 /// How it is shown.
-#[derive(Clone, Copy, Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Options {
+    /// Only this application: its name for OpenXR, its program's, or the number of its process
+    #[arg(value_name = "APPLICATION")]
+    application: Option<String>,
+    /// Draw this over its pictures until it ends, and say whether that is seen; "settings": what its settings say
+    #[arg(long, value_name = "VIEW", value_parser = view::parser())]
+    view: Option<String>,
     /// Show it once, instead of every second
     #[arg(long)]
     once: bool,
@@ -33,11 +40,14 @@ pub fn status(options: Options) -> ExitCode {
         );
         return ExitCode::FAILURE;
     }
+    if let Some(view) = &options.view {
+        return view::ask(&environment, options.application.as_deref(), view);
+    }
     let is_screen = io::stdout().is_terminal() && !options.json && !options.once;
     loop {
-        let shown = match read_all(&environment, SystemTime::now()) {
+        let shown = match read(&environment, options.application.as_deref()) {
             Ok((found, _)) if options.json => as_json(&found),
-            Ok((found, gone)) => text::of_all(&found, gone, &environment),
+            Ok((found, gone)) => text::of_all(&found, gone, options.application.as_deref(), &environment),
             Err(error) => {
                 eprintln!("parafovea: {error}");
                 return ExitCode::FAILURE;
@@ -52,6 +62,18 @@ pub fn status(options: Options) -> ExitCode {
         drop(stdout);
         sleep(Duration::from_secs(EVERY_S));
     }
+}
+
+/// What is told of `application`, or of all, and how many ended without saying so.
+fn read(environment: &Environment, application: Option<&str>) -> io::Result<(Vec<Found>, Gone)> {
+    let (mut found, gone) = read_all(environment, SystemTime::now())?;
+    let is_it = |Found { status, .. }: &Found| {
+        application.is_none_or(|name| {
+            name == status.application || name == status.executable || name == status.pid.to_string()
+        })
+    };
+    found.retain(is_it);
+    Ok((found, gone))
 }
 
 /// The status as it was told, and how old it is.

@@ -43,6 +43,14 @@ fn each_command_of_the_guide_works() {
         let output = run.output().unwrap();
         let (said, complained) =
             (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        if command.contains("--view") {
+            // With an application that runs, the end-to-end tests do it.
+            assert!(
+                complained.contains("No application with Parafovea is running"),
+                "{command}: {said}{complained}"
+            );
+            continue;
+        }
         assert!(!said.is_empty(), "{command}: {complained}");
         // A machine without a headset has problems, which is what the doctor is for.
         let may_fail = command.starts_with("parafovea doctor");

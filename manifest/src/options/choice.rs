@@ -12,14 +12,31 @@ macro_rules! choice {
             $($(#[doc = $about])+ $variant,)+
         }
 
+        impl $type {
+            /// All of them, in the order of the table.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+
+            /// Its name in the configuration.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)+
+                }
+            }
+
+            /// The one of that name.
+            pub fn of_name(name: &str) -> Option<Self> {
+                match name {
+                    $($name => Some(Self::$variant),)+
+                    _ => None,
+                }
+            }
+        }
+
         impl crate::options::Setting for $type {
             type Range = ();
 
             fn read(value: &toml::de::DeValue<'_>, (): ()) -> Option<Self> {
-                match value.as_str()? {
-                    $($name => Some(Self::$variant),)+
-                    _ => None,
-                }
+                Self::of_name(value.as_str()?)
             }
 
             fn allowed((): ()) -> crate::options::Allowed {
@@ -27,9 +44,7 @@ macro_rules! choice {
             }
 
             fn to_toml(self) -> String {
-                match self {
-                    $(Self::$variant => concat!('"', $name, '"').to_owned(),)+
-                }
+                format!("\"{}\"", self.name())
             }
         }
     };

@@ -1,5 +1,6 @@
 //! The folder with the files.
 
+use super::view::asked_file;
 use super::{FRESH_S, Status};
 use crate::paths::Environment;
 use std::fs::{self, DirBuilder, File, OpenOptions};
@@ -19,10 +20,12 @@ const FORGOTTEN: Duration = Duration::from_secs(60);
 pub struct StatusFile {
     path: PathBuf,
     next: PathBuf,
+    asked: PathBuf,
 }
 
 impl StatusFile {
-    /// Makes the folder for the file of the process `pid`; `None` without `$XDG_RUNTIME_DIR`.
+    /// Makes the folder for the file of the process `pid`; `None` without `$XDG_RUNTIME_DIR`. What was asked of an earlier process of that
+    /// number is forgotten.
     ///
     /// # Errors
     /// The folder cannot be made, or belongs to somebody else.
@@ -34,7 +37,10 @@ impl StatusFile {
         if !metadata.is_dir() || above.is_some_and(|above| above.uid() != metadata.uid()) {
             return Err(io::ErrorKind::PermissionDenied.into());
         }
-        Ok(Some(Self { path: folder.join(format!("{pid}.json")), next: folder.join(format!(".{pid}")) }))
+        let asked = asked_file(&folder, pid);
+        let _ = fs::remove_file(&asked);
+        let path = folder.join(format!("{pid}.json"));
+        Ok(Some(Self { path, next: folder.join(format!(".{pid}")), asked }))
     }
 
     /// Puts `status` in place of what was told before: whoever reads sees the one or the other, never a part.
@@ -58,8 +64,9 @@ impl StatusFile {
 impl Drop for StatusFile {
     fn drop(&mut self) {
         // Nobody is to be told; what stays is forgotten by its age.
-        let _ = fs::remove_file(&self.path);
-        let _ = fs::remove_file(&self.next);
+        for file in [&self.path, &self.next, &self.asked] {
+            let _ = fs::remove_file(file);
+        }
     }
 }
 
@@ -99,6 +106,7 @@ pub fn read_all(environment: &Environment, now: SystemTime) -> io::Result<(Vec<F
             gone += 1;
             if age > FORGOTTEN {
                 let _ = fs::remove_file(&path);
+                let _ = fs::remove_file(path.with_extension("view"));
             }
         }
     }
@@ -115,7 +123,8 @@ fn read(path: &Path, now: SystemTime) -> Option<(Status, Duration)> {
     Some((serde_json::from_slice(&text).ok()?, age))
 }
 
-fn folder(environment: &Environment) -> Option<PathBuf> {
+/// The folder of all files.
+pub(super) fn folder(environment: &Environment) -> Option<PathBuf> {
     Some(environment.runtime_dir()?.join("parafovea"))
 }
 

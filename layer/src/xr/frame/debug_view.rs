@@ -1,16 +1,23 @@
-//! What is decided, drawn over the finished pictures of the eyes where the configuration asks for that.
+//! What is decided, drawn over the finished pictures of the eyes where the configuration, or `parafovea status`, asks for that.
+//!
+//! Pictures of virtual swapchains are drawn over when they were written, at the end of the frame. Those of other swapchains are drawn over in
+//! the call that returns their image, because the image is the runtime's after it: where the eyes' pictures are in it is known from
+//! the frame before.
 
 use super::layers::{self, Projection, Shown};
-use super::regions::fov;
+use super::regions::{Images, fov, rect_within};
 use super::work::Work;
 use crate::config::debug_view;
 use crate::gpu::GpuError;
 use crate::link::RatesCopyRecord;
+use crate::passes::compose::RuntimeImages;
 use crate::passes::debug_view::{DebugView, DebugViewJob, DebugViewParams, DebugViewPass, MOST_PICTURES};
 use crate::planning::Seen;
 use crate::xr::session::{Active, Health, Session};
 use crate::xr::swapchain::Swapchain;
+use ash::vk;
 use openxr_sys as xr;
+use parafovea_core::geometry::Fov;
 use smallvec::SmallVec;
 use std::sync::Arc;
 
@@ -20,34 +27,65 @@ pub struct DebugViews {
     pass: Option<DebugViewPass>,
     /// The maps of the eyes.
     maps: [Vec<u8>; 2],
+    /// Where each eye's picture was in the last frame.
+    shown: [Option<ShownEye>; 2],
+    /// What was drawn last, and how many frames had ended by then.
+    drawn: Option<(DebugView, u64)>,
     has_failed: bool,
-    has_told: bool,
 }
 
-/// Says once of a session that a picture is not drawn over, because its swapchain is not virtual.
+/// Where an eye's picture is.
+#[derive(Clone, Copy)]
+struct ShownEye {
+    sub_image: xr::SwapchainSubImage,
+    fov: Fov,
+}
+
+/// An eye's picture that is drawn over.
+struct EyePicture<'a> {
+    eye: usize,
+    shown: ShownEye,
+    runtime: &'a RuntimeImages,
+    runtime_index: u32,
+    rect: vk::Rect2D,
+}
+
+/// How many frames may end without what is drawn being drawn: those of an application that draws ahead.
+const MISSED_FRAMES: u64 = 2;
+
+impl DebugViews {
+    /// Whether `view` was drawn over the last pictures; so many `frames` have ended.
+    pub fn is_drawn(&self, view: DebugView, frames: u64) -> bool {
+        self.drawn.is_some_and(|(drawn, by)| drawn == view && frames.saturating_sub(by) <= MISSED_FRAMES)
+    }
+}
+
+/// Whether anything is to be drawn over pictures. What was made for it goes when it is not asked for any more.
+pub fn is_wanted(session: &Session, active: &Active) -> bool {
+    let is_asked = debug_view(&session.instance.config.get()).is_some();
+    let mut views = active.debug_views();
+    if !is_asked && (views.pass.is_some() || views.drawn.is_some()) {
+        let pass = views.pass.take();
+        views.drawn = None;
+        drop(views);
+        drop(pass);
+        return false;
+    }
+    is_asked && !views.has_failed && active.health() == Health::Works
+}
+
+/// Takes where the eyes' pictures are, for those that are drawn over before the next frame ends.
 ///
 /// # Safety
 ///
 /// `info` and what it points to are valid, as `xrEndFrame` demands.
-pub unsafe fn tell_left_out(
-    session: &Session,
-    active: &Active,
-    info: &xr::FrameEndInfo,
-    swapchains: &[Arc<Swapchain>],
-) {
+pub unsafe fn note_shown(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
     if debug_view(&session.instance.config.get()).is_none() {
         return;
     }
-    let is_virtual = |handle| swapchains.iter().any(|swapchain| swapchain.handle == handle);
     // SAFETY: the caller vouches for `info`.
-    let Some(scene) = (unsafe { first_projection(info) }) else { return };
-    let mut views = active.debug_views();
-    if !views.has_told && scene.views.iter().any(|view| !is_virtual(view.sub_image.swapchain)) {
-        views.has_told = true;
-        tracing::warn!(
-            "debug.view is not drawn: the swapchain of a picture has no images of ours, because it was made before \
-             they were needed, or cannot have them; where nothing above says so, start the application anew"
-        );
+    if let Some(scene) = unsafe { first_projection(info) } {
+        active.debug_views().shown = shown_eyes(&scene);
     }
 }
 
@@ -55,31 +93,80 @@ pub unsafe fn tell_left_out(
 ///
 /// # Safety
 ///
-/// As for [`tell_left_out`]; this thread may use the session's queue.
+/// As for [`note_shown`]; this thread may use the session's queue.
 pub unsafe fn draw(session: &Session, active: &Active, info: &xr::FrameEndInfo, works: &[Work]) {
-    let config = session.instance.config.get();
-    let Some(view) = debug_view(&config) else {
-        // What was made for it goes when it is not asked for any more.
-        active.debug_views().pass = None;
-        return;
-    };
-    let mut views = active.debug_views();
-    let DebugViews { pass, maps, has_failed, .. } = &mut *views;
-    if *has_failed || active.health() != Health::Works {
-        return;
-    }
     // SAFETY: the caller vouches for `info`.
     let Some(scene) = (unsafe { first_projection(info) }) else { return };
+    let pictures = shown_eyes(&scene).into_iter().enumerate().filter_map(|(eye, shown)| {
+        let shown = shown?;
+        let work = works.iter().find(|work| work.swapchain.handle == shown.sub_image.swapchain)?;
+        let (runtime, runtime_index, rect) = work.written(&shown.sub_image)?;
+        Some(EyePicture { eye, shown, runtime, runtime_index, rect })
+    });
+    // SAFETY: the caller vouches for the queue.
+    unsafe { draw_over(session, active, pictures.collect()) };
+}
+
+/// Draws over the pictures of the eyes in the image that the application is about to return to the runtime.
+///
+/// # Safety
+///
+/// This thread may use the session's queue; of the image that `swapchain` returns next, what the application draws to it is submitted.
+pub unsafe fn draw_over_released(swapchain: &Swapchain) {
+    let session = swapchain.session();
+    if debug_view(&session.instance.config.get()).is_none() {
+        return;
+    }
+    let Some(active) = session.active.as_ref().filter(|active| is_wanted(session, active)) else { return };
+    let shown = active.debug_views().shown;
+    let is_its =
+        |shown: &Option<ShownEye>| shown.is_some_and(|shown| shown.sub_image.swapchain == swapchain.handle);
+    if !shown.iter().any(is_its) {
+        return;
+    }
+    let Some(tools) = active.tools() else { return };
+    let _give_up = super::GiveUpOnPanic(active);
+    let (extent, array_layers) = swapchain.extent_and_layers();
+    swapchain.draw_over(&tools.gpu, |runtime, runtime_index| {
+        let pictures = shown.into_iter().enumerate().filter_map(|(eye, shown)| {
+            let shown = shown.filter(|shown| shown.sub_image.swapchain == swapchain.handle)?;
+            let rect = rect_within(&shown.sub_image, &Images { extent, array_layers, is_unit_range: true })?;
+            Some(EyePicture { eye, shown, runtime, runtime_index, rect })
+        });
+        // SAFETY: the caller vouches for queue and image.
+        unsafe { draw_over(session, active, pictures.collect()) };
+    });
+}
+
+/// # Safety
+///
+/// This thread may use the session's queue.
+unsafe fn draw_over(
+    session: &Session,
+    active: &Active,
+    mut pictures: SmallVec<[EyePicture<'_>; MOST_PICTURES]>,
+) {
+    let config = session.instance.config.get();
+    let Some(view) = debug_view(&config) else { return };
+    let is_same = |one: &EyePicture, other: &EyePicture| {
+        let (one, other) = (&one.shown.sub_image, &other.shown.sub_image);
+        one.swapchain == other.swapchain
+            && one.image_array_index == other.image_array_index
+            && one.image_rect == other.image_rect
+    };
+    // One picture for both eyes is drawn over once.
+    pictures.dedup_by(|other, one| is_same(one, other));
+    let mut views = active.debug_views();
+    let DebugViews { pass, maps, drawn, has_failed, .. } = &mut *views;
     let seen: [Option<Seen>; 2] = {
         let planning = active.plan.planning();
         [0, 1].map(|eye| planning.seen(&config, eye, view, &mut maps[eye]))
     };
     // SAFETY: the caller vouches for the queue.
-    let drawn = unsafe { draw_eyes(active, pass, view, &scene, seen, maps, works) };
-    match drawn {
-        Ok(()) => {}
+    match unsafe { draw_eyes(active, pass, view, &pictures, seen, maps) } {
+        Ok(true) => *drawn = Some((view, active.device.frames_ended())),
         // The device is behind: this frame goes without.
-        Err(GpuError::Timeout) => {}
+        Ok(false) | Err(GpuError::Timeout) => {}
         Err(error) => {
             *has_failed = true;
             tracing::error!("debug.view is off for this session: {error}");
@@ -87,6 +174,8 @@ pub unsafe fn draw(session: &Session, active: &Active, info: &xr::FrameEndInfo, 
     }
 }
 
+/// Whether anything was drawn.
+///
 /// # Safety
 ///
 /// This thread may use the session's queue.
@@ -94,38 +183,26 @@ unsafe fn draw_eyes(
     active: &Active,
     pass: &mut Option<DebugViewPass>,
     view: DebugView,
-    scene: &Projection<'_>,
+    pictures: &[EyePicture<'_>],
     seen: [Option<Seen>; 2],
     maps: &[Vec<u8>; 2],
-    works: &[Work],
-) -> Result<(), GpuError> {
-    let Some(tools) = active.tools() else { return Ok(()) };
+) -> Result<bool, GpuError> {
+    let Some(tools) = active.tools() else { return Ok(false) };
     let pass = match pass {
         Some(pass) => pass,
         none => none.insert(DebugViewPass::new(Arc::clone(&tools.gpu))?),
     };
     let mut jobs: SmallVec<[DebugViewJob; MOST_PICTURES]> = SmallVec::new();
     let most = maps.iter().map(Vec::len).max().unwrap_or(0) as u32;
-    for (eye, (seen, shown)) in seen.iter().zip(scene.views).enumerate() {
-        let work = works.iter().find(|work| work.swapchain.handle == shown.sub_image.swapchain);
-        let (Some(seen), Some(work)) = (seen, work) else { continue };
-        let is_same = |first: &xr::CompositionLayerProjectionView| {
-            let (one, other) = (&first.sub_image, &shown.sub_image);
-            one.swapchain == other.swapchain
-                && one.image_array_index == other.image_array_index
-                && one.image_rect == other.image_rect
-        };
-        // One picture for both eyes is drawn over once.
-        if scene.views[..eye].iter().any(is_same) {
+    for picture in pictures {
+        let EyePicture { eye, shown, runtime, runtime_index, rect } = *picture;
+        let Some(seen) = seen[eye] else { continue };
+        let offset = [rect.offset.x as u32, rect.offset.y as u32];
+        let extent = [rect.extent.width, rect.extent.height];
+        let params = DebugViewParams::new(view, offset, extent, shown.fov, seen.gaze, &seen.shape);
+        if params.drawn().is_none() {
             continue;
         }
-        let params = |rect: ash::vk::Rect2D| {
-            let offset = [rect.offset.x as u32, rect.offset.y as u32];
-            let extent = [rect.extent.width, rect.extent.height];
-            DebugViewParams::new(view, offset, extent, fov(shown), seen.gaze, &seen.shape)
-        };
-        let job = work.shown_with(shown, params).filter(|job| job.params.drawn().is_some());
-        let Some(job) = job else { continue };
         let (buffer, offset) = pass.place(jobs.len(), most)?;
         let (family, index) = active.device.queue;
         let copy = RatesCopyRecord {
@@ -139,16 +216,31 @@ unsafe fn draw_eyes(
         // has finished.
         let is_copied =
             view == DebugView::Rates && seen.is_decided_on_gpu && unsafe { active.device.copy_rates(&copy) };
-        jobs.push(DebugViewJob { map: (!is_copied).then_some(&maps[eye]), ..job });
+        if is_copied {
+            pass.copied();
+        }
+        let (array_layer, map) = (shown.sub_image.image_array_index, (!is_copied).then_some(&*maps[eye]));
+        jobs.push(DebugViewJob { runtime, runtime_index, array_layer, params, map });
     }
-    if jobs.is_empty() { Ok(()) } else { pass.submit(&jobs) }
+    if !jobs.is_empty() {
+        pass.submit(&jobs)?;
+    }
+    Ok(!jobs.is_empty())
+}
+
+/// Where the pictures of the eyes are.
+fn shown_eyes(scene: &Projection<'_>) -> [Option<ShownEye>; 2] {
+    [0, 1].map(|eye| {
+        let view = scene.views.get(eye)?;
+        Some(ShownEye { sub_image: view.sub_image, fov: fov(view) })
+    })
 }
 
 /// The projection layer that is the scene.
 ///
 /// # Safety
 ///
-/// As for [`tell_left_out`].
+/// As for [`note_shown`].
 unsafe fn first_projection(info: &xr::FrameEndInfo) -> Option<Projection<'_>> {
     // SAFETY: the caller vouches for `info`.
     unsafe { layers::of(info) }.find_map(|shown| match shown {

@@ -3,8 +3,7 @@
 use super::history::ShownPicture;
 use super::regions::{Images, fov, orientation, rect_within, region};
 use crate::passes::change::ChangeRegion;
-use crate::passes::compose::{ComposeJob, ReuseRegion};
-use crate::passes::debug_view::{DebugViewJob, DebugViewParams};
+use crate::passes::compose::{ComposeJob, ReuseRegion, RuntimeImages};
 use crate::xr::dispatch::Next;
 use crate::xr::swapchain::{Newest, Substitute, Swapchain, Target};
 use ash::vk;
@@ -97,21 +96,11 @@ impl<'a> Work<'a> {
         ))
     }
 
-    /// What draws over what `view` shows once the job is done; nothing where that makes no sense.
-    pub fn shown_with(
-        &self,
-        view: &xr::CompositionLayerProjectionView,
-        params: impl FnOnce(vk::Rect2D) -> DebugViewParams,
-    ) -> Option<DebugViewJob<'_>> {
-        let rect = rect_within(&view.sub_image, &self.images())?;
-        Some(DebugViewJob {
-            app: &self.substitute.app,
-            runtime: self.target.images()?,
-            runtime_index: self.runtime_index,
-            array_layer: view.sub_image.image_array_index,
-            params: params(rect),
-            map: None,
-        })
+    /// Where `sub_image` is once the job is done: the runtime's images, which of them, and the rectangle in it; nothing where that makes no
+    /// sense.
+    pub fn written(&self, sub_image: &xr::SwapchainSubImage) -> Option<(&RuntimeImages, u32, vk::Rect2D)> {
+        let rect = rect_within(sub_image, &self.images())?;
+        Some((self.target.images()?, self.runtime_index, rect))
     }
 
     /// Whether the picture of a release is still there.
@@ -132,10 +121,12 @@ impl<'a> Work<'a> {
 
     /// Whether the runtime's picture is not the one to show. What the application released is written even if
     /// no layer shows it that we know of; a picture of before only if a projection layer shows it again, it is still there, and
-    /// nothing of it comes from others, which may not be.
-    pub fn is_due(&self) -> bool {
+    /// nothing of it comes from others, which may not be. Where something is drawn over pictures for people to see, that may have changed
+    /// since, and where it was, it may have to go.
+    pub fn is_due(&self, is_drawn_over: bool) -> bool {
         let may_be_redone = self.is_projected && self.newest.intact && self.reuse.is_empty();
-        self.newest.fresh || (may_be_redone && self.target.is_outdated())
+        let is_other = self.target.is_outdated() || is_drawn_over || self.target.is_drawn_over();
+        self.newest.fresh || (may_be_redone && is_other)
     }
 
     /// Takes an image of the runtime to write to; false when there is none now. Errors are the session's
@@ -172,9 +163,9 @@ impl<'a> Work<'a> {
         self.target.has_picture()
     }
 
-    /// Gives the written image back to the runtime, to be shown.
-    pub fn return_image(&mut self, next: &Next) {
-        match self.target.release(next, self.swapchain.handle) {
+    /// Gives the written image back to the runtime, to be shown; something may be drawn over it.
+    pub fn return_image(&mut self, next: &Next, is_drawn_over: bool) {
+        match self.target.release(next, self.swapchain.handle, is_drawn_over) {
             Ok(()) => self.substitute.ring().mark_shown(self.newest.release),
             Err(result) => tracing::debug!("an image was not returned to the runtime: {result:?}"),
         }

@@ -65,8 +65,13 @@ impl Active {
             let gpu = unsafe { Gpu::new(&self.device.record, family, index) }?;
             Ok(Tools { compose: Mutex::new(Compose::new(Arc::clone(&gpu))?), gpu })
         };
-        let make_or_log =
-            || make().inspect_err(|error: &GpuError| tracing::error!("no work on this device: {error}")).ok();
+        let make_or_log = || {
+            make()
+                .inspect_err(|error: &GpuError| {
+                    tracing::error!("re-use, colour and debug views are off, nothing of ours can be made on this device: {error}");
+                })
+                .ok()
+        };
         self.tools.get_or_init(make_or_log).as_ref()
     }
 

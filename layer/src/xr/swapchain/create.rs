@@ -175,7 +175,7 @@ fn substitute(
 }
 
 /// The images of the runtime's swapchain.
-fn runtime_images(session: &Session, handle: xr::Swapchain) -> Result<Vec<vk::Image>, xr::Result> {
+pub(super) fn runtime_images(session: &Session, handle: xr::Swapchain) -> Result<Vec<vk::Image>, xr::Result> {
     let enumerate = |images: &mut [xr::SwapchainImageVulkanKHR]| {
         let mut count = 0;
         // SAFETY: the next layer's function with a live handle and an array of as many structures as said,

@@ -2,6 +2,7 @@
 
 use super::eligibility::vulkan_usage;
 use crate::link::SwapchainRecord;
+use crate::passes::compose::SwapchainShape;
 use ash::vk;
 use openxr_sys as xr;
 
@@ -14,6 +15,8 @@ pub struct Description {
     samples: u32,
     usage: vk::ImageUsageFlags,
     granted: vk::ImageUsageFlags,
+    has_flags: bool,
+    faces: u32,
 }
 
 impl Description {
@@ -26,7 +29,30 @@ impl Description {
             samples: info.sample_count,
             usage: vulkan_usage(info.usage_flags),
             granted,
+            has_flags: !info.create_flags.is_empty(),
+            faces: info.face_count,
         }
+    }
+
+    /// Size of an image, pixels, and its array layers.
+    pub fn extent_and_layers(&self) -> (vk::Extent2D, u32) {
+        (vk::Extent2D { width: self.extent[0], height: self.extent[1] }, self.layers)
+    }
+
+    /// What the images are like for what draws over them, or why nothing may.
+    pub fn drawn_over(&self) -> Result<SwapchainShape, &'static str> {
+        if self.has_flags {
+            return Err("it is static or protected");
+        }
+        if self.samples != 1 || self.faces != 1 {
+            return Err("it has several samples, or faces");
+        }
+        if !self.granted.contains(vk::ImageUsageFlags::COLOR_ATTACHMENT) {
+            return Err("its images cannot be drawn to");
+        }
+        let (extent, array_layers) = self.extent_and_layers();
+        let (format, usage) = (self.format, self.granted);
+        Ok(SwapchainShape { format, extent, array_layers, usage, mutable: false, view_formats: Vec::new() })
     }
 
     /// The record for these images, to which it points.

@@ -2,7 +2,8 @@
 
 use super::ring::CallOrderInvalid;
 use super::{Substitute, Swapchain, find};
-use crate::abi::guard;
+use crate::abi::{attempt, guard};
+use crate::xr::frame::draw_over_released;
 use ash::vk;
 use ash::vk::Handle;
 use openxr_sys as xr;
@@ -153,7 +154,13 @@ pub unsafe extern "system" fn wait_image(
         _ => xr::Result::ERROR_VALIDATION_FAILURE,
     };
     let whichever = || substitute_of(&known).map_or_else(below, ours);
-    guard("xrWaitSwapchainImage", whichever, |answer| answer.record(whichever()))
+    guard("xrWaitSwapchainImage", whichever, |answer| {
+        let result = answer.record(whichever());
+        if let (xr::Result::SUCCESS, Some(known)) = (result, &known) {
+            known.turns().waited();
+        }
+        result
+    })
 }
 
 /// `xrReleaseSwapchainImage`.
@@ -173,6 +180,11 @@ pub unsafe extern "system" fn release_image(
     guard("xrReleaseSwapchainImage", pass_on, |answer| {
         let _section = known.as_ref().and_then(|known| known.session.runtime_section());
         let Some(substitute) = substitute_of(&known) else {
+            if let Some(known) = &known {
+                // SAFETY: in this call the queue is the runtime's, hence ours, and until it returns the image is the application's,
+                // which has submitted all that draws to it.
+                attempt("what is drawn over a picture", || unsafe { draw_over_released(known) });
+            }
             let result = answer.record(below());
             if let (true, Some(known)) = (result.into_raw() >= 0, &known) {
                 known.turns().released();

@@ -30,6 +30,7 @@ pub struct Target {
     shown: Vec<ComposeRegion>,
     held: Held,
     has_picture: bool,
+    is_drawn_over: bool,
 }
 
 impl Target {
@@ -41,6 +42,7 @@ impl Target {
             shown: Vec::with_capacity(REGIONS),
             held: Held::Nothing,
             has_picture: false,
+            is_drawn_over: false,
         }
     }
 
@@ -57,6 +59,11 @@ impl Target {
     /// Whether the runtime has a picture to show.
     pub fn has_picture(&self) -> bool {
         self.has_picture
+    }
+
+    /// Whether something may be drawn over that picture for people to see.
+    pub fn is_drawn_over(&self) -> bool {
+        self.is_drawn_over
     }
 
     /// Whether [`Self::regions`] differ from what the runtime's picture was processed with.
@@ -107,16 +114,22 @@ impl Target {
         })
     }
 
-    /// Returns the image of [`Self::take`], written with [`Self::regions`].
+    /// Returns the image of [`Self::take`], written with [`Self::regions`]; something may be drawn over it.
     ///
     /// # Errors
     ///
     /// Those of `xrReleaseSwapchainImage`.
-    pub fn release(&mut self, next: &Next, swapchain: xr::Swapchain) -> Result<(), xr::Result> {
+    pub fn release(
+        &mut self,
+        next: &Next,
+        swapchain: xr::Swapchain,
+        is_drawn_over: bool,
+    ) -> Result<(), xr::Result> {
         // SAFETY: the next layer's function and a live swapchain.
         succeeded(unsafe { (next.release_swapchain_image)(swapchain, ptr::null()) })?;
         self.held = Held::Nothing;
         self.has_picture = true;
+        self.is_drawn_over = is_drawn_over;
         self.shown.clone_from(&self.regions);
         Ok(())
     }

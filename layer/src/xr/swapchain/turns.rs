@@ -7,6 +7,7 @@ use smallvec::SmallVec;
 pub struct Turns {
     /// By index, in the order in which they are released: that in which they were acquired.
     acquired: SmallVec<[u32; 8]>,
+    is_waited: bool,
     released: Option<u32>,
 }
 
@@ -16,8 +17,19 @@ impl Turns {
         self.acquired.push(index);
     }
 
+    /// The image that was acquired first was waited for.
+    pub fn waited(&mut self) {
+        self.is_waited = true;
+    }
+
+    /// The image that is the application's to draw to, and is released next.
+    pub fn ready(&self) -> Option<u32> {
+        self.acquired.first().copied().filter(|_| self.is_waited)
+    }
+
     /// An image was released.
     pub fn released(&mut self) {
+        self.is_waited = false;
         if !self.acquired.is_empty() {
             self.released = Some(self.acquired.remove(0));
         }
@@ -42,9 +54,15 @@ mod tests {
             turns.acquired(index);
         }
         assert_eq!(turns.newest(), None);
-        for expected in [2, 0, 1, 1] {
+        for expected in [2, 0, 1] {
+            assert_eq!(turns.ready(), None, "not waited for");
+            turns.waited();
+            assert_eq!(turns.ready(), Some(expected));
             turns.released();
             assert_eq!(turns.newest(), Some(expected));
         }
+        assert_eq!(turns.ready(), None);
+        turns.released();
+        assert_eq!(turns.newest(), Some(1), "one release too many");
     }
 }

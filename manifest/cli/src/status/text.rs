@@ -7,16 +7,16 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-/// All applications; `gone` is how many ended without saying so.
-pub fn of_all(found: &[Found], gone: usize, environment: &Environment) -> String {
+/// All applications, or the one that was asked for; `gone` is how many ended without saying so.
+pub fn of_all(found: &[Found], gone: usize, asked: Option<&str>, environment: &Environment) -> String {
     let mut text: Vec<String> = found.iter().map(|found| of_one(&found.status, environment)).collect();
     if found.is_empty() {
-        text.push(
-            "No application with Parafovea is running a session.\n\
+        let called = asked.map_or(String::new(), |name| format!(" called {name}"));
+        text.push(format!(
+            "No application{called} with Parafovea is running a session.\n\
              To start one: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %command%.\n\
              If one should be here: parafovea doctor, and its log in ~/.local/state/parafovea.\n"
-                .to_owned(),
-        );
+        ));
     }
     if gone > 0 {
         text.push(format!("{gone} ended, or hang: nothing was heard of them for seconds.\n"));
@@ -45,6 +45,7 @@ fn of_one(status: &Status, environment: &Environment) -> String {
         line("saving", &gate(&status.rates_gate));
         line("re-use", &gate(&status.reuse_gate));
         line("colour", if status.attenuates_colour { "removed away from the gaze" } else { "as it is" });
+        line("view", &view(status));
         line("passes", &format!("{} matched in the last frame", status.passes_matched));
         for (index, decision) in status.decisions.iter().enumerate() {
             line(if index == 0 { "decided" } else { "" }, decision);
@@ -98,6 +99,31 @@ fn rates(rates: &Rates) -> String {
     shaded
 }
 
+fn view(status: &Status) -> String {
+    let view = &status.debug_view;
+    let whose = if view.is_asked { ", as parafovea status --view asks" } else { "" };
+    match (view.name.as_str(), view.is_drawn) {
+        ("none" | "", _) => format!("nothing is drawn over the pictures{whose}"),
+        (name, true) => format!("\"{name}\" is drawn over the pictures{whose}"),
+        (name, false) => format!("\"{name}\" is not drawn{whose}: {}", why_not_drawn(status)),
+    }
+}
+
+/// Why a view that is asked for is not to be seen, as far as the status knows.
+pub fn why_not_drawn(status: &Status) -> &'static str {
+    match status.debug_view.name.as_str() {
+        "gaze" if !status.gaze.is_valid => "there is no gaze",
+        "rates" if status.backend == "none" => "nothing can become coarser here",
+        "rates" if status.rates_gate.mode == "off" || !status.rates_gate.is_kept => {
+            "rates are off, or were dropped"
+        }
+        "age" if status.reuse_gate.mode == "off" || !status.reuse_gate.is_kept => {
+            "re-use is off, or was dropped"
+        }
+        _ => "its pictures cannot be drawn over, or nothing is rendered",
+    }
+}
+
 fn gate(gate: &Gate) -> String {
     let saved = match gate.ratio {
         Some([ratio, low, high]) => {
@@ -123,10 +149,11 @@ fn gate(gate: &Gate) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use parafovea_manifest::status::View;
     use std::time::Duration;
 
     fn shown(status: Status) -> String {
-        of_all(&[Found { status, age: Duration::ZERO }], 0, &Environment::default())
+        of_all(&[Found { status, age: Duration::ZERO }], 0, None, &Environment::default())
     }
 
     fn active() -> Status {
@@ -181,6 +208,24 @@ mod tests {
     }
 
     #[test]
+    fn a_view_that_is_not_to_be_seen_says_why() {
+        let view = |name: &str, is_asked, is_drawn| View { name: name.to_owned(), is_asked, is_drawn };
+        for (debug_view, line) in [
+            (view("none", false, false), "view      nothing is drawn over the pictures"),
+            (
+                view("gaze", true, true),
+                "view      \"gaze\" is drawn over the pictures, as parafovea status --view asks",
+            ),
+            (view("age", false, false), "view      \"age\" is not drawn: re-use is off, or was dropped"),
+        ] {
+            let text = shown(Status { debug_view, ..active() });
+            assert!(text.lines().any(|found| found.trim_start() == line), "{line}\nin\n{text}");
+        }
+        let blind = Status { gaze: Gaze::default(), debug_view: view("gaze", true, false), ..active() };
+        assert!(shown(blind).contains("as parafovea status --view asks: there is no gaze"));
+    }
+
+    #[test]
     fn what_was_dropped_and_what_is_inert_say_why() {
         let dropped = Gate { mode: "auto".to_owned(), is_kept: false, ratio: Some([1.2, 1.1, 1.3]) };
         let text = shown(Status { rates_gate: dropped, ..active() });
@@ -193,7 +238,7 @@ mod tests {
             inert.contains("inert: its graphics API is not Vulkan") && !inert.contains("backend"),
             "{inert}"
         );
-        let none = of_all(&[], 1, &Environment::default());
+        let none = of_all(&[], 1, None, &Environment::default());
         assert!(none.starts_with("No application") && none.contains("1 ended"), "{none}");
     }
 }

@@ -1,0 +1,64 @@
+//! The runtime's images of a swapchain that is not virtual, as what draws over one needs them, before the application returns it.
+
+use super::Swapchain;
+use super::create::runtime_images;
+use crate::gpu::Gpu;
+use crate::passes::compose::RuntimeImages;
+use std::sync::{Arc, MutexGuard, PoisonError};
+
+/// Whether they can be drawn over; nobody knows before it is asked for.
+#[derive(Default)]
+pub enum DrawnOver {
+    #[default]
+    NotYet,
+    Never,
+    There(RuntimeImages),
+}
+
+impl Swapchain {
+    /// Calls `draw` with the runtime's images, and which of them the application is about to return; where nothing may be drawn over them,
+    /// that is logged once.
+    pub fn draw_over<T>(&self, gpu: &Arc<Gpu>, draw: impl FnOnce(&RuntimeImages, u32) -> T) -> Option<T> {
+        let index = self.turns().ready()?;
+        let is_new = matches!(*self.drawn_over(), DrawnOver::NotYet);
+        if is_new {
+            // Made without the lock, which is not held across calls down.
+            let made = self.make_drawn_over(gpu);
+            *self.drawn_over() = made;
+        }
+        match &*self.drawn_over() {
+            DrawnOver::There(images) => Some(draw(images, index)),
+            DrawnOver::NotYet | DrawnOver::Never => None,
+        }
+    }
+
+    fn make_drawn_over(&self, gpu: &Arc<Gpu>) -> DrawnOver {
+        let make = || {
+            let shape = self.description.drawn_over().map_err(str::to_owned)?;
+            let images = runtime_images(&self.session, self.handle)
+                .map_err(|result| format!("xrEnumerateSwapchainImages returned {result:?}"))?;
+            RuntimeImages::new(gpu, &shape, images).map_err(|error| error.to_string())
+        };
+        let (extent, layers) = self.description.extent_and_layers();
+        match make() {
+            Ok(images) => DrawnOver::There(images),
+            Err(reason) => {
+                let (width, height) = (extent.width, extent.height);
+                tracing::warn!(
+                    "debug.view is not drawn over a swapchain of {width}x{height}x{layers}: {reason}"
+                );
+                DrawnOver::Never
+            }
+        }
+    }
+
+    /// Lets the images go, after the work of ours that uses them.
+    pub(super) fn end_drawing_over(&self) {
+        let images = std::mem::replace(&mut *self.drawn_over(), DrawnOver::Never);
+        drop(images);
+    }
+
+    fn drawn_over(&self) -> MutexGuard<'_, DrawnOver> {
+        self.drawn_over.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

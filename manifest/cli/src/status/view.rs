@@ -1,0 +1,89 @@
+//! `parafovea status --view`.
+
+use super::read;
+use clap::builder::PossibleValuesParser;
+use parafovea_manifest::options::DebugView;
+use parafovea_manifest::paths::Environment;
+use parafovea_manifest::status::{FRESH_S, Found, Status, ask_view};
+use std::process::ExitCode;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// What stands for the view of the application's settings.
+const SETTINGS: &str = "settings";
+
+/// How long applications are given to follow: they tell every second, and those that have not told for so long hang.
+const PATIENCE: Duration = Duration::from_secs(FRESH_S);
+
+/// How often they are looked at meanwhile.
+const EVERY: Duration = Duration::from_millis(100);
+
+/// The names that can be asked for.
+pub fn parser() -> PossibleValuesParser {
+    PossibleValuesParser::new(DebugView::ALL.iter().map(|view| view.name()).chain([SETTINGS]))
+}
+
+/// Asks the applications for the view, and says of each what came of it.
+pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> ExitCode {
+    let view = DebugView::of_name(name);
+    let found = match read(environment, application) {
+        Ok((found, _)) => found,
+        Err(error) => {
+            eprintln!("parafovea: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    if found.is_empty() {
+        let which =
+            application.map_or("No application".to_owned(), |name| format!("No application called {name}"));
+        eprintln!(
+            "parafovea: {which} with Parafovea is running a session; parafovea status lists those that do"
+        );
+        return ExitCode::FAILURE;
+    }
+    let mut all_follow = true;
+    for Found { status, .. } in found {
+        let line = match ask_view(environment, status.pid, view) {
+            Ok(()) => outcome(environment, &status, view),
+            Err(error) => Err(format!("it could not be asked: {error}")),
+        };
+        all_follow &= line.is_ok();
+        let (Ok(line) | Err(line)) = line;
+        println!("{} (process {}): {line}", status.application, status.pid);
+    }
+    if all_follow { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// What became of it, once that is known.
+fn outcome(environment: &Environment, asked: &Status, view: Option<DebugView>) -> Result<String, String> {
+    if !asked.inert.is_empty() {
+        return Err(format!("nothing is drawn, because it is inert: {}", asked.inert));
+    }
+    let begin = Instant::now();
+    loop {
+        let found = read(environment, Some(&asked.pid.to_string())).map_err(|error| error.to_string())?.0;
+        let Some(Found { status, .. }) = found.into_iter().next() else { return Err("it ended".to_owned()) };
+        let shown = &status.debug_view;
+        let follows = match view {
+            Some(view) => shown.is_asked && shown.name == view.name(),
+            None => !shown.is_asked,
+        };
+        match (follows, shown.name.as_str(), shown.is_drawn) {
+            (true, "none", _) => return Ok("nothing is drawn over its pictures".to_owned()),
+            (true, name, true) => return Ok(format!("draws \"{name}\" over its pictures")),
+            _ if begin.elapsed() < PATIENCE => sleep(EVERY),
+            (true, name, false) => {
+                return Err(format!(
+                    "\"{name}\" is not drawn: {}. Its log says more: parafovea status names it",
+                    super::text::why_not_drawn(&status)
+                ));
+            }
+            (false, ..) => {
+                return Err(
+                    "it has not followed: it hangs, shows no frames, or has a Parafovea of another version"
+                        .to_owned(),
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! The debug view that `parafovea status --view` asks of an application while it runs, in place of what its configuration says.
+//!
+//! It is a file with the view's name beside the status, in the folder that is its user's alone, and goes with the session: the
+//! configuration stays as the user wrote it.
+
+use super::folder::folder;
+use crate::options::DebugView;
+use crate::paths::Environment;
+use std::fs::{self, OpenOptions};
+use std::io::{self, Read, Write};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
+use std::path::{Path, PathBuf};
+
+/// More than a name has.
+const MOST_BYTES: usize = 32;
+
+/// Where a process looks for what is asked of it.
+#[derive(Debug)]
+pub struct AskedView(Option<PathBuf>);
+
+impl AskedView {
+    /// Of the process `pid`, as it knows itself.
+    pub fn new(environment: &Environment, pid: u32) -> Self {
+        Self(folder(environment).map(|folder| asked_file(&folder, pid)))
+    }
+
+    /// What is asked for now; `None`: what the configuration says. What is no name of a view, or not a file that only this folder's owner
+    /// can write, asks for nothing. Never waits, and allocates nothing.
+    pub fn look(&self) -> Option<DebugView> {
+        let path = self.0.as_deref()?;
+        let flags = libc::O_NOFOLLOW | libc::O_NONBLOCK;
+        let mut file = OpenOptions::new().read(true).custom_flags(flags).open(path).ok()?;
+        let (file_is, folder_is) = (file.metadata().ok()?, fs::metadata(path.parent()?).ok()?);
+        if !file_is.is_file() || file_is.uid() != folder_is.uid() || file_is.mode() & 0o022 != 0 {
+            return None;
+        }
+        let mut bytes = [0; MOST_BYTES];
+        let length = file.read(&mut bytes).ok()?;
+        DebugView::of_name(std::str::from_utf8(&bytes[..length]).ok()?.trim_end())
+    }
+}
+
+/// Asks the process `pid`, as its status calls it, for `view`; `None`: for what its configuration says. It follows within a second.
+///
+/// # Errors
+/// Nothing tells of that process, or the file system refuses.
+pub fn ask_view(environment: &Environment, pid: u32, view: Option<DebugView>) -> io::Result<()> {
+    let folder = folder(environment).ok_or(io::ErrorKind::NotFound)?;
+    let path = asked_file(&folder, pid);
+    let Some(view) = view else {
+        return match fs::remove_file(path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        };
+    };
+    let next = folder.join(format!(".{pid}.view"));
+    let flags = libc::O_NOFOLLOW;
+    let mut file = OpenOptions::new()
+        .write(true)
+        .create(true)
+        .truncate(true)
+        .mode(0o600)
+        .custom_flags(flags)
+        .open(&next)?;
+    file.write_all(view.name().as_bytes())?;
+    fs::rename(next, path)
+}
+
+/// The file of a process.
+pub(super) fn asked_file(folder: &Path, pid: u32) -> PathBuf {
+    folder.join(format!("{pid}.view"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::status::StatusFile;
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    use tempfile::TempDir;
+
+    fn environment(folder: &TempDir) -> Environment {
+        Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| folder.path().into()))
+    }
+
+    #[test]
+    fn what_is_asked_for_holds_until_the_session_ends() {
+        let runtime = TempDir::new().unwrap();
+        let environment = environment(&runtime);
+        let asked = AskedView::new(&environment, 7);
+        assert!(ask_view(&environment, 7, Some(DebugView::Gaze)).is_err(), "nobody has a folder there");
+        let session = StatusFile::new(&environment, 7).unwrap().unwrap();
+        assert_eq!(asked.look(), None);
+        for view in DebugView::ALL {
+            ask_view(&environment, 7, Some(*view)).unwrap();
+            assert_eq!(asked.look(), Some(*view));
+            assert_eq!(AskedView::new(&environment, 8).look(), None, "asked of another process");
+        }
+        let file = runtime.path().join("parafovea/7.view");
+        assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+        ask_view(&environment, 7, None).unwrap();
+        ask_view(&environment, 7, None).unwrap();
+        assert_eq!(asked.look(), None);
+        ask_view(&environment, 7, Some(DebugView::Gaze)).unwrap();
+        drop(session);
+        assert_eq!(fs::read_dir(runtime.path().join("parafovea")).unwrap().count(), 0);
+        assert_eq!(asked.look(), None);
+    }
+
+    #[test]
+    fn a_new_process_is_not_asked_what_an_earlier_one_was() {
+        let runtime = TempDir::new().unwrap();
+        let environment = environment(&runtime);
+        let earlier = StatusFile::new(&environment, 7).unwrap().unwrap();
+        ask_view(&environment, 7, Some(DebugView::Rates)).unwrap();
+        std::mem::forget(earlier);
+        let _later = StatusFile::new(&environment, 7).unwrap().unwrap();
+        assert_eq!(AskedView::new(&environment, 7).look(), None);
+    }
+
+    #[test]
+    fn what_others_could_have_written_asks_for_nothing() {
+        let runtime = TempDir::new().unwrap();
+        let environment = environment(&runtime);
+        let _session = StatusFile::new(&environment, 7).unwrap().unwrap();
+        let (file, asked) = (runtime.path().join("parafovea/7.view"), AskedView::new(&environment, 7));
+        for text in
+            ["", "everything", "gazegaze", "\0", "none\0", "gaze gaze gaze gaze gaze gaze gaze gaze gaze"]
+        {
+            fs::write(&file, text).unwrap();
+            assert_eq!(asked.look(), None, "{text}");
+        }
+        fs::write(&file, "gaze\n").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o644)).unwrap();
+        assert_eq!(asked.look(), Some(DebugView::Gaze));
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o666)).unwrap();
+        assert_eq!(asked.look(), None, "others may write it");
+        fs::remove_file(&file).unwrap();
+        let elsewhere = runtime.path().join("elsewhere");
+        fs::write(&elsewhere, "gaze").unwrap();
+        symlink(&elsewhere, &file).unwrap();
+        assert_eq!(asked.look(), None, "a link");
+        fs::remove_file(&file).unwrap();
+        fs::create_dir(&file).unwrap();
+        assert_eq!(asked.look(), None, "a folder");
+        assert_eq!(AskedView::new(&Environment::default(), 7).look(), None);
+    }
+}
