@@ -46,6 +46,15 @@ fn hello_xr_runs_with_the_content_of_the_package() {
         said(&told)
     );
 
+    // The guide leads to no file that is not there.
+    let documents = root.join("usr/share/doc/parafovea");
+    for name in ["GUIDE.md", "HOW-IT-WORKS.md"] {
+        let text = fs::read_to_string(documents.join(name)).unwrap();
+        let links: Vec<_> =
+            text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).map(str::to_owned).collect();
+        assert!(!links.is_empty() && links.iter().all(|link| documents.join(link).is_file()), "{links:?}");
+    }
+
     let installation = Installation::new(folder.path(), &Halves::default()).unwrap();
     let scenario = folder.path().join("scenario.toml");
     let text = toml::to_string(&Scenario::new(10).sized(64, 64)).unwrap();

@@ -137,6 +137,28 @@ fn steady_frames_do_not_allocate() {
     vulkan.assert_valid();
 }
 
+/// What the other half copies into a map may still be under way when the pass fails, and goes.
+#[test]
+fn a_submit_that_fails_leaves_what_a_copy_writes() {
+    let Some(vulkan) = Vulkan::new() else { return };
+    let mut pass = DebugViewPass::new(vulkan.gpu.clone()).unwrap();
+    let swapchain = Swapchain::new(&vulkan, &shape(vk::Format::R8G8B8A8_SRGB, 64, 64, 1));
+    let map = map();
+    let from = vulkan.staging(&map);
+    let (buffer, dst_offset) = pass.place(0, map.len() as u32).unwrap();
+    let region = vk::BufferCopy { src_offset: 0, dst_offset, size: map.len() as u64 };
+    // SAFETY: plain use of Vulkan with live handles.
+    vulkan.run(|commands| unsafe { vulkan.device.cmd_copy_buffer(commands, from, buffer, &[region]) });
+    pass.copied();
+    let beyond = params(DebugView::Rates, [1, 0], [64, 64]);
+    let failed = DebugViewJob { map: None, ..job(&swapchain, 0, beyond, &map) };
+    assert!(pass.submit(&[failed]).is_err());
+    // Validation has something to say of a buffer that is destroyed while a copy writes to it.
+    drop(pass);
+    vulkan.idle();
+    vulkan.assert_valid();
+}
+
 #[test]
 fn senseless_jobs_are_refused() {
     let Some(vulkan) = Vulkan::new() else { return };

@@ -64,7 +64,7 @@ fn files(parts: &Parts) -> io::Result<Vec<Entry>> {
         let manifest = half.manifest(&library, Activation::Implicit);
         files.push(Entry::new(path.to_string_lossy(), 0o644, manifest));
     }
-    for (name, text) in parts.texts.iter().filter(|(name, _)| name.ends_with(".md")) {
+    for (name, text) in parts.texts.iter().filter(|(name, _)| !name.starts_with("LICENSE")) {
         files.push(Entry::new(format!("./usr/share/doc/parafovea/{name}"), 0o644, text.as_slice()));
     }
     Ok(files)

@@ -45,6 +45,16 @@ pub struct Parts {
 /// What [`Parts::generated`] has.
 const GENERATED: [&str; 4] = ["bash", "zsh", "fish", "man"];
 
+/// The guide, how it works, and the pictures in that.
+const GUIDE: [&str; 6] = [
+    "GUIDE.md",
+    "HOW-IT-WORKS.md",
+    "pictures/age.png",
+    "pictures/eccentricity.png",
+    "pictures/gaze.png",
+    "pictures/rates.png",
+];
+
 impl Parts {
     /// Takes what cargo left in `built` (`target/release`), and the texts of `repository`.
     ///
@@ -72,7 +82,9 @@ impl Parts {
         for name in ["README.md", "LICENSE-APACHE", "LICENSE-MIT"] {
             parts.texts.push((name, read(&repository.join(name))?));
         }
-        parts.texts.push(("GUIDE.md", read(&repository.join("manifest/GUIDE.md"))?));
+        for name in GUIDE {
+            parts.texts.push((name, read(&repository.join("manifest").join(name))?));
+        }
         let programs = [("parafovea", &parts.command), ("parafovea-probe", &parts.probe)];
         let libraries = parts.libraries.iter().map(|(name, bytes)| (*name, bytes));
         for (name, bytes) in programs.into_iter().chain(libraries) {

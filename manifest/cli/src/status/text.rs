@@ -42,6 +42,11 @@ fn of_one(status: &Status, environment: &Environment) -> String {
         line("gaze", &gaze(&status.gaze));
         line("sound", &sound(&status.sound));
         line("rates", &rates(&status.rates));
+        // What cannot shade coarsely has nothing to judge.
+        let gate = |told: &Gate| match status.backend.as_str() {
+            "none" if told.mode != "off" => "nothing: no pass can become coarser here".to_owned(),
+            _ => gate(told),
+        };
         line("saving", &gate(&status.rates_gate));
         line("re-use", &gate(&status.reuse_gate));
         line("colour", if status.attenuates_colour { "removed away from the gaze" } else { "as it is" });
@@ -238,6 +243,9 @@ mod tests {
             inert.contains("inert: its graphics API is not Vulkan") && !inert.contains("backend"),
             "{inert}"
         );
+        let without = shown(Status { backend: "none".to_owned(), ..active() });
+        assert!(without.contains("saving    nothing: no pass can become coarser here"), "{without}");
+        assert!(without.contains("re-use    off"), "{without}");
         let none = of_all(&[], 1, None, &Environment::default());
         assert!(none.starts_with("No application") && none.contains("1 ended"), "{none}");
     }
