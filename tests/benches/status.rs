@@ -52,17 +52,18 @@ fn measure(mut arguments: impl Iterator<Item = String>) -> Result<(), Failure> {
     }
     // The device has no rates, and hello_xr asks for a Vulkan without masks: it gets a device that looks as if it had rates.
     let hello_xr = Application::hello_xr("Vulkan2")?;
-    one(&hello_xr, |run| run.shading_rates(ShadingRateProfile::Layered16), seconds, json)?;
-    one(&Application::ours("parafovea-scene", &[])?, |run| run, seconds, json)?;
+    one("hello_xr", &hello_xr, |run| run.shading_rates(ShadingRateProfile::Layered16), seconds, json)?;
+    one("parafovea-scene", &Application::ours("parafovea-scene", &[])?, |run| run, seconds, json)?;
     for style in STYLES {
         let application =
             Application::ours("parafovea-zoo", &["--style", style, "--size", "256", "--frames", "1000000"])?;
-        one(&application, |run| run, seconds, json)?;
+        one(&format!("zoo: {style}"), &application, |run| run, seconds, json)?;
     }
     Ok(())
 }
 
 fn one(
+    name: &str,
     application: &Application,
     change: impl FnOnce(Run) -> Run,
     seconds: u64,
@@ -87,11 +88,10 @@ fn one(
     shows.kill()?;
     shows.wait()?;
     let [shows, tells] = [0, 1].map(|index| (after[index] - before[index]) as f64 / passed_ns);
-    let name = running_name(application, &status);
     if json {
         let row = |case: &str, value| Row {
             bench: "status",
-            app: name.clone(),
+            app: name.to_owned(),
             case: case.to_owned(),
             metric: "cpu_share".to_owned(),
             value,
@@ -111,14 +111,6 @@ fn one(
         status.backend, status.passes_matched
     );
     Ok(())
-}
-
-fn running_name(application: &Application, status: &Status) -> String {
-    if status.application == application.name() {
-        status.application.clone()
-    } else {
-        format!("{} ({})", application.name(), status.application)
-    }
 }
 
 /// What is told of the application, once that is so.
