@@ -6,6 +6,7 @@
 
 mod compare;
 mod packages;
+mod sanitize;
 mod setup;
 mod steps;
 mod tasks;
@@ -34,6 +35,8 @@ cargo dev <task>, run anywhere in the repository:
   report [--quick | --all] [--json]
                         speed against error, against what users could do instead: a page, tables and plots in target/report/; --quick
                         takes 5 minutes, the whole an hour, and --all every point of every sweep (`report --help` lists more)
+  sanitize [address | miri | thread]
+                        what a nightly toolchain, where one is installed, finds out about unsafe code
   sequences [COUNT]     100000, or so many, random sequences of OpenXR calls with and without the layer, and 1000 hostile ones
   soak [--minutes N]    half an hour, or so long: an application that starts and ends over and over takes no more and more memory with the layer
   soak ears [--seconds N]
@@ -55,6 +58,7 @@ fn main() -> ExitCode {
         Some("gpu") => tasks::gpu(rest),
         Some("bench") => tasks::bench(rest),
         Some("report") => tasks::report(rest),
+        Some("sanitize") => sanitize::sanitize(rest),
         Some("sequences") => tasks::sequences(rest),
         Some("soak") => tasks::soak(rest),
         Some("dist") => tasks::dist(rest),
