@@ -1,14 +1,14 @@
 //! A session from its creation to its end, and its frame loop.
 
+pub mod calls;
 mod events;
 mod submit;
 
 use crate::app::App;
 use crate::failure::{Failure, succeeded};
 use openxr_sys as xr;
-use openxr_sys::Handle;
 use std::cell::Cell;
-use std::ptr::{from_ref, null, null_mut};
+use std::ptr::{null, null_mut};
 
 pub use submit::{Layer, SubImage};
 
@@ -39,27 +39,9 @@ pub struct Frame {
 impl<'a> Session<'a> {
     /// Creates a session, not yet begun.
     pub fn create(app: &'a App) -> Result<Self, Failure> {
-        let functions = &app.xr.functions;
-        let binding = app.vulkan.binding();
-        let info = xr::SessionCreateInfo {
-            ty: xr::SessionCreateInfo::TYPE,
-            next: from_ref(&binding).cast(),
-            create_flags: xr::SessionCreateFlags::EMPTY,
-            system_id: app.xr.system,
-        };
-        let mut handle = xr::Session::NULL;
-        // SAFETY: the instance and the device of the binding are live; the structures outlive the call.
-        let result = unsafe { (functions.create_session)(app.xr.instance, &info, &mut handle) };
+        let (result, handle) = calls::create_session(app);
         succeeded("xrCreateSession", result)?;
-        let info = xr::ReferenceSpaceCreateInfo {
-            ty: xr::ReferenceSpaceCreateInfo::TYPE,
-            next: null(),
-            reference_space_type: xr::ReferenceSpaceType::LOCAL,
-            pose_in_reference_space: IDENTITY,
-        };
-        let mut space = xr::Space::NULL;
-        // SAFETY: the session is live; the structures outlive the call.
-        let result = unsafe { (functions.create_reference_space)(handle, &info, &mut space) };
+        let (result, space) = calls::create_local_space(app, handle);
         succeeded("xrCreateReferenceSpace", result)?;
         let submitted = Cell::new(app.report().frames);
         Ok(Self {
@@ -84,14 +66,7 @@ impl<'a> Session<'a> {
         for _ in 0..PATIENCE {
             self.poll()?;
             if self.state.get() == xr::SessionState::READY {
-                let info = xr::SessionBeginInfo {
-                    ty: xr::SessionBeginInfo::TYPE,
-                    next: null(),
-                    primary_view_configuration_type: xr::ViewConfigurationType::PRIMARY_STEREO,
-                };
-                // SAFETY: the session is live; the structure outlives the call.
-                let result = unsafe { (self.app.xr.functions.begin_session)(self.handle, &info) };
-                succeeded("xrBeginSession", result)?;
+                succeeded("xrBeginSession", calls::begin_session(self.app, self.handle))?;
                 self.running.set(true);
                 return Ok(());
             }

@@ -2,8 +2,8 @@
 
 mod pattern;
 
-use crate::layer::{Instance, Layer, NextDevice, Tracked, device_of, hooks};
-use crate::report;
+use crate::layer::{Layer, NextDevice, Tracked, device_of, hooks, made_as_asked};
+use crate::{report, variable};
 use ash::vk;
 use pattern::Pattern;
 use serde::{Deserialize, Serialize};
@@ -33,30 +33,25 @@ pub(crate) struct DropBarrier {
 
 static TRACKED: Tracked<DropBarrier> = Tracked::new();
 
-impl Layer for DropBarrier {
-    fn tracked() -> &'static Tracked<Self> {
-        &TRACKED
-    }
-
-    unsafe fn create_device(
-        _: &Instance,
-        _: vk::PhysicalDevice,
-        info: vk::DeviceCreateInfo<'_>,
-        create: &mut dyn FnMut(&vk::DeviceCreateInfo<'_>) -> Result<NextDevice, vk::Result>,
-    ) -> Result<Self, vk::Result> {
-        let next = create(&info)?;
+impl DropBarrier {
+    fn over(next: NextDevice) -> Self {
         let function =
             next.function(c"vkCmdPipelineBarrier2").or_else(|| next.function(c"vkCmdPipelineBarrier2KHR"));
         // SAFETY: both names have this type.
         let pipeline_barrier2 = unsafe {
             std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkCmdPipelineBarrier2>>(function)
         };
-        let pattern = std::env::var(DROP_BARRIER_VARIABLE).ok().map(|text| match text.parse() {
-            Ok(pattern) => pattern,
-            Err(reason) => panic!("{DROP_BARRIER_VARIABLE}={text}: {reason}"),
-        });
-        Ok(Self { next, pattern, pipeline_barrier2, dropped: AtomicU64::new(0) })
+        let pattern = variable::read(DROP_BARRIER_VARIABLE, str::parse);
+        Self { next, pattern, pipeline_barrier2, dropped: AtomicU64::new(0) }
     }
+}
+
+impl Layer for DropBarrier {
+    fn tracked() -> &'static Tracked<Self> {
+        &TRACKED
+    }
+
+    made_as_asked!();
 
     fn hook(name: &CStr) -> vk::PFN_vkVoidFunction {
         hooks! { name;

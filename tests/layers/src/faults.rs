@@ -4,8 +4,8 @@
 
 mod functions;
 
-use crate::layer::{Instance, Layer, NextDevice, Tracked};
-use crate::report;
+use crate::layer::{Layer, NextDevice, Tracked, made_as_asked};
+use crate::{report, variable};
 use ash::vk;
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
@@ -76,22 +76,21 @@ pub(crate) struct Calls {
 
 static CALLS: Tracked<Calls> = Tracked::new();
 
+impl Calls {
+    fn over(next: NextDevice) -> Self {
+        Self { next }
+    }
+}
+
 impl Layer for Calls {
     fn tracked() -> &'static Tracked<Self> {
         &CALLS
     }
 
-    unsafe fn create_device(
-        _: &Instance,
-        _: vk::PhysicalDevice,
-        info: vk::DeviceCreateInfo<'_>,
-        create: &mut dyn FnMut(&vk::DeviceCreateInfo<'_>) -> Result<NextDevice, vk::Result>,
-    ) -> Result<Self, vk::Result> {
-        Ok(Self { next: create(&info)? })
-    }
+    made_as_asked!();
 
     fn hook(name: &CStr) -> vk::PFN_vkVoidFunction {
-        functions::above(name)
+        functions::hook::<Self>(name)
     }
 
     fn next(&self) -> &NextDevice {
@@ -99,9 +98,14 @@ impl Layer for Calls {
     }
 }
 
-impl Calls {
-    /// Makes a call of the application.
-    fn pass(call: Call, next: impl FnOnce() -> vk::Result) -> vk::Result {
+/// What one of the layers does with a call.
+trait Side: Layer {
+    /// Makes it by `next`, or fails; what it was to make is null then, by `null`.
+    fn made(&self, call: Call, next: impl FnOnce() -> vk::Result, null: impl FnOnce()) -> vk::Result;
+}
+
+impl Side for Calls {
+    fn made(&self, call: Call, next: impl FnOnce() -> vk::Result, _: impl FnOnce()) -> vk::Result {
         let outer = PASSING.replace(Some(call));
         let result = next();
         PASSING.set(outer);
@@ -124,26 +128,22 @@ struct State {
 
 static FAULTS: Tracked<Faults> = Tracked::new();
 
+impl Faults {
+    fn over(next: NextDevice) -> Self {
+        let fault = variable::read(FAULT_VARIABLE, |text| serde_json::from_str(text));
+        Self { next, fault, state: Mutex::default() }
+    }
+}
+
 impl Layer for Faults {
     fn tracked() -> &'static Tracked<Self> {
         &FAULTS
     }
 
-    unsafe fn create_device(
-        _: &Instance,
-        _: vk::PhysicalDevice,
-        info: vk::DeviceCreateInfo<'_>,
-        create: &mut dyn FnMut(&vk::DeviceCreateInfo<'_>) -> Result<NextDevice, vk::Result>,
-    ) -> Result<Self, vk::Result> {
-        let fault = std::env::var(FAULT_VARIABLE).ok().map(|text| match serde_json::from_str(&text) {
-            Ok(fault) => fault,
-            Err(reason) => panic!("{FAULT_VARIABLE}={text}: {reason}"),
-        });
-        Ok(Self { next: create(&info)?, fault, state: Mutex::default() })
-    }
+    made_as_asked!();
 
     fn hook(name: &CStr) -> vk::PFN_vkVoidFunction {
-        functions::below(name)
+        functions::hook::<Self>(name)
     }
 
     fn next(&self) -> &NextDevice {
@@ -166,6 +166,15 @@ const LOST: [&CStr; 8] = [
     c"vkQueueWaitIdle",
     c"vkWaitForFences",
 ];
+
+impl Side for Faults {
+    fn made(&self, call: Call, next: impl FnOnce() -> vk::Result, null: impl FnOnce()) -> vk::Result {
+        self.failure(call).map_or_else(next, |failure| {
+            null();
+            failure
+        })
+    }
+}
 
 impl Faults {
     fn state(&self) -> MutexGuard<'_, State> {

@@ -181,6 +181,23 @@ macro_rules! hooks {
 }
 pub(crate) use hooks;
 
+/// [`Layer::create_device`] of a layer that makes devices as the application asks, and its own `over` of the next one's.
+macro_rules! made_as_asked {
+    () => {
+        unsafe fn create_device(
+            _: &$crate::layer::Instance,
+            _: ash::vk::PhysicalDevice,
+            info: ash::vk::DeviceCreateInfo<'_>,
+            create: &mut dyn FnMut(
+                &ash::vk::DeviceCreateInfo<'_>,
+            ) -> Result<$crate::layer::NextDevice, ash::vk::Result>,
+        ) -> Result<Self, ash::vk::Result> {
+            create(&info).map(Self::over)
+        }
+    };
+}
+pub(crate) use made_as_asked;
+
 /// # Safety
 ///
 /// The loader calls it with a valid structure.

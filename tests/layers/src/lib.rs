@@ -37,6 +37,7 @@ mod report;
 mod shading_rate;
 mod two_queues;
 pub mod validation;
+mod variable;
 
 pub use count::{
     COUNT_FILE_VARIABLE, Count, Counted, GpuTime, GpuTimes, SAMPLES_FILE_VARIABLE, SampleCount,

@@ -1,6 +1,6 @@
 //! A layer that does nothing: what any layer costs, as the baseline of the overhead bench.
 
-use crate::layer::{Instance, Layer, NextDevice, Tracked};
+use crate::layer::{Layer, NextDevice, Tracked, made_as_asked};
 use ash::vk;
 use std::ffi::CStr;
 
@@ -10,19 +10,18 @@ pub(crate) struct PassThrough {
 
 static TRACKED: Tracked<PassThrough> = Tracked::new();
 
+impl PassThrough {
+    fn over(next: NextDevice) -> Self {
+        Self { next }
+    }
+}
+
 impl Layer for PassThrough {
     fn tracked() -> &'static Tracked<Self> {
         &TRACKED
     }
 
-    unsafe fn create_device(
-        _: &Instance,
-        _: vk::PhysicalDevice,
-        info: vk::DeviceCreateInfo<'_>,
-        create: &mut dyn FnMut(&vk::DeviceCreateInfo<'_>) -> Result<NextDevice, vk::Result>,
-    ) -> Result<Self, vk::Result> {
-        Ok(Self { next: create(&info)? })
-    }
+    made_as_asked!();
 
     fn hook(_: &CStr) -> vk::PFN_vkVoidFunction {
         None

@@ -1,7 +1,7 @@
-//! The functions that can fail, each hooked by both layers.
+//! The functions that can fail, each hooked by either layer.
 
-use super::{Call, Calls, Faults};
-use crate::layer::{Layer, device_of, hooks};
+use super::{Call, Side};
+use crate::layer::{device_of, hooks};
 use ash::vk;
 use ash::vk::Handle;
 use std::ffi::{CStr, c_void};
@@ -22,45 +22,20 @@ macro_rules! mark {
 macro_rules! functions {
     ($($name:literal $pfn:ident $function:ident($object:ident: $kind:ty $(, $argument:ident: $ty:ty)*)
         $(nulls $count:block)? $(told_by $mark:ident)?;)*) => {
-        mod calls {
-            use super::*;
-            $(pub unsafe extern "system" fn $function($object: $kind $(, $argument: $ty)*) -> vk::Result {
-                // SAFETY: the application's own arguments; the name gives the function's type.
-                unsafe {
-                    let Some(layer) = device_of::<Calls>($object) else { return vk::Result::ERROR_UNKNOWN };
-                    let Some(next) = layer.next().function($name) else { return vk::Result::ERROR_UNKNOWN };
-                    let next = transmute::<unsafe extern "system" fn(), vk::$pfn>(next);
-                    Calls::pass(Call { name: $name, mark: mark!($($mark)?) }, || next($object $(, $argument)*))
-                }
-            })*
-        }
+        $(unsafe extern "system" fn $function<S: Side>($object: $kind $(, $argument: $ty)*) -> vk::Result {
+            // SAFETY: the caller's own arguments; the name gives the function's type.
+            unsafe {
+                let Some(layer) = device_of::<S>($object) else { return vk::Result::ERROR_UNKNOWN };
+                let Some(next) = layer.next().function($name) else { return vk::Result::ERROR_UNKNOWN };
+                let next = transmute::<unsafe extern "system" fn(), vk::$pfn>(next);
+                let call = Call { name: $name, mark: mark!($($mark)?) };
+                layer.made(call, || next($object $(, $argument)*), || { $($count)? })
+            }
+        })*
 
-        mod faults {
-            use super::*;
-            $(pub unsafe extern "system" fn $function($object: $kind $(, $argument: $ty)*) -> vk::Result {
-                // SAFETY: arguments that are valid; the name gives the function's type.
-                unsafe {
-                    let Some(layer) = device_of::<Faults>($object) else { return vk::Result::ERROR_UNKNOWN };
-                    let Some(next) = layer.next().function($name) else { return vk::Result::ERROR_UNKNOWN };
-                    let next = transmute::<unsafe extern "system" fn(), vk::$pfn>(next);
-                    match layer.failure(Call { name: $name, mark: mark!($($mark)?) }) {
-                        None => next($object $(, $argument)*),
-                        Some(failure) => {
-                            $($count)?
-                            failure
-                        }
-                    }
-                }
-            })*
-        }
-
-        pub(super) fn above(name: &CStr) -> vk::PFN_vkVoidFunction {
-            hooks! { name; $($name: $pfn = calls::$function;)* }
-            None
-        }
-
-        pub(super) fn below(name: &CStr) -> vk::PFN_vkVoidFunction {
-            hooks! { name; $($name: $pfn = faults::$function;)* }
+        /// The hook for a function that can fail.
+        pub(super) fn hook<S: Side>(name: &CStr) -> vk::PFN_vkVoidFunction {
+            hooks! { name; $($name: $pfn = $function::<S>;)* }
             None
         }
     };

@@ -1,0 +1,16 @@
+//! What a test asks of a layer, in an environment variable.
+
+use std::fmt::Display;
+
+/// What `parse` reads in a variable, if that is set.
+///
+/// # Panics
+///
+/// It cannot be read: the test is wrong.
+pub(crate) fn read<T, E: Display>(variable: &str, parse: impl FnOnce(&str) -> Result<T, E>) -> Option<T> {
+    let text = std::env::var(variable).ok()?;
+    match parse(&text) {
+        Ok(value) => Some(value),
+        Err(reason) => panic!("{variable}={text}: {reason}"),
+    }
+}
