@@ -20,12 +20,13 @@ pub(crate) mod memory;
 mod owned;
 mod pipeline;
 mod recorder;
+mod shared;
 
 pub use app_commands::{AppCommands, ImagePart, Scope};
 pub(crate) use app_commands::{COMPUTES, READS_OF_RESULTS};
 pub(crate) use buffer::{ResultRing, UniformRing, WordRing};
-pub(crate) use commands::Uses;
-pub(crate) use compare::Comparison;
+pub(crate) use commands::{Uses, wait_fence};
+pub(crate) use compare::{Comparison, comparison};
 pub(crate) use compute::{Bound, ComputeLayout, ComputeSet};
 pub(crate) use descriptor::{CompareSet, ListSet, TextureSets, UniformSet};
 pub(crate) use device_buffer::DeviceBuffer;
@@ -35,6 +36,7 @@ pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view};
 pub(crate) use owned::Owned;
 pub(crate) use pipeline::{Output, TilePipeline, TileShader, tile_pipeline};
 pub(crate) use recorder::{Compare, DrawRecorder, Recorder, TileDraw};
+pub use shared::Shared;
 
 use crate::link::DeviceRecord;
 use ash::vk;
@@ -57,11 +59,29 @@ pub struct Gpu {
     queue: vk::Queue,
     /// Nothing where there is no queue to submit to.
     commands: Mutex<Option<CommandRing>>,
+    /// Nothing where there is no queue to submit to.
+    shared: Option<Arc<Shared>>,
     abandoned: AtomicBool,
 }
 
 impl Gpu {
-    /// Prepares work on queue `queue_index` of family `queue_family`.
+    /// Prepares work on queue `queue_index` of family `queue_family`, with objects that nobody else has.
+    ///
+    /// # Safety
+    /// As for [`Gpu::sharing`].
+    ///
+    /// # Errors
+    /// As there.
+    pub unsafe fn new(
+        record: &DeviceRecord,
+        queue_family: u32,
+        queue_index: u32,
+    ) -> Result<Arc<Self>, GpuError> {
+        // SAFETY: the caller vouches for all.
+        unsafe { Self::sharing(record, (queue_family, queue_index), Shared::new(record)?) }
+    }
+
+    /// Prepares work on a queue, by family and index, with objects that others on the device use too.
     ///
     /// # Safety
     /// - `record` is of a live device that outlives the result and everything made with it; where it cannot,
@@ -72,10 +92,10 @@ impl Gpu {
     ///
     /// # Errors
     /// [`GpuError::Missing`]; [`GpuError::Unsupported`] when the queue cannot draw and compute; a failed call.
-    pub unsafe fn new(
+    pub unsafe fn sharing(
         record: &DeviceRecord,
-        queue_family: u32,
-        queue_index: u32,
+        (queue_family, queue_index): (u32, u32),
+        shared: Arc<Shared>,
     ) -> Result<Arc<Self>, GpuError> {
         // SAFETY: the caller vouches for the record.
         let mut gpu = unsafe { Self::load(record) }?;
@@ -96,7 +116,10 @@ impl Gpu {
         // SAFETY: the device is live and made of this record.
         let commands = unsafe { CommandRing::new(&gpu.device, record, queue_family) }?;
         gpu.commands = Mutex::new(Some(commands));
-        Ok(Arc::new(gpu))
+        gpu.shared = Some(Arc::clone(&shared));
+        let gpu = Arc::new(gpu);
+        shared.is_used_by(&gpu);
+        Ok(gpu)
     }
 
     /// For objects that only the application's submits use: nothing can be submitted.
@@ -133,6 +156,7 @@ impl Gpu {
             memory,
             queue: vk::Queue::null(),
             commands: Mutex::default(),
+            shared: None,
             abandoned: AtomicBool::new(false),
         })
     }
@@ -141,6 +165,20 @@ impl Gpu {
     /// for or destroyed, and nothing can be submitted.
     pub fn abandon(&self) {
         self.abandoned.store(true, Ordering::Relaxed);
+        if let Some(shared) = &self.shared {
+            shared.abandon();
+        }
+    }
+
+    /// Says that the device takes no work of ours: sessions that begin on it later have none.
+    pub(crate) fn give_up(&self) {
+        if let Some(shared) = &self.shared {
+            shared.give_up();
+        }
+    }
+
+    fn shared(&self) -> Result<&Shared, GpuError> {
+        self.shared.as_deref().ok_or(GpuError::Invalid("pipelines without a queue"))
     }
 
     fn is_abandoned(&self) -> bool {

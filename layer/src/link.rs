@@ -20,10 +20,13 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"parafovea_vkGetLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 8;
+pub const LINK_VERSION: u32 = 9;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
+
+/// What is called when the application destroys a device, while that is still live.
+pub type DeviceEnds = unsafe extern "C" fn(device: vk::Device);
 
 /// What the Vulkan half offers to the OpenXR half.
 #[repr(C)]
@@ -65,6 +68,9 @@ pub struct LinkTable {
     /// Copies the rates that the GPU decided last for an eye, in a submit of its own, in a section of the runtime. Returns 1, or 0 where
     /// the plan's own rates hold, and nothing is copied.
     pub copy_rates: unsafe extern "C" fn(device: vk::Device, record: *const RatesCopyRecord) -> u32,
+    /// Has `call` called once when the application destroys the device, before the device is gone. Returns 1, or 0 when the device
+    /// is not armed.
+    pub when_it_ends: unsafe extern "C" fn(device: vk::Device, call: DeviceEnds) -> u32,
 }
 
 /// One device as the Vulkan half tracked it.

@@ -23,6 +23,16 @@ impl<K: PartialEq, T> Registry<K, T> {
         live.push((key, object));
     }
 
+    /// The object of that key: one that is tracked already, or else `object`, which is from then on.
+    pub fn get_or_insert(&self, key: K, object: Arc<T>) -> Arc<T> {
+        let mut live = self.write();
+        if let Some((_, known)) = live.iter().find(|(known, _)| *known == key) {
+            return Arc::clone(known);
+        }
+        live.push((key, Arc::clone(&object)));
+        object
+    }
+
     /// The object of that key.
     pub fn get(&self, key: K) -> Option<Arc<T>> {
         self.read().iter().find(|(known, _)| *known == key).map(|(_, object)| Arc::clone(object))
@@ -79,6 +89,7 @@ mod tests {
         let registry = Registry::new();
         registry.insert(7, Arc::new('a'));
         registry.insert(7, Arc::new('b'));
+        assert_eq!(*registry.get_or_insert(7, Arc::new('c')), 'b');
         assert_eq!(registry.remove(7), Some(Arc::new('b')));
         assert_eq!(registry.get(7), None);
     }

@@ -30,6 +30,7 @@ mod reuse;
 mod schedule;
 mod security;
 mod sequences;
+mod sessions;
 mod shading_rate;
 mod status;
 mod swapchain_cases;

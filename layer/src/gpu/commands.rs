@@ -5,11 +5,14 @@ use crate::link::DeviceRecord;
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How long a fence of ours may take. A frame takes milliseconds; much longer means a hanging device, and the
 /// application must not hang with it.
 const FENCE_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Time between two looks at a fence that cannot be waited for.
+const BETWEEN_LOOKS: Duration = Duration::from_micros(200);
 
 /// One command buffer.
 #[derive(Clone, Copy, Default)]
@@ -82,7 +85,8 @@ impl CommandRing {
         let index = (number % SUBMITS_IN_FLIGHT as u64) as usize;
         let slot = self.slots[index];
         if slot.submit != 0 {
-            wait_fence(device, slot.fence)?;
+            // SAFETY: the fence belongs to the ring of this live device.
+            unsafe { wait_fence(device, slot.fence) }?;
         }
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the command buffer is not pending: its fence was waited for. Beginning resets it.
@@ -100,22 +104,42 @@ impl CommandRing {
         // Until the submit succeeds, nobody may wait for the fence: it would never be signalled.
         self.slots[index].submit = 0;
         // SAFETY: the fence is not in use: it was waited for, or never submitted.
-        unsafe { device.reset_fences(&[slot.fence]) }.map_err(GpuError::from_call("vkResetFences"))?;
+        if unsafe { device.reset_fences(&[slot.fence]) }.is_err() {
+            // SAFETY: as above.
+            unsafe { self.renew_fence(device, index) }?;
+        }
+        let fence = self.slots[index].fence;
         let commands = [slot.commands];
         let info = vk::SubmitInfo::default().command_buffers(&commands);
         // SAFETY: command buffer and fence are ready, and the queue is ours to use, as `Gpu::new` demands.
-        unsafe { device.queue_submit(queue, &[info], slot.fence) }
+        unsafe { device.queue_submit(queue, &[info], fence) }
             .map_err(GpuError::from_call("vkQueueSubmit"))?;
         self.slots[index].submit = number;
         self.last_submit = number;
         Ok(number)
     }
 
+    /// Replaces a fence that cannot be reset.
+    ///
+    /// # Safety
+    /// The fence is not in use.
+    unsafe fn renew_fence(&mut self, device: &ash::Device, index: usize) -> Result<(), GpuError> {
+        // SAFETY: the device is live; the caller vouches for the fence.
+        unsafe {
+            let new = device
+                .create_fence(&vk::FenceCreateInfo::default(), None)
+                .map_err(GpuError::from_call("vkCreateFence"))?;
+            device.destroy_fence(std::mem::replace(&mut self.slots[index].fence, new), None);
+        }
+        Ok(())
+    }
+
     /// Waits for a submit, and with it for all earlier ones: a fence is signalled in submission order.
     pub(super) fn wait(&self, device: &ash::Device, submit: u64) -> Result<(), GpuError> {
         // A submit that is in no slot was waited for when its slot was used again.
         match self.slots.iter().find(|slot| slot.submit == submit && submit != 0) {
-            Some(slot) => wait_fence(device, slot.fence),
+            // SAFETY: the fence belongs to the ring of this live device.
+            Some(slot) => unsafe { wait_fence(device, slot.fence) },
             None => Ok(()),
         }
     }
@@ -148,12 +172,38 @@ impl CommandRing {
     }
 }
 
-fn wait_fence(device: &ash::Device, fence: vk::Fence) -> Result<(), GpuError> {
-    // SAFETY: the fence belongs to the ring of this live device.
+/// Waits for a fence that was submitted.
+///
+/// # Safety
+/// The fence is a live one of the device.
+pub(crate) unsafe fn wait_fence(device: &ash::Device, fence: vk::Fence) -> Result<(), GpuError> {
+    // SAFETY: the caller vouches for the fence.
     match unsafe { device.wait_for_fences(&[fence], true, FENCE_TIMEOUT.as_nanos() as u64) } {
         Ok(()) => Ok(()),
         Err(vk::Result::TIMEOUT) => Err(GpuError::Timeout),
-        Err(result) => Err(GpuError::Call { call: "vkWaitForFences", result }),
+        Err(result @ vk::Result::ERROR_DEVICE_LOST) => {
+            Err(GpuError::Call { call: "vkWaitForFences", result })
+        }
+        // Short of memory for waiting, which looking does without.
+        // SAFETY: as above.
+        Err(_) => unsafe { watch_fence(device, fence) },
+    }
+}
+
+/// Looks at a fence again and again.
+///
+/// # Safety
+/// The fence is a live one of the device.
+unsafe fn watch_fence(device: &ash::Device, fence: vk::Fence) -> Result<(), GpuError> {
+    let start = Instant::now();
+    loop {
+        // SAFETY: the caller vouches for the fence.
+        match unsafe { device.get_fence_status(fence) } {
+            Ok(true) => return Ok(()),
+            Ok(false) if start.elapsed() < FENCE_TIMEOUT => std::thread::sleep(BETWEEN_LOOKS),
+            Ok(false) => return Err(GpuError::Timeout),
+            Err(result) => return Err(GpuError::Call { call: "vkGetFenceStatus", result }),
+        }
     }
 }
 
@@ -179,7 +229,7 @@ impl Uses {
 impl Drop for Uses {
     fn drop(&mut self) {
         if let Err(error) = self.gpu.wait(*self.last.get_mut()) {
-            tracing::warn!("images in use are not destroyed: {error}");
+            error.tell("images in use are not destroyed");
         }
     }
 }

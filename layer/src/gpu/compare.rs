@@ -13,9 +13,18 @@ pub(crate) struct Comparison {
     layout: Owned<vk::PipelineLayout>,
 }
 
+/// A pipeline of an entry point of a module of SPIR-V, as [`Comparison::make`] makes it.
+pub(crate) fn comparison(
+    gpu: &Gpu,
+    spirv: &'static [u8],
+    entry: &'static CStr,
+) -> Result<Arc<Comparison>, GpuError> {
+    gpu.shared()?.comparison(spirv, entry)
+}
+
 impl Comparison {
     /// Of an entry point of a module of SPIR-V: set 0 is a [`CompareSet`], sets 1 and 2 are of [`super::TextureSets`].
-    pub(crate) fn new(gpu: &Arc<Gpu>, spirv: &[u8], entry: &CStr) -> Result<Self, GpuError> {
+    pub(super) fn make(gpu: &Arc<Gpu>, spirv: &[u8], entry: &CStr) -> Result<Self, GpuError> {
         let module = shader_module(gpu, spirv)?;
         let (parameters, texture) = (CompareSet::layout(gpu)?, texture_layout(gpu)?);
         let sets = [parameters.handle(), texture.handle(), texture.handle()];

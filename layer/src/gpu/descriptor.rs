@@ -214,7 +214,7 @@ impl CompareSet {
 }
 
 /// A sampler that interpolates between the four nearest texels, as every device does for the formats that `compose` takes.
-fn interpolating(gpu: &Arc<Gpu>) -> Result<Owned<vk::Sampler>, GpuError> {
+pub(super) fn interpolating(gpu: &Arc<Gpu>) -> Result<Owned<vk::Sampler>, GpuError> {
     let edge = vk::SamplerAddressMode::CLAMP_TO_EDGE;
     let info = vk::SamplerCreateInfo::default()
         .mag_filter(vk::Filter::LINEAR)
@@ -234,14 +234,14 @@ fn interpolating(gpu: &Arc<Gpu>) -> Result<Owned<vk::Sampler>, GpuError> {
 /// Set 1, one for each of several textures.
 pub(crate) struct TextureSets {
     sets: Sets,
-    _sampler: Owned<vk::Sampler>,
+    _sampler: Arc<Owned<vk::Sampler>>,
 }
 
 impl TextureSets {
     /// For views that are in SHADER_READ_ONLY_OPTIMAL when they are read, and outlive the result.
     pub(crate) fn new(gpu: &Arc<Gpu>, views: &[Owned<vk::ImageView>]) -> Result<Self, GpuError> {
         let sets = allocate(gpu, &TEXTURE, texture_layout(gpu)?, views.len() as u32)?;
-        let sampler = interpolating(gpu)?;
+        let sampler = gpu.shared()?.interpolating()?;
         for (&set, view) in sets.handles.iter().zip(views) {
             let image = [vk::DescriptorImageInfo {
                 sampler: vk::Sampler::null(),

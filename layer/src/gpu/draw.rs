@@ -4,9 +4,14 @@ use super::{Gpu, GpuError, Owned, color_view};
 use ash::vk;
 use std::sync::Arc;
 
+/// A render pass over one attachment of this format, as [`make_color_pass`] makes it.
+pub(crate) fn color_pass(gpu: &Gpu, format: vk::Format) -> Result<Arc<Owned<vk::RenderPass>>, GpuError> {
+    gpu.shared()?.color_pass(format)
+}
+
 /// A render pass of Vulkan 1.0 over one attachment of this format, which is COLOR_ATTACHMENT_OPTIMAL before
 /// and after. Passes made alike are compatible.
-pub(crate) fn color_pass(gpu: &Arc<Gpu>, format: vk::Format) -> Result<Owned<vk::RenderPass>, GpuError> {
+pub(super) fn make_color_pass(gpu: &Arc<Gpu>, format: vk::Format) -> Result<Owned<vk::RenderPass>, GpuError> {
     let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
     let attachments = [vk::AttachmentDescription::default()
         .format(format)
@@ -41,13 +46,13 @@ pub(crate) struct ColorTarget {
 impl ColorTarget {
     /// Over layer `layer` of `image`, which has the format of `pass`.
     pub(crate) fn new(
+        gpu: &Arc<Gpu>,
         pass: &Arc<Owned<vk::RenderPass>>,
         image: vk::Image,
         format: vk::Format,
         extent: vk::Extent2D,
         layer: u32,
     ) -> Result<Self, GpuError> {
-        let gpu = pass.gpu();
         let view = color_view(gpu, image, format, layer)?;
         let attachments = [view.handle()];
         let info = vk::FramebufferCreateInfo::default()

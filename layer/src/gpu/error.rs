@@ -2,6 +2,7 @@
 
 use ash::vk;
 use std::ffi::CStr;
+use std::sync::{Mutex, PoisonError};
 
 /// Why our GPU work is not possible. The application is unaffected: the caller passes its frames through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -35,5 +36,74 @@ impl GpuError {
     /// For `map_err`: names the call that failed.
     pub(crate) fn from_call(call: &'static str) -> impl Fn(vk::Result) -> Self {
         move |result| Self::Call { call, result }
+    }
+
+    /// Logs what is given up because of this, each thing once: as a warning where it is the first consequence of a cause, as
+    /// information where others came before it.
+    pub(crate) fn tell(self, given_up: &str) {
+        match self.news(given_up) {
+            Some(News::Cause) => tracing::warn!("{given_up}: {self}"),
+            Some(News::Consequence) => tracing::info!("{given_up}: {self}"),
+            None => {}
+        }
+    }
+
+    fn news(self, given_up: &str) -> Option<News> {
+        static TOLD: Mutex<Vec<(GpuError, Vec<String>)>> = Mutex::new(Vec::new());
+        let cause = match self {
+            // Every call says so then.
+            Self::Call { result: vk::Result::ERROR_DEVICE_LOST, .. } => {
+                Self::Call { call: "", result: vk::Result::ERROR_DEVICE_LOST }
+            }
+            other => other,
+        };
+        let mut told = TOLD.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some((_, consequences)) = told.iter_mut().find(|(known, _)| *known == cause) else {
+            told.push((cause, vec![given_up.to_owned()]));
+            // Something else was told before the device was given up.
+            return Some(if cause == Self::Abandoned { News::Consequence } else { News::Cause });
+        };
+        if consequences.iter().any(|known| known == given_up) || consequences.len() >= MOST_CONSEQUENCES {
+            return None;
+        }
+        consequences.push(given_up.to_owned());
+        Some(News::Consequence)
+    }
+}
+
+/// So many are told of each cause.
+const MOST_CONSEQUENCES: usize = 32;
+
+/// What a log does not have yet.
+#[derive(Debug, PartialEq, Eq)]
+enum News {
+    Cause,
+    Consequence,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_is_told_once_and_so_is_each_of_its_consequences() {
+        let call = |call| GpuError::Call { call, result: vk::Result::ERROR_OUT_OF_HOST_MEMORY };
+        let one = call("a call of a test");
+        assert_eq!(one.news("a"), Some(News::Cause));
+        assert_eq!(one.news("b"), Some(News::Consequence));
+        assert_eq!([one.news("a"), one.news("b")], [None, None]);
+        assert_eq!(call("another call of a test").news("a"), Some(News::Cause));
+        assert_eq!(GpuError::Abandoned.news("a"), Some(News::Consequence));
+        for number in 0..2 * MOST_CONSEQUENCES {
+            one.news(&number.to_string());
+        }
+        assert_eq!(one.news("c"), None);
+    }
+
+    #[test]
+    fn a_lost_device_is_told_of_once_whoever_finds_it() {
+        let lost = |call| GpuError::Call { call, result: vk::Result::ERROR_DEVICE_LOST };
+        assert_eq!(lost("vkQueueSubmit").news("a"), Some(News::Cause));
+        assert_eq!(lost("vkWaitForFences").news("b"), Some(News::Consequence));
     }
 }

@@ -1,6 +1,6 @@
 //! Pipelines that draw tiles: an instance each, a strip of four vertices, no vertex input.
 
-use super::{Gpu, GpuError, Owned, color_pass, descriptor};
+use super::{Gpu, GpuError, Owned, descriptor};
 use ash::vk;
 use std::ffi::CStr;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ pub(crate) enum Output {
 }
 
 /// How tiles are drawn.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TileShader {
     /// Entry point for vertices.
     pub(crate) vertex: &'static CStr,
@@ -45,16 +45,25 @@ pub(crate) struct TileShader {
     pub(crate) output: Output,
 }
 
-/// Makes a pipeline that draws to attachments of `format` with entry points of a module of SPIR-V.
+/// A pipeline that draws to attachments of `format` with entry points of a module of SPIR-V.
 pub(crate) fn tile_pipeline(
-    gpu: &Arc<Gpu>,
+    gpu: &Gpu,
     format: vk::Format,
+    spirv: &'static [u8],
+    shader: &TileShader,
+) -> Result<Arc<TilePipeline>, GpuError> {
+    gpu.shared()?.tile_pipeline(format, spirv, shader)
+}
+
+/// Makes a pipeline for `pass`.
+pub(super) fn make_tile_pipeline(
+    gpu: &Arc<Gpu>,
+    pass: &Owned<vk::RenderPass>,
     spirv: &[u8],
     shader: &TileShader,
 ) -> Result<TilePipeline, GpuError> {
     let module = shader_module(gpu, spirv)?;
     let layout = pipeline_layout(gpu, shader.has_lists)?;
-    let pass = color_pass(gpu, format)?;
     let stage = |flag, name| {
         vk::PipelineShaderStageCreateInfo::default().stage(flag).module(module.handle()).name(name)
     };

@@ -9,7 +9,7 @@ use super::compose::{ComposeJob, EarlierImage};
 use crate::gpu::barrier::{APP_COMPARED_TO_RENDERED, APP_RENDERED_TO_COMPARED};
 use crate::gpu::{
     Compare, CompareSet, Comparison, Gpu, GpuError, Recorder, ResultRing, SUBMITS_IN_FLIGHT, UniformRing,
-    Uses, WordRing,
+    Uses, WordRing, comparison,
 };
 use parafovea_core::geometry::View;
 use parafovea_core::reuse::{ComparedTiles, MAX_AGES, Reuse};
@@ -43,7 +43,7 @@ pub struct ChangeRegion<'a> {
 
 /// The pass.
 pub(super) struct Change {
-    comparison: Comparison,
+    comparison: Arc<Comparison>,
     room: Option<Room>,
     /// What is under way, by slot.
     pending: [Pending; SUBMITS_IN_FLIGHT],
@@ -81,7 +81,7 @@ impl Change {
     /// A failed call.
     pub(super) fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
         Ok(Self {
-            comparison: Comparison::new(gpu, SPIRV, c"change")?,
+            comparison: comparison(gpu, SPIRV, c"change")?,
             room: None,
             pending: Default::default(),
             results: Vec::new(),

@@ -275,7 +275,7 @@ fn check(jobs: &[ComposeJob]) -> Result<(), GpuError> {
 }
 
 fn not_compared(error: GpuError) -> Changing {
-    tracing::warn!("what changes in the periphery is not looked for: {error}");
+    error.tell("what changes in the periphery is not looked for");
     Changing::Never
 }
 

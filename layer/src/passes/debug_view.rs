@@ -39,7 +39,7 @@ pub struct DebugViewJob<'a> {
 pub struct DebugViewPass {
     // First: waits before the rest is destroyed.
     uses: Uses,
-    pipelines: Vec<(vk::Format, DebugView, TilePipeline)>,
+    pipelines: Vec<(vk::Format, DebugView, Arc<TilePipeline>)>,
     maps: Option<Maps>,
     /// Whether copies to the maps are under way that no submit of ours comes behind.
     has_copies: bool,
@@ -144,7 +144,7 @@ impl DebugViewPass {
             }
             for (job, offset) in &draws {
                 let format = job.runtime.shape().format;
-                let is_its = |(existing, view, _): &&(vk::Format, DebugView, TilePipeline)| {
+                let is_its = |(existing, view, _): &&(vk::Format, DebugView, Arc<TilePipeline>)| {
                     *existing == format && Some(*view) == job.params.drawn()
                 };
                 let pipeline = pipelines.iter().find(is_its);

@@ -12,13 +12,16 @@ use super::submit::Prologues;
 use super::table::Table;
 use super::timing::Timing;
 use crate::gpu::functions::Functions;
-use crate::link::{BACKEND_ANY, BACKEND_NONE, DeviceRecord, OfferRecord, SettingsRecord, SwapchainRecord};
-use crate::scene::SwapchainKey;
+use crate::link::{
+    BACKEND_ANY, BACKEND_NONE, DeviceEnds, DeviceRecord, OfferRecord, SettingsRecord, SwapchainRecord,
+};
 use crate::scene::lay::DeviceRates;
+use crate::scene::{ImageKey, SwapchainKey};
 use ash::vk;
 use parafovea_core::rate::ShadingRate;
 use parafovea_manifest::options::PassRulesError;
-use std::sync::{Arc, OnceLock};
+use smallvec::SmallVec;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A device of an enabled process whose loader lets layers make objects of their own.
 pub struct Armed {
@@ -47,6 +50,8 @@ pub struct Armed {
     /// What its passes take.
     pub timing: Timing,
     functions: OnceLock<Option<Functions>>,
+    /// Whom the end of the device is told.
+    told_of_end: Mutex<SmallVec<[DeviceEnds; 1]>>,
 }
 
 impl Armed {
@@ -79,6 +84,7 @@ impl Armed {
             perception: Perception::default(),
             timing: Timing::default(),
             functions: OnceLock::new(),
+            told_of_end: Mutex::default(),
         }
     }
 
@@ -92,7 +98,7 @@ impl Armed {
         let load = || {
             // SAFETY: the record is of this device, which is live as long as calls for it come in.
             unsafe { Functions::load(&self.record) }
-                .inspect_err(|error| tracing::warn!("no shading rates on this device: {error}"))
+                .inspect_err(|error| error.tell("no shading rates on this device"))
                 .ok()
         };
         self.functions.get_or_init(load).as_ref()
@@ -102,13 +108,23 @@ impl Armed {
     pub fn tell_swapchain(&self, record: &SwapchainRecord, images: &[vk::Image]) {
         let swapchain = SwapchainKey(record.swapchain);
         for former in self.frame.set_swapchain(swapchain, images) {
-            self.objects.leave_swapchain(former);
+            if let Some(gone) = self.objects.leave_swapchain(former) {
+                self.forget_drawn(gone.description.key);
+            }
         }
         if images.is_empty() {
             self.perception.forget_swapchain(self, record.swapchain);
         }
         for &image in images {
             self.objects.join_swapchain(image, swapchain, || Image::of_swapchain(image, record));
+        }
+    }
+
+    /// Forgets what was drawn to an image that is about to be destroyed: the GPU is done with it.
+    pub fn forget_drawn(&self, image: ImageKey) {
+        self.candidates.forget(image);
+        if let Some(masks) = &self.masks {
+            masks.forget_image(image);
         }
     }
 
@@ -124,8 +140,18 @@ impl Armed {
         }
     }
 
+    /// Has `call` called when the application destroys the device.
+    pub fn when_it_ends(&self, call: DeviceEnds) {
+        self.told_of_end.lock().unwrap_or_else(PoisonError::into_inner).push(call);
+    }
+
     /// Waits for work of ours, and destroys what is ours, before the device is destroyed.
     pub fn destroy_own(&self) {
+        let told = std::mem::take(&mut *self.told_of_end.lock().unwrap_or_else(PoisonError::into_inner));
+        for ends in told {
+            // SAFETY: a function of the other half, which is never unloaded; the device is live.
+            unsafe { ends(self.record.device) };
+        }
         for prologues in self.prologues.remove_where(|_, _| true) {
             prologues.destroy(self);
         }

@@ -5,8 +5,8 @@ use super::timing::FrameTime;
 use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
-    DeviceRecord, FrameTimeRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord, PictureRecord, PlanRecord,
-    RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
+    DeviceEnds, DeviceRecord, FrameTimeRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord, PictureRecord,
+    PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 
@@ -27,6 +27,7 @@ static TABLE: LinkTable = LinkTable {
     frames_ended,
     frame_time,
     copy_rates,
+    when_it_ends,
 };
 
 /// The function behind [`crate::link::GET_LINK_NAME`].
@@ -256,6 +257,21 @@ unsafe extern "C" fn copy_rates(device: vk::Device, record: *const RatesCopyReco
                 (Some(armed), Some(record)) => armed.perception.copy_rates(armed, record).into(),
                 _ => 0,
             }
+        },
+    )
+}
+
+unsafe extern "C" fn when_it_ends(device: vk::Device, call: DeviceEnds) -> u32 {
+    // SAFETY: the other half passes a live device (link.rs).
+    guard(
+        "parafovea_vkGetLink.when_it_ends",
+        || 0,
+        |_| unsafe {
+            let known = device::of(device);
+            known.as_ref().and_then(|known| known.armed.as_ref()).map_or(0, |armed| {
+                armed.when_it_ends(call);
+                1
+            })
         },
     )
 }

@@ -77,7 +77,7 @@ impl Masks {
                 false => Err(GpuError::Unsupported("a queue that can draw and not compute")),
             }
         };
-        let make_or_log = || make().inspect_err(|reason| tracing::warn!("no masks: {reason}")).ok();
+        let make_or_log = || make().inspect_err(|reason| reason.tell("no masks")).ok();
         self.gpu.get_or_init(make_or_log).as_ref()
     }
 

@@ -123,16 +123,14 @@ impl Objects {
         }
     }
 
-    /// Notes that an image is none of a swapchain's any more.
-    pub fn leave_swapchain(&self, image: vk::Image) {
+    /// Notes that an image is none of a swapchain's any more. One that nobody made through this layer is forgotten, and returned.
+    pub fn leave_swapchain(&self, image: vk::Image) -> Option<Image> {
         let mut is_foreign = false;
         self.images.change(image, |known| {
             known.description.swapchain = None;
             is_foreign = known.is_foreign;
         });
-        if is_foreign {
-            self.remove_image(image);
-        }
+        if is_foreign { self.remove_image(image) } else { None }
     }
 
     /// The first colour target of a pass, with what is known of its image, if that is live.

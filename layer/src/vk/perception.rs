@@ -165,7 +165,7 @@ impl Perception {
             words.extend_from_slice(armed.frame.plan().stale()[tiles.eye].words());
             let stale: &[u32] = if words.iter().all(|word| *word == 0) { &[] } else { words };
             if let Err(error) = tools.decide.record(&commands, &tiles.decide, params, stale) {
-                tracing::warn!("rates stay as they are: {error}");
+                error.tell("rates stay as they are");
             }
             kept.push(Arc::clone(tiles) as Arc<dyn Any + Send + Sync>);
         }
@@ -302,7 +302,7 @@ impl Perception {
                 Some(new)
             }
             Err(error) => {
-                tracing::warn!("rates are rings, whatever the pictures show: {error}");
+                error.tell("rates are rings, whatever the pictures show");
                 None
             }
         }
@@ -321,7 +321,7 @@ impl Perception {
         match pictures::target(tools, record, texel, tiles) {
             Ok(new) => Some(self.state().pictures.keep(record, tiles, new)),
             Err(error) => {
-                tracing::warn!("a picture is not analysed: {error}");
+                error.tell("a picture is not analysed");
                 None
             }
         }

@@ -1,5 +1,6 @@
 //! The Vulkan half above a stand-in for what is below it, called as a loader calls it.
 
+mod ends;
 mod fake;
 mod rates;
 

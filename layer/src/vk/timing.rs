@@ -196,7 +196,7 @@ impl Timer {
             match unsafe { Queries::new(&functions.device, self.mask) } {
                 Ok(queries) => self.queries = Some(Arc::new(queries)),
                 Err(error) => {
-                    tracing::warn!("passes are not timed: {error}");
+                    error.tell("passes are not timed");
                     self.mask = 0;
                 }
             }

@@ -94,17 +94,19 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
             active.worsen_to(Health::CopyOnly);
             let deliver = || {
                 // SAFETY: valid usage: `info` and what it points to are valid.
-                if let Some(info) = unsafe { info.as_ref() } {
-                    // SAFETY: as above.
-                    unsafe { deliver(known, active, info) };
-                }
+                let info = unsafe { info.as_ref() };
+                // SAFETY: as above.
+                info.map_or(Ok(()), |info| unsafe { deliver(known, active, info) })
             };
-            guard("the pictures of a frame", || (), |_| deliver());
+            if guard("the pictures of a frame", || Ok(()), |_| deliver()) == Err(Undeliverable) {
+                return UNDELIVERABLE;
+            }
         }
         below()
     };
     guard("xrEndFrame", pass_on, |answer| {
         let _section = known.as_ref().and_then(|known| known.runtime_section());
+        let mut delivered = Ok(());
         if let Some((known, active)) = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)))
         {
             // SAFETY: valid usage: `info` and what it points to are valid.
@@ -115,7 +117,7 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
                     shown::tell(active, info);
                     plan::frame_ended(active, &known.instance.config.get(), info.display_time);
                     show_views(known, active, info);
-                    deliver(known, active, info);
+                    delivered = deliver(known, active, info);
                 }
                 plan::tell_unseen(known, active, &known.instance.config.get(), info.display_time);
                 if let Some(telling) = known.telling.as_ref().filter(|telling| telling.is_asked()) {
@@ -123,9 +125,16 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
                 }
             }
         }
-        answer.record(below())
+        answer.record(if delivered == Err(Undeliverable) { UNDELIVERABLE } else { below() })
     })
 }
+
+/// What the application drew to a virtual swapchain cannot be shown, because the device takes no work of ours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Undeliverable;
+
+/// What xrEndFrame returns then, as a runtime does that fails for a reason of its own; the frame is not ended.
+const UNDELIVERABLE: xr::Result = xr::Result::ERROR_RUNTIME_FAILURE;
 
 /// Takes the views of the first projection layer, which is the scene, for the plan.
 ///
@@ -151,18 +160,30 @@ type Works<'a> = SmallVec<[Work<'a>; 8]>;
 /// Writes the runtime's images from the application's, where the application released something new, or the
 /// picture depends on the gaze and that changed.
 ///
+/// # Errors
+///
+/// A layer shows a virtual swapchain, whose images cannot be written any more.
+///
 /// # Safety
 ///
 /// `info` and what it points to are valid, as `xrEndFrame` demands.
-unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
+unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) -> Result<(), Undeliverable> {
     let swapchains = swapchain::virtual_ones(session.handle);
     // SAFETY: the caller vouches for `info`.
     unsafe { debug_view::note_shown(session, active, info) };
     let is_drawn_over = debug_view::is_wanted(session, active);
-    if swapchains.is_empty() || active.health() == Health::Stopped {
-        return;
+    if swapchains.is_empty() {
+        return Ok(());
     }
-    let Some(tools) = active.tools() else { return };
+    let shows_any = || {
+        let is_virtual = |handle| swapchains.iter().any(|swapchain| swapchain.handle == handle);
+        // SAFETY: as above.
+        unsafe { layers::of(info) }.any(|shown| shown.swapchains().any(is_virtual))
+    };
+    let cannot = || if shows_any() { Err(Undeliverable) } else { Ok(()) };
+    let (Some(tools), Health::Works | Health::CopyOnly) = (active.tools(), active.health()) else {
+        return cannot();
+    };
     let _give_up = GiveUpOnPanic(active);
     let next = &session.instance.next;
 
@@ -176,7 +197,7 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
     works.retain(|work| work.is_due(is_drawn_over));
     works.retain(|work| work.take_image(next));
     if works.is_empty() {
-        return;
+        return Ok(());
     }
     match submit(active, tools, &mut works) {
         // SAFETY: as above; the works' images are as they were just written. What is drawn for people comes last: nothing of ours
@@ -191,16 +212,18 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
         // it gets its image as it is.
         Err(GpuError::Timeout) => works.retain(|work| !work.has_picture()),
         Err(error) => {
-            tracing::error!(
-                "no new pictures are shown any more: {error}; start the application anew, with preset = \"none\" if it comes again"
+            error.tell(
+                "frames fail from now on, as no new pictures can be shown; start the application anew, with preset = \"none\" if it comes again",
             );
             active.worsen_to(Health::Stopped);
-            works.retain(|work| !work.has_picture());
+            tools.gpu.give_up();
+            return cannot();
         }
     }
     for work in &mut works {
         work.return_image(next, is_drawn_over);
     }
+    Ok(())
 }
 
 /// Decides which rectangles of which swapchains are processed, and how.
@@ -267,7 +290,7 @@ fn submit(active: &Active, tools: &Tools, works: &mut Works) -> Result<(), GpuEr
         if error == GpuError::Timeout {
             return Err(error);
         }
-        tracing::error!("re-use, colour and debug views are off for this session: {error}");
+        error.tell("re-use, colour and debug views are off for this session");
         active.worsen_to(Health::CopyOnly);
         for work in works.iter_mut() {
             work.target.regions.clear();

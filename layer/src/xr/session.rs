@@ -1,6 +1,7 @@
 //! Sessions: creation, tracking, destruction.
 
 mod active;
+mod shared;
 
 pub use active::{Active, Health, Tools};
 

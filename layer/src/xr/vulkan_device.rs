@@ -3,9 +3,9 @@
 
 use super::structures::VulkanBinding;
 use crate::link::{
-    DeviceRecord, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr,
-    OfferRecord, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord,
-    SwapchainRecord,
+    DeviceEnds, DeviceRecord, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable,
+    LoaderGetDeviceProcAddr, OfferRecord, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord,
+    ShownRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -89,6 +89,12 @@ impl VulkanDevice {
     pub fn set_active(&self, active: bool) {
         // SAFETY: the session that holds this says that the device is live: it outlives its session.
         unsafe { (self.table.set_active)(self.record.device, u32::from(active)) }
+    }
+
+    /// Has `call` called when the application destroys the device; false where nobody will.
+    pub fn when_it_ends(&self, call: DeviceEnds) -> bool {
+        // SAFETY: the device is live, as above.
+        unsafe { (self.table.when_it_ends)(self.record.device, call) == 1 }
     }
 
     /// What the device's backend can do; `None` where the Vulkan half does not say.

@@ -9,6 +9,7 @@ mod change;
 mod failures;
 mod pictures;
 mod reuse;
+mod sharing;
 mod swapchain;
 #[allow(dead_code, reason = "shared with the tests of mask")]
 mod transfer;

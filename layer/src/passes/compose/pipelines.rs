@@ -10,7 +10,7 @@ const SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/compose.spv"));
 /// Pipelines that draw to images of one format.
 pub(super) struct Pipelines {
     /// Attenuates the colour of all tiles.
-    pub(super) chroma: TilePipeline,
+    pub(super) chroma: Arc<TilePipeline>,
     /// What completes pictures, once that is prepared.
     pub(super) reuse: Option<ReusePipelines>,
 }
@@ -18,15 +18,15 @@ pub(super) struct Pipelines {
 /// Pipelines that draw listed tiles. Of two the second attenuates colour too.
 pub(super) struct ReusePipelines {
     /// Attenuates the colour of tiles that are shown as they are.
-    pub(super) fresh: TilePipeline,
+    pub(super) fresh: Arc<TilePipeline>,
     /// Attenuates the colour of tiles taken from an earlier picture as a whole, where nothing has moved.
-    pub(super) still: TilePipeline,
+    pub(super) still: Arc<TilePipeline>,
     /// Tiles taken from an earlier picture as a whole.
-    pub(super) whole: [TilePipeline; 2],
+    pub(super) whole: [Arc<TilePipeline>; 2],
     /// Tiles of which pixels are taken from an earlier picture.
-    pub(super) mixed: [TilePipeline; 2],
+    pub(super) mixed: [Arc<TilePipeline>; 2],
     /// Edges of fresh tiles, blended with an earlier picture beside stale ones; nothing where the format cannot be blended.
-    pub(super) border: Option<[TilePipeline; 2]>,
+    pub(super) border: Option<[Arc<TilePipeline>; 2]>,
 }
 
 impl Pipelines {

@@ -26,11 +26,11 @@ impl RuntimeImages {
     /// # Errors
     /// A failed call.
     pub fn new(gpu: &Arc<Gpu>, shape: &SwapchainShape, images: Vec<vk::Image>) -> Result<Self, GpuError> {
-        let pass = Arc::new(color_pass(gpu, shape.format)?);
+        let pass = color_pass(gpu, shape.format)?;
         let targets = images
             .iter()
             .flat_map(|&image| (0..shape.array_layers).map(move |layer| (image, layer)))
-            .map(|(image, layer)| ColorTarget::new(&pass, image, shape.format, shape.extent, layer))
+            .map(|(image, layer)| ColorTarget::new(gpu, &pass, image, shape.format, shape.extent, layer))
             .collect::<Result<Vec<_>, GpuError>>()?;
         Ok(Self { uses: Uses::new(gpu), targets, handles: images, shape: shape.clone() })
     }

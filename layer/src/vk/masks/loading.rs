@@ -2,6 +2,7 @@
 //! Pass Compatibility"), so that its framebuffers and pipelines go with both.
 
 use super::Masks;
+use crate::gpu::GpuError;
 use crate::vk::objects::RenderPass;
 use ash::vk;
 use smallvec::SmallVec;
@@ -66,7 +67,7 @@ impl Masks {
     fn keep(&self, pass: vk::RenderPass, result: vk::Result, loading: vk::RenderPass) {
         match result {
             vk::Result::SUCCESS => self.loading.insert(pass, loading),
-            failed => tracing::warn!("a render pass that loads depth could not be created: {failed:?}"),
+            result => GpuError::Call { call: "vkCreateRenderPass", result }.tell("a pass has no mask"),
         }
     }
 

@@ -88,7 +88,7 @@ impl TargetMask {
             let fill = self.masks.fill(gpu);
             let map =
                 fill.and_then(|fill| MaskMap::new(gpu, &fill, eligible, self.extent, self.target.layers));
-            map.inspect_err(|error| tracing::warn!("no mask: {error}")).ok().map(Arc::new)
+            map.inspect_err(|error| error.tell("no mask")).ok().map(Arc::new)
         };
         let map = self.map.get_or_init(make).as_ref().ok_or(Reason::Failed)?;
         if map.eligible() == eligible { Ok(Arc::clone(map)) } else { Err(Reason::Changes) }

@@ -127,10 +127,7 @@ pub unsafe extern "system" fn destroy(
                 if let Some(armed) = &known.armed
                     && let Some(image) = armed.objects.remove_image(image)
                 {
-                    armed.candidates.forget(image.description.key);
-                    if let Some(masks) = &armed.masks {
-                        masks.forget_image(image.description.key);
-                    }
+                    armed.forget_drawn(image.description.key);
                 }
                 next(device, image, allocator);
                 answer.made();

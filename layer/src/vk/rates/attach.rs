@@ -9,6 +9,7 @@ use super::offer::Offer;
 use super::pipeline::PipelineRate;
 use super::render_pass::{self, AddedRates, LeftAlone};
 use super::rendering;
+use crate::gpu::GpuError;
 use crate::link::{BACKEND_RATE_ATTACHMENT, DeviceRecord, OfferRecord};
 use crate::scene::{ImageDescription, Pass, Target};
 use crate::vk::armed::Armed;
@@ -46,8 +47,8 @@ pub struct Rates {
 enum Attached {
     /// The image in it.
     Image(Arc<RateImage>),
-    /// What the image must be like that it gets when a render pass begins.
-    Promised { texels: [u32; 2], layers: u32 },
+    /// It gets an image like this one when a render pass begins, if there is one for what is drawn to, or else this one.
+    Promised(Arc<RateImage>),
 }
 
 /// The first colour target of a pass, with what is known of its image; nothing where that is not known.
@@ -94,6 +95,9 @@ impl Rates {
         unsafe {
             let mut room = room::<256>();
             let mut copies = Copies::new(&mut room);
+            if self.images.stand_in().is_none() {
+                return next(device, info, allocator, pass);
+            }
             let converted = render_pass::convert(&*info, &mut copies);
             let amended = converted.and_then(|info| render_pass::with_rates(&info, &self.offer, &mut copies));
             if let (Ok((amended, added)), Some(next2)) = (&amended, next2) {
@@ -121,6 +125,9 @@ impl Rates {
         unsafe {
             let mut room = room::<256>();
             let mut copies = Copies::new(&mut room);
+            if self.images.stand_in().is_none() {
+                return next(device, info, allocator, pass);
+            }
             let amended = render_pass::with_rates(&*info, &self.offer, &mut copies);
             if let Ok((amended, added)) = &amended {
                 let result = next(device, amended, allocator, pass);
@@ -138,7 +145,7 @@ impl Rates {
     /// `pass` is written where the result is success.
     unsafe fn is_added(&self, result: vk::Result, pass: *mut vk::RenderPass, added: AddedRates) -> bool {
         if result != vk::Result::SUCCESS {
-            tracing::warn!("a render pass could not be created with rates: {result:?}");
+            GpuError::Call { call: "vkCreateRenderPass2", result }.tell("a render pass gets no rates");
             return false;
         }
         // SAFETY: the caller vouches for it.
@@ -180,9 +187,13 @@ impl Rates {
             let (amended, attached) = if framebuffer::is_imageless(&*info) {
                 let [width, height, layers] = framebuffer::promised_size(&*info, colour);
                 let (texels, layers) = (self.offer.texels([width, height]), self.offer.layers(layers));
+                let Some(image) = self.images.fitting(RateImageKey::shared(texels, layers)) else {
+                    return vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+                };
+                let RateImageKey { texels, layers, .. } = image.key;
                 let promise = Promise { texels, layers, usage: USAGE };
                 let amended = framebuffer::with_promise(&*info, &promise, &mut copies);
-                (amended, Attached::Promised { texels, layers })
+                (amended, Attached::Promised(image))
             } else {
                 let layers = if added.views == 0 { (*info).layers } else { added.views };
                 let unknown = || {
@@ -191,7 +202,7 @@ impl Rates {
                 };
                 let key = self.key(target).unwrap_or_else(unknown);
                 // Without a view the framebuffer would not fit its render pass.
-                let Some(image) = self.images.of(key) else {
+                let Some(image) = self.images.fitting(key) else {
                     return vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
                 };
                 (framebuffer::with_view(&*info, image.view, &mut copies), Attached::Image(image))
@@ -243,14 +254,14 @@ impl Rates {
                     begin(info);
                     Some(image)
                 }
-                Some(Attached::Promised { texels, layers }) => {
+                Some(Attached::Promised(promised)) => {
+                    let (texels, layers) = (promised.key.texels, promised.key.layers);
                     let key = self.key(target).filter(|key| (key.texels, key.layers) == (texels, layers));
-                    let image = self.images.of(key.unwrap_or(RateImageKey::shared(texels, layers)));
-                    let view = image.as_ref().map_or(vk::ImageView::null(), |image| image.view);
+                    let image = key.and_then(|key| self.images.of(key)).unwrap_or(promised);
                     let mut room = room::<64>();
                     let mut copies = Copies::new(&mut room);
-                    begin(&framebuffer::begin_with_view(&*info, view, &mut copies));
-                    image
+                    begin(&framebuffer::begin_with_view(&*info, image.view, &mut copies));
+                    Some(image)
                 }
             }
         }

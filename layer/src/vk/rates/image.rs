@@ -16,8 +16,8 @@ use crate::scene::{ImageDescription, ImageKey, Target};
 use crate::vk::backend::{Laying, MapSize, RateMap, Upload};
 use ash::vk;
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 
 /// The usage of rate images.
 pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
@@ -187,7 +187,17 @@ impl RateMap for Arc<RateImage> {
 pub struct RateImages {
     maker: Arc<Maker>,
     live: Mutex<HashMap<RateImageKey, Weak<RateImage>>>,
+    /// What takes the place of images that cannot be made.
+    stand_in: OnceLock<Option<Arc<RateImage>>>,
+    /// How many could not be made.
+    failures: AtomicU32,
 }
+
+/// After so many failures no image is tried to be made any more.
+const MOST_FAILURES: u32 = 4;
+
+/// Framebuffers that the stand-in goes with have at most this width and height, pixels: more than the pictures of any headset.
+const STAND_IN_SIDE: u32 = 8192;
 
 /// What makes rate images.
 struct Maker {
@@ -231,13 +241,37 @@ impl RateImages {
             memory: Mutex::default(),
             is_over: AtomicBool::new(false),
         };
-        Ok(Self { maker: Arc::new(maker), live: Mutex::default() })
+        Ok(Self {
+            maker: Arc::new(maker),
+            live: Mutex::default(),
+            stand_in: OnceLock::new(),
+            failures: AtomicU32::new(0),
+        })
+    }
+
+    /// The image that goes with all framebuffers of up to [`STAND_IN_SIDE`], made the first time; nothing where that fails. A render
+    /// pass may get a rate attachment only where there is one: its framebuffers cannot do without.
+    pub fn stand_in(&self) -> Option<&Arc<RateImage>> {
+        let texels = self.maker.texel.map(|side| STAND_IN_SIDE.div_ceil(side));
+        self.stand_in.get_or_init(|| self.of(RateImageKey::shared(texels, 1))).as_ref()
+    }
+
+    /// The image of that key, or else the stand-in, where that is large enough.
+    pub fn fitting(&self, key: RateImageKey) -> Option<Arc<RateImage>> {
+        self.of(key).or_else(|| {
+            let fits =
+                |image: &&Arc<RateImage>| (0..2).all(|axis| key.texels[axis] <= image.key.texels[axis]);
+            self.stand_in().filter(fits).cloned()
+        })
     }
 
     /// The image of that key, which is made where there is none yet; nothing where that fails.
     pub fn of(&self, key: RateImageKey) -> Option<Arc<RateImage>> {
         if let Some(known) = self.live().get(&key).and_then(Weak::upgrade) {
             return Some(known);
+        }
+        if self.failures.load(Ordering::Relaxed) >= MOST_FAILURES {
+            return None;
         }
         match self.maker.create(key) {
             Ok(new) => {
@@ -253,7 +287,8 @@ impl RateImages {
                 Some(kept.unwrap_or(new))
             }
             Err(reason) => {
-                tracing::warn!("no rate image of {:?} texels: {reason}", key.texels);
+                self.failures.fetch_add(1, Ordering::Relaxed);
+                reason.tell("a picture has no shading rates");
                 None
             }
         }

@@ -96,13 +96,11 @@ impl Prologues {
                     free = Some(slots.len());
                     slots.push(slot);
                 }
-                Err(error) => tracing::warn!("maps of shading rates stay as they are: {error}"),
+                Err(error) => error.tell("maps of shading rates stay as they are"),
             }
         }
         let done = free.and_then(|index| slots.get_mut(index)).is_some_and(|slot| {
-            act(slot)
-                .inspect_err(|error| tracing::warn!("maps of shading rates stay as they are: {error}"))
-                .is_ok()
+            act(slot).inspect_err(|error| error.tell("maps of shading rates stay as they are")).is_ok()
         });
         self.lock().append(&mut slots);
         done

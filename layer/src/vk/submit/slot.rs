@@ -1,16 +1,12 @@
 //! One prologue: a command buffer, its fence, and the staging memory that it reads.
 
 use super::Outdated;
-use crate::gpu::GpuError;
 use crate::gpu::functions::{Functions, init_dispatch};
 use crate::gpu::memory::memory_type;
+use crate::gpu::{GpuError, wait_fence};
 use crate::vk::armed::Armed;
 use crate::vk::perception::Kept;
 use ash::vk;
-use std::time::Duration;
-
-/// How long a fence of ours may take when the device is destroyed.
-const FENCE_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Staging memory is asked for in steps of this many bytes.
 const STEP: usize = 64 * 1024;
@@ -118,9 +114,8 @@ impl Slot {
 
     /// Waits until the GPU is done with it, if it may still work on it.
     pub fn wait(&mut self, device: &ash::Device) {
-        let timeout = FENCE_TIMEOUT.as_nanos() as u64;
         // SAFETY: the fence is one of this live device.
-        if self.is_pending && unsafe { device.wait_for_fences(&[self.fence], true, timeout) }.is_ok() {
+        if self.is_pending && unsafe { wait_fence(device, self.fence) }.is_ok() {
             self.done();
         }
     }
@@ -207,9 +202,7 @@ impl Slot {
     pub fn destroy(mut self, device: &ash::Device) {
         // SAFETY: fence and pool are of this live device; after the wait nothing is in use.
         unsafe {
-            if self.is_pending
-                && device.wait_for_fences(&[self.fence], true, FENCE_TIMEOUT.as_nanos() as u64).is_err()
-            {
+            if self.is_pending && wait_fence(device, self.fence).is_err() {
                 self.uses.drain(..).for_each(std::mem::forget);
                 self.kept.drain(..).for_each(std::mem::forget);
                 return;

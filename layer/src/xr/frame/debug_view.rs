@@ -169,7 +169,7 @@ unsafe fn draw_over(
         Ok(false) | Err(GpuError::Timeout) => {}
         Err(error) => {
             *has_failed = true;
-            tracing::error!("debug.view is off for this session: {error}");
+            error.tell("debug.view is off for this session");
         }
     }
 }

@@ -13,6 +13,22 @@ pub enum Shown<'a> {
     Cube(xr::Swapchain),
 }
 
+impl Shown<'_> {
+    /// The swapchains that it names.
+    pub fn swapchains(&self) -> impl Iterator<Item = xr::Swapchain> {
+        let views = match self {
+            Shown::Projection(layer) => layer.views,
+            Shown::Flat(_) | Shown::Cube(_) => &[],
+        };
+        let other = match self {
+            Shown::Projection(_) => None,
+            Shown::Flat(image) => Some(image.swapchain),
+            Shown::Cube(swapchain) => Some(*swapchain),
+        };
+        views.iter().map(|view| view.sub_image.swapchain).chain(other)
+    }
+}
+
 /// A projection layer.
 pub struct Projection<'a> {
     /// The space of the views' poses.

@@ -1,5 +1,6 @@
 //! What an active session has: our work on its device.
 
+use super::shared;
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::compose::Compose;
 use crate::xr::frame::{DebugViews, History};
@@ -35,7 +36,7 @@ pub enum Health {
     Works = 0,
     /// The application's pictures are delivered as they are.
     CopyOnly = 1,
-    /// Not even that: the runtime keeps showing its last pictures.
+    /// Not even that: frames that show virtual swapchains fail, and no more of those are made.
     Stopped = 2,
 }
 
@@ -59,16 +60,18 @@ impl Active {
     /// Our objects on the device; `None`, with one line in the log, where they cannot be made.
     pub fn tools(&self) -> Option<&Tools> {
         let make = || {
-            let (family, index) = self.device.queue;
             // SAFETY: `new`'s caller vouched for the device. The queue is used in xrAcquireSwapchainImage
             // and xrEndFrame only, where the specification demands that the application keeps off it.
-            let gpu = unsafe { Gpu::new(&self.device.record, family, index) }?;
+            let gpu =
+                unsafe { Gpu::sharing(&self.device.record, self.device.queue, shared::on(&self.device)?) }?;
             Ok(Tools { compose: Mutex::new(Compose::new(Arc::clone(&gpu))?), gpu })
         };
         let make_or_log = || {
             make()
                 .inspect_err(|error: &GpuError| {
-                    tracing::error!("re-use, colour and debug views are off, nothing of ours can be made on this device: {error}");
+                    error.tell(
+                        "re-use, colour and debug views are off, nothing of ours can be made on this device",
+                    );
                 })
                 .ok()
         };

@@ -113,7 +113,7 @@ unsafe fn plan(
         false => compose.prepare(shape.format),
     };
     prepared.map_err(|error| {
-        tracing::error!("swapchains of format {:?} stay as they are: {error}", shape.format);
+        error.tell(&format!("swapchains of format {:?} stay as they are", shape.format));
         NotSubstituted::Format(shape.format)
     })?;
     Ok(shape)
@@ -129,9 +129,7 @@ fn track(
     planned: Result<SwapchainShape, NotSubstituted>,
 ) {
     let substitute = match planned {
-        Ok(shape) => substitute(session, active, handle, &shape, vulkan_usage(usage_flags))
-            .inspect_err(|reason| tracing::error!("swapchain stays as it is: {reason}"))
-            .ok(),
+        Ok(shape) => substitute(session, active, handle, &shape, vulkan_usage(usage_flags)),
         Err(NotSubstituted::NoWork) => None,
         Err(reason) => {
             tracing::info!("swapchain stays as it is: {reason}");
@@ -150,20 +148,25 @@ fn track(
     SWAPCHAINS.insert(handle, swapchain);
 }
 
+/// Both sides of a virtual swapchain; `None`, with one line in the log, where it has to stay as it is.
 fn substitute(
     session: &Session,
     active: &Active,
     handle: xr::Swapchain,
     shape: &SwapchainShape,
     granted: vk::ImageUsageFlags,
-) -> Result<Substitute, String> {
-    let tools = active.tools().ok_or("no work on this device")?;
+) -> Option<Substitute> {
+    let tools = active.tools()?;
     let images = runtime_images(session, handle)
-        .map_err(|result| format!("xrEnumerateSwapchainImages returned {result:?}"))?;
+        .inspect_err(|result| {
+            tracing::warn!("a swapchain stays as it is: xrEnumerateSwapchainImages returned {result:?}");
+        })
+        .ok()?;
     let config = session.instance.config.get();
     let least = if session.may_reuse(&config) { images_for_reuse(&config) } else { 0 };
-    let substitute =
-        Substitute::new(&tools.gpu, shape, (images, granted), least).map_err(|error| error.to_string())?;
+    let substitute = Substitute::new(&tools.gpu, shape, (images, granted), least)
+        .inspect_err(|error| error.tell("a swapchain stays as it is"))
+        .ok()?;
     let vk::Extent2D { width, height } = shape.extent;
     tracing::info!(
         "swapchain of {width}x{height}x{} {:?} is virtual, {} images",
@@ -171,7 +174,7 @@ fn substitute(
         shape.format,
         substitute.app.images().len(),
     );
-    Ok(substitute)
+    Some(substitute)
 }
 
 /// The images of the runtime's swapchain.

@@ -63,8 +63,9 @@ impl Substitute {
     /// queue is ours to use.
     pub fn make_ready(&self) {
         self.ready.call_once(|| {
-            if let Err(error) = self.app.make_ready() {
-                tracing::error!("a virtual swapchain's images have an undefined layout: {error}");
+            // Memory may be short for once.
+            if let Err(error) = self.app.make_ready().or_else(|_| self.app.make_ready()) {
+                error.tell("a virtual swapchain's images have an undefined layout");
             }
         });
     }

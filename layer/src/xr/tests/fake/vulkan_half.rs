@@ -1,7 +1,7 @@
 //! A stand-in for the Vulkan half: it notes what it is told.
 
 use crate::link::{
-    BACKEND_RATE_ATTACHMENT, DeviceRecord, FrameTimeRecord, LINK_VERSION, LinkTable, OfferRecord,
+    BACKEND_RATE_ATTACHMENT, DeviceEnds, DeviceRecord, FrameTimeRecord, LINK_VERSION, LinkTable, OfferRecord,
     PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
     SwapchainRecord,
 };
@@ -63,6 +63,7 @@ pub fn table() -> LinkTable {
         frames_ended,
         frame_time,
         copy_rates,
+        when_it_ends,
     }
 }
 
@@ -102,6 +103,10 @@ unsafe extern "C" fn set_active(_: vk::Device, active: u32) {
 unsafe extern "C" fn runtime_section(_: u32) {}
 
 unsafe extern "C" fn copy_rates(_: vk::Device, _: *const RatesCopyRecord) -> u32 {
+    0
+}
+
+unsafe extern "C" fn when_it_ends(_: vk::Device, _: DeviceEnds) -> u32 {
     0
 }
 

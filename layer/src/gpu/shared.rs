@@ -1,0 +1,157 @@
+//! What sessions on one device share: objects that depend on no image and no queue.
+//!
+//! Some drivers keep memory for each pipeline that was ever made, so those of a session that has ended serve the next one.
+
+use super::compare::Comparison;
+use super::descriptor::interpolating;
+use super::draw::make_color_pass;
+use super::pipeline::{TilePipeline, TileShader, make_tile_pipeline};
+use super::{Gpu, GpuError, Owned};
+use crate::link::DeviceRecord;
+use ash::vk;
+use std::ffi::CStr;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+
+/// Objects of one device, each made when it is first needed, and kept until [`Shared::end`].
+pub struct Shared {
+    gpu: Arc<Gpu>,
+    tile_pipelines: Made<TileKey, TilePipeline>,
+    comparisons: Made<(&'static [u8], &'static CStr), Comparison>,
+    color_passes: Made<vk::Format, Owned<vk::RenderPass>>,
+    interpolating: Made<(), Owned<vk::Sampler>>,
+    /// Who works with them.
+    users: Mutex<Vec<Weak<Gpu>>>,
+    is_given_up: AtomicBool,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+struct TileKey {
+    format: vk::Format,
+    spirv: &'static [u8],
+    shader: TileShader,
+}
+
+impl Shared {
+    /// Of a device on which nothing is made yet.
+    ///
+    /// # Safety
+    /// `record` is of a live device, and [`Self::end`] is called before it dies, or the result and all that works with it are
+    /// dropped before.
+    ///
+    /// # Errors
+    /// [`GpuError::Missing`].
+    pub unsafe fn new(record: &DeviceRecord) -> Result<Arc<Self>, GpuError> {
+        // SAFETY: the caller vouches for the record.
+        let gpu = unsafe { Gpu::without_queue(record) }?;
+        Ok(Arc::new(Self {
+            gpu,
+            tile_pipelines: Made::default(),
+            comparisons: Made::default(),
+            color_passes: Made::default(),
+            interpolating: Made::default(),
+            users: Mutex::default(),
+            is_given_up: AtomicBool::new(false),
+        }))
+    }
+
+    /// Says that the device is about to be destroyed, when the application has nothing under way on it: destroys all that is
+    /// shared. Where somebody still works with it, nothing is destroyed, and nothing is done for them any more.
+    pub fn end(&self) {
+        let users = std::mem::take(&mut *self.users());
+        users.iter().filter_map(Weak::upgrade).for_each(|user| user.abandon());
+        self.tile_pipelines.clear();
+        self.comparisons.clear();
+        self.color_passes.clear();
+        self.interpolating.clear();
+        self.gpu.abandon();
+    }
+
+    /// Whether the device took no work of ours before.
+    pub fn is_given_up(&self) -> bool {
+        self.is_given_up.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn give_up(&self) {
+        self.is_given_up.store(true, Ordering::Relaxed);
+    }
+
+    pub(super) fn is_used_by(&self, user: &Arc<Gpu>) {
+        let mut users = self.users();
+        users.retain(|known| known.strong_count() > 0);
+        users.push(Arc::downgrade(user));
+    }
+
+    /// What a user does not destroy any more, because the GPU may be using it, is not destroyed here either.
+    pub(super) fn abandon(&self) {
+        self.gpu.abandon();
+    }
+
+    pub(super) fn tile_pipeline(
+        &self,
+        format: vk::Format,
+        spirv: &'static [u8],
+        shader: &TileShader,
+    ) -> Result<Arc<TilePipeline>, GpuError> {
+        let key = TileKey { format, spirv, shader: *shader };
+        self.tile_pipelines
+            .get_or_make(key, || make_tile_pipeline(&self.gpu, &*self.color_pass(format)?, spirv, shader))
+    }
+
+    pub(super) fn comparison(
+        &self,
+        spirv: &'static [u8],
+        entry: &'static CStr,
+    ) -> Result<Arc<Comparison>, GpuError> {
+        self.comparisons.get_or_make((spirv, entry), || Comparison::make(&self.gpu, spirv, entry))
+    }
+
+    pub(super) fn color_pass(&self, format: vk::Format) -> Result<Arc<Owned<vk::RenderPass>>, GpuError> {
+        self.color_passes.get_or_make(format, || make_color_pass(&self.gpu, format))
+    }
+
+    pub(super) fn interpolating(&self) -> Result<Arc<Owned<vk::Sampler>>, GpuError> {
+        self.interpolating.get_or_make((), || interpolating(&self.gpu))
+    }
+
+    fn users(&self) -> MutexGuard<'_, Vec<Weak<Gpu>>> {
+        self.users.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Objects of one kind, by what they were made from; few enough for a list.
+struct Made<K, V>(Mutex<Vec<(K, Arc<V>)>>);
+
+impl<K, V> Default for Made<K, V> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<K: PartialEq, V> Made<K, V> {
+    fn get_or_make(&self, key: K, make: impl FnOnce() -> Result<V, GpuError>) -> Result<Arc<V>, GpuError> {
+        if let Some(known) = find(&self.lock(), &key) {
+            return Ok(known);
+        }
+        // Made without the lock, which is not held across calls down: another thread may have been faster.
+        let new = Arc::new(make()?);
+        let mut made = self.lock();
+        Ok(find(&made, &key).unwrap_or_else(|| {
+            made.push((key, Arc::clone(&new)));
+            Arc::clone(&new)
+        }))
+    }
+
+    fn clear(&self) {
+        let made = std::mem::take(&mut *self.lock());
+        drop(made);
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<(K, Arc<V>)>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn find<K: PartialEq, V>(made: &[(K, Arc<V>)], key: &K) -> Option<Arc<V>> {
+    made.iter().find(|(of, _)| of == key).map(|(_, known)| Arc::clone(known))
+}

@@ -1,0 +1,71 @@
+//! What goes when a swapchain or a device ends.
+
+use super::*;
+use crate::scene::Target;
+use crate::vk::backend::{MapSize, RateMap, Upload};
+use std::cell::RefCell;
+
+thread_local! {
+    static ENDED: RefCell<Vec<(u64, bool)>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Notes the device, and whether that is still there.
+unsafe extern "C" fn ended(device: vk::Device) {
+    let is_there = !fake::calls().iter().any(|call| call.starts_with("vkDestroyDevice"));
+    ENDED.with_borrow_mut(|ended| ended.push((device.as_raw(), is_there)));
+}
+
+#[test]
+fn whoever_asks_is_told_of_the_end_of_a_device_before_it_is_gone() {
+    let instance = new_instance(None);
+    let [asked, other] = [new_device(instance), new_device(instance)];
+    fake::calls();
+    // SAFETY: the device is live.
+    assert_eq!(unsafe { (link(asked).unwrap().when_it_ends)(asked, ended) }, 1);
+    destroy_device(other);
+    assert!(ENDED.take().is_empty());
+    fake::calls();
+    destroy_device(asked);
+    assert_eq!(ENDED.take(), [(asked.as_raw(), true)]);
+    destroy_instance(instance);
+}
+
+struct NoMap;
+
+impl RateMap for NoMap {
+    fn size(&self) -> MapSize {
+        MapSize { texel: [16, 16], tiles: [1, 1], layers: 1 }
+    }
+
+    unsafe fn record_upload(&self, _: Upload) {}
+}
+
+#[test]
+fn what_is_kept_for_images_that_only_a_swapchain_tells_of_goes_with_it() {
+    let instance = new_instance(None);
+    let handle = new_device(instance);
+    // SAFETY: the device is live.
+    let known = unsafe { device::of(handle) }.unwrap();
+    let armed = known.armed.as_ref().unwrap();
+    let images = [vk::Image::from_raw(77)];
+    let record = crate::link::SwapchainRecord {
+        swapchain: 5,
+        images: images.as_ptr(),
+        image_count: 1,
+        extent: [16, 16],
+        layers: 1,
+        format: vk::Format::R8G8B8A8_SRGB,
+        samples: 1,
+        usage: vk::ImageUsageFlags::COLOR_ATTACHMENT,
+        granted: vk::ImageUsageFlags::COLOR_ATTACHMENT,
+    };
+    armed.tell_swapchain(&record, &images);
+    let image = armed.objects.image(images[0]).unwrap().description.key;
+    let target = Target { image, level: 0, base_layer: 0, layers: 1 };
+    armed.candidates.with_map(target, NoMap);
+    assert!(armed.candidates.known(target).is_some());
+    armed.tell_swapchain(&record, &[]);
+    assert!(armed.candidates.known(target).is_none() && armed.objects.image(images[0]).is_none());
+    destroy_device(handle);
+    destroy_instance(instance);
+}

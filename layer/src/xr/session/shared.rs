@@ -1,0 +1,41 @@
+//! What sessions on one device share, from the first that needs it until the application destroys the device.
+
+use crate::abi::guard;
+use crate::gpu::{GpuError, Shared};
+use crate::registry::Registry;
+use crate::xr::vulkan_device::VulkanDevice;
+use ash::vk;
+use std::sync::Arc;
+
+static SHARED: Registry<vk::Device, Shared> = Registry::new();
+
+/// What is shared on a device; a session's own where nobody would tell of the device's end.
+///
+/// # Safety
+///
+/// The device is live, and outlives the session.
+///
+/// # Errors
+///
+/// [`GpuError::Missing`]; [`GpuError::Abandoned`] where an earlier session was refused all work.
+pub unsafe fn on(device: &VulkanDevice) -> Result<Arc<Shared>, GpuError> {
+    let handle = device.record.device;
+    if let Some(known) = SHARED.get(handle) {
+        return if known.is_given_up() { Err(GpuError::Abandoned) } else { Ok(known) };
+    }
+    // SAFETY: the caller vouches for the device; it is told of below when it ends, or else all ends with the session.
+    let new = unsafe { Shared::new(&device.record) }?;
+    Ok(if device.when_it_ends(ended) { SHARED.get_or_insert(handle, new) } else { new })
+}
+
+unsafe extern "C" fn ended(device: vk::Device) {
+    guard(
+        "the end of a device",
+        || (),
+        |_| {
+            if let Some(shared) = SHARED.remove(device) {
+                shared.end();
+            }
+        },
+    );
+}
