@@ -2,7 +2,8 @@
 //! [--error-frames N] [--error-size PIXELS] [--system-driver] [--fvvdp] [--against NAME=FILE]`. With `--against`, techniques of the layer have
 //! their turn with that build's library too, as `cargo dev bench --compare REV` asks for. `--fvvdp` judges by FovVideoVDP too: not for commercial use,
 //! and 6 GB. With `--system-driver` applications run on the system's GPU instead of lavapipe, and its time is taken by timestamps.
-//! `hello_xr` is a scene too, though not among those that are measured unasked. The run-up is 4 frames, or 120 where a technique is the layer's.
+//! `hello_xr` is a scene too, though not among those that are measured unasked. The run-up is 4 frames, and 120
+//! where a technique is the layer's: the others then reach the same frames sooner.
 
 use parafovea_errors::fvvdp::{Fvvdp, NOTICE};
 use parafovea_scene::scene::SceneName;
@@ -11,8 +12,8 @@ use parafovea_tests::artifacts::target_folder;
 use parafovea_tests::device::Machine;
 use parafovea_tests::installation::Driver;
 use parafovea_tests::measure::{
-    Effort, LAYER_RUN_UP, RUN_UP, Subject, Summary, Technique, Timing, against_rows, error_rows, errors,
-    print_json, rows, time,
+    Effort, LAYER_RUN_UP, RUN_UP, RUN_UP_ALONE, Subject, Summary, Technique, Timing, against_rows,
+    error_rows, errors, print_json, rows, time,
 };
 use std::error::Error;
 use std::path::PathBuf;
@@ -30,9 +31,6 @@ fn main() -> ExitCode {
 }
 
 const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --run-up, --turns, --size, --error-frames, --error-size, --system-driver, --fvvdp, --against";
-
-/// Frames before those that are timed, without the layer: shaders are compiled and caches filled.
-const RUN_UP_ALONE: u64 = 4;
 
 /// What is measured.
 #[derive(Clone, Copy)]

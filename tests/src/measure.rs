@@ -11,6 +11,7 @@ mod subject;
 mod summary;
 mod technique;
 mod timing;
+mod turns;
 
 pub use errors::{Judged, RUN_UP, errors, judge, with_pictures};
 pub use rows::{Comparison, Row, against_rows, error_rows, print_json, rows};
@@ -18,4 +19,5 @@ pub use statistics::{Ratio, Samples};
 pub use subject::Subject;
 pub use summary::Summary;
 pub use technique::Technique;
-pub use timing::{Counts, Effort, LAYER_RUN_UP, Timing, take_turns, time};
+pub use timing::{Counts, Effort, LAYER_RUN_UP, RUN_UP_ALONE, Timing, take_turns, time};
+pub use turns::side_by_side;

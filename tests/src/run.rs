@@ -374,6 +374,11 @@ impl Running {
         self.installation.runtime_folder()
     }
 
+    /// Whether it has ended, by itself or otherwise.
+    pub fn has_ended(&mut self) -> bool {
+        self.child.has_ended()
+    }
+
     /// What the layer has logged so far.
     pub fn log(&self) -> String {
         outcome::read_logs(&self.installation.log_folder())

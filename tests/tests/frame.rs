@@ -1,10 +1,12 @@
 //! The runner of `cargo dev bench frame`, with the least effort: that it works and tells the truth, not how fast anything is.
 
+use glam::Vec3;
 use parafovea_errors::{Metric, Report};
 use parafovea_scene::scene::SceneName;
 use parafovea_scene::script::Script;
 use parafovea_scene::script::tracker::Tracker;
-use parafovea_tests::measure::{Effort, RUN_UP, Subject, Technique, errors, rows, time};
+use parafovea_tests::measure::{Effort, RUN_UP, Subject, Technique, errors, rows, side_by_side, time};
+use parafovea_tests::run::Outcome;
 
 #[test]
 fn techniques_take_turns_and_fragments_are_counted() {
@@ -18,8 +20,7 @@ fn techniques_take_turns_and_fragments_are_counted() {
     let turns: Vec<&str> = order[3..].iter().filter_map(|run| run.split(": ").nth(1)).collect();
     let expected = ["off", "chroma", "render scale 0.5"];
     let names: Vec<&str> = turns.iter().filter_map(|turn| turn.split(", ").next()).collect();
-    assert_eq!(names[..3], expected);
-    assert!(names[3..].iter().rev().eq(&expected), "the second turn is not in reversed order: {names:?}");
+    assert_eq!([&names[..3], &names[3..]], [&expected[..]; 2]);
 
     let [off, chroma, half] = &timings[..] else { panic!("not three timings") };
     assert_eq!(off.fragments, chroma.fragments, "chroma changed what the application shades");
@@ -36,6 +37,28 @@ fn techniques_take_turns_and_fragments_are_counted() {
     }
     assert_eq!(rows.iter().filter(|row| row.metric == "gpu_ms").count(), 3);
     assert!(rows.iter().all(|row| row.comparison.is_none_or(|with| with.ratio.is_finite())), "{rows:#?}");
+}
+
+/// Side by side, each has its own frames, the same as alone: what needs a run-up begins sooner, and all are shown the same time of the
+/// script in what counts.
+#[test]
+fn frames_side_by_side_are_those_of_runs_alone() {
+    let subject = Subject::around_a_saccade(SceneName::Street, Tracker::IDEAL);
+    let chroma = Technique::layer("chroma", "preset = \"none\"\n[chroma]\nmode = \"default\"\n");
+    let techniques = [Technique::off(), chroma];
+    let effort = Effort { turns: 1, run_up: 7, frames: 5, size: 64 };
+    let outcomes = side_by_side(&subject, &techniques, effort, false, |_| ()).unwrap();
+    let lengths = [0, 1].map(|index| outcomes[index].record.frames.len());
+    assert_eq!(lengths, [4 + 5, 7 + 5]);
+    let gazes = |outcome: &Outcome| -> Vec<Vec3> {
+        outcome.record.frames.iter().rev().take(5).map(|frame| Vec3::from(frame.gaze.unwrap())).collect()
+    };
+    let alone = subject.run(&techniques[0], effort).unwrap().finish().unwrap();
+    for outcome in &outcomes {
+        let (here, there) = (gazes(outcome), gazes(&alone));
+        let is_near = |(here, there): (&Vec3, &Vec3)| here.distance(*there) < 1e-4;
+        assert!(here.iter().zip(&there).all(is_near), "{here:?}, {there:?}");
+    }
 }
 
 /// Chroma, with nothing that hides what a late gaze does.

@@ -14,9 +14,13 @@ pub struct Watched {
 }
 
 impl Planning {
-    /// What is watched in pictures of an eye, by the newest plan; nothing where that renders everything in each frame.
+    /// What is watched in pictures of an eye, by the newest plan; nothing where that renders everything in each frame, or it is
+    /// the other eye's turn: both see most of what changes.
     pub fn watched(&self, eye: usize) -> Option<Watched> {
         let plan = self.planner.as_ref()?.newest();
+        if eye != eye_watched_in(plan.frame) {
+            return None;
+        }
         let always = plan.periods.iter().take_while(|period| **period == 1).count();
         let radius_deg = match always {
             0 => -1.0,
@@ -25,6 +29,15 @@ impl Planning {
         let cosine = if radius_deg < 0.0 { 2.0 } else { radius_deg.min(180.0).to_radians().cos() };
         Some(Watched { orientation: self.orientations[eye], centres: plan.eyes[eye].centres, cosine })
     }
+}
+
+/// Whose turn it is, frame by frame, over and over: no eye waits for more than two frames, and as thirteen has no
+/// divisor in common with any period of re-use, what is rendered in every so many frames has its turn in both eyes. Found by trying
+/// all for the shortest waits.
+const TURNS: [usize; 13] = [0, 0, 1, 0, 0, 1, 0, 1, 0, 1, 0, 1, 1];
+
+fn eye_watched_in(frame: u64) -> usize {
+    TURNS[(frame % TURNS.len() as u64) as usize]
 }
 
 impl Watched {
@@ -55,5 +68,18 @@ mod tests {
         let everywhere = Watched { cosine: 2.0, ..ahead };
         assert!(everywhere.is_watched(Vec3::NEG_Z));
         assert_eq!(Planning::default().watched(0), None, "without a plan");
+    }
+
+    #[test]
+    fn what_any_period_renders_is_watched_in_both_eyes() {
+        for (period, first) in (1..=9).flat_map(|period| (0..period).map(move |first| (period, first))) {
+            let turns: Vec<usize> = (0..26).map(|turn| eye_watched_in(first + period * turn)).collect();
+            for eye in [0, 1] {
+                let waits = turns.split(|turn| *turn == eye).map(<[usize]>::len).max();
+                assert!(waits <= Some(4), "eye {eye}, {first} + n {period}: {turns:?}");
+            }
+        }
+        let next: Vec<usize> = (0..27).map(eye_watched_in).collect();
+        assert!(next.windows(3).all(|turns| turns.contains(&0) && turns.contains(&1)));
     }
 }

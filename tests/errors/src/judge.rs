@@ -250,7 +250,8 @@ impl Judge {
             Metric::ALL.iter().zip(&self.pools).flat_map(|(&metric, pool)| rows(metric, pool)).collect();
         let eyes = eyes.map(|record| record.map(|record| record.summary));
         let frame_means = self.pools.iter().map(Pool::frame_means).collect();
-        Report { viewing: self.viewing, frames, eyes, rows, frame_means }
+        let frame_detected = self.pools.iter().map(Pool::detected_in_frames).collect();
+        Report { viewing: self.viewing, frames, eyes, rows, frame_means, frame_detected }
     }
 
     /// Sustained and transient change.

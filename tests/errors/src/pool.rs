@@ -8,12 +8,18 @@ use serde::Serialize;
 /// a quarter of a tile.
 const LEAST_PIXELS: u32 = TILE_PX * TILE_PX / 4;
 
+/// The exponent by which changes at many places add up to what is detected: that of probability summation over space,
+/// "Probability summation and regional variation in contrast sensitivity across the visual field" (Robson and Graham 1981).
+const DETECTION: f64 = 3.5;
+
 /// Sums of a map's values and its pixels, by tile and ring, over one or more frames of one eye.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TileSums {
     values: Vec<[f64; RINGS]>,
     pixels: Vec<[u32; RINGS]>,
     frames: u32,
+    /// Sum of the values to the power of [`DETECTION`], all pixels together.
+    powers: f64,
 }
 
 impl TileSums {
@@ -27,7 +33,10 @@ impl TileSums {
             let parts = values.chunks(TILE_PX as usize).zip(rings.chunks(TILE_PX as usize));
             for (tile, (values, rings)) in tiles.iter_mut().zip(parts) {
                 for (&value, &ring) in values.iter().zip(rings) {
-                    tile[ring as usize] += f64::from(value);
+                    let value = f64::from(value);
+                    tile[ring as usize] += value;
+                    // The power of DETECTION, without a logarithm.
+                    self.powers += value * value * value * value.sqrt();
                 }
             }
         }
@@ -93,8 +102,16 @@ pub(crate) struct Pool {
     sums: [f64; RINGS],
     pixels: [u64; RINGS],
     worst: [Option<WorstTile>; RINGS],
-    /// Sum and pixels of all rings and eyes, frame by frame, of what is judged frame by frame.
-    frames: Vec<(f64, u64)>,
+    /// All rings and eyes, frame by frame, of what is judged frame by frame.
+    frames: Vec<FrameSums>,
+}
+
+/// Sums over all pixels of a frame.
+#[derive(Clone, Copy, Debug, Default)]
+struct FrameSums {
+    values: f64,
+    powers: f64,
+    pixels: u64,
 }
 
 impl Pool {
@@ -110,11 +127,11 @@ impl Pool {
         of_mean: fn(f64) -> f64,
     ) {
         if let Some(frame) = frame {
-            let values: f64 = sums.values.iter().flatten().sum();
-            let pixels: u64 = sums.pixels.iter().flatten().map(|&pixels| u64::from(pixels)).sum();
-            self.frames.resize(self.frames.len().max(frame + 1), (0.0, 0));
-            self.frames[frame].0 += values;
-            self.frames[frame].1 += pixels;
+            self.frames.resize(self.frames.len().max(frame + 1), FrameSums::default());
+            let of_frame = &mut self.frames[frame];
+            of_frame.values += sums.values.iter().flatten().sum::<f64>();
+            of_frame.powers += sums.powers;
+            of_frame.pixels += sums.pixels.iter().flatten().map(|&pixels| u64::from(pixels)).sum::<u64>();
         }
         for ring in 0..RINGS {
             let most = sums.pixels.iter().map(|pixels| pixels[ring]).max().unwrap_or(0);
@@ -141,8 +158,16 @@ impl Pool {
 
     /// Mean over the whole view of both eyes, frame by frame; empty for what is judged over the whole clip.
     pub fn frame_means(&self) -> Vec<Option<f64>> {
-        let mean = |&(sum, pixels): &(f64, u64)| (pixels > 0).then(|| sum / pixels as f64);
+        let mean = |sums: &FrameSums| (sums.pixels > 0).then(|| sums.values / sums.pixels as f64);
         self.frames.iter().map(mean).collect()
+    }
+
+    /// As [`Self::frame_means`], the mean that probability summation takes: the root of the mean of powers of 3.5. For maps of JND; of what is
+    /// judged by tiles it is 0.
+    pub fn detected_in_frames(&self) -> Vec<Option<f64>> {
+        let mean = |sums: &FrameSums| sums.powers / sums.pixels as f64;
+        let detected = |sums: &FrameSums| (sums.pixels > 0).then(|| mean(sums).powf(1.0 / DETECTION));
+        self.frames.iter().map(detected).collect()
     }
 
     /// Pixels that the mean was taken over, in all frames and both eyes together.
@@ -153,5 +178,22 @@ impl Pool {
     /// The worst tile of a ring.
     pub fn worst(&self, ring: usize) -> Option<WorstTile> {
         self.worst[ring]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_detected_adds_up_by_powers() {
+        let mut pool = Pool::default();
+        let sums = |powers| FrameSums { values: 0.0, powers, pixels: 4 };
+        // One of four pixels with 2 JND, and all of them with 0.5.
+        pool.frames = vec![sums(2f64.powf(3.5)), sums(4.0 * 0.5f64.powf(3.5)), FrameSums::default()];
+        let detected = pool.detected_in_frames();
+        assert!((detected[0].unwrap() - 2.0 * 0.25f64.powf(1.0 / 3.5)).abs() < 1e-12);
+        assert!((detected[1].unwrap() - 0.5).abs() < 1e-12);
+        assert_eq!(detected[2], None);
     }
 }

@@ -55,12 +55,20 @@ pub struct Report {
     /// Each metric frame by frame, in the order of [`Metric::ALL`]: the mean over the whole view of both eyes. Empty for
     /// what is judged over the whole clip, as flicker.
     pub frame_means: Vec<Vec<Option<f64>>>,
+    /// Likewise, what is detected of it: values add up over the view of both eyes as probability summation has it (a mean of powers of
+    /// 3.5), so that a change far above what is just seen counts, wherever it is, and many far below do not. For metrics in JND.
+    pub frame_detected: Vec<Vec<Option<f64>>>,
 }
 
 impl Report {
     /// A metric frame by frame, over the whole view.
     pub fn by_frame(&self, metric: Metric) -> &[Option<f64>] {
         &self.frame_means[metric as usize]
+    }
+
+    /// What is detected of a metric, frame by frame: [`Self::frame_detected`].
+    pub fn detected_by_frame(&self, metric: Metric) -> &[Option<f64>] {
+        &self.frame_detected[metric as usize]
     }
 
     /// The row of a metric and ring (index into [`RING_NAMES`]).

@@ -19,6 +19,8 @@ use parafovea_tests::measure::{
 };
 use parafovea_tests::run::Outcome;
 use parafovea_tests::scenario::Scenario;
+use std::panic::resume_unwind;
+use std::thread::{self, available_parallelism};
 
 /// Measures all of `plan`; pictures go to `pictures`, and `command` is what was typed.
 ///
@@ -57,28 +59,39 @@ fn measure_scene(
     let middle = effort.run_up + effort.frames / 2;
     let mut reference: Option<Outcome> = None;
     let (mut points, mut timings, mut bits) = (Vec::new(), Vec::new(), Vec::new());
-    for point in &plan.points {
-        let name = &point.technique.name;
-        progress.next(&format!("{}: {name}, pictures", subject.name()));
-        let map = map::File::new()?;
-        let shown = show(&subject, &point.technique, effort, &scenario, |run| map.asked_for(run.counted()))?;
-        progress.add(rendering(effort));
-        let counts = Counts::of(&shown, effort)?;
-        pictures.keep(scene.as_str(), name, &shown.eye(0, middle)?, map.read(middle)?.as_ref());
-        let errors = match &reference {
-            None => None,
-            Some(reference) => {
-                let report = judge(&subject, &scenario, reference, &shown)?;
-                progress.add(judging(effort));
-                if point.sweep == Sweep::Chroma {
-                    bits.extend(bits::measure(name, reference, &shown, &scenario)?);
-                }
-                Some(errors(&report))
+    for together in plan.points.chunks(available_parallelism().map_or(1, usize::from)) {
+        let mut shown = Vec::new();
+        for point in together {
+            let name = &point.technique.name;
+            progress.next(&format!("{}: {name}, pictures", subject.name()));
+            let map = map::File::new()?;
+            let outcome =
+                show(&subject, &point.technique, effort, &scenario, |run| map.asked_for(run.counted()))?;
+            progress.add(rendering(effort));
+            pictures.keep(scene.as_str(), name, &outcome.eye(0, middle)?, map.read(middle)?.as_ref());
+            if reference.is_none() {
+                let counts = Counts::of(&outcome, effort)?;
+                timings.push(Timing::new(&point.technique, counts));
+                points.push(point_results(point, counts, None));
+                reference = Some(outcome);
+            } else {
+                shown.push((point, Counts::of(&outcome, effort)?, outcome));
             }
-        };
-        reference.get_or_insert(shown);
-        timings.push(Timing::new(&point.technique, counts));
-        points.push(point_results(point, counts, errors));
+        }
+        let Some(reference) = &reference else { continue };
+        let judged = at_once(&shown, |(point, _, shown)| {
+            let report = judge(&subject, &scenario, reference, shown)?;
+            let is_chroma = point.sweep == Sweep::Chroma;
+            let name = &point.technique.name;
+            let bits = is_chroma.then(|| bits::measure(name, reference, shown, &scenario)).transpose()?;
+            Ok((errors(&report), bits))
+        })?;
+        for ((point, counts, _), (errors, bits_of)) in shown.iter().zip(judged) {
+            progress.add(judging(effort));
+            timings.push(Timing::new(&point.technique, *counts));
+            points.push(point_results(point, *counts, Some(errors)));
+            bits.extend(bits_of.into_iter().flatten());
+        }
     }
     drop(reference);
     let costs = costs(plan, &subject, machine, timings, progress)?;
@@ -125,9 +138,10 @@ fn costs(
         .map(|(timing, _)| timing)
         .collect();
     let on_gpu = machine.has_gpu_times();
+    let work: u64 = techniques.iter().map(|technique| rendering(plan.timed.of(technique))).sum();
     take_turns(subject, &techniques, plan.timed, on_gpu, &mut timed, |run| {
         progress.next(run);
-        progress.add(rendering(plan.timed));
+        progress.add(work / techniques.len() as u64);
     })?;
     let samples = |timing: &Timing| if on_gpu { timing.gpu_ms.clone() } else { timing.cpu_ms.clone() };
     let Some(off) = timed.first().map(samples) else { return Ok(Vec::new()) };
@@ -139,7 +153,7 @@ fn costs(
             p99_ms: own.quantile(0.99),
             ratio: ratio.value,
             spread: ratio.spread,
-            frames_ms: own.least().collect(),
+            frames_ms: own.by_frame().collect(),
         }
     };
     Ok(timed.iter().map(cost).collect())
@@ -157,30 +171,47 @@ fn measure_finely(
     let mut reference: Option<Outcome> = None;
     let mut points = Vec::new();
     let mut pixels_per_degree = 0.0;
-    for point in &plan.points {
-        progress.next(&format!(
-            "{}: {}, pictures at {} pixels",
-            subject.name(),
-            point.technique.name,
-            effort.size
-        ));
-        let shown = show(&subject, &point.technique, effort, &scenario, |run| run)?;
-        progress.add(rendering(effort));
-        if let Some(reference) = &reference {
-            let report = judge(&subject, &scenario, reference, &shown)?;
+    for together in plan.points.chunks(available_parallelism().map_or(1, usize::from)) {
+        let mut others = Vec::new();
+        for Point { technique, .. } in together {
+            let Effort { size, .. } = effort;
+            progress.next(&format!("{}: {}, pictures at {size} pixels", subject.name(), technique.name));
+            let shown = show(&subject, technique, effort, &scenario, |run| run)?;
+            progress.add(rendering(effort));
+            match &reference {
+                None => reference = Some(shown),
+                Some(_) => others.push((&technique.name, shown)),
+            }
+        }
+        let Some(reference) = &reference else { continue };
+        let reports = at_once(&others, |(_, shown)| judge(&subject, &scenario, reference, shown))?;
+        for ((name, _), report) in others.iter().zip(reports) {
             progress.add(judging(effort));
             pixels_per_degree = report.eyes[0].as_ref().map_or(0.0, |eye| eye.pixels_per_degree);
-            points.push((point.technique.name.clone(), errors(&report)));
+            points.push(((*name).clone(), errors(&report)));
         }
-        reference.get_or_insert(shown);
     }
     let judged = [effort.run_up, effort.frames, u64::from(effort.size)];
     Ok(Fine { scene: scene.as_str().to_owned(), pixels_per_degree, judged, points })
 }
 
+/// Does the same with each, each on a thread.
+fn at_once<T: Sync, R: Send>(
+    each: &[T],
+    what: impl Fn(&T) -> Result<R, HarnessError> + Sync,
+) -> Result<Vec<R>, HarnessError> {
+    thread::scope(|scope| {
+        let started: Vec<_> = each.iter().map(|one| scope.spawn(|| what(one))).collect();
+        started.into_iter().map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
+    })
+}
+
 fn errors(report: &Report) -> Errors {
     let rings = |metric| std::array::from_fn(|ring| report.row(metric, ring).mean);
-    let frames = |metric| report.by_frame(metric).iter().map(|mean| mean.unwrap_or(0.0));
+    let both = |of: fn(&Report, Metric) -> &[Option<f64>]| -> Vec<f64> {
+        let [stays, goes] = [Metric::Sustained, Metric::Transient].map(|metric| of(report, metric));
+        stays.iter().zip(goes).map(|(stays, goes)| stays.unwrap_or(0.0) + goes.unwrap_or(0.0)).collect()
+    };
     let whole = |metric| mean(report.by_frame(metric).iter().copied().flatten());
     // Rings of a root mean square are put together by their power.
     let power = (0..RINGS).filter_map(|ring| {
@@ -190,10 +221,8 @@ fn errors(report: &Report) -> Errors {
     let (power, pixels) = power.fold((0.0, 0), |(sum, all), (power, pixels)| (sum + power, all + pixels));
     let chroma = [Metric::RedGreen, Metric::YellowViolet].map(|metric| whole(metric).unwrap_or(0.0));
     Errors {
-        loss: frames(Metric::Sustained)
-            .zip(frames(Metric::Transient))
-            .map(|(stays, goes)| stays + goes)
-            .collect(),
+        loss: both(Report::by_frame),
+        detected: both(Report::detected_by_frame),
         sustained: rings(Metric::Sustained),
         transient: rings(Metric::Transient),
         flicker: (pixels > 0).then(|| (power / pixels as f64).sqrt()),

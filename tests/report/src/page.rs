@@ -8,7 +8,7 @@ use crate::results::{Bits, Conditions, Errors, Fine, HardCase, Results, SceneRes
 use crate::statistics::Bootstrap;
 use crate::summary::{Row, mean_rows, scene_rows};
 use crate::table::{cells, titles};
-use crate::verdict::{Contest, RIVALS, Verdict, contest, why_not};
+use crate::verdict::{Contest, Measure, RIVALS, Verdict, contest, why_not};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use parafovea_errors::RING_NAMES;
 
@@ -73,8 +73,10 @@ pub fn contests(results: &Results) -> Vec<(&SceneResults, Contest)> {
     let ours: Vec<&str> = ours.map(|(_, name)| name).collect();
     let scenes = results.scenes.iter();
     let all = scenes
-        .flat_map(|scene| ours.iter().flat_map(move |name| RIVALS.map(move |rival| (scene, *name, rival))));
-    all.filter_map(|(scene, name, rival)| Some((scene, contest(scene, name, rival, &bootstrap)?))).collect()
+        .flat_map(|scene| ours.iter().flat_map(move |name| RIVALS.map(move |rival| (scene, *name, rival))))
+        .flat_map(|(scene, name, rival)| Measure::ALL.map(|measure| (scene, name, rival, measure)));
+    let found = |(scene, name, rival, measure)| contest(scene, name, rival, measure, &bootstrap);
+    all.filter_map(|of| Some((of.0, found(of)?))).collect()
 }
 
 fn first_screen(results: &Results, gpus: &[Results], contests: &[(&SceneResults, Contest)]) -> Markup {
@@ -120,12 +122,13 @@ fn how_to_read(conditions: &Conditions) -> Markup {
         ul.note {
             li {
                 "Times are medians of " (frames) " frames with both eyes at " (size) " x " (size) ", after a run-up of " (run_up)
-                ", in " (turns) " turns that alternate with those of the others; \"x off\" is the ratio of what each frame took in its least disturbed turn. p99 is what one frame in a hundred exceeds."
+                ", in " (turns) " turns. In a turn all techniques run side by side, a frame each, so that what else the machine does falls on all; \"x off\" is the ratio of the sums of a turn, in the median of the turns. p99 is what one frame in a hundred exceeds."
             }
             li {
                 "Errors are of " (judged) " of these frames at " (side) " x " (side) ", with a saccade of at least 10 degrees in their middle, against the same frames of the application "
                 "alone, at where the eyes truly look; the application sees a tracker that is 58 ms late, half a degree off, and noisy. JND: change of "
-                "contrast that stays, in just noticeable differences of castleCSF, by ring of degrees from the gaze. Contrast loss: that and what comes and goes, over the whole view."
+                "contrast that stays, in just noticeable differences of castleCSF, by ring of degrees from the gaze. Contrast loss: that and what comes and goes, in the mean of the whole view. Detected: the same, but added up over the view as "
+                "probability summation has it, by powers of 3.5 (Robson and Graham 1981), so that what is far below what is just seen does not count, however much there is of it."
             }
             li {
                 "Flicker is RMS contrast at 8 to 30 Hz. Fragments are as the device counts them, which on lavapipe 22.3.6 is before the early depth test; samples are what passes it. "
@@ -160,13 +163,14 @@ fn equal_cost(results: &Results, contests: &[(&SceneResults, Contest)]) -> Marku
             "Intervals hold 95 % of 1000 draws of blocks of 5 frames, both from the same frames; one that has 0 in it is a tie."
         }
         table {
-            tr { @for title in ["scene", "ours", "x off", "loss", "against", "its loss there", "difference", "verdict"] { th { (title) } } }
+            tr { @for title in ["scene", "ours", "x off", "loss, JND", "which", "against", "its loss there", "difference", "verdict"] { th { (title) } } }
             @for (scene, contest) in contests {
                 tr {
                     td { (scene.scene) }
                     td { (contest.technique) }
                     td { (format!("{:.2}", contest.cost)) }
                     td { (format!("{:.3}", contest.loss)) }
+                    td { (contest.measure.text()) }
                     td { (contest.rival.title()) }
                     td { (format!("{:.3}", contest.rival_loss)) @if !contest.is_reached { " (never as cheap)" } }
                     td { @match contest.difference {
@@ -182,7 +186,7 @@ fn equal_cost(results: &Results, contests: &[(&SceneResults, Contest)]) -> Marku
             ul {
                 @for (scene, contest) in contests.iter().filter(|(_, contest)| contest.verdict != Verdict::Wins) {
                     li {
-                        (scene.scene) ", " (contest.technique) " against " (contest.rival.title()) " (" (contest.verdict.text()) "): "
+                        (scene.scene) ", " (contest.technique) " against " (contest.rival.title()) ", " (contest.measure.text()) " (" (contest.verdict.text()) "): "
                         (why_not(scene, contest)) "."
                     }
                 }

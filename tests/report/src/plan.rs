@@ -86,7 +86,8 @@ impl Plan {
         let pictures = |effort: Effort| {
             self.points.len() as u64 * (rendering(effort) + judging(effort)) - judging(effort)
         };
-        let timed = (self.timed_points().count() * self.timed.turns) as u64 * rendering(self.timed);
+        let timed = self.timed_points().map(|(_, point)| rendering(self.timed.of(&point.technique)));
+        let timed = timed.sum::<u64>() * self.timed.turns as u64;
         let fine = self.fine.map_or(0, |(_, effort)| pictures(effort));
         self.scenes.len() as u64 * (pictures(self.judged) + timed) + fine
     }

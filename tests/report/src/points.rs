@@ -20,6 +20,8 @@ pub enum Sweep {
     Rates,
     /// The layer's rates by the contrast of the pictures, in silence: nothing may be lost that is seen.
     Contrast,
+    /// The layer's rates by the contrast of the pictures and the sound of the scene, which may hide what is just seen.
+    Sound,
     /// The layer's re-use of the periphery.
     Reuse,
     /// The layer's rates, re-use and chroma attenuation together.
@@ -30,13 +32,14 @@ pub enum Sweep {
 
 impl Sweep {
     /// All, in the order of tables.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Off,
         Self::RenderScale,
         Self::FixedFoveation,
         Self::OpenXrToolkit,
         Self::Rates,
         Self::Contrast,
+        Self::Sound,
         Self::Reuse,
         Self::Everything,
         Self::Chroma,
@@ -51,6 +54,7 @@ impl Sweep {
             Self::OpenXrToolkit => "OpenXR Toolkit",
             Self::Rates => "eye-tracked rates",
             Self::Contrast => "rates by contrast, in silence",
+            Self::Sound => "rates by contrast and sound",
             Self::Reuse => "re-use",
             Self::Everything => "everything",
             Self::Chroma => "chroma",
@@ -113,11 +117,15 @@ fn all() -> Vec<Point> {
         ));
     }
     for preset in ["quality", "balanced", "performance"] {
-        let config = format!(
-            "preset = \"{preset}\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n[chroma]\nmode = \"off\"\n"
-        );
-        let technique = Technique::layer(&format!("contrast {preset}"), &config);
-        points.push(timed(Sweep::Contrast, technique, All));
+        let config = |silence: &str| {
+            format!(
+                "preset = \"{preset}\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"{silence}\"\ngate = \"on\"\n[chroma]\nmode = \"off\"\n"
+            )
+        };
+        let in_silence = Technique::layer(&format!("contrast {preset}"), &config("strict"));
+        points.push(timed(Sweep::Contrast, in_silence, All));
+        let with_sound = Technique::layer(&format!("sound {preset}"), &config("fixed")).hearing();
+        points.push(timed(Sweep::Sound, with_sound, if preset == "balanced" { Full } else { All }));
     }
     for (name, mode, periods, least) in [
         ("re-use 11112", "on", "11112", All),
@@ -130,7 +138,7 @@ fn all() -> Vec<Point> {
         );
         points.push(timed(Sweep::Reuse, Technique::layer(name, &config), least));
     }
-    for (preset, least) in [("quality", All), ("balanced", Quick), ("performance", Full)] {
+    for (preset, least) in [("quality", All), ("balanced", Quick), ("performance", All)] {
         let name = format!("everything {preset}");
         points.push(timed(Sweep::Everything, layer(&name, preset, ["fixed", "on", "default"]), least));
     }

@@ -84,7 +84,7 @@ pub struct Cost {
     pub ratio: f64,
     /// Half of the interquartile range of the turns' ratios.
     pub spread: f64,
-    /// What each frame took in its least disturbed turn, milliseconds.
+    /// What each frame took in the mean of the turns, milliseconds.
     pub frames_ms: Vec<f64>,
 }
 
@@ -94,6 +94,8 @@ pub struct Errors {
     /// Contrast loss of each frame: the change of luminance contrast that stays and that which comes and goes, in just noticeable
     /// differences, added as castleCSF adds the sensitivities to both; mean over the view of both eyes.
     pub loss: Vec<f64>,
+    /// What is detected of both: their changes add up over the view as probability summation has it, by powers of 3.5, and not by their mean, JND.
+    pub detected: Vec<f64>,
     /// Its part that stays, by ring.
     pub sustained: [Option<f64>; RINGS],
     /// Its part that comes and goes, by ring.
@@ -199,6 +201,11 @@ impl PointResults {
     /// Mean contrast loss of the frames, JND; 0 for the application alone.
     pub fn loss(&self) -> f64 {
         self.errors.as_ref().map_or(0.0, |errors| mean(errors.loss.iter().copied()).unwrap_or(f64::NAN))
+    }
+
+    /// Mean of what is detected in the frames, JND; 0 for the application alone.
+    pub fn detected(&self) -> f64 {
+        self.errors.as_ref().map_or(0.0, |errors| mean(errors.detected.iter().copied()).unwrap_or(f64::NAN))
     }
 
     /// What it costs, in costs of the application alone, and loses; nothing where its time was not measured.

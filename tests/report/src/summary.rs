@@ -25,6 +25,8 @@ pub struct Row {
     pub sustained: [Option<f64>; RINGS],
     /// Contrast loss over the whole view, JND.
     pub loss: f64,
+    /// What is detected of it, JND.
+    pub detected: f64,
     /// RMS contrast at 8 to 30 Hz.
     pub flicker: Option<f64>,
     /// Change of colour contrast, JND.
@@ -49,6 +51,7 @@ fn row(point: &PointResults, off: &PointResults) -> Row {
         p99_ms: cost.map(|cost| cost.p99_ms),
         sustained: errors.map_or([None; RINGS], |errors| errors.sustained),
         loss: point.loss(),
+        detected: point.detected(),
         flicker: errors.and_then(|errors| errors.flicker),
         chroma: errors.and_then(|errors| errors.chroma),
     }
@@ -79,6 +82,7 @@ fn mean_row(sweep: Sweep, technique: &str, rows: &[&Row]) -> Row {
         p99_ms: arithmetic(|row| row.p99_ms),
         sustained: std::array::from_fn(|ring| mean(rows.iter().filter_map(|row| row.sustained[ring]))),
         loss: arithmetic(|row| Some(row.loss)).unwrap_or(f64::NAN),
+        detected: arithmetic(|row| Some(row.detected)).unwrap_or(f64::NAN),
         flicker: arithmetic(|row| row.flicker),
         chroma: arithmetic(|row| row.chroma),
     }

@@ -16,7 +16,7 @@ pub fn titles(results: &Results) -> Vec<String> {
     ]);
     titles.push("GPU ms x off".to_owned());
     titles.extend(RING_NAMES.map(|ring| format!("JND {ring}°")));
-    titles.extend(["contrast loss, JND", "flicker", "chroma JND"].map(str::to_owned));
+    titles.extend(["contrast loss, JND", "detected, JND", "flicker", "chroma JND"].map(str::to_owned));
     titles
 }
 
@@ -32,7 +32,12 @@ pub fn cells(row: &Row, gpu: &[Row]) -> Vec<String> {
         None => "none yet".to_owned(),
     });
     cells.extend(row.sustained.map(|value| number(value, 2)));
-    cells.extend([number(Some(row.loss), 3), number(row.flicker, 3), number(row.chroma, 2)]);
+    cells.extend([
+        number(Some(row.loss), 3),
+        number(Some(row.detected), 2),
+        number(row.flicker, 3),
+        number(row.chroma, 2),
+    ]);
     cells
 }
 
@@ -57,13 +62,14 @@ fn table(results: &Results, rows: &[Row], gpu: &[Row]) -> String {
 }
 
 /// The columns of the CSV file behind scene, sweep and technique.
-const FIGURES: [&str; 9] = [
+const FIGURES: [&str; 10] = [
     "fragments_x_off",
     "samples_x_off",
     "ms",
     "x_off",
     "p99_ms",
     "contrast_loss_jnd",
+    "detected_jnd",
     "flicker",
     "chroma_jnd",
     "spread_of_x_off",
@@ -90,6 +96,7 @@ pub fn csv(results: &Results) -> Result<String, csv::Error> {
                 row.ratio,
                 row.p99_ms,
                 Some(row.loss),
+                Some(row.detected),
                 row.flicker,
                 row.chroma,
                 spread,
@@ -132,6 +139,7 @@ pub fn json_rows(results: &Results) -> Vec<JsonRow> {
             add("fragments", "x off", Some(row.fragments), None);
             add("samples", "x off", row.samples, None);
             add("contrast_loss", "JND", Some(row.loss), None);
+            add("detected", "JND", Some(row.detected), None);
             add("flicker", "contrast", row.flicker, None);
             add("chroma", "JND", row.chroma, None);
             for (ring, value) in RING_NAMES.into_iter().zip(row.sustained) {

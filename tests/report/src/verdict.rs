@@ -1,7 +1,7 @@
 //! Who loses less at equal cost, and why not where it is not us.
 
 use crate::points::Sweep;
-use crate::results::{PointResults, Results, SceneResults};
+use crate::results::{Errors, PointResults, Results, SceneResults};
 use crate::statistics::{AtCost, Bootstrap, CostAndLoss, Interval, loss_at};
 
 /// The technique that stands for everything on.
@@ -9,6 +9,35 @@ pub const EVERYTHING: &str = "everything balanced";
 
 /// What users could do without us.
 pub const RIVALS: [Sweep; 2] = [Sweep::FixedFoveation, Sweep::RenderScale];
+
+/// How the changes of a picture become one figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// The mean over the view: what is far below what is just seen counts too, where there is much of it.
+    Mean,
+    /// What is detected, by probability summation over the view.
+    Detected,
+}
+
+impl Measure {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Mean, Self::Detected];
+
+    /// In a few words.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Mean => "mean of the view",
+            Self::Detected => "as detected",
+        }
+    }
+
+    fn of(self, errors: &Errors) -> &[f64] {
+        match self {
+            Self::Mean => &errors.loss,
+            Self::Detected => &errors.detected,
+        }
+    }
+}
 
 /// How a comparison ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +71,8 @@ pub struct Contest {
     pub technique: String,
     /// The others.
     pub rival: Sweep,
+    /// Of what.
+    pub measure: Measure,
     /// What ours costs, in costs of the application alone.
     pub cost: f64,
     /// What ours loses, JND.
@@ -61,6 +92,7 @@ pub fn contest(
     scene: &SceneResults,
     technique: &str,
     rival: Sweep,
+    measure: Measure,
     bootstrap: &Bootstrap,
 ) -> Option<Contest> {
     let ours = scene.point(technique)?;
@@ -71,13 +103,13 @@ pub fn contest(
     let frames = sweep.iter().chain([&ours]).map(|point| frames(point)).min()?;
     let every: Vec<usize> = (0..frames).collect();
     let off = scene.off()?;
-    let (own, at_cost) = found(off, ours, &sweep, &every)?;
+    let (own, at_cost) = found(measure, off, ours, &sweep, &every)?;
     let (rival_loss, is_reached) = match at_cost {
         AtCost::Loss(loss) => (loss, true),
         AtCost::OutOfReach { cheapest } => (cheapest, false),
     };
     let difference = bootstrap.interval(frames, |drawn| {
-        let (own, at_cost) = found(off, ours, &sweep, drawn)?;
+        let (own, at_cost) = found(measure, off, ours, &sweep, drawn)?;
         match at_cost {
             AtCost::Loss(loss) => Some(own.loss - loss),
             // Cheaper than the other ever is: that it loses less too is a win, that it loses more decides nothing.
@@ -93,6 +125,7 @@ pub fn contest(
     Some(Contest {
         technique: technique.to_owned(),
         rival,
+        measure,
         cost: own.cost,
         loss: own.loss,
         rival_loss,
@@ -110,22 +143,28 @@ fn frames(point: &PointResults) -> usize {
 
 /// Ours in these frames, and what the sweep loses there at equal cost.
 fn found(
+    measure: Measure,
     off: &PointResults,
     ours: &PointResults,
     sweep: &[&PointResults],
     drawn: &[usize],
 ) -> Option<(CostAndLoss, AtCost)> {
-    let own = in_frames(off, ours, drawn)?;
-    let points: Option<Vec<_>> = sweep.iter().map(|point| in_frames(off, point, drawn)).collect();
+    let own = in_frames(measure, off, ours, drawn)?;
+    let points: Option<Vec<_>> = sweep.iter().map(|point| in_frames(measure, off, point, drawn)).collect();
     Some((own, loss_at(&points?, own.cost)?))
 }
 
 /// Cost, in costs of the application alone, and loss of a point in these frames.
-fn in_frames(off: &PointResults, point: &PointResults, drawn: &[usize]) -> Option<CostAndLoss> {
+fn in_frames(
+    measure: Measure,
+    off: &PointResults,
+    point: &PointResults,
+    drawn: &[usize],
+) -> Option<CostAndLoss> {
     let sum = |values: &[f64]| drawn.iter().map(|&frame| values.get(frame)).sum::<Option<f64>>();
     let cost = sum(&point.cost.as_ref()?.frames_ms)? / sum(&off.cost.as_ref()?.frames_ms)?;
     let loss = match &point.errors {
-        Some(errors) => sum(&errors.loss)? / drawn.len() as f64,
+        Some(errors) => sum(measure.of(errors))? / drawn.len() as f64,
         None => 0.0,
     };
     Some(CostAndLoss { cost, loss })
@@ -149,7 +188,7 @@ pub fn why_not(scene: &SceneResults, contest: &Contest) -> String {
         }
     }
     let rates = scene.point("rates balanced").and_then(PointResults::cost_and_loss);
-    if let Some(rates) = rates.filter(|rates| rates.cost < contest.cost) {
+    if let Some(rates) = rates.filter(|rates| rates.cost < contest.cost && contest.measure == Measure::Mean) {
         reasons.push(format!(
             "rates alone cost {:.2} and lose {:.2} JND, so that what is added to them costs {:.2} more than it saves",
             rates.cost,
@@ -173,13 +212,15 @@ pub fn why_not(scene: &SceneResults, contest: &Contest) -> String {
 /// How everything on did against each rival, in a sentence each.
 pub fn sentences(results: &Results, contests: &[(&SceneResults, Contest)]) -> Vec<String> {
     let scenes = results.scenes.len();
-    let sentence = |rival: Sweep| {
-        let of_rival =
-            contests.iter().filter(|(_, contest)| contest.rival == rival && contest.technique == EVERYTHING);
+    let sentence = |(rival, measure): (Sweep, Measure)| {
+        let of_rival = contests.iter().filter(|(_, contest)| {
+            (contest.rival, contest.measure) == (rival, measure) && contest.technique == EVERYTHING
+        });
         let verdicts: Vec<Verdict> = of_rival.map(|(_, contest)| contest.verdict).collect();
         let count = |verdict| verdicts.iter().filter(|other| **other == verdict).count();
         format!(
-            "At equal cost on this device, everything on (balanced) loses less contrast than {} in {} of {scenes} scenes, ties in {}, loses more in {}{}.",
+            "At equal cost on this device, everything on (balanced) loses less contrast ({}) than {} in {} of {scenes} scenes, ties in {}, loses more in {}{}.",
+            measure.text(),
             rival.title(),
             count(Verdict::Wins),
             count(Verdict::Tie),
@@ -191,5 +232,6 @@ pub fn sentences(results: &Results, contests: &[(&SceneResults, Contest)]) -> Ve
         )
     };
     let has = |rival: &Sweep| contests.iter().any(|(_, contest)| contest.rival == *rival);
-    RIVALS.into_iter().filter(has).map(sentence).collect()
+    let rivals = RIVALS.into_iter().filter(has);
+    rivals.flat_map(|rival| Measure::ALL.map(|measure| (rival, measure))).map(sentence).collect()
 }

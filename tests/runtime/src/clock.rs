@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     fn clock(mode: scenario::ClockMode) -> Clock {
-        Clock::new(&scenario::Clock { mode, refresh_hz: 100.0 })
+        Clock::new(&scenario::Clock { mode, refresh_hz: 100.0, ..scenario::Clock::default() })
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::compositor;
 use crate::fault::{Fault, section};
 use crate::layers;
 use crate::record;
-use crate::runtime::{Runtime, call};
+use crate::runtime::{self, Runtime, call};
 use crate::scenario::Answer;
 use crate::script;
 use glam::Vec3;
@@ -31,6 +31,13 @@ pub(crate) struct FrameLoop {
     pub gaze_reads: u32,
 }
 
+impl FrameLoop {
+    /// Whether a frame was waited for, or begun, and has not ended.
+    pub fn is_in_frame(&self) -> bool {
+        self.waited.is_some() || self.begun.is_some()
+    }
+}
+
 /// A frame under way.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
@@ -52,6 +59,13 @@ pub(crate) extern "system" fn wait(
     mut state: Out<xr::FrameState>,
 ) -> xr::Result {
     let start = Instant::now();
+    if let Some(turns) = runtime::turns() {
+        // A turn is for a whole frame: the one before ends first, though applications may wait earlier.
+        while runtime::is_in_frame(session) && start.elapsed() < DEADLOCK {
+            std::thread::sleep(POLL);
+        }
+        turns.next();
+    }
     loop {
         let mut next = Next::Return;
         let result = call("xrWaitFrame", |runtime| {
@@ -139,6 +153,10 @@ pub(crate) extern "system" fn end(session: xr::Session, info: In<xr::FrameEndInf
         let info = runtime.read(&info)?;
         let ending = runtime.sessions.get(session)?;
         ending.check_running()?;
+        let process_cpu_ns = match runtime.turns {
+            Some(_) => ending.gpu.finish().map(|()| clock::process_cpu_ns())?,
+            None => process_cpu_ns,
+        };
         let begun = ending.frames.begun;
         let begun = begun.ok_or_else(|| Fault::order(section::SUBMISSION, "no xrBeginFrame came before"))?;
         check_end_info(&info, begun)?;

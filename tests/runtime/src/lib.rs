@@ -30,6 +30,7 @@ mod spaces;
 mod swapchain;
 mod system;
 mod timespec;
+mod turns;
 mod views;
 mod visibility_mask;
 mod vulkan;

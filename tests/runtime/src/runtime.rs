@@ -15,9 +15,10 @@ use crate::scenario::{Answer, Scenario};
 use crate::session::Session;
 use crate::spaces::Space;
 use crate::swapchain::Swapchain;
+use crate::turns::Turns;
 use openxr_sys as xr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 /// Everything that calls read or change.
 pub(crate) struct Runtime {
@@ -26,6 +27,8 @@ pub(crate) struct Runtime {
     pub broken: Option<String>,
     pub clock: Clock,
     pub recorder: Recorder,
+    /// Who gives frames their turn.
+    pub turns: Option<Arc<Turns>>,
     /// Frames that the process ended.
     pub frames: u64,
     pub serial: Serial,
@@ -82,6 +85,17 @@ pub(crate) fn call(name: &'static str, body: impl FnOnce(&mut Runtime) -> Outcom
     }
 }
 
+/// Who gives frames their turn, if anybody.
+pub(crate) fn turns() -> Option<Arc<Turns>> {
+    RUNTIME.lock().unwrap_or_else(PoisonError::into_inner).turns.clone()
+}
+
+/// Whether a frame of the session is under way.
+pub(crate) fn is_in_frame(session: xr::Session) -> bool {
+    let runtime = RUNTIME.lock().unwrap_or_else(PoisonError::into_inner);
+    runtime.sessions.get(session).is_ok_and(|session| session.frames.is_in_frame())
+}
+
 /// What the scenario has the runtime do worse.
 pub(crate) fn quirks() -> crate::scenario::Quirks {
     RUNTIME.lock().unwrap_or_else(PoisonError::into_inner).scenario.quirks.clone()
@@ -101,6 +115,12 @@ impl Runtime {
             Ok(recorder) => (recorder.unwrap_or_default(), broken),
             Err(error) => (Recorder::default(), broken.or(Some(format!("output.dir: {error}")))),
         };
+        let socket = scenario.as_ref().map(|scenario| scenario.clock.turns.clone()).unwrap_or_default();
+        let turns = (!socket.as_os_str().is_empty()).then(|| Turns::connect(&socket)).transpose();
+        let (turns, broken) = match turns {
+            Ok(turns) => (turns.map(Arc::new), broken),
+            Err(error) => (None, broken.or(Some(format!("clock.turns: {}: {error}", socket.display())))),
+        };
         if let Some(reason) = &broken {
             eprintln!("parafovea mock runtime: {reason}");
         }
@@ -109,6 +129,7 @@ impl Runtime {
             broken,
             clock: Clock::new(&scenario.clock),
             recorder,
+            turns,
             frames: 0,
             scenario,
             serial: Serial::default(),

@@ -80,6 +80,8 @@ pub struct Clock {
     pub mode: ClockMode,
     /// Frames a second, 1 to 1000.
     pub refresh_hz: f64,
+    /// A Unix socket, relative to the scenario file, that gives each frame its turn; empty: none.
+    pub turns: PathBuf,
 }
 
 /// A kind of clock.
@@ -377,9 +379,10 @@ impl Scenario {
         let mut scenario = Self::parse(&text).map_err(failed)?;
         let folder = file.parent().unwrap_or(Path::new(""));
         scenario.output.dir = folder.join(&scenario.output.dir);
-        let lock = &mut scenario.quirks.locate_lock;
-        if !lock.as_os_str().is_empty() {
-            *lock = folder.join(&lock);
+        for file in [&mut scenario.quirks.locate_lock, &mut scenario.clock.turns] {
+            if !file.as_os_str().is_empty() {
+                *file = folder.join(&file);
+            }
         }
         Ok(scenario)
     }

@@ -42,22 +42,26 @@ impl Samples {
         self.quantile(1.0)
     }
 
-    /// The least that each frame of a turn took in any turn: all turns render the same, and what else the machine does only
-    /// adds to that. As many frames as the shortest turn has.
-    pub fn least(&self) -> impl Iterator<Item = f64> {
+    /// What each frame of a turn took, in the mean of the turns. As many frames as the shortest turn has.
+    pub fn by_frame(&self) -> impl Iterator<Item = f64> {
         let frames = self.turns.iter().map(Vec::len).min().unwrap_or(0);
-        (0..frames).map(|frame| self.turns.iter().map(|turn| turn[frame]).fold(f64::INFINITY, f64::min))
+        let mean =
+            |frame| self.turns.iter().map(|turn| turn[frame]).sum::<f64>() / self.turns.len().max(1) as f64;
+        (0..frames).map(mean)
     }
 
-    /// How many times as long as `baseline` it took, by the sum of the [`Self::least`] that each frame took; and how much turns
-    /// differ: of each turn the ratio of the medians, of these half of the range in which their middle half lies. The turns of
-    /// both must have been taken together, and have the same frames.
+    /// How many times as long as `baseline` it took: of each turn the ratio of the sums over all frames, of these the median; and half
+    /// of the range in which their middle half lies. The turns of both must have been taken together, and have the same frames:
+    /// side by side, so that what slows one down slows the other down too.
     pub fn ratio_to(&self, baseline: &Self) -> Ratio {
-        let medians = |samples: &Self| samples.turns.iter().cloned().map(median).collect::<Vec<_>>();
-        let pairs = medians(self).into_iter().zip(medians(baseline));
-        let ratios = Self { turns: vec![pairs.filter_map(|(a, b)| Some(a? / b?)).collect()] };
-        let value = self.least().sum::<f64>() / baseline.least().sum::<f64>();
-        Ratio { value, spread: (ratios.quantile(0.75) - ratios.quantile(0.25)) / 2.0 }
+        let sums = |samples: &Self| samples.turns.iter().map(|turn| turn.iter().sum()).collect::<Vec<f64>>();
+        let ratios: Vec<f64> =
+            sums(self).into_iter().zip(sums(baseline)).map(|(own, other)| own / other).collect();
+        let of_turns = Self { turns: vec![ratios.clone()] };
+        Ratio {
+            value: median(ratios).unwrap_or(f64::NAN),
+            spread: (of_turns.quantile(0.75) - of_turns.quantile(0.25)) / 2.0,
+        }
     }
 }
 
@@ -89,16 +93,25 @@ mod tests {
         assert!(Samples::default().worst().is_nan() && Samples::default().median().is_nan());
     }
 
-    /// What slows a turn or a frame down does not change the ratio, which the ratio of the medians would show.
+    /// What slows a turn down does not change the ratio, which the ratio of the medians would show; nor does a turn in which only
+    /// one was slowed down.
     #[test]
-    fn ratios_are_of_what_was_disturbed_least() {
+    fn ratios_are_of_turns() {
         let baseline = samples(&[&[10.0, 10.0], &[30.0, 30.0], &[10.0]]);
         let half = samples(&[&[5.0, 5.0], &[15.0, 15.0], &[5.0]]);
         assert_eq!(half.ratio_to(&baseline), Ratio { value: 0.5, spread: 0.0 });
         let (frames, disturbed) =
-            (samples(&[&[10.0, 20.0], &[10.0, 20.0]]), samples(&[&[9.0, 12.0], &[6.0, 90.0], &[50.0, 9.0]]));
+            (samples(&[&[10.0, 20.0][..]; 3]), samples(&[&[9.0, 6.0], &[6.0, 9.0], &[50.0, 9.0]]));
         assert_eq!(disturbed.ratio_to(&frames).value, 0.5);
         let varied = samples(&[&[4.0], &[15.0], &[6.0]]);
-        assert!((varied.ratio_to(&baseline).spread - 0.1).abs() < 1e-12);
+        assert!((varied.ratio_to(&baseline).spread - 0.2).abs() < 1e-12, "{:?}", varied.ratio_to(&baseline));
+        assert!(Samples::default().ratio_to(&baseline).value.is_nan());
+    }
+
+    #[test]
+    fn frames_are_means_of_turns() {
+        let frames: Vec<f64> = samples(&[&[1.0, 4.0, 9.0], &[3.0, 6.0]]).by_frame().collect();
+        assert_eq!(frames, [2.0, 5.0]);
+        assert_eq!(Samples::default().by_frame().count(), 0);
     }
 }

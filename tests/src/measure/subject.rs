@@ -3,13 +3,15 @@
 use super::{Effort, Technique};
 use crate::HarnessError;
 use crate::device::Machine;
-use crate::run::{Application, Run};
+use crate::run::{Application, LayerMode, Run};
 use crate::scenario::{Gaze, Head, Scenario, ScenarioExt, View};
 use glam::{Quat, Vec3};
 use parafovea_scene::scene::{FRAMES_PER_SECOND, SceneName};
 use parafovea_scene::script::Script;
 use parafovea_scene::script::gaze::GazeKey;
 use parafovea_scene::script::tracker::Tracker;
+use std::sync::{Arc, OnceLock};
+use tempfile::NamedTempFile;
 
 /// One scene with somebody in it: the head moves, the eyes wander, and a tracker reports where they look.
 #[derive(Clone, Debug)]
@@ -21,6 +23,8 @@ pub struct Subject {
     first_frame: u64,
     /// What it runs on; none: lavapipe.
     machine: Option<Machine>,
+    /// The script's sound, once it was asked for.
+    sound: Arc<OnceLock<NamedTempFile>>,
 }
 
 /// What runs.
@@ -35,7 +39,14 @@ enum Program {
 impl Subject {
     /// The script of `scene` from `first_frame` on, as `tracker` sees it.
     pub fn new(scene: SceneName, tracker: Tracker, first_frame: u64) -> Self {
-        Self { program: Program::Scene, script: Script::new(scene), tracker, first_frame, machine: None }
+        Self {
+            program: Program::Scene,
+            script: Script::new(scene),
+            tracker,
+            first_frame,
+            machine: None,
+            sound: Arc::default(),
+        }
     }
 
     /// hello_xr, an application that is not ours and has next to nothing to shade, with the script of the courtyard.
@@ -56,6 +67,11 @@ impl Subject {
         let large = saccades.iter().find(|saccade| is_meant(saccade.start_s, saccade.amplitude_deg));
         let start_s = large.map_or(0.0, |saccade| saccade.start_s - before_s);
         Self::new(scene, tracker, (start_s * FRAMES_PER_SECOND) as u64)
+    }
+
+    /// The script of the same scene from so many frames later on.
+    pub fn later(&self, frames: u64) -> Self {
+        Self { first_frame: self.first_frame + frames, ..self.clone() }
     }
 
     /// The same on a device of its own.
@@ -123,7 +139,13 @@ impl Subject {
             Program::Scene => self.scene(technique, effort)?,
             Program::HelloXr => Application::hello_xr("Vulkan2")?,
         };
-        let run = Run::new(&application, scenario).layer(technique.layer.clone());
+        let run = Run::new(&application, scenario);
+        let run = match &technique.layer {
+            LayerMode::On(config) if technique.hears => {
+                run.layer(LayerMode::On(format!("{config}{}", self.audio_config()?))).with_ears()?
+            }
+            layer => run.layer(layer.clone()),
+        };
         let run = match &technique.library {
             Some(library) => run.library(library),
             None => run,
@@ -141,6 +163,23 @@ impl Subject {
         let mut arguments = vec!["--scene", self.name(), "--first-frame", &first_frame, "--size", &size];
         arguments.extend(technique.arguments.iter().map(String::as_str));
         Application::ours("parafovea-scene", &arguments)
+    }
+
+    /// The part of a configuration that has the layer hear the script's sound.
+    fn audio_config(&self) -> Result<String, HarnessError> {
+        if self.sound.get().is_none() {
+            let path = std::env::temp_dir();
+            let failed = |error: &dyn ToString| HarnessError::File {
+                path: path.clone(),
+                source: std::io::Error::other(error.to_string()),
+            };
+            let file = NamedTempFile::with_suffix(".wav").map_err(|error| failed(&error))?;
+            self.script.sound.write_wav(file.as_file()).map_err(|error| failed(&error))?;
+            // Where another thread was first, this one goes.
+            let _ = self.sound.set(file);
+        }
+        let path = self.sound.get().map(|file| file.path().display().to_string()).unwrap_or_default();
+        Ok(format!("[audio]\nsource = \"file\"\nfile = {path:?}\nwindow_s = 1.0\n"))
     }
 
     /// When frame `frame` of a run is shown, seconds of the script.

@@ -17,18 +17,31 @@ pub struct Technique {
     pub render_scale: f32,
     /// What the application is told besides.
     pub arguments: Vec<String>,
+    /// Whether the layer hears the sound of the scene. It is played in real time, whatever the runtime's clock says.
+    pub hears: bool,
 }
 
 impl Technique {
     /// The application alone.
     pub fn off() -> Self {
-        let (name, arguments) = ("off".to_owned(), Vec::new());
-        Self { name, layer: LayerMode::Absent, library: None, render_scale: 1.0, arguments }
+        Self {
+            name: "off".to_owned(),
+            layer: LayerMode::Absent,
+            library: None,
+            render_scale: 1.0,
+            arguments: Vec::new(),
+            hears: false,
+        }
     }
 
     /// The layer with this configuration.
     pub fn layer(name: &str, config: &str) -> Self {
         Self { name: name.to_owned(), layer: LayerMode::On(config.to_owned()), ..Self::off() }
+    }
+
+    /// The same, with the sound of the scene as what the layer hears: by its last second, so that it is heard early on.
+    pub fn hearing(self) -> Self {
+        Self { hears: true, ..self }
     }
 
     /// The same with another build's library, which `name` stands for.

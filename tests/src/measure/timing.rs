@@ -1,6 +1,6 @@
 //! Timed runs.
 
-use super::{Samples, Subject, Technique};
+use super::{Samples, Subject, Technique, side_by_side};
 use crate::HarnessError;
 use crate::run::Outcome;
 
@@ -21,11 +21,20 @@ pub struct Effort {
 pub const LAYER_RUN_UP: u64 = 120;
 
 impl Effort {
+    /// The same frames, with no more of a run-up than a technique needs.
+    pub fn of(self, technique: &Technique) -> Self {
+        let run_up = if technique.has_layer() { self.run_up } else { self.run_up.min(RUN_UP_ALONE) };
+        Self { run_up, ..self }
+    }
+
     /// All frames of a turn.
     pub fn length(self) -> u64 {
         self.run_up + self.frames
     }
 }
+
+/// Run-up without the layer: shaders are compiled and caches filled, and nothing adapts.
+pub const RUN_UP_ALONE: u64 = 4;
 
 /// What one technique cost.
 #[derive(Clone, Debug)]
@@ -84,8 +93,8 @@ impl Counts {
     }
 }
 
-/// Times all `techniques` on `subject`, the first of which is the baseline: turn by turn, each technique once, in an
-/// order that is reversed from turn to turn, so that a drift falls on none. The runtime composites nothing. With `with_gpu`
+/// Times all `techniques` on `subject`, the first of which is the baseline: in each turn all run side by side, a frame each
+/// ([`side_by_side`]), so that what else the machine does falls on all. The runtime composites nothing. With `with_gpu`
 /// the GPU's timestamps are taken too.
 ///
 /// `progress` is told of every run before it is started.
@@ -122,18 +131,14 @@ pub fn take_turns(
     mut progress: impl FnMut(&str),
 ) -> Result<(), HarnessError> {
     for turn in 0..effort.turns {
-        let mut order: Vec<usize> = (0..techniques.len()).collect();
-        if turn % 2 == 1 {
-            order.reverse();
-        }
-        for index in order {
-            progress(&format!("{}: {}, turn {}", subject.name(), techniques[index].name, turn + 1));
-            let run = subject.run(&techniques[index], effort)?;
-            let run = if with_gpu { run.gpu_timed() } else { run };
-            let outcome = run.finish()?.expect_frames(effort.length())?;
-            timings[index].cpu_ms.push(outcome.record.cpu_ms_of_frames(effort.run_up));
+        let outcomes = side_by_side(subject, techniques, effort, with_gpu, |technique| {
+            progress(&format!("{}: {}, turn {}", subject.name(), technique.name, turn + 1));
+        })?;
+        for ((outcome, technique), timing) in outcomes.iter().zip(techniques).zip(timings.iter_mut()) {
+            let run_up = effort.of(technique).run_up;
+            timing.cpu_ms.push(outcome.record.cpu_ms_of_frames(run_up));
             if with_gpu {
-                timings[index].gpu_ms.push(outcome.gpu_ms_of_frames(effort.run_up)?);
+                timing.gpu_ms.push(outcome.gpu_ms_of_frames(run_up)?);
             }
         }
     }

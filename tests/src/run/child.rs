@@ -46,6 +46,11 @@ impl Child {
         self.input = None;
     }
 
+    /// Whether the process has ended; so says one that cannot be asked.
+    pub(super) fn has_ended(&mut self) -> bool {
+        !matches!(self.process.try_wait(), Ok(None))
+    }
+
     pub(super) fn finish(mut self) -> Result<Exit, HarnessError> {
         let wait = HarnessError::file(Path::new("the running application"));
         let status = loop {

@@ -66,6 +66,21 @@ fn the_mean_of_the_frames_is_that_of_the_rings() {
     assert!(report.by_frame(Metric::Flicker).is_empty());
 }
 
+/// The power mean is the mean where all is alike, and above it the more the changes differ; no more than the worst.
+#[test]
+fn what_is_detected_is_where_most_has_changed() {
+    let reference = clip(5, 1);
+    let everywhere = judge(&reference, &blurred(&reference, 1), &Viewing::default()).unwrap();
+    for metric in [Metric::Sustained, Metric::Transient] {
+        for (detected, mean) in everywhere.detected_by_frame(metric).iter().zip(everywhere.by_frame(metric)) {
+            let (detected, mean) = (detected.unwrap(), mean.unwrap());
+            assert!(detected > mean && detected < 20.0 * mean, "{metric:?}: {detected}, {mean}");
+        }
+    }
+    let same = judge(&reference, &reference, &Viewing::default()).unwrap();
+    assert!(same.detected_by_frame(Metric::Sustained).iter().all(|detected| *detected == Some(0.0)));
+}
+
 #[test]
 fn clips_that_cannot_be_compared_are_refused() {
     let reference = clip(2, 0);

@@ -34,6 +34,7 @@ pub fn point(sweep: Sweep, technique: &str, ratio: f64, loss: f64, varied: f64) 
     let frames_ms = (0..FRAMES).map(|frame| 40.0 * ratio * wave(frame)).collect();
     let errors = (sweep != Sweep::Off).then(|| Errors {
         loss: (0..FRAMES).map(|frame| loss * wave(FRAMES - frame)).collect(),
+        detected: (0..FRAMES).map(|frame| 2.0 * loss * wave(FRAMES - frame)).collect(),
         sustained: [Some(loss); RINGS],
         transient: [Some(0.5 * loss); RINGS],
         flicker: Some(0.01),

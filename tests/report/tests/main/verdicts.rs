@@ -4,10 +4,11 @@ use crate::made_up::{results, scene};
 use parafovea_report::page::contests;
 use parafovea_report::points::Sweep;
 use parafovea_report::statistics::Bootstrap;
-use parafovea_report::verdict::{EVERYTHING, Verdict, contest, sentences, why_not};
+use parafovea_report::verdict::{EVERYTHING, Measure, Verdict, contest, sentences, why_not};
 
 fn verdict(everything: (f64, f64), rival: Sweep) -> Verdict {
-    contest(&scene("cockpit", everything, 0.2), EVERYTHING, rival, &Bootstrap::default()).unwrap().verdict
+    let scene = scene("cockpit", everything, 0.2);
+    contest(&scene, EVERYTHING, rival, Measure::Mean, &Bootstrap::default()).unwrap().verdict
 }
 
 #[test]
@@ -31,11 +32,25 @@ fn what_is_cheaper_than_the_other_ever_is_wins_only_if_it_loses_less() {
     assert_eq!(verdict((0.2, 3.0), Sweep::FixedFoveation), Verdict::Apart);
 }
 
+/// Much that is not seen outweighs little that is in one measure, and not in the other.
+#[test]
+fn the_measures_are_told_apart() {
+    let mut scene = scene("cockpit", (0.49, 1.8), 0.2);
+    for point in scene.points.iter_mut().filter(|point| point.technique == EVERYTHING) {
+        point.errors.as_mut().unwrap().detected.iter_mut().for_each(|detected| *detected = 0.1);
+    }
+    let verdict = |measure| {
+        contest(&scene, EVERYTHING, Sweep::FixedFoveation, measure, &Bootstrap::default()).unwrap().verdict
+    };
+    assert_eq!(Measure::ALL.map(verdict), [Verdict::Loses, Verdict::Wins]);
+}
+
 /// The difference is of the same frames: it is surer than cost and loss themselves.
 #[test]
 fn the_interval_holds_the_difference() {
     let scene = scene("cockpit", (0.49, 0.5), 0.2);
-    let contest = contest(&scene, EVERYTHING, Sweep::FixedFoveation, &Bootstrap::default()).unwrap();
+    let contest =
+        contest(&scene, EVERYTHING, Sweep::FixedFoveation, Measure::Mean, &Bootstrap::default()).unwrap();
     let interval = contest.difference.unwrap();
     let difference = contest.loss - contest.rival_loss;
     assert!(interval.low <= difference && difference <= interval.high, "{interval:?}, {difference}");
@@ -47,7 +62,7 @@ fn the_interval_holds_the_difference() {
 fn scenes_are_counted_and_what_is_not_won_is_explained() {
     let results = results();
     let contests = contests(&results);
-    assert_eq!(contests.len(), 4, "two scenes against two rivals");
+    assert_eq!(contests.len(), 8, "two scenes against two rivals, by both measures");
     let sentences = sentences(&results, &contests);
     assert!(
         sentences.iter().all(|text| text.contains("in 1 of 2 scenes, ties in 0, loses more in 1.")),

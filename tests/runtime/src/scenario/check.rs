@@ -106,7 +106,7 @@ mod tests {
     fn refusals_name_the_key_and_what_is_allowed() {
         let cases = [
             ("[clock]\nrefresh_hz=0", "clock.refresh_hz is 0; allowed: 1 to 1000"),
-            ("[clock]\nspeed=1", "unknown field `speed`, expected `mode` or `refresh_hz`"),
+            ("[clock]\nspeed=1", "unknown field `speed`, expected one of `mode`, `refresh_hz`, `turns`"),
             ("[clock]\nmode='fast'", "unknown variant `fast`, expected `simulated` or `real`"),
             ("[swapchain]\nimages=9", "swapchain.images is 9; allowed: 1 to 8"),
             ("[system]\nmax_api='2.0'", "system.max_api has \"2.0\"; allowed: [\"1.0\", \"1.1\"]"),

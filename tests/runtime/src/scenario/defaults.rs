@@ -4,6 +4,7 @@ use super::{
     Clock, ClockMode, FovDegrees, Gaze, Hand, Head, Output, Picture, Quirks, Scenario, Session, Swapchain,
     System, Tracker, View, Vulkan,
 };
+use std::path::PathBuf;
 
 impl Default for Scenario {
     fn default() -> Self {
@@ -42,7 +43,7 @@ impl Default for Output {
 
 impl Default for Clock {
     fn default() -> Self {
-        Self { mode: ClockMode::Simulated, refresh_hz: 90.0 }
+        Self { mode: ClockMode::Simulated, refresh_hz: 90.0, turns: PathBuf::new() }
     }
 }
 

@@ -82,6 +82,12 @@ impl Gpu {
         }
     }
 
+    /// Waits for all that the queue was given, by the application too.
+    pub fn finish(&self) -> Result<(), Fault> {
+        // SAFETY: the queue is of this device; called where the specification keeps the application off it.
+        unsafe { self.device.queue_wait_idle(self.queue) }.map_err(failed("vkQueueWaitIdle"))
+    }
+
     /// Memory for what has these requirements, with these properties.
     pub fn allocate(
         &self,

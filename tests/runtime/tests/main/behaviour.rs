@@ -58,6 +58,7 @@ pub fn cases() -> Vec<Case> {
             |_| {},
         ),
         good("discarded_frame", "", session::discarded_frame, |_| {}),
+        good("frames_that_wait_for_their_turn", "[clock]\nturns='turns'", session::turns, |_| {}),
         good("real_time", "[clock]\nmode='real'\nrefresh_hz=50", session::real_time, |_| {}),
         good(
             "gaze_that_is_late_and_newer_at_the_views",

@@ -5,7 +5,14 @@ use crate::application::{Application, call};
 use crate::case::Output;
 use openxr_sys as xr;
 use openxr_sys::SessionState as State;
+use parafovea_mock_runtime::SCENARIO_VARIABLE;
 use parafovea_mock_runtime::record::Line;
+use std::io::{Read, Write};
+use std::os::unix::net::UnixListener;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
 pub fn two_sessions() {
     let mut app = Application::ready();
@@ -55,6 +62,32 @@ pub fn should_render() {
     assert_eq!(seen, [true, false, true]);
 }
 
+/// Two frames wait for a byte each; then there is nobody to wait for.
+pub fn turns() {
+    let scenario = PathBuf::from(std::env::var_os(SCENARIO_VARIABLE).unwrap());
+    let listener = UnixListener::bind(scenario.with_file_name("turns")).unwrap();
+    let given = Arc::new(AtomicU32::new(0));
+    let giver = std::thread::spawn({
+        let given = Arc::clone(&given);
+        move || {
+            let (mut stream, _) = listener.accept().unwrap();
+            for turn in 1..=2 {
+                stream.read_exact(&mut [0]).unwrap();
+                std::thread::sleep(Duration::from_millis(20));
+                given.store(turn, Ordering::SeqCst);
+                stream.write_all(&[0]).unwrap();
+            }
+        }
+    });
+    let app = Application::running();
+    for turn in 1..=2 {
+        empty_frame(&app);
+        assert_eq!(given.load(Ordering::SeqCst), turn, "the frame did not wait, or was not the only one");
+    }
+    giver.join().unwrap();
+    empty_frame(&app);
+}
+
 pub fn discarded_frame() {
     let app = Application::running();
     app.begin_frame();
@@ -67,7 +100,7 @@ pub fn real_time() {
     let app = Application::running();
     let start = std::time::Instant::now();
     let times = [(); 4].map(|()| empty_frame(&app).predicted_display_time.as_nanos());
-    assert!(start.elapsed() >= std::time::Duration::from_millis(59), "{:?}", start.elapsed());
+    assert!(start.elapsed() >= Duration::from_millis(59), "{:?}", start.elapsed());
     assert!(
         times.windows(2).all(|pair| (pair[1] - pair[0]) % 20_000_000 == 0 && pair[1] > pair[0]),
         "{times:?}"

@@ -1,0 +1,117 @@
+//! Applications that run beside each other, of which one at a time has its frame.
+//!
+//! What else a machine does slows a run down for seconds at a time. Runs one after the other differ by that; frames one after
+//! the other, a fraction of a second apart, hardly do.
+
+use super::{Effort, Subject, Technique};
+use crate::HarnessError;
+use crate::run::{Outcome, Running};
+use std::io::{ErrorKind, Read, Write};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// How long an application may take for its start, or for a frame.
+const PATIENCE: Duration = Duration::from_secs(240);
+
+/// How often it is looked whether an application has come.
+const POLL: Duration = Duration::from_millis(2);
+
+/// An application under way.
+struct Player {
+    running: Running,
+    /// Where it asks for its frames.
+    asks: UnixStream,
+    /// Whether it waits for a frame.
+    is_waiting: bool,
+}
+
+/// One turn of each technique: all are started and have their run-up one after the other, and then a frame each in turn, in
+/// an order that is reversed from frame to frame. The outcomes are in the order of `techniques`.
+///
+/// # Errors
+/// Those of the harness, and an application that does not come to its end.
+pub fn side_by_side(
+    subject: &Subject,
+    techniques: &[Technique],
+    effort: Effort,
+    with_gpu: bool,
+    mut progress: impl FnMut(&Technique),
+) -> Result<Vec<Outcome>, HarnessError> {
+    let folder = std::env::temp_dir();
+    let sockets = tempfile::tempdir().map_err(HarnessError::file(&folder))?;
+    let mut players = Vec::new();
+    for (number, technique) in techniques.iter().enumerate() {
+        progress(technique);
+        let shorter = effort.of(technique);
+        let subject = subject.later(effort.run_up - shorter.run_up);
+        let mut scenario = subject.scenario(shorter);
+        scenario.clock.turns = sockets.path().join(number.to_string());
+        let listener =
+            UnixListener::bind(&scenario.clock.turns).map_err(HarnessError::file(&scenario.clock.turns))?;
+        let run = subject.run_as(technique, shorter, &scenario)?;
+        let run = if with_gpu { run.gpu_timed() } else { run };
+        let patience = PATIENCE * (techniques.len() as u32 + 1);
+        let mut player = Player::start(run.timeout(patience).start()?, &listener, &scenario.clock.turns)?;
+        for _ in 0..shorter.run_up {
+            player.play();
+        }
+        players.push(player);
+    }
+    for frame in 0..effort.frames {
+        match frame % 2 {
+            0 => players.iter_mut().for_each(Player::play),
+            _ => players.iter_mut().rev().for_each(Player::play),
+        }
+    }
+    let finished = players
+        .into_iter()
+        .zip(techniques)
+        .map(|(player, technique)| player.finish()?.expect_frames(effort.of(technique).length()));
+    finished.collect()
+}
+
+impl Player {
+    /// Waits for an application to ask for its first frame.
+    fn start(mut running: Running, listener: &UnixListener, path: &Path) -> Result<Self, HarnessError> {
+        listener.set_nonblocking(true).map_err(HarnessError::file(path))?;
+        let start = Instant::now();
+        let asks = loop {
+            match listener.accept() {
+                Ok((asks, _)) => break asks,
+                Err(error) if error.kind() != ErrorKind::WouldBlock => {
+                    return Err(HarnessError::file(path)(error));
+                }
+                Err(_) if running.has_ended() || start.elapsed() > PATIENCE => {
+                    return Err(running.finish()?.failed("it did not ask for a frame"));
+                }
+                Err(_) => std::thread::sleep(POLL),
+            }
+        };
+        let settled = asks.set_nonblocking(false).and_then(|()| asks.set_read_timeout(Some(PATIENCE)));
+        settled.map_err(HarnessError::file(path))?;
+        let mut player = Self { running, asks, is_waiting: false };
+        player.listen();
+        Ok(player)
+    }
+
+    /// Waits until the application waits for a frame. One that does not any more is at its end.
+    fn listen(&mut self) {
+        self.is_waiting = self.asks.read_exact(&mut [0]).is_ok();
+    }
+
+    /// Lets it have a frame.
+    fn play(&mut self) {
+        if self.is_waiting && self.asks.write_all(&[0]).is_ok() {
+            self.listen();
+        }
+    }
+
+    /// Lets it come to its end.
+    fn finish(mut self) -> Result<Outcome, HarnessError> {
+        while self.is_waiting {
+            self.play();
+        }
+        self.running.finish()
+    }
+}
