@@ -26,7 +26,7 @@ mod mel;
 mod spectrum;
 mod trust;
 
-pub use extractor::{FeatureExtractor, FormatError, INTERVAL_S, MAX_CHANNELS, SAMPLE_RATES_HZ};
+pub use extractor::{FeatureExtractor, FormatError, INTERVAL_S, MAX_CHANNELS, SAMPLE_RATES_HZ, check_format};
 pub use features::AudioFeatures;
 pub use loudness::Loudness;
 pub use mel::{BANDS, FilterBank, GREATEST_KILOMEL, LEAST_KILOMEL, gamma_fq, hz_of_mel, mel_of_hz};

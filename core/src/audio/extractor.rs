@@ -37,6 +37,17 @@ pub enum FormatError {
     Meter(#[from] ebur128::Error),
 }
 
+/// Whether a stream has features, by its frames a second and its interleaved channels.
+///
+/// # Errors
+/// Where the sample rate is not within [`SAMPLE_RATES_HZ`] or the channels not within 1..=[`MAX_CHANNELS`].
+pub fn check_format(sample_rate_hz: u32, channels: u32) -> Result<(), FormatError> {
+    if !SAMPLE_RATES_HZ.contains(&sample_rate_hz) {
+        return Err(FormatError::SampleRate(sample_rate_hz));
+    }
+    channels::positions(channels).map(drop).ok_or(FormatError::Channels(channels))
+}
+
 /// Extracts features from a stream of samples (paper A, Algorithm 1 lines 12-15).
 ///
 /// The features are the same, bit for bit, however the samples are divided into portions: work is done a hop of
@@ -61,9 +72,7 @@ impl FeatureExtractor {
     /// # Errors
     /// Where the sample rate is not within [`SAMPLE_RATES_HZ`] or the channels not within 1..=[`MAX_CHANNELS`].
     pub fn new(sample_rate_hz: u32, channels: u32, settings: &AudioSettings) -> Result<Self, FormatError> {
-        if !SAMPLE_RATES_HZ.contains(&sample_rate_hz) {
-            return Err(FormatError::SampleRate(sample_rate_hz));
-        }
+        check_format(sample_rate_hz, channels)?;
         let positions = channels::positions(channels).ok_or(FormatError::Channels(channels))?;
         let settings = settings.limited();
         let window_hops = (settings.window_s / INTERVAL_S).round() as usize;

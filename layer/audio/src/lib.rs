@@ -22,6 +22,7 @@ pub mod ring;
 mod settings;
 mod shared;
 mod sources;
+pub mod wav;
 
 pub use capture::{Capture, Heard};
 pub use settings::{Settings, Source};

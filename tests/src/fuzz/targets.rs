@@ -3,11 +3,13 @@
 use parafovea::abi::pnext::{Header, MAX_LENGTH, Structure, chain};
 use parafovea::inputs::gaze::script::GazeScript;
 use parafovea::vk::FragmentShaders;
+use parafovea_audio::wav::Wav;
 use parafovea_core::avpm::study;
 use parafovea_manifest::config;
 use parafovea_manifest::json::Half;
 use parafovea_mock_runtime::scenario::Scenario;
 use std::borrow::Cow;
+use std::io::Cursor;
 use std::path::Path;
 use std::ptr::null;
 
@@ -21,7 +23,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 7] = [
+pub const TARGETS: [Target; 8] = [
     Target { name: "config", execute: config },
     Target { name: "gaze", execute: gaze },
     Target { name: "manifest", execute: manifest },
@@ -29,6 +31,7 @@ pub const TARGETS: [Target; 7] = [
     Target { name: "scenario", execute: scenario },
     Target { name: "spirv", execute: spirv },
     Target { name: "study", execute: study },
+    Target { name: "wav", execute: wav },
 ];
 
 fn text(input: &[u8]) -> Cow<'_, str> {
@@ -137,5 +140,17 @@ fn study(input: &[u8]) {
             assert!(numbers.into_iter().all(f32::is_finite));
             assert!(study::averaged(&entries).len() <= entries.len());
         }
+    }
+}
+
+/// Whatever a header says, a portion has no more samples than were asked for.
+fn wav(input: &[u8]) {
+    let Ok(mut wav) = Wav::new(Cursor::new(input)) else { return };
+    let channels = wav.format().channels as usize;
+    let mut piece = Vec::new();
+    for frames in [1, 960, 7] {
+        let Ok(read) = wav.read(frames, &mut piece) else { return };
+        assert!(1 <= read && read <= frames, "{read} of {frames} frames");
+        assert!(piece.len() <= read as usize * channels, "{} samples in {read} frames", piece.len());
     }
 }
