@@ -122,7 +122,7 @@ fn how_to_read(conditions: &Conditions) -> Markup {
         ul.note {
             li {
                 "Times are medians of " (frames) " frames with both eyes at " (size) " x " (size) ", after a run-up of " (run_up)
-                ", in " (turns) " turns. In a turn all techniques run side by side, a frame each, so that what else the machine does falls on all; \"x off\" is the ratio of the sums of a turn, in the median of the turns. p99 is what one frame in a hundred exceeds."
+                ", in " (turns) " turns. In a turn all techniques run side by side, a frame each, so that what else the machine does falls on all; \"x off\" is the ratio of the sums of a turn, in the mean of the middle half of the turns. p99 is what one frame in a hundred exceeds."
             }
             li {
                 "Errors are of " (judged) " of these frames at " (side) " x " (side) ", with a saccade of at least 10 degrees in their middle, against the same frames of the application "
