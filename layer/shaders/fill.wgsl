@@ -1,4 +1,4 @@
-// Kernel `fill`: the skipped blocks of a picture, in place, one thread for each pixel.
+// Kernel `fill`: the skipped blocks of a picture, in place, one thread for each block.
 // Reference: core/src/kernels/fill.rs, in the same order; core/src/mask/list.rs has the layout of the list.
 
 struct SkipList {
@@ -13,9 +13,8 @@ struct SkipList {
 @group(0) @binding(2) var halves: texture_storage_2d_array<rgba16float, read_write>;
 
 // core::mask::BLOCK, core::mask::BLOCKS_PER_GROUP
-const BLOCK: u32 = 4u;
-const BLOCKS_PER_GROUP: u32 = 4u;
-const PIXELS: u32 = BLOCK * BLOCK;
+const BLOCK: i32 = 4;
+const BLOCKS_PER_GROUP: u32 = 64u;
 const CONTRAST_FLOOR: f32 = 0.25;
 const LEAST_CONTRAST: f32 = 1e-6;
 
@@ -67,49 +66,67 @@ fn encode(color: vec4<f32>, format: u32) -> u32 {
     return pack4x8unorm(color);
 }
 
-// Where a source block is, from the skipped one on: four bits each, two's complement. Zero: there is none.
-fn source_offset(sources: u32, index: u32) -> vec2<i32> {
-    let byte = bitcast<i32>(sources >> (8u * index));
-    return vec2(extractBits(byte, 0u, 4u), extractBits(byte, 4u, 4u));
-}
-
-// What one thread fills.
+// A skipped block.
 struct Place {
     inside: bool,
-    block: vec2<i32>,
+    // Its first pixel.
+    origin: vec2<i32>,
     layer: u32,
-    pixel: vec2<i32>,
+    // Of each source four bits a side, two's complement: blocks from the skipped one on. Zero: there is none.
     sources: u32,
 }
 
 fn place(group: vec3<u32>, groups: vec3<u32>, thread: u32) -> Place {
-    let index = (group.y * groups.x + group.x) * BLOCKS_PER_GROUP + thread / PIXELS;
+    let index = (group.y * groups.x + group.x) * BLOCKS_PER_GROUP + thread;
     if index >= list.header.w {
-        return Place(false, vec2(0), 0u, vec2(0), 0u);
+        return Place(false, vec2(0), 0u, 0u);
     }
     let entry = list.blocks[index];
     let block = vec2<i32>(vec2(entry.x & 0xfffu, (entry.x >> 12u) & 0xfffu));
-    let pixel = block * i32(BLOCK) + vec2<i32>(vec2(thread % BLOCK, thread % PIXELS / BLOCK));
-    return Place(true, block, entry.x >> 24u, pixel, entry.y);
+    return Place(true, block * BLOCK, entry.x >> 24u, entry.y);
 }
 
-// The pixel of a source block that is nearest.
-fn nearest(place: Place, index: u32) -> vec2<i32> {
-    let first = (place.block + source_offset(place.sources, index)) * i32(BLOCK);
-    return clamp(place.pixel, first, first + i32(BLOCK) - 1);
-}
-
+// A source block as seen from the skipped one: of its pixels only four are the nearest to any, those of an edge or, four times the same,
+// of a corner.
 struct Source {
+    // From the skipped block's first pixel on, pixels.
+    first: vec2<i32>,
+    there: bool,
+    // Whether the nearest pixel is that of the same column, otherwise that of the same row.
+    by_column: bool,
+    colors: array<vec4<f32>, 4>,
+    usable: vec4<bool>,
+}
+
+// A source without its colours.
+fn located(place: Place, index: u32) -> Source {
+    let byte = bitcast<i32>(place.sources >> (8u * index));
+    let offset = vec2(extractBits(byte, 0u, 4u), extractBits(byte, 4u, 4u));
+    var source: Source;
+    source.first = offset * BLOCK;
+    source.there = any(offset != vec2(0));
+    source.by_column = offset.x == 0;
+    return source;
+}
+
+// The pixel of a source block that is nearest to a pixel of the skipped one, both from that one's first pixel on.
+fn nearest(source: Source, pixel: vec2<i32>) -> vec2<i32> {
+    return clamp(pixel, source.first, source.first + (BLOCK - 1));
+}
+
+// A source's colour for one pixel.
+struct Part {
     color: vec4<f32>,
     // 1 / squared distance; 0 where there is none.
     weight: f32,
 }
 
-fn source(place: Place, index: u32, color: vec4<f32>, usable: bool) -> Source {
-    let away = nearest(place, index) - place.pixel;
-    let there = usable && any(source_offset(place.sources, index) != vec2(0));
+fn part(source: Source, pixel: vec2<i32>) -> Part {
+    let away = nearest(source, pixel) - pixel;
+    let color = select(source.colors[pixel.y], source.colors[pixel.x], source.by_column);
+    let usable = source.there && select(source.usable[pixel.y], source.usable[pixel.x], source.by_column);
     // Selected, not multiplied: what is left out may be NaN.
-    return Source(select(vec4(0.0), color, there), select(0.0, 1.0 / f32(max(dot(away, away), 1)), there));
+    return Part(select(vec4(0.0), color, usable), select(0.0, 1.0 / f32(max(dot(away, away), 1)), usable));
 }
 
 fn sum(color: vec4<f32>) -> f32 {
@@ -117,7 +134,7 @@ fn sum(color: vec4<f32>) -> f32 {
     return magnitude.r + magnitude.g + magnitude.b;
 }
 
-fn blend(a: Source, b: Source, c: Source, d: Source) -> vec4<f32> {
+fn blend(a: Part, b: Part, c: Part, d: Part) -> vec4<f32> {
     let there = vec4(a.weight, b.weight, c.weight, d.weight) > vec4(0.0);
     let count = dot(select(vec4(0.0), vec4(1.0), there), vec4(1.0));
     let total = sum(a.color) + sum(b.color) + sum(c.color) + sum(d.color);
@@ -135,33 +152,95 @@ fn blend(a: Source, b: Source, c: Source, d: Source) -> vec4<f32> {
     return vec4(0.0);
 }
 
-fn word(place: Place, index: u32, format: u32) -> Source {
-    let color = decode(textureLoad(words, nearest(place, index), place.layer).x, format);
-    // Whole numbers have no infinity.
-    return source(place, index, color, format != FLOAT11 || is_finite(color));
+struct Sources {
+    a: Source,
+    b: Source,
+    c: Source,
+    d: Source,
+}
+
+fn filled(sources: Sources, pixel: vec2<i32>) -> vec4<f32> {
+    return blend(
+        part(sources.a, pixel),
+        part(sources.b, pixel),
+        part(sources.c, pixel),
+        part(sources.d, pixel),
+    );
+}
+
+fn word_source(place: Place, index: u32, format: u32) -> Source {
+    var source = located(place, index);
+    for (var i = 0; i < BLOCK; i++) {
+        let at = place.origin + nearest(source, vec2(i));
+        let color = decode(textureLoad(words, at, place.layer).x, format);
+        source.colors[i] = color;
+        // Whole numbers have no infinity.
+        source.usable[i] = format != FLOAT11 || is_finite(color);
+    }
+    return source;
+}
+
+fn fill_word(place: Place, sources: Sources, format: u32, pixel: vec2<i32>) {
+    let word = encode(filled(sources, pixel), format);
+    textureStore(words, place.origin + pixel, place.layer, vec4(word, 0u, 0u, 0u));
+}
+
+// Written out, as all of the block: what a loop takes from arrays is in memory.
+fn fill_word_row(place: Place, sources: Sources, format: u32, row: i32) {
+    fill_word(place, sources, format, vec2(0, row));
+    fill_word(place, sources, format, vec2(1, row));
+    fill_word(place, sources, format, vec2(2, row));
+    fill_word(place, sources, format, vec2(3, row));
 }
 
 fn fill_words(place: Place, format: u32) {
     if place.inside {
-        let color = blend(
-            word(place, 0u, format),
-            word(place, 1u, format),
-            word(place, 2u, format),
-            word(place, 3u, format),
+        let sources = Sources(
+            word_source(place, 0u, format),
+            word_source(place, 1u, format),
+            word_source(place, 2u, format),
+            word_source(place, 3u, format),
         );
-        textureStore(words, place.pixel, place.layer, vec4(encode(color, format), 0u, 0u, 0u));
+        fill_word_row(place, sources, format, 0);
+        fill_word_row(place, sources, format, 1);
+        fill_word_row(place, sources, format, 2);
+        fill_word_row(place, sources, format, 3);
     }
 }
 
-fn half(place: Place, index: u32) -> Source {
-    let color = textureLoad(halves, nearest(place, index), place.layer);
-    return source(place, index, color, is_finite(color));
+fn half_source(place: Place, index: u32) -> Source {
+    var source = located(place, index);
+    for (var i = 0; i < BLOCK; i++) {
+        let color = textureLoad(halves, place.origin + nearest(source, vec2(i)), place.layer);
+        source.colors[i] = color;
+        source.usable[i] = is_finite(color);
+    }
+    return source;
+}
+
+fn fill_half(place: Place, sources: Sources, pixel: vec2<i32>) {
+    textureStore(halves, place.origin + pixel, place.layer, filled(sources, pixel));
+}
+
+fn fill_half_row(place: Place, sources: Sources, row: i32) {
+    fill_half(place, sources, vec2(0, row));
+    fill_half(place, sources, vec2(1, row));
+    fill_half(place, sources, vec2(2, row));
+    fill_half(place, sources, vec2(3, row));
 }
 
 fn fill_halves(place: Place) {
     if place.inside {
-        let color = blend(half(place, 0u), half(place, 1u), half(place, 2u), half(place, 3u));
-        textureStore(halves, place.pixel, place.layer, color);
+        let sources = Sources(
+            half_source(place, 0u),
+            half_source(place, 1u),
+            half_source(place, 2u),
+            half_source(place, 3u),
+        );
+        fill_half_row(place, sources, 0);
+        fill_half_row(place, sources, 1);
+        fill_half_row(place, sources, 2);
+        fill_half_row(place, sources, 3);
     }
 }
 

@@ -37,8 +37,8 @@ struct SkipList {
 
 const BLOCK: u32 = 4u;
 const VIEW_WORDS: u32 = 6u;
-const BLOCKS_PER_GROUP: u32 = 4u;
-const GROUPS_PER_ROW: u32 = 32768u;
+const BLOCKS_PER_GROUP: u32 = 64u;
+const GROUPS_PER_ROW: u32 = 2048u;
 const REACH: i32 = 7;
 const REACH_IN_PATTERN: u32 = 4u;
 // reuse::STALE

@@ -6,12 +6,12 @@ use glam::UVec2;
 /// Words ahead of the blocks: the three of `VkDispatchIndirectCommand`, and the number of blocks.
 pub const HEADER_WORDS: usize = 4;
 
-/// Blocks that one workgroup of the kernel fills. The shader has the same constant.
-pub const BLOCKS_PER_GROUP: u32 = 4;
+/// Blocks that one workgroup of the kernel fills, each by one thread. The shaders have the same constant.
+pub const BLOCKS_PER_GROUP: u32 = 64;
 
 /// Most workgroups in a row: below what every device takes (Vulkan specification, "Required Limits",
 /// maxComputeWorkGroupCount 65535).
-const GROUPS_PER_ROW: u32 = 1 << 15;
+const GROUPS_PER_ROW: u32 = 1 << 11;
 
 /// One skipped block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
