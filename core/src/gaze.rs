@@ -32,7 +32,7 @@ pub struct GazeSample {
 pub enum GazePhase {
     /// Tracked, and resting.
     Fixation,
-    /// Tracked, and following something, or turning against the head: slow enough to see with.
+    /// Tracked, and following something that moves in the world: slow enough to see with.
     Pursuit,
     /// Tracked, and too fast to see fine detail.
     Saccade,
@@ -54,7 +54,7 @@ pub struct GazeState {
     /// The ray that `directions` are from, a unit vector, where they are for a distance that nobody knows
     /// ([`Self::with_nearest`]): what is made around one point, and not around both directions, is made around this.
     pub ray: Option<Vec3>,
-    /// Speed of the eyes, degrees a second, 0..=1000; 0 while not seen.
+    /// Speed at which the gaze turns in the world, degrees a second, 0..=1000; 0 while not seen.
     pub velocity_deg_s: f32,
     /// How far the eyes may be from `directions`, degrees, where these are a prediction: the landing of a saccade, or where a
     /// pursuit leads to.

@@ -208,6 +208,7 @@ impl Planning {
         if self.last.is_some_and(is_behind) {
             return false;
         }
+        self.gaze.head_turned(head, time_ns);
         let settings = self.plan_settings(config, can_attenuate);
         for (eye, has_history) in eyes.iter_mut().zip(self.has_history) {
             eye.refresh = settings.schedule.is_some() && !has_history;

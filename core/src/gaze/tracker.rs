@@ -4,14 +4,16 @@ use super::rejection::{Rejection, Views, plausible};
 use super::settings::GazeSettings;
 use super::{GazePhase, GazeSample, GazeState};
 use crate::geometry::{Fov, rotation};
-use glam::Quat;
+use glam::{Quat, Vec3};
 
 mod flight;
 mod freeze;
+mod head;
 mod line;
 mod motion;
 
 use freeze::Freeze;
+use head::Head;
 use line::Moment;
 use motion::{Course, Motion};
 
@@ -38,13 +40,17 @@ pub struct GazeTracker {
     ended: bool,
     rejection: Option<Rejection>,
     freeze: Freeze,
+    head: Head,
     views: Option<Views>,
 }
 
 /// What is known since the first usable sample.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
+    /// In the world.
     motion: Motion,
+    /// How the head was turned at the newest sample, where that is told.
+    head: Option<Quat>,
     /// When the newest sample came, on the clock of the samples.
     arrived_ns: i64,
     /// When one came last of which nothing was known before, or that ended a saccade.
@@ -66,7 +72,15 @@ impl Seen {
 impl GazeTracker {
     /// A tracker that has seen nothing yet: [`GazeState::LOST`].
     pub fn new(settings: GazeSettings) -> Self {
-        Self { settings, seen: None, ended: false, rejection: None, freeze: Freeze::default(), views: None }
+        Self {
+            settings,
+            seen: None,
+            ended: false,
+            rejection: None,
+            freeze: Freeze::default(),
+            head: Head::default(),
+            views: None,
+        }
     }
 
     /// Takes one sample at its own time: [`Self::push_at`] for a source without latency.
@@ -94,11 +108,13 @@ impl GazeTracker {
         }
     }
 
-    /// Tells how the head is turned (any fixed space) at a time: eyes turn against it, so that a fast gaze is no saccade while
-    /// it turns, and one that does not change in any bit meanwhile is frozen. Without being told, the head counts as still.
+    /// Tells how the head is turned (any fixed space) at a time, on the clock of the samples: eyes turn against it, so that a gaze
+    /// that rests in the world follows nothing, is where it was in the world when the frame is shown, and is in no saccade; one that
+    /// does not change in any bit while the head turns is frozen. Without being told, the head counts as still.
     pub fn head_turned(&mut self, head: Quat, time_ns: i64) {
         if let Some(head) = rotation(head) {
-            self.freeze.head_turned(head, time_ns);
+            let angle_deg = self.head.turned(head, time_ns);
+            self.freeze.head_turned(angle_deg);
         }
     }
 
@@ -137,8 +153,10 @@ impl GazeTracker {
             seen.motion.directions(&self.settings, (ahead as f64 * 1e-9) as f32);
         // Where nothing becomes coarser, nothing is lost by what becomes finer at a place that may be wrong.
         let doubted = seen.motion.in_doubt().filter(|_| visible);
+        // What is held stays where it was seen from the head: there it is within the reach of the eyes.
+        let head = if visible { self.head.at(now_ns) } else { seen.head };
         GazeState {
-            directions: doubted.unwrap_or(directions),
+            directions: turned(doubted.unwrap_or(directions), head.map(|head| head.inverse())),
             ray: None,
             velocity_deg_s: if visible { seen.motion.speed_deg_s() } else { 0.0 },
             prediction_error_deg: prediction_error_deg.filter(|_| visible),
@@ -176,20 +194,24 @@ impl GazeTracker {
         if self.freeze.is_frozen(&self.settings, sample.directions, now_ns) {
             return Err(Rejection::Frozen);
         }
+        // In the world.
+        let directions = turned(directions, self.head.at(sample.time_ns));
         Ok(Moment { directions, time_ns: sample.time_ns })
     }
 
     /// The state after a plausible sample.
     fn follow(&mut self, moment: Moment, now_ns: i64) -> Result<(), Rejection> {
         let trust = self.trust_at(now_ns);
+        let head = self.head.at(moment.time_ns);
         let found = |motion: Motion, trust: f32| Seen {
             motion,
+            head,
             arrived_ns: now_ns,
             settled_ns: now_ns,
             trust,
             interrupted: false,
         };
-        let (settings, head_deg_s) = (&self.settings, self.freeze.head_deg_s());
+        let (settings, head_deg_s) = (&self.settings, self.head.deg_s());
         match &mut self.seen {
             None => self.seen = Some(found(Motion::new(moment), trust)),
             Some(seen) => {
@@ -216,6 +238,7 @@ impl GazeTracker {
                     }
                     if seen.motion.newest().time_ns != before {
                         seen.arrived_ns = now_ns;
+                        seen.head = head;
                         seen.trust = (seen.trust + portion(gap.min(SILENT_NS), settings.ramp_up_ms)).min(1.0);
                     }
                 }
@@ -256,6 +279,11 @@ impl GazeTracker {
             (seen.trust - portion(overdue, self.settings.ramp_down_ms)).max(0.0)
         }
     }
+}
+
+/// Directions turned by what is known.
+fn turned(directions: [Vec3; 2], by: Option<Quat>) -> [Vec3; 2] {
+    by.map_or(directions, |by| directions.map(|direction| (by * direction).normalize()))
 }
 
 /// After how long without a sample the eyes are taken as not seen.

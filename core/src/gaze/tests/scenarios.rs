@@ -187,25 +187,88 @@ fn a_gaze_that_never_changes_while_the_head_turns_is_no_gaze() {
     }
 }
 
+/// How far a head has turned that rests until `start_ns` and turns at 200 deg/s from then on.
+fn turned_deg(time_ns: i64, start_ns: i64) -> f32 {
+    200.0 * ((time_ns - start_ns).max(0) as f64 * 1e-9) as f32
+}
+
 #[test]
-fn eyes_that_turn_against_the_head_are_in_no_saccade() {
-    // The head starts to turn at once, at 200 deg/s, and the eyes rest on the world.
-    let mut phases = Vec::new();
+fn eyes_that_turn_against_the_head_rest() {
+    // Frames of 11 ms; the tracker has a sample each 8 ms, 50 ms late; the eyes rest on the world.
+    let start = 2500 * MS;
+    let mut courses = Vec::new();
     for told in [true, false] {
-        let (mut tracker, time) = late(-20.0, 8);
-        let mut saccades = 0;
-        for number in 0..20 {
-            let (time, turned_deg) = (time + number * 8 * MS, 1.6 * number as f32);
+        let mut tracker = GazeTracker::new(GazeSettings::default());
+        let (mut saccades, mut pursuits, mut farthest_deg) = (0, 0, 0.0f32);
+        for frame in 0..170 {
+            let now = 1000 * MS + frame * 11 * MS;
             if told {
-                tracker.head_turned(Quat::from_rotation_y(turned_deg.to_radians()), time + LATENCY);
+                tracker.head_turned(Quat::from_rotation_y(turned_deg(now, start).to_radians()), now);
             }
-            tracker.push_at(&sample(-20.0 + turned_deg, time), time + LATENCY);
-            saccades += u32::from(tracker.state(time + LATENCY).phase == GazePhase::Saccade);
+            let sampled = (now - LATENCY) / (8 * MS) * (8 * MS);
+            // In another bit each time: it is seen.
+            let jitter_deg = 1e-3 * (frame % 7) as f32;
+            tracker.push_at(&sample(-20.0 + jitter_deg + turned_deg(sampled, start), sampled), now);
+            let state = tracker.state(now);
+            saccades += u32::from(state.phase == GazePhase::Saccade);
+            if now > start + 20 * MS {
+                pursuits += u32::from(state.phase == GazePhase::Pursuit);
+                let truth = yaw(-20.0 + turned_deg(now, start));
+                farthest_deg = farthest_deg.max(eccentricity(state.directions[0], truth).to_degrees());
+            }
         }
-        phases.push(saccades);
+        courses.push((saccades, pursuits, farthest_deg));
     }
-    assert!(phases[0] <= 1, "{phases:?}");
-    assert!(phases[1] > 5, "without being told, it looks like one: {phases:?}");
+    let [(saccades, pursuits, off_deg), (jumps, turns, behind_deg)] = courses[..] else { unreachable!() };
+    assert!(saccades == 0 && pursuits == 0 && off_deg < 0.1, "{courses:?}");
+    assert!(jumps + turns > 10 && behind_deg > 10.0, "without being told, they do not: {courses:?}");
+}
+
+#[test]
+fn a_gaze_that_turns_with_the_head_is_where_it_was_from_the_head() {
+    // To 60 deg/s in 0.2 s.
+    let head_deg = |time_ns: i64| {
+        let seconds = (time_ns - 2500 * MS).max(0) as f32 * 1e-9;
+        150.0 * seconds.min(0.2).powi(2) + 60.0 * (seconds - 0.2).max(0.0)
+    };
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    for frame in 0..220 {
+        let now = 1000 * MS + frame * 11 * MS;
+        tracker.head_turned(Quat::from_rotation_y(head_deg(now).to_radians()), now);
+        tracker.push_at(&sample(5.0 + 1e-3 * (frame % 7) as f32, now - LATENCY), now);
+        let state = tracker.state(now);
+        let off_deg = eccentricity(state.directions[0], yaw(5.0)).to_degrees();
+        let after_ms = now / MS - 2500;
+        assert!(state.phase != GazePhase::Saccade, "{after_ms} ms after");
+        // Until it shows that they turn in the world, they are taken to rest there.
+        assert!(off_deg < if after_ms < 350 { 4.0 } else { 0.5 }, "{off_deg} off {after_ms} ms after");
+    }
+}
+
+#[test]
+fn what_is_held_stays_where_it_was_from_the_head() {
+    let (mut tracker, time) = late(20.0, 10);
+    for frame in 1..40i64 {
+        let now = time + LATENCY + frame * 10 * MS;
+        tracker.head_turned(Quat::from_rotation_y((3.0 * frame as f32).to_radians()), now);
+        tracker.push_at(&missing(now - LATENCY), now);
+        let direction = tracker.state(now).directions[0];
+        assert!(eccentricity(direction, yaw(20.0)).to_degrees() < 0.01, "after {frame} frames: {direction}");
+    }
+}
+
+#[test]
+fn a_space_that_jumps_moves_no_gaze() {
+    let (mut tracker, mut now) = late(8.0, 10);
+    for frame in 1..100i64 {
+        now += 10 * MS;
+        let recentred = if frame > 50 { 120.0f32 } else { 0.0 };
+        tracker.head_turned(Quat::from_rotation_y(recentred.to_radians()), now + LATENCY);
+        tracker.push_at(&sample(8.0, now), now + LATENCY);
+        let state = tracker.state(now + LATENCY);
+        assert_eq!(state.phase, GazePhase::Fixation, "frame {frame}");
+        assert!(eccentricity(state.directions[0], yaw(8.0)).to_degrees() < 0.01);
+    }
 }
 
 #[test]

@@ -12,7 +12,7 @@ const LEAST_STEP_NS: i64 = 500_000;
 /// Fastest that eyes turn, degrees a second, above the 500 to 700 at which saccades peak (Carpenter 1988).
 pub(super) const FASTEST_DEG_S: f32 = 1000.0;
 
-/// Longest saccade: 80 degrees take 197 ms. What stays fast for longer is the eye turning against the head.
+/// Longest saccade: 80 degrees take 197 ms. What stays fast for longer follows the head.
 const LONGEST_SACCADE_NS: i64 = 200_000_000;
 
 /// By how much the speed of slow eyes changes from one moment to the next, degrees a second: pursuit sets in with that.
@@ -91,7 +91,8 @@ impl Motion {
         found
     }
 
-    /// Takes a sample that is not before the newest. `head_deg_s` is the speed of the head, against which eyes turn.
+    /// Takes a sample that is not before the newest. `head_deg_s` is the speed of the head, which a gaze may follow that rests on what
+    /// turns with it.
     pub(super) fn add(
         &mut self,
         settings: &GazeSettings,
