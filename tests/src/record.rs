@@ -37,12 +37,22 @@ pub struct Frame {
     /// The gaze then, as scripted: a unit vector in the head's space; none while it was not tracked.
     #[serde(default)]
     pub gaze: Option<[f32; 3]>,
+    /// The head then, in the LOCAL space.
+    #[serde(default)]
+    pub head: HeadPose,
     /// How often the gaze was located since the frame before, and was there.
     #[serde(default)]
     pub gaze_reads: u32,
     /// The composition layers that were submitted.
     #[serde(default)]
     pub layers: Vec<serde_json::Value>,
+}
+
+/// How the head was.
+#[derive(Clone, Copy, PartialEq, Debug, Default, Deserialize)]
+pub struct HeadPose {
+    /// A unit quaternion: x, y, z, w.
+    pub orientation: [f32; 4],
 }
 
 /// A call that the runtime answered with an error of the specification.

@@ -165,6 +165,9 @@ fn canted_views_and_a_turning_head() {
         }
         let turned = Head { t: 0.1, yaw_deg: 30.0, ..scenario.head[0] };
         scenario.head.push(turned);
+        // The eyes rest on the world.
+        let before = mock::Gaze { yaw_deg: 15.0, pitch_deg: 0.0, ..scenario.gaze[0] };
+        scenario.gaze = vec![before, mock::Gaze { t: 0.1, yaw_deg: -15.0, ..before }];
     };
     Case { gaze: Gaze::Tracker, scenario, ..Case::new("own_actions") }.check();
 }

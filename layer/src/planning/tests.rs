@@ -27,6 +27,7 @@ struct Session {
     config: Config,
     serial: u64,
     time_ns: i64,
+    head: Quat,
 }
 
 impl Session {
@@ -42,7 +43,7 @@ impl Session {
         });
         planning.views.located(&views);
         planning.views.shown(&views.map(|view| ShownView { view, extent: [512, 512] }));
-        Self { planning, config, serial: 0, time_ns: 0 }
+        Self { planning, config, serial: 0, time_ns: 0, head: Quat::IDENTITY }
     }
 
     fn begin(&mut self) {
@@ -52,8 +53,8 @@ impl Session {
 
     /// Plans the frame with that gaze. Whether there are new rates.
     fn plan(&mut self, look: Look) -> bool {
-        self.planning.look(&self.config, look, Quat::IDENTITY, self.time_ns);
-        assert!(self.planning.plan(&self.config, true, Quat::IDENTITY, self.time_ns));
+        self.planning.look(&self.config, look, self.head, self.time_ns);
+        assert!(self.planning.plan(&self.config, true, self.head, self.time_ns));
         let (planning, serial) = (&mut self.planning, &mut self.serial);
         let record = planning.new_rates(&self.config, || {
             *serial += 1;
@@ -267,6 +268,22 @@ fn the_focus_is_where_the_eyes_look_from_the_head() {
     for eye in 0..2 {
         let (focus, _) = session.planning.focus(eye).unwrap();
         assert!(focus.direction.abs_diff_eq(direction, 1e-5), "{eye}: {focus:?}");
+    }
+}
+
+/// They turn in the head, and not in the world.
+#[test]
+fn eyes_that_rest_while_the_head_turns_are_in_no_pursuit() {
+    let mut session = Session::new(Config::of_preset(Preset::Balanced));
+    let turned = |degrees: f32| Quat::from_rotation_y(degrees.to_radians());
+    let ahead = |degrees: f32| turned(degrees).inverse() * Vec3::NEG_Z;
+    for step in 0..120 {
+        session.head = turned(0.5 * step as f32 - 30.0);
+        session.begin();
+        let direction = ahead(0.5 * step as f32 - 30.0);
+        session.plan(Look::At { direction, sampled_ns: session.time_ns });
+        let gaze = session.planning.phase(&session.config, session.time_ns);
+        assert!(step < 20 || gaze == GazePhase::Fixation, "step {step}: {gaze:?}");
     }
 }
 

@@ -75,13 +75,18 @@ pub fn processed(case: &Case, reference: &Finished, run: &Finished) {
     assert!(known || eyes == 0, "{}: no frame was processed\n{}", case.name, run.outcome.log);
 }
 
-/// Whether the gaze was the same in the two frames before. While it moves the layer is ahead of the tracker, where it expects
-/// the gaze to land.
+/// Whether the gaze was the same in the world in the two frames before. While it moves the layer is ahead of the tracker, where it
+/// expects the gaze to land.
 fn is_at_rest(run: &Finished, frame: &Frame) -> bool {
     let frames = run.outcome.record.frames.iter();
     let mut recent =
         frames.filter(|other| (frame.index.saturating_sub(2)..frame.index).contains(&other.index));
-    recent.all(|other| other.gaze == frame.gaze)
+    let gaze =
+        |frame: &Frame| frame.gaze.map(|gaze| Quat::from_array(frame.head.orientation) * Vec3::from(gaze));
+    recent.all(|other| match (gaze(other), gaze(frame)) {
+        (Some(before), Some(now)) => before.abs_diff_eq(now, 1e-5),
+        (before, now) => before == now,
+    })
 }
 
 fn same_observations(reference: &Finished, run: &Finished) {
