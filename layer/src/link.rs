@@ -2,7 +2,7 @@
 //!
 //! The halves may be loaded from different paths, or as two copies with separate globals (containers), so
 //! the OpenXR half never looks into the Vulkan half's memory. It asks the application's own Vulkan loader,
-//! `vkGetDeviceProcAddr(device, "parafovea_vkGetLink")`, which only our Vulkan layer answers, and gets a
+//! `vkGetDeviceProcAddr(device, "vkGetParafoveaLink")`, which only our Vulkan layer answers, and gets a
 //! [`LinkTable`] of whichever copy sits in that device's chain.
 
 mod records;
@@ -16,8 +16,9 @@ pub use records::{
 use ash::vk;
 use std::ffi::{CStr, c_char, c_void};
 
-/// The name that the Vulkan half's `vkGetDeviceProcAddr` answers with a [`GetLink`].
-pub const GET_LINK_NAME: &CStr = c"parafovea_vkGetLink";
+/// The name that the Vulkan half's `vkGetDeviceProcAddr` answers with a [`GetLink`]. It begins as those of Vulkan do: of others
+/// newer loaders (1.4.309 is one, 1.3.239 is not) ask no layer, and answer with null.
+pub const GET_LINK_NAME: &CStr = c"vkGetParafoveaLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
 pub const LINK_VERSION: u32 = 9;

@@ -44,7 +44,7 @@ unsafe extern "C" fn table() -> *const LinkTable {
 unsafe extern "C" fn device_record(device: vk::Device, record: *mut DeviceRecord) -> u32 {
     // SAFETY: the other half passes a live device, and a record to write to (link.rs).
     guard(
-        "parafovea_vkGetLink.device",
+        "vkGetParafoveaLink.device",
         || 0,
         |_| unsafe {
             let known = device::of(device).and_then(|device| Some(device.armed.as_ref()?.record));
@@ -62,7 +62,7 @@ unsafe extern "C" fn device_record(device: vk::Device, record: *mut DeviceRecord
 unsafe extern "C" fn set_active(device: vk::Device, active: u32) {
     // SAFETY: the other half passes a live device (link.rs).
     guard(
-        "parafovea_vkGetLink.set_active",
+        "vkGetParafoveaLink.set_active",
         || (),
         |_| unsafe {
             if let Some(device) = device::of(device) {
@@ -101,7 +101,7 @@ unsafe fn told<T>(call: &'static str, device: vk::Device, record: *const T, act:
 unsafe extern "C" fn offer(device: vk::Device, record: *mut OfferRecord) -> u32 {
     // SAFETY: the other half passes a live device, and a record to write to (link.rs).
     guard(
-        "parafovea_vkGetLink.offer",
+        "vkGetParafoveaLink.offer",
         || 0,
         |_| unsafe {
             let known = device::of(device);
@@ -119,7 +119,7 @@ unsafe extern "C" fn offer(device: vk::Device, record: *mut OfferRecord) -> u32 
 unsafe extern "C" fn swapchain(device: vk::Device, record: *const SwapchainRecord) {
     // SAFETY: the other half passes a live device and a valid record (link.rs).
     unsafe {
-        told("parafovea_vkGetLink.swapchain", device, record, |armed, record| {
+        told("vkGetParafoveaLink.swapchain", device, record, |armed, record| {
             armed.tell_swapchain(record, slice(record.images, record.image_count as usize));
         });
     }
@@ -128,7 +128,7 @@ unsafe extern "C" fn swapchain(device: vk::Device, record: *const SwapchainRecor
 unsafe extern "C" fn plan(device: vk::Device, record: *const PlanRecord) {
     // SAFETY: as above; each map has a rate for each tile.
     unsafe {
-        told("parafovea_vkGetLink.plan", device, record, |armed, record| {
+        told("vkGetParafoveaLink.plan", device, record, |armed, record| {
             let rates = record.eyes.map(|eye| {
                 let [columns, rows] = eye.tiles.map(|count| count as usize);
                 slice(eye.rates, columns.saturating_mul(rows))
@@ -141,7 +141,7 @@ unsafe extern "C" fn plan(device: vk::Device, record: *const PlanRecord) {
 unsafe extern "C" fn picture(device: vk::Device, record: *const PictureRecord) {
     // SAFETY: as above; the image is live until its swapchain is said to end, and this thread may use the queue.
     unsafe {
-        told("parafovea_vkGetLink.picture", device, record, |armed, record| {
+        told("vkGetParafoveaLink.picture", device, record, |armed, record| {
             armed.perception.analyze(armed, record);
         });
     }
@@ -150,7 +150,7 @@ unsafe extern "C" fn picture(device: vk::Device, record: *const PictureRecord) {
 unsafe extern "C" fn shown(device: vk::Device, record: *const ShownRecord) {
     // SAFETY: as above.
     unsafe {
-        told("parafovea_vkGetLink.shown", device, record, |armed, record| {
+        told("vkGetParafoveaLink.shown", device, record, |armed, record| {
             armed.frame.shown(
                 &armed.objects,
                 slice(record.views, record.view_count as usize),
@@ -164,7 +164,7 @@ unsafe extern "C" fn shown(device: vk::Device, record: *const ShownRecord) {
 unsafe extern "C" fn settings(device: vk::Device, record: *const SettingsRecord) {
     // SAFETY: as above.
     unsafe {
-        told("parafovea_vkGetLink.settings", device, record, |armed, record| {
+        told("vkGetParafoveaLink.settings", device, record, |armed, record| {
             armed.tell_settings(record, slice(record.passes, record.passes_len as usize));
         });
     }
@@ -173,7 +173,7 @@ unsafe extern "C" fn settings(device: vk::Device, record: *const SettingsRecord)
 unsafe extern "C" fn stale(device: vk::Device, eye: u32, record: *mut StaleRecord) -> u32 {
     // SAFETY: the other half passes a live device, and a record to write to, whose words begin where it says (link.rs).
     guard(
-        "parafovea_vkGetLink.stale",
+        "vkGetParafoveaLink.stale",
         || 0,
         |_| unsafe {
             let known = device::of(device);
@@ -199,7 +199,7 @@ unsafe extern "C" fn stale(device: vk::Device, eye: u32, record: *mut StaleRecor
 unsafe extern "C" fn passes_with_rates(device: vk::Device) -> u32 {
     // SAFETY: the other half passes a live device (link.rs).
     guard(
-        "parafovea_vkGetLink.passes_with_rates",
+        "vkGetParafoveaLink.passes_with_rates",
         || 0,
         |_| unsafe {
             let known = device::of(device);
@@ -214,7 +214,7 @@ unsafe extern "C" fn passes_with_rates(device: vk::Device) -> u32 {
 unsafe extern "C" fn frames_ended(device: vk::Device) -> u64 {
     // SAFETY: the other half passes a live device (link.rs).
     guard(
-        "parafovea_vkGetLink.frames_ended",
+        "vkGetParafoveaLink.frames_ended",
         || 0,
         |_| unsafe {
             let known = device::of(device);
@@ -226,7 +226,7 @@ unsafe extern "C" fn frames_ended(device: vk::Device) -> u64 {
 unsafe extern "C" fn frame_time(device: vk::Device, record: *mut FrameTimeRecord) -> u32 {
     // SAFETY: the other half passes a live device, and a record to write to (link.rs).
     guard(
-        "parafovea_vkGetLink.frame_time",
+        "vkGetParafoveaLink.frame_time",
         || 0,
         |_| unsafe {
             let known = device::of(device);
@@ -249,7 +249,7 @@ unsafe extern "C" fn frame_time(device: vk::Device, record: *mut FrameTimeRecord
 unsafe extern "C" fn copy_rates(device: vk::Device, record: *const RatesCopyRecord) -> u32 {
     // SAFETY: the other half passes a live device and a valid record, whose buffer and queue are as it says (link.rs).
     guard(
-        "parafovea_vkGetLink.copy_rates",
+        "vkGetParafoveaLink.copy_rates",
         || 0,
         |_| unsafe {
             let known = device::of(device);
@@ -264,7 +264,7 @@ unsafe extern "C" fn copy_rates(device: vk::Device, record: *const RatesCopyReco
 unsafe extern "C" fn when_it_ends(device: vk::Device, call: DeviceEnds) -> u32 {
     // SAFETY: the other half passes a live device (link.rs).
     guard(
-        "parafovea_vkGetLink.when_it_ends",
+        "vkGetParafoveaLink.when_it_ends",
         || 0,
         |_| unsafe {
             let known = device::of(device);

@@ -28,6 +28,10 @@ fn instance_function(instance: vk::Instance, name: &CStr) -> vk::PFN_vkVoidFunct
 }
 
 fn device_function(device: vk::Device, name: &CStr) -> vk::PFN_vkVoidFunction {
+    // As loaders do.
+    if !name.to_bytes().starts_with(b"vk") {
+        return None;
+    }
     // SAFETY: a device of the stand-in, whose memory stays readable.
     unsafe { proc_addr::device(device, name.as_ptr()) }
 }
