@@ -264,6 +264,7 @@ const EQUAL_OCTAVES: array<f32, 3> = array<f32, 3>(1.70, 1.10, 1.02);
 const SAME: f32 = 2.0;
 const SAME_ACROSS_RATES: f32 = 4.0;
 const STEADY: f32 = 1.25;
+const FOLLOW: f32 = 0.1;
 const FLOOR: f32 = 0.01;
 
 // reuse::STALE
@@ -281,8 +282,8 @@ fn restored(index: u32, measured: vec4<f32>, rate: u32) -> vec4<f32> {
     let change = (now + FLOOR) / (select(before[survivor], shown[index].contrast, at_same_rate) + FLOOR);
     let most = select(SAME_ACROSS_RATES, SAME, at_same_rate);
     let is_same = change <= most && change * most >= 1.0;
-    let is_steady = at_same_rate && change <= STEADY && change * STEADY >= 1.0;
-    let scale = select(1.0, change, at_same_rate && !is_steady);
+    let is_noise = change <= STEADY && change * STEADY >= 1.0;
+    let scale = select(1.0 + (change - 1.0) * FOLLOW, 1.0, is_noise || !at_same_rate);
     var octaves = EQUAL_OCTAVES;
     let octave = now / octaves[survivor];
     for (var i = 0u; i < survivor; i++) {
@@ -291,8 +292,12 @@ fn restored(index: u32, measured: vec4<f32>, rate: u32) -> vec4<f32> {
         let guessed = select(max(bands[i], expected), expected, i < lost_entirely);
         bands[i] = select(guessed, before[i] * scale, is_same);
     }
-    if !is_steady {
-        shown[index] = Shown(now, rate);
+    // What blocks fold into it is not in the picture.
+    bands[survivor] = select(now, before[survivor] * scale, is_same && survivor > 0u);
+    let follows = at_same_rate && is_same;
+    if !(follows && is_noise) {
+        let followed = max((shown[index].contrast + FLOOR) * scale - FLOOR, 0.0);
+        shown[index] = Shown(select(now, followed, follows), rate);
     }
     return vec4(bands[0], bands[1], bands[2], bands[3]);
 }

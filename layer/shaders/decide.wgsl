@@ -23,9 +23,9 @@ struct DecideParams {
     look_at: u32,
     is_turned: u32,
     has_stale: u32,
-    reserved: u32,
+    holding_budget: f32,
     measured_column: vec3<f32>,
-    reserved_column: u32,
+    elapsed_ms: u32,
     measured_row: vec3<f32>,
     reserved_row: u32,
     measured_depth: vec3<f32>,
@@ -43,7 +43,8 @@ struct TileContrast {
 @group(0) @binding(1) var<storage, read> contrast: array<TileContrast>;
 // castle::FovealTable
 @group(0) @binding(2) var<storage, read> foveal: array<f32>;
-// Coarseness of each tile, and its rate: four tiles of a row in a word; rows begin with a new one.
+// Of each tile its coarseness and then the time since its rate changed, and its rate: four tiles of a row in a word; rows begin with a
+// new one.
 @group(0) @binding(3) var<storage, read_write> memory: array<u32>;
 @group(0) @binding(4) var<storage, read_write> rates: array<u32>;
 // Whether each tile is left out: reuse::StaleTiles.
@@ -51,6 +52,8 @@ struct TileContrast {
 
 // reuse::STALE
 const STALE: u32 = 0x80u;
+// kernels::decide::STEADY_MS
+const STEADY_MS: u32 = 100u;
 // kernels::decide::STILL
 const STILL: f32 = 0.125;
 
@@ -165,13 +168,16 @@ fn row_at(column: u32, row: u32, along: f32) -> f32 {
     return left + (foveal[row * COLUMNS + column + 1u] - left) * along;
 }
 
-// FovealTable::sensitivities, in the field where more is seen.
-fn castle_csf(finest_cpd: f32, luminance: f32, eccentricity: f32) -> vec4<f32> {
+// Octaves that rates remove, and whose contrast therefore counts: two of the four.
+const REMOVED: u32 = 2u;
+
+// FovealTable::sensitivities to them, in the field where more is seen.
+fn castle_csf(finest_cpd: f32, luminance: f32, eccentricity: f32) -> vec2<f32> {
     let row = cell(log2(clamp(luminance, 1e-3, 1e4)), LUMINANCE, ROWS);
     let finest = clamp(finest_cpd, 0.0625, 64.0);
     let column = cell(log2(finest), FREQUENCY, COLUMNS);
-    var seen = vec4(0.0);
-    for (var band = 0u; band < 4u; band++) {
+    var seen = vec2(0.0);
+    for (var band = 0u; band < REMOVED; band++) {
         let inside = column.index >= 4u * band;
         let first = select(0u, column.index - 4u * band, inside);
         let within = select(0.0, column.along, inside);
@@ -189,12 +195,12 @@ const KNOTS: array<f32, 5> = array<f32, 5>(5.28964, 6.22567, 3.40410, 4.01061, -
 const SLOPES: array<f32, 5> = array<f32, 5>(0.0, 0.0, 0.0, 0.0, -54.31917);
 const TURSUN_FALL: f32 = 0.0398141;
 
-fn tursun(finest_cpd: f32, luminance: f32, eccentricity: f32) -> vec4<f32> {
+fn tursun(finest_cpd: f32, luminance: f32, eccentricity: f32) -> vec2<f32> {
     let adapted = 0.2 * log2(1.0 + 0.7 / clamp(luminance, 1e-3, 1e4));
     var knots = KNOTS;
     var slopes = SLOPES;
-    var seen = vec4(0.0);
-    for (var band = 0u; band < 4u; band++) {
+    var seen = vec2(0.0);
+    for (var band = 0u; band < REMOVED; band++) {
         let cpd = clamp(finest_cpd / f32(1u << band), 0.0, 64.0);
         let octave = log2(max(cpd, 4.0)) - 2.0;
         let i = min(u32(octave), 3u);
@@ -211,8 +217,8 @@ fn tursun(finest_cpd: f32, luminance: f32, eccentricity: f32) -> vec4<f32> {
 }
 
 // Coarseness within a budget: frco::half_octaves_within, in steps of half an octave.
-fn level_within(visible: vec4<f32>, budget: f32) -> u32 {
-    if !is_finite(visible.x + visible.y + visible.z + visible.w) || !is_finite(budget) {
+fn level_within(visible: vec2<f32>, budget: f32) -> u32 {
+    if !is_finite(visible.x + visible.y) || !is_finite(budget) {
         return 0u;
     }
     let losses =
@@ -275,8 +281,23 @@ fn shown_by(tile: vec2<u32>, is_turned: bool) -> Shown {
     return Shown(bands, contrast_of(nearest).adaptation_cd_m2, true);
 }
 
-// The coarseness of a tile, from that of the frame before.
-fn decided(tile: vec2<u32>, before: u32, sensitivity: u32, is_turned: bool) -> u32 {
+// What a tile remembers.
+struct Tile {
+    level: u32,
+    age_ms: u32,
+}
+
+// The coarseness of the coarsest rate that a tile has reached.
+fn reached(level: u32) -> u32 {
+    var rate = 0u;
+    for (var i = 0u; i < 4u; i++) {
+        rate = select(rate, params.levels[i], level >= params.levels[i]);
+    }
+    return rate;
+}
+
+// A tile, from what it was in the frame before.
+fn decided(tile: vec2<u32>, before: Tile, sensitivity: u32, is_turned: bool) -> Tile {
     let corners = vec4(corner_pixel(tile), corner_pixel(tile + 1u));
     let low = params.plane_origin + params.plane_step * corners.xy;
     let high = params.plane_origin + params.plane_step * corners.zw;
@@ -291,21 +312,26 @@ fn decided(tile: vec2<u32>, before: u32, sensitivity: u32, is_turned: bool) -> u
         let is_known = is_finite(pixels) && pixels > 0.0;
         let shown = shown_by(tile, is_turned);
         let luminance = shown.luminance;
-        var seen = vec4(0.0);
+        var seen = vec2(0.0);
         if sensitivity == CASTLE_CSF {
             seen = castle_csf(select(4.0, pixels / 4.0, is_known), luminance, eccentricity);
         } else {
             seen = tursun(select(4.0, pixels / 2.0, is_known), luminance, eccentricity);
         }
-        let visible = seen * shown.bands;
-        keep = min(keep, level_within(visible, params.budget));
+        let visible = seen * shown.bands.xy;
+        let is_steady = before.age_ms >= STEADY_MS;
+        keep = min(keep, level_within(visible, select(params.holding_budget, params.budget, is_steady)));
         grow = min(grow, level_within(visible, params.coarsening_budget));
-        if is_looked_at(index) || !shown.is_known {
+        // Contrast that is no number in one octave is not to be trusted in the others.
+        let is_sound = shown.is_known && is_finite(shown.bands.z + shown.bands.w);
+        if (is_steady && is_looked_at(index)) || !is_sound {
             keep = 0u;
         }
     }
     grow = min(grow, keep);
-    return max(min(before, keep), min(grow, before + min(params.coarsening, 255u)));
+    let rate = reached(before.level);
+    let level = max(min(rate, keep), min(grow, before.level + min(params.coarsening, 255u)));
+    return Tile(level, select(0u, min(before.age_ms + params.elapsed_ms, 255u), reached(level) == rate));
 }
 
 // The coarsest rate whose coarseness a tile has reached.
@@ -324,20 +350,24 @@ fn decide(word: u32, sensitivity: u32, is_turned: bool) {
         return;
     }
     let first = vec2(word % row_words * 4u, word / row_words);
-    let before = memory[word];
+    let before = vec2(memory[2u * word], memory[2u * word + 1u]);
     var levels = 0u;
+    var ages = 0u;
     var texels = 0u;
     for (var i = 0u; i < 4u; i++) {
         let tile = vec2(first.x + i, first.y);
         if tile.x < params.tiles.x {
-            let level = decided(tile, (before >> (8u * i)) & 0xffu, sensitivity, is_turned);
-            levels |= level << (8u * i);
+            let known = (before >> vec2(8u * i)) & vec2(0xffu);
+            let next = decided(tile, Tile(known.x, known.y), sensitivity, is_turned);
+            levels |= next.level << (8u * i);
+            ages |= next.age_ms << (8u * i);
             let index = tile.y * params.tiles.x + tile.x;
             let is_stale = params.has_stale != 0u && ((stale[index / 32u] >> (index % 32u)) & 1u) != 0u;
-            texels |= (texel_of(level) | select(0u, STALE, is_stale)) << (8u * i);
+            texels |= (texel_of(next.level) | select(0u, STALE, is_stale)) << (8u * i);
         }
     }
-    memory[word] = levels;
+    memory[2u * word] = levels;
+    memory[2u * word + 1u] = ages;
     rates[word] = texels;
 }
 

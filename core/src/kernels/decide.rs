@@ -59,23 +59,27 @@ uniform! {
         pub is_turned: u32,
         /// 1 where some tiles are left out ([`crate::reuse::STALE`]); those are said apart.
         pub has_stale: u32,
-        /// Reserved, up to a multiple of 16 bytes; 0.
-        pub reserved: u32,
+        /// [`Self::budget`] of tiles whose rate changed less than [`STEADY_MS`] ago.
+        pub holding_budget: f32,
         /// From a point on the plane one unit ahead, (x, y, 1), to the column of tiles in which its contrast was measured, times
         /// the third of these.
         pub measured_column: [f32; 3],
-        /// As [`Self::reserved`].
-        pub reserved_column: u32,
+        /// Time since the frame before, milliseconds, 0..=100.
+        pub elapsed_ms: u32,
         /// The same for the row.
         pub measured_row: [f32; 3],
-        /// As [`Self::reserved`].
+        /// Reserved, up to a multiple of 16 bytes; 0.
         pub reserved_row: u32,
         /// What both are divided by: > 0 for what lies ahead of the view in which contrast was measured.
         pub measured_depth: [f32; 3],
-        /// As [`Self::reserved`].
+        /// As [`Self::reserved_row`].
         pub reserved_depth: u32,
     }
 }
+
+/// A tile whose rate changed less than so long ago, milliseconds, is not looked at, and what it shows counts by
+/// [`DecideParams::holding_budget`].
+pub const STEADY_MS: u8 = 100;
 
 /// A tile that has moved by less than this part of a tile is where it was.
 const STILL: f32 = 1.0 / 8.0;
@@ -160,6 +164,8 @@ impl DecideParams {
 pub struct TileMemory {
     /// Coarseness, in [`crate::plan::STEPS_PER_OCTAVE`]; between two rates while it grows.
     levels: Vec<u8>,
+    /// Time since the rate changed, milliseconds, as far as it can be counted.
+    ages_ms: Vec<u8>,
     /// Squared chord of each tile in this frame.
     chords: Vec<f32>,
     /// Coarseness that contrast permits each tile to keep, and to grow to.
@@ -171,6 +177,8 @@ impl TileMemory {
     pub fn reset(&mut self, tiles: usize) {
         self.levels.clear();
         self.levels.resize(tiles, 0);
+        self.ages_ms.clear();
+        self.ages_ms.resize(tiles, 0);
         self.chords.clear();
         self.chords.resize(tiles, 0.0);
         for permitted in &mut self.permitted {
@@ -195,32 +203,44 @@ pub fn decide(
     lattice.nearest([params.gaze_left.into(), params.gaze_right.into()], &mut memory.chords);
     match contrast {
         Some(contrast) => {
-            contrast.permit(params, lattice.resolution(), &memory.chords, &mut memory.permitted)
+            let TileMemory { ages_ms, chords, permitted, .. } = memory;
+            contrast.permit(params, lattice.resolution(), chords, ages_ms, permitted);
         }
         None => memory.permitted.iter_mut().for_each(|permitted| permitted.fill(u8::MAX)),
     }
-    coarsen(params, memory);
-    if params.look_every > 0 && contrast.is_some() {
-        for (index, level) in (0..).zip(&mut memory.levels) {
-            *level = if params.is_looked_at(index) { 0 } else { *level };
-        }
-    }
+    coarsen(params, contrast.is_some(), memory);
     choose(params, &memory.levels, out.rates.texels_mut());
     for (age, due) in out.ages.texels_mut().iter_mut().zip(due) {
         *age = if *due { 0 } else { age.saturating_add(1) };
     }
 }
 
-/// Moves each tile's coarseness: at once down to what rings and contrast permit it to keep, slowly up.
-fn coarsen(params: &DecideParams, memory: &mut TileMemory) {
+/// Moves each tile's coarseness: at once down to what rings and contrast permit it to keep, slowly up. On the way up it starts
+/// anew from its rate wherever it is not permitted to grow, so that it becomes coarser only after it was for the whole time.
+fn coarsen(params: &DecideParams, is_judged: bool, memory: &mut TileMemory) {
     let step = params.coarsening.min(255) as u8;
+    let elapsed_ms = params.elapsed_ms.min(255) as u8;
+    let limits = params.levels.map(|level| level as u8);
     let [keep, grow] = &memory.permitted;
-    let tiles = memory.levels.iter_mut().zip(&memory.chords).zip(keep.iter().zip(grow));
-    for ((level, chord), (keep, grow)) in tiles {
-        let keep = (*keep).min(level_at(*chord, &params.ring_chords, &params.levels));
+    let tiles =
+        memory.levels.iter_mut().zip(&mut memory.ages_ms).zip(&memory.chords).zip(keep.iter().zip(grow));
+    for (index, (((level, age_ms), chord), (keep, grow))) in (0..).zip(tiles) {
+        let looks = is_judged && *age_ms >= STEADY_MS && params.is_looked_at(index);
+        let keep = if looks { 0 } else { (*keep).min(level_at(*chord, &params.ring_chords, &params.levels)) };
         let grow = (*grow).min(level_at(*chord, &params.coarsening_chords, &params.levels)).min(keep);
-        *level = (*level).min(keep).max(grow.min(level.saturating_add(step)));
+        let before = reached(*level, &limits);
+        *level = before.min(keep).max(grow.min(level.saturating_add(step)));
+        *age_ms = if reached(*level, &limits) == before { age_ms.saturating_add(elapsed_ms) } else { 0 };
     }
+}
+
+/// The coarseness of the coarsest rate that a tile has reached.
+fn reached(level: u8, limits: &[u8; 4]) -> u8 {
+    let mut rate = 0;
+    for limit in limits {
+        rate = if level >= *limit { *limit } else { rate };
+    }
+    rate
 }
 
 /// The coarsest rate whose coarseness a tile has reached.

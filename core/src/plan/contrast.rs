@@ -5,7 +5,7 @@ use super::lattice::deg_of_chord;
 use super::rings::STEPS_PER_OCTAVE;
 use super::sensitivity::Sensitivity;
 use crate::frco::half_octaves_within;
-use crate::kernels::decide::DecideParams;
+use crate::kernels::decide::{DecideParams, STEADY_MS};
 use crate::perception::{BANDS, ContrastMap, TileContrast};
 
 /// The contrast of one view, and how much of it is seen.
@@ -18,20 +18,22 @@ pub struct VisibleContrast<'a> {
 }
 
 impl VisibleContrast<'_> {
-    /// Writes the coarseness that each tile may keep, and grow to, given its pixels per degree and its squared chord to the
-    /// gaze.
+    /// Writes the coarseness that each tile may keep, and grow to, given its pixels per degree, its squared chord to the
+    /// gaze, and the time since its rate changed, milliseconds.
     pub(crate) fn permit(
         &self,
         params: &DecideParams,
         resolution: &[f32],
         chords: &[f32],
+        ages_ms: &[u8],
         [keep, grow]: &mut [Vec<u8>; 2],
     ) {
-        let tiles = (0..).zip(resolution).zip(chords);
-        for ((keep, grow), ((index, resolution), chord)) in keep.iter_mut().zip(grow).zip(tiles) {
+        let tiles = (0..).zip(resolution).zip(chords).zip(ages_ms);
+        for ((keep, grow), (((index, resolution), chord), age_ms)) in keep.iter_mut().zip(grow).zip(tiles) {
             let tile = params.contrast(self.map, index);
             let visible = self.visible(&tile, *resolution, deg_of_chord(*chord) - params.inflation_deg);
-            *keep = level_within(visible, params.budget);
+            let budget = if *age_ms < STEADY_MS { params.holding_budget } else { params.budget };
+            *keep = level_within(visible, budget);
             *grow = level_within(visible, params.coarsening_budget);
         }
     }

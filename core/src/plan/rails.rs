@@ -19,6 +19,8 @@ pub(super) struct FrameRails {
     pub(super) inflation_deg: f32,
     /// Most that a tile may become coarser, in [`STEPS_PER_OCTAVE`].
     pub(super) coarsening: u32,
+    /// Time since the frame before, milliseconds, 0..=100.
+    pub(super) elapsed_ms: u32,
     /// Whether the eyes follow something.
     pub(super) pursuit: bool,
 }
@@ -62,6 +64,7 @@ impl RailMemory {
         FrameRails {
             area,
             inflation_deg: if lost { 0.0 } else { inflation_deg(settings, gaze, trust) },
+            elapsed_ms: (seconds * 1e3) as u32,
             coarsening: self.coarsening(settings, seconds, lost || may_coarsen(gaze, reasons)),
             pursuit: gaze.phase == GazePhase::Pursuit,
         }

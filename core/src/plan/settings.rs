@@ -173,6 +173,9 @@ pub struct RailSettings {
     pub hysteresis_deg: f32,
     /// The part of the budget of paper A Eq. 17 that a tile has to stay below to become coarser, 0..=1.
     pub hysteresis_budget: f32,
+    /// Times the budget that a tile may lose for [`STEADY_MS`](crate::kernels::decide::STEADY_MS) after its rate has changed, 1..=16: noise
+    /// that lasts for a frame does not take a change back at once.
+    pub holding_budget: f32,
     /// Fastest that a tile becomes coarser, octaves of [`ShadingRate::octaves`] a second; infinite: at once, in and
     /// after saccades and blinks too.
     pub coarsening_octaves_per_s: f32,
@@ -188,6 +191,7 @@ impl RailSettings {
         latency_s: 0.0,
         hysteresis_deg: 0.0,
         hysteresis_budget: 1.0,
+        holding_budget: 1.0,
         coarsening_octaves_per_s: f32::INFINITY,
         lost: None,
     };
@@ -204,6 +208,7 @@ impl RailSettings {
             latency_s: or(self.latency_s, usual.latency_s),
             hysteresis_deg: or(self.hysteresis_deg, usual.hysteresis_deg),
             hysteresis_budget: or(self.hysteresis_budget, usual.hysteresis_budget).min(1.0),
+            holding_budget: or(self.holding_budget, usual.holding_budget).clamp(1.0, 16.0),
             coarsening_octaves_per_s: or(self.coarsening_octaves_per_s, usual.coarsening_octaves_per_s),
             lost: self.lost,
         }
@@ -221,6 +226,7 @@ impl Default for RailSettings {
             latency_s: 0.06,
             hysteresis_deg: 0.5,
             hysteresis_budget: 0.9,
+            holding_budget: 1.25,
             coarsening_octaves_per_s: 4.0,
             lost: Some(FixedFoveation {
                 foveal_deg: 30.0,

@@ -14,7 +14,7 @@ use parafovea_core::perception::csf::castle::FovealTable;
 use std::ffi::CStr;
 use std::sync::Arc;
 
-/// Parameters, contrast, the table of sensitivities, coarseness, rates, what is left out.
+/// Parameters, contrast, the table of sensitivities, what tiles remember, rates, what is left out.
 const BINDINGS: [vk::DescriptorType; 6] = [vk::DescriptorType::STORAGE_BUFFER; 6];
 
 /// Threads of a workgroup, each of which decides four tiles. The shader has the same number.
@@ -76,7 +76,9 @@ impl Decide {
         let params = DeviceBuffer::new(gpu, usage, size_of::<DecideParams>() as u64, |_| {})?;
         let [columns, rows] = tiles.tiles();
         let bytes = u64::from(rate_row_bytes(columns)) * u64::from(rows);
-        let memory = DeviceBuffer::new(gpu, vk::BufferUsageFlags::STORAGE_BUFFER, bytes.max(4), |_| {})?;
+        // Coarseness, and time since the rate changed.
+        let remembered = 2 * bytes.max(4);
+        let memory = DeviceBuffer::new(gpu, vk::BufferUsageFlags::STORAGE_BUFFER, remembered, |_| {})?;
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
         let stale = DeviceBuffer::new(gpu, usage, stale_words([columns, rows]) as u64 * 4, |_| {})?;
         let (contrast, rates) = (tiles.contrast(), tiles.rates());

@@ -92,7 +92,7 @@ impl Map {
     fn decide(&mut self, decision: Option<Decision>) -> bool {
         let of = |decision: Option<Decision>| {
             decision.map(|decision| Decision {
-                fixed: DecideParams { coarsening: 0, ..decision.fixed },
+                fixed: DecideParams { coarsening: 0, elapsed_ms: 0, ..decision.fixed },
                 ..decision
             })
         };

@@ -56,7 +56,10 @@ fn whole(extent: [u32; 2]) -> Shape {
     Shape { image: extent, offset: [0; 2], extent, texel: [16; 2], aggregation: Aggregation::Peak }
 }
 
-/// What both made of a picture, and then of the same picture at other rates.
+/// A picture as it is stored, and its colours.
+type Stored = (Vec<u8>, Plane<Vec3>);
+
+/// What both made of pictures at rates, one after the other.
 struct Analyzed {
     levels: Vec<f32>,
     maps: Vec<Vec<TileContrast>>,
@@ -67,21 +70,20 @@ impl Analyzed {
         (vulkan, analyze): (&Vulkan, &Analyze),
         shape: &Shape,
         format: vk::Format,
-        bytes: &[u8],
-        rates: &[&Plane<u8>],
+        passes: &[(&[u8], &Plane<u8>)],
     ) -> Self {
         let [width, height] = shape.image;
         let extent = vk::Extent2D { width, height };
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST | USAGE;
         // In the second layer, so that the first one shows where it is taken instead.
         let image = vulkan.image(vk::ImageCreateFlags::empty(), format, extent, 2, usage);
-        vulkan.upload(Layer { image, layer: 1, extent }, bytes);
         let settings = shape.settings();
         let params = AnalyzeParams::new(shape.offset, shape.extent, &settings, WHITE_CD_M2, Matrix::Bt709);
         let tiles = Arc::new(ViewTiles::new(&vulkan.gpu, settings.tiles(shape.extent)).unwrap());
         let target = analyze.target((image, format, 1), &params, &tiles).unwrap();
         let mut maps = Vec::new();
-        for rates in rates {
+        for (picture, rates) in passes {
+            vulkan.upload(Layer { image, layer: 1, extent }, picture);
             let bytes = packed(rates);
             vulkan.copy(vulkan.staging(&bytes), tiles.rates(), bytes.len());
             vulkan.run(|commands| {
@@ -98,20 +100,18 @@ impl Analyzed {
         Self { levels, maps }
     }
 
-    fn on_cpu(shape: &Shape, colors: &Plane<Vec3>, rates: &[&Plane<u8>]) -> Self {
-        let part = Plane::from_fn(shape.extent[0], shape.extent[1], |x, y| {
-            colors.at(shape.offset[0] + x, shape.offset[1] + y)
-        });
-        let mut luminance = Plane::default();
-        luminance_plane(&part, WHITE_CD_M2, Matrix::Bt709, &mut luminance);
-        let mut buffers = Buffers::default();
-        buffers.pyramid.build(&luminance);
-        let mut measured = ContrastMap::default();
-        tiles(&luminance, &shape.settings(), &mut buffers, &mut measured);
+    fn on_cpu(shape: &Shape, passes: &[(&Plane<Vec3>, &Plane<u8>)]) -> Self {
+        let (mut luminance, mut buffers) = (Plane::default(), Buffers::default());
         let mut maps = Vec::new();
         let (mut previous, mut shown) = (ContrastMap::default(), Plane::default());
-        for rates in rates {
-            let mut map = measured.clone();
+        for (colors, rates) in passes {
+            let part = Plane::from_fn(shape.extent[0], shape.extent[1], |x, y| {
+                colors.at(shape.offset[0] + x, shape.offset[1] + y)
+            });
+            luminance_plane(&part, WHITE_CD_M2, Matrix::Bt709, &mut luminance);
+            buffers.pyramid.build(&luminance);
+            let mut map = ContrastMap::default();
+            tiles(&luminance, &shape.settings(), &mut buffers, &mut map);
             restore(rates, &previous, &mut shown, &mut map);
             maps.push(map.tiles.texels().to_vec());
             previous = map;
@@ -169,15 +169,15 @@ fn compare(
     case: &str,
     shape: &Shape,
     format: vk::Format,
-    (bytes, colors): (Vec<u8>, Plane<Vec3>),
+    (bytes, colors): Stored,
     relative: f32,
 ) {
     let [columns, rows] = shape.settings().tiles(shape.extent);
     let fine = Plane::filled(columns, rows, 0);
     let coarse = Plane::from_fn(columns, rows, |x, y| VULKAN_RATES[((x + 3 * y) % 7) as usize].texel());
     let rates = [&coarse, &fine, &coarse];
-    let gpu = Analyzed::on_gpu((vulkan, analyze), shape, format, &bytes, &rates);
-    let cpu = Analyzed::on_cpu(shape, &colors, &rates);
+    let gpu = Analyzed::on_gpu((vulkan, analyze), shape, format, &rates.map(|rates| (&bytes[..], rates)));
+    let cpu = Analyzed::on_cpu(shape, &rates.map(|rates| (&colors, rates)));
     assert_matches(case, shape, &gpu, &cpu, relative);
 }
 
@@ -207,6 +207,34 @@ fn pictures_match_the_reference() {
     vulkan.assert_valid();
 }
 
+/// A picture that fades, and another one, at rates that stay.
+#[test]
+fn pictures_that_change_match_the_reference() {
+    let Some((vulkan, analyze)) = analyze() else { return };
+    let shape = whole([160, 112]);
+    let [columns, rows] = shape.settings().tiles(shape.extent);
+    let rates = Plane::from_fn(columns, rows, |x, y| VULKAN_RATES[((x + 3 * y) % 7) as usize].texel());
+    let natural = pictures::plane(pictures::ALL[0], shape.image);
+    let faded = |contrast: f32| {
+        let texel = |x, y| Vec3::splat(0.2) + (natural.at(x, y) - Vec3::splat(0.2)) * contrast;
+        Plane::from_fn(shape.image[0], shape.image[1], texel)
+    };
+    let stored: Vec<Stored> = [1.0, 0.95, 0.65, 0.65, 0.9, 0.2]
+        .map(faded)
+        .iter()
+        .chain([&pictures::plane(pictures::ALL[2], shape.image)])
+        .map(|plane| stored(FLOATS, plane, &[]))
+        .collect();
+    let on_gpu: Vec<_> = stored.iter().map(|(bytes, _)| (&bytes[..], &rates)).collect();
+    let on_cpu: Vec<_> = stored.iter().map(|(_, colors)| (colors, &rates)).collect();
+    let gpu = Analyzed::on_gpu((&vulkan, &analyze), &shape, FLOATS, &on_gpu);
+    let cpu = Analyzed::on_cpu(&shape, &on_cpu);
+    let before_last = &cpu.maps[4..6];
+    assert!(before_last[0] != before_last[1], "nothing fades");
+    assert_matches("fading", &shape, &gpu, &cpu, 1e-4);
+    vulkan.assert_valid();
+}
+
 #[test]
 fn formats_of_swapchains_match_the_reference() {
     let Some((vulkan, analyze)) = analyze() else { return };
@@ -226,7 +254,7 @@ fn decoded((vulkan, analyze): (&Vulkan, &Analyze), format: vk::Format) -> Vec<f3
     let shape = whole([256 * 16, 16]);
     let bytes: Vec<u8> = (0..16).flat_map(|_| (0..256 * 16).flat_map(|x| [(x / 16) as u8; 4])).collect();
     let rates = Plane::filled(256, 1, 0);
-    let gpu = Analyzed::on_gpu((vulkan, analyze), &shape, format, &bytes, &[&rates]);
+    let gpu = Analyzed::on_gpu((vulkan, analyze), &shape, format, &[(&bytes, &rates)]);
     let decoded: Vec<f32> = gpu.maps[0].iter().map(|tile| tile.adaptation_cd_m2 / WHITE_CD_M2).collect();
     for (byte, decoded) in (0u8..=255).zip(&decoded) {
         let exact = formats::decoded(format, byte);

@@ -3,6 +3,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+#[path = "../compose/allocations.rs"]
+mod allocations;
 #[path = "../analyze/pictures.rs"]
 mod pictures;
 #[path = "../compose/transfer.rs"]
@@ -15,7 +17,7 @@ mod vulkan;
 use ash::vk;
 use glam::{EulerRot, Quat, Vec3};
 use parafovea::gpu::AppCommands;
-use parafovea::passes::analyze::{ViewTiles, rate_row_bytes};
+use parafovea::passes::analyze::{Analyze, AnalyzeParams, USAGE, ViewTiles, rate_row_bytes};
 use parafovea::passes::decide::{Decide, DecideParams};
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::avpm::{BudgetSettings, SensitivityUnit};
@@ -99,6 +101,24 @@ fn settings(unit: SensitivityUnit, rails: bool, texel: [u32; 2]) -> PlanSettings
     }
 }
 
+/// A frame in which something is heard.
+fn input<'a>(shape: &Shape, contrast: &'a ContrastMap, frame: u64) -> PlanInput<'a> {
+    PlanInput {
+        time_ns: frame as i64 * FRAME_NS,
+        frame,
+        frame_rate_hz: 100.0,
+        eyes: [shape.eye(contrast); 2],
+        head: Quat::IDENTITY,
+        gaze: gaze(frame),
+        audio: Some(AudioFeatures {
+            loudness_lufs: -32.0 + frame as f32,
+            gamma_ld: 3.0 + frame as f32 % 20.0,
+            gamma_fq_kilomel: 1.4,
+            silent: false,
+        }),
+    }
+}
+
 /// Both sides of one view.
 struct Both {
     decide: Decide,
@@ -145,21 +165,7 @@ impl Both {
         let mut reference = Reference::new(shape, contrast, &settings);
         let mut counts = Counts::default();
         for frame in 0..frames {
-            let input = PlanInput {
-                time_ns: frame as i64 * FRAME_NS,
-                frame,
-                frame_rate_hz: 100.0,
-                eyes: [shape.eye(contrast); 2],
-                head: Quat::IDENTITY,
-                gaze: gaze(frame),
-                audio: Some(AudioFeatures {
-                    loudness_lufs: -32.0 + frame as f32,
-                    gamma_ld: 3.0 + frame as f32 % 20.0,
-                    gamma_fq_kilomel: 1.4,
-                    silent: false,
-                }),
-            };
-            let params = planner.plan(&input).eyes[0].decision.looking(30, frame);
+            let params = planner.plan(&input(shape, contrast, frame)).eyes[0].decision.looking(30, frame);
             let params = params.measured_in(&measured, turn(frame));
             assert_eq!(params.tiles, grid);
             self.vulkan.run(|commands| {
@@ -273,6 +279,42 @@ fn contrast_of_a_turned_head_is_found_as_in_the_reference() {
     }
     assert!(all.coarse * 20 > all.tiles && all.coarse * 10 < all.tiles * 9, "{all:?}");
     both.vulkan.assert_valid();
+}
+
+/// Neither what measures contrast nor what decides by it.
+#[test]
+fn recording_asks_for_no_memory() {
+    let Some(both) = Both::new() else { return };
+    let vulkan = &both.vulkan;
+    let extent = vk::Extent2D { width: 512, height: 480 };
+    let format = vk::Format::R8G8B8A8_UNORM;
+    let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST | USAGE;
+    let image = vulkan.image(vk::ImageCreateFlags::empty(), format, extent, 1, usage);
+    let bytes = vec![0; 4 * 512 * 480];
+    vulkan.upload(transfer::Layer { image, layer: 0, extent }, &bytes);
+    let analyze = Analyze::new(&vulkan.gpu).unwrap();
+    let settings = ContrastSettings { texel: USUAL.texel, ..ContrastSettings::default() };
+    let tiles = Arc::new(ViewTiles::new(&vulkan.gpu, settings.tiles(USUAL.extent)).unwrap());
+    let params = AnalyzeParams::new([0; 2], USUAL.extent, &settings, 100.0, Matrix::Bt709);
+    let analyzed = analyze.target((image, format, 0), &params, &tiles).unwrap();
+    let decided = both.decide.target(&tiles).unwrap();
+    let contrast = USUAL.contrast(pictures::ALL[0]);
+    let mut planner = Planner::new(self::settings(SensitivityUnit::CastleCsf, true, USUAL.texel));
+    let input = input(&USUAL, &contrast, 0);
+    let params = planner.plan(&input).eyes[0].decision;
+    assert_eq!(params.sensitivity, 1, "contrast counts");
+    let stale = vec![1; 960_usize.div_ceil(32)];
+    vulkan.run(|commands| {
+        let count = allocations::count(|| {
+            // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
+            let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
+            analyze.record(&commands, &analyzed, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+            both.decide.record(&commands, &decided, &params, &stale).unwrap();
+        });
+        assert_eq!(count, 0);
+    });
+    vulkan.idle();
+    vulkan.assert_valid();
 }
 
 #[test]

@@ -6,9 +6,10 @@
 mod allocations;
 
 use glam::{Quat, Vec3};
-use parafovea::config::{Config, Preset};
+use parafovea::config::{Config, Preset, RatesMode};
 use parafovea::link::{BACKEND_RATE_ATTACHMENT, OfferRecord};
 use parafovea::planning::{Look, Offer, Planning, ShownView, View};
+use parafovea_core::audio::AudioFeatures;
 use parafovea_core::geometry::Fov;
 use parafovea_core::rate::VULKAN_RATES;
 
@@ -51,20 +52,51 @@ fn frame(planning: &mut Planning, config: &Config, number: i64) -> bool {
     is_new
 }
 
-#[test]
-fn a_steady_frame_does_not_allocate() {
-    let config = Config::of_preset(Preset::Streaming);
+/// With whatever is heard from `heard` on, frame by frame.
+fn assert_does_not_allocate(config: &Config, heard: impl Fn(i64) -> Option<AudioFeatures>) {
     let mut planning = Planning::default();
     planning.set_offer(offer());
+    let next = |planning: &mut Planning, number| {
+        planning.listen(heard(number));
+        frame(planning, config, number)
+    };
     for number in 0..4 {
-        frame(&mut planning, &config, number);
+        next(&mut planning, number);
     }
     let mut handed_over = 0;
     let allocations = allocations::count(|| {
         for number in 4..200 {
-            handed_over += usize::from(frame(&mut planning, &config, number));
+            handed_over += usize::from(next(&mut planning, number));
         }
     });
     assert_eq!(allocations, 0);
     assert!(handed_over > 20, "rates were handed over {handed_over} times only");
+}
+
+#[test]
+fn a_steady_frame_does_not_allocate() {
+    assert_does_not_allocate(&Config::of_preset(Preset::Streaming), |_| None);
+}
+
+/// With sound that changes, stops, and starts.
+#[test]
+fn a_steady_frame_with_contrast_and_sound_does_not_allocate() {
+    let mut config = Config::of_preset(Preset::Streaming);
+    for mode in [RatesMode::AudioVisual, RatesMode::Paper] {
+        config.rates.mode = mode;
+        assert_does_not_allocate(&config, |number| {
+            let gamma_ld = (number % 25) as f32;
+            let loud = AudioFeatures {
+                loudness_lufs: gamma_ld - 35.0,
+                gamma_ld,
+                gamma_fq_kilomel: 1.4,
+                silent: false,
+            };
+            match number / 30 % 3 {
+                0 => Some(loud),
+                1 => Some(AudioFeatures::SILENT),
+                _ => None,
+            }
+        });
+    }
 }

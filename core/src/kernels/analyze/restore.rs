@@ -15,14 +15,18 @@ const SAME_ACROSS_RATES: f32 = 4.0;
 /// What is less than this much of a change at the same rate counts as noise.
 const STEADY: f32 = 1.25;
 
+/// The part of any other change at the same rate that a frame takes over: blocks of 4x4 leave 16 samples of a tile, the greatest contrast
+/// of which noise changes by half from frame to frame.
+const FOLLOW: f32 = 0.1;
+
 /// Contrast that is added before two are compared, so that noise on a plain wall is no change.
 const FLOOR: f32 = 0.01;
 
-/// What a tile showed in the frame before.
+/// What a tile showed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Shown {
-    /// Contrast that was measured in the finest octave that survived, when what is known was last brought up to date.
+    /// Contrast in the finest octave that survived, as far as what is known follows it.
     pub contrast: f32,
     /// [`ShadingRate::texel`] that it was shaded at.
     pub rate: u32,
@@ -55,8 +59,8 @@ pub fn restore(rates: &Plane<u8>, previous: &ContrastMap, shown: &mut Plane<Show
 /// One tile, and what it shows.
 ///
 /// As long as the finest octave that survives changes little, so does the picture: the lost octaves are what they were,
-/// times what that octave has become at the same rate, if that is more than noise. Otherwise they are guessed
-/// ([`extrapolate`]).
+/// and follow what that octave becomes at the same rate, if that is more than noise. Otherwise they are guessed
+/// ([`extrapolate`]). So is the finest octave that survives: what blocks fold into it would refine the tile, and be gone there.
 pub fn restored(
     measured: TileContrast,
     previous: TileContrast,
@@ -73,16 +77,20 @@ pub fn restored(
     if !(change <= most && change * most >= 1.0) {
         return (extrapolate(measured, shaded_at), now);
     }
-    if at_same_rate && change <= STEADY && change * STEADY >= 1.0 {
-        return (with_known(measured, previous, survivor, 1.0), shown);
+    if !at_same_rate {
+        return (with_known(measured, previous, survivor, 1.0), now);
     }
-    (with_known(measured, previous, survivor, if at_same_rate { change } else { 1.0 }), now)
+    let is_noise = change <= STEADY && change * STEADY >= 1.0;
+    let scale = if is_noise { 1.0 } else { 1.0 + (change - 1.0) * FOLLOW };
+    let contrast = if is_noise { before } else { ((before + FLOOR) * scale - FLOOR).max(0.0) };
+    (with_known(measured, previous, survivor, scale), Shown { contrast, ..now })
 }
 
-/// The tile with its bands before `survivor` as they were known, times `scale`.
+/// The tile, if it is coarse, with its bands up to `survivor` as they were known, times `scale`.
 fn with_known(measured: TileContrast, previous: TileContrast, survivor: usize, scale: f32) -> TileContrast {
     let mut bands = measured.bands;
-    for (band, known) in bands[..survivor].iter_mut().zip(previous.bands) {
+    let count = if survivor > 0 { survivor + 1 } else { 0 };
+    for (band, known) in bands[..count].iter_mut().zip(previous.bands) {
         *band = known * scale;
     }
     TileContrast { bands, ..measured }
