@@ -20,4 +20,4 @@ pub use subject::Subject;
 pub use summary::Summary;
 pub use technique::Technique;
 pub use timing::{Counts, Effort, LAYER_RUN_UP, RUN_UP_ALONE, Timing, take_turns, time};
-pub use turns::side_by_side;
+pub use turns::{Player, side_by_side};

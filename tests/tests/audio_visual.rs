@@ -1,13 +1,22 @@
 //! Rates by what the pictures show and what is heard, in running applications.
 
+use parafovea_core::rate::ShadingRate;
 use parafovea_test_layers::{ShadingRateFinding, ShadingRateLine, ShadingRatePass, ShadingRateProfile};
+use parafovea_tests::compare::psnr_db;
+use parafovea_tests::measure::Player;
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, Message, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use std::time::Duration;
 
-/// Until every pass is known, sound is heard, and pictures were analysed.
-const FRAMES: u64 = 150;
-const LAST: u64 = FRAMES - 1;
+/// Until every pass is known and rates have settled, frames.
+const SETTLED: u64 = 70;
+
+/// Most frames, 100 ms of real time each, that go by until something is heard.
+const MOST_WAITED: u64 = 200;
+
+/// 100 ms of the runtime's time, frames.
+const LEAST_BETWEEN: usize = 9;
 
 /// The test layer copies each map before its pass, and leaves it in a layout for everything.
 const COPY_OF_MAP: &str = "vkCmdCopyImageToBuffer: For optimal performance";
@@ -46,28 +55,39 @@ fn assert_valid(outcome: &Outcome, reference: &Outcome) {
 
 /// The newest map of a pass that draws a picture; the layer below finds nothing wrong.
 fn newest_map(outcome: &Outcome) -> Vec<u8> {
-    let (mut findings, mut newest): (Vec<ShadingRateFinding>, Option<ShadingRatePass>) = (Vec::new(), None);
+    maps(outcome).pop().unwrap()
+}
+
+/// The maps of all passes that draw a picture, an eye after the other; the layer below finds nothing wrong.
+fn maps(outcome: &Outcome) -> Vec<Vec<u8>> {
+    let (mut findings, mut maps): (Vec<ShadingRateFinding>, Vec<Vec<u8>>) = (Vec::new(), Vec::new());
     for line in outcome.shading_rates().unwrap() {
         match line {
             ShadingRateLine::Finding(finding) => findings.push(finding),
             // The runtime draws as UNORM what it saves.
             ShadingRateLine::Pass(pass) if pass.formats != ["R8G8B8A8_SRGB"] || pass.map.is_none() => {}
-            ShadingRateLine::Pass(pass) => newest = Some(pass),
+            ShadingRateLine::Pass(ShadingRatePass { map, .. }) => {
+                let texels = map.unwrap().texels.unwrap();
+                let digits =
+                    |index: usize| u8::from_str_radix(&texels[2 * index..2 * index + 2], 16).unwrap();
+                maps.push((0..texels.len() / 2).map(digits).collect());
+            }
         }
     }
     assert_eq!(findings, []);
-    let texels = newest.unwrap().map.unwrap().texels.unwrap();
-    let digits = |index: usize| u8::from_str_radix(&texels[2 * index..2 * index + 2], 16).unwrap();
-    (0..texels.len() / 2).map(digits).collect()
+    maps
 }
 
-/// A tone of 1 kHz at -10 LUFS, of two seconds, in a folder that lives as long as it is kept.
-fn tone() -> (tempfile::TempDir, String) {
+/// A tone of 1 kHz at -10 LUFS, and seconds of silence after it, over and over, in a folder that lives as long as it is kept.
+fn tone(seconds: u32, silent: u32) -> (tempfile::TempDir, String) {
     const RATE: u32 = 48_000;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tone.wav");
-    let samples: Vec<u8> = (0..2 * RATE)
+    let samples: Vec<u8> = (0..(seconds + silent) * RATE)
         .flat_map(|index| {
+            if index >= seconds * RATE {
+                return vec![0; 4];
+            }
             let phase = f64::from(index) * 1000.0 / f64::from(RATE) * std::f64::consts::TAU;
             // A sine of full scale in both channels has 0 LUFS.
             let sample = (phase.sin() * 0.316 * 32767.0) as i16;
@@ -110,10 +130,160 @@ fn contrasts(picture: &Picture) -> Vec<f64> {
     (0..TILES[0] * TILES[1]).map(of_tile).collect()
 }
 
+/// In silence nothing is analysed, and where nothing moves nothing is decided: all that the layer submits in a frame is the copy of its
+/// pictures into the runtime's images, which are apart because sound may come.
+#[test]
+fn in_silence_nothing_is_recomputed() {
+    const MORE: u64 = 20;
+    let own_submits = |mode: &str, frames: u64| {
+        let run = scene(frames).shading_rates(ShadingRateProfile::Layered16).faulted(None);
+        let outcome = run.on(&config(mode, "")).finish().unwrap().expect_frames(frames).unwrap();
+        let reports = outcome.faults().unwrap();
+        let of = |name: &str| reports.iter().filter_map(|report| report.own.get(name)).sum::<u64>();
+        of("vkQueueSubmit") + of("vkQueueSubmit2")
+    };
+    let in_settled_frames = |mode| own_submits(mode, SETTLED + MORE) - own_submits(mode, SETTLED);
+    let [fixed, silent] = ["fixed", "audio-visual"].map(in_settled_frames);
+    assert_eq!([fixed, silent], [0, MORE]);
+}
+
+/// An application that hears, each of whose frames comes when it is let.
+struct Listening {
+    player: Player,
+    heard: std::path::PathBuf,
+    frames: u64,
+    _folder: tempfile::TempDir,
+}
+
+impl Listening {
+    fn start(arguments: &[&str], frames: u64, config: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let heard = folder.path().join("heard");
+        let application = Application::ours("parafovea-scene", arguments).unwrap();
+        let scenario = Scenario::new(frames).sized(256, 224).saving(&[frames - 1]);
+        let configured = |run: Run| {
+            let run = run.with_ears().unwrap().validated().shading_rates(ShadingRateProfile::Layered16);
+            run.on(config).env("PARAFOVEA_HEARD_FILE", &heard).timeout(Duration::from_secs(900))
+        };
+        let player = Player::alone(&application, scenario, configured).unwrap();
+        Self { player, heard, frames: 0, _folder: folder }
+    }
+
+    fn play(&mut self, frames: u64) {
+        (0..frames).for_each(|_| self.player.play());
+        self.frames += frames;
+    }
+
+    /// Whether plans take a sound into account.
+    fn is_heard(&self) -> bool {
+        let lines = std::fs::read_to_string(&self.heard).unwrap_or_default();
+        lines.lines().last().is_some_and(|line| line.contains("\"silent\":false"))
+    }
+
+    /// Frames until sound is heard, or is not any more.
+    fn play_until_heard(&mut self, is_heard: bool) {
+        for _ in 0..MOST_WAITED {
+            self.play(1);
+            if self.is_heard() == is_heard {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        let lines = std::fs::read_to_string(&self.heard).unwrap_or_default();
+        panic!("heard is not {is_heard} after {MOST_WAITED} frames:\n{lines}");
+    }
+
+    /// All maps of the right eye, by frame; of the first frames there are none.
+    fn finish(self, frames: u64) -> (Outcome, Vec<Vec<u8>>) {
+        let outcome = self.player.finish().unwrap().expect_frames(frames).unwrap();
+        assert!(!outcome.log.contains(FALLS_BACK), "{}", outcome.log);
+        // The passes of the right eye come last.
+        let mut maps: Vec<Vec<u8>> = maps(&outcome).into_iter().rev().step_by(2).collect();
+        maps.resize(frames as usize, Vec::new());
+        maps.reverse();
+        (outcome, maps)
+    }
+}
+
+/// No tile becomes coarser within 100 ms of its last change; nor, where nothing but noise changes, finer.
+fn assert_steady(maps: &[Vec<u8>], constant: bool) {
+    let octaves = |texel: u8| ShadingRate::from_texel(texel).unwrap().octaves();
+    let maps: Vec<&Vec<u8>> = maps.iter().filter(|map| !map.is_empty()).collect();
+    for tile in 0..TILES[0] * TILES[1] {
+        let mut last = None;
+        for (frame, pair) in maps.windows(2).enumerate() {
+            let [before, now] = [pair[0][tile], pair[1][tile]];
+            if before == now {
+                continue;
+            }
+            let passed = last.replace(frame).map_or(usize::MAX, |last: usize| frame - last);
+            let counts = constant || octaves(now) > octaves(before);
+            assert!(
+                !counts || passed >= LEAST_BETWEEN,
+                "tile {tile} from {before} to {now}, {passed} frames after its last change, {frame} frames after the first map"
+            );
+        }
+    }
+}
+
+/// The map of rings that holds in silence.
+fn rings() -> Vec<u8> {
+    let run = scene(SETTLED).shading_rates(ShadingRateProfile::Layered16).on(&config("fixed", ""));
+    newest_map(&finish(run, SETTLED))
+}
+
+/// Sound that starts and stops coarsens and refines tiles, none of them twice within 100 ms. After it the rings hold.
+#[test]
+fn sound_comes_and_goes() {
+    let (_folder, audio) = tone(8, 60);
+    let config_with = |window_s: f32| config("audio-visual", &format!("{audio}window_s = {window_s}\n"));
+    let frames = 3 * MOST_WAITED + 3 * SETTLED;
+    let mut listening = Listening::start(&["--still"], frames, &config_with(1.0));
+    listening.play_until_heard(true);
+    listening.play(SETTLED);
+    listening.play_until_heard(false);
+    listening.play(SETTLED);
+    assert!(!listening.is_heard());
+    let silent = listening.frames;
+    // Other settings have the file begin anew.
+    std::fs::write(listening.player.config_file(), config_with(1.1)).unwrap();
+    listening.play_until_heard(true);
+    listening.play(5);
+    assert!(listening.is_heard());
+    let again = listening.frames;
+    listening.play(SETTLED);
+    let (outcome, maps) = listening.finish(frames);
+    let at = |frame: u64| &maps[frame as usize - 1];
+    let rings = rings();
+    assert_eq!(at(silent), &rings, "in silence\n{}", outcome.log);
+    assert!(at(again) != &rings, "sound changes nothing in frame {again}");
+    assert_steady(&maps, false);
+}
+
+/// While one sound lasts, rates settle. All lights go out, and they settle anew.
+#[test]
+fn a_scene_cut_is_followed_without_oscillation() {
+    let (_folder, audio) = tone(2, 0);
+    let cut = MOST_WAITED + 2 * SETTLED;
+    let frames = cut + 2 * SETTLED;
+    let arguments = ["--still", "--lights-out", &cut.to_string()];
+    let mut listening = Listening::start(&arguments, frames, &config("audio-visual", &audio));
+    listening.play_until_heard(true);
+    let steady = (listening.frames + 2) as usize;
+    let (outcome, maps) = listening.finish(frames);
+    let cut = cut as usize;
+    assert_steady(&maps[steady..cut], true);
+    assert_steady(&maps, false);
+    let coarseness = |map: &[u8]| map.iter().map(|texel| octaves(*texel)).sum::<u32>();
+    let [lit, dark] = [coarseness(&maps[cut - 1]), coarseness(&maps[frames as usize - 1])];
+    println!("{lit} half octaves while it is lit, {dark} in the dark");
+    assert!(lit > 0 && dark > lit, "{lit} {dark}\n{}", outcome.log);
+}
+
 /// In silence rings hold: what the GPU decides and lays is then what the CPU does, to the last bit, on both backends.
 #[test]
 fn rings_from_the_gpu_are_those_of_the_cpu() {
-    const FRAMES: u64 = 14;
+    const FRAMES: u64 = SETTLED;
     let reference = finish(scene(FRAMES), FRAMES);
     for profile in ShadingRateProfile::ALL {
         let maps = ["fixed", "audio-visual"].map(|mode| {
@@ -126,33 +296,41 @@ fn rings_from_the_gpu_are_those_of_the_cpu() {
         assert!(maps[0].iter().any(|texel| *texel != 0), "{}: nothing is coarse", profile.name());
         assert_eq!(maps[0], maps[1], "{}", profile.name());
     }
-    let pictures = ["fixed", "audio-visual"].map(|mode| {
-        let outcome = finish(scene(FRAMES).on(&config(mode, "backend = \"mask\"")), FRAMES);
+    let picture_of = |mode: &str, rest: &str| {
+        let rest = format!("backend = \"mask\"\n{rest}");
+        let outcome = finish(scene(FRAMES).with_ears().unwrap().on(&config(mode, &rest)), FRAMES);
         assert!(!outcome.log.contains(FALLS_BACK), "{}", outcome.log);
         assert!(outcome.log.contains("has a mask"), "{}", outcome.log);
         assert_valid(&outcome, &reference);
         [0, 1].map(|view| outcome.submitted(view, FRAMES - 1).unwrap())
-    });
-    assert!(pictures[0] == pictures[1], "another mask");
-    assert!(pictures[0][0] != reference.submitted(0, FRAMES - 1).unwrap(), "nothing is skipped");
+    };
+    let fixed = picture_of("fixed", "");
+    assert!(fixed == picture_of("audio-visual", ""), "another mask");
+    // There is no server of sound in a test.
+    assert!(
+        fixed == picture_of("audio-visual", "[audio]\nsource = \"system\""),
+        "another mask without a server"
+    );
+    assert!(fixed[0] != reference.submitted(0, FRAMES - 1).unwrap(), "nothing is skipped");
+    // What changes is looked for without waiting, so that what is re-used differs from run to run.
+    let [fixed, silent] = ["fixed", "audio-visual"].map(|mode| picture_of(mode, "[reuse]\nmode = \"on\""));
+    for (fixed, silent) in fixed.iter().zip(&silent) {
+        let psnr_db = psnr_db(fixed, silent, |_, _| true);
+        assert!(psnr_db >= 30.0, "{psnr_db} dB with re-use");
+    }
 }
 
 /// With sound that hides what is just seen, what is flat is coarse, and what is not is not.
 #[test]
 fn maps_follow_the_picture() {
-    let (_folder, audio) = tone();
-    let application = Application::ours("parafovea-scene", &["--still"]).unwrap();
-    let scenario = Scenario::new(FRAMES).sized(256, 224).saving(&[LAST]).in_real_time();
-    let run = Run::new(&application, &scenario).with_ears().unwrap();
-    let outcome = finish(
-        run.clone().shading_rates(ShadingRateProfile::Layered16).on(&config("audio-visual", &audio)),
-        FRAMES,
-    );
-    assert!(!outcome.log.contains(FALLS_BACK), "{}", outcome.log);
-    let map = newest_map(&outcome);
+    let (_folder, audio) = tone(2, 0);
+    let frames = MOST_WAITED + SETTLED;
+    let mut listening = Listening::start(&["--still"], frames, &config("audio-visual", &audio));
+    listening.play_until_heard(true);
+    let (outcome, maps) = listening.finish(frames);
+    let map = maps.last().unwrap();
     assert_eq!(map.len(), TILES[0] * TILES[1]);
-    // The passes of the right eye come last.
-    let contrasts = contrasts(&outcome.submitted(1, LAST).unwrap());
+    let contrasts = contrasts(&outcome.submitted(1, frames - 1).unwrap());
     // Outside of the rings within which all is fine.
     let is_outer = |index: usize| {
         let [x, y] = [index % TILES[0], index / TILES[0]];

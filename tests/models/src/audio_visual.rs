@@ -157,6 +157,11 @@ pub fn fixed(map: FixedFoveation) -> Map {
     planned(PlanSettings { rates, rails: RailSettings::PAPER, ..PlanSettings::default() }, None, None)
 }
 
+/// Everything at full rate.
+pub fn full() -> Map {
+    planned(PlanSettings::default(), None, None)
+}
+
 /// Paper A's baseline with a peripheral rate.
 pub fn baseline(peripheral: ShadingRate) -> FixedFoveation {
     FixedFoveation::L1_C1.with_peripheral(peripheral)
@@ -252,7 +257,7 @@ pub fn of_equal_cost(map: &Map, peripheral: ShadingRate) -> Option<Map> {
     Some(scaled(high))
 }
 
-/// The ablation of the paper's Table 1 (supplement): which features of the model count.
+/// The ablation of the paper's Table 1 (supplement): which features of the model count. Before them all comes [`full`].
 pub const ABLATION: [(&str, Coefficients); 4] = [
     ("visual only", Coefficients { a: 0.0, b: 0.0, ..PAPER }),
     ("and frequency", Coefficients { a: 0.0, ..PAPER }),

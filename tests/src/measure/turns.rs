@@ -5,10 +5,11 @@
 
 use super::{Effort, Subject, Technique};
 use crate::HarnessError;
-use crate::run::{Outcome, Running};
+use crate::run::{Application, Outcome, Run, Running};
+use crate::scenario::Scenario;
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// How long an application may take for its start, or for a frame.
@@ -17,8 +18,8 @@ const PATIENCE: Duration = Duration::from_secs(240);
 /// How often it is looked whether an application has come.
 const POLL: Duration = Duration::from_millis(2);
 
-/// An application under way.
-struct Player {
+/// An application under way, each of whose frames comes when it is let.
+pub struct Player {
     running: Running,
     /// Where it asks for its frames.
     asks: UnixStream,
@@ -72,6 +73,28 @@ pub fn side_by_side(
 }
 
 impl Player {
+    /// Starts an application by itself, and waits for it to ask for its first frame. `configured` says the rest of the run.
+    ///
+    /// # Errors
+    /// Those of the harness, and an application that asks for no frame.
+    pub fn alone(
+        application: &Application,
+        mut scenario: Scenario,
+        configured: impl FnOnce(Run) -> Run,
+    ) -> Result<Self, HarnessError> {
+        let folder = std::env::temp_dir();
+        let sockets = tempfile::tempdir().map_err(HarnessError::file(&folder))?;
+        let path = sockets.path().join("turns");
+        let listener = UnixListener::bind(&path).map_err(HarnessError::file(&path))?;
+        scenario.clock.turns.clone_from(&path);
+        Self::start(configured(Run::new(application, &scenario)).start()?, &listener, &path)
+    }
+
+    /// The configuration file that the application reads.
+    pub fn config_file(&self) -> PathBuf {
+        self.running.config_file()
+    }
+
     /// Waits for an application to ask for its first frame.
     fn start(mut running: Running, listener: &UnixListener, path: &Path) -> Result<Self, HarnessError> {
         listener.set_nonblocking(true).map_err(HarnessError::file(path))?;
@@ -100,15 +123,18 @@ impl Player {
         self.is_waiting = self.asks.read_exact(&mut [0]).is_ok();
     }
 
-    /// Lets it have a frame.
-    fn play(&mut self) {
+    /// Lets it have a frame, until it asks for the next one.
+    pub fn play(&mut self) {
         if self.is_waiting && self.asks.write_all(&[0]).is_ok() {
             self.listen();
         }
     }
 
     /// Lets it come to its end.
-    fn finish(mut self) -> Result<Outcome, HarnessError> {
+    ///
+    /// # Errors
+    /// As for [`Running::finish`].
+    pub fn finish(mut self) -> Result<Outcome, HarnessError> {
         while self.is_waiting {
             self.play();
         }

@@ -2,7 +2,7 @@
 
 use super::{
     ABLATION, Constants, Map, Scene, Sound, audio_visual, baseline, by_coefficients, decided_by_model, fixed,
-    loss, of_equal_cost, score,
+    full, loss, of_equal_cost, score,
 };
 use parafovea_core::avpm::SensitivityUnit;
 use parafovea_core::rate::ShadingRate;
@@ -70,6 +70,7 @@ fn of_scene(scene: &Scene, fixed: &[(&str, Map); 2]) -> Vec<Row> {
         }
     }
     let usual = Sound::Heard { lufs: -20.0, khz: 3.0 };
+    row("all off", "ablation", full().mean_rate, Some(fixed[0].1.mean_rate));
     for (name, coefficients) in ABLATION {
         for constants in [Constants::Paper, Constants::Castle] {
             let map = by_coefficients(scene, constants, usual, coefficients);
