@@ -1,6 +1,7 @@
 //! Random sequences of OpenXR calls return with the layer what they return without.
 
-use parafovea_tests::run::{Application, Run};
+use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
+use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
 /// What makes swapchains virtual, with as many images as the runtime's, and has passes recognised.
@@ -61,6 +62,67 @@ fn compare(count: u64, manner: &[&str]) {
     assert!(calls > 10 * count, "hardly anything was called");
 }
 
+/// Everything is ready for rates and re-use, and nothing is coarser, older or less colourful.
+const READY: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"off\"\n[reuse]\nmode = \"on\"\n";
+
+/// Everything on.
+const AT_WORK: &str = "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
+    [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n";
+
+/// Random recordings of each process, a frame each.
+const FRAMES: u64 = 24;
+
+/// Processes of every test.
+const FEW_PROCESSES: u64 = 2;
+
+/// Records frames without a plan: with the layer ready and nothing to do their pictures are the same to the last bit, and with everything
+/// on validation finds nothing.
+fn compare_recordings(processes: u64) {
+    let frames = FRAMES.to_string();
+    for number in 0..processes {
+        let seed = number.to_string();
+        let arguments = ["--style", "random", "--size", "64", "--frames", &frames, "--seed", &seed];
+        let application = Application::ours("parafovea-zoo", &arguments).unwrap();
+        let saved: Vec<u64> = (0..FRAMES).collect();
+        let run = Run::new(&application, &Scenario::new(FRAMES).sized(64, 64).saving(&saved));
+        let run = match number % 2 {
+            0 => run,
+            _ => run.shading_rates(ShadingRateProfile::ALL[number as usize % ShadingRateProfile::ALL.len()]),
+        };
+        let finish = |run: Run| run.finish().unwrap().expect_frames(FRAMES).unwrap();
+        let off = finish(run.clone().validated());
+        let (ready, at_work) = (finish(run.clone().on(READY)), finish(run.validated().on(AT_WORK)));
+        let mut new = at_work.findings.beyond(&off.findings);
+        new.retain(|found| !found.is_of_stand_in());
+        assert!(new.is_empty(), "seed {seed}: {new:#?}\n{}", at_work.log);
+        // What is recorded is allowed: else nothing would be shown by it.
+        assert!(off.findings.vulkan.iter().all(|found| found.is_of_stand_in()), "{:#?}", off.findings);
+        for outcome in [&ready, &at_work] {
+            for told in ["internal error", " WARN ", " ERROR "] {
+                assert!(!outcome.log.contains(told), "seed {seed}\n{}", outcome.log);
+            }
+            let wrong: Vec<_> = outcome.shading_rates().unwrap();
+            let wrong: Vec<_> =
+                wrong.iter().filter(|line| matches!(line, ShadingRateLine::Finding(_))).collect();
+            assert!(wrong.is_empty(), "seed {seed}: {wrong:#?}");
+        }
+        let pictures = |outcome: &Outcome| -> Vec<_> {
+            let both = saved.iter().flat_map(|frame| [(0, *frame), (1, *frame)]);
+            both.map(|(view, frame)| outcome.submitted(view, frame).unwrap()).collect()
+        };
+        let (before, after) = (pictures(&off), pictures(&ready));
+        let differs = before.iter().zip(&after).position(|(before, after)| before != after);
+        assert_eq!(differs, None, "seed {seed}: view + 2 x frame\n{}", ready.log);
+        assert!(before != pictures(&at_work), "seed {seed}: nothing was done");
+    }
+    println!("{} random recordings in {processes} processes", processes * FRAMES);
+}
+
+#[test]
+fn random_recordings_show_the_same() {
+    compare_recordings(FEW_PROCESSES);
+}
+
 #[test]
 fn legal_sequences_return_the_same() {
     compare(FEW[0], &[]);
@@ -77,4 +139,5 @@ fn all_sequences_return_the_same() {
     let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse().ok());
     compare(number("PARAFOVEA_SEQUENCES").unwrap_or(100_000), &[]);
     compare(number("PARAFOVEA_HOSTILE").unwrap_or(1_000), &["--hostile"]);
+    compare_recordings(number("PARAFOVEA_RECORDINGS").unwrap_or(100));
 }

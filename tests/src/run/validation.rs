@@ -28,6 +28,14 @@ pub struct Message {
     pub text: String,
 }
 
+impl Message {
+    /// Whether it is about the layer that stands in for shading rates, which copies each map before its pass, and leaves it in a layout
+    /// for everything: a warning.
+    pub fn is_of_stand_in(&self) -> bool {
+        self.text.contains("vkCmdCopyImageToBuffer: For optimal performance")
+    }
+}
+
 /// The variables that switch both layers on, logging into `folder`.
 pub(super) fn environment(folder: &Path) -> Result<Vec<(&'static str, OsString)>, HarnessError> {
     let settings = folder.join("vk_layer_settings.txt");

@@ -17,6 +17,8 @@ pub type Recorder<'a> = Box<dyn FnMut(&Frame) -> Result<()> + 'a>;
 pub struct App<'g> {
     pub gpu: &'g Gpu,
     pub scene: Scene,
+    /// What random recordings begin from.
+    pub seed: u64,
     /// Width and height of an eye's picture.
     pub size: [u32; 2],
     /// Images of each colour swapchain.

@@ -7,6 +7,7 @@
 mod app;
 mod gpu;
 mod options;
+mod random;
 mod scene;
 mod style;
 mod styles;
@@ -27,7 +28,7 @@ pub use xr::{End, devices, run};
 /// What the program prints in front of the reason why it cannot show a style on this machine.
 pub const SKIPPED: &str = "skipped: no device with ";
 
-/// The style of this name.
+/// The style of this name; `random` is one, too, of which nothing is known beforehand.
 pub fn style(name: &str) -> Option<&'static Style> {
-    STYLES.iter().copied().find(|style| style.name == name)
+    STYLES.iter().copied().chain([&random::STYLE]).find(|style| style.name == name)
 }

@@ -18,6 +18,9 @@ pub struct Options {
     /// Frames after which it asks for the end of the session
     #[arg(long, default_value_t = 120)]
     pub frames: u64,
+    /// Of the style `random`: which frames it records
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
     /// Print every render pass of every frame, one JSON object a line
     #[arg(long)]
     pub passes: bool,

@@ -31,7 +31,7 @@ mod render_pass;
 mod render_thread;
 mod reversed_z;
 mod second_queue;
-mod secondaries;
+pub mod secondaries;
 mod shader_objects;
 mod stereo_viewports;
 mod submitted_depth;

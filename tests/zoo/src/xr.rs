@@ -177,6 +177,7 @@ impl<'g> Show<'g> {
         let app = App {
             gpu: self.gpu,
             scene: Scene::new(self.gpu)?,
+            seed: self.options.seed,
             size: [self.options.size; 2],
             color: images(&self.color),
             depth: images(&self.depth),

@@ -14,7 +14,7 @@ mod noted;
 mod reuse;
 
 use drawn::{is_of_virtual_image, mean};
-use effort::{Effort, is_full};
+use effort::{Effort, is_full, moving_gaze};
 use glam::{Quat, Vec3};
 use libtest_mimic::{Arguments, Failed, Trial};
 use noted::Noted;
@@ -169,8 +169,9 @@ fn assert_expected(expected: &Expected, on: &Outcome, noted: &[Noted]) {
 
 fn check_moving(style: &Style, expected: &Expected) -> Result<(), Failed> {
     let effort = Effort::or_share(SHARE.frames, SHARE.size);
-    let config = "[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n";
-    if let Some((on, noted)) = masked(style, effort, effort.scenario_of_moving_gaze(), config)? {
+    let folder = tempfile::tempdir()?;
+    let config = format!("{}[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n", moving_gaze(folder.path())?);
+    if let Some((on, noted)) = masked(style, effort, effort.scenario(), &config)? {
         assert_expected(expected, &on, &noted);
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use crate::app::{App, EYES, Frame, Recorder};
 use crate::gpu::{ImageSpec, Kind, Pass, PassSpec};
-use crate::scene::{BOXES, Draw, FORWARD, IN_FLIGHT, VERTICES};
+use crate::scene::{BOXES, Draw, FORWARD, IN_FLIGHT, Pipelines, VERTICES};
 use crate::style::Style;
 use crate::truth::PassTruth;
 use crate::xr::COLOR;
@@ -29,9 +29,7 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
             let pass = &eyes[eye][frame.color[eye]];
             let first = 4 * frame.slot + 2 * eye;
             let [boxes, sky] = [secondaries[first], secondaries[first + 1]];
-            let draw = Draw { view: eye as u32, far: pipelines.far, ..Draw::default() };
-            record(app, frame, pass, boxes, (pipelines.boxes, [VERTICES, BOXES]), &draw)?;
-            record(app, frame, pass, sky, (pipelines.sky, [3, 1]), &draw)?;
+            scene(app, frame, pass, &pipelines, [boxes, sky], eye)?;
             pass.begin_for_secondaries(gpu, frame.commands);
             // SAFETY: the pass was begun for them; both were recorded for it.
             unsafe { gpu.cmd_execute_commands(frame.commands, &[boxes, sky]) };
@@ -39,6 +37,20 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
         }
         Ok(())
     }))
+}
+
+/// Records the scene for a pass and a view.
+pub fn scene(
+    app: &App,
+    frame: &Frame,
+    pass: &Pass,
+    pipelines: &Pipelines,
+    [boxes, sky]: [vk::CommandBuffer; 2],
+    view: usize,
+) -> Result<()> {
+    let draw = Draw { view: view as u32, far: pipelines.far, ..Draw::default() };
+    record(app, frame, pass, boxes, (pipelines.boxes, [VERTICES, BOXES]), &draw)?;
+    record(app, frame, pass, sky, (pipelines.sky, [3, 1]), &draw)
 }
 
 /// Records a draw of so many vertices and instances for a pass.

@@ -1,6 +1,7 @@
 //! How much of each style is run.
 
-use parafovea_tests::scenario::{Gaze, Scenario, ScenarioExt};
+use parafovea_tests::scenario::{Head, Scenario, ScenarioExt};
+use std::path::Path;
 
 /// Frames and size of a run.
 #[derive(Clone, Copy, Debug)]
@@ -22,22 +23,34 @@ impl Effort {
         Scenario::new(self.frames).sized(self.size, self.size)
     }
 
-    /// The same, with a gaze that jumps from one place to another three times a second, and follows something between.
-    pub fn scenario_of_moving_gaze(self) -> Scenario {
-        let mut scenario = self.scenario();
-        let directions: [(f32, f32); 5] =
-            [(-18.0, 4.0), (12.0, -9.0), (3.0, 14.0), (20.0, 0.0), (-6.0, -12.0)];
-        scenario.gaze = (0..)
-            .zip(directions.iter().cycle())
-            .take(12)
-            .flat_map(|(jump, &(yaw_deg, pitch_deg))| {
-                let t = f64::from(jump) / 3.0;
-                let at = |t, ahead| Gaze { t, yaw_deg: yaw_deg + ahead, pitch_deg, tracked: true };
-                [at(t, 0.0), at(t + 0.28, 2.0)]
-            })
-            .collect();
-        scenario
+    /// The same, with a head that turns and moves.
+    #[allow(dead_code, reason = "each test uses a part of it")]
+    pub fn scenario_of_moving_head(self) -> Scenario {
+        let head = |t: f64, turn: f32| Head {
+            t,
+            position: [0.05 * turn, 1.6, -0.02 * turn],
+            yaw_deg: 40.0 * turn,
+            pitch_deg: 6.0 * turn,
+            roll_deg: -3.0 * turn,
+        };
+        Scenario { head: vec![head(0.0, 0.0), head(1.0, 1.0), head(1.2, 0.9)], ..self.scenario() }
     }
+}
+
+/// The lines of a configuration for a gaze that jumps from one place to another eight times a second, and follows something between,
+/// by a file in `folder`: the styles have no input, and the eye tracker is not asked before half a minute.
+#[allow(dead_code, reason = "each test uses a part of it")]
+pub fn moving_gaze(folder: &Path) -> std::io::Result<String> {
+    const JUMP_S: f64 = 0.125;
+    let directions: [(f32, f32); 5] = [(-18.0, 4.0), (12.0, -9.0), (3.0, 14.0), (20.0, 0.0), (-6.0, -12.0)];
+    let mut text = String::new();
+    for (jump, (left, up)) in (0..).zip(directions.iter().cycle()).take(20) {
+        let t = f64::from(jump) * JUMP_S;
+        text += &format!("{t},{left},{up}\n{},{},{up}\n", t + 0.9 * JUMP_S, left + 2.0);
+    }
+    let file = folder.join("gaze.txt");
+    std::fs::write(&file, text)?;
+    Ok(format!("[gaze]\nsource = \"file\"\nfile = {file:?}\n"))
 }
 
 /// Whether all of it is run.
