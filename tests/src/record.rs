@@ -13,6 +13,8 @@ pub struct Record {
     pub frames: Vec<Frame>,
     /// What the application, or the layer on its behalf, did wrong in the runtime's eyes.
     pub errors: Vec<RuntimeError>,
+    /// What is allowed, but hardly meant so: the function, and what is odd, such as structures that it does not know, in their order.
+    pub warnings: Vec<(String, String)>,
     /// The swapchains as the runtime was asked for them.
     pub swapchains: Vec<serde_json::Value>,
     /// What was attached and synchronised, in order, where the scenario asks for that: lines of the kinds
@@ -73,6 +75,7 @@ enum Line {
     Error(RuntimeError),
     SwapchainCreated(serde_json::Value),
     Warning {
+        call: String,
         message: String,
     },
     #[serde(other)]
@@ -100,7 +103,8 @@ impl Record {
                 Line::Frame(frame) => record.frames.push(frame),
                 Line::Error(error) => record.errors.push(error),
                 Line::SwapchainCreated(swapchain) => record.swapchains.push(swapchain),
-                Line::Warning { message } => record.planted += u64::from(message == PLANTED),
+                Line::Warning { message, .. } if message == PLANTED => record.planted += 1,
+                Line::Warning { call, message } => record.warnings.push((call, message)),
                 Line::Other => {}
             }
         }

@@ -1,8 +1,9 @@
 //! Sessions that come and go on one device.
 
 use parafovea_cases::life::Life;
+use parafovea_cases::report::Report;
 use parafovea_test_layers::FaultReport;
-use parafovea_tests::run::{Application, Run};
+use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
 /// Attenuates the colour of pictures of one format, for which it takes one graphics pipeline.
@@ -28,4 +29,26 @@ fn sessions_on_one_device_share_pipelines_which_go_with_it() {
     assert_eq!(made, 1, "of {sessions} sessions");
     // A pipeline that is left is an object that the device still has.
     assert!(outcome.findings.vulkan.is_empty(), "{:?}", outcome.findings.vulkan);
+}
+
+/// An application closes both loaders, which let go of all libraries, and opens them again: the layer is there each time, and works.
+#[test]
+fn loaders_may_be_closed_and_opened_again() {
+    const LIVES: usize = 3;
+    let application = Application::ours("parafovea-cases", &["separate_swapchains", "--lives", "3"]).unwrap();
+    // The runtime's record begins anew with each life.
+    let run = Run::new(&application, &Scenario::new(0).saving(&[6])).validated();
+    let [off, on] = [run.clone(), run.on(CHROMA)].map(|run| run.finish().unwrap().expect_end().unwrap());
+    let reports = |outcome: &Outcome| -> Vec<Report> {
+        outcome.output.lines().filter_map(|line| serde_json::from_str(line).ok()).collect()
+    };
+    assert_eq!(reports(&off).len(), LIVES, "{}", off.output);
+    assert_eq!(reports(&off), reports(&on), "{}", on.log);
+    assert_eq!(on.log.matches("session active").count(), LIVES, "{}", on.log);
+    let new = on.findings.beyond(&off.findings);
+    assert!(new.is_empty(), "{new:#?}");
+    for view in 0..2 {
+        let [off, on] = [&off, &on].map(|outcome| outcome.submitted(view, 6).unwrap());
+        assert!(off != on, "view {view} of the last life is as without the layer");
+    }
 }

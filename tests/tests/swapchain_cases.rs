@@ -23,12 +23,16 @@ struct Case {
     format: PixelFormat,
     /// Whether the application's colour swapchains get images of ours where chroma attenuation is on.
     substituted: bool,
+    /// Width of those that keep the runtime's all the same, because of what is chained to their creation; 0: none.
+    left_alone: u32,
     /// Which frame's picture each frame shows, where not its own: in front of a runtime that is not ready for another
     /// image, the layer submits the last one again instead of making the application wait.
     shows: &'static [u64],
     /// Whether OpenXR's core validation is below the layer. Where it is not, it is too old for an extension of the
     /// case, or answers a mistake itself.
     openxr_validation: bool,
+    /// Whether the application makes its swapchains in the same order in each run.
+    in_order: bool,
     /// What the runtime is to do beside the usual.
     scenario: fn(&mut Scenario),
 }
@@ -50,8 +54,10 @@ impl Case {
             gaze: Gaze::Centre,
             format: PixelFormat::Rgba8Srgb,
             substituted: true,
+            left_alone: 0,
             shows: &[],
             openxr_validation: true,
+            in_order: true,
             scenario: |_| {},
         }
     }
@@ -71,7 +77,7 @@ impl Case {
     fn check(&self) {
         let reference = run(self, None);
         judge::reference(&reference);
-        judge::unchanged(&reference, &run(self, Some(OFF)));
+        judge::unchanged(self, &reference, &run(self, Some(OFF)));
         judge::processed(self, &reference, &run(self, Some(self.config())));
     }
 }
@@ -122,6 +128,11 @@ cases! {
     destroyed_handle,
     enumerate_images,
     two_sessions,
+    two_sessions_at_once,
+    forks,
+    swapchains_on_threads { in_order: false },
+    devices_on_threads,
+    unknown_structures { openxr_validation: false, left_alone: 32 },
     no_actions { gaze: Gaze::Tracker },
     own_actions { gaze: Gaze::Tracker, scenario: press_select },
     own_actions_and_resubmission { gaze: Gaze::Tracker, scenario: glance },

@@ -1,13 +1,16 @@
 //! The cases: each a short function, named for what it does.
 
 mod actions;
+mod chains;
 mod errors;
 mod input;
 mod order;
+mod process;
 mod sessions;
 mod shapes;
 pub mod stereo;
 mod submission;
+mod threads;
 
 use crate::app::App;
 use crate::failure::Failure;
@@ -71,6 +74,11 @@ cases! {
     errors => destroyed_handle,
     errors => enumerate_images,
     sessions => two_sessions,
+    sessions => two_sessions_at_once,
+    process => forks,
+    threads => swapchains_on_threads,
+    threads => devices_on_threads,
+    chains => unknown_structures,
     actions => no_actions,
     actions => own_actions,
     actions => own_actions_and_resubmission,

@@ -28,6 +28,10 @@ pub struct Options {
     /// Sequences of calls that the specification does not allow
     #[arg(long)]
     pub hostile: bool,
+    /// Of a case: so many times one after the other in this process, each time with loaders, instances and devices anew; prints a
+    /// report after each
+    #[arg(long, value_name = "COUNT", default_value_t = 1)]
+    pub lives: u32,
     /// Which extension connects OpenXR and Vulkan: XR_KHR_vulkan_enable (1) or XR_KHR_vulkan_enable2 (2)
     #[arg(long, value_enum, default_value = "2")]
     pub enable: Enable,

@@ -23,8 +23,6 @@ pub struct Session<'a> {
     pub space: xr::Space,
     state: Cell<xr::SessionState>,
     running: Cell<bool>,
-    /// Frames that xrEndFrame accepted in earlier sessions and this one.
-    submitted: Cell<u32>,
 }
 
 /// A frame between xrBeginFrame and xrEndFrame.
@@ -43,14 +41,12 @@ impl<'a> Session<'a> {
         succeeded("xrCreateSession", result)?;
         let (result, space) = calls::create_local_space(app, handle);
         succeeded("xrCreateReferenceSpace", result)?;
-        let submitted = Cell::new(app.report().frames);
         Ok(Self {
             app,
             handle,
             space,
             state: Cell::new(xr::SessionState::UNKNOWN),
             running: Cell::new(false),
-            submitted,
         })
     }
 

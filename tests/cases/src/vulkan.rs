@@ -62,6 +62,11 @@ impl Vulkan {
         }
     }
 
+    /// An instance and a device that OpenXR knows nothing of.
+    pub fn apart() -> Result<Self, Failure> {
+        Self::before_openxr(VulkanVersion::V1_1)
+    }
+
     /// Waits until the application's own work on the queue is done.
     pub fn wait_idle(&self) {
         // SAFETY: the queue is used by one thread at a time. An error means a lost device, where nothing is

@@ -19,3 +19,27 @@ pub fn two_sessions(app: &App) -> Outcome {
     }
     Ok(())
 }
+
+/// Two sessions are there at once, on one device, and show frames by turns.
+pub fn two_sessions_at_once(app: &App) -> Outcome {
+    // Events are taken by the session that asks for them: each is begun before the other is there.
+    let first = Session::start(app)?;
+    let second = Session::start(app)?;
+    let sessions = [(&first, Stereo::create(&first)?), (&second, Stereo::create(&second)?)];
+    for turn in 0..FRAMES {
+        let (session, stereo) = &sessions[turn as usize % 2];
+        session.frames(1, |frame| {
+            stereo.paint(turn)?;
+            session.submit(frame, &[Layer::Projection(stereo.images())])
+        })?;
+    }
+    drop(sessions);
+    second.finish()?;
+    let stereo = Stereo::create(&first)?;
+    first.frames(FRAMES / 2, |frame| {
+        stereo.paint(FRAMES + frame.index)?;
+        first.submit(frame, &[Layer::Projection(stereo.images())])
+    })?;
+    drop(stereo);
+    first.finish()
+}

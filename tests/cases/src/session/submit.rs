@@ -63,9 +63,8 @@ impl Session<'_> {
     }
 
     fn note_pictures(&self, layers: &[Layer]) {
-        let frame = self.submitted.get();
-        self.submitted.set(frame + 1);
         let mut report = self.app.report();
+        let frame = report.frames;
         report.frames = frame + 1;
         for (layer_index, layer) in layers.iter().enumerate() {
             for (view_index, image) in layer.images().iter().enumerate() {

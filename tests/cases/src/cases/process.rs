@@ -1,0 +1,84 @@
+//! The process itself: children of it.
+
+use super::stereo::Stereo;
+use super::{FRAMES, Outcome};
+use crate::app::App;
+use crate::failure::Failure;
+use crate::session::{Layer, Session};
+use std::ffi::{c_char, c_int};
+use std::ptr::null;
+use std::time::{Duration, Instant};
+
+/// A child that has not ended by then hangs.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// What a child ends with.
+const CODE: c_int = 7;
+
+unsafe extern "C" {
+    fn fork() -> c_int;
+    fn execv(path: *const c_char, arguments: *const *const c_char) -> c_int;
+    fn exit(code: c_int) -> !;
+    fn _exit(code: c_int) -> !;
+    fn kill(process: c_int, signal: c_int) -> c_int;
+    fn waitpid(process: c_int, status: *mut c_int, options: c_int) -> c_int;
+}
+
+/// How a child ends.
+#[derive(Clone, Copy, Debug)]
+enum End {
+    /// By `exit`: all that was registered for the end is run, in a process with one thread.
+    Exit,
+    /// By `_exit`, at once.
+    AtOnce,
+    /// As another program.
+    Program,
+}
+
+/// Processes are forked off amid frames, as by crash handlers and launchers, and end before the frame does.
+pub fn forks(app: &App) -> Outcome {
+    let session = Session::start(app)?;
+    let stereo = Stereo::create(&session)?;
+    session.frames(FRAMES, |frame| {
+        let end = [End::Exit, End::AtOnce, End::Program][frame.index as usize % 3];
+        fork_off(app, end)?;
+        stereo.paint(frame.index)?;
+        fork_off(app, end)?;
+        session.submit(frame, &[Layer::Projection(stereo.images())])
+    })?;
+    drop(stereo);
+    session.finish()
+}
+
+/// Forks, and waits for the child's end.
+fn fork_off(app: &App, end: End) -> Result<(), Failure> {
+    let program = c"/bin/true";
+    let arguments = [program.as_ptr(), null()];
+    // SAFETY: the child calls what may be called there, and `exit`, of which applications expect as much.
+    let child = unsafe { fork() };
+    if child == 0 {
+        // SAFETY: as above; the arguments end with null.
+        unsafe {
+            match end {
+                End::Exit => exit(CODE),
+                End::AtOnce => _exit(CODE),
+                End::Program => execv(program.as_ptr(), arguments.as_ptr()),
+            };
+            _exit(1)
+        }
+    }
+    let start = Instant::now();
+    let mut status = -1;
+    // SAFETY: a child of this process, and room for its status; 1 is WNOHANG.
+    while unsafe { waitpid(child, &mut status, 1) } == 0 {
+        if start.elapsed() > PATIENCE {
+            // SAFETY: the child has not been waited for, so the number is still its; 9 is SIGKILL.
+            unsafe { kill(child, 9) };
+            return Err(Failure::Unsupported(format!("a child that ends by {end:?} hangs")));
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let expected = if matches!(end, End::Program) { 0 } else { CODE << 8 };
+    app.report().fact(&format!("status after {end:?}"), status, expected);
+    Ok(())
+}
