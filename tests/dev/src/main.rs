@@ -5,6 +5,7 @@
 //! runs. Everything is written below the target folder.
 
 mod compare;
+mod monado;
 mod packages;
 mod sanitize;
 mod setup;
@@ -23,12 +24,16 @@ cargo dev <task>, run anywhere in the repository:
                         any OpenXR program with the layer (default: the mock runtime on lavapipe)
   zoo [STYLE]           every style of rendering at full length (256 x 256 pixels, 120 frames, with a still and a moving gaze, on both
                         backends, under validation), of which `test` runs a share
-  faults [PART]         the whole fault matrix, call by fault by technique, of which `test` runs a share; or the cells with this in their names
+  faults [--validated] [PART]
+                        the whole fault matrix, call by fault by technique, of which `test` runs a share; or the cells with this in their
+                        names; --validated has synchronization validation below the layer
   fuzz [TARGET] [--minutes N]
                         mutated inputs for what reads files, chains and shaders, a minute each or so long; `test` runs a few thousand
   gpu [--json]          on a GPU with VK_KHR_fragment_shading_rate: the layer's rates beside the same ones set by the application itself, pictures and
                         GPU times; kept in tests/gpu-results/. Without such a GPU it says so, and that is all
   bench NAME [--json]   a bench: break-even (how dear pixels must be for the layer to gain), ears (what listening costs, and how late it is), frame (what techniques save), kernels (what rates by contrast cost a view), models (what the models cost, their hard cases, and how well gaze is followed), overhead (what the layer costs), reuse (what pictures of a turning head lose), status (what parafovea status shows, and takes)
+  monado [PART]         as root, with debootstrap: hello_xr, our scene and every style on Monado in a Debian trixie in target/monado/, under its
+                        validation, with everything on and without the layer: the same results, and no message more
   dist                  packs a release build, target/dist/: an archive with an installer, and a Debian package
   bench --compare REV [ARGUMENTS]
                         the layer as it is here beside that of a commit, by turns, in the bench `frame` with these arguments: ratios with their spread
@@ -37,7 +42,8 @@ cargo dev <task>, run anywhere in the repository:
                         takes 5 minutes, the whole an hour, and --all every point of every sweep (`report --help` lists more)
   sanitize [address | miri | thread]
                         what a nightly toolchain, where one is installed, finds out about unsafe code
-  sequences [COUNT]     100000, or so many, random sequences of OpenXR calls with and without the layer, and 1000 hostile ones
+  sequences [COUNT]     100000, or so many, random sequences of OpenXR calls with and without the layer, 1000 hostile ones, and 100
+                        processes of 24 frames of random Vulkan recordings
   soak [--minutes N]    half an hour, or so long: an application that starts and ends over and over takes no more and more memory with the layer
   soak ears [--seconds N]
                         listening for an hour, or so long, takes no more and more memory
@@ -57,6 +63,7 @@ fn main() -> ExitCode {
         Some("fuzz") => tasks::fuzz(rest),
         Some("gpu") => tasks::gpu(rest),
         Some("bench") => tasks::bench(rest),
+        Some("monado") => monado::monado(rest),
         Some("report") => tasks::report(rest),
         Some("sanitize") => sanitize::sanitize(rest),
         Some("sequences") => tasks::sequences(rest),

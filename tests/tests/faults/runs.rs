@@ -245,7 +245,14 @@ impl Seen {
         let findings = outcome.findings.vulkan.iter().chain(&outcome.findings.openxr);
         // hello_xr prints what the Vulkan loader tells, and has two threads that print, now and then into each other's lines.
         let is_told = |line: &String| {
-            let noise = ["[Loader Message]", "[Validation]", "any key", "INFO: (INSTANCE"];
+            let noise = [
+                "[Loader Message]",
+                "[Validation]",
+                "any key",
+                "INFO: (INSTANCE",
+                "Core Validation",
+                "VALIDATION LAYER",
+            ];
             line != "[" && noise.iter().all(|noise| !line.contains(noise))
         };
         let output = outcome.output.lines().map(without_numbers).filter(is_told).collect();

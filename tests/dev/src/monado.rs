@@ -1,0 +1,230 @@
+//! A second opinion on the mock runtime: applications on Monado, with a simulated headset and nothing to show pictures on, in a Debian trixie
+//! of their own, with newer loaders, drivers and validation than the tests have elsewhere. Takes root's rights.
+
+use crate::setup::{Voice, setup};
+use crate::steps::{Steps, profile_folder};
+use crate::tasks;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const PACKAGES: [&str; 7] = [
+    "libopenxr-loader1",
+    "libopenxr-utils",
+    "libopenxr1-monado",
+    "libvulkan1",
+    "mesa-vulkan-drivers",
+    "monado-service",
+    "vulkan-validationlayers",
+];
+
+/// What is copied there, to `/opt/parafovea`.
+const PROGRAMS: [&str; 5] =
+    ["libparafovea.so", "parafovea", "parafovea-probe", "parafovea-scene", "parafovea-zoo"];
+
+/// Everything on.
+const CONFIG: &str = "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
+    [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
+
+/// Starts Monado, runs a program that ends by itself or with its input, and ends Monado: what they print goes to files in `/tmp`.
+const RUN: &str = r#"
+export HOME=/root XDG_RUNTIME_DIR=/run/monado XRT_COMPOSITOR_NULL=1
+export XR_RUNTIME_JSON=/usr/share/openxr/1/openxr_monado.json
+export VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation VK_KHRONOS_VALIDATION_VALIDATE_SYNC=true
+rm -rf /run/monado /root/.local/state/parafovea
+mkdir -m 700 /run/monado
+mkfifo /run/monado/input
+exec 7<> /run/monado/input
+monado-service < /run/monado/input > /tmp/monado.log 2>&1 &
+service=$!
+for turn in $(seq 150); do test -S /run/monado/monado_comp_ipc && break; sleep 0.1; done
+(sleep 6; echo) | timeout 120 "$@" > /tmp/output.log 2>&1
+code=$?
+kill $service
+wait $service
+exit $code
+"#;
+
+/// Runs hello_xr, our scene and the zoo, or those with the argument in their names, off and on.
+pub fn monado(arguments: &[String]) -> Result<(), String> {
+    let wanted = match arguments {
+        [] => "",
+        [wanted] => wanted,
+        _ => return Err("usage: cargo dev monado [PART]".to_owned()),
+    };
+    setup(Voice::Implied)?;
+    let mut steps = Steps::default();
+    tasks::build(&mut steps)?;
+    let Some(root) = prepared(&mut steps)? else { return Ok(()) };
+    let cases: Vec<Vec<String>> =
+        cases()?.into_iter().filter(|case| case.join(" ").contains(wanted)).collect();
+    let mut wrong = 0;
+    for case in &cases {
+        match compare(&root, case) {
+            Ok(()) => println!("{}: the same", case.join(" ")),
+            Err(reason) => {
+                wrong += 1;
+                println!("{}: {reason}", case.join(" "));
+            }
+        }
+    }
+    println!("{} applications, {wrong} not the same", cases.len());
+    steps.summary();
+    if wrong == 0 && !cases.is_empty() {
+        Ok(())
+    } else {
+        Err(format!("{wrong} of {} applications", cases.len()))
+    }
+}
+
+/// Programs and their arguments.
+fn cases() -> Result<Vec<Vec<String>>, String> {
+    let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+    let list = Command::new(profile_folder()?.join("parafovea-zoo"))
+        .arg("--list")
+        .output()
+        .map_err(|error| format!("the list of styles: {error}"))?;
+    let list = String::from_utf8_lossy(&list.stdout).into_owned();
+    let styles = list.lines().filter_map(|line| line.split_whitespace().next());
+    let zoo = styles
+        .map(|style| words(&format!("/opt/parafovea/parafovea-zoo --size 64 --frames 20 --style {style}")));
+    let fixed = ["hello_xr -g Vulkan", "hello_xr -g Vulkan2", "/opt/parafovea/parafovea-scene --frames 20"]
+        .map(words);
+    Ok(fixed.into_iter().chain(zoo).collect())
+}
+
+/// The folder of the system, made and filled; none where that cannot be.
+fn prepared(steps: &mut Steps) -> Result<Option<PathBuf>, String> {
+    let is_root = Command::new("id").arg("-u").output().is_ok_and(|id| id.stdout.trim_ascii() == b"0");
+    if !is_root || Command::new("debootstrap").arg("--version").output().is_err() {
+        println!("skipped: it takes root's rights and debootstrap");
+        return Ok(None);
+    }
+    let folder = profile_folder()?;
+    let root = folder.parent().ok_or("the target folder is not known")?.join("monado/trixie");
+    let is_there = root.join("usr/bin/monado-service").exists();
+    if !is_there {
+        let failed = |error| format!("{}: {error}", root.display());
+        fs::create_dir_all(&root).map_err(failed)?;
+        let mut command = Command::new("debootstrap");
+        command.args(["--variant=minbase", "trixie"]).arg(&root).arg("http://deb.debian.org/debian");
+        steps.run("debootstrap", &mut command)?;
+        let mut install = inside(&root);
+        install.args(["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "--quiet", "install", "--yes"]);
+        steps.run("apt-get install", install.arg("--no-install-recommends").args(PACKAGES))?;
+    }
+    let own = root.join("opt/parafovea");
+    let config = root.join("root/.config/parafovea");
+    let failed = |path: &Path| {
+        let path = path.display().to_string();
+        move |error| format!("{path}: {error}")
+    };
+    for path in [&own, &config] {
+        fs::create_dir_all(path).map_err(failed(path))?;
+    }
+    for program in PROGRAMS {
+        let to = own.join(program);
+        fs::copy(folder.join(program), &to).map_err(failed(&to))?;
+    }
+    for (path, text) in [(own.join("run.sh"), RUN), (config.join("config.toml"), CONFIG)] {
+        fs::write(&path, text).map_err(failed(&path))?;
+    }
+    let mut install = inside(&root);
+    steps.run(
+        "parafovea install",
+        install.args(["env", "HOME=/root", "/opt/parafovea/parafovea", "install"]),
+    )?;
+    Ok(Some(root))
+}
+
+/// A command in that system, with the kernel's folders for as long as it runs.
+fn inside(root: &Path) -> Command {
+    let mut command = Command::new("unshare");
+    let script = r#"mount --bind /proc "$0/proc" && mount --bind /dev "$0/dev" && exec chroot "$0" "$@""#;
+    command.args(["--mount", "sh", "-c", script]).arg(root);
+    command
+}
+
+/// What an application and Monado left.
+struct Seen {
+    code: Option<i32>,
+    /// Complaints, without numbers, and how often each came.
+    complaints: BTreeMap<String, usize>,
+    log: String,
+}
+
+fn run(root: &Path, words: &[String]) -> Result<Seen, String> {
+    let mut command = inside(root);
+    let status = command.args(["bash", "/opt/parafovea/run.sh"]).args(words).status();
+    let status = status.map_err(|error| format!("cannot start: {error}"))?;
+    let read = |path: PathBuf| String::from_utf8_lossy(&fs::read(path).unwrap_or_default()).into_owned();
+    let mut complaints = BTreeMap::new();
+    for line in read(root.join("tmp/output.log"))
+        .lines()
+        .filter(|line| is_complaint(line) && !is_of_virtual_image(line))
+    {
+        *complaints.entry(without_numbers(line)).or_default() += 1;
+    }
+    // What it warns of is that frames are late, or not.
+    for line in read(root.join("tmp/monado.log")).lines().filter(|line| line.contains("ERROR")) {
+        *complaints.entry(format!("Monado: {}", without_numbers(line))).or_default() += 1;
+    }
+    let logs = fs::read_dir(root.join("root/.local/state/parafovea")).into_iter().flatten().flatten();
+    Ok(Seen { code: status.code(), complaints, log: logs.map(|file| read(file.path())).collect() })
+}
+
+/// Of validation, loaders, hello_xr and Monado's part in the application.
+fn is_complaint(line: &str) -> bool {
+    [
+        "Validation Error",
+        "Validation Warning",
+        "Validation Performance",
+        "[Error",
+        "[Warning",
+        "ERROR",
+        " WARN ",
+    ]
+    .iter()
+    .any(|sign| line.contains(sign))
+}
+
+/// An imageless framebuffer says how an image was created, which no application knows of a swapchain's: virtual ones are mutable, as
+/// runtimes' may be.
+fn is_of_virtual_image(complaint: &str) -> bool {
+    ["03209", "03214", "03215"]
+        .iter()
+        .any(|rule| complaint.contains(&format!("VUID-VkRenderPassBeginInfo-framebuffer-{rule}")))
+}
+
+/// Times and handles differ in every run.
+fn without_numbers(text: &str) -> String {
+    let words = text.split(|character: char| !character.is_ascii_alphanumeric());
+    let words: Vec<&str> = words
+        .filter(|word| !word.is_empty() && !word.starts_with(|first: char| first.is_ascii_digit()))
+        .collect();
+    words.join(" ")
+}
+
+/// With the layer it ends as without, with no complaint more, and the layer is at work.
+fn compare(root: &Path, words: &[String]) -> Result<(), String> {
+    let off = run(root, words)?;
+    let launcher = ["/opt/parafovea/parafovea", "run", "--"].map(str::to_owned);
+    let on = run(root, &[&launcher, words].concat())?;
+    if off.code != on.code {
+        return Err(format!("exit code {:?} instead of {:?}\n{}", on.code, off.code, on.log));
+    }
+    let is_more =
+        |(text, count): &(&String, &usize)| off.complaints.get(*text).is_none_or(|before| before < count);
+    let more: Vec<_> = on.complaints.iter().filter(is_more).collect();
+    if !more.is_empty() {
+        return Err(format!("new messages: {more:#?}"));
+    }
+    if !on.log.contains("session active") || on.log.contains(" WARN ") || on.log.contains(" ERROR ") {
+        // What no device here can do ends before its session.
+        let is_skipped =
+            fs::read_to_string(root.join("tmp/output.log")).is_ok_and(|text| text.contains("skipped: "));
+        return if is_skipped { Ok(()) } else { Err(format!("the layer's log\n{}", on.log)) };
+    }
+    Ok(())
+}
