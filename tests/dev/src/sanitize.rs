@@ -6,9 +6,16 @@ use crate::tasks::in_root;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// What Miri runs: crates of pure functions, and the layer's own reading of C structures. It knows no files of loaders, no devices.
-const MIRI: [&[&str]; 3] =
-    [&["parafovea-core"], &["parafovea-manifest"], &["parafovea-layer", "--", "abi::", "vk::rates::copies"]];
+/// What Miri runs: crates of pure functions, and the layer's own reading of C structures. It knows no files of loaders, no devices, and
+/// not the register by which loudness is measured without denormal numbers.
+const MIRI: [&[&str]; 3] = [
+    &["parafovea-core", "--", "--skip", "audio::"],
+    &["parafovea-manifest"],
+    &["parafovea-layer", "--", "abi::", "vk::rates::copies"],
+];
+
+/// Files and clocks are the host's, and floating point is as the processor has it: Miri would else be off by a few units in the last place.
+const MIRI_FLAGS: &str = "-Zmiri-disable-isolation -Zmiri-deterministic-floats";
 
 /// Runs what can be run; what cannot is said, and is no failure.
 pub fn sanitize(arguments: &[String]) -> Result<(), String> {
@@ -81,8 +88,8 @@ fn miri(steps: &mut Steps) -> Result<(), String> {
             "--lib",
             "--package",
         ]);
-        // Files and clocks are the host's; properties are tried a few times only, as everything is slow there.
-        command.args(arguments).env("MIRIFLAGS", "-Zmiri-disable-isolation").env("PROPTEST_CASES", "2");
+        // Properties are tried a few times only, as everything is slow there.
+        command.args(arguments).env("MIRIFLAGS", MIRI_FLAGS).env("PROPTEST_CASES", "2");
         steps.run(&format!("miri {}", arguments[0]), in_root(&mut command))?;
     }
     Ok(())
