@@ -187,7 +187,8 @@ impl Gpu {
 
     /// Records with `record` and submits; returns the number of the submit, for [`Uses::mark`].
     ///
-    /// Waits only while [`SUBMITS_IN_FLIGHT`] submits are under way.
+    /// Waits only while [`SUBMITS_IN_FLIGHT`] submits are under way; [`GpuError::Timeout`] where that takes too long: then nothing was
+    /// recorded, and a later call may succeed.
     pub(crate) fn submit(
         &self,
         record: impl FnOnce(&Recorder) -> Result<(), GpuError>,
@@ -197,7 +198,9 @@ impl Gpu {
         }
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         let ring = commands.as_mut().ok_or(GpuError::Invalid("a submit without a queue"))?;
-        self.abandon_if_stuck(ring.submit(&self.device, self.queue, record))
+        let result = ring.submit(&self.device, self.queue, record);
+        // A device that is behind comes again, and nothing was touched that it still uses.
+        if result == Err(GpuError::Timeout) { result } else { self.abandon_if_stuck(result) }
     }
 
     /// Waits until a submit has finished on the GPU.

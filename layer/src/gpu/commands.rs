@@ -29,6 +29,8 @@ pub(super) struct CommandRing {
     slots: [Slot; SUBMITS_IN_FLIGHT],
     /// Number of the last submit; they count from 1.
     last_submit: u64,
+    /// Whether a submit was waited for in vain: until it has finished, nobody waits for it again.
+    is_behind: bool,
 }
 
 impl CommandRing {
@@ -45,7 +47,8 @@ impl CommandRing {
         // SAFETY: the device is live and has that family.
         let pool = unsafe { device.create_command_pool(&pool_info, None) }
             .map_err(GpuError::from_call("vkCreateCommandPool"))?;
-        let mut ring = Self { pool, slots: [Slot::default(); SUBMITS_IN_FLIGHT], last_submit: 0 };
+        let mut ring =
+            Self { pool, slots: [Slot::default(); SUBMITS_IN_FLIGHT], last_submit: 0, is_behind: false };
         // SAFETY: as above; the pool is new.
         let filled = unsafe { ring.fill(device, record) };
         if filled.is_err() {
@@ -85,8 +88,7 @@ impl CommandRing {
         let index = (number % SUBMITS_IN_FLIGHT as u64) as usize;
         let slot = self.slots[index];
         if slot.submit != 0 {
-            // SAFETY: the fence belongs to the ring of this live device.
-            unsafe { wait_fence(device, slot.fence) }?;
+            self.wait_for_slot(device, slot)?;
         }
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the command buffer is not pending: its fence was waited for. Beginning resets it.
@@ -117,6 +119,27 @@ impl CommandRing {
         self.slots[index].submit = number;
         self.last_submit = number;
         Ok(number)
+    }
+
+    /// Waits until a slot is free again, the first time; where that was in vain it only looks from then on, so that an application
+    /// whose device is behind waits once.
+    fn wait_for_slot(&mut self, device: &ash::Device, slot: Slot) -> Result<(), GpuError> {
+        if !self.is_behind {
+            // SAFETY: the fence belongs to the ring of this live device.
+            match unsafe { wait_fence(device, slot.fence) } {
+                Err(GpuError::Timeout) => self.is_behind = true,
+                result => return result,
+            }
+        }
+        // SAFETY: as above.
+        match unsafe { device.get_fence_status(slot.fence) } {
+            Ok(true) => {
+                self.is_behind = false;
+                Ok(())
+            }
+            Ok(false) => Err(GpuError::Timeout),
+            Err(result) => Err(GpuError::Call { call: "vkGetFenceStatus", result }),
+        }
     }
 
     /// Replaces a fence that cannot be reset.

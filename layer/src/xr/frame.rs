@@ -210,7 +210,10 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) -
         },
         // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
         // it gets its image as it is.
-        Err(GpuError::Timeout) => works.retain(|work| !work.has_picture()),
+        Err(error @ GpuError::Timeout) => {
+            error.tell("frames show earlier pictures while the device is behind");
+            works.retain(|work| !work.has_picture());
+        }
         Err(error) => {
             error.tell(
                 "frames fail from now on, as no new pictures can be shown; start the application anew, with preset = \"none\" if it comes again",

@@ -9,6 +9,8 @@ const OUT_OF_HOST_MEMORY: i32 = -1;
 const OUT_OF_DEVICE_MEMORY: i32 = -2;
 const DEVICE_LOST: i32 = -4;
 const MEMORY_MAP_FAILED: i32 = -5;
+/// No error: what was waited for takes longer.
+const TIMEOUT: i32 = 2;
 
 /// The application's submits after which the device is lost.
 const LOST_AFTER: [u64; 2] = [2, 12];
@@ -48,6 +50,9 @@ fn own_faults(call: &str, count: u64) -> Vec<VulkanFault> {
     let mut faults = vec![fault(0, u64::MAX)];
     if count > 1 {
         faults.push(fault(1, 1));
+    }
+    if call == "vkWaitForFences" {
+        faults.push(VulkanFault { result: TIMEOUT, ..fault(0, 1) });
     }
     faults
 }
