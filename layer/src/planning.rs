@@ -27,7 +27,7 @@ use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::Techniques;
 use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker, Rejection};
 use parafovea_core::geometry;
-use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings, RateSettings};
+use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings};
 use told::LastLook;
 
 /// A display time that is earlier than the one before by less than this belongs to another thread that is behind; by more,
@@ -318,9 +318,7 @@ impl Planning {
         let settings = plan_settings(config, self.offer.rates(), self.offer.texel());
         let rails = match config.gaze.source {
             GazeSource::Eyes | GazeSource::File => settings.rails,
-            // What contrast says changes.
-            GazeSource::Centre if matches!(settings.rates, RateSettings::AudioVisual(_)) => settings.rails,
-            // Nothing moves: there is no change that could be seen, and every frame has the same map.
+            // Nothing moves: there is no change that could be seen, and every frame has the same rings.
             GazeSource::Centre => RailSettings { coarsening_octaves_per_s: f32::INFINITY, ..settings.rails },
         };
         PlanSettings { rails, chroma: self.chroma(config, can_attenuate), ..settings }

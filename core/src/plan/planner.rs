@@ -103,7 +103,9 @@ impl Planner {
     /// Plans a frame.
     pub fn plan(&mut self, input: &PlanInput) -> &FramePlan {
         let mut reasons = Reasons::default();
-        let rails = self.rails.frame(&self.settings.rails, input.time_ns, &input.gaze, &mut reasons);
+        let is_judged = matches!(self.settings.rates, RateSettings::AudioVisual(_));
+        let rails =
+            self.rails.frame(&self.settings.rails, is_judged, input.time_ns, &input.gaze, &mut reasons);
         let period_cap = self.cap.update(input.frame_rate_hz);
         let limits = AgeLimits { period_cap, drift_arcmin: self.drift_arcmin };
         let rules = FrameRules::new(&self.settings, rails, input.audio.as_ref(), limits, &mut reasons);

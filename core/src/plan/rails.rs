@@ -45,11 +45,12 @@ pub(super) struct RailMemory {
 }
 
 impl RailMemory {
-    /// The rails of the frame that is shown at `time_ns`. All numbers of `settings` are usable
+    /// The rails of the frame that is shown at `time_ns`; `is_judged` where contrast may decide. All numbers of `settings` are usable
     /// ([`RailSettings::usable`]).
     pub(super) fn frame(
         &mut self,
         settings: &RailSettings,
+        is_judged: bool,
         time_ns: i64,
         gaze: &GazeState,
         reasons: &mut Reasons,
@@ -61,11 +62,12 @@ impl RailMemory {
         reasons.insert_if(lost, Reason::GazeLost);
         reasons.insert_if(trust < 1.0 && matches!(area, Area::AroundGaze(_)), Reason::GazeFading);
         let seconds = self.elapsed_s(time_ns, reasons);
+        let speed = if is_judged { settings.judged_octaves_per_s } else { settings.coarsening_octaves_per_s };
         FrameRails {
             area,
             inflation_deg: if lost { 0.0 } else { inflation_deg(settings, gaze, trust) },
             elapsed_ms: (seconds * 1e3) as u32,
-            coarsening: self.coarsening(settings, seconds, lost || may_coarsen(gaze, reasons)),
+            coarsening: self.coarsening(speed, seconds, lost || may_coarsen(gaze, reasons)),
             pursuit: gaze.phase == GazePhase::Pursuit,
         }
     }
@@ -77,8 +79,8 @@ impl RailMemory {
         elapsed_ns.clamp(0, LONGEST_FRAME_NS) as f32 * 1e-9
     }
 
-    fn coarsening(&mut self, settings: &RailSettings, seconds: f32, allowed: bool) -> u32 {
-        let speed = settings.coarsening_octaves_per_s;
+    /// With a speed in octaves a second.
+    fn coarsening(&mut self, speed: f32, seconds: f32, allowed: bool) -> u32 {
         if speed == f32::INFINITY {
             return u32::from(u8::MAX);
         }

@@ -179,6 +179,8 @@ pub struct RailSettings {
     /// Fastest that a tile becomes coarser, octaves of [`ShadingRate::octaves`] a second; infinite: at once, in and
     /// after saccades and blinks too.
     pub coarsening_octaves_per_s: f32,
+    /// The same where contrast decides, which noise in the pictures changes too.
+    pub judged_octaves_per_s: f32,
     /// Rates around straight ahead once the gaze is lost; 1x1 everywhere without.
     pub lost: Option<FixedFoveation>,
 }
@@ -193,6 +195,7 @@ impl RailSettings {
         hysteresis_budget: 1.0,
         holding_budget: 1.0,
         coarsening_octaves_per_s: f32::INFINITY,
+        judged_octaves_per_s: f32::INFINITY,
         lost: None,
     };
 }
@@ -210,6 +213,7 @@ impl RailSettings {
             hysteresis_budget: or(self.hysteresis_budget, usual.hysteresis_budget).min(1.0),
             holding_budget: or(self.holding_budget, usual.holding_budget).clamp(1.0, 16.0),
             coarsening_octaves_per_s: or(self.coarsening_octaves_per_s, usual.coarsening_octaves_per_s),
+            judged_octaves_per_s: or(self.judged_octaves_per_s, usual.judged_octaves_per_s),
             lost: self.lost,
         }
     }
@@ -217,7 +221,8 @@ impl RailSettings {
 
 impl Default for RailSettings {
     /// A fovea of 5 degrees; 1.1 degrees of error (vendor of the Vive Pro Eye, as paper B takes it); 60 ms from eye to
-    /// image, within the 50 to 70 that Albert et al. 2017 found tolerable. One octave takes a quarter of a second.
+    /// image, within the 50 to 70 that Albert et al. 2017 found tolerable. One octave takes an
+    /// eighth of a second, so that no tile becomes coarser twice within a tenth, and a quarter where contrast decides.
     /// Once the gaze is lost, 2x2 from 40 degrees on, beyond what eyes turn to without the head.
     fn default() -> Self {
         Self {
@@ -227,7 +232,8 @@ impl Default for RailSettings {
             hysteresis_deg: 0.5,
             hysteresis_budget: 0.9,
             holding_budget: 1.25,
-            coarsening_octaves_per_s: 4.0,
+            coarsening_octaves_per_s: 8.0,
+            judged_octaves_per_s: 4.0,
             lost: Some(FixedFoveation {
                 foveal_deg: 30.0,
                 transitional_deg: 40.0,

@@ -95,9 +95,9 @@ fn first_frame_is_full_and_coarsens_within_the_limit() {
     let share: Vec<f32> = (1..=60)
         .map(|frame| {
             let plan = planner.plan(&PlanInput { frame, time_ns: frame as i64 * FRAME_NS, ..input() });
-            // 4 octaves a second: 4x4 after half a second, the corner is far outside of all rings.
+            // 8 octaves a second: 4x4 after half a second, the corner is far outside of all rings.
             let octaves = plan.eyes[0].rate(0, 0).octaves();
-            assert!(octaves <= 4.0 * 0.01 * frame as f32 + 1e-4, "frame {frame}: {octaves} octaves");
+            assert!(octaves <= 8.0 * 0.01 * frame as f32 + 1e-4, "frame {frame}: {octaves} octaves");
             plan.eyes[0].statistics.pixel_share
         })
         .collect();

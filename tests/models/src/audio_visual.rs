@@ -178,7 +178,7 @@ fn by_coefficients(scene: &Scene, constants: Constants, sound: Sound, coefficien
 }
 
 fn settings(constants: Constants, coefficients: Coefficients) -> PlanSettings {
-    let at_once = RailSettings { coarsening_octaves_per_s: f32::INFINITY, ..RailSettings::default() };
+    let at_once = RailSettings { judged_octaves_per_s: f32::INFINITY, ..RailSettings::default() };
     let (model, rails) = match constants {
         Constants::Paper => (AudioVisual::PAPER, RailSettings::PAPER),
         Constants::Castle => {

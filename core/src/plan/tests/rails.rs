@@ -115,6 +115,7 @@ fn rails_that_are_no_numbers_are_the_usual_ones() {
         hysteresis_deg: f32::NAN,
         hysteresis_budget: f32::NAN,
         coarsening_octaves_per_s: f32::NAN,
+        judged_octaves_per_s: f32::NAN,
         ..RailSettings::default()
     };
     let planner = Planner::new(PlanSettings { rails: wild, ..fixed() });
