@@ -92,7 +92,7 @@ fn settings(unit: SensitivityUnit, rails: bool, texel: [u32; 2]) -> PlanSettings
     PlanSettings {
         rates: RateSettings::AudioVisual(model),
         rails: if rails {
-            RailSettings { coarsening_octaves_per_s: 8.0, ..RailSettings::default() }
+            RailSettings { judged_octaves_per_s: 8.0, ..RailSettings::default() }
         } else {
             RailSettings::PAPER
         },
