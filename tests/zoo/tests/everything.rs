@@ -19,7 +19,10 @@ use parafovea_zoo::{Queues, SKIPPED, STYLES, Style};
 use std::process::ExitCode;
 
 /// What is run in every test.
-const SHARE: Effort = Effort { frames: 20, size: 96 };
+const SHARE: Effort = Effort { frames: 54, size: 96 };
+
+/// How long the eyes rest at first, seconds: what contrast decides takes a quarter of a second for an octave, once the gaze is trusted.
+const REST_S: f64 = 0.5;
 
 /// Styles of every test: what differs most in how the layer's work is ordered among theirs.
 const FEW: [&str; 6] =
@@ -62,7 +65,7 @@ fn check(style: &Style, device: Device) -> Result<(), Failed> {
         None => plain,
     };
     let folder = tempfile::tempdir()?;
-    let config = format!("{}{EVERYTHING}", moving_gaze(folder.path())?);
+    let config = format!("{}{EVERYTHING}", moving_gaze(folder.path(), REST_S)?);
     let run = plain.clone().on(&config).validated_from(style.headers);
     let is_validated = run.is_validated();
     let on = run.finish()?;

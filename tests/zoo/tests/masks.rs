@@ -170,7 +170,8 @@ fn assert_expected(expected: &Expected, on: &Outcome, noted: &[Noted]) {
 fn check_moving(style: &Style, expected: &Expected) -> Result<(), Failed> {
     let effort = Effort::or_share(SHARE.frames, SHARE.size);
     let folder = tempfile::tempdir()?;
-    let config = format!("{}[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n", moving_gaze(folder.path())?);
+    let config =
+        format!("{}[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n", moving_gaze(folder.path(), 0.0)?);
     if let Some((on, noted)) = masked(style, effort, effort.scenario(), &config)? {
         assert_expected(expected, &on, &noted);
     }

@@ -156,7 +156,7 @@ fn check(style: &Style, profile: ShadingRateProfile, gaze: MapOf) -> Result<(), 
     let folder = tempfile::tempdir()?;
     let config = match gaze {
         MapOf::StillGaze => FIXED_RINGS.to_owned(),
-        MapOf::MovingGaze => format!("{}[rates]\ngate = \"on\"\n", moving_gaze(folder.path())?),
+        MapOf::MovingGaze => format!("{}[rates]\ngate = \"on\"\n", moving_gaze(folder.path(), 0.0)?),
     };
     let outcome = run(style, effort, profile, &config, effort.scenario())?;
     if let Some(skipped) = outcome.output.lines().find(|line| line.starts_with(SKIPPED)) {

@@ -37,15 +37,16 @@ impl Effort {
     }
 }
 
-/// The lines of a configuration for a gaze that jumps from one place to another eight times a second, and follows something between,
-/// by a file in `folder`: the styles have no input, and the eye tracker is not asked before half a minute.
+/// The lines of a configuration for a gaze that rests for a time, and then jumps from one place to another eight times a second and follows
+/// something between, by a file in `folder`: the styles have no input, and the eye tracker is not asked before half a minute.
 #[allow(dead_code, reason = "each test uses a part of it")]
-pub fn moving_gaze(folder: &Path) -> std::io::Result<String> {
+pub fn moving_gaze(folder: &Path, rests_s: f64) -> std::io::Result<String> {
     const JUMP_S: f64 = 0.125;
     let directions: [(f32, f32); 5] = [(-18.0, 4.0), (12.0, -9.0), (3.0, 14.0), (20.0, 0.0), (-6.0, -12.0)];
-    let mut text = String::new();
+    let (left, up) = directions[0];
+    let mut text = if rests_s > 0.0 { format!("0,{left},{up}\n") } else { String::new() };
     for (jump, (left, up)) in (0..).zip(directions.iter().cycle()).take(20) {
-        let t = f64::from(jump) * JUMP_S;
+        let t = rests_s + f64::from(jump) * JUMP_S;
         text += &format!("{t},{left},{up}\n{},{},{up}\n", t + 0.9 * JUMP_S, left + 2.0);
     }
     let file = folder.join("gaze.txt");
