@@ -92,6 +92,9 @@ fn one_of<T: PartialEq + Debug>(key: &str, value: &T, allowed: &[T]) -> Result<(
 
 fn ascending(key: &str, times: impl Iterator<Item = f64>) -> Result<(), String> {
     let times: Vec<_> = times.collect();
+    if let Some(time) = times.iter().find(|time| !time.is_finite()) {
+        return Err(format!("{key}.t is {time}; allowed: finite times"));
+    }
     match times.windows(2).find(|pair| pair[1].partial_cmp(&pair[0]).is_none_or(|order| order.is_lt())) {
         Some(pair) => Err(format!("{key}.t is {} after {}; allowed: ascending times", pair[1], pair[0])),
         None => Ok(()),
@@ -117,6 +120,7 @@ mod tests {
                 "session.focused_from is 0; allowed: session.visible_from (3) or more",
             ),
             ("[[gaze]]\nt=1\n[[gaze]]\nt=0", "gaze.t is 0 after 1; allowed: ascending times"),
+            ("[[head]]\nt=nan", "head.t is NaN; allowed: finite times"),
             ("[[input]]\nvalue=true", "missing field `path`"),
             ("[[fault]]\ncall='xrNo'", "fault.call has \"xrNo\"; allowed: functions"),
             ("[[fault]]\ncall='xrEndFrame'\nresult='XR_NO'", "fault.result has \"XR_NO\"; allowed: names"),
