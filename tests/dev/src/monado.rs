@@ -32,7 +32,7 @@ const RUN: &str = r#"
 export HOME=/root XDG_RUNTIME_DIR=/run/monado XRT_COMPOSITOR_NULL=1
 export XR_RUNTIME_JSON=/usr/share/openxr/1/openxr_monado.json
 export VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation VK_KHRONOS_VALIDATION_VALIDATE_SYNC=true
-rm -rf /run/monado /root/.local/state/parafovea
+rm -rf /run/monado "$HOME/.local/state/parafovea"
 mkdir -m 700 /run/monado
 mkfifo /run/monado/input
 exec 7<> /run/monado/input
