@@ -21,10 +21,17 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"vkGetParafoveaLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 10;
+pub const LINK_VERSION: u32 = 11;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
+
+/// Nothing is copied, because the plan's own rates hold.
+pub const RATES_OF_PLAN: u32 = 0;
+/// The copy was submitted.
+pub const RATES_COPIED: u32 = 1;
+/// The GPU decided, and nothing is copied, because too much is under way, or a call failed.
+pub const RATES_COPY_LEFT_OUT: u32 = 2;
 
 /// What is called when the application destroys a device, while that is still live.
 pub type DeviceEnds = unsafe extern "C" fn(device: vk::Device);
@@ -66,8 +73,8 @@ pub struct LinkTable {
     /// Writes what the next frame's passes took, of which that has become known; returns 1, or 0 when there is none. It waits for
     /// nothing: times come a frame or more after the frame has ended, in the order of the frames, and of some never.
     pub frame_time: unsafe extern "C" fn(device: vk::Device, record: *mut FrameTimeRecord) -> u32,
-    /// Copies the rates that the GPU decided last for an eye, in a submit of its own, in a section of the runtime. Returns 1, or 0 where
-    /// the plan's own rates hold, and nothing is copied.
+    /// Copies the rates that the GPU decided last for an eye, in a submit of its own, in a section of the runtime. Returns
+    /// [`RATES_COPIED`], [`RATES_OF_PLAN`] or [`RATES_COPY_LEFT_OUT`].
     pub copy_rates: unsafe extern "C" fn(device: vk::Device, record: *const RatesCopyRecord) -> u32,
     /// Has `call` called once when the application destroys the device, before the device is gone. Returns 1, or 0 when the device
     /// is not armed.

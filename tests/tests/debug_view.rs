@@ -149,7 +149,6 @@ fn ages_are_of_tiles_that_were_not_rendered() {
 
 /// Where the GPU decides, it is its own map that is drawn, tile by tile.
 #[test]
-#[ignore = "not mended yet: in one of some ten runs the view shows the rings where the GPU decided otherwise"]
 fn rates_that_the_gpu_decided_are_drawn() {
     const TILES: [u32; 2] = [16, 14];
     let scenario = Scenario::new(FRAMES).sized(256, 224).saving(&[LAST]);

@@ -130,9 +130,7 @@ cases! {
     enumerate_images,
     two_sessions,
     two_sessions_at_once,
-    #[ignore = "not mended yet: a child that ends by exit() crashed once with the layer"]
     forks,
-    #[ignore = "not mended yet: virtual swapchains submit to the session's queue when they are made, which needs the application's care"]
     swapchains_on_threads { in_order: false },
     devices_on_threads,
     unknown_structures { openxr_validation: false, left_alone: 32 },

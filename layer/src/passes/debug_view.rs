@@ -23,6 +23,8 @@ pub const MOST_PICTURES: usize = 2;
 /// One picture that is drawn over.
 #[derive(Clone, Copy)]
 pub struct DebugViewJob<'a> {
+    /// Whose picture it is, 0 or 1: each eye has a map of its own, and there is one picture of an eye at most.
+    pub eye: usize,
     /// Where the picture is.
     pub runtime: &'a RuntimeImages,
     /// Which of those images.
@@ -55,6 +57,8 @@ struct Maps {
     buffer: DeviceBuffer,
     /// Bytes of one of them.
     bytes: u32,
+    /// Columns and rows of each that was copied here, and not written since.
+    copied: [Option<[u32; 2]>; MOST_PICTURES],
 }
 
 impl DebugViewPass {
@@ -68,24 +72,33 @@ impl DebugViewPass {
         Ok(Self { uses: Uses::new(&gpu), pipelines, maps, has_copies: false, uniforms, gpu })
     }
 
-    /// Makes room for maps of `bytes`, if there is not enough, and says where that of picture `number` is: the buffer, which may be
+    /// Makes room for maps of `bytes`, if there is not enough, and says where that of an eye is: the buffer, which may be
     /// written by copies on this queue, and the offset in bytes.
     ///
     /// # Errors
     /// A failed call, or more than the device takes.
-    pub fn place(&mut self, number: usize, bytes: u32) -> Result<(vk::Buffer, u64), GpuError> {
+    pub fn place(&mut self, eye: usize, bytes: u32) -> Result<(vk::Buffer, u64), GpuError> {
         if self.maps.as_ref().is_none_or(|maps| maps.bytes < bytes) {
             let larger = Maps::new(&self.gpu, &self.uniforms, bytes)?;
             self.let_maps_go();
             self.maps = Some(larger);
         }
         let maps = self.maps.as_ref().ok_or(GpuError::Invalid("no room for maps"))?;
-        Ok((maps.buffer.handle(), number as u64 * u64::from(maps.bytes)))
+        Ok((maps.buffer.handle(), eye as u64 * u64::from(maps.bytes)))
     }
 
-    /// Says that a copy to a [`Self::place`] was submitted: it ends before what is submitted next.
-    pub fn copied(&mut self) {
+    /// Says that a copy of so many columns and rows to the [`Self::place`] of an eye was submitted: it ends before what is submitted
+    /// next.
+    pub fn copied(&mut self, eye: usize, tiles: [u32; 2]) {
         self.has_copies = true;
+        if let Some(maps) = &mut self.maps {
+            maps.copied[eye] = Some(tiles);
+        }
+    }
+
+    /// Whether a copy of so many columns and rows is there for an eye, and its map need not be written.
+    pub fn has_copy(&self, eye: usize, tiles: [u32; 2]) -> bool {
+        self.maps.as_ref().is_some_and(|maps| maps.copied[eye] == Some(tiles))
     }
 
     /// Nobody knows when copies end that nothing was submitted behind: their buffer stays, and is lost.
@@ -124,13 +137,14 @@ impl DebugViewPass {
         let mut draws: SmallVec<[(&DebugViewJob, u32); MOST_PICTURES]> = SmallVec::new();
         let submit = gpu.submit(|recorder| {
             recorder.reads_to_updates();
-            for (number, job) in jobs.iter().enumerate() {
-                let first_byte = number as u32 * maps.bytes;
+            for job in &jobs {
+                let first_byte = job.eye as u32 * maps.bytes;
                 if let Some(map) = job.map {
+                    maps.copied[job.eye] = None;
                     recorder.update_buffer(maps.buffer.handle(), first_byte.into(), map);
                 }
                 let params = DebugViewParams { first_word: first_byte / 4, ..job.params };
-                draws.push((*job, uniforms.write(recorder, number as u32, &params)?));
+                draws.push((*job, uniforms.write(recorder, job.eye as u32, &params)?));
             }
             recorder.updates_to_reads();
             for (number, job) in jobs.iter().enumerate() {
@@ -212,7 +226,7 @@ impl Maps {
         let buffer = DeviceBuffer::without_content(gpu, usage, size)?;
         // The shader has one uniform.
         let set = ListSet::over(uniforms, uniforms, buffer.handle())?;
-        Ok(Self { uses: Uses::new(gpu), set, buffer, bytes })
+        Ok(Self { uses: Uses::new(gpu), set, buffer, bytes, copied: [None; MOST_PICTURES] })
     }
 }
 

@@ -6,7 +6,7 @@ use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
     DeviceEnds, DeviceRecord, FrameTimeRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord, PictureRecord,
-    PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
+    PlanRecord, RATES_OF_PLAN, RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 
@@ -254,8 +254,8 @@ unsafe extern "C" fn copy_rates(device: vk::Device, record: *const RatesCopyReco
         |_| unsafe {
             let known = device::of(device);
             match (known.as_ref().and_then(|known| known.armed.as_ref()), record.as_ref()) {
-                (Some(armed), Some(record)) => armed.perception.copy_rates(armed, record).into(),
-                _ => 0,
+                (Some(armed), Some(record)) => armed.perception.copy_rates(armed, record),
+                _ => RATES_OF_PLAN,
             }
         },
     )

@@ -4,8 +4,8 @@
 use super::structures::VulkanBinding;
 use crate::link::{
     DeviceEnds, DeviceRecord, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable,
-    LoaderGetDeviceProcAddr, OfferRecord, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord,
-    ShownRecord, StaleRecord, SwapchainRecord,
+    LoaderGetDeviceProcAddr, OfferRecord, PictureRecord, PlanRecord, RATES_COPIED, RATES_COPY_LEFT_OUT,
+    RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -197,14 +197,18 @@ impl VulkanDevice {
         }
     }
 
-    /// Has the rates copied that the GPU decided last for an eye; false where the plan's own rates hold.
+    /// Has the rates copied that the GPU decided last for an eye.
     ///
     /// # Safety
     ///
     /// As [`RatesCopyRecord`] says.
-    pub unsafe fn copy_rates(&self, record: &RatesCopyRecord) -> bool {
+    pub unsafe fn copy_rates(&self, record: &RatesCopyRecord) -> RatesCopy {
         // SAFETY: the device is live, as above; the caller vouches for the record.
-        unsafe { (self.table.copy_rates)(self.record.device, record) == 1 }
+        match unsafe { (self.table.copy_rates)(self.record.device, record) } {
+            RATES_COPIED => RatesCopy::Submitted,
+            RATES_COPY_LEFT_OUT => RatesCopy::LeftOut,
+            _ => RatesCopy::OfPlan,
+        }
     }
 
     /// Marks this thread's submits as the runtime's or ours until the result is dropped.
@@ -213,6 +217,17 @@ impl VulkanDevice {
         unsafe { (self.table.runtime_section)(1) };
         RuntimeSection(self.table.runtime_section)
     }
+}
+
+/// What became of a copy of rates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RatesCopy {
+    /// It was submitted.
+    Submitted,
+    /// The GPU decided, but there was no room for the copy.
+    LeftOut,
+    /// The plan's own rates hold.
+    OfPlan,
 }
 
 /// A section of a thread in which what is submitted is not the application's.

@@ -40,7 +40,14 @@ fn params(view: DebugView, offset: [u32; 2], extent: [u32; 2]) -> DebugViewParam
 }
 
 fn job<'a>(swapchain: &'a Swapchain, layer: u32, params: DebugViewParams, map: &'a [u8]) -> DebugViewJob<'a> {
-    DebugViewJob { runtime: &swapchain.runtime, runtime_index: 1, array_layer: layer, params, map: Some(map) }
+    DebugViewJob {
+        eye: layer as usize,
+        runtime: &swapchain.runtime,
+        runtime_index: 1,
+        array_layer: layer,
+        params,
+        map: Some(map),
+    }
 }
 
 /// Whether the colour changes within what the device may round otherwise, around an angle.
@@ -137,6 +144,23 @@ fn steady_frames_do_not_allocate() {
     vulkan.assert_valid();
 }
 
+/// A copy stays until a map is written in its place, or one of another size is asked for.
+#[test]
+fn a_copy_is_there_until_it_is_written_over() {
+    let Some(vulkan) = Vulkan::new() else { return };
+    let mut pass = DebugViewPass::new(vulkan.gpu.clone()).unwrap();
+    let swapchain = Swapchain::new(&vulkan, &shape(vk::Format::R8G8B8A8_SRGB, 64, 64, 2));
+    let (params, map) = (params(DebugView::Rates, [0, 0], [64, 64]), map());
+    let of_plan = |layer| job(&swapchain, layer, params, &map);
+    pass.place(0, map.len() as u32).unwrap();
+    [0, 1].into_iter().for_each(|eye| pass.copied(eye, MAP.tiles));
+    pass.submit(&[DebugViewJob { map: None, ..of_plan(0) }, of_plan(1)]).unwrap();
+    assert!(pass.has_copy(0, MAP.tiles) && !pass.has_copy(1, MAP.tiles));
+    assert!(!pass.has_copy(0, [MAP.tiles[0], MAP.tiles[1] - 1]));
+    pass.place(0, 2 * map.len() as u32).unwrap();
+    assert!(!pass.has_copy(0, MAP.tiles), "a larger buffer has nothing in it");
+}
+
 /// What the other half copies into a map may still be under way when the pass fails, and goes.
 #[test]
 fn a_submit_that_fails_leaves_what_a_copy_writes() {
@@ -149,7 +173,7 @@ fn a_submit_that_fails_leaves_what_a_copy_writes() {
     let region = vk::BufferCopy { src_offset: 0, dst_offset, size: map.len() as u64 };
     // SAFETY: plain use of Vulkan with live handles.
     vulkan.run(|commands| unsafe { vulkan.device.cmd_copy_buffer(commands, from, buffer, &[region]) });
-    pass.copied();
+    pass.copied(0, MAP.tiles);
     let beyond = params(DebugView::Rates, [1, 0], [64, 64]);
     let failed = DebugViewJob { map: None, ..job(&swapchain, 0, beyond, &map) };
     assert!(pass.submit(&[failed]).is_err());

@@ -193,7 +193,10 @@ pub(crate) extern "system" fn acquire(
     call("xrAcquireSwapchainImage", |runtime| {
         runtime.read_optional(&info)?;
         index.set("index", 0)?;
-        index.set("index", runtime.swapchains.get_mut(swapchain)?.ring.acquire()?)?;
+        let swapchain = runtime.swapchains.get_mut(swapchain)?;
+        let acquired = swapchain.ring.acquire()?;
+        swapchain.images.make_ready(&swapchain.shape)?;
+        index.set("index", acquired)?;
         Ok(xr::Result::SUCCESS)
     })
 }

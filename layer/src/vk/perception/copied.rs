@@ -2,7 +2,7 @@
 
 use super::{Kept, Perception};
 use crate::gpu::{AppCommands, Scope};
-use crate::link::RatesCopyRecord;
+use crate::link::{RATES_COPIED, RATES_COPY_LEFT_OUT, RATES_OF_PLAN, RatesCopyRecord};
 use crate::passes::analyze::rate_row_bytes;
 use crate::vk::armed::Armed;
 use ash::vk;
@@ -24,12 +24,13 @@ const COPIES: Scope = Scope {
 };
 
 impl Perception {
-    /// Copies the rates of an eye that were decided last, where they are. Whether it was done; the caller orders what reads the copy.
+    /// Copies the rates of an eye that were decided last, where they are; what became of that, as [`crate::link`] numbers it. The caller
+    /// orders what reads the copy.
     ///
     /// # Safety
     ///
     /// As [`RatesCopyRecord`] says: this thread may use the queue, and the buffer is live and large enough.
-    pub unsafe fn copy_rates(&self, armed: &Armed, record: &RatesCopyRecord) -> bool {
+    pub unsafe fn copy_rates(&self, armed: &Armed, record: &RatesCopyRecord) -> u32 {
         let found = {
             let state = self.state();
             let queue = state.queue.filter(|(id, _)| *id == record.queue && state.decided.is_some());
@@ -37,12 +38,12 @@ impl Perception {
             queue.zip(eye.map(|eye| Arc::clone(&eye.tiles)))
         };
         let Some(((_, queue), tiles)) = found.filter(|(_, tiles)| tiles.view.tiles() == record.tiles) else {
-            return false;
+            return RATES_OF_PLAN;
         };
         let (Some(tools), Some(prologues), Some(functions)) =
             (self.made(), armed.prologues.get(queue), armed.functions())
         else {
-            return false;
+            return RATES_COPY_LEFT_OUT;
         };
         let [columns, rows] = record.tiles;
         let size = u64::from(rate_row_bytes(columns)) * u64::from(rows);
@@ -58,6 +59,7 @@ impl Perception {
             Ok(())
         };
         // SAFETY: the caller vouches for the queue.
-        unsafe { prologues.run(armed, functions, queue, kept, copy) }
+        let is_submitted = unsafe { prologues.run(armed, functions, queue, kept, copy) };
+        if is_submitted { RATES_COPIED } else { RATES_COPY_LEFT_OUT }
     }
 }

@@ -12,9 +12,10 @@ use crate::vk::perception::{Deciding, Kept, Place, Written};
 use ash::vk;
 use std::sync::{Mutex, PoisonError};
 
-/// So many prologues of a queue may be under way. Beyond that maps stay as they are, unless they have no content yet, or leave
-/// something out.
-const MOST_SLOTS: usize = 8;
+/// So many prologues of a queue may be under way: of three frames, each with two submits that draw the scene, and a picture of each eye
+/// that is analysed, and one that is drawn over. Beyond that maps stay as they are, unless they have no content yet, or leave something
+/// out, and pictures are left out.
+const MOST_SLOTS: usize = 24;
 
 /// Prologues of one queue.
 #[derive(Default)]

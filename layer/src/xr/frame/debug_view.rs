@@ -15,6 +15,7 @@ use crate::passes::debug_view::{DebugView, DebugViewJob, DebugViewParams, DebugV
 use crate::planning::Seen;
 use crate::xr::session::{Active, Health, Session};
 use crate::xr::swapchain::Swapchain;
+use crate::xr::vulkan_device::RatesCopy;
 use ash::vk;
 use openxr_sys as xr;
 use parafovea_core::geometry::Fov;
@@ -203,7 +204,7 @@ unsafe fn draw_eyes(
         if params.drawn().is_none() {
             continue;
         }
-        let (buffer, offset) = pass.place(jobs.len(), most)?;
+        let (buffer, offset) = pass.place(eye, most)?;
         let (family, index) = active.device.queue;
         let copy = RatesCopyRecord {
             eye: eye as u32,
@@ -212,15 +213,22 @@ unsafe fn draw_eyes(
             buffer,
             offset,
         };
+        let is_decided = view == DebugView::Rates && seen.is_decided_on_gpu;
         // SAFETY: the caller vouches for the queue; the buffer has room for the map, and is kept until work that is submitted below
         // has finished.
-        let is_copied =
-            view == DebugView::Rates && seen.is_decided_on_gpu && unsafe { active.device.copy_rates(&copy) };
-        if is_copied {
-            pass.copied();
-        }
-        let (array_layer, map) = (shown.sub_image.image_array_index, (!is_copied).then_some(&*maps[eye]));
-        jobs.push(DebugViewJob { runtime, runtime_index, array_layer, params, map });
+        let made = if is_decided { unsafe { active.device.copy_rates(&copy) } } else { RatesCopy::OfPlan };
+        let map = match made {
+            RatesCopy::OfPlan => Some(&*maps[eye]),
+            RatesCopy::Submitted => {
+                pass.copied(eye, seen.shape.tiles);
+                None
+            }
+            // The last copy is of what was decided shortly before.
+            RatesCopy::LeftOut if pass.has_copy(eye, seen.shape.tiles) => None,
+            RatesCopy::LeftOut => continue,
+        };
+        let array_layer = shown.sub_image.image_array_index;
+        jobs.push(DebugViewJob { eye, runtime, runtime_index, array_layer, params, map });
     }
     if !jobs.is_empty() {
         pass.submit(&jobs)?;

@@ -7,6 +7,7 @@ use crate::failure::Failure;
 use crate::session::{Layer, Session};
 use std::ffi::{c_char, c_int};
 use std::ptr::null;
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// A child that has not ended by then hangs.
@@ -18,6 +19,7 @@ const CODE: c_int = 7;
 unsafe extern "C" {
     fn fork() -> c_int;
     fn execv(path: *const c_char, arguments: *const *const c_char) -> c_int;
+    fn atexit(call: extern "C" fn()) -> c_int;
     fn exit(code: c_int) -> !;
     fn _exit(code: c_int) -> !;
     fn kill(process: c_int, signal: c_int) -> c_int;
@@ -27,7 +29,8 @@ unsafe extern "C" {
 /// How a child ends.
 #[derive(Clone, Copy, Debug)]
 enum End {
-    /// By `exit`: all that was registered for the end is run, in a process with one thread.
+    /// By `exit`: what was registered for the end of the thread and of the process is run, in a process with one thread; not what the
+    /// driver registered, see [`leave_driver_out`].
     Exit,
     /// By `_exit`, at once.
     AtOnce,
@@ -35,10 +38,27 @@ enum End {
     Program,
 }
 
+/// Ends a child that ends by `exit` once the thread's own ends are done, and before what was registered before this.
+///
+/// Mesa joins the threads of its queues there. A child does not have those, and crashes or hangs, as it happens, whatever layers
+/// there are.
+extern "C" fn leave_driver_out() {
+    if PROCESS.get() != Some(&std::process::id()) {
+        // SAFETY: may be called at any time.
+        unsafe { _exit(CODE) }
+    }
+}
+
+/// The application's own process.
+static PROCESS: OnceLock<u32> = OnceLock::new();
+
 /// Processes are forked off amid frames, as by crash handlers and launchers, and end before the frame does.
 pub fn forks(app: &App) -> Outcome {
     let session = Session::start(app)?;
     let stereo = Stereo::create(&session)?;
+    PROCESS.get_or_init(std::process::id);
+    // SAFETY: the call may be made at the end of any process.
+    unsafe { atexit(leave_driver_out) };
     session.frames(FRAMES, |frame| {
         let end = [End::Exit, End::AtOnce, End::Program][frame.index as usize % 3];
         fork_off(app, end)?;

@@ -51,15 +51,24 @@ pub(crate) struct Images {
     gpu: Arc<Gpu>,
     images: Vec<vk::Image>,
     memory: Vec<vk::DeviceMemory>,
+    is_ready: bool,
 }
 
 impl Images {
-    /// Makes images, in the layout in which the application gets them.
+    /// Makes images. Submits nothing: swapchains are created where the queue is the application's.
     pub fn new(gpu: &Arc<Gpu>, shape: &Shape, count: u32) -> Result<Self, Fault> {
-        let mut made = Self { gpu: gpu.clone(), images: Vec::new(), memory: Vec::new() };
+        let mut made = Self { gpu: gpu.clone(), images: Vec::new(), memory: Vec::new(), is_ready: false };
         (0..count).try_for_each(|_| made.add(shape))?;
-        let barriers: Vec<_> = made.images.iter().map(|&image| first_barrier(shape, image)).collect();
-        gpu.run(|device, commands| {
+        Ok(made)
+    }
+
+    /// Brings them to the layout in which the application gets them, the first time.
+    pub fn make_ready(&mut self, shape: &Shape) -> Result<(), Fault> {
+        if self.is_ready {
+            return Ok(());
+        }
+        let barriers: Vec<_> = self.images.iter().map(|&image| first_barrier(shape, image)).collect();
+        self.gpu.run(|device, commands| {
             // SAFETY: the command buffer is being recorded; the images are of this device.
             unsafe {
                 device.cmd_pipeline_barrier(
@@ -73,7 +82,8 @@ impl Images {
                 );
             }
         })?;
-        Ok(made)
+        self.is_ready = true;
+        Ok(())
     }
 
     /// The images, in the order of their indices.
