@@ -28,7 +28,7 @@ use crate::plan::EyePlan;
 use crate::rate::ShadingRate;
 use crate::reuse::STALE;
 use glam::UVec2;
-use sources::{PatternSources, PatternsAround, SourceFinder};
+use sources::{PatternSources, PatternsAround, ShadedBlocks, SourceFinder};
 
 /// Side of a block, pixels. The shader has the same constant.
 pub const BLOCK: u32 = 4;
@@ -158,6 +158,8 @@ pub struct Mask {
     patterns: PatternSources,
     /// Of [`SourceFinder`].
     around: PatternsAround,
+    /// Of the view whose sources are looked for.
+    shaded: ShadedBlocks,
 }
 
 impl Mask {
@@ -170,7 +172,8 @@ impl Mask {
         let skippable: usize = layers.iter().map(|plane| plane.texels().len()).sum();
         let list = SkipList::with_capacity(skippable);
         let around = PatternsAround::with_capacity(blocks[0] as usize);
-        Self { extent, layers, list, left_out: 0, patterns: PatternSources::new(), around }
+        let (patterns, shaded) = (PatternSources::new(), ShadedBlocks::new(blocks));
+        Self { extent, layers, list, left_out: 0, patterns, around, shaded }
     }
 
     /// Lays the rates of `views` over the picture, in place of what was there. A view that overlaps an earlier one is
@@ -215,27 +218,35 @@ impl Mask {
     fn find_sources(&mut self, view: &MaskView) {
         let Some(skipped) = self.layers.get_mut(view.layer as usize) else { return };
         let (first, end) = view.blocks(self.extent);
+        self.shaded.fill(skipped, (first, end));
         let mut finder = SourceFinder::new(view, &self.patterns, (first, end), &mut self.around);
         for y in first.y..end.y {
+            let row = skipped.row_mut(y);
             let mut x = first.x;
             while x < end.x {
                 // As far as the sources of all blocks follow from one pattern.
                 let (run, sources) = finder.run(UVec2::new(x, y));
-                for x in x..run {
-                    if !skipped.at(x, y) {
+                while x < run {
+                    let tile = x..view.tile_end(x).min(run);
+                    x = tile.end;
+                    if view.is_stale(UVec2::new(tile.start, y)) {
+                        self.left_out += tile.len();
                         continue;
                     }
-                    let block = UVec2::new(x, y);
-                    if view.is_stale(block) {
-                        self.left_out += 1;
-                        continue;
-                    }
-                    match sources.map_or_else(|| finder.nearest(skipped, block), |of| Some(of.at(x))) {
-                        Some(sources) => self.list.push(block, view.layer, sources),
-                        None => skipped.row_mut(y)[x as usize] = false,
+                    for x in tile {
+                        if !row[x as usize] {
+                            continue;
+                        }
+                        let block = UVec2::new(x, y);
+                        match sources.map_or_else(|| self.shaded.nearest(block), |of| Some(of.at(x))) {
+                            Some(sources) => self.list.push(block, view.layer, sources),
+                            None => {
+                                row[x as usize] = false;
+                                self.shaded.shade(block);
+                            }
+                        }
                     }
                 }
-                x = run;
             }
         }
     }

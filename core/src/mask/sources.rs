@@ -51,27 +51,110 @@ pub(super) fn decode(word: u32) -> Sources {
     word.to_le_bytes().map(Source::from_byte)
 }
 
-/// The nearest offset of each quarter that is `shaded`, within [`REACH`]. Of two at one distance the one nearer to the
-/// quarter's axis counts.
-fn nearest(shaded: impl Fn(IVec2) -> bool) -> Sources {
-    [IVec2::X, IVec2::Y, IVec2::NEG_X, IVec2::NEG_Y].map(|along| {
-        let across = along.perp();
-        let (reach, mut found, mut limit) = (REACH as i32, None, i32::MAX);
+/// Columns within [`REACH`] of a block to both sides, and its own, which is bit [`REACH`] of a row's window.
+const WINDOW: u32 = 2 * REACH + 1;
+
+/// Columns from the middle of a window to the nearest shaded block on the right, the middle's own not counted where `from` is 1.
+fn to_the_right(window: u32, from: u32) -> Option<i32> {
+    let bits = window >> (REACH + from);
+    (bits != 0).then(|| (bits.trailing_zeros() + from) as i32)
+}
+
+/// The same on the left.
+fn to_the_left(window: u32, from: u32) -> Option<i32> {
+    let bits = window & ((1 << (REACH + 1 - from)) - 1);
+    bits.checked_ilog2().map(|last| (REACH - last) as i32)
+}
+
+/// The nearest shaded block of each quarter within [`REACH`], given which blocks are shaded of the row so many rows below: a bit
+/// a column, [`WINDOW`] of them. Of two at one distance the one nearer to the quarter's axis counts.
+fn nearest(row: impl Fn(i32) -> u32) -> Sources {
+    let reach = REACH as i32;
+    // The axis is the row: `down` is the direction of the rows beside it.
+    let level = |down: i32, search: fn(u32, u32) -> Option<i32>| {
+        let (mut found, mut limit) = (None, i32::MAX);
         for side in 0..=reach {
-            for ahead in 1..=reach {
-                let distance = ahead * ahead + side * side;
-                if distance >= limit {
-                    break;
-                }
-                let offset = along * ahead + across * side;
-                if shaded(offset) {
-                    (found, limit) = (Some(Source(offset)), distance);
-                    break;
-                }
+            if side * side >= limit {
+                break;
+            }
+            let Some(ahead) = search(row(down * side), 1) else { continue };
+            let distance = ahead * ahead + side * side;
+            if distance < limit {
+                (found, limit) = (Some((ahead, side)), distance);
             }
         }
         found
-    })
+    };
+    // The axis is the column: `down` is its direction.
+    let upright = |down: i32, search: fn(u32, u32) -> Option<i32>| {
+        let (mut found, mut limit) = (None, i32::MAX);
+        for ahead in 1..=reach {
+            if ahead * ahead > limit {
+                break;
+            }
+            let Some(side) = search(row(down * ahead), 0) else { continue };
+            let distance = ahead * ahead + side * side;
+            // As far, and farther ahead, is nearer to the axis.
+            if distance <= limit {
+                (found, limit) = (Some((ahead, side)), distance);
+            }
+        }
+        found
+    };
+    let source = |x: i32, y: i32| Source(IVec2::new(x, y));
+    [
+        level(1, to_the_right).map(|(ahead, side)| source(ahead, side)),
+        upright(1, to_the_left).map(|(ahead, side)| source(-side, ahead)),
+        level(-1, to_the_left).map(|(ahead, side)| source(-ahead, -side)),
+        upright(-1, to_the_right).map(|(ahead, side)| source(side, -ahead)),
+    ]
+}
+
+/// Which blocks of a view are shaded, a bit each, with nothing around it as far as sources reach. Kept, so that a frame allocates
+/// nothing.
+#[derive(Clone, Debug)]
+pub(super) struct ShadedBlocks {
+    row_bytes: usize,
+    bits: Vec<u8>,
+}
+
+impl ShadedBlocks {
+    /// With memory for a picture of so many columns and rows of blocks.
+    pub(super) fn new([columns, rows]: [u32; 2]) -> Self {
+        // A window is read as four bytes.
+        let row_bytes = (columns + 2 * REACH).div_ceil(8) as usize + 3;
+        Self { row_bytes, bits: vec![0; row_bytes * (rows + 2 * REACH) as usize] }
+    }
+
+    /// Those of the blocks from `first` on up to, not including, `end`.
+    pub(super) fn fill(&mut self, skipped: &Plane<bool>, (first, end): (UVec2, UVec2)) {
+        self.bits.fill(0);
+        for y in first.y..end.y {
+            let shaded = skipped.row(y)[first.x as usize..end.x as usize].iter().map(|skipped| !skipped);
+            let row = &mut self.bits[self.row_bytes * (y + REACH) as usize..][..self.row_bytes];
+            for (at, is_shaded) in (first.x + REACH..).zip(shaded) {
+                row[at as usize / 8] |= u8::from(is_shaded) << (at % 8);
+            }
+        }
+    }
+
+    /// A block is shaded after all.
+    pub(super) fn shade(&mut self, block: UVec2) {
+        let at = block + REACH;
+        self.bits[self.row_bytes * at.y as usize + at.x as usize / 8] |= 1 << (at.x % 8);
+    }
+
+    /// The nearest sources of a skipped block, as [`encode`] gives them; nothing where there is none within reach.
+    pub(super) fn nearest(&self, block: UVec2) -> Option<u32> {
+        let first_byte = self.row_bytes * (block.y + REACH) as usize + block.x as usize / 8;
+        let found = nearest(|down| {
+            let at = first_byte.saturating_add_signed(down as isize * self.row_bytes as isize);
+            let bytes =
+                self.bits.get(at..).and_then(|bytes| bytes.first_chunk()).copied().unwrap_or_default();
+            u32::from_le_bytes(bytes) >> (block.x % 8) & ((1 << WINDOW) - 1)
+        });
+        Some(encode(found)).filter(|word| *word != 0)
+    }
 }
 
 impl Pattern {
@@ -82,7 +165,12 @@ impl Pattern {
         let around = UVec2::new(columns, rows) * 2;
         let blocks = (0..rows).flat_map(|y| (0..columns).map(move |x| UVec2::new(x, y)));
         let of = |block: UVec2| {
-            encode(nearest(|offset| self.shades_inside((around + block).saturating_add_signed(offset))))
+            let is_shaded = |down: i32, column: u32| {
+                let offset = IVec2::new(column as i32 - REACH as i32, down);
+                self.shades_inside((around + block).saturating_add_signed(offset))
+            };
+            let row = |down| (0..WINDOW).map(|column| u32::from(is_shaded(down, column)) << column).sum();
+            encode(nearest(row))
         };
         blocks.map(of).collect()
     }
@@ -180,17 +268,6 @@ impl<'a, 'b> SourceFinder<'a, 'b> {
         let tile_end = (block.x / tile.x + 1) * tile.x;
         let pattern = self.pattern_around(block / tile);
         (tile_end.min(inner_end.x), pattern.and_then(|pattern| self.patterns.row(pattern, block.y)))
-    }
-
-    /// The nearest sources of a skipped block, as [`encode`] gives them; nothing where there is none within reach.
-    pub(super) fn nearest(&self, skipped: &Plane<bool>, block: UVec2) -> Option<u32> {
-        let (first, end) = self.blocks;
-        let found = nearest(|offset| {
-            let source = block.as_ivec2() + offset;
-            let inside = source.cmpge(first.as_ivec2()).all() && source.cmplt(end.as_ivec2()).all();
-            inside && !skipped.at(source.x as u32, source.y as u32)
-        });
-        Some(encode(found)).filter(|word| *word != 0)
     }
 
     /// The pattern of a tile, where all tiles have it that [`Pattern::sources`] could reach.
