@@ -1,7 +1,8 @@
 //! `cargo dev bench frame [--json] [--scenes A,B] [--techniques A,B] [--tracker NAME] [--frames N] [--run-up N] [--turns N] [--size PIXELS]
-//! [--error-frames N] [--error-size PIXELS] [--system-driver] [--fvvdp] [--against NAME=FILE]`. With `--against`, techniques of the layer have
+//! [--error-frames N] [--error-size PIXELS] [--head DEGREES_PER_S] [--system-driver] [--fvvdp] [--against NAME=FILE]`. With `--against`, techniques of the layer have
 //! their turn with that build's library too, as `cargo dev bench --compare REV` asks for. `--fvvdp` judges by FovVideoVDP too: not for commercial use,
 //! and 6 GB. With `--system-driver` applications run on the system's GPU instead of lavapipe, and its time is taken by timestamps.
+//! With `--head`, head and eyes do not move as in the scene's script: the head turns so fast (0: it rests), and the eyes look straight ahead.
 //! `hello_xr` is a scene too, though not among those that are measured unasked. The run-up is 4 frames, and 120
 //! where a technique is the layer's: the others then reach the same frames sooner.
 
@@ -30,7 +31,7 @@ fn main() -> ExitCode {
     }
 }
 
-const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --run-up, --turns, --size, --error-frames, --error-size, --system-driver, --fvvdp, --against";
+const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --run-up, --turns, --size, --error-frames, --error-size, --head, --system-driver, --fvvdp, --against";
 
 /// What is measured.
 #[derive(Clone, Copy)]
@@ -73,6 +74,8 @@ struct Request {
     run_up: Option<u64>,
     /// No frames: no errors.
     judged: Effort,
+    /// How fast the head turns, degrees a second, instead of as in the script.
+    head_deg_per_s: Option<f32>,
     driver: Driver,
     /// Whether FovVideoVDP judges too.
     fvvdp: bool,
@@ -94,6 +97,7 @@ impl Request {
             timed: Effort { turns: 5, run_up: 0, frames: 36, size: 1024 },
             run_up: None,
             judged: Effort { turns: 1, run_up: RUN_UP, frames: 30, size: 512 },
+            head_deg_per_s: None,
             driver: Driver::Lavapipe,
             fvvdp: false,
             against: None,
@@ -118,8 +122,12 @@ impl Request {
                 "--size" => request.timed.size = number("--size", &value(), 16)? as u32,
                 "--error-frames" => request.judged.frames = number("--error-frames", &value(), 0)?,
                 "--error-size" => request.judged.size = number("--error-size", &value(), 16)? as u32,
+                "--head" => request.head_deg_per_s = Some(number("--head", &value(), 0)? as f32),
                 other => return Err(format!("unknown argument `{other}`; there are {ARGUMENTS}")),
             }
+        }
+        if request.head_deg_per_s.is_some() && request.judged.frames > 0 {
+            return Err("errors are at the gaze of the script: --head goes with --error-frames 0".to_owned());
         }
         Ok(request)
     }
@@ -205,7 +213,11 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
         .apps
         .iter()
         .map(|app| {
-            let subject = app.subject(request.tracker).on(&machine);
+            let moved = |subject: Subject| match request.head_deg_per_s {
+                Some(deg_per_s) => subject.turning(deg_per_s),
+                None => subject,
+            };
+            let subject = moved(app.subject(request.tracker)).on(&machine);
             let techniques =
                 techniques.iter().filter(|technique| subject.can_try(technique)).cloned().collect();
             let seen = match has_layer {

@@ -21,6 +21,8 @@ pub struct Subject {
     tracker: Tracker,
     /// The script's frame that is the first of a run.
     first_frame: u64,
+    /// How fast the head turns, degrees a second, where head and eyes do not move as in the script: the eyes look straight ahead.
+    turning_deg_per_s: Option<f32>,
     /// What it runs on; none: lavapipe.
     machine: Option<Machine>,
     /// The script's sound, once it was asked for.
@@ -44,6 +46,7 @@ impl Subject {
             script: Script::new(scene),
             tracker,
             first_frame,
+            turning_deg_per_s: None,
             machine: None,
             sound: Arc::default(),
         }
@@ -72,6 +75,12 @@ impl Subject {
     /// The script of the same scene from so many frames later on.
     pub fn later(&self, frames: u64) -> Self {
         Self { first_frame: self.first_frame + frames, ..self.clone() }
+    }
+
+    /// The same with a head that does nothing but turn to the left, so many degrees a second, from where it is at first, and eyes that
+    /// look straight ahead.
+    pub fn turning(self, deg_per_s: f32) -> Self {
+        Self { turning_deg_per_s: Some(deg_per_s), ..self }
     }
 
     /// The same on a device of its own.
@@ -114,6 +123,16 @@ impl Subject {
         let start_s = self.time_s(0);
         scenario.head.iter_mut().for_each(|key| key.t -= start_s);
         scenario.gaze.iter_mut().for_each(|key| key.t -= start_s);
+        if let Some(deg_per_s) = self.turning_deg_per_s {
+            let first = scenario.head.iter().rev().find(|key| key.t <= 0.0).or(scenario.head.first());
+            let first = first.map(|key| Head { t: 0.0, ..*key });
+            let last = first.map(|key| {
+                let t = effort.length() as f64 / FRAMES_PER_SECOND;
+                Head { t, yaw_deg: key.yaw_deg + deg_per_s * t as f32, ..key }
+            });
+            scenario.head = first.into_iter().chain(last).collect();
+            scenario.gaze = vec![Gaze { t: 0.0, yaw_deg: 0.0, pitch_deg: 0.0, tracked: true }];
+        }
         scenario
     }
 
