@@ -121,6 +121,10 @@ impl DebugViewPass {
         if let Some(error) = jobs.iter().find_map(|job| rect_of(job).err()) {
             return Err(error);
         }
+        let is_second = |number: usize| jobs[..number].iter().any(|earlier| earlier.eye == jobs[number].eye);
+        if jobs.iter().any(|job| job.eye >= MOST_PICTURES) || (0..jobs.len()).any(is_second) {
+            return Err(GpuError::Invalid("two pictures of one eye, or one of none"));
+        }
         jobs.retain(|job| job.params.drawn().is_some());
         if jobs.is_empty() {
             return Ok(());

@@ -74,7 +74,8 @@ fn matches_the_reference() {
             compose.submit(&[swapchain.job(0, &[])]).unwrap();
             // Two eyes beside each other in one layer.
             let eyes = [params(view, [0, 0], [75, 100]), params(view, [75, 10], [75, 90])];
-            pass.submit(&eyes.map(|eye| job(&swapchain, 1, eye, &map))).unwrap();
+            let jobs = [0, 1].map(|eye| DebugViewJob { eye, ..job(&swapchain, 1, eyes[eye], &map) });
+            pass.submit(&jobs).unwrap();
             let result = swapchain.shown(&vulkan, 1, 2, 4);
             assert_eq!(result[0], layers[0], "the layer that is not drawn over");
             let mut expected = layers[1].clone();
@@ -199,10 +200,12 @@ fn senseless_jobs_are_refused() {
         ("a map without measure", DebugViewJob { params: uncounted, ..good }),
         ("a layer out of range", DebugViewJob { array_layer: 1, ..good }),
         ("an image out of range", DebugViewJob { runtime_index: 2, ..good }),
+        ("an eye that nobody has", DebugViewJob { eye: 2, ..good }),
     ] {
         let result = pass.submit(&[job]);
         assert!(matches!(result, Err(GpuError::Invalid(_))), "{what}: {result:?}");
     }
+    assert!(matches!(pass.submit(&[good, good]), Err(GpuError::Invalid(_))), "two pictures of one eye");
     pass.submit(&[good]).unwrap();
     vulkan.assert_valid();
 }
