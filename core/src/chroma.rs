@@ -8,7 +8,6 @@
 
 mod attenuate;
 mod curves;
-mod fitted;
 mod floor;
 pub mod report;
 mod trail;
@@ -16,7 +15,6 @@ mod trail;
 pub use crate::color::Matrix;
 pub use attenuate::{Gamut, attenuate};
 pub use curves::{Curves, Gains, cb_gain, cr_gain};
-pub use fitted::{FLAT_TERMS, FittedCurves, TERMS};
 pub use floor::{FLOOR_FREQUENCY_CPD, floor};
 pub use trail::{Focus, Trail};
 

@@ -10,14 +10,16 @@ struct ComposeParams {
     plateau: f32,
     red_weight: f32,
     blue_weight: f32,
+    range_scale: f32,
+    cb_bound: f32,
+    cr_bound: f32,
+    rim_scale: f32,
+    cb_fall_off: f32,
+    cr_fall_off: f32,
     radius: f32,
     strength: f32,
     gamut_floor: f32,
     gamut_ceiling: f32,
-    start: f32,
-    end: f32,
-    cb_floor: vec4<f32>,
-    terms: array<vec4<f32>, 6>,
 }
 
 @group(0) @binding(0) var<uniform> params: ComposeParams;
@@ -28,8 +30,7 @@ struct ComposeParams {
 const TILE_SIZE: u32 = 64u;
 const HALF_PI: f32 = 1.5707964;
 const MIN_SHIFT: f32 = 1e-6;
-// chroma::fitted::FARTHEST
-const FARTHEST: f32 = 1.812616;
+const LEAST: f32 = 1e-30;
 
 // Within 1e-6 radians (Abramowitz and Stegun, 4.4.46).
 fn arc_cosine(x: f32) -> f32 {
@@ -70,23 +71,21 @@ fn tile(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u
     return vec4(vec2<f32>(corner) / vec2<f32>(params.rect_extent) * 2.0 - 1.0, 0.0, 1.0);
 }
 
-// The chord between the direction of a point of the region and that of the gaze, on the unit sphere.
-fn chord(point: vec2<f32>) -> f32 {
-    let direction = vec3(params.plane_origin + params.plane_step * point, -1.0);
-    let cosine = dot(direction, params.gaze) * inverseSqrt(dot(direction, direction));
-    return sqrt(max(2.0 - 2.0 * cosine, 0.0));
+// cos(x pi / 2) within 3e-5, for x of 0 to 1.
+fn quarter_cosine(x: f32) -> f32 {
+    let square = x * x;
+    return 1.0 - square * (1.2337006 - square * (0.2536695 - square * (0.0208635 - square * 0.0009193)));
 }
 
-// chroma::FittedCurves::gains: of Cb in x, of Cr in y. The chord is longer than that of the plateau.
-fn gains(chord: f32) -> vec2<f32> {
-    let more = min(chord - params.start, max(FARTHEST - params.start, params.end));
-    let roots = sqrt(max(vec2(params.end - more, min(more, params.end)), vec2(0.0)));
-    let over = vec4(roots, more, more);
-    let high = (params.terms[5] * over + params.terms[4]) * over + params.terms[3];
-    let curves = ((high * over + params.terms[2]) * over + params.terms[1]) * over + params.terms[0];
-    let flat = params.cb_floor;
-    let cb_floor = ((flat.w * more + flat.z) * more + flat.y) * more + flat.x;
-    return vec2(max(curves.x, cb_floor), max(max(curves.y, curves.z), curves.w));
+// chroma::Curves::gains: of Cb in x, of Cr in y. The angle is above the plateau. The larger of two powers is that of the larger
+// exponent.
+fn gains(angle: f32) -> vec2<f32> {
+    let e = saturate((angle - params.plateau) * params.range_scale);
+    let cb = params.cb_bound * log2(max((1.0 - e) * (1.0 + e), LEAST));
+    let half = quarter_cosine(exp2(params.cr_bound * log2(max(e, LEAST))));
+    let rim = 1.0 - e * params.rim_scale;
+    let floor = exp2(vec2(max(cb, -params.cb_fall_off * angle), -params.cr_fall_off * angle));
+    return vec2(floor.x, max(max(half * half, rim), floor.y));
 }
 
 // By its bits: a compiler may take it that no number is infinite or NaN.
@@ -120,12 +119,12 @@ fn attenuate(rgb: vec3<f32>, gain: vec2<f32>) -> vec3<f32> {
 // Alpha is masked off by the pipeline.
 @fragment
 fn pixel(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let chord = chord(position.xy - vec2<f32>(params.rect_offset));
-    if chord <= params.start {
+    let angle = eccentricity(position.xy - vec2<f32>(params.rect_offset));
+    if angle <= params.plateau {
         discard;
     }
     let rgb = textureLoad(source, vec2<i32>(position.xy), 0).rgb;
-    let gain = 1.0 - params.strength * (1.0 - gains(chord));
+    let gain = 1.0 - params.strength * (1.0 - gains(angle));
     return vec4(attenuate(rgb, gain), 1.0);
 }
 
@@ -297,9 +296,9 @@ fn mixed_pixel(point: vec2<f32>) -> vec4<f32> {
 }
 
 fn attenuated(rgba: vec4<f32>, point: vec2<f32>) -> vec4<f32> {
-    let chord = chord(point);
-    let gain = 1.0 - params.strength * (1.0 - gains(chord));
-    return vec4(select(rgba.rgb, attenuate(rgba.rgb, gain), chord > params.start), rgba.a);
+    let angle = eccentricity(point);
+    let gain = 1.0 - params.strength * (1.0 - gains(angle));
+    return vec4(select(rgba.rgb, attenuate(rgba.rgb, gain), angle > params.plateau), rgba.a);
 }
 
 fn point_of(position: vec4<f32>) -> vec2<f32> {

@@ -1,7 +1,7 @@
 //! What the layer does to the pictures of hello_xr and of our scene, pixel by pixel.
 
 use glam::Vec3;
-use parafovea_core::chroma::{ChromaSettings, Focus};
+use parafovea_core::chroma::ChromaSettings;
 use parafovea_core::color::linear_to_srgb;
 use parafovea_core::kernels::compose::{ComposeParams, PixelFormat, compose_image};
 use parafovea_tests::compare::{luminance, max_difference};
@@ -124,8 +124,7 @@ fn luminance_is_the_same(before: &Picture, after: &Picture) {
 
 fn equals_the_cpu_twin(eye: &EyeView, before: &Picture, after: &Picture) {
     let extent = [before.width, before.height];
-    let params =
-        ComposeParams::new([0, 0], extent, eye.fov, Focus::at(eye.gaze), &ChromaSettings::default(), true);
+    let params = ComposeParams::new([0, 0], extent, eye.fov, eye.gaze, &ChromaSettings::default(), true);
     let mut twin = before.clone();
     compose_image(twin.pixels.as_flattened_mut(), before.width, PixelFormat::Rgba8Srgb, &params);
     assert!(params.pixel(0, 0, Vec3::ONE).is_some(), "the corner is attenuated");

@@ -49,7 +49,7 @@ impl Gains {
     }
 }
 
-/// The curves over eccentricity. The GPU evaluates [`super::FittedCurves`].
+/// The curves over eccentricity, as the GPU evaluates them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curves {
     /// Eccentricity up to which both gains are 1, radians.
@@ -76,7 +76,7 @@ const MIN_PAPER_RANGE: f32 = std::f32::consts::PI / 180.0;
 const MIN_RANGE: f32 = 15.0 * MIN_PAPER_RANGE;
 
 /// So steep that what falls like this is gone within a millionth of a degree: no rim fade, no floor.
-pub(super) const AT_ONCE: f32 = 1e9;
+const AT_ONCE: f32 = 1e9;
 
 impl Curves {
     /// The curves that `settings` ask for, with each value limited to its documented range; NaN is the default.

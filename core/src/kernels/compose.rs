@@ -12,16 +12,13 @@ mod reuse;
 pub use image::{PixelFormat, compose_image};
 pub use reuse::{EarlierPixels, ReuseParams, reuse_image};
 
-use crate::chroma::{ChromaSettings, Curves, FLAT_TERMS, FittedCurves, Focus, Gamut, Mode, TERMS, attenuate};
-use crate::geometry::{Fov, ImagePlane, PixelRect, tile_eccentricity, unit_direction};
+use crate::chroma::{ChromaSettings, Curves, Focus, Gamut, Mode, attenuate};
+use crate::geometry::{Fov, ImagePlane, PixelRect, eccentricity, tile_eccentricity, unit_direction};
 use crate::layout::uniform;
 use glam::{UVec2, Vec2, Vec3};
 
 /// Side of a tile in pixels. The shader has the same constant.
 pub const TILE_SIZE: u32 = 64;
-
-/// Longer than any chord.
-const NO_CHORD: f32 = 3.0;
 
 uniform! {
     /// Parameters of one region, the shader's uniform of the same name.
@@ -43,6 +40,18 @@ uniform! {
         pub red_weight: f32,
         /// Kb; Kg is the rest to 1.
         pub blue_weight: f32,
+        /// [`Curves::range_scale`], per radian.
+        pub range_scale: f32,
+        /// [`Curves::cb_bound`].
+        pub cb_bound: f32,
+        /// [`Curves::cr_bound`].
+        pub cr_bound: f32,
+        /// [`Curves::rim_scale`].
+        pub rim_scale: f32,
+        /// [`Curves::cb_fall_off`], octaves per radian.
+        pub cb_fall_off: f32,
+        /// [`Curves::cr_fall_off`], octaves per radian.
+        pub cr_fall_off: f32,
         /// [`Focus::radius`], radians.
         pub radius: f32,
         /// [`Focus::strength`].
@@ -51,26 +60,20 @@ uniform! {
         pub gamut_floor: f32,
         /// [`Gamut::ceiling`].
         pub gamut_ceiling: f32,
-        /// [`FittedCurves::start`]; longer than any chord without directions that count as looked at.
-        pub start: f32,
-        /// [`FittedCurves::end`].
-        pub end: f32,
-        /// [`FittedCurves::cb_floor`].
-        pub cb_floor: [f32; FLAT_TERMS],
-        /// [`FittedCurves::terms`].
-        pub terms: [[f32; 4]; TERMS],
     }
 }
 
 impl ComposeParams {
     /// Parameters of the rectangle of `rect_extent` pixels at `rect_offset`, which shows `fov` as seen with
-    /// `focus`, whose direction is in that eye's view space: +x right, +y up, -z forward. Without a usable direction
+    /// `gaze`: a direction in that eye's view space, +x right, +y up, -z forward. Without a usable gaze
     /// (zero, not finite) there is no work. `clamp_to_unit`: the image stores 0..=1 only.
+    ///
+    /// What is shown follows that gaze alone, see [`Self::following`].
     pub fn new(
         rect_offset: [u32; 2],
         rect_extent: [u32; 2],
         fov: Fov,
-        focus: Focus,
+        gaze: Vec3,
         settings: &ChromaSettings,
         clamp_to_unit: bool,
     ) -> Self {
@@ -82,26 +85,34 @@ impl ComposeParams {
             (Mode::Default, false) => Gamut::POSITIVE,
         };
         let weights = settings.matrix.weights();
-        let gaze = unit_direction(focus.direction);
-        let fitted = FittedCurves::new(&curves, focus.radius);
         Self {
             rect_offset,
             rect_extent,
             plane_origin: plane.origin.into(),
             plane_step: plane.step.into(),
-            gaze: gaze.unwrap_or(Vec3::ZERO).into(),
+            gaze: unit_direction(gaze).unwrap_or(Vec3::ZERO).into(),
             plateau: curves.plateau,
             red_weight: weights.x,
             blue_weight: weights.z,
-            radius: focus.radius,
-            strength: focus.strength,
+            range_scale: curves.range_scale,
+            cb_bound: curves.cb_bound,
+            cr_bound: curves.cr_bound,
+            rim_scale: curves.rim_scale,
+            cb_fall_off: curves.cb_fall_off,
+            cr_fall_off: curves.cr_fall_off,
+            radius: 0.0,
+            strength: 1.0,
             gamut_floor: gamut.floor,
             gamut_ceiling: gamut.ceiling,
-            start: if gaze.is_some() { fitted.start } else { NO_CHORD },
-            end: fitted.end,
-            cb_floor: fitted.cb_floor,
-            terms: fitted.terms,
         }
+    }
+
+    /// With a focus in place of the gaze; its direction is in that eye's view space too.
+    pub fn following(mut self, focus: Focus) -> Self {
+        self.gaze = unit_direction(focus.direction).unwrap_or(Vec3::ZERO).into();
+        self.radius = focus.radius;
+        self.strength = focus.strength;
+        self
     }
 
     /// The part of the region inside an image of `extent` pixels, if any. What its pixels show is unchanged.
@@ -137,12 +148,11 @@ impl ComposeParams {
     /// the plateau.
     pub fn pixel(&self, x: u32, y: u32, rgb: Vec3) -> Option<Vec3> {
         let direction = self.plane().direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
-        let cosine = direction.dot(self.gaze.into()) / direction.length();
-        let chord = (2.0 - 2.0 * cosine).max(0.0).sqrt();
-        if chord <= self.start || self.strength <= 0.0 {
+        let angle = eccentricity(direction, self.gaze.into()) - self.radius;
+        if angle <= self.plateau || self.strength <= 0.0 {
             return None;
         }
-        let gains = self.curves().gains(chord).at_strength(self.strength);
+        let gains = self.curves().gains(angle).at_strength(self.strength);
         Some(attenuate(rgb, gains, self.weights(), self.gamut()))
     }
 
@@ -150,9 +160,16 @@ impl ComposeParams {
         ImagePlane { origin: self.plane_origin.into(), step: self.plane_step.into() }
     }
 
-    fn curves(&self) -> FittedCurves {
-        let Self { start, end, terms, cb_floor, .. } = *self;
-        FittedCurves { start, end, terms, cb_floor }
+    fn curves(&self) -> Curves {
+        Curves {
+            plateau: self.plateau,
+            range_scale: self.range_scale,
+            cb_bound: self.cb_bound,
+            cr_bound: self.cr_bound,
+            rim_scale: self.rim_scale,
+            cb_fall_off: self.cb_fall_off,
+            cr_fall_off: self.cr_fall_off,
+        }
     }
 
     fn weights(&self) -> Vec3 {

@@ -19,10 +19,10 @@ mod vulkan;
 use ash::vk;
 use glam::{UVec2, Vec2, Vec3};
 use parafovea::gpu::GpuError;
-use parafovea::passes::compose::{Compose, ComposeParams, ComposeRegion, MAX_REGIONS, stores_unit_range};
-use parafovea_core::chroma::{ChromaSettings, Focus, Mode, TERMS};
+use parafovea::passes::compose::{Compose, ComposeRegion, MAX_REGIONS};
+use parafovea_core::chroma::{ChromaSettings, Focus, Mode};
 use parafovea_core::geometry::{ImagePlane, eccentricity};
-use pictures::{FOV, assert_matches, luminance_change, picture, reference, region};
+use pictures::{assert_matches, luminance_change, picture, reference, region};
 use swapchain::{Swapchain, shape};
 use vulkan::Vulkan;
 
@@ -103,8 +103,7 @@ fn a_focus_matches_the_reference() {
         Focus { direction: Vec3::Z, radius: 2.8, strength: 1.0 },
     ] {
         let mut whole = [region(0, [0, 0, width, height], Vec3::NEG_Z, format, &ChromaSettings::default())];
-        let (settings, unit) = (ChromaSettings::default(), stores_unit_range(format));
-        whole[0].params = ComposeParams::new([0, 0], [width, height], FOV, focus, &settings, unit);
+        whole[0].params = whole[0].params.following(focus);
         let result = swapchain.frame(&vulkan, &mut compose, 0, &layers, &whole).unwrap();
         let expected = reference(&layers[0], width, format, 0, &whole);
         assert_matches(&layers[0], &expected, &result[0], |index| is_untouched(index, width, 0, &whole));
@@ -143,8 +142,7 @@ fn full_gain_and_no_work_change_nothing() {
         let layers = [picture(width, height, 4)];
         let paper = ChromaSettings { mode: Mode::Paper, ..ChromaSettings::default() };
         let mut full_gain = region(0, [0, 0, width, height], Vec3::NEG_Z, format, &paper);
-        (full_gain.params.terms, full_gain.params.cb_floor) = ([[0.0; 4]; TERMS], [1.0, 0.0, 0.0, 0.0]);
-        full_gain.params.terms[0] = [1.0; 4];
+        full_gain.params.range_scale = 0.0;
         let no_gaze = region(0, [0, 0, width, height], Vec3::ZERO, format, &paper);
         for (what, regions) in
             [("full gain", &[full_gain][..]), ("no gaze", &[no_gaze][..]), ("no region", &[][..])]

@@ -3,7 +3,7 @@
 use ash::vk;
 use glam::Vec3;
 use parafovea::passes::compose::{ComposeParams, ComposeRegion, stores_unit_range};
-use parafovea_core::chroma::{ChromaSettings, Focus, Matrix};
+use parafovea_core::chroma::{ChromaSettings, Matrix};
 use parafovea_core::color::{linear_to_srgb, srgb_to_linear};
 use parafovea_core::geometry::Fov;
 use parafovea_core::kernels::compose::{PixelFormat, compose_image};
@@ -44,7 +44,7 @@ pub fn region(
             offset: vk::Offset2D { x: x as i32, y: y as i32 },
             extent: vk::Extent2D { width, height },
         },
-        params: ComposeParams::new([x, y], [width, height], FOV, Focus::at(gaze), settings, unit),
+        params: ComposeParams::new([x, y], [width, height], FOV, gaze, settings, unit),
     }
 }
 

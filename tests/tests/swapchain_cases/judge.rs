@@ -2,7 +2,7 @@
 
 use super::{Case, Finished, Gaze};
 use glam::{Quat, Vec3};
-use parafovea_core::chroma::{ChromaSettings, Focus};
+use parafovea_core::chroma::ChromaSettings;
 use parafovea_core::geometry::Fov;
 use parafovea_core::kernels::compose::{ComposeParams, compose_image};
 use parafovea_tests::compare::max_difference;
@@ -175,7 +175,7 @@ fn created(case: &Case, run: &Finished) -> Vec<Value> {
 /// What the layer is to do to the picture of an eye, all of which is one region.
 fn region(eye: &View, gaze: Vec3, picture: &Picture) -> ComposeParams {
     let extent = [picture.width, picture.height];
-    ComposeParams::new([0, 0], extent, fov(eye), Focus::at(gaze), &ChromaSettings::default(), true)
+    ComposeParams::new([0, 0], extent, fov(eye), gaze, &ChromaSettings::default(), true)
 }
 
 fn assert_attenuated(case: &Case, params: &ComposeParams, original: &Picture, picture: &Picture, what: &str) {

@@ -1,7 +1,6 @@
 //! The part of the kernel that completes a picture from earlier ones, before colour is attenuated.
 
 use super::{ComposeParams, PixelFormat};
-use crate::chroma::Focus;
 use crate::geometry::{Fov, PixelRect};
 use crate::layout::uniform;
 use crate::reuse::{Edge, Reuse, TileLists, TileRect, TileRects};
@@ -67,8 +66,8 @@ impl ComposeParams {
     /// For a rectangle in which colour stays as it is.
     pub fn neutral(rect_offset: [u32; 2], rect_extent: [u32; 2]) -> Self {
         let no_fov = Fov { left: 0.0, right: 0.0, up: 0.0, down: 0.0 };
-        let focus = Focus::at(glam::Vec3::ZERO);
-        Self::new(rect_offset, rect_extent, no_fov, focus, &crate::chroma::ChromaSettings::default(), true)
+        let gaze = glam::Vec3::ZERO;
+        Self::new(rect_offset, rect_extent, no_fov, gaze, &crate::chroma::ChromaSettings::default(), true)
     }
 }
 

@@ -7,11 +7,7 @@ use std::f32::consts::FRAC_PI_4;
 const FOV: Fov = Fov { left: -FRAC_PI_4, right: FRAC_PI_4, up: FRAC_PI_4, down: -FRAC_PI_4 };
 
 fn params(offset: [u32; 2], extent: [u32; 2], gaze: Vec3) -> ComposeParams {
-    following(offset, extent, Focus::at(gaze))
-}
-
-fn following(offset: [u32; 2], extent: [u32; 2], focus: Focus) -> ComposeParams {
-    ComposeParams::new(offset, extent, FOV, focus, &ChromaSettings::default(), true)
+    ComposeParams::new(offset, extent, FOV, gaze, &ChromaSettings::default(), true)
 }
 
 /// A picture of every byte value in changing combinations.
@@ -45,10 +41,7 @@ fn plateau_alpha_and_the_outside_are_untouched() {
         assert_eq!(old[3], new[3], "alpha at {x}, {y}");
         let inside = (5..35).contains(&x) && (7..47).contains(&y);
         let angle = |x: u32, y: u32| {
-            crate::geometry::eccentricity(
-                region.plane().direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5)),
-                Vec3::NEG_Z,
-            )
+            eccentricity(region.plane().direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5)), Vec3::NEG_Z)
         };
         if !inside {
             assert_eq!(old, new, "outside at {x}, {y}");
@@ -103,7 +96,7 @@ fn no_gaze_no_work() {
 #[test]
 fn a_wider_focus_and_less_strength_keep_more_colour() {
     let chroma = |focus: Focus| {
-        let rgb = following([0, 0], [64, 64], focus).pixel(0, 32, Vec3::X);
+        let rgb = params([0, 0], [64, 64], Vec3::NEG_Z).following(focus).pixel(0, 32, Vec3::X);
         rgb.map_or(1.0, |rgb| rgb.x - rgb.z)
     };
     let straight = Focus::at(Vec3::NEG_Z);
@@ -134,7 +127,7 @@ proptest! {
         radius in prop_oneof![Just(0.0f32), 0.0f32..3.2], strength in prop_oneof![Just(1.0f32), Just(0.0), 0.0f32..1.0],
     ) {
         let focus = Focus { direction: Vec3::new(x, y, -1.0), radius, strength };
-        let region = following([0, 0], [width, height], focus);
+        let region = params([0, 0], [width, height], Vec3::NEG_Z).following(focus);
         let [columns, rows] = region.tile_grid();
         let mut any = false;
         for tile in (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])) {

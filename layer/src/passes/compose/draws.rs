@@ -238,7 +238,7 @@ fn intersection(a: vk::Rect2D, b: vk::Rect2D) -> Option<vk::Rect2D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use parafovea_core::chroma::{ChromaSettings, Focus};
+    use parafovea_core::chroma::ChromaSettings;
     use parafovea_core::geometry::Fov;
 
     fn rect(x: i32, y: i32, width: u32, height: u32) -> vk::Rect2D {
@@ -247,7 +247,7 @@ mod tests {
 
     fn region(offset: [u32; 2], extent: [u32; 2], rect: vk::Rect2D) -> ComposeRegion {
         let fov = Fov { left: -0.8, right: 0.8, up: 0.8, down: -0.8 };
-        let ahead = Focus::at(glam::Vec3::NEG_Z);
+        let ahead = glam::Vec3::NEG_Z;
         let params = ComposeParams::new(offset, extent, fov, ahead, &ChromaSettings::default(), true);
         ComposeRegion { array_layer: 0, rect, params }
     }

@@ -44,8 +44,12 @@ pub fn region(
     let offset = [rect.offset.x as u32, rect.offset.y as u32];
     let extent = [rect.extent.width, rect.extent.height];
     let focus = Focus { direction: in_view(focus.direction, orientation(view)?), ..focus };
-    let params = ComposeParams::new(offset, extent, fov(view), focus, chroma, images.is_unit_range);
-    Some(ComposeRegion { array_layer: view.sub_image.image_array_index, rect, params })
+    let params = ComposeParams::new(offset, extent, fov(view), focus.direction, chroma, images.is_unit_range);
+    Some(ComposeRegion {
+        array_layer: view.sub_image.image_array_index,
+        rect,
+        params: params.following(focus),
+    })
 }
 
 /// The rectangle of a view, if it is within the images.

@@ -2,7 +2,7 @@
 
 use criterion::{Criterion, Throughput};
 use glam::Vec3;
-use parafovea_core::chroma::{ChromaSettings, Curves, FittedCurves, Focus, Mode, Trail};
+use parafovea_core::chroma::{ChromaSettings, Curves, Mode, Trail};
 use parafovea_core::geometry::Fov;
 use parafovea_core::kernels::compose::{ComposeParams, PixelFormat, compose_image};
 use std::{hint::black_box, time::Duration};
@@ -11,9 +11,7 @@ pub fn benches(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("chroma");
     group.sample_size(20).measurement_time(Duration::from_secs(1)).warm_up_time(Duration::from_millis(300));
     let default = ChromaSettings::default();
-    group.bench_function("curves of an eye", |b| {
-        b.iter(|| FittedCurves::new(&Curves::new(black_box(&default)), black_box(0.1)))
-    });
+    group.bench_function("curves of a frame", |b| b.iter(|| Curves::new(black_box(&default))));
     group.bench_function("trail of a frame", |b| {
         let mut trail = Trail::default();
         let mut frame = 0i64;
@@ -31,7 +29,7 @@ pub fn benches(criterion: &mut Criterion) {
         [("256 x 256 pixels, default", Mode::Default), ("256 x 256 pixels, paper", Mode::Paper)]
     {
         let settings = ChromaSettings { mode, ..default };
-        let params = ComposeParams::new([0, 0], [SIDE, SIDE], fov, Focus::at(Vec3::NEG_Z), &settings, true);
+        let params = ComposeParams::new([0, 0], [SIDE, SIDE], fov, Vec3::NEG_Z, &settings, true);
         let mut pixels: Vec<u8> = (0..SIDE * SIDE * 4).map(|i| (i * 37 % 251) as u8).collect();
         group.bench_function(name, |b| {
             b.iter(|| compose_image(black_box(&mut pixels), SIDE, PixelFormat::Rgba8Unorm, &params));

@@ -4,7 +4,7 @@ use super::Case;
 use crate::reference::chroma as reference;
 use glam::Vec3;
 use parafovea_core::chroma::{
-    ChromaSettings, Curves, Focus, Gains, Gamut, Matrix, Mode, Trail, attenuate, cb_gain, cr_gain,
+    ChromaSettings, Curves, Gains, Gamut, Matrix, Mode, Trail, attenuate, cb_gain, cr_gain,
 };
 use parafovea_core::geometry::Fov;
 use parafovea_core::kernels::compose::ComposeParams;
@@ -203,12 +203,11 @@ fn times() -> Vec<Case> {
 /// The smallest and the largest image, and a gaze that none of it is near.
 fn images() -> Vec<Case> {
     let fov = Fov { left: -0.8, right: 0.8, up: 0.8, down: -0.8 };
-    let params = |extent, gaze| {
-        ComposeParams::new([0, 0], extent, fov, Focus::at(gaze), &ChromaSettings::default(), true)
-    };
+    let params =
+        |extent, gaze| ComposeParams::new([0, 0], extent, fov, gaze, &ChromaSettings::default(), true);
     let behind = params([1, 1], Vec3::Z).pixel(0, 0, Vec3::X);
     let paper = ChromaSettings { mode: Mode::Paper, ..ChromaSettings::default() };
-    let edge = ComposeParams::new([0, 0], [8192, 8192], fov, Focus::at(Vec3::NEG_Z), &paper, true);
+    let edge = ComposeParams::new([0, 0], [8192, 8192], fov, Vec3::NEG_Z, &paper, true);
     let corner = edge.pixel(8191, 8191, Vec3::X);
     vec![
         case("1x1, gaze ahead", "untouched", "", params([1, 1], Vec3::NEG_Z).pixel(0, 0, Vec3::X).is_none()),
