@@ -83,12 +83,11 @@ impl Case {
 }
 
 macro_rules! cases {
-    ($($(#[$attribute:meta])* $name:ident $({ $($field:ident: $value:expr),* $(,)? })?,)*) => {
+    ($($name:ident $({ $($field:ident: $value:expr),* $(,)? })?,)*) => {
         /// Names of the cases that have a test here.
         const TESTED: &[&str] = &[$(stringify!($name)),*];
 
         $(#[test]
-        $(#[$attribute])*
         fn $name() {
             Case { $($($field: $value,)*)? ..Case::new(stringify!($name)) }.check();
         })*
