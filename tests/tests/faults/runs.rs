@@ -253,7 +253,9 @@ impl Seen {
                 "Core Validation",
                 "VALIDATION LAYER",
             ];
-            line != "[" && noise.iter().all(|noise| !line.contains(noise))
+            // A line may end where the other thread's begins.
+            let is_cut = "[[Info   ]".starts_with(line.trim_end());
+            !is_cut && noise.iter().all(|noise| !line.contains(noise))
         };
         let output = outcome.output.lines().map(without_numbers).filter(is_told).collect();
         Self {
