@@ -49,6 +49,8 @@ pub struct GazeTracker {
 struct Seen {
     /// In the world.
     motion: Motion,
+    /// As seen from the head.
+    from_head: Motion,
     /// How the head was turned at the newest sample, where that is told.
     head: Option<Quat>,
     /// When the newest sample came, on the clock of the samples.
@@ -61,7 +63,20 @@ struct Seen {
     interrupted: bool,
 }
 
+/// A plausible sample.
+#[derive(Clone, Copy, Debug)]
+struct Sighting {
+    in_world: Moment,
+    from_head: Moment,
+}
+
 impl Seen {
+    /// Whether the eyes turn in the world only because the head does. What they follow stays where it is in the views.
+    fn looks_along(&self) -> bool {
+        let courses = (self.motion.course(), self.from_head.course());
+        courses == (Course::Turning, Course::Resting) && self.motion.in_doubt().is_none()
+    }
+
     /// Whether the newest sample is not long before a time.
     fn is_fresh(&self, time_ns: i64) -> bool {
         let age = time_ns.saturating_sub(self.motion.newest().time_ns);
@@ -109,8 +124,9 @@ impl GazeTracker {
     }
 
     /// Tells how the head is turned (any fixed space) at a time, on the clock of the samples: eyes turn against it, so that a gaze
-    /// that rests in the world follows nothing, is where it was in the world when the frame is shown, and is in no saccade; one that
-    /// does not change in any bit while the head turns is frozen. Without being told, the head counts as still.
+    /// that rests in the world follows nothing, is where it was in the world when the frame is shown, and is in no saccade. One that
+    /// turns with the head follows nothing either, and is where it was from the head; but one that does not change in any bit
+    /// meanwhile is frozen. Without being told, the head counts as still.
     pub fn head_turned(&mut self, head: Quat, time_ns: i64) {
         if let Some(head) = rotation(head) {
             let angle_deg = self.head.turned(head, time_ns);
@@ -149,16 +165,19 @@ impl GazeTracker {
         let phase = self.phase(seen, now_ns);
         let visible = !matches!(phase, GazePhase::Blink | GazePhase::Lost);
         let ahead = now_ns.saturating_sub(seen.motion.newest().time_ns).clamp(0, LONGEST_NS);
+        let looks_along = seen.looks_along();
+        let motion = if looks_along { &seen.from_head } else { &seen.motion };
         let (directions, prediction_error_deg) =
-            seen.motion.directions(&self.settings, (ahead as f64 * 1e-9) as f32);
+            motion.directions(&self.settings, (ahead as f64 * 1e-9) as f32);
         // Where nothing becomes coarser, nothing is lost by what becomes finer at a place that may be wrong.
         let doubted = seen.motion.in_doubt().filter(|_| visible);
         // What is held stays where it was seen from the head: there it is within the reach of the eyes.
         let head = if visible { self.head.at(now_ns) } else { seen.head };
+        let head = head.filter(|_| !looks_along);
         GazeState {
             directions: turned(doubted.unwrap_or(directions), head.map(|head| head.inverse())),
             ray: None,
-            velocity_deg_s: if visible { seen.motion.speed_deg_s() } else { 0.0 },
+            velocity_deg_s: if visible { motion.speed_deg_s() } else { 0.0 },
             prediction_error_deg: prediction_error_deg.filter(|_| visible),
             phase,
             trust: self.trust_at(now_ns),
@@ -166,7 +185,7 @@ impl GazeTracker {
     }
 
     fn take(&mut self, sample: &GazeSample, now_ns: i64) {
-        self.rejection = self.check(sample, now_ns).and_then(|moment| self.follow(moment, now_ns)).err();
+        self.rejection = self.check(sample, now_ns).and_then(|sighting| self.follow(sighting, now_ns)).err();
         match self.rejection {
             None => self.ended = false,
             Some(Rejection::Frozen) => self.source_ended(now_ns),
@@ -181,7 +200,7 @@ impl GazeTracker {
     }
 
     /// What the sample says, if that can be.
-    fn check(&mut self, sample: &GazeSample, now_ns: i64) -> Result<Moment, Rejection> {
+    fn check(&mut self, sample: &GazeSample, now_ns: i64) -> Result<Sighting, Rejection> {
         if !sample.valid {
             return Err(Rejection::NotTracked);
         }
@@ -194,17 +213,19 @@ impl GazeTracker {
         if self.freeze.is_frozen(&self.settings, sample.directions, now_ns) {
             return Err(Rejection::Frozen);
         }
-        // In the world.
-        let directions = turned(directions, self.head.at(sample.time_ns));
-        Ok(Moment { directions, time_ns: sample.time_ns })
+        let at = |directions: [Vec3; 2]| Moment { directions, time_ns: sample.time_ns };
+        let in_world = at(turned(directions, self.head.at(sample.time_ns)));
+        Ok(Sighting { in_world, from_head: at(directions) })
     }
 
     /// The state after a plausible sample.
-    fn follow(&mut self, moment: Moment, now_ns: i64) -> Result<(), Rejection> {
+    fn follow(&mut self, sighting: Sighting, now_ns: i64) -> Result<(), Rejection> {
+        let Sighting { in_world: moment, from_head } = sighting;
         let trust = self.trust_at(now_ns);
         let head = self.head.at(moment.time_ns);
-        let found = |motion: Motion, trust: f32| Seen {
+        let found = |[motion, from_head]: [Motion; 2], trust: f32| Seen {
             motion,
+            from_head,
             head,
             arrived_ns: now_ns,
             settled_ns: now_ns,
@@ -213,7 +234,7 @@ impl GazeTracker {
         };
         let (settings, head_deg_s) = (&self.settings, self.head.deg_s());
         match &mut self.seen {
-            None => self.seen = Some(found(Motion::new(moment), trust)),
+            None => self.seen = Some(found([moment, from_head].map(Motion::new), trust)),
             Some(seen) => {
                 let gap = moment.time_ns.saturating_sub(seen.motion.newest().time_ns);
                 if gap < 0 {
@@ -221,7 +242,7 @@ impl GazeTracker {
                         return Err(Rejection::OutOfOrder);
                     }
                     // The clock began anew.
-                    *seen = found(Motion::new(moment), 0.0);
+                    *seen = found([moment, from_head].map(Motion::new), 0.0);
                 } else if self.ended
                     || seen.interrupted
                     || gap > silent_ns(&seen.motion) && seen.motion.in_doubt().is_none()
@@ -229,8 +250,12 @@ impl GazeTracker {
                     // Where the eyes went meanwhile is unknown: no speed, and the same care as after a saccade. Trust begins
                     // with the next sample.
                     let late = gap <= LONGEST_NS && !self.ended && !seen.interrupted;
-                    *seen = found(seen.motion.found_again(moment, late), trust);
+                    let again =
+                        [seen.motion.found_again(moment, late), seen.from_head.found_again(from_head, late)];
+                    *seen = found(again, trust);
                 } else {
+                    // Eyes that rest on the world may be faster from the head than eyes turn.
+                    let _ = seen.from_head.add(settings, from_head, 0.0);
                     let (before, settled) = (seen.motion.newest().time_ns, seen.motion.settled_ns());
                     seen.motion.add(settings, moment, head_deg_s).map_err(|_| Rejection::TooFast)?;
                     if seen.motion.settled_ns() != settled {
@@ -263,8 +288,8 @@ impl GazeTracker {
             _ if now.saturating_sub(seen.settled_ns) < nanoseconds(self.settings.post_saccade_ms) => {
                 GazePhase::PostSaccade
             }
-            Course::Turning => GazePhase::Pursuit,
-            Course::Resting => GazePhase::Fixation,
+            Course::Turning if !seen.looks_along() => GazePhase::Pursuit,
+            Course::Turning | Course::Resting => GazePhase::Fixation,
         }
     }
 

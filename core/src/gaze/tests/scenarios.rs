@@ -239,9 +239,15 @@ fn a_gaze_that_turns_with_the_head_is_where_it_was_from_the_head() {
         let state = tracker.state(now);
         let off_deg = eccentricity(state.directions[0], yaw(5.0)).to_degrees();
         let after_ms = now / MS - 2500;
-        assert!(state.phase != GazePhase::Saccade, "{after_ms} ms after");
+        assert!(
+            matches!(state.phase, GazePhase::PostSaccade | GazePhase::Fixation),
+            "{:?} {after_ms} ms after",
+            state.phase
+        );
         // Until it shows that they turn in the world, they are taken to rest there.
-        assert!(off_deg < if after_ms < 350 { 4.0 } else { 0.5 }, "{off_deg} off {after_ms} ms after");
+        let (most_deg, speed_deg_s) = if after_ms < 350 { (4.0, 61.0) } else { (0.01, 0.0) };
+        assert!(off_deg < most_deg, "{off_deg} off {after_ms} ms after");
+        assert!(state.velocity_deg_s <= speed_deg_s, "{state:?} {after_ms} ms after");
     }
 }
 
