@@ -25,7 +25,7 @@ mod shared;
 pub use app_commands::{AppCommands, ImagePart, Scope};
 pub(crate) use app_commands::{COMPUTES, READS_OF_RESULTS};
 pub(crate) use buffer::{ResultRing, UniformRing, WordRing};
-pub(crate) use commands::{Uses, wait_fence};
+pub(crate) use commands::{Uses, wait_device, wait_fence};
 pub(crate) use compare::{Comparison, comparison};
 pub(crate) use compute::{Bound, ComputeLayout, ComputeSet};
 pub(crate) use descriptor::{CompareSet, ListSet, TextureSets, UniformSet};
@@ -42,6 +42,7 @@ use crate::link::DeviceRecord;
 use ash::vk;
 use commands::CommandRing;
 use functions::Functions;
+use shared::Left;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -162,7 +163,7 @@ impl Gpu {
     }
 
     /// Says that the device is lost, hangs, or is about to be destroyed: from now on nothing of ours is waited
-    /// for or destroyed, and nothing can be submitted.
+    /// for, and nothing can be submitted. What is shared destroys the rest, when the device ends.
     pub fn abandon(&self) {
         self.abandoned.store(true, Ordering::Relaxed);
         if let Some(shared) = &self.shared {
@@ -179,6 +180,13 @@ impl Gpu {
 
     fn shared(&self) -> Result<&Shared, GpuError> {
         self.shared.as_deref().ok_or(GpuError::Invalid("pipelines without a queue"))
+    }
+
+    /// Leaves something to be destroyed when the device ends, or never where nobody tells.
+    fn leave(&self, left: Left) {
+        if let Some(shared) = &self.shared {
+            shared.leave(left);
+        }
     }
 
     fn is_abandoned(&self) -> bool {
@@ -285,12 +293,14 @@ impl Gpu {
 
 impl Drop for Gpu {
     fn drop(&mut self) {
-        if !self.is_abandoned() {
-            let commands = self.commands.get_mut().unwrap_or_else(PoisonError::into_inner);
-            if let Some(ring) = commands {
-                // SAFETY: the device is live, as it was not abandoned, and nothing else uses the ring.
-                unsafe { ring.destroy(&self.device) };
-            }
+        let commands = self.commands.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let Some(ring) = commands.take() else { return };
+        if self.is_abandoned() || ring.wait_all(&self.device).is_err() {
+            // SAFETY: whoever calls it vouches for the device, and that nothing is under way.
+            self.leave(Box::new(move |device| unsafe { ring.destroy(device) }));
+        } else {
+            // SAFETY: the device is live, as it was not abandoned, and the ring's work has finished.
+            unsafe { ring.destroy(&self.device) };
         }
     }
 }

@@ -50,12 +50,14 @@ impl CommandRing {
         let mut ring =
             Self { pool, slots: [Slot::default(); SUBMITS_IN_FLIGHT], last_submit: 0, is_behind: false };
         // SAFETY: as above; the pool is new.
-        let filled = unsafe { ring.fill(device, record) };
-        if filled.is_err() {
-            // SAFETY: nothing was submitted, and what was not created is null, which destroying ignores.
-            unsafe { ring.destroy(device) };
+        match unsafe { ring.fill(device, record) } {
+            Ok(()) => Ok(ring),
+            Err(error) => {
+                // SAFETY: nothing was submitted, and what was not created is null, which destroying ignores.
+                unsafe { ring.destroy(device) };
+                Err(error)
+            }
         }
-        filled.map(|()| ring)
     }
 
     unsafe fn fill(&mut self, device: &ash::Device, record: &DeviceRecord) -> Result<(), GpuError> {
@@ -177,14 +179,16 @@ impl CommandRing {
         status == Ok(true)
     }
 
-    /// Waits for what is under way, and destroys everything, unless the wait fails.
+    /// Waits for all that is under way.
+    pub(super) fn wait_all(&self, device: &ash::Device) -> Result<(), GpuError> {
+        self.wait(device, self.last_submit)
+    }
+
+    /// Destroys everything.
     ///
     /// # Safety
-    /// `device` is live, and the ring is not used afterwards.
-    pub(super) unsafe fn destroy(&mut self, device: &ash::Device) {
-        if self.wait(device, self.last_submit).is_err() {
-            return;
-        }
+    /// `device` is live, and nothing of the ring is under way on it.
+    pub(super) unsafe fn destroy(self, device: &ash::Device) {
         // SAFETY: all work has finished, and nobody else has these handles.
         unsafe {
             for slot in &self.slots {
@@ -193,6 +197,16 @@ impl CommandRing {
             device.destroy_command_pool(self.pool, None);
         }
     }
+}
+
+/// Waits until a device does nothing any more, or is lost; whether it is so.
+///
+/// # Safety
+/// The device is live, and nobody else uses any of its queues.
+pub(crate) unsafe fn wait_device(device: &ash::Device) -> bool {
+    // SAFETY: the caller vouches for all.
+    let result = unsafe { device.device_wait_idle() };
+    matches!(result, Ok(()) | Err(vk::Result::ERROR_DEVICE_LOST))
 }
 
 /// Waits for a fence that was submitted.
@@ -252,7 +266,7 @@ impl Uses {
 impl Drop for Uses {
     fn drop(&mut self) {
         if let Err(error) = self.gpu.wait(*self.last.get_mut()) {
-            error.tell("images in use are not destroyed");
+            error.tell("images in use are destroyed with the device");
         }
     }
 }

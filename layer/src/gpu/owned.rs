@@ -3,14 +3,19 @@
 use super::Gpu;
 use std::sync::Arc;
 
+/// What names a Vulkan object.
+pub(crate) trait Handle: Copy + Send + 'static {}
+
+impl<H: Copy + Send + 'static> Handle for H {}
+
 /// A Vulkan object of ours with what destroys it.
-pub(crate) struct Owned<H: Copy> {
+pub(crate) struct Owned<H: Handle> {
     gpu: Arc<Gpu>,
     handle: H,
     destroy: unsafe fn(&ash::Device, H),
 }
 
-impl<H: Copy> Owned<H> {
+impl<H: Handle> Owned<H> {
     /// Takes ownership.
     ///
     /// # Safety
@@ -30,11 +35,15 @@ impl<H: Copy> Owned<H> {
     }
 }
 
-impl<H: Copy> Drop for Owned<H> {
+impl<H: Handle> Drop for Owned<H> {
     fn drop(&mut self) {
-        if !self.gpu.is_abandoned() {
+        let (handle, destroy) = (self.handle, self.destroy);
+        if self.gpu.is_abandoned() {
+            // SAFETY: whoever calls it vouches for the device, and that nothing uses the object; it is called once.
+            self.gpu.leave(Box::new(move |device| unsafe { destroy(device, handle) }));
+        } else {
             // SAFETY: the device is live, as it was not abandoned; the rest is what `new` asks for.
-            unsafe { (self.destroy)(&self.gpu.device, self.handle) };
+            unsafe { destroy(&self.gpu.device, handle) };
         }
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Some drivers keep memory for each pipeline that was ever made, so those of a session that has ended serve the next one.
 
+use super::commands::wait_device;
 use super::compare::Comparison;
 use super::descriptor::interpolating;
 use super::draw::make_color_pass;
@@ -22,8 +23,14 @@ pub struct Shared {
     interpolating: Made<(), Owned<vk::Sampler>>,
     /// Who works with them.
     users: Mutex<Vec<Weak<Gpu>>>,
+    /// What its owners could not destroy, as the GPU may have used it, in their order.
+    left: Mutex<Vec<Left>>,
     is_given_up: AtomicBool,
+    has_ended: AtomicBool,
 }
+
+/// Destroys something of the device, which is live and does not use it any more.
+pub(super) type Left = Box<dyn FnOnce(&ash::Device) + Send>;
 
 #[derive(Clone, Copy, PartialEq)]
 struct TileKey {
@@ -51,15 +58,25 @@ impl Shared {
             color_passes: Made::default(),
             interpolating: Made::default(),
             users: Mutex::default(),
+            left: Mutex::default(),
             is_given_up: AtomicBool::new(false),
+            has_ended: AtomicBool::new(false),
         }))
     }
 
     /// Says that the device is about to be destroyed, when the application has nothing under way on it: destroys all that is
-    /// shared. Where somebody still works with it, nothing is destroyed, and nothing is done for them any more.
+    /// shared, and what was left. Where somebody still works with it, nothing is destroyed, and nothing is done for them any more.
     pub fn end(&self) {
+        self.has_ended.store(true, Ordering::Relaxed);
         let users = std::mem::take(&mut *self.users());
-        users.iter().filter_map(Weak::upgrade).for_each(|user| user.abandon());
+        let users: Vec<_> = users.iter().filter_map(Weak::upgrade).collect();
+        users.iter().for_each(|user| user.abandon());
+        // SAFETY: the device is live, and about to be destroyed by its application, which uses none of its queues meanwhile.
+        if users.is_empty() && self.gpu.is_abandoned() && unsafe { wait_device(&self.gpu.device) } {
+            self.gpu.abandoned.store(false, Ordering::Relaxed);
+            let left = std::mem::take(&mut *self.left.lock().unwrap_or_else(PoisonError::into_inner));
+            left.into_iter().for_each(|destroy| destroy(&self.gpu.device));
+        }
         self.tile_pipelines.clear();
         self.comparisons.clear();
         self.color_passes.clear();
@@ -82,7 +99,14 @@ impl Shared {
         users.push(Arc::downgrade(user));
     }
 
-    /// What a user does not destroy any more, because the GPU may be using it, is not destroyed here either.
+    /// Destroys something when the device ends.
+    pub(super) fn leave(&self, left: Left) {
+        if !self.has_ended.load(Ordering::Relaxed) {
+            self.left.lock().unwrap_or_else(PoisonError::into_inner).push(left);
+        }
+    }
+
+    /// What a user does not destroy any more, because the GPU may be using it, is not destroyed before the end either.
     pub(super) fn abandon(&self) {
         self.gpu.abandon();
     }

@@ -169,10 +169,13 @@ const LOST: [&CStr; 8] = [
 
 impl Side for Faults {
     fn made(&self, call: Call, next: impl FnOnce() -> vk::Result, null: impl FnOnce()) -> vk::Result {
-        self.failure(call).map_or_else(next, |failure| {
-            null();
-            failure
-        })
+        let Some(failure) = self.failure(call) else { return next() };
+        if call.name == c"vkEndCommandBuffer" {
+            // Recording has ended all the same (Vulkan specification, "Command Buffer Lifecycle").
+            _ = next();
+        }
+        null();
+        failure
     }
 }
 

@@ -243,19 +243,19 @@ impl Seen {
         let picture = |view, frame| Some(((view, frame), PictureOf(outcome.submitted(view, frame).ok()?)));
         let faults = outcome.faults().unwrap_or_default();
         let findings = outcome.findings.vulkan.iter().chain(&outcome.findings.openxr);
-        // hello_xr prints what the Vulkan loader tells, and has two threads that print, now and then into each other's lines.
+        // hello_xr prints what the Vulkan loader tells and what there is, and has two threads that print, now and then into each
+        // other's lines.
         let is_told = |line: &String| {
             let noise = [
                 "[Loader Message]",
                 "[Validation]",
+                "[Info",
                 "any key",
                 "INFO: (INSTANCE",
                 "Core Validation",
                 "VALIDATION LAYER",
             ];
-            // A line may end where the other thread's begins.
-            let is_cut = "[[Info   ]".starts_with(line.trim_end());
-            !is_cut && noise.iter().all(|noise| !line.contains(noise))
+            line != "[" && noise.iter().all(|noise| !line.contains(noise))
         };
         let output = outcome.output.lines().map(without_numbers).filter(is_told).collect();
         Self {

@@ -32,7 +32,7 @@ pub fn cells(technique: &'static Technique) -> Vec<Cell> {
         "{}: only {calls:?}",
         technique.name
     );
-    let own = calls.into_iter().flat_map(|(call, count)| own_faults(&call, count));
+    let own = calls.into_iter().flat_map(|(call, count)| own_faults(technique, &call, count));
     let lost = lost_after(technique).map(|skip| VulkanFault {
         call: "vkQueueSubmit".to_owned(),
         result: DEVICE_LOST,
@@ -43,8 +43,8 @@ pub fn cells(technique: &'static Technique) -> Vec<Cell> {
     own.chain(lost).map(|fault| Cell { technique, below: Below::Vulkan(fault) }).collect()
 }
 
-/// All of so many calls fail, or only the second.
-fn own_faults(call: &str, count: u64) -> Vec<VulkanFault> {
+/// All of so many calls fail, or only the second; waiting also takes too long.
+fn own_faults(technique: &Technique, call: &str, count: u64) -> Vec<VulkanFault> {
     let result = match call {
         "vkMapMemory" => MEMORY_MAP_FAILED,
         "vkCreateFramebuffer" | "vkCreateImageView" | "vkBeginCommandBuffer" => OUT_OF_HOST_MEMORY,
@@ -57,6 +57,11 @@ fn own_faults(call: &str, count: u64) -> Vec<VulkanFault> {
     }
     if call == "vkWaitForFences" {
         faults.push(VulkanFault { result: TIMEOUT, ..fault(0, 1) });
+        // No wait ever ends well: what is ours is destroyed with the device. Not with hello_xr, which destroys swapchains at once
+        // after their last frame, when nobody could know whether the GPU is done with them.
+        if !technique.has_actions {
+            faults.push(VulkanFault { result: TIMEOUT, ..fault(0, u64::MAX) });
+        }
     }
     faults
 }

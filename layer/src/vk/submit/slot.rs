@@ -3,7 +3,7 @@
 use super::Outdated;
 use crate::gpu::functions::{Functions, init_dispatch};
 use crate::gpu::memory::memory_type;
-use crate::gpu::{GpuError, wait_fence};
+use crate::gpu::{GpuError, wait_device, wait_fence};
 use crate::vk::armed::Armed;
 use crate::vk::perception::Kept;
 use ash::vk;
@@ -198,11 +198,12 @@ impl Slot {
         Ok(())
     }
 
-    /// Waits until the GPU is done with it, and destroys it; where that fails it is left.
+    /// Waits until the GPU is done with it, and destroys it, as the device is about to be; where that fails it is left.
     pub fn destroy(mut self, device: &ash::Device) {
-        // SAFETY: fence and pool are of this live device; after the wait nothing is in use.
+        // SAFETY: fence and pool are of this live device, of which the application uses no queue any more; after the wait nothing
+        // is in use.
         unsafe {
-            if self.is_pending && wait_fence(device, self.fence).is_err() {
+            if self.is_pending && wait_fence(device, self.fence).is_err() && !wait_device(device) {
                 self.uses.drain(..).for_each(std::mem::forget);
                 self.kept.drain(..).for_each(std::mem::forget);
                 return;
