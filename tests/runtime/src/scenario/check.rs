@@ -45,10 +45,18 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), String> {
     ascending("head", scenario.head.iter().map(|head| head.t))?;
     ascending("gaze", scenario.gaze.iter().map(|gaze| gaze.t))?;
     ascending("zoom", scenario.zoom.iter().map(|zoom| zoom.t))?;
+    for head in &scenario.head {
+        finite("head.position", &head.position)?;
+        finite("head.yaw_deg, pitch_deg or roll_deg", &[head.yaw_deg, head.pitch_deg, head.roll_deg])?;
+    }
+    for gaze in &scenario.gaze {
+        finite("gaze.yaw_deg or pitch_deg", &[gaze.yaw_deg, gaze.pitch_deg])?;
+    }
     for zoom in &scenario.zoom {
         within("zoom.scale", zoom.scale, 0.1..=1.0)?;
     }
     for input in &scenario.input {
+        within("input.t", input.t, f64::MIN..=f64::MAX)?;
         let value = input.value.pair();
         within("input.value", value[0], -1.0..=1.0)?;
         within("input.value", value[1], -1.0..=1.0)?;
@@ -72,6 +80,7 @@ fn check_view(view: &View, max_size: u32) -> Result<(), String> {
     for (key, value) in [("left", left), ("right", right), ("up", up), ("down", down)] {
         within(&format!("view.fov_deg.{key}"), value, -89.0..=89.0)?;
     }
+    finite("view.position", &view.position)?;
     if left == right || up == down {
         return Err("view.fov_deg is empty; allowed: left unlike right, up unlike down".to_owned());
     }
@@ -84,6 +93,13 @@ fn within<T: PartialOrd + Display>(key: &str, value: T, allowed: RangeInclusive<
         return Ok(());
     }
     Err(format!("{key} is {value}; allowed: {} to {}", allowed.start(), allowed.end()))
+}
+
+fn finite(key: &str, values: &[f32]) -> Result<(), String> {
+    match values.iter().find(|value| !value.is_finite()) {
+        Some(value) => Err(format!("{key} is {value}; allowed: finite numbers")),
+        None => Ok(()),
+    }
 }
 
 fn one_of<T: PartialEq + Debug>(key: &str, value: &T, allowed: &[T]) -> Result<(), String> {
@@ -121,6 +137,13 @@ mod tests {
             ),
             ("[[gaze]]\nt=1\n[[gaze]]\nt=0", "gaze.t is 0 after 1; allowed: ascending times"),
             ("[[head]]\nt=nan", "head.t is NaN; allowed: finite times"),
+            (
+                "[[head]]\nt=0\nyaw_deg=nan",
+                "head.yaw_deg, pitch_deg or roll_deg is NaN; allowed: finite numbers",
+            ),
+            ("[[head]]\nt=0\nposition=[0, 1e39, 0]", "head.position is inf; allowed: finite numbers"),
+            ("[[gaze]]\nt=0\npitch_deg=-inf", "gaze.yaw_deg or pitch_deg is -inf; allowed: finite numbers"),
+            ("[[input]]\nt=nan\npath='/'\nvalue=true", "input.t is NaN; allowed: -1"),
             ("[[input]]\nvalue=true", "missing field `path`"),
             ("[[fault]]\ncall='xrNo'", "fault.call has \"xrNo\"; allowed: functions"),
             ("[[fault]]\ncall='xrEndFrame'\nresult='XR_NO'", "fault.result has \"XR_NO\"; allowed: names"),
