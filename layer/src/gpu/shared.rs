@@ -71,10 +71,11 @@ impl Shared {
         let users = std::mem::take(&mut *self.users());
         let users: Vec<_> = users.iter().filter_map(Weak::upgrade).collect();
         users.iter().for_each(|user| user.abandon());
+        let left = std::mem::take(&mut *self.left.lock().unwrap_or_else(PoisonError::into_inner));
+        let is_stuck = self.gpu.is_abandoned() || !left.is_empty();
         // SAFETY: the device is live, and about to be destroyed by its application, which uses none of its queues meanwhile.
-        if users.is_empty() && self.gpu.is_abandoned() && unsafe { wait_device(&self.gpu.device) } {
+        if users.is_empty() && is_stuck && unsafe { wait_device(&self.gpu.device) } {
             self.gpu.abandoned.store(false, Ordering::Relaxed);
-            let left = std::mem::take(&mut *self.left.lock().unwrap_or_else(PoisonError::into_inner));
             left.into_iter().for_each(|destroy| destroy(&self.gpu.device));
         }
         self.tile_pipelines.clear();

@@ -40,7 +40,7 @@ monado-service < /run/monado/input > /tmp/monado.log 2>&1 &
 service=$!
 for turn in $(seq 150); do test -S /run/monado/monado_comp_ipc && break; sleep 0.1; done
 # hello_xr ends at a line of input, also where it has failed: three seconds after its session shows, however long that takes.
-rm -f /run/monado/ended
+rm -f /run/monado/ended /tmp/output.log
 until_ended() { for turn in $(seq "$1"); do test -e /run/monado/ended && break; grep -qs "$2" /tmp/output.log && break; sleep 0.1; done; }
 (until_ended 600 'STATE_FOCUSED\|failure \['; until_ended 30 "no such line"; echo) |
     { timeout 120 stdbuf -oL "$@" > /tmp/output.log 2>&1; code=$?; touch /run/monado/ended; exit $code; }
