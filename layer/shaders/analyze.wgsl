@@ -1,7 +1,7 @@
 // Kernel `analyze`: the contrast of each tile of a picture, by octave of spatial frequency.
 // Reference: core/src/kernels/analyze.rs and what it calls. One dispatch for luminance, one for each of five reductions, one for the
-// parts of tiles, one for the tiles. Only the first depends on the format of the picture. No barrier within a workgroup, and no
-// thread that waits for another: software devices find both dear.
+// tiles. Only the first depends on the format of the picture. No barrier within a workgroup, and no thread that waits for another:
+// software devices find both dear, as they do each single number read; hence levels are kept in blocks of two by two texels.
 
 struct AnalyzeParams {
     rect_offset: vec2<u32>,
@@ -30,19 +30,14 @@ struct Shown {
 // Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
 @group(0) @binding(0) var<storage, read> params: AnalyzeParams;
 @group(0) @binding(1) var picture: texture_2d<f32>;
-// Levels 0 to 5 of the pyramid, one after the other, then PARTS parts of each tile.
-@group(0) @binding(2) var<storage, read_write> levels: array<f32>;
+// Levels 0 to 5 of the pyramid, in blocks of two by two texels, the upper two first: kernels::analyze::level_place.
+@group(0) @binding(2) var levels: texture_storage_2d<rgba32float, read_write>;
 // The map: of the frame before until it is written.
 @group(0) @binding(3) var<storage, read_write> map: array<TileContrast>;
 // The rates that the picture was shaded at, four tiles of a row in a word; rows begin with a new one.
 @group(0) @binding(4) var<storage, read> rates: array<u32>;
 // What each tile showed in the frame before.
 @group(0) @binding(5) var<storage, read_write> shown: array<Shown>;
-
-// Threads of a workgroup.
-const THREADS: u32 = 64u;
-// Parts that a tile is gathered in, a thread each.
-const PARTS: u32 = 8u;
 
 const BRIGHTEST_CD_M2: f32 = 10000.0;
 const LARGEST_COMPONENT: f32 = 65504.0;
@@ -54,70 +49,112 @@ fn component(value: f32) -> f32 {
     return select(clamp(value, -LARGEST_COMPONENT, LARGEST_COMPONENT), 0.0, is_nan);
 }
 
-@compute @workgroup_size(8, 8)
-fn luminance(@builtin(global_invocation_id) id: vec3<u32>) {
-    if any(id.xy >= params.extent) {
-        return;
-    }
-    let color = textureLoad(picture, params.rect_offset + id.xy, 0);
+fn light(pixel: vec2<u32>) -> f32 {
+    let color = textureLoad(picture, params.rect_offset + min(pixel, params.extent - 1u), 0);
     let rgb = vec3(component(color.r), component(color.g), component(color.b));
     let relative = params.weights.x * rgb.r + params.weights.y * rgb.g + params.weights.z * rgb.b;
-    levels[id.y * params.extent.x + id.x] = clamp(relative * params.white_cd_m2, 0.0, BRIGHTEST_CD_M2);
+    return clamp(relative * params.white_cd_m2, 0.0, BRIGHTEST_CD_M2);
+}
+
+// Beyond the edge the last texel repeats, in blocks too.
+@compute @workgroup_size(8, 8)
+fn luminance(@builtin(global_invocation_id) id: vec3<u32>) {
+    let pixel = 2u * id.xy;
+    if any(pixel >= params.extent) {
+        return;
+    }
+    let block = vec4(light(pixel), light(pixel + vec2(1u, 0u)), light(pixel + vec2(0u, 1u)), light(pixel + 1u));
+    textureStore(levels, id.xy, block);
 }
 
 fn level_size(level: u32) -> vec2<u32> {
     return (params.extent + (1u << level) - 1u) >> vec2(level);
 }
 
-fn level_offset(level: u32) -> u32 {
-    var offset = 0u;
-    for (var finer = 0u; finer < level; finer++) {
-        let size = level_size(finer);
-        offset += size.x * size.y;
-    }
-    return offset;
+struct Level {
+    // Its first block.
+    place: vec2<i32>,
+    // Its last block, from that one on.
+    last: vec2<i32>,
 }
 
-fn binomial(a: f32, b: f32, c: f32, d: f32, e: f32) -> f32 {
+// kernels::analyze::level_place, level_blocks
+fn level_at(level: u32) -> Level {
+    var place = vec2(0u);
+    if level > 0u {
+        place.y = level_size(1u).y;
+        for (var finer = 1u; finer < level; finer++) {
+            place.x += level_size(finer + 1u).x;
+        }
+    }
+    return Level(vec2<i32>(place), vec2<i32>(level_size(level + 1u)) - 1);
+}
+
+// A block of a level: the upper two texels, then the lower two. Beyond the edges the last texels repeat.
+fn block(level: Level, at: vec2<i32>) -> vec4<f32> {
+    let inside = clamp(at, vec2(0), level.last);
+    let texels = textureLoad(levels, level.place + inside);
+    let across = select(select(texels, texels.yyww, vec4(at.x > inside.x)), texels.xxzz, vec4(at.x < inside.x));
+    return select(select(across, across.zwzw, vec4(at.y > inside.y)), across.xyxy, vec4(at.y < inside.y));
+}
+
+fn binomial(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, d: vec2<f32>, e: vec2<f32>) -> vec2<f32> {
     return c + ((a - c) + (e - c)) * 0.0625 + ((b - c) + (d - c)) * 0.25;
 }
 
-// Column or row `step` of seven that begin two before `first`; beyond the edge the last one repeats.
-fn around(first: u32, step: u32, count: u32) -> u32 {
-    return min(max(first + step, 2u) - 2u, count - 1u);
+// Two columns around the texels of two blocks, one below the other: for each block its upper texels in xy and its lower ones in zw.
+struct Columns {
+    upper: vec4<f32>,
+    lower: vec4<f32>,
 }
 
-// Two by two texels of level `index`, from the level before.
+// Block column `x` of the level before, from the row before block row `y` on.
+fn columns(finer: Level, x: i32, y: i32) -> Columns {
+    let a = block(finer, vec2(x, y - 1));
+    let b = block(finer, vec2(x, y));
+    let c = block(finer, vec2(x, y + 1));
+    let d = block(finer, vec2(x, y + 2));
+    let e = block(finer, vec2(x, y + 3));
+    let f = block(finer, vec2(x, y + 4));
+    return Columns(
+        vec4(binomial(a.xy, a.zw, b.xy, b.zw, c.xy), binomial(b.xy, b.zw, c.xy, c.zw, d.xy)),
+        vec4(binomial(c.xy, c.zw, d.xy, d.zw, e.xy), binomial(d.xy, d.zw, e.xy, e.zw, f.xy)),
+    );
+}
+
+// The block at `at` of a level of this size, from eight columns around it, of which the last one is not needed.
+fn store(level: Level, size: vec2<u32>, at: vec2<u32>, a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>) {
+    if any(2u * at >= size) {
+        return;
+    }
+    let left = binomial(a.xz, a.yw, b.xz, b.yw, c.xz);
+    let right = binomial(b.xz, b.yw, c.xz, c.yw, d.xz);
+    let fits = 2u * at + 1u < size;
+    let upper = vec2(left.x, select(left.x, right.x, fits.x));
+    let lower = vec2(left.y, select(left.y, right.y, fits.x));
+    textureStore(levels, level.place + vec2<i32>(at), vec4(upper, select(upper, lower, fits.y)));
+}
+
+// Two by two blocks of level `index`, from the level before.
 fn reduce(index: u32, id: vec2<u32>) {
     let size = level_size(index);
     let at = 2u * id;
-    if any(at >= size) {
+    if any(2u * at >= size) {
         return;
     }
-    let finer = Level(level_offset(index - 1u), level_size(index - 1u));
-    var upper: array<f32, 7>;
-    var lower: array<f32, 7>;
-    for (var i = 0u; i < 7u; i++) {
-        let x = around(2u * at.x, i, finer.size.x);
-        var column: array<f32, 7>;
-        for (var j = 0u; j < 7u; j++) {
-            column[j] = texel(finer, x, around(2u * at.y, j, finer.size.y));
-        }
-        upper[i] = binomial(column[0], column[1], column[2], column[3], column[4]);
-        lower[i] = binomial(column[2], column[3], column[4], column[5], column[6]);
-    }
-    let to = level_offset(index) + at.y * size.x + at.x;
-    let fits = at + 1u < size;
-    levels[to] = binomial(upper[0], upper[1], upper[2], upper[3], upper[4]);
-    if fits.x {
-        levels[to + 1u] = binomial(upper[2], upper[3], upper[4], upper[5], upper[6]);
-    }
-    if fits.y {
-        levels[to + size.x] = binomial(lower[0], lower[1], lower[2], lower[3], lower[4]);
-    }
-    if all(fits) {
-        levels[to + size.x + 1u] = binomial(lower[2], lower[3], lower[4], lower[5], lower[6]);
-    }
+    let level = level_at(index);
+    let finer = level_at(index - 1u);
+    let source = 2 * vec2<i32>(at);
+    let a = columns(finer, source.x - 1, source.y);
+    let b = columns(finer, source.x, source.y);
+    let c = columns(finer, source.x + 1, source.y);
+    let d = columns(finer, source.x + 2, source.y);
+    let e = columns(finer, source.x + 3, source.y);
+    let f = columns(finer, source.x + 4, source.y);
+    store(level, size, at, a.upper, b.upper, c.upper, d.upper);
+    store(level, size, at + vec2(1u, 0u), c.upper, d.upper, e.upper, f.upper);
+    store(level, size, at + vec2(0u, 1u), a.lower, b.lower, c.lower, d.lower);
+    store(level, size, at + 1u, c.lower, d.lower, e.lower, f.lower);
 }
 
 @compute @workgroup_size(8, 8)
@@ -145,67 +182,6 @@ fn level5(@builtin(global_invocation_id) id: vec3<u32>) {
     reduce(5u, id.xy);
 }
 
-struct Level {
-    offset: u32,
-    size: vec2<u32>,
-}
-
-fn texel(level: Level, x: u32, y: u32) -> f32 {
-    return levels[level.offset + y * level.size.x + x];
-}
-
-// Three texels of a row.
-fn texels(level: Level, x: vec3<u32>, y: u32) -> vec3<f32> {
-    return vec3(texel(level, x.x, y), texel(level, x.y, y), texel(level, x.z, y));
-}
-
-// What level `band` + 1 predicts for the four texels (2k, 2k + 1) of level `band`: upper row, then lower row.
-fn expanded(level: Level, k: vec2<u32>) -> vec4<f32> {
-    let last = level.size - 1u;
-    let x = vec3(max(k.x, 1u) - 1u, k.x, min(k.x + 1u, last.x));
-    let before = texels(level, x, max(k.y, 1u) - 1u);
-    let at = texels(level, x, k.y);
-    let after = texels(level, x, min(k.y + 1u, last.y));
-    let even = at + ((before - at) + (after - at)) * 0.125;
-    let odd = at + (after - at) * 0.5;
-    return vec4(
-        even.y + ((even.x - even.y) + (even.z - even.y)) * 0.125,
-        even.y + (even.z - even.y) * 0.5,
-        odd.y + ((odd.x - odd.y) + (odd.z - odd.y)) * 0.125,
-        odd.y + (odd.z - odd.y) * 0.5,
-    );
-}
-
-// Level `band` + 2 at the same texels, interpolated.
-fn upsampled(level: Level, k: vec2<u32>) -> vec4<f32> {
-    let first = k / 2u;
-    let second = min(first + 1u, level.size - 1u);
-    let along = vec2<f32>(k % 2u) * 0.5;
-    let upper = vec2(texel(level, first.x, first.y), texel(level, second.x, first.y));
-    let lower = vec2(texel(level, first.x, second.y), texel(level, second.x, second.y));
-    let down = lower - upper;
-    let rows = array<vec2<f32>, 2>(upper + down * along.y, upper + down * (along.y + 0.25));
-    let steps = vec2(rows[0].y - rows[0].x, rows[1].y - rows[1].x);
-    return vec4(
-        rows[0].x + steps.x * along.x,
-        rows[0].x + steps.x * (along.x + 0.25),
-        rows[1].x + steps.y * along.x,
-        rows[1].x + steps.y * (along.x + 0.25),
-    );
-}
-
-// The four texels of level `band`.
-fn fine(level: Level, k: vec2<u32>) -> vec4<f32> {
-    let first = 2u * k;
-    let second = min(first + 1u, level.size - 1u);
-    return vec4(
-        texel(level, first.x, first.y),
-        texel(level, second.x, first.y),
-        texel(level, first.x, second.y),
-        texel(level, second.x, second.y),
-    );
-}
-
 // The pixels of a tile, the last one included. Never empty.
 struct Covered {
     first: vec2<u32>,
@@ -218,45 +194,116 @@ fn covered(tile: vec2<u32>) -> Covered {
     return Covered(first, last);
 }
 
-// Of a part, or of all: for each band the greatest contrast or the sum, and in the picture the sum of luminance.
+// Two columns of a level for a square of four by four texels of the level before it, expanded downwards.
+struct Expanded {
+    left: vec4<f32>,
+    right: vec4<f32>,
+}
+
+fn expanded(before: f32, upper: f32, lower: f32, after: f32) -> vec4<f32> {
+    return vec4(
+        upper + ((before - upper) + (lower - upper)) * 0.125,
+        upper + (lower - upper) * 0.5,
+        lower + ((upper - lower) + (after - lower)) * 0.125,
+        lower + (after - lower) * 0.5,
+    );
+}
+
+fn expanded_columns(coarse: Level, at: vec2<i32>) -> Expanded {
+    let before = block(coarse, at - vec2(0, 1));
+    let here = block(coarse, at);
+    let after = block(coarse, at + vec2(0, 1));
+    return Expanded(expanded(before.z, here.x, here.z, after.x), expanded(before.w, here.y, here.w, after.y));
+}
+
+// Column `x` of the level after that, rows `y` and `y` + 1, interpolated downwards.
+fn upsampled_column(surround: Level, x: i32, y: i32) -> vec4<f32> {
+    let here = block(surround, vec2(x, y) / 2);
+    let below = block(surround, vec2(x, y + 1) / 2);
+    // Rows `y` in the upper half of a block, and in its lower half.
+    let upper = select(here.xy, here.zw, vec2((y & 1) != 0));
+    let lower = select(below.zw, below.xy, vec2((y & 1) != 0));
+    let first = select(upper.x, upper.y, (x & 1) != 0);
+    let second = select(lower.x, lower.y, (x & 1) != 0);
+    return first + (second - first) * vec4(0.0, 0.25, 0.5, 0.75);
+}
+
+// Of a tile: the greatest contrast of a band, or the sum of all, and the sum of what the level holds.
 struct Gathered {
-    bands: vec4<f32>,
+    contrast: f32,
     light: f32,
 }
 
-fn gather(band: u32, tile: Covered, part: u32) -> vec2<f32> {
-    let level = Level(level_offset(band), level_size(band));
-    let coarse = Level(level_offset(band + 1u), level_size(band + 1u));
-    let surround = Level(level_offset(band + 2u), level_size(band + 2u));
-    let first = tile.first >> vec2(band);
-    let last = tile.last >> vec2(band);
-    let corner = first / 2u;
-    let blocks = last / 2u - corner + 1u;
-    var contrast = 0.0;
-    var light = 0.0;
-    for (var i = part; i < blocks.x * blocks.y; i += PARTS) {
-        let k = corner + vec2(i % blocks.x, i / blocks.x);
-        let x = vec2(2u * k.x, 2u * k.x + 1u);
-        let y = vec2(2u * k.y, 2u * k.y + 1u);
-        let columns = (x >= first.xx) & (x <= last.xx);
-        let rows = (y >= first.yy) & (y <= last.yy);
-        let inside = columns.xyxy & rows.xxyy;
-        let values = fine(level, k);
-        let contrasts = abs(values - expanded(coarse, k)) / (upsampled(surround, k) + params.dark_cd_m2);
-        let counted = select(vec4(0.0), contrasts, inside);
-        if params.aggregation == 0u {
-            contrast = max(contrast, max(max(counted.x, counted.y), max(counted.z, counted.w)));
-        } else {
-            contrast += counted.x + counted.y + counted.z + counted.w;
-        }
-        let lit = select(vec4(0.0), values, inside);
-        light += lit.x + lit.y + lit.z + lit.w;
-    }
-    return vec2(contrast, light);
+// One column of a square, of which those `inside` count.
+fn with_column(sum: Gathered, inside: vec4<bool>, values: vec4<f32>, predicted: vec4<f32>, around: vec4<f32>) -> Gathered {
+    let counted = select(vec4(0.0), abs(values - predicted) / (around + params.dark_cd_m2), inside);
+    let lit = select(vec4(0.0), values, inside);
+    let peak = max(max(counted.x, counted.y), max(counted.z, counted.w));
+    let total = counted.x + counted.y + counted.z + counted.w;
+    return Gathered(
+        select(sum.contrast + total, max(sum.contrast, peak), params.aggregation == 0u),
+        sum.light + (lit.x + lit.y + lit.z + lit.w),
+    );
 }
 
-fn joined(a: Gathered, b: Gathered) -> Gathered {
-    return Gathered(select(a.bands + b.bands, max(a.bands, b.bands), params.aggregation == 0u), a.light + b.light);
+// By squares of four by four texels: two by two blocks, a block of the level after it, a texel of the one after that.
+fn gather(band: u32, tile: Covered) -> Gathered {
+    let level = level_at(band);
+    let coarse = level_at(band + 1u);
+    let surround = level_at(band + 2u);
+    let first = vec2<i32>(tile.first >> vec2(band));
+    let last = vec2<i32>(tile.last >> vec2(band));
+    var sum = Gathered(0.0, 0.0);
+    for (var y = first.y / 4; y <= last.y / 4; y++) {
+        let lines = 4 * y + vec4(0, 1, 2, 3);
+        let rows = (lines >= vec4(first.y)) & (lines <= vec4(last.y));
+        var before = expanded_columns(coarse, vec2(first.x / 4 - 1, y)).right;
+        var here = expanded_columns(coarse, vec2(first.x / 4, y));
+        var around = upsampled_column(surround, first.x / 4, y);
+        for (var x = first.x / 4; x <= last.x / 4; x++) {
+            let after = expanded_columns(coarse, vec2(x + 1, y));
+            let beyond = upsampled_column(surround, x + 1, y);
+            let step = beyond - around;
+            let upper_left = block(level, 2 * vec2(x, y));
+            let lower_left = block(level, 2 * vec2(x, y) + vec2(0, 1));
+            let upper_right = block(level, 2 * vec2(x, y) + vec2(1, 0));
+            let lower_right = block(level, 2 * vec2(x, y) + 1);
+            let places = 4 * x + vec4(0, 1, 2, 3);
+            let inside = (places >= vec4(first.x)) & (places <= vec4(last.x));
+            sum = with_column(
+                sum,
+                rows & vec4(inside.x),
+                vec4(upper_left.xz, lower_left.xz),
+                here.left + ((before - here.left) + (here.right - here.left)) * 0.125,
+                around,
+            );
+            sum = with_column(
+                sum,
+                rows & vec4(inside.y),
+                vec4(upper_left.yw, lower_left.yw),
+                here.left + (here.right - here.left) * 0.5,
+                around + step * 0.25,
+            );
+            sum = with_column(
+                sum,
+                rows & vec4(inside.z),
+                vec4(upper_right.xz, lower_right.xz),
+                here.right + ((here.left - here.right) + (after.left - here.right)) * 0.125,
+                around + step * 0.5,
+            );
+            sum = with_column(
+                sum,
+                rows & vec4(inside.w),
+                vec4(upper_right.yw, lower_right.yw),
+                here.right + (after.left - here.right) * 0.5,
+                around + step * 0.75,
+            );
+            before = here.right;
+            here = after;
+            around = beyond;
+        }
+    }
+    return sum;
 }
 
 // perception::extrapolate::EQUAL_OCTAVES, and the constants of kernels::analyze::restore.
@@ -302,8 +349,8 @@ fn restored(index: u32, measured: vec4<f32>, rate: u32) -> vec4<f32> {
     return vec4(bands[0], bands[1], bands[2], bands[3]);
 }
 
-fn write(place: vec2<u32>, tile: Covered, sum: Gathered) {
-    var measured = sum.bands;
+fn write(place: vec2<u32>, tile: Covered, bands: vec4<f32>, light: f32) {
+    var measured = bands;
     if params.aggregation != 0u {
         for (var band = 0u; band < 4u; band++) {
             let size = (tile.last >> vec2(band)) - (tile.first >> vec2(band)) + 1u;
@@ -322,34 +369,7 @@ fn write(place: vec2<u32>, tile: Covered, sum: Gathered) {
     let is_rate = (rate >> 2u) <= 2u && (rate & 3u) <= 2u;
     let known = restored(index, measured, select(0u, rate, is_rate));
     map[index].bands = array<f32, 4>(known.x, known.y, known.z, known.w);
-    map[index].adaptation_cd_m2 = sum.light / f32(pixels.x * pixels.y);
-}
-
-// Where a part of a tile is kept: its bands, then its light.
-fn part_offset(index: u32, part: u32) -> u32 {
-    return level_offset(6u) + (index * PARTS + part) * 5u;
-}
-
-fn gathered(index: u32, part: u32) -> Gathered {
-    let at = part_offset(index, part);
-    return Gathered(vec4(levels[at], levels[at + 1u], levels[at + 2u], levels[at + 3u]), levels[at + 4u]);
-}
-
-@compute @workgroup_size(64)
-fn parts(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let place = vec2(group.x * (THREADS / PARTS) + thread / PARTS, group.y);
-    if place.x >= params.tiles.x {
-        return;
-    }
-    let part = thread % PARTS;
-    let tile = covered(place);
-    let finest = gather(0u, tile, part);
-    let at = part_offset(place.y * params.tiles.x + place.x, part);
-    levels[at] = finest.x;
-    levels[at + 1u] = gather(1u, tile, part).x;
-    levels[at + 2u] = gather(2u, tile, part).x;
-    levels[at + 3u] = gather(3u, tile, part).x;
-    levels[at + 4u] = finest.y;
+    map[index].adaptation_cd_m2 = light / f32(pixels.x * pixels.y);
 }
 
 @compute @workgroup_size(64)
@@ -357,10 +377,9 @@ fn tiles(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= params.tiles.x {
         return;
     }
-    let index = id.y * params.tiles.x + id.x;
-    var sum = gathered(index, 0u);
-    for (var part = 1u; part < PARTS; part++) {
-        sum = joined(sum, gathered(index, part));
-    }
-    write(id.xy, covered(id.xy), sum);
+    let tile = covered(id.xy);
+    let finest = gather(0u, tile);
+    let bands =
+        vec4(finest.contrast, gather(1u, tile).contrast, gather(2u, tile).contrast, gather(3u, tile).contrast);
+    write(id.xy, tile, bands, finest.light);
 }

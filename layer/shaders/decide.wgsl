@@ -80,17 +80,20 @@ fn squared_chord(corner: vec2<f32>, gaze: vec3<f32>) -> f32 {
     return dot(away, away);
 }
 
-// Whether `direction` meets column (axis 0) or row (1) `index` of tiles.
-fn meets(direction: vec3<f32>, axis: u32, index: u32) -> bool {
+// The pixels of a tile along an axis: from one line up to another, and the last one of a view ends on it.
+struct Span {
+    low: f32,
+    high: f32,
+    is_last: bool,
+}
+
+// Whether `direction` meets a column (axis 0) or row (1) of tiles. No division of whole numbers: software devices do those one by one.
+fn meets(direction: vec3<f32>, axis: u32, span: Span) -> bool {
     if direction.z >= 0.0 {
         return false;
     }
     let pixel = (direction[axis] / -direction.z - params.plane_origin[axis]) / params.plane_step[axis];
-    if !(pixel >= 0.0 && pixel <= f32(params.extent[axis])) {
-        return false;
-    }
-    let tile = (u32(pixel) + params.overhang[axis]) / params.texel[axis];
-    return min(tile, params.tiles[axis] - 1u) == index;
+    return pixel >= span.low && (pixel < span.high || (span.is_last && pixel == span.high));
 }
 
 // The point nearest to `gaze` on the great circle across `normal`, and its squared chord.
@@ -101,24 +104,24 @@ fn foot(gaze: vec3<f32>, normal: vec3<f32>) -> vec4<f32> {
     return vec4(gaze - normal * along, 2.0 * sin_squared / (1.0 + sqrt(1.0 - sin_squared)));
 }
 
-fn lowered(chord: f32, at: vec4<f32>, axis: u32, index: u32) -> f32 {
-    return select(chord, min(chord, at.w), meets(at.xyz, axis, index));
+fn lowered(chord: f32, at: vec4<f32>, axis: u32, span: Span) -> f32 {
+    return select(chord, min(chord, at.w), meets(at.xyz, axis, span));
 }
 
 // Squared chord between the nearest point of a tile, between the lines `low` and `high` on the plane one unit ahead, and
 // a gaze.
-fn chord_to(tile: vec2<u32>, low: vec2<f32>, high: vec2<f32>, gaze: vec3<f32>) -> f32 {
-    if meets(gaze, 0u, tile.x) && meets(gaze, 1u, tile.y) {
+fn chord_to(columns: Span, rows: Span, low: vec2<f32>, high: vec2<f32>, gaze: vec3<f32>) -> f32 {
+    if meets(gaze, 0u, columns) && meets(gaze, 1u, rows) {
         return 0.0;
     }
     var chord = min(
         min(squared_chord(low, gaze), squared_chord(high, gaze)),
         min(squared_chord(vec2(high.x, low.y), gaze), squared_chord(vec2(low.x, high.y), gaze)),
     );
-    chord = lowered(chord, foot(gaze, vec3(0.0, 1.0, low.y)), 0u, tile.x);
-    chord = lowered(chord, foot(gaze, vec3(0.0, 1.0, high.y)), 0u, tile.x);
-    chord = lowered(chord, foot(gaze, vec3(1.0, 0.0, low.x)), 1u, tile.y);
-    chord = lowered(chord, foot(gaze, vec3(1.0, 0.0, high.x)), 1u, tile.y);
+    chord = lowered(chord, foot(gaze, vec3(0.0, 1.0, low.y)), 0u, columns);
+    chord = lowered(chord, foot(gaze, vec3(0.0, 1.0, high.y)), 0u, columns);
+    chord = lowered(chord, foot(gaze, vec3(1.0, 0.0, low.x)), 1u, rows);
+    chord = lowered(chord, foot(gaze, vec3(1.0, 0.0, high.x)), 1u, rows);
     return chord;
 }
 
@@ -301,7 +304,12 @@ fn decided(tile: vec2<u32>, before: Tile, sensitivity: u32, is_turned: bool) -> 
     let corners = vec4(corner_pixel(tile), corner_pixel(tile + 1u));
     let low = params.plane_origin + params.plane_step * corners.xy;
     let high = params.plane_origin + params.plane_step * corners.zw;
-    let chord = min(chord_to(tile, low, high, params.gaze_left), chord_to(tile, low, high, params.gaze_right));
+    let columns = Span(corners.x, corners.z, tile.x + 1u == params.tiles.x);
+    let rows = Span(corners.y, corners.w, tile.y + 1u == params.tiles.y);
+    let chord = min(
+        chord_to(columns, rows, low, high, params.gaze_left),
+        chord_to(columns, rows, low, high, params.gaze_right),
+    );
     var keep = level_at(chord, params.ring_chords);
     var grow = level_at(chord, params.coarsening_chords);
     if sensitivity != RINGS_ONLY {

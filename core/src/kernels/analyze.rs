@@ -129,10 +129,24 @@ pub fn level_size(extent: [u32; 2], level: usize) -> [u32; 2] {
     extent.map(|side| side.div_ceil(1 << level))
 }
 
-/// Where level `level` begins among all levels in one buffer, texels; for [`LEVELS`]` + 1` its length.
-pub fn level_offset(extent: [u32; 2], level: usize) -> usize {
-    let texels = |level| level_size(extent, level).map(|side| side as usize).into_iter().product::<usize>();
-    (0..level.min(LEVELS + 1)).map(texels).sum()
+/// Columns and rows of blocks of two by two texels that level `level` is kept in. Where its size is odd, the last texels repeat.
+pub fn level_blocks(extent: [u32; 2], level: usize) -> [u32; 2] {
+    level_size(extent, level).map(|side| side.div_ceil(2))
+}
+
+/// Where level `level` begins in the image of all levels, blocks: below the picture itself one beside the other.
+pub fn level_place(extent: [u32; 2], level: usize) -> [u32; 2] {
+    if level == 0 {
+        return [0; 2];
+    }
+    let column = (1..level).map(|finer| level_blocks(extent, finer)[0]).sum();
+    [column, level_blocks(extent, 0)[1]]
+}
+
+/// Size of the image of all levels, blocks.
+pub fn levels_extent(extent: [u32; 2]) -> [u32; 2] {
+    let [width, height] = level_blocks(extent, 0);
+    [width.max(level_place(extent, LEVELS + 1)[0]), height + level_blocks(extent, 1)[1]]
 }
 
 /// What [`analyze`] works in, kept so that the next picture of the same size needs no memory.

@@ -5,11 +5,11 @@
 pub use parafovea_core::kernels::analyze::AnalyzeParams;
 
 use crate::gpu::{
-    AppCommands, Bound, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, ImagePart, Owned,
-    Scope, color_view,
+    AppCommands, Bound, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, ImageDescription,
+    ImagePart, Owned, OwnedImage, Scope, color_view,
 };
 use ash::vk;
-use parafovea_core::kernels::analyze::{Shown, level_offset, level_size};
+use parafovea_core::kernels::analyze::{Shown, level_blocks, levels_extent};
 use parafovea_core::perception::TileContrast;
 use parafovea_core::perception::pyramid::LEVELS;
 use std::ffi::CStr;
@@ -22,23 +22,22 @@ pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::SAMPLED;
 const BINDINGS: [vk::DescriptorType; 6] = [
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::SAMPLED_IMAGE,
-    vk::DescriptorType::STORAGE_BUFFER,
+    vk::DescriptorType::STORAGE_IMAGE,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
 ];
 
-/// One entry point for each level of the pyramid, then those of the parts of tiles and of the tiles.
-const ENTRIES: [&CStr; LEVELS + 3] =
-    [c"luminance", c"level1", c"level2", c"level3", c"level4", c"level5", c"parts", c"tiles"];
+/// One entry point for each level of the pyramid, then that of the tiles.
+const ENTRIES: [&CStr; LEVELS + 2] =
+    [c"luminance", c"level1", c"level2", c"level3", c"level4", c"level5", c"tiles"];
 
-/// Parts that a tile is gathered in, numbers of each, and threads of a workgroup of tiles. The shader has the same numbers.
-const PARTS: u32 = 8;
-const PART_LEN: u32 = 5;
+/// Threads of a workgroup of tiles, and along a side of one that makes a level. The shader has the same numbers.
 const THREADS: u32 = 64;
-
-/// Threads along a side of a workgroup that makes a level. The shader has the same number.
 const GROUP_SIDE: u32 = 8;
+
+/// Of the image of all levels: a block of two by two texels. Any Vulkan device has it as storage image.
+const BLOCK: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// What is known of the tiles of one view, on the GPU from frame to frame.
 pub struct ViewTiles {
@@ -103,17 +102,17 @@ pub struct Analyze {
 pub struct AnalyzeTarget {
     // In the order in which each may be destroyed.
     set: ComputeSet,
-    _view: Owned<vk::ImageView>,
+    _views: [Owned<vk::ImageView>; 2],
     _params: DeviceBuffer,
-    levels: DeviceBuffer,
+    levels: OwnedImage,
     _tiles: Arc<ViewTiles>,
     params: AnalyzeParams,
     picture: ImagePart,
 }
 
 impl AnalyzeTarget {
-    /// Levels 0 to [`LEVELS`] of the pyramid, see [`level_offset`], and what the tiles are put together from, valid as long as `self`.
-    pub fn levels(&self) -> vk::Buffer {
+    /// Levels 0 to [`LEVELS`] of the pyramid, see [`parafovea_core::kernels::analyze::level_place`], in GENERAL and valid as long as `self`.
+    pub fn levels(&self) -> vk::Image {
         self.levels.handle()
     }
 }
@@ -126,8 +125,8 @@ impl Analyze {
     pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
         let layout = ComputeLayout::new(gpu, &BINDINGS)?;
         let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/analyze.spv"));
-        let [a, b, c, d, e, f, g, h] = ENTRIES.map(|entry| layout.pipeline(spirv, entry));
-        Ok(Self { pipelines: [a?, b?, c?, d?, e?, f?, g?, h?], layout, gpu: Arc::clone(gpu) })
+        let [a, b, c, d, e, f, g] = ENTRIES.map(|entry| layout.pipeline(spirv, entry));
+        Ok(Self { pipelines: [a?, b?, c?, d?, e?, f?, g?], layout, gpu: Arc::clone(gpu) })
     }
 
     /// Prepares to analyse layer `layer` of `image`, read as `format`, into `tiles`.
@@ -147,15 +146,20 @@ impl Analyze {
         let view = color_view(gpu, image, format, layer)?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let params_buffer = DeviceBuffer::holding(gpu, storage, bytemuck::bytes_of(params))?;
-        let [columns, rows] = params.tiles.map(u64::from);
-        let parts = columns * rows * u64::from(PARTS * PART_LEN);
-        let numbers = level_offset(params.extent, LEVELS + 1) as u64 + parts;
-        let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC;
-        let levels = DeviceBuffer::without_content(gpu, usage, numbers * size_of::<f32>() as u64)?;
+        let [width, height] = levels_extent(params.extent);
+        let description = ImageDescription {
+            format: BLOCK,
+            extent: vk::Extent2D { width, height },
+            array_layers: 1,
+            usage: vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC,
+            view_formats: Some(&[BLOCK]),
+        };
+        let levels = OwnedImage::new(gpu, &description)?;
+        let levels_view = color_view(gpu, levels.handle(), BLOCK, 0)?;
         let bound = [
             (0, Bound::Buffer(params_buffer.handle())),
             (1, Bound::Image(view.handle())),
-            (2, Bound::Buffer(levels.handle())),
+            (2, Bound::Image(levels_view.handle())),
             (3, Bound::Buffer(tiles.contrast())),
             (4, Bound::Buffer(tiles.rates())),
             (5, Bound::Buffer(tiles.shown.handle())),
@@ -166,7 +170,7 @@ impl Analyze {
         let tiles = Arc::clone(tiles);
         Ok(AnalyzeTarget {
             set,
-            _view: view,
+            _views: [view, levels_view],
             _params: params_buffer,
             levels,
             _tiles: tiles,
@@ -180,20 +184,26 @@ impl Analyze {
     pub fn record(&self, commands: &AppCommands, target: &AnalyzeTarget, layout: vk::ImageLayout) {
         let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
         commands.barrier(target.picture, (layout, Scope::ALL), (read, COMPUTES));
-        let (levels, of_tiles) = self.pipelines.split_at(LEVELS + 1);
-        for (level, pipeline) in levels.iter().enumerate() {
-            // Before the first one, too: the analysis before this one may still be reading.
+        // Nothing is kept of the analysis before this one, which may still be reading.
+        let levels = ImagePart { image: target.levels.handle(), first_layer: 0, ..target.picture };
+        commands.barrier(
+            levels,
+            (vk::ImageLayout::UNDEFINED, COMPUTES),
+            (vk::ImageLayout::GENERAL, COMPUTES),
+        );
+        let (of_levels, of_tiles) = self.pipelines.split_at(LEVELS + 1);
+        for (level, pipeline) in of_levels.iter().enumerate() {
+            // Before the first one, too: so may it be using the tiles.
             commands.computed_to_computed();
-            // A thread makes two by two texels of a coarser level.
+            // A thread makes a block of the picture, or two by two of a coarser level.
             let side = if level == 0 { GROUP_SIDE } else { 2 * GROUP_SIDE };
-            let groups = level_size(target.params.extent, level).map(|texels| texels.div_ceil(side));
+            let groups = level_blocks(target.params.extent, level).map(|blocks| blocks.div_ceil(side));
             commands.dispatch(&self.layout, pipeline, &target.set, groups);
         }
         let [columns, rows] = target.params.tiles;
-        for (pipeline, tiles_of_group) in of_tiles.iter().zip([THREADS / PARTS, THREADS]) {
+        for pipeline in of_tiles {
             commands.computed_to_computed();
-            let groups = [columns.div_ceil(tiles_of_group), rows];
-            commands.dispatch(&self.layout, pipeline, &target.set, groups);
+            commands.dispatch(&self.layout, pipeline, &target.set, [columns.div_ceil(THREADS), rows]);
         }
         commands.computed_to_computed();
         commands.barrier(target.picture, (read, COMPUTES), (layout, Scope::ALL));

@@ -75,15 +75,20 @@ impl Vulkan {
 
     /// Waits for everything and returns a layer's bytes, `texel_size` for each texel.
     pub fn download(&self, from: Layer, texel_size: usize) -> Vec<u8> {
+        self.download_in(ATTACHMENT, from, texel_size)
+    }
+
+    /// As [`Self::download`], of an image in `layout`.
+    pub fn download_in(&self, layout: vk::ImageLayout, from: Layer, texel_size: usize) -> Vec<u8> {
         let size = from.extent.width as usize * from.extent.height as usize * texel_size;
         let (buffer, memory) = self.buffer(size);
         // SAFETY: plain use of Vulkan; the buffer is never destroyed.
         unsafe {
             self.run(|commands| {
                 let transfer = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
-                self.transition(commands, from.image, vk::REMAINING_ARRAY_LAYERS, (ATTACHMENT, transfer));
+                self.transition(commands, from.image, vk::REMAINING_ARRAY_LAYERS, (layout, transfer));
                 self.device.cmd_copy_image_to_buffer(commands, from.image, transfer, buffer, &[whole(from)]);
-                self.transition(commands, from.image, vk::REMAINING_ARRAY_LAYERS, (transfer, ATTACHMENT));
+                self.transition(commands, from.image, vk::REMAINING_ARRAY_LAYERS, (transfer, layout));
             });
             self.device.queue_wait_idle(self.queue).unwrap();
             let mapped =
@@ -269,6 +274,10 @@ impl Vulkan {
             vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => {
                 (vk::PipelineStageFlags::COMPUTE_SHADER, vk::AccessFlags::SHADER_READ)
             }
+            vk::ImageLayout::GENERAL => (
+                vk::PipelineStageFlags::COMPUTE_SHADER,
+                vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE,
+            ),
             _ => (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::empty()),
         };
         let ((src_stage, src_access), (dst_stage, dst_access)) = (scope(old), scope(new));

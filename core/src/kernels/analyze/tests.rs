@@ -211,18 +211,25 @@ proptest! {
 }
 
 #[test]
-fn levels_lie_one_after_the_other() {
-    for extent in [[1, 1], [100, 60], [257, 3]] {
+fn levels_lie_beside_each_other() {
+    for extent in [[1, 1], [100, 60], [257, 3], [3, 1000], [2160, 2160], [37, 38]] {
         let mut buffers = Buffers::default();
         buffers.pyramid.build(&Plane::filled(extent[0], extent[1], 1.0));
-        let mut offset = (extent[0] * extent[1]) as usize;
         for level in 1..=LEVELS {
             let plane = buffers.pyramid.level(level);
             assert_eq!(level_size(extent, level), [plane.width(), plane.height()]);
-            assert_eq!(level_offset(extent, level), offset);
-            offset += plane.texels().len();
         }
-        assert_eq!(level_offset(extent, LEVELS + 1), offset);
+        let [width, height] = levels_extent(extent);
+        let mut taken = Plane::filled(width, height, false);
+        for level in 0..=LEVELS {
+            let ([left, top], [columns, rows]) = (level_place(extent, level), level_blocks(extent, level));
+            for (x, y) in (top..top + rows).flat_map(|y| (left..left + columns).map(move |x| (x, y))) {
+                assert!(
+                    !std::mem::replace(&mut taken.row_mut(y)[x as usize], true),
+                    "{extent:?}: level {level} at {x}, {y}"
+                );
+            }
+        }
     }
 }
 
