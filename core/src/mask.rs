@@ -20,7 +20,7 @@ mod sources;
 pub use depth::{DepthFormat, Direction, NoNearValue, TemplateDepths, near_value, write_template};
 pub use list::{BLOCKS_PER_GROUP, HEADER_WORDS, SkipList, SkippedBlock};
 pub use pattern::Pattern;
-pub use sources::{REACH, SOURCES, Source, pattern_sources};
+pub use sources::{REACH, SOURCES, Source};
 
 use crate::image::Plane;
 use crate::kernels::fill::{FillFormat, fill_image};

@@ -68,6 +68,7 @@ fn encode(color: vec4<f32>, format: u32) -> u32 {
 
 // A skipped block.
 struct Place {
+    // Whether there is one: in the list, and with sources.
     inside: bool,
     // Its first pixel.
     origin: vec2<i32>,
@@ -83,7 +84,7 @@ fn place(group: vec3<u32>, groups: vec3<u32>, thread: u32) -> Place {
     }
     let entry = list.blocks[index];
     let block = vec2<i32>(vec2(entry.x & 0xfffu, (entry.x >> 12u) & 0xfffu));
-    return Place(true, block * BLOCK, entry.x >> 24u, entry.y);
+    return Place(entry.y != 0u, block * BLOCK, entry.x >> 24u, entry.y);
 }
 
 // A source block as seen from the skipped one: of its pixels only four are the nearest to any, those of an edge or, four times the same,

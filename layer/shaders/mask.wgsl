@@ -1,5 +1,6 @@
 // Kernel `mask`: from the rates of tiles to the blocks that a pass skips: the depth template, and the list that `fill` reads.
-// Reference: core/src/mask.rs and what it calls. A thread for each block.
+// Reference: core/src/mask.rs and what it calls. Which blocks are shaded first, a bit each; then template and list, a thread for each
+// block; then the sources of what is listed. Nothing is done under a branch that few threads take: software devices go through it with all.
 
 struct MaskParams {
     extent: vec2<u32>,
@@ -13,12 +14,13 @@ struct MaskParams {
     block_words: u32,
     shaded: u32,
     skipped: u32,
-    reserved: vec2<u32>,
+    bit_row_words: u32,
+    bit_rows: u32,
 }
 
 // Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
 @group(0) @binding(0) var<storage, read> params: MaskParams;
-// Six words for each view, see view_words; after those of all views the sources of each pattern, see pattern_sources.
+// Six words for each view, see view_words.
 @group(0) @binding(1) var<storage, read> views: array<u32>;
 // Four texels in a word, row by row, layer by layer.
 @group(0) @binding(2) var<storage, read> rates: array<u32>;
@@ -34,13 +36,16 @@ struct SkipList {
 // core::mask::SkipList
 @group(0) @binding(3) var<storage, read_write> list: SkipList;
 @group(0) @binding(4) var<storage, read_write> depth: array<u32>;
+// Whether blocks are shaded, a bit each, with REACH more on each side of each layer, which are not.
+@group(0) @binding(5) var<storage, read_write> bits: array<u32>;
 
 const BLOCK: u32 = 4u;
 const VIEW_WORDS: u32 = 6u;
 const BLOCKS_PER_GROUP: u32 = 64u;
 const GROUPS_PER_ROW: u32 = 2048u;
-const REACH: i32 = 7;
-const REACH_IN_PATTERN: u32 = 4u;
+const REACH: u32 = 7u;
+const WINDOW: u32 = 15u;
+const FAR: i32 = 2147483647;
 // reuse::STALE
 const STALE: u32 = 0x80u;
 
@@ -84,92 +89,70 @@ fn shades(view: View, pattern: vec2<u32>, block: vec2<u32>) -> bool {
     return shades_inside(pattern, block);
 }
 
-fn is_shaded(view: View, block: vec2<u32>) -> bool {
-    let rate = rate_of(view, block / params.tile);
-    return (rate & STALE) == 0u && shades(view, pattern_of(rate), block);
-}
-
-// One byte: the nearest shaded block in a quarter around `block`; 0 where there is none.
-fn nearest(view: View, block: vec2<u32>, along: vec2<i32>) -> u32 {
-    let across = vec2(-along.y, along.x);
-    var found = vec2(0);
-    var limit = 2147483647;
-    for (var side = 0; side <= REACH; side++) {
-        for (var ahead = 1; ahead <= REACH; ahead++) {
-            let distance = ahead * ahead + side * side;
-            if distance >= limit {
-                break;
-            }
-            let offset = along * ahead + across * side;
-            let source = vec2<i32>(block) + offset;
-            if all(source >= vec2<i32>(view.first)) && all(source < vec2<i32>(view.end))
-                && is_shaded(view, vec2<u32>(source)) {
-                found = offset;
-                limit = distance;
-                break;
-            }
-        }
-    }
-    return (u32(found.x) & 15u) | ((u32(found.y) & 15u) << 4u);
-}
-
-// Whether the sources of a block are those of its tile's pattern: all tiles within reach have that one.
-fn is_within_pattern(view: View, block: vec2<u32>, rate: u32) -> bool {
-    let margin = REACH_IN_PATTERN + 1u;
-    if any(block < view.first + margin) || any(block + margin >= view.end) {
-        return false;
-    }
-    let pattern = pattern_of(rate);
-    let first = (block - REACH_IN_PATTERN) / params.tile;
-    let last = (block + REACH_IN_PATTERN) / params.tile;
-    for (var y = first.y; y <= last.y; y++) {
-        for (var x = first.x; x <= last.x; x++) {
-            let other = rate_of(view, vec2(x, y));
-            if (other & STALE) != 0u || any(pattern_of(other) != pattern) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
-fn sources_of(view: View, block: vec2<u32>, rate: u32) -> u32 {
-    if is_within_pattern(view, block, rate) {
-        let pattern = pattern_of(rate);
-        let row = (pattern.x + pattern.y) * 8u + block.y % 8u;
-        return views[params.views * VIEW_WORDS + row * 4u + block.x % 4u];
-    }
-    return nearest(view, block, vec2(1, 0)) | (nearest(view, block, vec2(0, 1)) << 8u)
-        | (nearest(view, block, vec2(-1, 0)) << 16u) | (nearest(view, block, vec2(0, -1)) << 24u);
-}
-
-// Whether a block is skipped; adds it to the list where it is filled.
-fn skips(block: vec2<u32>, layer: u32) -> bool {
+// The first view that a block of a layer is in, or how many there are.
+fn view_of(block: vec2<u32>, layer: u32) -> u32 {
     for (var i = 0u; i < params.views; i++) {
         let at = i * VIEW_WORDS;
-        let view = View(
-            views[at + 1u],
-            vec2(views[at + 2u], views[at + 3u]),
-            vec2(views[at + 4u], views[at + 5u]),
-        );
-        if views[at] == layer && all(block >= view.first) && all(block < view.end) {
-            let rate = rate_of(view, block / params.tile);
-            if (rate & STALE) != 0u {
-                return true;
-            }
-            if shades(view, pattern_of(rate), block) {
-                return false;
-            }
-            let sources = sources_of(view, block, rate);
-            if sources == 0u {
-                return false;
-            }
-            let index = atomicAdd(&list.count, 1u);
-            list.blocks[index] = vec2(block.x | (block.y << 12u) | (layer << 24u), sources);
-            return true;
+        let first = vec2(views[at + 2u], views[at + 3u]);
+        let end = vec2(views[at + 4u], views[at + 5u]);
+        if views[at] == layer && all(block >= first) && all(block < end) {
+            return i;
         }
     }
-    return false;
+    return params.views;
+}
+
+fn view_at(index: u32) -> View {
+    let at = index * VIEW_WORDS;
+    return View(views[at + 1u], vec2(views[at + 2u], views[at + 3u]), vec2(views[at + 4u], views[at + 5u]));
+}
+
+// What becomes of a block: OUTSIDE of any view it is shaded, STALE ones are skipped and not filled.
+const OUTSIDE: u32 = 0u;
+const SHADED: u32 = 1u;
+const FILLED: u32 = 2u;
+const LEFT_OUT: u32 = 3u;
+
+fn fate(block: vec2<u32>, layer: u32) -> u32 {
+    let index = view_of(block, layer);
+    if index >= params.views {
+        return OUTSIDE;
+    }
+    let view = view_at(index);
+    let rate = rate_of(view, block / params.tile);
+    if (rate & STALE) != 0u {
+        return LEFT_OUT;
+    }
+    return select(FILLED, SHADED, shades(view, pattern_of(rate), block));
+}
+
+@compute @workgroup_size(64)
+fn shaded(@builtin(global_invocation_id) id: vec3<u32>) {
+    let row = id.x / params.bit_row_words;
+    let layer = row / params.bit_rows;
+    if layer >= params.layers {
+        return;
+    }
+    let corner = vec2(id.x % params.bit_row_words * 32u, row % params.bit_rows);
+    var word = 0u;
+    for (var i = 0u; i < 32u; i++) {
+        let place = vec2(corner.x + i, corner.y);
+        let block = place - REACH;
+        if all(place >= vec2(REACH)) && all(block < params.blocks) && fate(block, layer) == SHADED {
+            word |= 1u << i;
+        }
+    }
+    bits[id.x] = word;
+}
+
+fn mark(block: vec2<u32>, layer: u32, word: u32) {
+    let row_words = params.extent.x * params.block_words / BLOCK;
+    let first = layer * params.layer_words + block.y * BLOCK * row_words + block.x * params.block_words;
+    for (var y = 0u; y < BLOCK; y++) {
+        for (var x = 0u; x < params.block_words; x++) {
+            depth[first + y * row_words + x] = word;
+        }
+    }
 }
 
 @compute @workgroup_size(8, 8)
@@ -178,14 +161,12 @@ fn blocks(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     for (var layer = 0u; layer < params.layers; layer++) {
-        let word = select(params.shaded, params.skipped, skips(id.xy, layer));
-        let row_words = params.extent.x * params.block_words / BLOCK;
-        let first = layer * params.layer_words + id.y * BLOCK * row_words + id.x * params.block_words;
-        for (var y = 0u; y < BLOCK; y++) {
-            for (var x = 0u; x < params.block_words; x++) {
-                depth[first + y * row_words + x] = word;
-            }
+        let becomes = fate(id.xy, layer);
+        if becomes == FILLED {
+            let index = atomicAdd(&list.count, 1u);
+            list.blocks[index] = vec2(id.x | (id.y << 12u) | (layer << 24u), 0u);
         }
+        mark(id.xy, layer, select(params.shaded, params.skipped, becomes >= FILLED));
     }
 }
 
@@ -195,4 +176,73 @@ fn seal() {
     list.columns = min(groups, GROUPS_PER_ROW);
     list.rows = max((groups + GROUPS_PER_ROW - 1u) / GROUPS_PER_ROW, 1u);
     list.one = 1u;
+}
+
+// Which blocks of a row of a view are shaded, a bit each, from REACH before column `x` on.
+fn window(view: View, layer: u32, x: u32, y: i32) -> u32 {
+    if y < i32(view.first.y) || y >= i32(view.end.y) {
+        return 0u;
+    }
+    let at = (layer * params.bit_rows + u32(y) + REACH) * params.bit_row_words + x / 32u;
+    let shift = x % 32u;
+    let found = (bits[at] >> shift) | ((bits[at + 1u] << (31u - shift)) << 1u);
+    // Nothing beyond the view's own columns.
+    let before = REACH - min(x - view.first.x, REACH);
+    let count = min(REACH + view.end.x - x, WINDOW);
+    return found & ((1u << count) - 1u) & ~((1u << before) - 1u);
+}
+
+// The nearest block found so far in a quarter around another: its offset in xy, and the square of its distance.
+fn nearer(found: vec3<i32>, there: bool, x: i32, y: i32, equal_counts: bool) -> vec3<i32> {
+    let distance = x * x + y * y;
+    let is_nearer = distance < found.z || (equal_counts && distance == found.z);
+    return select(found, vec3(x, y, distance), there && is_nearer);
+}
+
+fn source_byte(found: vec3<i32>) -> u32 {
+    return (u32(found.x) & 15u) | ((u32(found.y) & 15u) << 4u);
+}
+
+// mask::sources::nearest: of two at one distance the one farther from the quarter's axis counts.
+fn nearest(view: View, layer: u32, block: vec2<u32>) -> u32 {
+    var right = vec3(0, 0, FAR);
+    var below = vec3(0, 0, FAR);
+    var left = vec3(0, 0, FAR);
+    var above = vec3(0, 0, FAR);
+    for (var rows = 0; rows <= i32(REACH); rows++) {
+        let lower = window(view, layer, block.x, i32(block.y) + rows);
+        let upper = window(view, layer, block.x, i32(block.y) - rows);
+        let to_right = lower >> (REACH + 1u);
+        right = nearer(right, to_right != 0u, i32(firstTrailingBit(to_right)) + 1, rows, true);
+        let to_left = upper & ((1u << REACH) - 1u);
+        left = nearer(left, to_left != 0u, i32(firstLeadingBit(to_left)) - i32(REACH), -rows, true);
+        if rows > 0 {
+            let lower_left = lower & ((1u << (REACH + 1u)) - 1u);
+            below = nearer(below, lower_left != 0u, i32(firstLeadingBit(lower_left)) - i32(REACH), rows, false);
+            let upper_right = upper >> REACH;
+            above = nearer(above, upper_right != 0u, i32(firstTrailingBit(upper_right)), -rows, false);
+        }
+    }
+    return source_byte(right) | (source_byte(below) << 8u) | (source_byte(left) << 16u) | (source_byte(above) << 24u);
+}
+
+// A thread for each block of the list, as for `fill`. A block without sources is shaded after all, and `fill` leaves it.
+@compute @workgroup_size(64)
+fn sources(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let index = (group.y * groups.x + group.x) * BLOCKS_PER_GROUP + thread;
+    if index >= atomicLoad(&list.count) {
+        return;
+    }
+    let place = list.blocks[index].x;
+    let block = vec2(place & 0xfffu, (place >> 12u) & 0xfffu);
+    let layer = place >> 24u;
+    let found = nearest(view_at(view_of(block, layer)), layer, block);
+    list.blocks[index].y = found;
+    if found == 0u {
+        mark(block, layer, params.shaded);
+    }
 }

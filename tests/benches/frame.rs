@@ -168,6 +168,11 @@ fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
         let config = format!("preset = \"{preset}\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n");
         Technique::layer(&format!("rates {preset}"), &config)
     }));
+    // By contrast alone: nothing is heard.
+    techniques.push(Technique::layer(
+        "contrast",
+        "preset = \"balanced\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n[chroma]\nmode = \"off\"\n",
+    ));
     // Of five regions 1/1, 1/1, 1/2, 1/2 and 1/3 of the frames.
     techniques.extend(
         [("reuse", "off", "on", "off"), ("reuse paper", "off", "paper", "off"), ("everything", "fixed", "on", "default")]

@@ -51,7 +51,7 @@ pub fn blend(sources: [Option<(Vec4, f32)>; SOURCES]) -> Vec4 {
 }
 
 /// Fills the skipped blocks of one array layer, whose rows of pixels `pixels` holds without gaps. Blocks and sources
-/// that are not wholly inside of `extent` are ignored.
+/// that are not wholly inside of `extent` are ignored, and blocks without sources are left.
 pub fn fill_image(pixels: &mut [u8], extent: [u32; 2], format: FillFormat, list: &SkipList, layer: u32) {
     let size = format.texel_size();
     let rows = (pixels.len() / size).checked_div(extent[0] as usize).unwrap_or(0);
@@ -59,14 +59,14 @@ pub fn fill_image(pixels: &mut [u8], extent: [u32; 2], format: FillFormat, list:
     let start = |pixel: UVec2| (pixel.y as usize * extent.x as usize + pixel.x as usize) * size;
     let inside = |block: UVec2| ((block + 1) * BLOCK).cmple(extent).all();
     for SkippedBlock { block, sources, .. } in list.blocks().filter(|block| block.layer == layer) {
+        if !inside(block) || sources.iter().all(Option::is_none) {
+            continue;
+        }
         let usable = |source: &Source| {
             let at = block.as_ivec2() + source.offset();
             at.cmpge(IVec2::ZERO).all() && inside(at.as_uvec2())
         };
         let sources = sources.map(|source| source.filter(usable));
-        if !inside(block) {
-            continue;
-        }
         for index in 0..BLOCK * BLOCK {
             let pixel = block * BLOCK + UVec2::new(index % BLOCK, index / BLOCK);
             let colors = sources.map(|source| {

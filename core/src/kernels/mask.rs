@@ -4,7 +4,7 @@
 //! open, and a block whose only sources would be such as have none themselves is shaded where the reference may fill it.
 
 use crate::layout::uniform;
-use crate::mask::{BLOCK, DepthFormat, MaskView, TemplateDepths};
+use crate::mask::{BLOCK, DepthFormat, MaskView, REACH, TemplateDepths};
 
 uniform! {
     /// Parameters of one target, the shader's uniform of the same name.
@@ -31,8 +31,10 @@ uniform! {
         pub shaded: u32,
         /// What it holds where they are skipped.
         pub skipped: u32,
-        /// Reserved, up to a multiple of 16 bytes; 0.
-        pub reserved: [u32; 2],
+        /// Words of a row of blocks, a bit each, with [`REACH`] more on both sides.
+        pub bit_row_words: u32,
+        /// Rows of such bits in one array layer, with [`REACH`] more on both sides.
+        pub bit_rows: u32,
     }
 }
 
@@ -67,8 +69,15 @@ impl MaskParams {
             block_words: BLOCK / in_word,
             shaded: format.word(depths.shaded),
             skipped: format.word(depths.skipped),
-            reserved: [0; 2],
+            // Bits are read two words at a time.
+            bit_row_words: (extent[0] / BLOCK + 2 * REACH).div_ceil(32) + 1,
+            bit_rows: extent[1] / BLOCK + 2 * REACH,
         })
+    }
+
+    /// Words of the bits of all layers.
+    pub fn bit_words(&self) -> u32 {
+        self.bit_row_words * self.bit_rows * self.layers
     }
 }
 

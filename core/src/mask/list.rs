@@ -20,7 +20,7 @@ pub struct SkippedBlock {
     pub block: UVec2,
     /// Array layer, below 256.
     pub layer: u32,
-    /// The shaded blocks that it is filled from, at least one.
+    /// The shaded blocks that it is filled from; none where it is shaded after all, and left.
     pub sources: [Option<Source>; SOURCES],
 }
 

@@ -67,7 +67,8 @@ fn to_the_left(window: u32, from: u32) -> Option<i32> {
 }
 
 /// The nearest shaded block of each quarter within [`REACH`], given which blocks are shaded of the row so many rows below: a bit
-/// a column, [`WINDOW`] of them. Of two at one distance the one nearer to the quarter's axis counts.
+/// a column, [`WINDOW`] of them. Of two at one distance the one farther from the quarter's axis counts: it is within [`REACH_IN_PATTERN`], where
+/// one on the axis may not be.
 fn nearest(row: impl Fn(i32) -> u32) -> Sources {
     let reach = REACH as i32;
     // The axis is the row: `down` is the direction of the rows beside it.
@@ -79,7 +80,8 @@ fn nearest(row: impl Fn(i32) -> u32) -> Sources {
             }
             let Some(ahead) = search(row(down * side), 1) else { continue };
             let distance = ahead * ahead + side * side;
-            if distance < limit {
+            // As far, and farther aside, is nearer in each direction.
+            if distance <= limit {
                 (found, limit) = (Some((ahead, side)), distance);
             }
         }
@@ -89,13 +91,12 @@ fn nearest(row: impl Fn(i32) -> u32) -> Sources {
     let upright = |down: i32, search: fn(u32, u32) -> Option<i32>| {
         let (mut found, mut limit) = (None, i32::MAX);
         for ahead in 1..=reach {
-            if ahead * ahead > limit {
+            if ahead * ahead >= limit {
                 break;
             }
             let Some(side) = search(row(down * ahead), 0) else { continue };
             let distance = ahead * ahead + side * side;
-            // As far, and farther ahead, is nearer to the axis.
-            if distance <= limit {
+            if distance < limit {
                 (found, limit) = (Some((ahead, side)), distance);
             }
         }
@@ -174,14 +175,6 @@ impl Pattern {
         };
         blocks.map(of).collect()
     }
-}
-
-/// The sources of skipped blocks within each pattern, the finest first: [`Pattern::PERIOD`] words each, row by row, as
-/// [`super::SkipList`] has them.
-pub fn pattern_sources() -> impl Iterator<Item = u32> {
-    let rates =
-        [ShadingRate::R1X1, ShadingRate::R2X1, ShadingRate::R2X2, ShadingRate::R4X2, ShadingRate::R4X4];
-    rates.into_iter().flat_map(|rate| Pattern::of(rate).sources())
 }
 
 /// The sources within each pattern, computed once.

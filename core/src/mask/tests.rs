@@ -166,7 +166,7 @@ proptest! {
         }
     }
 
-    /// The table of a pattern's own sources is an optimisation only. Of two at one distance the one nearer to the axis counts.
+    /// The table of a pattern's own sources is an optimisation only. Of two at one distance the one farther from the axis counts.
     #[test]
     fn sources_are_the_nearest_of_each_quarter((tiles, offset, extent, texel) in scenes()) {
         let mut mask = Mask::new([240, 200], 1);
@@ -191,11 +191,11 @@ proptest! {
                     (..=-1, ..=0) => (2, offset.y),
                     _ => (3, offset.x),
                 };
-                least[quarter] = least[quarter].min((offset.length_squared(), aside.abs()));
+                least[quarter] = least[quarter].min((offset.length_squared(), -aside.abs()));
             }
             let found = [0, 1, 2, 3].map(|quarter| {
                 let offset = sources[quarter].map(Source::offset);
-                let aside = |offset: glam::IVec2| [offset.y, offset.x][quarter % 2].abs();
+                let aside = |offset: glam::IVec2| -[offset.y, offset.x][quarter % 2].abs();
                 offset.map_or(none, |offset| (offset.length_squared(), aside(offset)))
             });
             prop_assert_eq!(found, least, "{}", block);

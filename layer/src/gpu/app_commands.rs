@@ -240,7 +240,7 @@ impl<'a> AppCommands<'a> {
         layout: &ComputeLayout,
         pipeline: &Owned<vk::Pipeline>,
         set: &ComputeSet,
-        arguments: &DeviceBuffer,
+        arguments: vk::Buffer,
     ) {
         let (device, commands, compute) = (&self.gpu.device, self.commands, vk::PipelineBindPoint::COMPUTE);
         // SAFETY: the command buffer is being recorded outside of a render pass, as `new` demands; pipeline and set have
@@ -248,7 +248,7 @@ impl<'a> AppCommands<'a> {
         unsafe {
             device.cmd_bind_pipeline(commands, compute, pipeline.handle());
             device.cmd_bind_descriptor_sets(commands, compute, layout.handle(), 0, &[set.handle()], &[]);
-            device.cmd_dispatch_indirect(commands, arguments.handle(), 0);
+            device.cmd_dispatch_indirect(commands, arguments, 0);
         }
     }
 

@@ -9,19 +9,22 @@ use crate::gpu::{
 use crate::mask::MaskMap;
 use ash::vk;
 use parafovea_core::kernels::mask::view_words;
-use parafovea_core::mask::{MaskView, pattern_sources};
+use parafovea_core::mask::MaskView;
 use std::sync::Arc;
 
-/// Parameters, views, texels, list, template.
-const BINDINGS: [vk::DescriptorType; 5] = [vk::DescriptorType::STORAGE_BUFFER; 5];
+/// Parameters, views, texels, list, template, which blocks are shaded.
+const BINDINGS: [vk::DescriptorType; 6] = [vk::DescriptorType::STORAGE_BUFFER; 6];
 
-/// Side of what one workgroup decides, blocks. The shader has the same number.
+/// Side of what one workgroup decides, blocks, and threads of one that writes bits. The shader has the same numbers.
 const GROUP_SIDE: u32 = 8;
+const THREADS: u32 = 64;
 
 /// The pass.
 pub struct MaskPass {
+    shaded: Owned<vk::Pipeline>,
     blocks: Owned<vk::Pipeline>,
     seal: Owned<vk::Pipeline>,
+    sources: Owned<vk::Pipeline>,
     layout: ComputeLayout,
     gpu: Arc<Gpu>,
 }
@@ -32,9 +35,11 @@ pub struct MaskTarget {
     set: ComputeSet,
     _params: DeviceBuffer,
     _views: DeviceBuffer,
+    _bits: DeviceBuffer,
     _texels: Arc<LayTarget>,
     map: Arc<MaskMap>,
     groups: [u32; 2],
+    bit_groups: u32,
 }
 
 impl MaskPass {
@@ -45,8 +50,10 @@ impl MaskPass {
     pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
         let layout = ComputeLayout::new(gpu, &BINDINGS)?;
         let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/mask.spv"));
-        let (blocks, seal) = (layout.pipeline(spirv, c"blocks")?, layout.pipeline(spirv, c"seal")?);
-        Ok(Self { blocks, seal, layout, gpu: Arc::clone(gpu) })
+        let [shaded, blocks, seal, sources] =
+            [c"shaded", c"blocks", c"seal", c"sources"].map(|entry| layout.pipeline(spirv, entry));
+        let gpu = Arc::clone(gpu);
+        Ok(Self { shaded: shaded?, blocks: blocks?, seal: seal?, sources: sources?, layout, gpu })
     }
 
     /// Prepares to write `map` from `texels`, which are of `tiles` columns and rows of tiles of `texel` pixels in `rate_layers` layers, or in one
@@ -70,21 +77,24 @@ impl MaskPass {
         let params = MaskParams::new(extent, map.layers(), (kind.format, kind.depths), (texel, tiles), rows)
             .ok_or(unsupported)?;
         let rate_layer = |view: &MaskView| if rate_layers == 1 { 0 } else { view.layer };
-        let mut words: Vec<u32> =
+        let words: Vec<u32> =
             views.iter().flat_map(|view| view_words(view, rate_layer(view), extent)).collect();
-        words.extend(pattern_sources());
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let params_buffer = DeviceBuffer::holding(gpu, storage, bytemuck::bytes_of(&params))?;
         let table = DeviceBuffer::holding(gpu, storage, bytemuck::cast_slice(&words))?;
-        let bound = [params_buffer.handle(), table.handle(), texels.texels(), map.list(), template];
+        let bits = DeviceBuffer::without_content(gpu, storage, u64::from(params.bit_words()) * 4)?;
+        let bound =
+            [params_buffer.handle(), table.handle(), texels.texels(), map.list(), template, bits.handle()];
         let set = ComputeSet::of_buffers(&self.layout, &bound)?;
         Ok(MaskTarget {
             set,
             _params: params_buffer,
             _views: table,
+            _bits: bits,
             _texels: Arc::clone(texels),
             map: Arc::clone(map),
             groups: params.blocks.map(|count| count.div_ceil(GROUP_SIDE).max(1)),
+            bit_groups: params.bit_words().div_ceil(THREADS),
         })
     }
 
@@ -95,9 +105,13 @@ impl MaskPass {
         // Nothing is listed yet.
         commands.update_words(target.map.list(), 0, &[0; 4]);
         commands.memory_barrier(WRITTEN_BEFORE, COMPUTES);
+        commands.dispatch(&self.layout, &self.shaded, &target.set, [target.bit_groups, 1]);
         commands.dispatch(&self.layout, &self.blocks, &target.set, target.groups);
         commands.computed_to_computed();
         commands.dispatch(&self.layout, &self.seal, &target.set, [1, 1]);
+        commands.computed_to_computed();
+        commands.computes_to_reads();
+        commands.dispatch_indirect(&self.layout, &self.sources, &target.set, target.map.list());
         commands.computes_to_reads();
     }
 }
