@@ -113,10 +113,13 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// What fragment shaders read of buffers, before updates.
+    /// What fragment shaders read of buffers, and earlier updates of what they did not read, before updates.
     pub(crate) fn reads_to_updates(&self) {
-        let (reads, updates) = (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::PipelineStageFlags::TRANSFER);
-        self.memory_barrier(reads, updates, vk::MemoryBarrier::default());
+        let updates = vk::PipelineStageFlags::TRANSFER;
+        let before = vk::PipelineStageFlags::FRAGMENT_SHADER | updates;
+        let writes = vk::AccessFlags::TRANSFER_WRITE;
+        let barrier = vk::MemoryBarrier::default().src_access_mask(writes).dst_access_mask(writes);
+        self.memory_barrier(before, updates, barrier);
     }
 
     /// Updates of buffers, and what was copied to them on this queue, before fragment shaders read them.

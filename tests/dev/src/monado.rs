@@ -2,7 +2,7 @@
 //! of their own, with newer loaders, drivers and validation than the tests have elsewhere. Takes root's rights.
 
 use crate::setup::{Voice, setup};
-use crate::steps::{Steps, profile_folder};
+use crate::steps::{Steps, cargo, profile_folder};
 use crate::tasks;
 use std::collections::BTreeMap;
 use std::fs;
@@ -50,7 +50,18 @@ wait $service
 exit $code
 "#;
 
-/// Runs hello_xr, our scene and the zoo, or those with the argument in their names, off and on.
+/// Runs a program there, from outside of it: the folder, the program, its arguments.
+const ENTER: &str = r#"
+root=$1 program=$2
+shift 2
+cp "$program" "$root/opt/parafovea/test"
+mount --bind /proc "$root/proc"
+mount --bind /dev "$root/dev"
+exec chroot "$root" /opt/parafovea/test "$@"
+"#;
+
+/// Runs the tests of the passes on the GPU there, then hello_xr, our scene and the zoo, off and on; or those of the applications that have
+/// the argument in their names.
 pub fn monado(arguments: &[String]) -> Result<(), String> {
     let wanted = match arguments {
         [] => "",
@@ -61,6 +72,9 @@ pub fn monado(arguments: &[String]) -> Result<(), String> {
     let mut steps = Steps::default();
     tasks::build(&mut steps)?;
     let Some(root) = prepared(&mut steps)? else { return Ok(()) };
+    if wanted.is_empty() {
+        passes(&mut steps, &root)?;
+    }
     let cases: Vec<Vec<String>> =
         cases()?.into_iter().filter(|case| case.join(" ").contains(wanted)).collect();
     let mut wrong = 0;
@@ -80,6 +94,20 @@ pub fn monado(arguments: &[String]) -> Result<(), String> {
     } else {
         Err(format!("{wrong} of {} applications", cases.len()))
     }
+}
+
+/// The tests of the passes on the GPU, with that system's driver and validation.
+fn passes(steps: &mut Steps, root: &Path) -> Result<(), String> {
+    let rustc =
+        Command::new("rustc").arg("-vV").output().map_err(|error| format!("cannot start rustc: {error}"))?;
+    let rustc = String::from_utf8_lossy(&rustc.stdout).into_owned();
+    let host = rustc.lines().find_map(|line| line.strip_prefix("host: ")).ok_or("rustc names no host")?;
+    let runner = format!("CARGO_TARGET_{}_RUNNER", host.to_uppercase().replace(['-', '.'], "_"));
+    let enter = root.join("opt/parafovea/enter.sh");
+    let mut command = cargo();
+    command.args(["test", "--locked", "--package", "parafovea-layer", "--test", "*"]);
+    command.env(runner, format!("unshare --mount sh -e {} {}", enter.display(), root.display()));
+    steps.run("passes", tasks::in_root(&mut command))
 }
 
 /// Programs and their arguments.
@@ -131,7 +159,9 @@ fn prepared(steps: &mut Steps) -> Result<Option<PathBuf>, String> {
         let to = own.join(program);
         fs::copy(folder.join(program), &to).map_err(failed(&to))?;
     }
-    for (path, text) in [(own.join("run.sh"), RUN), (config.join("config.toml"), CONFIG)] {
+    for (path, text) in
+        [(own.join("run.sh"), RUN), (own.join("enter.sh"), ENTER), (config.join("config.toml"), CONFIG)]
+    {
         fs::write(&path, text).map_err(failed(&path))?;
     }
     let mut install = inside(&root);
