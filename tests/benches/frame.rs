@@ -3,7 +3,8 @@
 //! their turn with that build's library too, as `cargo dev bench --compare REV` asks for. `--fvvdp` judges by FovVideoVDP too: not for commercial use,
 //! and 6 GB. With `--system-driver` applications run on the system's GPU instead of lavapipe, and its time is taken by timestamps.
 //! With `--head`, head and eyes do not move as in the scene's script: the head turns so fast (0: it rests), and the eyes look straight ahead.
-//! `hello_xr` is a scene too, though not among those that are measured unasked. The run-up is 4 frames, and 120
+//! `hello_xr` is a scene too, and so is each style of the zoo, all of them as `styles`, though not among those that are measured unasked: of
+//! styles a table of one row a technique is printed. The run-up is 4 frames, and 120
 //! where a technique is the layer's: the others then reach the same frames sooner.
 
 use parafovea_errors::fvvdp::{Fvvdp, NOTICE};
@@ -13,9 +14,10 @@ use parafovea_tests::artifacts::target_folder;
 use parafovea_tests::device::Machine;
 use parafovea_tests::installation::Driver;
 use parafovea_tests::measure::{
-    Effort, LAYER_RUN_UP, RUN_UP, RUN_UP_ALONE, Subject, Summary, Technique, Timing, against_rows,
-    error_rows, errors, print_json, rows, time,
+    Effort, LAYER_RUN_UP, RUN_UP, RUN_UP_ALONE, StyleTable, Subject, Summary, Technique, Timing,
+    against_rows, error_rows, errors, print_json, rows, time,
 };
+use parafovea_zoo::{STYLES, Style};
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -38,20 +40,28 @@ const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --
 enum App {
     Scene(SceneName),
     HelloXr,
+    Style(&'static Style),
 }
 
 impl App {
-    fn named(name: &str) -> Result<Self, String> {
+    fn named(name: &str) -> Result<Vec<Self>, String> {
+        if name == "styles" {
+            return Ok(STYLES.iter().copied().map(Self::Style).collect());
+        }
         let known = SceneName::ALL.map(SceneName::as_str).join(", ");
         let scene = SceneName::ALL.into_iter().find(|scene| scene.as_str() == name).map(Self::Scene);
-        let app = scene.or((name == "hello_xr").then_some(Self::HelloXr));
-        app.ok_or_else(|| format!("there is no scene `{name}`; there are {known} and hello_xr"))
+        let style = || STYLES.iter().copied().find(|style| style.name == name).map(Self::Style);
+        let app = scene.or((name == "hello_xr").then_some(Self::HelloXr)).or_else(style);
+        let app = app.ok_or_else(|| {
+            format!("there is no scene `{name}`; there are {known}, hello_xr, styles and each of the zoo's")
+        });
+        Ok(vec![app?])
     }
 
     fn before_a_saccade(self, tracker: Tracker, frames: u64) -> Subject {
         match self {
             Self::Scene(scene) => Subject::before_a_saccade(scene, tracker, frames),
-            Self::HelloXr => Subject::hello_xr(tracker),
+            _ => self.subject(tracker),
         }
     }
 
@@ -59,6 +69,7 @@ impl App {
         match self {
             Self::Scene(scene) => Subject::around_a_saccade(scene, tracker),
             Self::HelloXr => Subject::hello_xr(tracker),
+            Self::Style(style) => Subject::style(style, tracker),
         }
     }
 }
@@ -108,7 +119,10 @@ impl Request {
                 // `cargo bench` adds it.
                 "--bench" => {}
                 "--json" => request.json = true,
-                "--scenes" => request.apps = value().split(',').map(App::named).collect::<Result<_, _>>()?,
+                "--scenes" => {
+                    let named = value().split(',').map(App::named).collect::<Result<Vec<_>, _>>()?;
+                    request.apps = named.concat();
+                }
                 "--system-driver" => request.driver = Driver::System,
                 "--fvvdp" => request.fvvdp = true,
                 "--against" => request.against = Some(against(&value())?),
@@ -257,7 +271,12 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
         done += 1;
         eprintln!("[{done}/{runs}] {run}");
     };
+    let mut styles = Vec::new();
     for ([subject, seen], techniques) in &subjects {
+        if let Some(lacking) = subject.lacks()? {
+            eprintln!("{}: {lacking}", subject.name());
+            continue;
+        }
         let timings = time(subject, techniques, timed, machine.has_gpu_times(), &mut progress)?;
         let judged = if with_errors {
             errors(seen, techniques, judged, fvvdp.as_ref(), &mut progress)?
@@ -269,7 +288,9 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
             compare(app, name, &timings, request.json);
             continue;
         }
-        if request.json {
+        if subject.is_style() && !request.json {
+            styles.push((app, timings));
+        } else if request.json {
             print_json(&rows(app, &timings));
             for (technique, judged) in techniques[1..].iter().zip(&judged) {
                 print_json(&error_rows(app, &technique.name, judged));
@@ -277,6 +298,9 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
         } else {
             println!("{}", Summary { app, timings: &timings, judged: &judged });
         }
+    }
+    if !styles.is_empty() {
+        println!("{}", StyleTable(&styles));
     }
     Ok(())
 }

@@ -10,6 +10,7 @@ use parafovea_scene::scene::{FRAMES_PER_SECOND, SceneName};
 use parafovea_scene::script::Script;
 use parafovea_scene::script::gaze::GazeKey;
 use parafovea_scene::script::tracker::Tracker;
+use parafovea_zoo::{SKIPPED, Style};
 use std::sync::{Arc, OnceLock};
 use tempfile::NamedTempFile;
 
@@ -36,6 +37,8 @@ enum Program {
     Scene,
     /// Khronos' hello_xr, unmodified, while head and eyes move as in the scene.
     HelloXr,
+    /// A style of the zoo, by name, while head and eyes move as in the scene.
+    Style(&'static str),
 }
 
 impl Subject {
@@ -55,6 +58,29 @@ impl Subject {
     /// hello_xr, an application that is not ours and has next to nothing to shade, with the script of the courtyard.
     pub fn hello_xr(tracker: Tracker) -> Self {
         Self { program: Program::HelloXr, ..Self::new(SceneName::Courtyard, tracker, 0) }
+    }
+
+    /// A style of the zoo, with the script of the courtyard.
+    pub fn style(style: &Style, tracker: Tracker) -> Self {
+        Self { program: Program::Style(style.name), ..Self::new(SceneName::Courtyard, tracker, 0) }
+    }
+
+    /// Whether it is one.
+    pub fn is_style(&self) -> bool {
+        matches!(self.program, Program::Style(_))
+    }
+
+    /// What the device lacks for a style, which then shows nothing.
+    ///
+    /// # Errors
+    /// Those of the harness.
+    pub fn lacks(&self) -> Result<Option<String>, HarnessError> {
+        if !self.is_style() {
+            return Ok(None);
+        }
+        let effort = Effort { turns: 1, run_up: 0, frames: 2, size: 64 };
+        let outcome = self.run(&Technique::off(), effort)?.finish()?;
+        Ok(outcome.output.lines().find(|line| line.starts_with(SKIPPED)).map(str::to_owned))
     }
 
     /// The script of `scene` from half a second before its first saccade of 10 degrees or more.
@@ -93,14 +119,17 @@ impl Subject {
         match self.program {
             Program::Scene => self.script.scene.as_str(),
             Program::HelloXr => "hello_xr",
+            Program::Style(name) => name,
         }
     }
 
-    /// Whether the technique can be tried: hello_xr knows none of the arguments of our scenes, the size of its images among them.
+    /// Whether the technique can be tried: others know none of the arguments of our scenes, nor of a render scale.
     pub fn can_try(&self, technique: &Technique) -> bool {
         match self.program {
             Program::Scene => true,
-            Program::HelloXr => technique.arguments.is_empty() && technique.render_scale == 1.0,
+            Program::HelloXr | Program::Style(_) => {
+                technique.arguments.is_empty() && technique.render_scale == 1.0
+            }
         }
     }
 
@@ -157,6 +186,11 @@ impl Subject {
         let application = match self.program {
             Program::Scene => self.scene(technique, effort)?,
             Program::HelloXr => Application::hello_xr("Vulkan2")?,
+            Program::Style(name) => {
+                let [size, frames] =
+                    [u64::from(effort.size), effort.length()].map(|number| number.to_string());
+                Application::ours("parafovea-zoo", &["--style", name, "--size", &size, "--frames", &frames])?
+            }
         };
         let run = Run::new(&application, scenario);
         let run = match &technique.layer {

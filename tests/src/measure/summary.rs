@@ -14,6 +14,32 @@ pub struct Summary<'a> {
     pub judged: &'a [Judged],
 }
 
+/// What the layer's techniques cost on styles of the zoo, in one table: of each its name and what was timed, the baseline first.
+pub struct StyleTable<'a>(pub &'a [(&'a str, Vec<Timing>)]);
+
+impl Display for StyleTable<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "\n| style | technique | CPU ms, off | x off | fragments x off | samples x off |")?;
+        writeln!(f, "|---|---|---:|---:|---:|---:|")?;
+        for (style, timings) in self.0 {
+            let Some((off, others)) = timings.split_first() else { continue };
+            for timing in others {
+                let ratio = timing.cpu_ms.ratio_to(&off.cpu_ms);
+                let fragments = timing.fragments as f64 / off.fragments as f64;
+                let samples = timing.samples.zip(off.samples).map(|(own, off)| own as f64 / off as f64);
+                let samples = samples.map_or("-".to_owned(), |ratio| format!("{ratio:.3}"));
+                let (name, cpu_ms) = (&timing.technique, off.cpu_ms.median());
+                writeln!(
+                    f,
+                    "| {style} | {name} | {cpu_ms:.1} | {:.3} ± {:.3} | {fragments:.3} | {samples} |",
+                    ratio.value, ratio.spread
+                )?;
+            }
+        }
+        Ok(())
+    }
+}
+
 /// What is printed of each ring.
 const BY_RING: Metric = Metric::Sustained;
 
