@@ -1,6 +1,7 @@
 // Kernel `mask`: from the rates of tiles to the blocks that a pass skips: the depth template, and the list that `fill` reads.
-// Reference: core/src/mask.rs and what it calls. Which blocks are shaded first, a bit each; then template and list, a thread for each
-// block; then the sources of what is listed. Nothing is done under a branch that few threads take: software devices go through it with all.
+// Reference: core/src/mask.rs and what it calls. Which blocks are shaded first, a bit each; then the list, a thread for each block; then the
+// sources of what is listed, and its template, which says before that everything is shaded. Nothing is done under a branch that few threads
+// take: software devices go through it with all.
 
 struct MaskParams {
     extent: vec2<u32>,
@@ -145,12 +146,13 @@ fn shaded(@builtin(global_invocation_id) id: vec3<u32>) {
     bits[id.x] = word;
 }
 
-fn mark(block: vec2<u32>, layer: u32, word: u32) {
+// Marks `rows` rows of a block as skipped in the template: all of it, or nothing. A loop that no thread goes through ends at once.
+fn mark(block: vec2<u32>, layer: u32, rows: u32) {
     let row_words = params.extent.x * params.block_words / BLOCK;
     let first = layer * params.layer_words + block.y * BLOCK * row_words + block.x * params.block_words;
-    for (var y = 0u; y < BLOCK; y++) {
+    for (var y = 0u; y < rows; y++) {
         for (var x = 0u; x < params.block_words; x++) {
-            depth[first + y * row_words + x] = word;
+            depth[first + y * row_words + x] = params.skipped;
         }
     }
 }
@@ -166,7 +168,7 @@ fn blocks(@builtin(global_invocation_id) id: vec3<u32>) {
             let index = atomicAdd(&list.count, 1u);
             list.blocks[index] = vec2(id.x | (id.y << 12u) | (layer << 24u), 0u);
         }
-        mark(id.xy, layer, select(params.shaded, params.skipped, becomes >= FILLED));
+        mark(id.xy, layer, select(0u, BLOCK, becomes == LEFT_OUT));
     }
 }
 
@@ -226,7 +228,7 @@ fn nearest(view: View, layer: u32, block: vec2<u32>) -> u32 {
     return source_byte(right) | (source_byte(below) << 8u) | (source_byte(left) << 16u) | (source_byte(above) << 24u);
 }
 
-// A thread for each block of the list, as for `fill`. A block without sources is shaded after all, and `fill` leaves it.
+// A thread for each block of the list, as for `fill`. A block without sources stays shaded, and `fill` leaves it.
 @compute @workgroup_size(64)
 fn sources(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -242,7 +244,5 @@ fn sources(
     let layer = place >> 24u;
     let found = nearest(view_at(view_of(block, layer)), layer, block);
     list.blocks[index].y = found;
-    if found == 0u {
-        mark(block, layer, params.shaded);
-    }
+    mark(block, layer, select(0u, BLOCK, found != 0u));
 }

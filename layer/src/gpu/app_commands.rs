@@ -216,6 +216,12 @@ impl<'a> AppCommands<'a> {
         }
     }
 
+    /// Writes one word all over a buffer: a transfer, in the order that the caller's barriers say.
+    pub(crate) fn fill_words(&self, to: vk::Buffer, word: u32) {
+        // SAFETY: the command buffer is being recorded outside of a render pass, and the buffer is live, as `new` demands.
+        unsafe { self.gpu.device.cmd_fill_buffer(self.commands, to, 0, vk::WHOLE_SIZE, word) };
+    }
+
     /// Orders accesses to memory.
     pub(crate) fn memory_barrier(&self, from: Scope, to: Scope) {
         let info = vk::MemoryBarrier::default().src_access_mask(from.access).dst_access_mask(to.access);

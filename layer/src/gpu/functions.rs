@@ -32,6 +32,7 @@ const DEVICE: &[&CStr] = &[
     c"vkCmdDispatchIndirect",
     c"vkCmdDraw",
     c"vkCmdEndRenderPass",
+    c"vkCmdFillBuffer",
     c"vkCmdPipelineBarrier",
     c"vkCmdResetQueryPool",
     c"vkCmdSetScissor",

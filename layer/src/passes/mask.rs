@@ -38,6 +38,9 @@ pub struct MaskTarget {
     _bits: DeviceBuffer,
     _texels: Arc<LayTarget>,
     map: Arc<MaskMap>,
+    /// Of `map`, and what its words hold where blocks are shaded.
+    template: vk::Buffer,
+    shaded: u32,
     groups: [u32; 2],
     bit_groups: u32,
 }
@@ -93,6 +96,8 @@ impl MaskPass {
             _bits: bits,
             _texels: Arc::clone(texels),
             map: Arc::clone(map),
+            template,
+            shaded: params.shaded,
             groups: params.blocks.map(|count| count.div_ceil(GROUP_SIDE).max(1)),
             bit_groups: params.bit_words().div_ceil(THREADS),
         })
@@ -102,8 +107,9 @@ impl MaskPass {
     /// queue.
     pub fn record(&self, commands: &AppCommands, target: &MaskTarget) {
         commands.reads_to_copies();
-        // Nothing is listed yet.
+        // Nothing is listed yet, and everything is shaded.
         commands.update_words(target.map.list(), 0, &[0; 4]);
+        commands.fill_words(target.template, target.shaded);
         commands.memory_barrier(WRITTEN_BEFORE, COMPUTES);
         commands.dispatch(&self.layout, &self.shaded, &target.set, [target.bit_groups, 1]);
         commands.dispatch(&self.layout, &self.blocks, &target.set, target.groups);
@@ -116,7 +122,7 @@ impl MaskPass {
     }
 }
 
-/// What the kernel's writing comes after: the emptied list, and copies of the template.
+/// What the kernel's writing comes after: the emptied list and template, and copies of what was there before.
 const WRITTEN_BEFORE: Scope = Scope {
     stages: vk::PipelineStageFlags::TRANSFER,
     access: vk::AccessFlags::from_raw(
