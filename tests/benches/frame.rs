@@ -14,8 +14,8 @@ use parafovea_tests::artifacts::target_folder;
 use parafovea_tests::device::Machine;
 use parafovea_tests::installation::Driver;
 use parafovea_tests::measure::{
-    Effort, LAYER_RUN_UP, RUN_UP, RUN_UP_ALONE, StyleTable, Subject, Summary, Technique, Timing,
-    against_rows, error_rows, errors, print_json, rows, time,
+    Effort, LAYER_RUN_UP, RUN_UP, RUN_UP_ALONE, StyleRows, Subject, Summary, Technique, Timing, against_rows,
+    error_rows, errors, print_json, rows, time,
 };
 use parafovea_zoo::{STYLES, Style};
 use std::error::Error;
@@ -271,13 +271,22 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
         done += 1;
         eprintln!("[{done}/{runs}] {run}");
     };
-    let mut styles = Vec::new();
+    if subjects.iter().any(|([subject, _], _)| subject.is_style()) && !request.json {
+        println!("\n{}", StyleRows::HEAD);
+    }
     for ([subject, seen], techniques) in &subjects {
         if let Some(lacking) = subject.lacks()? {
             eprintln!("{}: {lacking}", subject.name());
             continue;
         }
-        let timings = time(subject, techniques, timed, machine.has_gpu_times(), &mut progress)?;
+        let timings = match time(subject, techniques, timed, machine.has_gpu_times(), &mut progress) {
+            // Some count fragments themselves, or in command buffers that the device cannot count in.
+            Err(error) if subject.is_style() => {
+                eprintln!("{}: {error}", subject.name());
+                continue;
+            }
+            other => other?,
+        };
         let judged = if with_errors {
             errors(seen, techniques, judged, fvvdp.as_ref(), &mut progress)?
         } else {
@@ -289,7 +298,7 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
             continue;
         }
         if subject.is_style() && !request.json {
-            styles.push((app, timings));
+            println!("{}", StyleRows { style: app, timings: &timings });
         } else if request.json {
             print_json(&rows(app, &timings));
             for (technique, judged) in techniques[1..].iter().zip(&judged) {
@@ -298,9 +307,6 @@ fn measure(request: &Request) -> Result<(), Box<dyn Error>> {
         } else {
             println!("{}", Summary { app, timings: &timings, judged: &judged });
         }
-    }
-    if !styles.is_empty() {
-        println!("{}", StyleTable(&styles));
     }
     Ok(())
 }

@@ -57,12 +57,9 @@ pub fn points(
     mut progress: impl FnMut(&str),
 ) -> Result<Vec<Point>, HarnessError> {
     let mut run = |iterations: Option<u32>, layer: LayerMode| -> Result<Vec<f64>, HarnessError> {
-        let (size, frames) = (effort.size.to_string(), effort.length().to_string());
-        let count = iterations.map(|count| count.to_string());
-        let mut arguments = vec!["shade", "--size", &size, "--frames", &frames];
-        arguments.extend(count.iter().flat_map(|count| ["--iterations", count.as_str()]));
-        let application = Application::ours("parafovea-overhead", &arguments)?;
-        progress(&format!("{} iterations, layer {}", count.as_deref().unwrap_or("no"), name(&layer)));
+        let count = iterations.map_or("no".to_owned(), |count| count.to_string());
+        progress(&format!("{count} iterations, layer {}", name(&layer)));
+        let application = application(iterations, effort)?;
         let scenario = Scenario::new(effort.length()).sized(effort.size, effort.size);
         let outcome = Run::new(&application, &scenario).layer(layer).finish()?;
         Ok(outcome.expect_frames(effort.length())?.record.cpu_ms_of_frames(effort.run_up))
@@ -87,6 +84,20 @@ pub fn points(
         on,
     };
     Ok(pairs.into_iter().zip(iterations).map(point).collect())
+}
+
+/// What is measured: with so many rounds of arithmetic for each pixel, or without anything drawn.
+///
+/// # Errors
+/// [`HarnessError::NotBuilt`].
+pub fn application(iterations: Option<u32>, effort: Effort) -> Result<Application, HarnessError> {
+    let (size, frames) = (effort.size.to_string(), effort.length().to_string());
+    let count = iterations.map(|count| count.to_string());
+    // With render passes it asks for Vulkan 1.0, where there are no masks.
+    let style = ["--style", "dynamic-rendering"];
+    let mut arguments = vec!["shade", style[0], style[1], "--size", &size, "--frames", &frames];
+    arguments.extend(count.iter().flat_map(|count| ["--iterations", count.as_str()]));
+    Application::ours("parafovea-overhead", &arguments)
 }
 
 fn name(layer: &LayerMode) -> &'static str {

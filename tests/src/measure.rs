@@ -17,7 +17,7 @@ pub use errors::{Judged, RUN_UP, errors, judge, with_pictures};
 pub use rows::{Comparison, Row, against_rows, error_rows, print_json, rows};
 pub use statistics::{Ratio, Samples};
 pub use subject::Subject;
-pub use summary::{StyleTable, Summary};
+pub use summary::{StyleRows, Summary};
 pub use technique::Technique;
 pub use timing::{Counts, Effort, LAYER_RUN_UP, RUN_UP_ALONE, Timing, take_turns, time};
 pub use turns::{Player, side_by_side};

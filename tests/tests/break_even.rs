@@ -1,7 +1,9 @@
 //! The bench `break-even` runs, and dearer pixels cost more.
 
-use parafovea_tests::break_even::{WITH_RATES, points, rows};
+use parafovea_tests::break_even::{WITH_RATES, application, points, rows};
 use parafovea_tests::measure::Effort;
+use parafovea_tests::run::Run;
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
 #[test]
 fn dearer_pixels_cost_more() {
@@ -16,4 +18,18 @@ fn dearer_pixels_cost_more() {
     let of = |metric: &str| rows.iter().filter(|row| row.metric == metric).count();
     assert_eq!((of("pixel"), of("cpu_median")), (2, 2));
     assert!(rows.iter().filter_map(|row| row.comparison).all(|comparison| comparison.ratio > 0.0));
+}
+
+/// What has no masks has no break-even.
+#[test]
+fn what_is_measured_skips_pixels() {
+    let effort = Effort { turns: 1, run_up: 0, frames: 60, size: 256 };
+    let scenario = Scenario::new(effort.length()).sized(effort.size, effort.size);
+    let samples = |config: &str| {
+        let run = Run::new(&application(Some(1), effort).unwrap(), &scenario).on(config).counted();
+        let outcome = run.finish().unwrap().expect_frames(effort.length()).unwrap();
+        outcome.samples_after(effort.length() / 2).unwrap()
+    };
+    let (off, on) = (samples("enabled = false\n"), samples(WITH_RATES));
+    assert!(off > 0 && (on as f64) < 0.9 * off as f64, "{on} of {off}");
 }

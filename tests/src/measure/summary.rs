@@ -14,27 +14,34 @@ pub struct Summary<'a> {
     pub judged: &'a [Judged],
 }
 
-/// What the layer's techniques cost on styles of the zoo, in one table: of each its name and what was timed, the baseline first.
-pub struct StyleTable<'a>(pub &'a [(&'a str, Vec<Timing>)]);
+/// What the layer's techniques cost on a style of the zoo: rows of one table, a technique each.
+pub struct StyleRows<'a> {
+    /// The style.
+    pub style: &'a str,
+    /// The first is what the others are compared with.
+    pub timings: &'a [Timing],
+}
 
-impl Display for StyleTable<'_> {
+impl StyleRows<'_> {
+    /// What the table begins with.
+    pub const HEAD: &'static str = "| style | technique | CPU ms, off | x off | fragments x off | samples x off |\n|---|---|---:|---:|---:|---:|";
+}
+
+impl Display for StyleRows<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "\n| style | technique | CPU ms, off | x off | fragments x off | samples x off |")?;
-        writeln!(f, "|---|---|---:|---:|---:|---:|")?;
-        for (style, timings) in self.0 {
-            let Some((off, others)) = timings.split_first() else { continue };
-            for timing in others {
-                let ratio = timing.cpu_ms.ratio_to(&off.cpu_ms);
-                let fragments = timing.fragments as f64 / off.fragments as f64;
-                let samples = timing.samples.zip(off.samples).map(|(own, off)| own as f64 / off as f64);
-                let samples = samples.map_or("-".to_owned(), |ratio| format!("{ratio:.3}"));
-                let (name, cpu_ms) = (&timing.technique, off.cpu_ms.median());
-                writeln!(
-                    f,
-                    "| {style} | {name} | {cpu_ms:.1} | {:.3} ± {:.3} | {fragments:.3} | {samples} |",
-                    ratio.value, ratio.spread
-                )?;
-            }
+        let Some((off, others)) = self.timings.split_first() else { return Ok(()) };
+        for (index, timing) in others.iter().enumerate() {
+            let ratio = timing.cpu_ms.ratio_to(&off.cpu_ms);
+            let fragments = timing.fragments as f64 / off.fragments as f64;
+            let samples = timing.samples.zip(off.samples).map(|(own, off)| own as f64 / off as f64);
+            let samples = samples.map_or("-".to_owned(), |ratio| format!("{ratio:.3}"));
+            let (style, name, cpu_ms) = (self.style, &timing.technique, off.cpu_ms.median());
+            let end = if index > 0 { "\n" } else { "" };
+            write!(
+                f,
+                "{end}| {style} | {name} | {cpu_ms:.1} | {:.3} ± {:.3} | {fragments:.3} | {samples} |",
+                ratio.value, ratio.spread
+            )?;
         }
         Ok(())
     }
