@@ -14,6 +14,8 @@ pub enum Library {
     MockRuntime,
     /// The Vulkan layers for tests and benches.
     TestLayers,
+    /// What counts allocations.
+    TestAllocations,
 }
 
 impl Library {
@@ -23,6 +25,7 @@ impl Library {
             Library::Audio => "libparafovea_audio.so",
             Library::MockRuntime => "libparafovea_mock_runtime.so",
             Library::TestLayers => "libparafovea_test_layers.so",
+            Library::TestAllocations => "libparafovea_test_allocations.so",
         }
     }
 

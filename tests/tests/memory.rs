@@ -1,5 +1,6 @@
 //! What frames leave behind in the process.
 
+use parafovea_tests::artifacts::Library;
 use parafovea_tests::run::{Application, Run};
 use parafovea_tests::scenario::{Gaze, Head, Scenario, ScenarioExt};
 
@@ -8,20 +9,20 @@ const RUN_UP: usize = 40;
 const FRAMES: usize = 120;
 
 /// A head that turns and a gaze that jumps: what kernels are given changes in every frame.
-fn scenario() -> Scenario {
+fn scenario(frames: u64) -> Scenario {
     let head = |t: f64, yaw_deg: f32| Head { t, position: [0.0; 3], yaw_deg, pitch_deg: 0.0, roll_deg: 0.0 };
     let gaze = |t: f64, yaw_deg: f32| Gaze { t, yaw_deg, pitch_deg: 0.0, tracked: true };
     Scenario {
         head: vec![head(0.0, 0.0), head(4.0, 40.0)],
         gaze: vec![gaze(0.0, -10.0), gaze(0.5, 15.0), gaze(1.0, -10.0)],
-        ..Scenario::new(FRAMES as u64).sized(128, 128)
+        ..Scenario::new(frames).sized(128, 128)
     }
 }
 
 /// KiB for each frame after the run-up.
 fn growth_kib(config: &str) -> f64 {
     let application = Application::ours("parafovea-scene", &[]).unwrap();
-    let outcome = Run::new(&application, &scenario()).on(config).finish().unwrap();
+    let outcome = Run::new(&application, &scenario(FRAMES as u64)).on(config).finish().unwrap();
     let frames = outcome.expect_frames(FRAMES as u64).unwrap().record.frames;
     let grown = frames[FRAMES - 1].peak_memory_kib - frames[RUN_UP].peak_memory_kib;
     assert!(frames[RUN_UP].peak_memory_kib > 0, "nothing was recorded");
@@ -38,5 +39,36 @@ fn stays_as_it_is_however_long_a_run() {
             format!("preset = \"none\"\n[rates]\ngate = \"on\"\n{rates}\n[reuse]\nmode = \"on\"\n{other}\n");
         let grown = growth_kib(&config);
         assert!(grown < 64.0, "{grown} KiB a frame with {rest:?}");
+    }
+}
+
+/// How often the layer asks for memory in a run of so many frames of an application that makes nothing in them.
+#[cfg(target_arch = "x86_64")]
+fn allocations(config: &str, frames: u64) -> f64 {
+    let count = frames.to_string();
+    let arguments = ["--style", "render-pass", "--size", "128", "--frames", &count];
+    let application = Application::ours("parafovea-zoo", &arguments).unwrap();
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let counter = Library::TestAllocations.path().unwrap();
+    let run = Run::new(&application, &scenario(frames)).on(config);
+    let run = run.env("LD_PRELOAD", counter).env("PARAFOVEA_TEST_ALLOCATIONS_OF", "libparafovea.so");
+    let run = run.env("PARAFOVEA_TEST_ALLOCATIONS_FILE", file.path());
+    run.finish().unwrap().expect_frames(frames).unwrap();
+    let count: f64 = std::fs::read_to_string(file.path()).unwrap().parse().unwrap();
+    assert!(count > 100.0, "only {count}: the layer was not found");
+    count
+}
+
+/// From hook to hook, in the calling process. A thread of the status asks for some memory once a second, which a frame is none of.
+#[test]
+#[cfg(target_arch = "x86_64")]
+fn a_steady_frame_asks_for_none() {
+    for rates in ["mode = \"fixed\"", "mode = \"audio-visual\"\nsilence = \"strict\""] {
+        let config = format!(
+            "preset = \"balanced\"\n[rates]\ngate = \"on\"\n{rates}\n[reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n"
+        );
+        let [short, long] = [120, 360].map(|frames| allocations(&config, frames));
+        let each = (long - short) / 240.0;
+        assert!(each < 0.5, "{each} a frame with {rates}");
     }
 }

@@ -103,8 +103,15 @@ impl Prologues {
         let done = free.and_then(|index| slots.get_mut(index)).is_some_and(|slot| {
             act(slot).inspect_err(|error| error.tell("maps of shading rates stay as they are")).is_ok()
         });
-        self.lock().append(&mut slots);
+        self.put_back(slots);
         done
+    }
+
+    /// Back with their memory, so that a steady frame asks for none; behind them what another thread has made meanwhile.
+    fn put_back(&self, mut slots: Vec<Slot>) {
+        let mut kept = self.lock();
+        std::mem::swap(&mut *kept, &mut slots);
+        kept.append(&mut slots);
     }
 
     /// Waits until the GPU is done with all that is under way.
@@ -112,7 +119,7 @@ impl Prologues {
         let Some(functions) = armed.functions() else { return };
         let mut slots = std::mem::take(&mut *self.lock());
         slots.iter_mut().for_each(|slot| slot.wait(&functions.device));
-        self.lock().append(&mut slots);
+        self.put_back(slots);
     }
 
     /// Waits for all, and destroys it, before the device is destroyed.
@@ -213,3 +220,17 @@ unsafe fn fill(
 
 /// Staged maps begin at multiples of this: a multiple of what copies of any format ask for.
 const ALIGNMENT: usize = 16;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slots_keep_their_memory() {
+        let prologues = Prologues::new(0);
+        let slots = Vec::with_capacity(4);
+        let memory = slots.as_ptr();
+        prologues.put_back(slots);
+        assert_eq!(prologues.lock().as_ptr(), memory);
+    }
+}

@@ -1,0 +1,129 @@
+//! Counts how often one library of a process asks for memory, by who calls glibc's allocator. `LD_PRELOAD` names this library,
+//! `PARAFOVEA_TEST_ALLOCATIONS_OF` the other one by a part of its path, and `PARAFOVEA_TEST_ALLOCATIONS_FILE` where the number is written when the
+//! process exits. What it asks for before it was found, and its frees, are not counted.
+
+#![cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
+
+use libc::{c_char, c_int, c_void, dl_phdr_info, size_t};
+use std::arch::naked_asm;
+use std::ffi::CStr;
+use std::ptr::null_mut;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+unsafe extern "C" {
+    fn __libc_malloc(size: size_t) -> *mut c_void;
+    fn __libc_calloc(count: size_t, size: size_t) -> *mut c_void;
+    fn __libc_realloc(memory: *mut c_void, size: size_t) -> *mut c_void;
+}
+
+/// Where the code of the library is; 0 until it was found.
+static FIRST: AtomicUsize = AtomicUsize::new(0);
+static END: AtomicUsize = AtomicUsize::new(0);
+
+/// Calls until then.
+static CALLS: AtomicUsize = AtomicUsize::new(0);
+static COUNT: AtomicUsize = AtomicUsize::new(0);
+
+/// It is looked for so rarely: all loaded libraries are asked.
+const CALLS_PER_LOOK: usize = 256;
+
+/// glibc's, and counted.
+///
+/// # Safety
+/// As for C's.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn malloc(size: size_t) -> *mut c_void {
+    // The return address is the caller.
+    naked_asm!("mov rsi, [rsp]", "jmp {}", sym counted_malloc)
+}
+
+/// glibc's, and counted.
+///
+/// # Safety
+/// As for C's.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn calloc(count: size_t, size: size_t) -> *mut c_void {
+    naked_asm!("mov rdx, [rsp]", "jmp {}", sym counted_calloc)
+}
+
+/// glibc's, and counted.
+///
+/// # Safety
+/// As for C's.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realloc(memory: *mut c_void, size: size_t) -> *mut c_void {
+    naked_asm!("mov rdx, [rsp]", "jmp {}", sym counted_realloc)
+}
+
+unsafe extern "C" fn counted_malloc(size: size_t, caller: usize) -> *mut c_void {
+    note(caller);
+    // SAFETY: as the caller promises.
+    unsafe { __libc_malloc(size) }
+}
+
+unsafe extern "C" fn counted_calloc(count: size_t, size: size_t, caller: usize) -> *mut c_void {
+    note(caller);
+    // SAFETY: as the caller promises.
+    unsafe { __libc_calloc(count, size) }
+}
+
+unsafe extern "C" fn counted_realloc(memory: *mut c_void, size: size_t, caller: usize) -> *mut c_void {
+    note(caller);
+    // SAFETY: as the caller promises.
+    unsafe { __libc_realloc(memory, size) }
+}
+
+/// Asks for no memory itself.
+fn note(caller: usize) {
+    if END.load(Relaxed) == 0 {
+        if CALLS.fetch_add(1, Relaxed) % CALLS_PER_LOOK == 0 {
+            // SAFETY: the callback has the type that is asked for, and keeps nothing.
+            unsafe { libc::dl_iterate_phdr(Some(look), null_mut()) };
+        }
+    } else if (FIRST.load(Relaxed)..END.load(Relaxed)).contains(&caller) {
+        COUNT.fetch_add(1, Relaxed);
+    }
+}
+
+/// The value of a variable of the environment.
+fn variable(name: &CStr) -> Option<&'static CStr> {
+    // SAFETY: the name is a C string; nobody changes the environment of a process under test.
+    let value: *const c_char = unsafe { libc::getenv(name.as_ptr()) };
+    // SAFETY: what is not null is a C string.
+    (!value.is_null()).then(|| unsafe { CStr::from_ptr(value) })
+}
+
+unsafe extern "C" fn look(library: *mut dl_phdr_info, _: size_t, _: *mut c_void) -> c_int {
+    // SAFETY: glibc's, valid during the call.
+    let library = unsafe { &*library };
+    let Some(wanted) = variable(c"PARAFOVEA_TEST_ALLOCATIONS_OF") else { return 0 };
+    // SAFETY: name and wanted are C strings.
+    if library.dlpi_name.is_null() || unsafe { libc::strstr(library.dlpi_name, wanted.as_ptr()) }.is_null() {
+        return 0;
+    }
+    for index in 0..usize::from(library.dlpi_phnum) {
+        // SAFETY: there are so many headers.
+        let header = unsafe { &*library.dlpi_phdr.add(index) };
+        if header.p_type == libc::PT_LOAD && header.p_flags & libc::PF_X != 0 {
+            let first = library.dlpi_addr as usize + header.p_vaddr as usize;
+            FIRST.store(first, Relaxed);
+            END.store(first + header.p_memsz as usize, Relaxed);
+        }
+    }
+    0
+}
+
+#[used]
+#[unsafe(link_section = ".fini_array")]
+static AT_EXIT: extern "C" fn() = write;
+
+extern "C" fn write() {
+    let path = variable(c"PARAFOVEA_TEST_ALLOCATIONS_FILE").and_then(|path| path.to_str().ok());
+    if let Some(path) = path {
+        // A test that finds no file fails.
+        let _ = std::fs::write(path, COUNT.load(Relaxed).to_string());
+    }
+}
