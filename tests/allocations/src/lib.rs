@@ -79,7 +79,7 @@ unsafe extern "C" fn counted_realloc(memory: *mut c_void, size: size_t, caller: 
 /// Asks for no memory itself.
 fn note(caller: usize) {
     if END.load(Relaxed) == 0 {
-        if CALLS.fetch_add(1, Relaxed) % CALLS_PER_LOOK == 0 {
+        if CALLS.fetch_add(1, Relaxed).is_multiple_of(CALLS_PER_LOOK) {
             // SAFETY: the callback has the type that is asked for, and keeps nothing.
             unsafe { libc::dl_iterate_phdr(Some(look), null_mut()) };
         }
