@@ -1,5 +1,6 @@
 //! What frames leave behind in the process.
 
+#[cfg(target_arch = "x86_64")]
 use parafovea_tests::artifacts::Library;
 use parafovea_tests::run::{Application, Run};
 use parafovea_tests::scenario::{Gaze, Head, Scenario, ScenarioExt};
