@@ -10,11 +10,19 @@ pub(crate) struct ImageDescription<'a> {
     pub(crate) extent: vk::Extent2D,
     pub(crate) array_layers: u32,
     pub(crate) usage: vk::ImageUsageFlags,
-    /// All formats that it gets views of, where that is known; any compatible ones otherwise.
-    pub(crate) view_formats: Option<&'a [vk::Format]>,
+    /// Whether it gets views of other formats.
+    pub(crate) mutable: bool,
+    /// All formats that it gets views of, where that is known.
+    pub(crate) view_formats: &'a [vk::Format],
 }
 
-/// An image of ours with memory of its own. Views of compatible formats are allowed.
+impl ImageDescription<'_> {
+    fn flags(&self) -> vk::ImageCreateFlags {
+        if self.mutable { vk::ImageCreateFlags::MUTABLE_FORMAT } else { vk::ImageCreateFlags::empty() }
+    }
+}
+
+/// An image of ours with memory of its own.
 pub(crate) struct OwnedImage {
     // Dropped before the memory that it is bound to.
     image: Owned<vk::Image>,
@@ -25,10 +33,9 @@ impl OwnedImage {
     /// Creates the image; its content and layout are undefined.
     pub(crate) fn new(gpu: &Arc<Gpu>, description: &ImageDescription) -> Result<Self, GpuError> {
         check_limits(gpu, description)?;
-        let mut list = vk::ImageFormatListCreateInfo::default()
-            .view_formats(description.view_formats.unwrap_or_default());
+        let mut list = vk::ImageFormatListCreateInfo::default().view_formats(description.view_formats);
         let mut info = vk::ImageCreateInfo::default()
-            .flags(vk::ImageCreateFlags::MUTABLE_FORMAT)
+            .flags(description.flags())
             .image_type(vk::ImageType::TYPE_2D)
             .format(description.format)
             .extent(description.extent.into())
@@ -40,7 +47,7 @@ impl OwnedImage {
             .sharing_mode(vk::SharingMode::EXCLUSIVE)
             .initial_layout(vk::ImageLayout::UNDEFINED);
         // With a list, drivers keep compression; it is part of Vulkan 1.2.
-        if description.view_formats.is_some() && gpu.api_version >= vk::API_VERSION_1_2 {
+        if !description.view_formats.is_empty() && gpu.api_version >= vk::API_VERSION_1_2 {
             info = info.push_next(&mut list);
         }
         // SAFETY: the device is live, and it takes such an image, as was checked.
@@ -74,7 +81,7 @@ fn check_limits(gpu: &Gpu, description: &ImageDescription) -> Result<(), GpuErro
             vk::ImageType::TYPE_2D,
             vk::ImageTiling::OPTIMAL,
             description.usage,
-            vk::ImageCreateFlags::MUTABLE_FORMAT,
+            description.flags(),
         )
     };
     let limits = match limits {

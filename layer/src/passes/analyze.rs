@@ -152,7 +152,8 @@ impl Analyze {
             extent: vk::Extent2D { width, height },
             array_layers: 1,
             usage: vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC,
-            view_formats: Some(&[BLOCK]),
+            mutable: false,
+            view_formats: &[],
         };
         let levels = OwnedImage::new(gpu, &description)?;
         let levels_view = color_view(gpu, levels.handle(), BLOCK, 0)?;

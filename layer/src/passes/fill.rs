@@ -158,7 +158,8 @@ impl Fill {
             extent,
             array_layers: layers,
             usage: USAGE | vk::ImageUsageFlags::STORAGE,
-            view_formats: Some(&[stored]),
+            mutable: false,
+            view_formats: &[],
         };
         let copy = OwnedImage::new(&self.gpu, &description)?;
         let aspects = vk::ImageAspectFlags::COLOR;

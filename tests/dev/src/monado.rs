@@ -194,10 +194,7 @@ fn run(root: &Path, words: &[String]) -> Result<Seen, String> {
     let status = status.map_err(|error| format!("cannot start: {error}"))?;
     let read = |path: PathBuf| String::from_utf8_lossy(&fs::read(path).unwrap_or_default()).into_owned();
     let mut complaints = BTreeMap::new();
-    for line in read(root.join("tmp/output.log"))
-        .lines()
-        .filter(|line| is_complaint(line) && !is_of_virtual_image(line))
-    {
+    for line in read(root.join("tmp/output.log")).lines().filter(|line| is_complaint(line)) {
         *complaints.entry(without_numbers(line)).or_default() += 1;
     }
     // What it warns of is that frames are late, or not.
@@ -221,14 +218,6 @@ fn is_complaint(line: &str) -> bool {
     ]
     .iter()
     .any(|sign| line.contains(sign))
-}
-
-/// An imageless framebuffer says how an image was created, which no application knows of a swapchain's: virtual ones are mutable, as
-/// runtimes' may be.
-fn is_of_virtual_image(complaint: &str) -> bool {
-    ["03209", "03214", "03215"]
-        .iter()
-        .any(|rule| complaint.contains(&format!("VUID-VkRenderPassBeginInfo-framebuffer-{rule}")))
 }
 
 /// Times and handles differ in every run.

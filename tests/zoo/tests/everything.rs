@@ -3,13 +3,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-#[path = "common/drawn.rs"]
-#[allow(dead_code, reason = "each test uses a part of it")]
-mod drawn;
 #[path = "common/effort.rs"]
 mod effort;
 
-use drawn::is_of_virtual_image;
 use effort::{Effort, is_full, moving_gaze};
 use libtest_mimic::{Arguments, Failed, Trial};
 use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
@@ -25,8 +21,15 @@ const SHARE: Effort = Effort { frames: 54, size: 96 };
 const REST_S: f64 = 0.5;
 
 /// Styles of every test: what differs most in how the layer's work is ordered among theirs.
-const FEW: [&str; 6] =
-    ["subpasses", "multiview", "taa-exposure", "second-queue", "render-thread", "dynamic-resolution"];
+const FEW: [&str; 7] = [
+    "subpasses",
+    "multiview",
+    "imageless",
+    "taa-exposure",
+    "second-queue",
+    "render-thread",
+    "dynamic-resolution",
+];
 
 /// Rates by contrast, re-use and chroma: every kernel has work, and every picture of ours is drawn to.
 const EVERYTHING: &str = "[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
@@ -75,7 +78,7 @@ fn check(style: &Style, device: Device) -> Result<(), Failed> {
     }
     let on = on.expect_frames(effort.frames)?;
     assert!(on.findings.vulkan_was_active || !is_validated, "validation was not there\n{}", on.output);
-    let is_new = |found: &&Message| !found.is_of_stand_in() && !is_of_virtual_image(style, found);
+    let is_new = |found: &&Message| !found.is_of_stand_in();
     let found: Vec<&Message> = on.findings.vulkan.iter().filter(is_new).collect();
     assert!(found.is_empty(), "{found:#?}\n{}", on.log);
     assert!(on.findings.openxr.is_empty(), "{:#?}", on.findings.openxr);

@@ -8,7 +8,7 @@ mod drawn;
 #[path = "common/effort.rs"]
 mod effort;
 
-use drawn::{AS_PUBLISHED, PERIOD, compare, is_of_virtual_image};
+use drawn::{AS_PUBLISHED, PERIOD, compare};
 use effort::{Effort, is_full, moving_gaze};
 use libtest_mimic::{Arguments, Failed, Trial};
 use parafovea_test_layers::{
@@ -83,7 +83,7 @@ fn check_reuse(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed>
         return Ok(());
     }
     let on = on.expect_frames(effort.frames)?;
-    let is_new = |found: &&Message| !found.is_of_stand_in() && !is_of_virtual_image(style, found);
+    let is_new = |found: &&Message| !found.is_of_stand_in();
     let messages: Vec<&Message> = on.findings.vulkan.iter().filter(is_new).collect();
     assert!(messages.is_empty(), "{messages:#?}");
     assert!(on.record.errors.is_empty(), "{:#?}", on.record.errors);

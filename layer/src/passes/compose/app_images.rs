@@ -27,19 +27,20 @@ pub struct AppImages {
 }
 
 impl AppImages {
-    /// Creates `count` images, with the application's usage and ours. Views of the format's UNORM and sRGB
-    /// forms are legal. Submits nothing: a swapchain is created where the queue is the application's alone.
+    /// Creates `count` images, with the application's usage and ours; for views of other formats if it asked for that,
+    /// as an imageless framebuffer names flags and formats of the images. Submits nothing: a swapchain is created where the queue is the application's alone.
     ///
     /// # Errors
     /// [`GpuError::Unsupported`] when the device has no such images; a failed call.
     pub fn new(gpu: &Arc<Gpu>, shape: &SwapchainShape, count: u32) -> Result<Self, GpuError> {
-        let view_formats = shape.all_view_formats();
+        let view_formats = shape.listed_view_formats();
         let description = ImageDescription {
             format: shape.format,
             extent: shape.extent,
             array_layers: shape.array_layers,
             usage: shape.usage | APP_USAGE,
-            view_formats: view_formats.as_deref(),
+            mutable: shape.mutable,
+            view_formats: &view_formats,
         };
         let uses = Uses::new(gpu);
         let images =

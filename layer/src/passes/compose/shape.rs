@@ -25,20 +25,13 @@ impl SwapchainShape {
         self.format == other.format && self.extent == other.extent && self.array_layers == other.array_layers
     }
 
-    /// All formats that views are made of: the application's, ours, and UNORM and sRGB of each other. None
-    /// when the application may use any.
-    pub(super) fn all_view_formats(&self) -> Option<Vec<vk::Format>> {
-        if self.mutable && self.view_formats.is_empty() {
-            return None;
+    /// The formats that the application named, and that of our views; none if it named none.
+    pub(super) fn listed_view_formats(&self) -> Vec<vk::Format> {
+        let mut formats = self.view_formats.clone();
+        if !formats.is_empty() && !formats.contains(&self.format) {
+            formats.push(self.format);
         }
-        let mut formats = vec![self.format];
-        formats.extend(encoded_differently(self.format));
-        for format in &self.view_formats {
-            if !formats.contains(format) {
-                formats.push(*format);
-            }
-        }
-        Some(formats)
+        formats
     }
 }
 
@@ -68,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn view_formats_are_known_unless_any_is_allowed() {
+    fn view_formats_are_as_listed_and_have_ours() {
         let mut shape = SwapchainShape {
             format: vk::Format::R8G8B8A8_SRGB,
             extent: vk::Extent2D { width: 8, height: 8 },
@@ -77,11 +70,13 @@ mod tests {
             mutable: false,
             view_formats: vec![],
         };
-        let both = vec![vk::Format::R8G8B8A8_SRGB, vk::Format::R8G8B8A8_UNORM];
-        assert_eq!(shape.all_view_formats(), Some(both.clone()));
+        assert_eq!(shape.listed_view_formats(), []);
         shape.mutable = true;
-        assert_eq!(shape.all_view_formats(), None);
-        shape.view_formats = vec![vk::Format::R8G8B8A8_UNORM, vk::Format::R32_UINT];
-        assert_eq!(shape.all_view_formats(), Some([both, vec![vk::Format::R32_UINT]].concat()));
+        assert_eq!(shape.listed_view_formats(), []);
+        let (srgb, unorm) = (vk::Format::R8G8B8A8_SRGB, vk::Format::R8G8B8A8_UNORM);
+        shape.view_formats = vec![unorm, srgb];
+        assert_eq!(shape.listed_view_formats(), [unorm, srgb]);
+        shape.view_formats = vec![unorm, vk::Format::R32_UINT];
+        assert_eq!(shape.listed_view_formats(), [unorm, vk::Format::R32_UINT, srgb]);
     }
 }

@@ -1,7 +1,6 @@
 //! Pictures whose periphery is re-used as paper B does it, against those that the application draws.
 
 use parafovea_tests::picture::Picture;
-use parafovea_tests::run::Message;
 use parafovea_zoo::Style;
 
 /// Frames of the longest period.
@@ -53,12 +52,4 @@ pub fn mean(picture: &Picture) -> f64 {
         .map(|pixel| pixel[..3].iter().map(|&value| f64::from(value)).sum::<f64>())
         .sum();
     sum / picture.pixels.len() as f64 / 3.0
-}
-
-/// An imageless framebuffer says how an image was created, which no application knows of a swapchain's: virtual ones are
-/// mutable, as runtimes' may be.
-pub fn is_of_virtual_image(style: &Style, found: &Message) -> bool {
-    let rules =
-        ["03209", "03214", "03215"].map(|number| format!("VUID-VkRenderPassBeginInfo-framebuffer-{number}"));
-    style.name == "imageless" && rules.contains(&found.rule)
 }
