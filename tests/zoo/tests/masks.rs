@@ -8,6 +8,8 @@
 mod drawn;
 #[path = "common/effort.rs"]
 mod effort;
+#[path = "common/expected.rs"]
+mod expected;
 #[path = "common/noted.rs"]
 mod noted;
 #[path = "masks/reuse.rs"]
@@ -15,6 +17,7 @@ mod reuse;
 
 use drawn::mean;
 use effort::{Effort, is_full, moving_gaze};
+use expected::{Expected, expected};
 use glam::{Quat, Vec3};
 use libtest_mimic::{Arguments, Failed, Trial};
 use noted::Noted;
@@ -28,8 +31,7 @@ use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{Queues, SKIPPED, STYLES, Style};
-use std::collections::BTreeMap;
+use parafovea_zoo::{Queues, SKIPPED, Style};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -47,33 +49,8 @@ const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n
 /// styles, which are smaller.
 const REACH: u32 = 12;
 
-/// What the table says of a style.
-#[derive(Clone, Debug)]
-enum Expected {
-    /// Its passes of the scene have masks.
-    Engaged,
-    /// They have none, because.
-    Refused(String),
-    /// Where the table was made no device can run it.
-    NotRun,
-}
-
 fn main() -> ExitCode {
-    let table = table();
-    let trials = STYLES.iter().map(|style| {
-        let style: &'static Style = style;
-        let expected = match table.get(style.name).map(String::as_str) {
-            Some("engaged") => Ok(Expected::Engaged),
-            Some(says) if says.starts_with("not run: ") => Ok(Expected::NotRun),
-            Some(says) => match says.strip_prefix("refused: ") {
-                Some(reason) => Ok(Expected::Refused(reason.to_owned())),
-                None => Err(format!("the table says {says:?}")),
-            },
-            None => Err("the table says nothing".to_owned()),
-        };
-        (style, expected)
-    });
-    let trials = trials.flat_map(|(style, expected)| {
+    let trials = expected().into_iter().flat_map(|(style, expected)| {
         let (moving, reused) = (expected.clone(), expected.clone());
         let mut trials = vec![
             Trial::test(style.name, move || check(style, &expected?)),
@@ -87,18 +64,6 @@ fn main() -> ExitCode {
         trials
     });
     libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
-}
-
-/// The column of the mask in `tests/baselines/backends.md`, by style.
-fn table() -> BTreeMap<String, String> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../baselines/backends.md");
-    let text = std::fs::read_to_string(path).unwrap();
-    let rows = text.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| style"));
-    rows.map(|row| {
-        let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
-        (cells[0].to_owned(), cells[2].to_owned())
-    })
-    .collect()
 }
 
 fn run(

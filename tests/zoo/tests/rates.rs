@@ -25,6 +25,9 @@ const SHARE: Effort = Effort { frames: 8, size: 96 };
 /// From this frame on all passes are known, and the plan is laid over them.
 const COARSE_FROM: u64 = 4;
 
+/// Of the pixels of an eye's picture, what is shaded at most in an engaged style: texels of the map by their rates.
+const LIMIT: f64 = 0.9;
+
 /// Looking straight ahead, and never dropped: the same rates in every run.
 const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n";
 
@@ -192,6 +195,10 @@ fn check(style: &Style, profile: ShadingRateProfile, gaze: MapOf) -> Result<(), 
         if !is_right {
             return Err(format!("frame {frame}, {truth:?}: {map:#?}\n{}", outcome.log).into());
         }
+        if is_eyes && !may_be_fine {
+            let share = shaded_share(map)?;
+            assert!(share < LIMIT, "frame {frame}, {truth:?}: {share} is shaded");
+        }
     }
     Ok(())
 }
@@ -209,6 +216,17 @@ fn lines(lines: Vec<ShadingRateLine>) -> (Vec<ShadingRateFinding>, Vec<ShadingRa
 
 fn is_coarse(map: &ShadingRateMap) -> bool {
     map.histogram.keys().any(|rate| rate != "1x1")
+}
+
+/// Fragments for each pixel, where every texel of the map is covered once.
+fn shaded_share(map: &ShadingRateMap) -> Result<f64, Failed> {
+    let (mut shaded, mut texels) = (0.0, 0.0);
+    for (rate, &count) in &map.histogram {
+        let (width, height) = rate.split_once('x').ok_or("not a rate")?;
+        shaded += f64::from(count) / (width.parse::<f64>()? * height.parse::<f64>()?);
+        texels += f64::from(count);
+    }
+    Ok(shaded / texels)
 }
 
 /// Whether a pass is on a device without a session.

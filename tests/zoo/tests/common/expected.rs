@@ -1,0 +1,46 @@
+//! What `tests/baselines/backends.md` says of masks.
+
+use parafovea_zoo::{STYLES, Style};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// What the table says of a style.
+#[derive(Clone, Debug)]
+pub enum Expected {
+    /// Its passes of the scene have masks.
+    Engaged,
+    /// They have none, because.
+    Refused(String),
+    /// Where the table was made no device can run it.
+    NotRun,
+}
+
+/// Every style, and what the table says of it, or what is wrong with that.
+pub fn expected() -> Vec<(&'static Style, Result<Expected, String>)> {
+    let table = column();
+    let of_style = |style: &'static Style| {
+        let expected = match table.get(style.name).map(String::as_str) {
+            Some("engaged") => Ok(Expected::Engaged),
+            Some(says) if says.starts_with("not run: ") => Ok(Expected::NotRun),
+            Some(says) => match says.strip_prefix("refused: ") {
+                Some(reason) => Ok(Expected::Refused(reason.to_owned())),
+                None => Err(format!("the table says {says:?}")),
+            },
+            None => Err("the table says nothing".to_owned()),
+        };
+        (style, expected)
+    };
+    STYLES.iter().copied().map(of_style).collect()
+}
+
+/// The column of the mask, by style.
+fn column() -> BTreeMap<String, String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../baselines/backends.md");
+    let text = std::fs::read_to_string(path).unwrap();
+    let rows = text.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| style"));
+    rows.map(|row| {
+        let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
+        (cells[0].to_owned(), cells[2].to_owned())
+    })
+    .collect()
+}

@@ -1,0 +1,78 @@
+//! Every style whose passes have masks shades less than nine tenths of what it shades without the layer, in all its passes
+//! together, with rings that stay where they are.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+#[path = "common/effort.rs"]
+#[allow(dead_code, reason = "each test uses a part of it")]
+mod effort;
+#[path = "common/expected.rs"]
+#[allow(dead_code, reason = "each test uses a part of it")]
+mod expected;
+
+use effort::is_full;
+use expected::{Expected, expected};
+use libtest_mimic::{Arguments, Failed, Trial};
+use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_zoo::{Queues, SKIPPED, Style};
+use std::process::ExitCode;
+
+/// Side of an eye's picture, pixels. Rings are rounded up to blocks of 16, and in much smaller pictures those are wider than
+/// the rings.
+const SIZE: u32 = 768;
+
+/// What is counted: frames in which all passes that can have a mask have one.
+const RUN_UP: u64 = 10;
+const FRAMES: u64 = RUN_UP + 4;
+
+/// Of what is shaded without the layer.
+const LIMIT: f64 = 0.9;
+
+/// Looking straight ahead, never dropped.
+const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n";
+
+/// Styles of every test: the most and the least that is saved.
+const FEW: [&str; 2] = ["render-pass", "upscaled"];
+
+fn main() -> ExitCode {
+    let wanted = expected().into_iter().filter(|(style, _)| is_full() || FEW.contains(&style.name));
+    let engaged =
+        wanted.filter(|(_, expected)| !matches!(expected, Ok(Expected::Refused(_) | Expected::NotRun)));
+    let trials = engaged.map(|(style, expected)| {
+        Trial::test(format!("{} shades less", style.name), move || {
+            expected.map_err(Failed::from).and_then(|_| check(style))
+        })
+    });
+    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
+}
+
+fn check(style: &Style) -> Result<(), Failed> {
+    let run = |layer: LayerMode| -> Result<Outcome, Failed> {
+        let (size, frames) = (SIZE.to_string(), FRAMES.to_string());
+        let arguments = ["--style", style.name, "--size", &size, "--frames", &frames];
+        let application = Application::ours("parafovea-zoo", &arguments)?;
+        let run = Run::new(&application, &Scenario::new(FRAMES).sized(SIZE, SIZE))
+            .two_queues(style.needs.queues == Queues::Two)
+            .layer(layer)
+            .counted();
+        Ok(run.finish()?)
+    };
+    let off = run(LayerMode::Off)?;
+    if let Some(skipped) = off.output.lines().find(|line| line.starts_with(SKIPPED)) {
+        println!("{}: {skipped}", style.name);
+        return Ok(());
+    }
+    let off = match off.expect_frames(FRAMES)?.samples_after(RUN_UP) {
+        Ok(samples) => samples,
+        Err(reason) => {
+            println!("{}: not counted: {reason}", style.name);
+            return Ok(());
+        }
+    };
+    let on = run(LayerMode::On(FIXED_RINGS.to_owned()))?.expect_frames(FRAMES)?;
+    let share = on.samples_after(RUN_UP)? as f64 / off as f64;
+    println!("{}: {share:.3} of {off} samples", style.name);
+    assert!(share < LIMIT, "{share:.3} of {off} samples\n{}", on.log);
+    Ok(())
+}
