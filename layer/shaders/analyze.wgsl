@@ -1,6 +1,6 @@
 // Kernel `analyze`: the contrast of each tile of a picture, by octave of spatial frequency.
 // Reference: core/src/kernels/analyze.rs and what it calls. One dispatch for luminance, one for each of five reductions, one for the
-// tiles. Only the first depends on the format of the picture. No barrier within a workgroup, and no thread that waits for another:
+// tiles; where the view has not moved, only the first as long as the picture is the same too. Only the first depends on the format of the picture. No barrier within a workgroup, and no thread that waits for another:
 // software devices find both dear, as they do each single number read; hence levels are kept in blocks of two by two texels.
 
 struct AnalyzeParams {
@@ -39,6 +39,18 @@ struct Shown {
 // What each tile showed in the frame before.
 @group(0) @binding(5) var<storage, read_write> shown: array<Shown>;
 
+// What is known of how the picture changes where the view does not.
+struct Same {
+    // Workgroups of the reductions, then of the tiles.
+    groups: array<array<u32, 3>, 6>,
+    // Whether this picture is another one than that before.
+    is_changed: atomic<u32>,
+    // For how many pictures it has been the same.
+    count: u32,
+}
+
+@group(0) @binding(6) var<storage, read_write> same: Same;
+
 const BRIGHTEST_CD_M2: f32 = 10000.0;
 const LARGEST_COMPONENT: f32 = 65504.0;
 const INFINITY: u32 = 0x7f800000u;
@@ -57,14 +69,47 @@ fn light(pixel: vec2<u32>) -> f32 {
 }
 
 // Beyond the edge the last texel repeats, in blocks too.
+fn block_of_picture(pixel: vec2<u32>) -> vec4<f32> {
+    return vec4(light(pixel), light(pixel + vec2(1u, 0u)), light(pixel + vec2(0u, 1u)), light(pixel + 1u));
+}
+
 @compute @workgroup_size(8, 8)
 fn luminance(@builtin(global_invocation_id) id: vec3<u32>) {
     let pixel = 2u * id.xy;
     if any(pixel >= params.extent) {
         return;
     }
-    let block = vec4(light(pixel), light(pixel + vec2(1u, 0u)), light(pixel + vec2(0u, 1u)), light(pixel + 1u));
-    textureStore(levels, id.xy, block);
+    textureStore(levels, id.xy, block_of_picture(pixel));
+}
+
+// As `luminance`, of a picture that may be the same as the last one.
+@compute @workgroup_size(8, 8)
+fn compared(@builtin(global_invocation_id) id: vec3<u32>) {
+    let pixel = 2u * id.xy;
+    if any(pixel >= params.extent) {
+        return;
+    }
+    let block = block_of_picture(pixel);
+    if any(textureLoad(levels, id.xy) != block) {
+        textureStore(levels, id.xy, block);
+        atomicStore(&same.is_changed, 1u);
+    }
+}
+
+// kernels::analyze::SETTLED
+const SETTLED: u32 = 16u;
+
+// Of all stages, how many workgroups they have: none once nothing would change.
+@compute @workgroup_size(1)
+fn settle() {
+    same.count = select(min(same.count + 1u, SETTLED), 0u, atomicExchange(&same.is_changed, 0u) != 0u);
+    let layers = select(1u, 0u, same.count == SETTLED);
+    for (var level = 1u; level <= 5u; level++) {
+        // A thread makes two by two blocks.
+        let groups = (level_size(level + 1u) + 15u) / 16u;
+        same.groups[level - 1u] = array<u32, 3>(groups.x, groups.y, layers);
+    }
+    same.groups[5] = array<u32, 3>((params.tiles.x + 63u) / 64u, params.tiles.y, layers);
 }
 
 fn level_size(level: u32) -> vec2<u32> {

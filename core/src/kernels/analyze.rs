@@ -6,7 +6,7 @@
 
 mod restore;
 
-pub use restore::{Shown, restore, restored};
+pub use restore::{SETTLED, Shown, restore, restored};
 
 use crate::color::Matrix;
 use crate::image::Plane;

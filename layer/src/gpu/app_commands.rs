@@ -240,13 +240,13 @@ impl<'a> AppCommands<'a> {
         }
     }
 
-    /// Runs as many workgroups as the first three words of `arguments` say.
+    /// Runs as many workgroups as three words of the arguments say, a buffer and an offset in bytes, a multiple of 4.
     pub(crate) fn dispatch_indirect(
         &self,
         layout: &ComputeLayout,
         pipeline: &Owned<vk::Pipeline>,
         set: &ComputeSet,
-        arguments: vk::Buffer,
+        (arguments, offset): (vk::Buffer, u64),
     ) {
         let (device, commands, compute) = (&self.gpu.device, self.commands, vk::PipelineBindPoint::COMPUTE);
         // SAFETY: the command buffer is being recorded outside of a render pass, as `new` demands; pipeline and set have
@@ -254,7 +254,7 @@ impl<'a> AppCommands<'a> {
         unsafe {
             device.cmd_bind_pipeline(commands, compute, pipeline.handle());
             device.cmd_bind_descriptor_sets(commands, compute, layout.handle(), 0, &[set.handle()], &[]);
-            device.cmd_dispatch_indirect(commands, arguments, 0);
+            device.cmd_dispatch_indirect(commands, arguments, offset);
         }
     }
 

@@ -18,19 +18,19 @@ use std::sync::Arc;
 /// What a picture to be analysed must have been created with.
 pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::SAMPLED;
 
-/// Parameters, picture, levels of the pyramid, contrast, rates, what was shown.
-const BINDINGS: [vk::DescriptorType; 6] = [
+/// Parameters, picture, levels of the pyramid, contrast, rates, what was shown, for how long the picture has been the same.
+const BINDINGS: [vk::DescriptorType; 7] = [
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::SAMPLED_IMAGE,
     vk::DescriptorType::STORAGE_IMAGE,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::STORAGE_BUFFER,
+    vk::DescriptorType::STORAGE_BUFFER,
 ];
 
-/// One entry point for each level of the pyramid, then that of the tiles.
-const ENTRIES: [&CStr; LEVELS + 2] =
-    [c"luminance", c"level1", c"level2", c"level3", c"level4", c"level5", c"tiles"];
+/// One entry point for each level of the pyramid but the picture itself, then that of the tiles.
+const ENTRIES: [&CStr; LEVELS + 1] = [c"level1", c"level2", c"level3", c"level4", c"level5", c"tiles"];
 
 /// Threads of a workgroup of tiles, and along a side of one that makes a level. The shader has the same numbers.
 const THREADS: u32 = 64;
@@ -92,29 +92,74 @@ pub fn rate_row_bytes(columns: u32) -> u32 {
 
 /// The pass.
 pub struct Analyze {
-    pipelines: [Owned<vk::Pipeline>; ENTRIES.len()],
+    luminance: Owned<vk::Pipeline>,
+    compared: Owned<vk::Pipeline>,
+    settle: Owned<vk::Pipeline>,
+    stages: [Owned<vk::Pipeline>; ENTRIES.len()],
     layout: ComputeLayout,
     gpu: Arc<Gpu>,
 }
 
+/// What pictures of one size are analysed in, one after the other: levels 0 to [`LEVELS`] of the pyramid, see
+/// [`parafovea_core::kernels::analyze::level_place`], in GENERAL from the first analysis on; and for how long they have been the same.
+pub struct Levels {
+    // In the order in which each may be destroyed.
+    view: Owned<vk::ImageView>,
+    image: OwnedImage,
+    same: DeviceBuffer,
+    extent: [u32; 2],
+}
+
+impl Levels {
+    /// Of pictures of so many pixels, of which none was analysed.
+    ///
+    /// # Errors
+    /// A failed call, or [`GpuError::Unsupported`] for more pixels than the device takes.
+    pub fn new(gpu: &Arc<Gpu>, extent: [u32; 2]) -> Result<Self, GpuError> {
+        let [width, height] = levels_extent(extent);
+        let description = ImageDescription {
+            format: BLOCK,
+            extent: vk::Extent2D { width, height },
+            array_layers: 1,
+            usage: vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC,
+            mutable: false,
+            view_formats: &[],
+        };
+        let image = OwnedImage::new(gpu, &description)?;
+        let view = color_view(gpu, image.handle(), BLOCK, 0)?;
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::INDIRECT_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        let same = DeviceBuffer::without_content(gpu, usage, SAME_BYTES)?;
+        Ok(Self { view, image, same, extent })
+    }
+
+    /// The image, valid as long as `self`.
+    pub fn image(&self) -> vk::Image {
+        self.image.handle()
+    }
+
+    /// The size of the pictures, pixels.
+    pub fn extent(&self) -> [u32; 2] {
+        self.extent
+    }
+}
+
+/// Of the shader's structure `Same`: arguments for each of the stages, and two numbers.
+const SAME_BYTES: u64 = ARGUMENTS_BYTES * ENTRIES.len() as u64 + 2 * 4;
+const ARGUMENTS_BYTES: u64 = 3 * 4;
+
 /// A picture, and what its analysis works in. Several pictures that are analysed one after the other, such as the images
-/// of a swapchain, may share [`ViewTiles`].
+/// of a swapchain, may share [`ViewTiles`] and [`Levels`].
 pub struct AnalyzeTarget {
     // In the order in which each may be destroyed.
     set: ComputeSet,
-    _views: [Owned<vk::ImageView>; 2],
+    _view: Owned<vk::ImageView>,
     _params: DeviceBuffer,
-    levels: OwnedImage,
+    levels: Arc<Levels>,
     _tiles: Arc<ViewTiles>,
     params: AnalyzeParams,
     picture: ImagePart,
-}
-
-impl AnalyzeTarget {
-    /// Levels 0 to [`LEVELS`] of the pyramid, see [`parafovea_core::kernels::analyze::level_place`], in GENERAL and valid as long as `self`.
-    pub fn levels(&self) -> vk::Image {
-        self.levels.handle()
-    }
 }
 
 impl Analyze {
@@ -125,56 +170,54 @@ impl Analyze {
     pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
         let layout = ComputeLayout::new(gpu, &BINDINGS)?;
         let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/analyze.spv"));
-        let [a, b, c, d, e, f, g] = ENTRIES.map(|entry| layout.pipeline(spirv, entry));
-        Ok(Self { pipelines: [a?, b?, c?, d?, e?, f?, g?], layout, gpu: Arc::clone(gpu) })
+        let pipeline = |entry| layout.pipeline(spirv, entry);
+        let [luminance, compared, settle] = [c"luminance", c"compared", c"settle"].map(pipeline);
+        let [a, b, c, d, e, f] = ENTRIES.map(pipeline);
+        Ok(Self {
+            luminance: luminance?,
+            compared: compared?,
+            settle: settle?,
+            stages: [a?, b?, c?, d?, e?, f?],
+            layout,
+            gpu: Arc::clone(gpu),
+        })
     }
 
-    /// Prepares to analyse layer `layer` of `image`, read as `format`, into `tiles`.
+    /// Prepares to analyse layer `layer` of `image`, read as `format`, into `tiles`, by way of `levels`.
     ///
     /// # Errors
-    /// [`GpuError::Invalid`] where `params` are not of these tiles; a failed call.
+    /// [`GpuError::Invalid`] where `params` are not of these tiles and levels; a failed call.
     pub fn target(
         &self,
         (image, format, layer): (vk::Image, vk::Format, u32),
         params: &AnalyzeParams,
-        tiles: &Arc<ViewTiles>,
+        (tiles, levels): (&Arc<ViewTiles>, &Arc<Levels>),
     ) -> Result<AnalyzeTarget, GpuError> {
-        if params.tiles != tiles.tiles || params.extent.contains(&0) {
-            return Err(GpuError::Invalid("a picture with other tiles"));
+        if params.tiles != tiles.tiles || params.extent != levels.extent || params.extent.contains(&0) {
+            return Err(GpuError::Invalid("a picture with other tiles, or of another size"));
         }
         let gpu = &self.gpu;
         let view = color_view(gpu, image, format, layer)?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let params_buffer = DeviceBuffer::holding(gpu, storage, bytemuck::bytes_of(params))?;
-        let [width, height] = levels_extent(params.extent);
-        let description = ImageDescription {
-            format: BLOCK,
-            extent: vk::Extent2D { width, height },
-            array_layers: 1,
-            usage: vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC,
-            mutable: false,
-            view_formats: &[],
-        };
-        let levels = OwnedImage::new(gpu, &description)?;
-        let levels_view = color_view(gpu, levels.handle(), BLOCK, 0)?;
         let bound = [
             (0, Bound::Buffer(params_buffer.handle())),
             (1, Bound::Image(view.handle())),
-            (2, Bound::Image(levels_view.handle())),
+            (2, Bound::Image(levels.view.handle())),
             (3, Bound::Buffer(tiles.contrast())),
             (4, Bound::Buffer(tiles.rates())),
             (5, Bound::Buffer(tiles.shown.handle())),
+            (6, Bound::Buffer(levels.same.handle())),
         ];
         let set = ComputeSet::new(&self.layout, &bound)?;
         let aspects = vk::ImageAspectFlags::COLOR;
         let picture = ImagePart { image, aspects, level: 0, first_layer: layer, layers: 1 };
-        let tiles = Arc::clone(tiles);
         Ok(AnalyzeTarget {
             set,
-            _views: [view, levels_view],
+            _view: view,
             _params: params_buffer,
-            levels,
-            _tiles: tiles,
+            levels: Arc::clone(levels),
+            _tiles: Arc::clone(tiles),
             params: *params,
             picture,
         })
@@ -182,31 +225,86 @@ impl Analyze {
 
     /// Records the analysis of `target`. The picture was written by what was recorded before, and is in `layout` before and
     /// after. What the tiles hold is ordered between calls, and before later compute shaders on this queue.
-    pub fn record(&self, commands: &AppCommands, target: &AnalyzeTarget, layout: vk::ImageLayout) {
+    ///
+    /// `same_view`: how many analyses directly before this one, in the same levels and tiles and by the same parameters, were of the view
+    /// that this picture shows. Only then is it worth asking whether it is the same picture; once it has been so for
+    /// [`SETTLED`](parafovea_core::kernels::analyze::SETTLED) pictures, nothing but that is done.
+    pub fn record(
+        &self,
+        commands: &AppCommands,
+        target: &AnalyzeTarget,
+        layout: vk::ImageLayout,
+        same_view: u32,
+    ) {
         let read = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
         commands.barrier(target.picture, (layout, Scope::ALL), (read, COMPUTES));
+        if same_view == 0 {
+            self.record_all(commands, target);
+        } else {
+            self.record_compared(commands, target, same_view == 1);
+        }
+        commands.computed_to_computed();
+        commands.barrier(target.picture, (read, COMPUTES), (layout, Scope::ALL));
+    }
+
+    fn record_all(&self, commands: &AppCommands, target: &AnalyzeTarget) {
         // Nothing is kept of the analysis before this one, which may still be reading.
-        let levels = ImagePart { image: target.levels.handle(), first_layer: 0, ..target.picture };
+        let levels = ImagePart { image: target.levels.image(), first_layer: 0, ..target.picture };
         commands.barrier(
             levels,
             (vk::ImageLayout::UNDEFINED, COMPUTES),
             (vk::ImageLayout::GENERAL, COMPUTES),
         );
-        let (of_levels, of_tiles) = self.pipelines.split_at(LEVELS + 1);
-        for (level, pipeline) in of_levels.iter().enumerate() {
-            // Before the first one, too: so may it be using the tiles.
-            commands.computed_to_computed();
-            // A thread makes a block of the picture, or two by two of a coarser level.
-            let side = if level == 0 { GROUP_SIDE } else { 2 * GROUP_SIDE };
-            let groups = level_blocks(target.params.extent, level).map(|blocks| blocks.div_ceil(side));
-            commands.dispatch(&self.layout, pipeline, &target.set, groups);
-        }
-        let [columns, rows] = target.params.tiles;
-        for pipeline in of_tiles {
-            commands.computed_to_computed();
-            commands.dispatch(&self.layout, pipeline, &target.set, [columns.div_ceil(THREADS), rows]);
-        }
+        // Before the first one, too: so may it be using the tiles.
         commands.computed_to_computed();
-        commands.barrier(target.picture, (read, COMPUTES), (layout, Scope::ALL));
+        commands.dispatch(&self.layout, &self.luminance, &target.set, luminance_groups(target));
+        let [columns, rows] = target.params.tiles;
+        for (index, stage) in self.stages.iter().enumerate() {
+            commands.computed_to_computed();
+            let groups = match index + 1 {
+                // A thread makes two by two blocks.
+                level @ ..=LEVELS => {
+                    level_blocks(target.params.extent, level).map(|blocks| blocks.div_ceil(2 * GROUP_SIDE))
+                }
+                _ => [columns.div_ceil(THREADS), rows],
+            };
+            commands.dispatch(&self.layout, stage, &target.set, groups);
+        }
+    }
+
+    fn record_compared(&self, commands: &AppCommands, target: &AnalyzeTarget, is_first: bool) {
+        let same = target.levels.same.handle();
+        if is_first {
+            commands.memory_barrier(COMPUTES_AND_ARGUMENTS, WRITES);
+            commands.fill_words(same, 0);
+            commands.memory_barrier(WRITES, COMPUTES);
+        }
+        // What comes before may still be reading.
+        commands.memory_barrier(COMPUTES_AND_ARGUMENTS, COMPUTES);
+        commands.dispatch(&self.layout, &self.compared, &target.set, luminance_groups(target));
+        commands.computed_to_computed();
+        commands.dispatch(&self.layout, &self.settle, &target.set, [1; 2]);
+        for (index, stage) in (0..).zip(&self.stages) {
+            commands.memory_barrier(COMPUTES, COMPUTES_AND_ARGUMENTS);
+            commands.dispatch_indirect(&self.layout, stage, &target.set, (same, index * ARGUMENTS_BYTES));
+        }
     }
 }
+
+/// A thread makes a block.
+fn luminance_groups(target: &AnalyzeTarget) -> [u32; 2] {
+    level_blocks(target.params.extent, 0).map(|blocks| blocks.div_ceil(GROUP_SIDE))
+}
+
+/// What the stages do, and how many workgroups they have.
+const COMPUTES_AND_ARGUMENTS: Scope = Scope {
+    stages: vk::PipelineStageFlags::from_raw(
+        COMPUTES.stages.as_raw() | vk::PipelineStageFlags::DRAW_INDIRECT.as_raw(),
+    ),
+    access: vk::AccessFlags::from_raw(
+        COMPUTES.access.as_raw() | vk::AccessFlags::INDIRECT_COMMAND_READ.as_raw(),
+    ),
+};
+
+const WRITES: Scope =
+    Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };

@@ -190,7 +190,7 @@ impl Fill {
         commands.barrier(copy, (Layout::UNDEFINED, READS), (Layout::TRANSFER_DST_OPTIMAL, WRITES));
         commands.copy_image(picture, copy, target.extent);
         commands.barrier(copy, (Layout::TRANSFER_DST_OPTIMAL, WRITES), (Layout::GENERAL, FILLS));
-        commands.dispatch_indirect(&self.layout, pipeline, &target.set, list.buffer.handle());
+        commands.dispatch_indirect(&self.layout, pipeline, &target.set, (list.buffer.handle(), 0));
         commands.barrier(copy, (Layout::GENERAL, FILLS), (Layout::TRANSFER_SRC_OPTIMAL, READS));
         commands.barrier(
             picture,

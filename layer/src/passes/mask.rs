@@ -117,7 +117,7 @@ impl MaskPass {
         commands.dispatch(&self.layout, &self.seal, &target.set, [1, 1]);
         commands.computed_to_computed();
         commands.computes_to_reads();
-        commands.dispatch_indirect(&self.layout, &self.sources, &target.set, target.map.list());
+        commands.dispatch_indirect(&self.layout, &self.sources, &target.set, (target.map.list(), 0));
         commands.computes_to_reads();
     }
 }

@@ -17,8 +17,7 @@ use super::submit::Prologues;
 use crate::gpu::AppCommands;
 use crate::link::PictureRecord;
 use ash::vk;
-use eye::{Eye, EyeTiles};
-use parafovea_core::geometry::View;
+use eye::{Eye, EyeTiles, Measured};
 use parafovea_core::kernels::decide::DecideParams;
 use pictures::Pictures;
 use smallvec::SmallVec;
@@ -94,23 +93,27 @@ impl Perception {
         }
         // SAFETY: the caller vouches for the device's queue.
         let Some((queue, prologues)) = (unsafe { self.queue(armed, record.queue) }) else { return };
-        let Some(eye_tiles) = self.eye(&tools, eye, tiles) else { return };
+        let Some(eye_tiles) = self.eye(&tools, eye, tiles, extent) else { return };
         if decision.judged.is_none() {
             return self.measured(eye, None);
         }
         let Some(target) = self.picture(&tools, record, texel, &eye_tiles) else { return };
+        let last = self.state().eyes[eye].as_ref().and_then(|eye| eye.measured);
+        let measured = Measured::new(record, texel, told, last.as_ref());
+        let same_view = measured.map_or(0, |measured| measured.same_view);
         let mut kept = Kept::new();
         kept.push(target.clone());
         let record_commands = |commands: vk::CommandBuffer| {
             // SAFETY: the command buffer is a new one for that queue, which draws; what is named is kept.
             let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
-            tools.analyze.record(&commands, &target, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+            let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+            tools.analyze.record(&commands, &target, layout, same_view);
             Ok(())
         };
         let Some(functions) = armed.functions() else { return };
         // SAFETY: the caller vouches for the queue.
         if unsafe { prologues.run(armed, functions, queue, kept, record_commands) } {
-            self.measured(eye, eye::view_of(record).map(|view| (view, told)));
+            self.measured(eye, measured);
         }
     }
 
@@ -132,10 +135,10 @@ impl Perception {
         let mut eyes = SmallVec::new();
         for (index, eye) in state.eyes.iter().enumerate() {
             let (Some(eye), Some(decision)) = (eye, plan.decision(index)) else { continue };
-            let is_recent = |(_, at): &(View, u64)| plan.told().saturating_sub(*at) <= LONGEST_PLANS;
+            let is_recent = |measured: &Measured| plan.told().saturating_sub(measured.told) <= LONGEST_PLANS;
             let measured = eye.measured.filter(is_recent);
             let params =
-                decision.params(|judged| Some(judged.measured_in(&measured?.0, decision.orientation)));
+                decision.params(|judged| Some(judged.measured_in(&measured?.view, decision.orientation)));
             if params.tiles == eye.tiles.view.tiles() {
                 eyes.push((Arc::clone(&eye.tiles), params));
             }
@@ -253,12 +256,12 @@ impl Perception {
         drop(forgotten);
     }
 
-    fn measured(&self, eye: usize, view: Option<(View, u64)>) {
+    fn measured(&self, eye: usize, measured: Option<Measured>) {
         let mut state = self.state();
         if let Some(eye) = &mut state.eyes[eye] {
-            eye.measured = view;
+            eye.measured = measured;
         }
-        state.analyzed += u64::from(view.is_some());
+        state.analyzed += u64::from(measured.is_some());
     }
 
     /// The queue of a session, which may draw and compute, and what is submitted to it.
@@ -289,13 +292,13 @@ impl Perception {
         Some((queue, prologues))
     }
 
-    /// What is known of an eye with so many tiles; of others nothing is any more.
-    fn eye(&self, tools: &Tools, eye: usize, tiles: [u32; 2]) -> Option<Arc<EyeTiles>> {
-        if let Some(known) = self.state().eyes[eye].as_ref().filter(|known| known.tiles.view.tiles() == tiles)
-        {
+    /// What is known of an eye with so many tiles and pixels; of others nothing is any more.
+    fn eye(&self, tools: &Tools, eye: usize, tiles: [u32; 2], extent: [u32; 2]) -> Option<Arc<EyeTiles>> {
+        let is_it = |known: &&Eye| known.tiles.view.tiles() == tiles && known.tiles.levels.extent() == extent;
+        if let Some(known) = self.state().eyes[eye].as_ref().filter(is_it) {
             return Some(Arc::clone(&known.tiles));
         }
-        match EyeTiles::new(tools, eye, tiles) {
+        match EyeTiles::new(tools, eye, tiles, extent) {
             Ok(new) => {
                 let new = Arc::new(new);
                 self.state().eyes[eye] = Some(Eye { tiles: Arc::clone(&new), measured: None });

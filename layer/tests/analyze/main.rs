@@ -16,11 +16,11 @@ use ash::vk;
 use formats::stored;
 use glam::Vec3;
 use parafovea::gpu::AppCommands;
-use parafovea::passes::analyze::{Analyze, AnalyzeParams, AnalyzeTarget, USAGE, ViewTiles, rate_row_bytes};
+use parafovea::passes::analyze::{Analyze, AnalyzeParams, Levels, USAGE, ViewTiles, rate_row_bytes};
 use parafovea_core::color::Matrix;
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::analyze::{
-    Aggregation, Buffers, ContrastSettings, level_place, level_size, levels_extent, restore, tiles,
+    Aggregation, Buffers, ContrastSettings, SETTLED, level_place, level_size, levels_extent, restore, tiles,
 };
 use parafovea_core::perception::luminance::luminance_plane;
 use parafovea_core::perception::pyramid::LEVELS;
@@ -80,7 +80,8 @@ impl Analyzed {
         let settings = shape.settings();
         let params = AnalyzeParams::new(shape.offset, shape.extent, &settings, WHITE_CD_M2, Matrix::Bt709);
         let tiles = Arc::new(ViewTiles::new(&vulkan.gpu, settings.tiles(shape.extent)).unwrap());
-        let target = analyze.target((image, format, 1), &params, &tiles).unwrap();
+        let levels = Arc::new(Levels::new(&vulkan.gpu, shape.extent).unwrap());
+        let target = analyze.target((image, format, 1), &params, (&tiles, &levels)).unwrap();
         let mut maps = Vec::new();
         for (picture, rates) in passes {
             vulkan.upload(Layer { image, layer: 1, extent }, picture);
@@ -89,13 +90,13 @@ impl Analyzed {
             vulkan.run(|commands| {
                 // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
                 let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
-                analyze.record(&commands, &target, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+                analyze.record(&commands, &target, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, 0);
             });
             let count = rates.texels().len();
             let bytes = vulkan.read(tiles.contrast(), count * size_of::<TileContrast>());
             maps.push(numbers(&bytes));
         }
-        Self { levels: levels_of(vulkan, &target, shape.extent), maps }
+        Self { levels: levels_of(vulkan, &levels), maps }
     }
 
     fn on_cpu(shape: &Shape, passes: &[(&Plane<Vec3>, &Plane<u8>)]) -> Self {
@@ -121,9 +122,10 @@ impl Analyzed {
 }
 
 /// The levels of the pyramid as the device left them.
-fn levels_of(vulkan: &Vulkan, target: &AnalyzeTarget, extent: [u32; 2]) -> Vec<Plane> {
+fn levels_of(vulkan: &Vulkan, levels: &Levels) -> Vec<Plane> {
+    let extent = levels.extent();
     let [width, height] = levels_extent(extent);
-    let whole = Layer { image: target.levels(), layer: 0, extent: vk::Extent2D { width, height } };
+    let whole = Layer { image: levels.image(), layer: 0, extent: vk::Extent2D { width, height } };
     let bytes = vulkan.download_in(vk::ImageLayout::GENERAL, whole, size_of::<[f32; 4]>());
     let blocks: Vec<[f32; 4]> = numbers(&bytes);
     (0..=LEVELS)
@@ -243,6 +245,87 @@ fn pictures_that_change_match_the_reference() {
     let before_last = &cpu.maps[4..6];
     assert!(before_last[0] != before_last[1], "nothing fades");
     assert_matches("fading", &gpu, &cpu, 1e-4);
+    vulkan.assert_valid();
+}
+
+/// While the view stays, pictures are compared with the ones before: all is as if each had been analysed, and once nothing changes any more,
+/// nothing is written.
+#[test]
+fn a_picture_that_stays_is_analysed_until_nothing_changes() {
+    let Some((vulkan, analyze)) = analyze() else { return };
+    let shape = whole([160, 112]);
+    let [width, height] = shape.image;
+    let extent = vk::Extent2D { width, height };
+    let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST | USAGE;
+    let image = vulkan.image(vk::ImageCreateFlags::empty(), FLOATS, extent, 1, usage);
+    let settings = shape.settings();
+    let [columns, rows] = settings.tiles(shape.extent);
+    let rates = Plane::from_fn(columns, rows, |x, y| VULKAN_RATES[((x + 3 * y) % 7) as usize].texel());
+    let params = AnalyzeParams::new([0; 2], shape.extent, &settings, WHITE_CD_M2, Matrix::Bt709);
+    let tiles = Arc::new(ViewTiles::new(&vulkan.gpu, [columns, rows]).unwrap());
+    let levels = Arc::new(Levels::new(&vulkan.gpu, shape.extent).unwrap());
+    let target = analyze.target((image, FLOATS, 0), &params, (&tiles, &levels)).unwrap();
+    let bytes = packed(&rates);
+    vulkan.copy(vulkan.staging(&bytes), tiles.rates(), bytes.len());
+
+    let natural = pictures::plane(pictures::ALL[0], shape.image);
+    let faded = |contrast: f32| {
+        let texel = |x, y| Vec3::splat(0.2) + (natural.at(x, y) - Vec3::splat(0.2)) * contrast;
+        Plane::from_fn(width, height, texel)
+    };
+    // In the last row and column alone, and by little.
+    let mut touched = faded(0.65);
+    let corner = touched.texels_mut().last_mut().unwrap();
+    corner.y *= 1.001;
+    let shown = [&natural, &faded(0.65), &touched];
+    // Which picture, how often, and whether the view was another one before.
+    let turns = [(0, 3, true), (1, SETTLED + 4, false), (2, 2, false), (1, 3, true), (1, SETTLED + 1, false)];
+    let mut seen = Vec::new();
+    let (mut same_view, mut written) = (0, Vec::new());
+    for (index, count, has_moved) in turns {
+        same_view = if has_moved { 0 } else { same_view };
+        vulkan.upload(Layer { image, layer: 0, extent }, &stored(FLOATS, shown[index], &[]).0);
+        for _ in 0..count {
+            seen.push((shown[index], &rates));
+            let known =
+                vulkan.read(tiles.contrast(), columns as usize * rows as usize * size_of::<TileContrast>());
+            // The light of a tile is written whenever it is analysed, and nothing is made of it there.
+            let mut marked: Vec<TileContrast> = numbers(&known);
+            marked.iter_mut().for_each(|tile| tile.adaptation_cd_m2 = -1.0);
+            let marked: &[u8] = bytemuck::cast_slice(&marked);
+            vulkan.copy(vulkan.staging(marked), tiles.contrast(), marked.len());
+            vulkan.run(|commands| {
+                // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
+                let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
+                let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+                analyze.record(&commands, &target, layout, same_view);
+            });
+            same_view += 1;
+            let after = vulkan.read(tiles.contrast(), marked.len());
+            let was_written = after != marked;
+            written.push(was_written);
+            if !was_written {
+                vulkan.copy(vulkan.staging(&known), tiles.contrast(), known.len());
+            }
+        }
+    }
+    let settled = |count: u32, rest: usize| (0..count as usize + rest).map(move |turn| turn < count as usize);
+    // The first of a picture is another one than that before, and those after it are the same; after the view has moved, from the second
+    // one on.
+    let expected: Vec<bool> = [true; 3]
+        .into_iter()
+        .chain(settled(SETTLED, 4))
+        .chain([true; 2])
+        .chain([true; 3])
+        .chain(settled(SETTLED - 3, 4))
+        .collect();
+    assert_eq!(written, expected);
+
+    let bytes = vulkan.read(tiles.contrast(), columns as usize * rows as usize * size_of::<TileContrast>());
+    let gpu = Analyzed { levels: levels_of(&vulkan, &levels), maps: vec![numbers(&bytes)] };
+    let mut cpu = Analyzed::on_cpu(&shape, &seen);
+    cpu.maps.drain(..cpu.maps.len() - 1);
+    assert_matches("a picture that stays", &gpu, &cpu, 1e-4);
     vulkan.assert_valid();
 }
 

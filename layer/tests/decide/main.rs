@@ -17,7 +17,7 @@ mod vulkan;
 use ash::vk;
 use glam::{EulerRot, Quat, Vec3};
 use parafovea::gpu::AppCommands;
-use parafovea::passes::analyze::{Analyze, AnalyzeParams, USAGE, ViewTiles, rate_row_bytes};
+use parafovea::passes::analyze::{Analyze, AnalyzeParams, Levels, USAGE, ViewTiles, rate_row_bytes};
 use parafovea::passes::decide::{Decide, DecideParams};
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::avpm::{BudgetSettings, SensitivityUnit};
@@ -296,7 +296,8 @@ fn recording_asks_for_no_memory() {
     let settings = ContrastSettings { texel: USUAL.texel, ..ContrastSettings::default() };
     let tiles = Arc::new(ViewTiles::new(&vulkan.gpu, settings.tiles(USUAL.extent)).unwrap());
     let params = AnalyzeParams::new([0; 2], USUAL.extent, &settings, 100.0, Matrix::Bt709);
-    let analyzed = analyze.target((image, format, 0), &params, &tiles).unwrap();
+    let levels = Arc::new(Levels::new(&vulkan.gpu, USUAL.extent).unwrap());
+    let analyzed = analyze.target((image, format, 0), &params, (&tiles, &levels)).unwrap();
     let decided = both.decide.target(&tiles).unwrap();
     let contrast = USUAL.contrast(pictures::ALL[0]);
     let mut planner = Planner::new(self::settings(SensitivityUnit::CastleCsf, true, USUAL.texel));
@@ -308,7 +309,9 @@ fn recording_asks_for_no_memory() {
         let count = allocations::count(|| {
             // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
             let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
-            analyze.record(&commands, &analyzed, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+            for same_view in 0..3 {
+                analyze.record(&commands, &analyzed, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, same_view);
+            }
             both.decide.record(&commands, &decided, &params, &stale).unwrap();
         });
         assert_eq!(count, 0);

@@ -22,6 +22,10 @@ const FOLLOW: f32 = 0.1;
 /// Contrast that is added before two are compared, so that noise on a plain wall is no change.
 const FLOOR: f32 = 0.01;
 
+/// After so many analyses of one picture at the same rates, more of them change nothing: what is twice as much as before takes ten to be followed to
+/// within [`STEADY`], and stays from there on.
+pub const SETTLED: u32 = 16;
+
 /// What a tile showed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]

@@ -322,6 +322,19 @@ proptest! {
     }
 
     #[test]
+    fn a_tile_that_stays_is_settled(
+        measured in prop::array::uniform4(0.0..9.0f32), before in prop::array::uniform4(0.0..9.0f32), contrast in 0.0..9.0f32,
+        rate in 0usize..7, at in 0usize..7,
+    ) {
+        let (rate, measured) = (VULKAN_RATES[rate], tile(measured));
+        let (mut known, mut shown) = (tile(before), Shown { contrast, rate: VULKAN_RATES[at].texel().into() });
+        for _ in 0..SETTLED {
+            (known, shown) = restored(measured, known, shown, rate);
+        }
+        prop_assert_eq!(restored(measured, known, shown, rate), (known, shown));
+    }
+
+    #[test]
     fn restored_contrast_is_finite(
         now in prop::array::uniform4(0.0..1e6f32), before in prop::array::uniform4(0.0..1e6f32), contrast in 0.0..1e6f32,
         rate in 0usize..7, at in 0u32..16,

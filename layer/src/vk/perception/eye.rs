@@ -3,8 +3,9 @@
 use super::Tools;
 use crate::gpu::GpuError;
 use crate::link::PictureRecord;
-use crate::passes::analyze::ViewTiles;
+use crate::passes::analyze::{Levels, ViewTiles};
 use crate::passes::decide::DecideTarget;
+use ash::vk;
 use glam::{Quat, Vec2};
 use parafovea_core::geometry::{ImagePlane, View};
 use std::sync::Arc;
@@ -13,8 +14,45 @@ use std::sync::Arc;
 pub struct Eye {
     /// Its tiles.
     pub tiles: Arc<EyeTiles>,
-    /// The view of the picture that was analysed last, and the number of the plan by then; nothing where contrast is not known.
-    pub measured: Option<(View, u64)>,
+    /// The picture that was analysed last; nothing where contrast is not known.
+    pub measured: Option<Measured>,
+}
+
+/// A picture that was analysed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// What it shows.
+    pub view: View,
+    /// Number of the plan by then.
+    pub told: u64,
+    /// What it was analysed by.
+    pub by: Parameters,
+    /// How many analyses directly before were of the same view, by the same parameters.
+    pub same_view: u32,
+}
+
+/// What a picture is analysed by, beside its size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Size of a tile, pixels.
+    pub texel: [u32; 2],
+    /// Luminance of white.
+    pub white_cd_m2: f32,
+    /// Whether the mean of a tile counts, and not its peak.
+    pub is_mean: bool,
+    /// What the picture is read as.
+    pub format: vk::Format,
+}
+
+impl Measured {
+    /// That of a record, after what was measured last.
+    pub fn new(record: &PictureRecord, texel: [u32; 2], told: u64, last: Option<&Self>) -> Option<Self> {
+        let view = view_of(record)?;
+        let PictureRecord { white_cd_m2, is_mean, format, .. } = *record;
+        let by = Parameters { texel, white_cd_m2, is_mean: is_mean == 1, format };
+        let before = last.filter(|last| last.view == view && last.by == by);
+        Some(Self { view, told, by, same_view: before.map_or(0, |last| last.same_view.saturating_add(1)) })
+    }
 }
 
 /// The tiles of an eye's picture, on the GPU.
@@ -23,26 +61,77 @@ pub struct EyeTiles {
     pub eye: usize,
     /// Contrast and rates.
     pub view: Arc<ViewTiles>,
+    /// What pictures are analysed in.
+    pub levels: Arc<Levels>,
     /// What they are decided with.
     pub decide: DecideTarget,
 }
 
 impl EyeTiles {
-    /// Of so many columns and rows, of which nothing is known.
+    /// Of so many columns and rows, of which nothing is known, of pictures of so many pixels.
     ///
     /// # Errors
-    /// A failed call, or more tiles than the device takes.
-    pub fn new(tools: &Tools, eye: usize, tiles: [u32; 2]) -> Result<Self, GpuError> {
+    /// A failed call, or more tiles or pixels than the device takes.
+    pub fn new(tools: &Tools, eye: usize, tiles: [u32; 2], extent: [u32; 2]) -> Result<Self, GpuError> {
         let view = Arc::new(ViewTiles::new(&tools.gpu, tiles)?);
+        let levels = Arc::new(Levels::new(&tools.gpu, extent)?);
         let decide = tools.decide.target(&view)?;
-        Ok(Self { eye, view, decide })
+        Ok(Self { eye, view, levels, decide })
     }
 }
 
 /// The view of a picture.
-pub fn view_of(record: &PictureRecord) -> Option<View> {
+fn view_of(record: &PictureRecord) -> Option<View> {
     let [x, y, z, w] = record.orientation;
     let [origin, step] = record.plane.map(Vec2::from);
     let view = View { orientation: Quat::from_xyzw(x, y, z, w), plane: ImagePlane { origin, step } };
     (view.orientation.is_finite() && origin.is_finite() && step.is_finite()).then_some(view)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ash::vk::Handle;
+
+    fn record() -> PictureRecord {
+        PictureRecord {
+            eye: 0,
+            queue: [0; 2],
+            swapchain: 1,
+            image: vk::Image::null(),
+            format: vk::Format::R8G8B8A8_SRGB,
+            layer: 0,
+            rect: [0, 0, 64, 64],
+            plane: [[-1.0, 1.0], [0.03, -0.03]],
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            white_cd_m2: 100.0,
+            is_mean: 0,
+        }
+    }
+
+    #[test]
+    fn views_are_the_same_until_anything_differs() {
+        let mut last: Option<Measured> = None;
+        let mut next = |record: &PictureRecord, texel: u32| {
+            last = Measured::new(record, [texel; 2], 7, last.as_ref());
+            last.map(|measured| measured.same_view)
+        };
+        assert_eq!([(); 3].map(|()| next(&record(), 16)), [Some(0), Some(1), Some(2)]);
+        // Another image of the swapchain shows the same.
+        assert_eq!(next(&PictureRecord { image: vk::Image::from_raw(5), ..record() }, 16), Some(3));
+        let others = [
+            PictureRecord { orientation: [0.0, 1e-3, 0.0, 1.0], ..record() },
+            PictureRecord { plane: [[-1.0, 1.0], [0.03, -0.031]], ..record() },
+            PictureRecord { white_cd_m2: 99.0, ..record() },
+            PictureRecord { is_mean: 1, ..record() },
+            PictureRecord { format: vk::Format::R8G8B8A8_UNORM, ..record() },
+        ];
+        for other in others {
+            assert_eq!(next(&other, 16), Some(0), "{other:?}");
+            assert_eq!(next(&record(), 16), Some(0));
+        }
+        assert_eq!(next(&record(), 32), Some(0));
+        assert_eq!(next(&PictureRecord { orientation: [f32::NAN; 4], ..record() }, 32), None);
+        assert_eq!(next(&record(), 32), Some(0));
+    }
 }
