@@ -35,6 +35,9 @@ const FEW: [&str; 7] = [
 const EVERYTHING: &str = "[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n[debug]\nview = \"eccentricity\"\n";
 
+/// A software device that compiles on a busy machine is behind for seconds, which is told, and no error.
+const LATE: &str = "frames show earlier pictures while the device is behind";
+
 /// How the device looks: as it is, for masks, or as if it had shading rates.
 type Device = Option<ShadingRateProfile>;
 
@@ -84,7 +87,8 @@ fn check(style: &Style, device: Device) -> Result<(), Failed> {
     assert!(on.findings.openxr.is_empty(), "{:#?}", on.findings.openxr);
     assert!(on.record.errors.is_empty(), "{:#?}", on.record.errors);
     for told in ["internal error", " WARN ", " ERROR "] {
-        assert!(!on.log.contains(told), "{}", on.log);
+        let mut lines = on.log.lines().filter(|line| !line.contains(LATE));
+        assert!(!lines.any(|line| line.contains(told)), "{}", on.log);
     }
     let mut coarse = 0;
     for line in on.shading_rates()? {
