@@ -228,7 +228,8 @@ impl Analyze {
     ///
     /// `same_view`: how many analyses directly before this one, in the same levels and tiles and by the same parameters, were of the view
     /// that this picture shows. Only then is it worth asking whether it is the same picture; once it has been so for
-    /// [`SETTLED`](parafovea_core::kernels::analyze::SETTLED) pictures, nothing but that is done.
+    /// [`SETTLED`](parafovea_core::kernels::analyze::SETTLED) pictures, nothing but that is done. Where the rate of a tile changes then and its
+    /// pixels do not, what was known of it stays.
     pub fn record(
         &self,
         commands: &AppCommands,

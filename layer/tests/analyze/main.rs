@@ -248,7 +248,7 @@ fn pictures_that_change_match_the_reference() {
     vulkan.assert_valid();
 }
 
-/// While the view stays, pictures are compared with the ones before: all is as if each had been analysed, and once nothing changes any more,
+/// While view and rates stay, pictures are compared with the ones before: all is as if each had been analysed, and once nothing changes any more,
 /// nothing is written.
 #[test]
 fn a_picture_that_stays_is_analysed_until_nothing_changes() {
