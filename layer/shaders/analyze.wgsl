@@ -1,7 +1,8 @@
 // Kernel `analyze`: the contrast of each tile of a picture, by octave of spatial frequency.
 // Reference: core/src/kernels/analyze.rs and what it calls. One dispatch for luminance, one for each of five reductions, one for the
-// tiles; where the view has not moved, only the first as long as the picture is the same too. Only the first depends on the format of the picture. No barrier within a workgroup, and no thread that waits for another:
-// software devices find both dear, as they do each single number read; hence levels are kept in blocks of two by two texels.
+// tiles; where the view has not moved, only the first as long as picture and rates are the same too. Only the first depends on the format of
+// the picture. No barrier within a workgroup, and no thread that waits for another: software devices find both dear, as they do each single
+// number read; hence levels are kept in blocks of two by two texels.
 
 struct AnalyzeParams {
     rect_offset: vec2<u32>,
@@ -43,7 +44,7 @@ struct Shown {
 struct Same {
     // Workgroups of the reductions, then of the tiles.
     groups: array<array<u32, 3>, 6>,
-    // Whether this picture is another one than that before.
+    // Whether this picture is another one than that before, or a tile of it was shaded at another rate.
     is_changed: atomic<u32>,
     // For how many pictures it has been the same.
     count: u32,
@@ -61,37 +62,75 @@ fn component(value: f32) -> f32 {
     return select(clamp(value, -LARGEST_COMPONENT, LARGEST_COMPONENT), 0.0, is_nan);
 }
 
-fn light(pixel: vec2<u32>) -> f32 {
-    let color = textureLoad(picture, params.rect_offset + min(pixel, params.extent - 1u), 0);
-    let rgb = vec3(component(color.r), component(color.g), component(color.b));
+// `is_unit`: of a format that holds 0..=1 and nothing else.
+fn light(pixel: vec2<u32>, is_unit: bool) -> f32 {
+    var rgb = textureLoad(picture, params.rect_offset + min(pixel, params.extent - 1u), 0).rgb;
+    if !is_unit {
+        rgb = vec3(component(rgb.r), component(rgb.g), component(rgb.b));
+    }
     let relative = params.weights.x * rgb.r + params.weights.y * rgb.g + params.weights.z * rgb.b;
     return clamp(relative * params.white_cd_m2, 0.0, BRIGHTEST_CD_M2);
 }
 
 // Beyond the edge the last texel repeats, in blocks too.
-fn block_of_picture(pixel: vec2<u32>) -> vec4<f32> {
-    return vec4(light(pixel), light(pixel + vec2(1u, 0u)), light(pixel + vec2(0u, 1u)), light(pixel + 1u));
+fn block_of_picture(pixel: vec2<u32>, is_unit: bool) -> vec4<f32> {
+    return vec4(
+        light(pixel, is_unit),
+        light(pixel + vec2(1u, 0u), is_unit),
+        light(pixel + vec2(0u, 1u), is_unit),
+        light(pixel + 1u, is_unit),
+    );
 }
 
-@compute @workgroup_size(8, 8)
+fn store_luminance(at: vec2<u32>, is_unit: bool) {
+    let pixel = 2u * at;
+    if any(pixel >= params.extent) {
+        return;
+    }
+    textureStore(levels, at, block_of_picture(pixel, is_unit));
+}
+
+@compute @workgroup_size(64)
 fn luminance(@builtin(global_invocation_id) id: vec3<u32>) {
-    let pixel = 2u * id.xy;
-    if any(pixel >= params.extent) {
-        return;
-    }
-    textureStore(levels, id.xy, block_of_picture(pixel));
+    store_luminance(id.xy, false);
 }
 
-// As `luminance`, of a picture that may be the same as the last one.
-@compute @workgroup_size(8, 8)
-fn compared(@builtin(global_invocation_id) id: vec3<u32>) {
-    let pixel = 2u * id.xy;
+@compute @workgroup_size(64)
+fn luminance_unit(@builtin(global_invocation_id) id: vec3<u32>) {
+    store_luminance(id.xy, true);
+}
+
+// As `store_luminance`, of a picture that may be the same as the last one.
+fn compare_luminance(at: vec2<u32>, is_unit: bool) {
+    let pixel = 2u * at;
     if any(pixel >= params.extent) {
         return;
     }
-    let block = block_of_picture(pixel);
-    if any(textureLoad(levels, id.xy) != block) {
-        textureStore(levels, id.xy, block);
+    let block = block_of_picture(pixel, is_unit);
+    if any(textureLoad(levels, at) != block) {
+        textureStore(levels, at, block);
+        atomicStore(&same.is_changed, 1u);
+    }
+}
+
+@compute @workgroup_size(64)
+fn compared(@builtin(global_invocation_id) id: vec3<u32>) {
+    compare_luminance(id.xy, false);
+}
+
+@compute @workgroup_size(64)
+fn compared_unit(@builtin(global_invocation_id) id: vec3<u32>) {
+    compare_luminance(id.xy, true);
+}
+
+// Whether a tile was shaded at another rate than what is known of it: its picture may be the same and hold less.
+@compute @workgroup_size(64)
+fn rates_compared(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= params.tiles.x {
+        return;
+    }
+    let rate = shaded_at(id.xy);
+    if (rate & STALE) == 0u && rate != shown[id.y * params.tiles.x + id.x].rate {
         atomicStore(&same.is_changed, 1u);
     }
 }
@@ -106,7 +145,7 @@ fn settle() {
     let layers = select(1u, 0u, same.count == SETTLED);
     for (var level = 1u; level <= 5u; level++) {
         // A thread makes two by two blocks.
-        let groups = (level_size(level + 1u) + 15u) / 16u;
+        let groups = (level_size(level + 1u) + vec2(127u, 1u)) / vec2(128u, 2u);
         same.groups[level - 1u] = array<u32, 3>(groups.x, groups.y, layers);
     }
     same.groups[5] = array<u32, 3>((params.tiles.x + 63u) / 64u, params.tiles.y, layers);
@@ -135,12 +174,29 @@ fn level_at(level: u32) -> Level {
     return Level(vec2<i32>(place), vec2<i32>(level_size(level + 1u)) - 1);
 }
 
+// Where a block may lie along an axis: nowhere but on the level, or also before its first or after its last block. Constants, so that a device
+// asks no more than it has to.
+const ON: i32 = 0;
+const BEFORE: i32 = -1;
+const AFTER: i32 = 1;
+
 // A block of a level: the upper two texels, then the lower two. Beyond the edges the last texels repeat.
-fn block(level: Level, at: vec2<i32>) -> vec4<f32> {
+fn block(level: Level, at: vec2<i32>, across: i32, down: i32) -> vec4<f32> {
     let inside = clamp(at, vec2(0), level.last);
-    let texels = textureLoad(levels, level.place + inside);
-    let across = select(select(texels, texels.yyww, vec4(at.x > inside.x)), texels.xxzz, vec4(at.x < inside.x));
-    return select(select(across, across.zwzw, vec4(at.y > inside.y)), across.xyxy, vec4(at.y < inside.y));
+    var texels = textureLoad(levels, level.place + inside);
+    if across == BEFORE {
+        texels = select(texels, texels.xxzz, vec4(at.x < inside.x));
+    }
+    if across == AFTER {
+        texels = select(texels, texels.yyww, vec4(at.x > inside.x));
+    }
+    if down == BEFORE {
+        texels = select(texels, texels.xyxy, vec4(at.y < inside.y));
+    }
+    if down == AFTER {
+        texels = select(texels, texels.zwzw, vec4(at.y > inside.y));
+    }
+    return texels;
 }
 
 fn binomial(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, d: vec2<f32>, e: vec2<f32>) -> vec2<f32> {
@@ -154,13 +210,13 @@ struct Columns {
 }
 
 // Block column `x` of the level before, from the row before block row `y` on.
-fn columns(finer: Level, x: i32, y: i32) -> Columns {
-    let a = block(finer, vec2(x, y - 1));
-    let b = block(finer, vec2(x, y));
-    let c = block(finer, vec2(x, y + 1));
-    let d = block(finer, vec2(x, y + 2));
-    let e = block(finer, vec2(x, y + 3));
-    let f = block(finer, vec2(x, y + 4));
+fn columns(finer: Level, x: i32, y: i32, across: i32) -> Columns {
+    let a = block(finer, vec2(x, y - 1), across, BEFORE);
+    let b = block(finer, vec2(x, y), across, ON);
+    let c = block(finer, vec2(x, y + 1), across, AFTER);
+    let d = block(finer, vec2(x, y + 2), across, AFTER);
+    let e = block(finer, vec2(x, y + 3), across, AFTER);
+    let f = block(finer, vec2(x, y + 4), across, AFTER);
     return Columns(
         vec4(binomial(a.xy, a.zw, b.xy, b.zw, c.xy), binomial(b.xy, b.zw, c.xy, c.zw, d.xy)),
         vec4(binomial(c.xy, c.zw, d.xy, d.zw, e.xy), binomial(d.xy, d.zw, e.xy, e.zw, f.xy)),
@@ -190,39 +246,39 @@ fn reduce(index: u32, id: vec2<u32>) {
     let level = level_at(index);
     let finer = level_at(index - 1u);
     let source = 2 * vec2<i32>(at);
-    let a = columns(finer, source.x - 1, source.y);
-    let b = columns(finer, source.x, source.y);
-    let c = columns(finer, source.x + 1, source.y);
-    let d = columns(finer, source.x + 2, source.y);
-    let e = columns(finer, source.x + 3, source.y);
-    let f = columns(finer, source.x + 4, source.y);
+    let a = columns(finer, source.x - 1, source.y, BEFORE);
+    let b = columns(finer, source.x, source.y, ON);
+    let c = columns(finer, source.x + 1, source.y, AFTER);
+    let d = columns(finer, source.x + 2, source.y, AFTER);
+    let e = columns(finer, source.x + 3, source.y, AFTER);
+    let f = columns(finer, source.x + 4, source.y, AFTER);
     store(level, size, at, a.upper, b.upper, c.upper, d.upper);
     store(level, size, at + vec2(1u, 0u), c.upper, d.upper, e.upper, f.upper);
     store(level, size, at + vec2(0u, 1u), a.lower, b.lower, c.lower, d.lower);
     store(level, size, at + 1u, c.lower, d.lower, e.lower, f.lower);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(64)
 fn level1(@builtin(global_invocation_id) id: vec3<u32>) {
     reduce(1u, id.xy);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(64)
 fn level2(@builtin(global_invocation_id) id: vec3<u32>) {
     reduce(2u, id.xy);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(64)
 fn level3(@builtin(global_invocation_id) id: vec3<u32>) {
     reduce(3u, id.xy);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(64)
 fn level4(@builtin(global_invocation_id) id: vec3<u32>) {
     reduce(4u, id.xy);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(64)
 fn level5(@builtin(global_invocation_id) id: vec3<u32>) {
     reduce(5u, id.xy);
 }
@@ -254,17 +310,17 @@ fn expanded(before: f32, upper: f32, lower: f32, after: f32) -> vec4<f32> {
     );
 }
 
-fn expanded_columns(coarse: Level, at: vec2<i32>) -> Expanded {
-    let before = block(coarse, at - vec2(0, 1));
-    let here = block(coarse, at);
-    let after = block(coarse, at + vec2(0, 1));
+fn expanded_columns(coarse: Level, at: vec2<i32>, across: i32) -> Expanded {
+    let before = block(coarse, at - vec2(0, 1), across, BEFORE);
+    let here = block(coarse, at, across, ON);
+    let after = block(coarse, at + vec2(0, 1), across, AFTER);
     return Expanded(expanded(before.z, here.x, here.z, after.x), expanded(before.w, here.y, here.w, after.y));
 }
 
 // Column `x` of the level after that, rows `y` and `y` + 1, interpolated downwards.
 fn upsampled_column(surround: Level, x: i32, y: i32) -> vec4<f32> {
-    let here = block(surround, vec2(x, y) / 2);
-    let below = block(surround, vec2(x, y + 1) / 2);
+    let here = block(surround, vec2(x, y) / 2, AFTER, ON);
+    let below = block(surround, vec2(x, y + 1) / 2, AFTER, AFTER);
     // Rows `y` in the upper half of a block, and in its lower half.
     let upper = select(here.xy, here.zw, vec2((y & 1) != 0));
     let lower = select(below.zw, below.xy, vec2((y & 1) != 0));
@@ -302,17 +358,18 @@ fn gather(band: u32, tile: Covered) -> Gathered {
     for (var y = first.y / 4; y <= last.y / 4; y++) {
         let lines = 4 * y + vec4(0, 1, 2, 3);
         let rows = (lines >= vec4(first.y)) & (lines <= vec4(last.y));
-        var before = expanded_columns(coarse, vec2(first.x / 4 - 1, y)).right;
-        var here = expanded_columns(coarse, vec2(first.x / 4, y));
+        var before = expanded_columns(coarse, vec2(first.x / 4 - 1, y), BEFORE).right;
+        var here = expanded_columns(coarse, vec2(first.x / 4, y), ON);
         var around = upsampled_column(surround, first.x / 4, y);
         for (var x = first.x / 4; x <= last.x / 4; x++) {
-            let after = expanded_columns(coarse, vec2(x + 1, y));
+            let after = expanded_columns(coarse, vec2(x + 1, y), AFTER);
             let beyond = upsampled_column(surround, x + 1, y);
             let step = beyond - around;
-            let upper_left = block(level, 2 * vec2(x, y));
-            let lower_left = block(level, 2 * vec2(x, y) + vec2(0, 1));
-            let upper_right = block(level, 2 * vec2(x, y) + vec2(1, 0));
-            let lower_right = block(level, 2 * vec2(x, y) + 1);
+            // What lies beyond the level does not count.
+            let upper_left = block(level, 2 * vec2(x, y), ON, ON);
+            let lower_left = block(level, 2 * vec2(x, y) + vec2(0, 1), ON, ON);
+            let upper_right = block(level, 2 * vec2(x, y) + vec2(1, 0), ON, ON);
+            let lower_right = block(level, 2 * vec2(x, y) + 1, ON, ON);
             let places = 4 * x + vec4(0, 1, 2, 3);
             let inside = (places >= vec4(first.x)) & (places <= vec4(last.x));
             sum = with_column(
@@ -362,6 +419,14 @@ const FLOOR: f32 = 0.01;
 // reuse::STALE
 const STALE: u32 = 0x80u;
 
+// The rate that a tile was shaded at, where it was. What is no rate counts as 1x1.
+fn shaded_at(tile: vec2<u32>) -> u32 {
+    let row_words = (params.tiles.x + 3u) / 4u;
+    let rate = (rates[tile.y * row_words + tile.x / 4u] >> (8u * (tile.x % 4u))) & 0xffu;
+    let is_known = (rate & STALE) != 0u || ((rate >> 2u) <= 2u && (rate & 3u) <= 2u);
+    return select(0u, rate, is_known);
+}
+
 // kernels::analyze::restored, of the tile at `index`, which was shaded at `rate`.
 fn restored(index: u32, measured: vec4<f32>, rate: u32) -> vec4<f32> {
     let log2_size = vec2(rate >> 2u, rate & 3u);
@@ -404,15 +469,12 @@ fn write(place: vec2<u32>, tile: Covered, bands: vec4<f32>, light: f32) {
     }
     let pixels = tile.last - tile.first + 1u;
     let index = place.y * params.tiles.x + place.x;
-    let row_words = (params.tiles.x + 3u) / 4u;
-    let rate = (rates[place.y * row_words + place.x / 4u] >> (8u * (place.x % 4u))) & 0xffu;
+    let rate = shaded_at(place);
     // What was not shaded stays as it was known.
     if (rate & STALE) != 0u {
         return;
     }
-    // What is no rate counts as 1x1.
-    let is_rate = (rate >> 2u) <= 2u && (rate & 3u) <= 2u;
-    let known = restored(index, measured, select(0u, rate, is_rate));
+    let known = restored(index, measured, rate);
     map[index].bands = array<f32, 4>(known.x, known.y, known.z, known.w);
     map[index].adaptation_cd_m2 = light / f32(pixels.x * pixels.y);
 }

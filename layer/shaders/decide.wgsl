@@ -27,7 +27,7 @@ struct DecideParams {
     measured_column: vec3<f32>,
     elapsed_ms: u32,
     measured_row: vec3<f32>,
-    reserved_row: u32,
+    flat_contrast: f32,
     measured_depth: vec3<f32>,
     reserved_depth: u32,
 }
@@ -299,6 +299,16 @@ fn reached(level: u32) -> u32 {
     return rate;
 }
 
+// Sensitivities at a point of the plane one unit ahead.
+fn seen_at(point: vec2<f32>, luminance: f32, eccentricity: f32, sensitivity: u32) -> vec2<f32> {
+    let pixels = pixels_per_degree(point);
+    let is_known = is_finite(pixels) && pixels > 0.0;
+    if sensitivity == CASTLE_CSF {
+        return castle_csf(select(4.0, pixels / 4.0, is_known), luminance, eccentricity);
+    }
+    return tursun(select(4.0, pixels / 2.0, is_known), luminance, eccentricity);
+}
+
 // A tile, from what it was in the frame before.
 fn decided(tile: vec2<u32>, before: Tile, sensitivity: u32, is_turned: bool) -> Tile {
     let corners = vec4(corner_pixel(tile), corner_pixel(tile + 1u));
@@ -314,19 +324,14 @@ fn decided(tile: vec2<u32>, before: Tile, sensitivity: u32, is_turned: bool) -> 
     var grow = level_at(chord, params.coarsening_chords);
     if sensitivity != RINGS_ONLY {
         let index = tile.y * params.tiles.x + tile.x;
-        let eccentricity = clamp(deg_of_chord(chord) - params.inflation_deg, 0.0, 120.0);
-        let middle = params.plane_origin + params.plane_step * ((corners.xy + corners.zw) * 0.5);
-        let pixels = pixels_per_degree(middle);
-        let is_known = is_finite(pixels) && pixels > 0.0;
         let shown = shown_by(tile, is_turned);
-        let luminance = shown.luminance;
-        var seen = vec2(0.0);
-        if sensitivity == CASTLE_CSF {
-            seen = castle_csf(select(4.0, pixels / 4.0, is_known), luminance, eccentricity);
-        } else {
-            seen = tursun(select(4.0, pixels / 2.0, is_known), luminance, eccentricity);
+        var visible = vec2(0.0);
+        let removed = shown.bands.x + shown.bands.y;
+        if !(is_finite(removed) && removed <= params.flat_contrast) {
+            let eccentricity = clamp(deg_of_chord(chord) - params.inflation_deg, 0.0, 120.0);
+            let middle = params.plane_origin + params.plane_step * ((corners.xy + corners.zw) * 0.5);
+            visible = seen_at(middle, shown.luminance, eccentricity, sensitivity) * shown.bands.xy;
         }
-        let visible = seen * shown.bands.xy;
         let is_steady = before.age_ms >= STEADY_MS;
         keep = min(keep, level_within(visible, select(params.holding_budget, params.budget, is_steady)));
         grow = min(grow, level_within(visible, params.coarsening_budget));

@@ -68,11 +68,12 @@ uniform! {
         pub elapsed_ms: u32,
         /// The same for the row.
         pub measured_row: [f32; 3],
-        /// Reserved, up to a multiple of 16 bytes; 0.
-        pub reserved_row: u32,
+        /// Contrast, of both octaves that rates remove together, that is within every budget however well it is seen: the tile is
+        /// flat, and decided without a sensitivity. Negative where there is no such contrast.
+        pub flat_contrast: f32,
         /// What both are divided by: > 0 for what lies ahead of the view in which contrast was measured.
         pub measured_depth: [f32; 3],
-        /// As [`Self::reserved_row`].
+        /// Reserved, up to a multiple of 16 bytes; 0.
         pub reserved_depth: u32,
     }
 }

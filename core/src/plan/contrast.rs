@@ -31,7 +31,10 @@ impl VisibleContrast<'_> {
         let tiles = (0..).zip(resolution).zip(chords).zip(ages_ms);
         for ((keep, grow), (((index, resolution), chord), age_ms)) in keep.iter_mut().zip(grow).zip(tiles) {
             let tile = params.contrast(self.map, index);
-            let visible = self.visible(&tile, *resolution, deg_of_chord(*chord) - params.inflation_deg);
+            let visible = match is_flat(&tile, params.flat_contrast) {
+                true => [0.0; BANDS],
+                false => self.visible(&tile, *resolution, deg_of_chord(*chord) - params.inflation_deg),
+            };
             let budget = if *age_ms < STEADY_MS { params.holding_budget } else { params.budget };
             *keep = level_within(visible, budget);
             *grow = level_within(visible, params.coarsening_budget);
@@ -46,6 +49,57 @@ impl VisibleContrast<'_> {
     }
 }
 
+/// Whether a tile has no contrast worth a look at how well it is seen.
+fn is_flat(tile: &TileContrast, flat_contrast: f32) -> bool {
+    let [finest, second, ..] = tile.bands;
+    finest + second <= flat_contrast && tile.bands.iter().all(|contrast| contrast.is_finite())
+}
+
 fn level_within(visible: [f32; BANDS], budget: f32) -> u8 {
     half_octaves_within(visible, budget) * (STEPS_PER_OCTAVE / 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::avpm::SensitivityUnit;
+    use crate::image::Plane;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// A tile that counts as flat may be as coarse as if it had been looked at: around the greatest contrast of flat tiles, and
+        /// with what is no number.
+        #[test]
+        fn flat_tiles_may_be_as_coarse_as_when_looked_at(
+            is_castle in any::<bool>(), budget in prop_oneof![0.0f32..5.0, Just(f32::INFINITY)], least in 0.2f32..1.0,
+            share in 0.0f32..1.1, finest in 0.0f32..1.0, coarse in prop_oneof![8 => 0.0f32..1.0, 1 => Just(f32::NAN), 1 => Just(f32::INFINITY)],
+            resolution in 1.0f32..80.0, chord in 0.0f32..1.0, luminance in 1e-3f32..1e4, age_ms in any::<u8>(),
+        ) {
+            let unit = if is_castle { SensitivityUnit::CastleCsf } else { SensitivityUnit::Tursun };
+            let sensitivity = Sensitivity::new(unit);
+            let flat = DecideParams {
+                budget,
+                coarsening_budget: budget * least,
+                holding_budget: budget * 1.25,
+                tiles: [1, 1],
+                flat_contrast: budget * least / Sensitivity::greatest(unit),
+                ..bytemuck::Zeroable::zeroed()
+            };
+            let removed = if flat.flat_contrast.is_finite() { share * flat.flat_contrast } else { share };
+            let tile = TileContrast {
+                bands: [removed * finest, removed * (1.0 - finest), coarse, 0.1],
+                adaptation_cd_m2: luminance,
+            };
+            let map = ContrastMap { tiles: Plane::filled(1, 1, tile) };
+            let permitted = |params: &DecideParams| {
+                let mut permitted = [vec![0], vec![0]];
+                let judged = VisibleContrast { map: &map, sensitivity: &sensitivity };
+                judged.permit(params, &[resolution], &[chord], &[age_ms], &mut permitted);
+                permitted
+            };
+            prop_assert_eq!(permitted(&flat), permitted(&DecideParams { flat_contrast: -1.0, ..flat }));
+            let is_sound = coarse.is_finite() && budget.is_finite();
+            prop_assert!(!(is_sound && share < 0.999) || is_flat(&tile, flat.flat_contrast));
+        }
+    }
 }

@@ -4,6 +4,7 @@ use super::lattice::TileLattice;
 use super::rails::{Area, FrameRails};
 use super::reasons::{Reason, Reasons};
 use super::rings::Rings;
+use super::sensitivity::Sensitivity;
 use super::settings::{AudioVisual, PlanSettings, RateSettings, Turns};
 use crate::audio::AudioFeatures;
 use crate::avpm::{Budget, SensitivityUnit};
@@ -120,6 +121,9 @@ impl FrameRules {
         let plane = lattice.plane();
         let available = &settings.device.available;
         let budget = permit.budget.unwrap_or(0.0);
+        let coarsening_budget = budget * settings.rails.hysteresis_budget;
+        let holding_budget = budget * settings.rails.holding_budget;
+        let least_budget = budget.min(coarsening_budget).min(holding_budget);
         DecideParams {
             gaze_left: centres[0].into(),
             inflation_deg: self.rails.inflation_deg,
@@ -130,7 +134,7 @@ impl FrameRules {
             levels: available.levels().map(u32::from),
             texels: available.texels().map(u32::from),
             budget,
-            coarsening_budget: budget * settings.rails.hysteresis_budget,
+            coarsening_budget,
             sensitivity: match unit {
                 None => 0,
                 Some(SensitivityUnit::CastleCsf) => 1,
@@ -146,11 +150,11 @@ impl FrameRules {
             look_at: 0,
             is_turned: 0,
             has_stale: 0,
-            holding_budget: budget * settings.rails.holding_budget,
+            holding_budget,
             measured_column: [0.0; 3],
             elapsed_ms: self.rails.elapsed_ms,
             measured_row: [0.0; 3],
-            reserved_row: 0,
+            flat_contrast: unit.map_or(-1.0, |unit| least_budget / Sensitivity::greatest(unit)),
             measured_depth: [0.0; 3],
             reserved_depth: 0,
         }

@@ -36,6 +36,16 @@ impl Sensitivity {
         }
     }
 
+    /// What no sensitivity of a unit exceeds in the two finest bands, those that rates remove.
+    pub fn greatest(unit: SensitivityUnit) -> f32 {
+        match unit {
+            // At 2 to 3 cycles per degree and the greatest luminance.
+            SensitivityUnit::CastleCsf => 160.0,
+            // Twice 10 to the power of the greatest of Fit::QUARTER's knots.
+            SensitivityUnit::Tursun => 3.4e6,
+        }
+    }
+
     /// Sensitivity in each band, finest first, > 0 and finite, of a tile with so many pixels per degree, at an
     /// eccentricity in degrees, to an eye adapted to a luminance in cd/m^2. Out of domain or NaN: as
     /// [`Stimulus::clamped`] says.
@@ -57,6 +67,28 @@ impl Sensitivity {
                     BAND_GAIN[band] * fall.at(eccentricity_deg, VisualField::Worst)
                 })
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At each node of castleCSF's table, and between Tursun's knots, at the gaze.
+    #[test]
+    fn nothing_exceeds_the_greatest() {
+        for unit in [SensitivityUnit::CastleCsf, SensitivityUnit::Tursun] {
+            let sensitivity = Sensitivity::new(unit);
+            let octaves = (-20..40).map(|step| (step as f32 / 4.0).exp2());
+            let luminances = (-40..60).map(|step| (step as f32 / 4.0).exp2());
+            let seen = octaves.flat_map(|resolution| {
+                let bands = luminances.clone().map(|luminance| sensitivity.bands(resolution, 0.0, luminance));
+                bands.map(|bands| bands[0].max(bands[1])).collect::<Vec<_>>()
+            });
+            let most = seen.fold(0.0, f32::max);
+            let greatest = Sensitivity::greatest(unit);
+            assert!((0.8 * greatest..0.999 * greatest).contains(&most), "{unit:?}: {most} and {greatest}");
         }
     }
 }

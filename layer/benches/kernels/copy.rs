@@ -7,8 +7,8 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 const SHADER: &str = include_str!("copy.wgsl");
 
-/// Side of a workgroup. The shader has the same number.
-const GROUP_SIDE: u32 = 8;
+/// Texels of a workgroup, one beside the other. The shader has the same number.
+const THREADS: u32 = 64;
 
 /// The pass, over one picture. Never destroyed: the process ends soon.
 pub struct Copy {
@@ -69,13 +69,7 @@ impl Copy {
             };
             let writes = [write(0).image_info(&images), write(1).buffer_info(&buffers)];
             device.update_descriptor_sets(&writes, &[]);
-            Self {
-                pipeline,
-                layout,
-                set,
-                groups: [width, height].map(|side| side.div_ceil(GROUP_SIDE)),
-                image,
-            }
+            Self { pipeline, layout, set, groups: [width.div_ceil(THREADS), height], image }
         }
     }
 

@@ -3,7 +3,7 @@
 @group(0) @binding(0) var picture: texture_2d<f32>;
 @group(0) @binding(1) var<storage, read_write> copied: array<vec4<f32>>;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(64)
 fn copy(@builtin(global_invocation_id) id: vec3<u32>) {
     let extent = textureDimensions(picture);
     if any(id.xy >= extent) {

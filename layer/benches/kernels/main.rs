@@ -21,7 +21,7 @@ use copy::Copy;
 use glam::Quat;
 use parafovea::gpu::AppCommands;
 use parafovea::passes::analyze::{Analyze, AnalyzeParams, AnalyzeTarget, Levels, USAGE, ViewTiles};
-use parafovea::passes::decide::{Decide, DecideParams};
+use parafovea::passes::decide::{Decide, DecideParams, DecideTarget};
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::color::Matrix;
 use parafovea_core::gaze::{GazePhase, GazeState};
@@ -96,24 +96,37 @@ fn measured(vulkan: &Vulkan, side: u32) -> Vec<(&'static str, f64, f64)> {
         (0..=1 + SETTLED).for_each(|same_view| record_analysis(commands, &settled, same_view));
     });
     let decide = Decide::new(&vulkan.gpu).unwrap();
-    let decided = decide.target(&tiles).unwrap();
+    // Nothing is ever measured of these, so that they have no contrast.
+    let plain = Arc::new(ViewTiles::new(&vulkan.gpu, settings.tiles([side; 2])).unwrap());
+    let [decided, plain] = [&tiles, &plain].map(|tiles| decide.target(tiles).unwrap());
+    let record_decision = |commands, target: &DecideTarget, params: &DecideParams| {
+        // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
+        let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
+        decide.record(&commands, target, params, &[]).unwrap();
+    };
 
-    let mut times = [const { Vec::new() }; 4];
+    let mut times = [const { Vec::new() }; 6];
     for turn in 0..TURNS {
         let params = decision(side, turn);
         times[0].push(cpu_ms(vulkan, PICTURES, |commands| copy.record(vulkan, commands)));
         times[1].push(cpu_ms(vulkan, PICTURES, |commands| record_analysis(commands, &analyzed, 0)));
         times[2].push(cpu_ms(vulkan, PICTURES, |commands| record_analysis(commands, &settled, 2)));
-        times[3].push(cpu_ms(vulkan, DECISIONS, |commands| {
-            // SAFETY: the command buffer is being recorded, and everything is kept until it has finished.
-            let commands = unsafe { AppCommands::new(&vulkan.gpu, commands) };
-            decide.record(&commands, &decided, &params, &[]).unwrap();
-        }));
+        let rings = DecideParams { sensitivity: 0, ..params };
+        for (index, target, params) in [(3, &decided, &params), (4, &plain, &params), (5, &plain, &rings)] {
+            times[index]
+                .push(cpu_ms(vulkan, DECISIONS, |commands| record_decision(commands, target, params)));
+        }
     }
-    let [copy, analyze, same, decide] = times.map(median);
-    [("copy", copy), ("analyze", analyze), ("analyze, the same again", same), ("decide", decide)]
-        .map(|(name, ms)| (name, ms, ms / copy))
-        .to_vec()
+    let names = [
+        "copy",
+        "analyze",
+        "analyze, the same again",
+        "decide",
+        "decide, a plain picture",
+        "decide, by rings alone",
+    ];
+    let times = times.map(median);
+    names.into_iter().zip(times).map(|(name, ms)| (name, ms, ms / times[0])).collect()
 }
 
 /// What is to be decided: sound is heard, and contrast counts.

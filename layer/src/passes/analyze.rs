@@ -4,6 +4,7 @@
 
 pub use parafovea_core::kernels::analyze::AnalyzeParams;
 
+use super::compose::stores_unit_range;
 use crate::gpu::{
     AppCommands, Bound, COMPUTES, ComputeLayout, ComputeSet, DeviceBuffer, Gpu, GpuError, ImageDescription,
     ImagePart, Owned, OwnedImage, Scope, color_view,
@@ -32,9 +33,8 @@ const BINDINGS: [vk::DescriptorType; 7] = [
 /// One entry point for each level of the pyramid but the picture itself, then that of the tiles.
 const ENTRIES: [&CStr; LEVELS + 1] = [c"level1", c"level2", c"level3", c"level4", c"level5", c"tiles"];
 
-/// Threads of a workgroup of tiles, and along a side of one that makes a level. The shader has the same numbers.
+/// Threads of a workgroup, one beside the other: rows are read and written as they lie in memory. The shader has the same number.
 const THREADS: u32 = 64;
-const GROUP_SIDE: u32 = 8;
 
 /// Of the image of all levels: a block of two by two texels. Any Vulkan device has it as storage image.
 const BLOCK: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
@@ -92,8 +92,10 @@ pub fn rate_row_bytes(columns: u32) -> u32 {
 
 /// The pass.
 pub struct Analyze {
-    luminance: Owned<vk::Pipeline>,
-    compared: Owned<vk::Pipeline>,
+    /// Of any format, and of one that [`stores_unit_range`].
+    luminance: [Owned<vk::Pipeline>; 2],
+    compared: [Owned<vk::Pipeline>; 2],
+    rates_compared: Owned<vk::Pipeline>,
     settle: Owned<vk::Pipeline>,
     stages: [Owned<vk::Pipeline>; ENTRIES.len()],
     layout: ComputeLayout,
@@ -160,6 +162,7 @@ pub struct AnalyzeTarget {
     _tiles: Arc<ViewTiles>,
     params: AnalyzeParams,
     picture: ImagePart,
+    is_unit: bool,
 }
 
 impl Analyze {
@@ -171,12 +174,16 @@ impl Analyze {
         let layout = ComputeLayout::new(gpu, &BINDINGS)?;
         let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/analyze.spv"));
         let pipeline = |entry| layout.pipeline(spirv, entry);
-        let [luminance, compared, settle] = [c"luminance", c"compared", c"settle"].map(pipeline);
+        let both = |entries: [&'static CStr; 2]| {
+            let [any, unit] = entries.map(pipeline);
+            Ok::<_, GpuError>([any?, unit?])
+        };
         let [a, b, c, d, e, f] = ENTRIES.map(pipeline);
         Ok(Self {
-            luminance: luminance?,
-            compared: compared?,
-            settle: settle?,
+            luminance: both([c"luminance", c"luminance_unit"])?,
+            compared: both([c"compared", c"compared_unit"])?,
+            rates_compared: pipeline(c"rates_compared")?,
+            settle: pipeline(c"settle")?,
             stages: [a?, b?, c?, d?, e?, f?],
             layout,
             gpu: Arc::clone(gpu),
@@ -220,6 +227,7 @@ impl Analyze {
             _tiles: Arc::clone(tiles),
             params: *params,
             picture,
+            is_unit: stores_unit_range(format),
         })
     }
 
@@ -227,9 +235,8 @@ impl Analyze {
     /// after. What the tiles hold is ordered between calls, and before later compute shaders on this queue.
     ///
     /// `same_view`: how many analyses directly before this one, in the same levels and tiles and by the same parameters, were of the view
-    /// that this picture shows. Only then is it worth asking whether it is the same picture; once it has been so for
-    /// [`SETTLED`](parafovea_core::kernels::analyze::SETTLED) pictures, nothing but that is done. Where the rate of a tile changes then and its
-    /// pixels do not, what was known of it stays.
+    /// that this picture shows. Only then is it worth asking whether it is the same picture, shaded at the same rates; once it has been so for
+    /// [`SETTLED`](parafovea_core::kernels::analyze::SETTLED) pictures, nothing but that is done.
     pub fn record(
         &self,
         commands: &AppCommands,
@@ -258,16 +265,17 @@ impl Analyze {
         );
         // Before the first one, too: so may it be using the tiles.
         commands.computed_to_computed();
-        commands.dispatch(&self.layout, &self.luminance, &target.set, luminance_groups(target));
-        let [columns, rows] = target.params.tiles;
+        let luminance = &self.luminance[usize::from(target.is_unit)];
+        commands.dispatch(&self.layout, luminance, &target.set, luminance_groups(target));
         for (index, stage) in self.stages.iter().enumerate() {
             commands.computed_to_computed();
             let groups = match index + 1 {
                 // A thread makes two by two blocks.
                 level @ ..=LEVELS => {
-                    level_blocks(target.params.extent, level).map(|blocks| blocks.div_ceil(2 * GROUP_SIDE))
+                    let [columns, rows] = level_blocks(target.params.extent, level);
+                    [columns.div_ceil(2 * THREADS), rows.div_ceil(2)]
                 }
-                _ => [columns.div_ceil(THREADS), rows],
+                _ => tile_groups(target),
             };
             commands.dispatch(&self.layout, stage, &target.set, groups);
         }
@@ -282,7 +290,9 @@ impl Analyze {
         }
         // What comes before may still be reading.
         commands.memory_barrier(COMPUTES_AND_ARGUMENTS, COMPUTES);
-        commands.dispatch(&self.layout, &self.compared, &target.set, luminance_groups(target));
+        let compared = &self.compared[usize::from(target.is_unit)];
+        commands.dispatch(&self.layout, compared, &target.set, luminance_groups(target));
+        commands.dispatch(&self.layout, &self.rates_compared, &target.set, tile_groups(target));
         commands.computed_to_computed();
         commands.dispatch(&self.layout, &self.settle, &target.set, [1; 2]);
         for (index, stage) in (0..).zip(&self.stages) {
@@ -294,7 +304,14 @@ impl Analyze {
 
 /// A thread makes a block.
 fn luminance_groups(target: &AnalyzeTarget) -> [u32; 2] {
-    level_blocks(target.params.extent, 0).map(|blocks| blocks.div_ceil(GROUP_SIDE))
+    let [columns, rows] = level_blocks(target.params.extent, 0);
+    [columns.div_ceil(THREADS), rows]
+}
+
+/// A thread has a tile.
+fn tile_groups(target: &AnalyzeTarget) -> [u32; 2] {
+    let [columns, rows] = target.params.tiles;
+    [columns.div_ceil(THREADS), rows]
 }
 
 /// What the stages do, and how many workgroups they have.

@@ -26,6 +26,7 @@ use parafovea_core::perception::luminance::luminance_plane;
 use parafovea_core::perception::pyramid::LEVELS;
 use parafovea_core::perception::{ContrastMap, TileContrast};
 use parafovea_core::rate::VULKAN_RATES;
+use parafovea_core::reuse::STALE;
 use std::sync::Arc;
 use transfer::Layer;
 use vulkan::Vulkan;
@@ -248,8 +249,8 @@ fn pictures_that_change_match_the_reference() {
     vulkan.assert_valid();
 }
 
-/// While view and rates stay, pictures are compared with the ones before: all is as if each had been analysed, and once nothing changes any more,
-/// nothing is written.
+/// While the view stays, pictures and rates are compared with the ones before: all is as if each had been analysed, and once nothing changes any
+/// more, nothing is written.
 #[test]
 fn a_picture_that_stays_is_analysed_until_nothing_changes() {
     let Some((vulkan, analyze)) = analyze() else { return };
@@ -265,8 +266,15 @@ fn a_picture_that_stays_is_analysed_until_nothing_changes() {
     let tiles = Arc::new(ViewTiles::new(&vulkan.gpu, [columns, rows]).unwrap());
     let levels = Arc::new(Levels::new(&vulkan.gpu, shape.extent).unwrap());
     let target = analyze.target((image, FLOATS, 0), &params, (&tiles, &levels)).unwrap();
-    let bytes = packed(&rates);
-    vulkan.copy(vulkan.staging(&bytes), tiles.rates(), bytes.len());
+    // One tile at another rate; then another one that is not shaded, whatever its rate.
+    let with = |rates: &Plane<u8>, tile: u32, rate: u8| {
+        Plane::from_fn(columns, rows, |x, y| if y * columns + x == tile { rate } else { rates.at(x, y) })
+    };
+    let other =
+        with(&rates, 13, VULKAN_RATES[usize::from(rates.at(3, 1) == VULKAN_RATES[0].texel())].texel());
+    assert_ne!(other.at(3, 1), rates.at(3, 1));
+    let stale = with(&other, 21, STALE | VULKAN_RATES[0].texel());
+    let shaded = [&rates, &other, &stale];
 
     let natural = pictures::plane(pictures::ALL[0], shape.image);
     let faded = |contrast: f32| {
@@ -278,15 +286,25 @@ fn a_picture_that_stays_is_analysed_until_nothing_changes() {
     let corner = touched.texels_mut().last_mut().unwrap();
     corner.y *= 1.001;
     let shown = [&natural, &faded(0.65), &touched];
-    // Which picture, how often, and whether the view was another one before.
-    let turns = [(0, 3, true), (1, SETTLED + 4, false), (2, 2, false), (1, 3, true), (1, SETTLED + 1, false)];
+    // Which picture at which rates, how often, and whether the view was another one before.
+    let turns = [
+        ((0, 0), 3, true),
+        ((1, 0), SETTLED + 4, false),
+        ((2, 0), 2, false),
+        ((1, 0), 3, true),
+        ((1, 0), SETTLED + 1, false),
+        ((1, 1), SETTLED + 2, false),
+        ((1, 2), 2, false),
+    ];
     let mut seen = Vec::new();
     let (mut same_view, mut written) = (0, Vec::new());
-    for (index, count, has_moved) in turns {
+    for ((index, at), count, has_moved) in turns {
         same_view = if has_moved { 0 } else { same_view };
+        let bytes = packed(shaded[at]);
+        vulkan.copy(vulkan.staging(&bytes), tiles.rates(), bytes.len());
         vulkan.upload(Layer { image, layer: 0, extent }, &stored(FLOATS, shown[index], &[]).0);
         for _ in 0..count {
-            seen.push((shown[index], &rates));
+            seen.push((shown[index], shaded[at]));
             let known =
                 vulkan.read(tiles.contrast(), columns as usize * rows as usize * size_of::<TileContrast>());
             // The light of a tile is written whenever it is analysed, and nothing is made of it there.
@@ -318,6 +336,8 @@ fn a_picture_that_stays_is_analysed_until_nothing_changes() {
         .chain([true; 2])
         .chain([true; 3])
         .chain(settled(SETTLED - 3, 4))
+        .chain(settled(SETTLED, 2))
+        .chain([false; 2])
         .collect();
     assert_eq!(written, expected);
 
