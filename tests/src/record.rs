@@ -33,6 +33,9 @@ pub struct Frame {
     pub display_time_ns: i64,
     /// CPU time of the whole process until then, in nanoseconds.
     pub process_cpu_ns: u64,
+    /// What of it was spent while frames waited for their turn, and others had theirs.
+    #[serde(default)]
+    pub held_cpu_ns: u64,
     /// Most memory that the process has had resident until then, KiB.
     #[serde(default)]
     pub peak_memory_kib: u64,
@@ -121,11 +124,11 @@ impl Record {
         swapchains
     }
 
-    /// CPU time that the process spent from one `xrEndFrame` to the next, in milliseconds, without the first
-    /// `run_up` frames.
+    /// CPU time that the process spent from one `xrEndFrame` to the next, but for what it spent while it waited for its turn, in
+    /// milliseconds, without the first `run_up` frames.
     pub fn cpu_ms_of_frames(&self, run_up: u64) -> Vec<f64> {
-        let spent =
-            |pair: &[Frame]| pair[1].process_cpu_ns.saturating_sub(pair[0].process_cpu_ns) as f64 / 1e6;
+        let own_ns = |frame: &Frame| frame.process_cpu_ns.saturating_sub(frame.held_cpu_ns);
+        let spent = |pair: &[Frame]| own_ns(&pair[1]).saturating_sub(own_ns(&pair[0])) as f64 / 1e6;
         self.after(run_up).windows(2).map(spent).collect()
     }
 
@@ -173,7 +176,7 @@ mod tests {
         let path = folder.path().join("record.jsonl");
         let lines = [
             r#"{"kind":"frame","index":0,"display_time_ns":1,"process_cpu_ns":1000000,"layers":[]}"#,
-            r#"{"kind":"frame","index":1,"display_time_ns":2,"process_cpu_ns":3000000}"#,
+            r#"{"kind":"frame","index":1,"display_time_ns":2,"process_cpu_ns":3500000,"held_cpu_ns":500000}"#,
             r#"{"kind":"error","call":"xrEndFrame","result":"XR_ERROR_TIME_INVALID","message":"zero"}"#,
             r#"{"kind":"something","else":1}"#,
         ];
@@ -182,10 +185,10 @@ mod tests {
         assert_eq!((record.frames.len(), record.errors.len()), (2, 1));
         assert_eq!([0, 1, 2].map(|run_up| record.cpu_ms_of_frames(run_up).len()), [1, 1, 0]);
         assert_eq!(record.cpu_ms_of_frames(0), [2.0]);
-        assert_eq!([0, 1, 2].map(|run_up| record.process_cpu_ns_after(run_up)), [0, 1_000_000, 3_000_000]);
+        assert_eq!([0, 1, 2].map(|run_up| record.process_cpu_ns_after(run_up)), [0, 1_000_000, 3_500_000]);
         let time = |process_cpu_ns, gpu_ns| GpuTime { process_cpu_ns, gpu_ns };
         let times =
-            [time(999_999, 7), time(1_000_000, 500_000), time(2_000_000, 250_000), time(3_000_000, 7)];
+            [time(999_999, 7), time(1_000_000, 500_000), time(2_000_000, 250_000), time(3_500_000, 7)];
         assert_eq!(record.gpu_ms_of_frames(0, &times), [0.75]);
     }
 

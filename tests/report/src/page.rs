@@ -8,7 +8,7 @@ use crate::results::{Bits, Conditions, Errors, Fine, HardCase, Results, SceneRes
 use crate::statistics::Bootstrap;
 use crate::summary::{Row, mean_rows, scene_rows};
 use crate::table::{cells, titles};
-use crate::verdict::{Contest, Measure, RIVALS, Verdict, contest, why_not};
+use crate::verdict::{Contest, Measure, OURS, RIVALS, Tally, Verdict, contest, tallies, why_not};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use parafovea_errors::RING_NAMES;
 
@@ -66,10 +66,10 @@ pub fn page(results: &Results, gpus: &[Results], pictures: &Pictures) -> Result<
     Ok(page.into_string())
 }
 
-/// Everything against what a user could do instead, scene by scene.
+/// Ours, put together, against what a user could do instead, scene by scene.
 pub fn contests(results: &Results) -> Vec<(&SceneResults, Contest)> {
     let bootstrap = Bootstrap::default();
-    let ours = results.techniques().into_iter().filter(|(sweep, _)| *sweep == Sweep::Everything);
+    let ours = results.techniques().into_iter().filter(|(sweep, _)| OURS.contains(sweep));
     let ours: Vec<&str> = ours.map(|(_, name)| name).collect();
     let scenes = results.scenes.iter();
     let all = scenes
@@ -88,7 +88,7 @@ fn first_screen(results: &Results, gpus: &[Results], contests: &[(&SceneResults,
                 tr { td { (advice.application) } td { (advice.setting) } td { (advice.measured) } }
             }
         }
-        @for sentence in crate::verdict::sentences(results, contests) { p { (sentence) } }
+        (who_wins(results, contests))
         p.note {
             (conditions.date) ", commit " (conditions.commit) ", " (conditions.device) ", " (conditions.processor) ", "
             (conditions.threads) " threads: " code { (conditions.command) }
@@ -97,6 +97,34 @@ fn first_screen(results: &Results, gpus: &[Results], contests: &[(&SceneResults,
             p.note {
                 "This device is a CPU that draws in software. Its times are those of the fallback, the mask, on such a device: "
                 b { "they are not the speed that a user with a GPU sees." } " Errors are those of any device."
+            }
+        }
+    }
+}
+
+fn who_wins(results: &Results, contests: &[(&SceneResults, Contest)]) -> Markup {
+    let tallies = tallies(contests);
+    // Each technique has one for each of these.
+    let columns: Vec<(Sweep, Measure)> =
+        RIVALS.into_iter().flat_map(|rival| Measure::ALL.map(|measure| (rival, measure))).collect();
+    let mut techniques: Vec<&str> = tallies.iter().map(|tally| tally.technique.as_str()).collect();
+    techniques.dedup();
+    let found = |technique: &str, (rival, measure)| {
+        tallies.iter().find(|tally| {
+            (tally.technique.as_str(), tally.rival, tally.measure) == (technique, rival, measure)
+        })
+    };
+    html! {
+        @if !techniques.is_empty() {
+            p { "In how many of " (results.scenes.len()) " scenes less contrast is lost than by what costs as much on this device:" }
+            table.words {
+                tr { th { "ours" } @for (rival, measure) in &columns { th { "than by " (rival.title()) ", " (measure.text()) } } }
+                @for technique in techniques {
+                    tr {
+                        td { (technique) }
+                        @for column in &columns { td { (found(technique, *column).map_or("-".to_owned(), Tally::text)) } }
+                    }
+                }
             }
         }
     }
@@ -122,7 +150,7 @@ fn how_to_read(conditions: &Conditions) -> Markup {
         ul.note {
             li {
                 "Times are medians of " (frames) " frames with both eyes at " (size) " x " (size) ", after a run-up of " (run_up)
-                ", in " (turns) " turns. In a turn all techniques run side by side, a frame each, so that what else the machine does falls on all; \"x off\" is the ratio of the sums of a turn, in the mean of the middle half of the turns. p99 is what one frame in a hundred exceeds."
+                ", in " (turns) " turns. In a turn all techniques run side by side, a frame each, so that what else the machine does falls on all; \"x off\" is the ratio of the sums of a turn, in the mean of the middle half of the turns. What a process does while others have their turn, such as listening to sound, is not counted. p99 is what one frame in a hundred exceeds."
             }
             li {
                 "Errors are of " (judged) " of these frames at " (side) " x " (side) ", with a saccade of at least 10 degrees in their middle, against the same frames of the application "

@@ -9,7 +9,7 @@ use plotters::prelude::*;
 use plotters::style::RGBColor;
 
 /// The sweeps that have a line, and its colour, told apart by the colour-blind too (Okabe and Ito).
-const SWEEPS: [(Sweep, RGBColor); 8] = [
+const SWEEPS: [(Sweep, RGBColor); 9] = [
     (Sweep::RenderScale, RGBColor(86, 86, 86)),
     (Sweep::FixedFoveation, RGBColor(230, 159, 0)),
     (Sweep::OpenXrToolkit, RGBColor(213, 94, 0)),
@@ -17,6 +17,7 @@ const SWEEPS: [(Sweep, RGBColor); 8] = [
     (Sweep::Contrast, RGBColor(86, 180, 233)),
     (Sweep::Sound, RGBColor(0, 0, 0)),
     (Sweep::Reuse, RGBColor(204, 121, 167)),
+    (Sweep::RatesAndReuse, RGBColor(240, 228, 66)),
     (Sweep::Everything, RGBColor(0, 158, 115)),
 ];
 

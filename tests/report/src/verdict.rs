@@ -1,11 +1,14 @@
 //! Who loses less at equal cost, and why not where it is not us.
 
 use crate::points::Sweep;
-use crate::results::{Errors, PointResults, Results, SceneResults};
+use crate::results::{Errors, PointResults, SceneResults};
 use crate::statistics::{AtCost, Bootstrap, CostAndLoss, Interval, loss_at};
 
-/// The technique that stands for everything on.
+/// Everything on, as the preset has it that is the default.
 pub const EVERYTHING: &str = "everything balanced";
+
+/// Which techniques of ours are compared: those that put together what saves time, without and with colour, which saves bits.
+pub const OURS: [Sweep; 2] = [Sweep::RatesAndReuse, Sweep::Everything];
 
 /// What users could do without us.
 pub const RIVALS: [Sweep; 2] = [Sweep::FixedFoveation, Sweep::RenderScale];
@@ -209,29 +212,63 @@ pub fn why_not(scene: &SceneResults, contest: &Contest) -> String {
     reasons.join("; ")
 }
 
-/// How everything on did against each rival, in a sentence each.
-pub fn sentences(results: &Results, contests: &[(&SceneResults, Contest)]) -> Vec<String> {
-    let scenes = results.scenes.len();
-    let sentence = |(rival, measure): (Sweep, Measure)| {
-        let of_rival = contests.iter().filter(|(_, contest)| {
-            (contest.rival, contest.measure) == (rival, measure) && contest.technique == EVERYTHING
+/// How a technique of ours did against one rival, over the scenes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Tally {
+    /// Ours.
+    pub technique: String,
+    /// The other.
+    pub rival: Sweep,
+    /// Of what.
+    pub measure: Measure,
+    /// In so many scenes ours loses less contrast at equal cost.
+    pub wins: usize,
+    /// In so many the interval has 0 in it.
+    pub ties: usize,
+    /// In so many it loses more.
+    pub loses: usize,
+    /// In so many there is no equal cost.
+    pub apart: usize,
+}
+
+impl Tally {
+    /// In a few words.
+    pub fn text(&self) -> String {
+        let Self { wins, ties, loses, apart, .. } = self;
+        let rest = [(ties, "ties"), (loses, "loses"), (apart, "no equal cost")];
+        let rest = rest.into_iter().filter(|(count, _)| **count > 0);
+        rest.fold(format!("wins {wins}"), |text, (count, what)| format!("{text}, {what} {count}"))
+    }
+}
+
+/// The contests of each technique against each rival by each measure, in the order of the contests.
+pub fn tallies(contests: &[(&SceneResults, Contest)]) -> Vec<Tally> {
+    let mut tallies: Vec<Tally> = Vec::new();
+    for (_, contest) in contests {
+        let Contest { technique, rival, measure, .. } = contest;
+        let is_same =
+            |tally: &Tally| (&tally.technique, tally.rival, tally.measure) == (technique, *rival, *measure);
+        let index = tallies.iter().position(is_same).unwrap_or_else(|| {
+            let none = Tally {
+                technique: technique.clone(),
+                rival: *rival,
+                measure: *measure,
+                wins: 0,
+                ties: 0,
+                loses: 0,
+                apart: 0,
+            };
+            tallies.push(none);
+            tallies.len() - 1
         });
-        let verdicts: Vec<Verdict> = of_rival.map(|(_, contest)| contest.verdict).collect();
-        let count = |verdict| verdicts.iter().filter(|other| **other == verdict).count();
-        format!(
-            "At equal cost on this device, everything on (balanced) loses less contrast ({}) than {} in {} of {scenes} scenes, ties in {}, loses more in {}{}.",
-            measure.text(),
-            rival.title(),
-            count(Verdict::Wins),
-            count(Verdict::Tie),
-            count(Verdict::Loses),
-            match count(Verdict::Apart) {
-                0 => String::new(),
-                apart => format!(", and has no equal cost in {apart}"),
-            }
-        )
-    };
-    let has = |rival: &Sweep| contests.iter().any(|(_, contest)| contest.rival == *rival);
-    let rivals = RIVALS.into_iter().filter(has);
-    rivals.flat_map(|rival| Measure::ALL.map(|measure| (rival, measure))).map(sentence).collect()
+        let tally = &mut tallies[index];
+        let count = match contest.verdict {
+            Verdict::Wins => &mut tally.wins,
+            Verdict::Tie => &mut tally.ties,
+            Verdict::Loses => &mut tally.loses,
+            Verdict::Apart => &mut tally.apart,
+        };
+        *count += 1;
+    }
+    tallies
 }

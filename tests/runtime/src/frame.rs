@@ -211,6 +211,7 @@ fn describe(
         session: session.into_raw(),
         display_time_ns: begun.display_time,
         process_cpu_ns,
+        held_cpu_ns: runtime.turns.as_ref().map_or(0, |turns| turns.held_cpu_ns()),
         peak_memory_kib: clock::peak_memory_kib(),
         should_render: begun.should_render,
         head: layers::recorded_pose(script::head_at(&runtime.scenario.head, seconds)),

@@ -127,6 +127,9 @@ pub struct Frame {
     pub display_time_ns: i64,
     /// CPU time of the whole process at `xrEndFrame`, in nanoseconds.
     pub process_cpu_ns: i64,
+    /// What of it was spent while frames waited for their turn (`clock.turns`).
+    #[serde(default)]
+    pub held_cpu_ns: i64,
     /// Most memory that the process has had resident until then, KiB.
     #[serde(default)]
     pub peak_memory_kib: i64,
