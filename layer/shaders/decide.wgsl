@@ -75,8 +75,12 @@ fn corner_pixel(corner: vec2<u32>) -> vec2<f32> {
     return vec2<f32>(min(max(pixels, params.overhang) - params.overhang, params.extent));
 }
 
-fn squared_chord(corner: vec2<f32>, gaze: vec3<f32>) -> f32 {
-    let away = normalize(vec3(corner, -1.0)) - gaze;
+fn direction(point: vec2<f32>) -> vec3<f32> {
+    return normalize(vec3(point, -1.0));
+}
+
+fn squared_chord(direction: vec3<f32>, gaze: vec3<f32>) -> f32 {
+    let away = direction - gaze;
     return dot(away, away);
 }
 
@@ -87,41 +91,82 @@ struct Span {
     is_last: bool,
 }
 
-// Whether `direction` meets a column (axis 0) or row (1) of tiles. No division of whole numbers: software devices do those one by one.
-fn meets(direction: vec3<f32>, axis: u32, span: Span) -> bool {
-    if direction.z >= 0.0 {
-        return false;
-    }
+// Where a direction meets the picture, pixels along an axis; before all tiles where it is not ahead. No division of whole numbers: software
+// devices do those one by one.
+fn pixel_of(direction: vec3<f32>, axis: u32) -> f32 {
     let pixel = (direction[axis] / -direction.z - params.plane_origin[axis]) / params.plane_step[axis];
+    return select(-1.0, pixel, direction.z < 0.0);
+}
+
+fn meets(pixel: f32, span: Span) -> bool {
     return pixel >= span.low && (pixel < span.high || (span.is_last && pixel == span.high));
 }
 
-// The point nearest to `gaze` on the great circle across `normal`, and its squared chord.
-fn foot(gaze: vec3<f32>, normal: vec3<f32>) -> vec4<f32> {
+// Where a gaze is.
+struct Gaze {
+    direction: vec3<f32>,
+    pixel: vec2<f32>,
+}
+
+fn gaze_at(direction: vec3<f32>) -> Gaze {
+    return Gaze(direction, vec2(pixel_of(direction, 0u), pixel_of(direction, 1u)));
+}
+
+// The point nearest to a gaze on the great circle across `normal`: its pixel along an axis, and its squared chord.
+fn foot(gaze: vec3<f32>, normal: vec3<f32>, axis: u32) -> vec2<f32> {
     let length_squared = dot(normal, normal);
     let along = dot(gaze, normal) / length_squared;
     let sin_squared = min(along * along * length_squared, 1.0);
-    return vec4(gaze - normal * along, 2.0 * sin_squared / (1.0 + sqrt(1.0 - sin_squared)));
+    return vec2(pixel_of(gaze - normal * along, axis), 2.0 * sin_squared / (1.0 + sqrt(1.0 - sin_squared)));
 }
 
-fn lowered(chord: f32, at: vec4<f32>, axis: u32, span: Span) -> f32 {
-    return select(chord, min(chord, at.w), meets(at.xyz, axis, span));
+// A line between tiles: the feet of both gazes on it.
+struct Line {
+    of_left: vec2<f32>,
+    of_right: vec2<f32>,
 }
 
-// Squared chord between the nearest point of a tile, between the lines `low` and `high` on the plane one unit ahead, and
-// a gaze.
-fn chord_to(columns: Span, rows: Span, low: vec2<f32>, high: vec2<f32>, gaze: vec3<f32>) -> f32 {
-    if meets(gaze, 0u, columns) && meets(gaze, 1u, rows) {
+fn line_of_rows(y: f32) -> Line {
+    let normal = vec3(0.0, 1.0, y);
+    return Line(foot(params.gaze_left, normal, 0u), foot(params.gaze_right, normal, 0u));
+}
+
+fn line_of_columns(x: f32) -> Line {
+    let normal = vec3(1.0, 0.0, x);
+    return Line(foot(params.gaze_left, normal, 1u), foot(params.gaze_right, normal, 1u));
+}
+
+// The corners of a tile, as directions: upper left, upper right, lower left, lower right.
+struct Corners {
+    directions: array<vec3<f32>, 4>,
+}
+
+fn lowered(chord: f32, foot: vec2<f32>, span: Span) -> f32 {
+    return select(chord, min(chord, foot.y), meets(foot.x, span));
+}
+
+// Squared chord between the nearest point of a tile and a gaze, whose feet are those on the tile's upper and lower, left and right line.
+fn chord_to(
+    corners: Corners,
+    columns: Span,
+    rows: Span,
+    gaze: Gaze,
+    upper: vec2<f32>,
+    lower: vec2<f32>,
+    left: vec2<f32>,
+    right: vec2<f32>,
+) -> f32 {
+    if meets(gaze.pixel.x, columns) && meets(gaze.pixel.y, rows) {
         return 0.0;
     }
     var chord = min(
-        min(squared_chord(low, gaze), squared_chord(high, gaze)),
-        min(squared_chord(vec2(high.x, low.y), gaze), squared_chord(vec2(low.x, high.y), gaze)),
+        min(squared_chord(corners.directions[0], gaze.direction), squared_chord(corners.directions[1], gaze.direction)),
+        min(squared_chord(corners.directions[2], gaze.direction), squared_chord(corners.directions[3], gaze.direction)),
     );
-    chord = lowered(chord, foot(gaze, vec3(0.0, 1.0, low.y)), 0u, columns);
-    chord = lowered(chord, foot(gaze, vec3(0.0, 1.0, high.y)), 0u, columns);
-    chord = lowered(chord, foot(gaze, vec3(1.0, 0.0, low.x)), 1u, rows);
-    chord = lowered(chord, foot(gaze, vec3(1.0, 0.0, high.x)), 1u, rows);
+    chord = lowered(chord, upper, columns);
+    chord = lowered(chord, lower, columns);
+    chord = lowered(chord, left, rows);
+    chord = lowered(chord, right, rows);
     return chord;
 }
 
@@ -309,17 +354,8 @@ fn seen_at(point: vec2<f32>, luminance: f32, eccentricity: f32, sensitivity: u32
     return tursun(select(4.0, pixels / 2.0, is_known), luminance, eccentricity);
 }
 
-// A tile, from what it was in the frame before.
-fn decided(tile: vec2<u32>, before: Tile, sensitivity: u32, is_turned: bool) -> Tile {
-    let corners = vec4(corner_pixel(tile), corner_pixel(tile + 1u));
-    let low = params.plane_origin + params.plane_step * corners.xy;
-    let high = params.plane_origin + params.plane_step * corners.zw;
-    let columns = Span(corners.x, corners.z, tile.x + 1u == params.tiles.x);
-    let rows = Span(corners.y, corners.w, tile.y + 1u == params.tiles.y);
-    let chord = min(
-        chord_to(columns, rows, low, high, params.gaze_left),
-        chord_to(columns, rows, low, high, params.gaze_right),
-    );
+// A tile, whose middle is at a point of the plane one unit ahead, from what it was in the frame before and its squared chord to the nearer gaze.
+fn decided(tile: vec2<u32>, middle: vec2<f32>, chord: f32, before: Tile, sensitivity: u32, is_turned: bool) -> Tile {
     var keep = level_at(chord, params.ring_chords);
     var grow = level_at(chord, params.coarsening_chords);
     if sensitivity != RINGS_ONLY {
@@ -329,7 +365,6 @@ fn decided(tile: vec2<u32>, before: Tile, sensitivity: u32, is_turned: bool) -> 
         let removed = shown.bands.x + shown.bands.y;
         if !(is_finite(removed) && removed <= params.flat_contrast) {
             let eccentricity = clamp(deg_of_chord(chord) - params.inflation_deg, 0.0, 120.0);
-            let middle = params.plane_origin + params.plane_step * ((corners.xy + corners.zw) * 0.5);
             visible = seen_at(middle, shown.luminance, eccentricity, sensitivity) * shown.bands.xy;
         }
         let is_steady = before.age_ms >= STEADY_MS;
@@ -364,20 +399,52 @@ fn decide(word: u32, sensitivity: u32, is_turned: bool) {
     }
     let first = vec2(word % row_words * 4u, word / row_words);
     let before = vec2(memory[2u * word], memory[2u * word + 1u]);
+    let start = corner_pixel(first);
+    let end_row = corner_pixel(first + 1u).y;
+    let rows = Span(start.y, end_row, first.y + 1u == params.tiles.y);
+    let low = params.plane_origin.y + params.plane_step.y * start.y;
+    let high = params.plane_origin.y + params.plane_step.y * end_row;
+    let upper = line_of_rows(low);
+    let lower = line_of_rows(high);
+    let gaze_left = gaze_at(params.gaze_left);
+    let gaze_right = gaze_at(params.gaze_right);
+    // Of tiles beside one another each has the line and the corners between them from the one before.
+    var start_column = start.x;
+    var x = params.plane_origin.x + params.plane_step.x * start_column;
+    var left = line_of_columns(x);
+    var upper_left = direction(vec2(x, low));
+    var lower_left = direction(vec2(x, high));
     var levels = 0u;
     var ages = 0u;
     var texels = 0u;
     for (var i = 0u; i < 4u; i++) {
         let tile = vec2(first.x + i, first.y);
+        let end_column = corner_pixel(tile + 1u).x;
+        x = params.plane_origin.x + params.plane_step.x * end_column;
+        let right = line_of_columns(x);
+        let upper_right = direction(vec2(x, low));
+        let lower_right = direction(vec2(x, high));
         if tile.x < params.tiles.x {
+            let columns = Span(start_column, end_column, tile.x + 1u == params.tiles.x);
+            let corners = Corners(array<vec3<f32>, 4>(upper_left, upper_right, lower_left, lower_right));
+            let chord = min(
+                chord_to(corners, columns, rows, gaze_left, upper.of_left, lower.of_left, left.of_left, right.of_left),
+                chord_to(corners, columns, rows, gaze_right, upper.of_right, lower.of_right, left.of_right, right.of_right),
+            );
+            let middle = params.plane_origin
+                + params.plane_step * (vec2(start_column + end_column, start.y + end_row) * 0.5);
             let known = (before >> vec2(8u * i)) & vec2(0xffu);
-            let next = decided(tile, Tile(known.x, known.y), sensitivity, is_turned);
+            let next = decided(tile, middle, chord, Tile(known.x, known.y), sensitivity, is_turned);
             levels |= next.level << (8u * i);
             ages |= next.age_ms << (8u * i);
             let index = tile.y * params.tiles.x + tile.x;
             let is_stale = params.has_stale != 0u && ((stale[index / 32u] >> (index % 32u)) & 1u) != 0u;
             texels |= (texel_of(next.level) | select(0u, STALE, is_stale)) << (8u * i);
         }
+        left = right;
+        upper_left = upper_right;
+        lower_left = lower_right;
+        start_column = end_column;
     }
     memory[2u * word] = levels;
     memory[2u * word + 1u] = ages;
