@@ -26,7 +26,7 @@ pub enum Sweep {
     Reuse,
     /// The layer's rates and re-use: all that saves time.
     RatesAndReuse,
-    /// The layer's rates, re-use and chroma attenuation together.
+    /// The layer's rates, re-use and chroma attenuation together, by eccentricity or by contrast and sound.
     Everything,
     /// The layer's chroma attenuation, whose gain is bits, not time.
     Chroma,
@@ -148,6 +148,13 @@ fn all() -> Vec<Point> {
     for (preset, least) in [("quality", Full), ("balanced", Quick), ("performance", All)] {
         let name = format!("everything {preset}");
         points.push(timed(Sweep::Everything, layer(&name, preset, ["fixed", "on", "default"]), least));
+    }
+    for preset in ["quality", "balanced"] {
+        let config = format!(
+            "preset = \"{preset}\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"fixed\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n"
+        );
+        let name = format!("everything with sound {preset}");
+        points.push(timed(Sweep::Everything, Technique::layer(&name, &config).hearing(), All));
     }
     let chroma = layer("chroma", "none", ["off", "off", "default"]);
     points.push(Point { sweep: Sweep::Chroma, technique: chroma, is_timed: false, least: Quick });
