@@ -39,7 +39,7 @@ impl Sensitivity {
     /// What no sensitivity of a unit exceeds in the two finest bands, those that rates remove.
     pub fn greatest(unit: SensitivityUnit) -> f32 {
         match unit {
-            // At 2 to 3 cycles per degree and the greatest luminance.
+            // 151 is the greatest that the test below finds.
             SensitivityUnit::CastleCsf => 160.0,
             // Twice 10 to the power of the greatest of Fit::QUARTER's knots.
             SensitivityUnit::Tursun => 3.4e6,
