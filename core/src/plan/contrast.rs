@@ -80,7 +80,7 @@ mod tests {
             let flat = DecideParams {
                 budget,
                 coarsening_budget: budget * least,
-                holding_budget: budget * 1.25,
+                holding_budget: budget * 1.35,
                 tiles: [1, 1],
                 flat_contrast: budget * least / Sensitivity::greatest(unit),
                 ..bytemuck::Zeroable::zeroed()

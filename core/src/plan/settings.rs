@@ -231,7 +231,7 @@ impl Default for RailSettings {
             latency_s: 0.06,
             hysteresis_deg: 0.5,
             hysteresis_budget: 0.9,
-            holding_budget: 1.25,
+            holding_budget: 1.35,
             coarsening_octaves_per_s: 8.0,
             judged_octaves_per_s: 4.0,
             lost: Some(FixedFoveation {
