@@ -41,34 +41,83 @@ fn arc_cosine(x: f32) -> f32 {
     return select(positive, 2.0 * HALF_PI - positive, x < 0.0);
 }
 
-// geometry::eccentricity of a point of the region, in pixels from its upper left corner, less the radius of what
-// counts as looked at.
-fn eccentricity(point: vec2<f32>) -> f32 {
-    let direction = vec3(params.plane_origin + params.plane_step * point, -1.0);
-    return arc_cosine(dot(direction, params.gaze) * inverseSqrt(dot(direction, direction))) - params.radius;
+// Direction of a point of the region, in pixels from its upper left corner, where it meets the plane z = -1.
+fn direction(point: vec2<f32>) -> vec2<f32> {
+    return params.plane_origin + params.plane_step * point;
+}
+
+// geometry::eccentricity of a direction, less the radius of what counts as looked at.
+fn eccentricity(direction: vec2<f32>, gaze: vec3<f32>, radius: f32) -> f32 {
+    let ray = vec3(direction, -1.0);
+    return arc_cosine(dot(ray, gaze) * inverseSqrt(dot(ray, ray))) - radius;
+}
+
+fn eccentricity_of(point: vec2<f32>) -> f32 {
+    return eccentricity(direction(point), params.gaze, params.radius);
 }
 
 // Below 90 degrees plateau and radius are a cone, hence convex: a tile lies inside where its corners do. Beyond, any
 // tile may hold the hole that is left.
 fn tile_has_work(low: vec2<f32>, high: vec2<f32>) -> bool {
     let farthest = max(
-        max(eccentricity(low), eccentricity(high)),
-        max(eccentricity(vec2(high.x, low.y)), eccentricity(vec2(low.x, high.y))),
+        max(eccentricity_of(low), eccentricity_of(high)),
+        max(eccentricity_of(vec2(high.x, low.y)), eccentricity_of(vec2(low.x, high.y))),
     );
     return farthest > params.plateau || params.plateau + params.radius >= HALF_PI;
 }
 
+// What pixels need of the parameters is handed on by the vertices: a parameter that each pixel reads by itself costs lavapipe
+// of Mesa 22.3 some 25 instructions a vector, and there are sixteen.
+struct Seen {
+    @builtin(position) position: vec4<f32>,
+    // direction(): linear in the position.
+    @location(0) @interpolate(linear) direction: vec2<f32>,
+    // Gaze, and radius.
+    @location(1) @interpolate(flat) gaze: vec4<f32>,
+    // Plateau, range_scale, rim_scale and strength.
+    @location(2) @interpolate(flat) range: vec4<f32>,
+    // Bounds and fall-offs, those of Cb first.
+    @location(3) @interpolate(flat) curves: vec4<f32>,
+    // Weights of red and blue, floor and ceiling of the gamut.
+    @location(4) @interpolate(flat) light: vec4<f32>,
+}
+
+fn seen(point: vec2<f32>) -> Seen {
+    return Seen(
+        on_screen(point),
+        direction(point),
+        vec4(params.gaze, params.radius),
+        vec4(params.plateau, params.range_scale, params.rim_scale, params.strength),
+        vec4(params.cb_bound, params.cr_bound, params.cb_fall_off, params.cr_fall_off),
+        vec4(params.red_weight, params.blue_weight, params.gamut_floor, params.gamut_ceiling),
+    );
+}
+
+fn unseen() -> Seen {
+    var none: Seen;
+    none.position = vec4(-2.0, -2.0, 0.0, 1.0);
+    return none;
+}
+
+fn on_screen(point: vec2<f32>) -> vec4<f32> {
+    return vec4(point / vec2<f32>(params.rect_extent) * 2.0 - 1.0, 0.0, 1.0);
+}
+
+// Of the corners that a strip of four vertices has, in turn.
+fn is_far(vertex: u32) -> vec2<bool> {
+    return vec2((vertex & 1u) != 0u, (vertex & 2u) != 0u);
+}
+
 // One instance a tile, as a strip of four vertices. The viewport is the region.
 @vertex
-fn tile(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
+fn tile(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Seen {
     let columns = (params.rect_extent.x + TILE_SIZE - 1u) / TILE_SIZE;
     let low = vec2(instance % columns, instance / columns) * TILE_SIZE;
     let high = min(low + TILE_SIZE, params.rect_extent);
     if !tile_has_work(vec2<f32>(low), vec2<f32>(high)) {
-        return vec4(-2.0, -2.0, 0.0, 1.0);
+        return unseen();
     }
-    let corner = select(low, high, vec2((vertex & 1u) != 0u, (vertex & 2u) != 0u));
-    return vec4(vec2<f32>(corner) / vec2<f32>(params.rect_extent) * 2.0 - 1.0, 0.0, 1.0);
+    return seen(vec2<f32>(select(low, high, is_far(vertex))));
 }
 
 // cos(x pi / 2) within 3e-5, for x of 0 to 1.
@@ -79,12 +128,12 @@ fn quarter_cosine(x: f32) -> f32 {
 
 // chroma::Curves::gains: of Cb in x, of Cr in y. The angle is above the plateau. The larger of two powers is that of the larger
 // exponent.
-fn gains(angle: f32) -> vec2<f32> {
-    let e = saturate((angle - params.plateau) * params.range_scale);
-    let cb = params.cb_bound * log2(max((1.0 - e) * (1.0 + e), LEAST));
-    let half = quarter_cosine(exp2(params.cr_bound * log2(max(e, LEAST))));
-    let rim = 1.0 - e * params.rim_scale;
-    let floor = exp2(vec2(max(cb, -params.cb_fall_off * angle), -params.cr_fall_off * angle));
+fn gains(angle: f32, range: vec4<f32>, curves: vec4<f32>) -> vec2<f32> {
+    let e = saturate((angle - range.x) * range.y);
+    let cb = curves.x * log2(max((1.0 - e) * (1.0 + e), LEAST));
+    let half = quarter_cosine(exp2(curves.y * log2(max(e, LEAST))));
+    let rim = 1.0 - e * range.z;
+    let floor = exp2(vec2(max(cb, -curves.z * angle), -curves.w * angle));
     return vec2(floor.x, max(max(half * half, rim), floor.y));
 }
 
@@ -94,8 +143,8 @@ fn is_finite(x: f32) -> bool {
 }
 
 // chroma::attenuate
-fn attenuate(rgb: vec3<f32>, gain: vec2<f32>) -> vec3<f32> {
-    let weights = vec3(params.red_weight, 1.0 - params.red_weight - params.blue_weight, params.blue_weight);
+fn attenuate(rgb: vec3<f32>, gain: vec2<f32>, light: vec4<f32>) -> vec3<f32> {
+    let weights = vec3(light.x, 1.0 - light.x - light.y, light.y);
     let y = dot(weights, rgb);
     if !is_finite(y) {
         return rgb;
@@ -107,7 +156,7 @@ fn attenuate(rgb: vec3<f32>, gain: vec2<f32>) -> vec3<f32> {
     let blue_share = weights.b * green_part;
 
     let without_blue = y - red_share * gain.y * red;
-    let room = select(params.gamut_ceiling - without_blue, without_blue - params.gamut_floor, blue > 0.0);
+    let room = select(light.w - without_blue, without_blue - light.z, blue > 0.0);
     let limit = room / max(blue_share * abs(blue), MIN_SHIFT);
     let cb = min(gain.x, max(limit, gain.y));
 
@@ -118,14 +167,14 @@ fn attenuate(rgb: vec3<f32>, gain: vec2<f32>) -> vec3<f32> {
 
 // Alpha is masked off by the pipeline.
 @fragment
-fn pixel(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let angle = eccentricity(position.xy - vec2<f32>(params.rect_offset));
-    if angle <= params.plateau {
+fn pixel(seen: Seen) -> @location(0) vec4<f32> {
+    let angle = eccentricity(seen.direction, seen.gaze.xyz, seen.gaze.w);
+    if angle <= seen.range.x {
         discard;
     }
-    let rgb = textureLoad(source, vec2<i32>(position.xy), 0).rgb;
-    let gain = 1.0 - params.strength * (1.0 - gains(angle));
-    return vec4(attenuate(rgb, gain), 1.0);
+    let rgb = textureLoad(source, vec2<i32>(seen.position.xy), 0).rgb;
+    let gain = 1.0 - seen.range.w * (1.0 - gains(angle, seen.range, seen.curves));
+    return vec4(attenuate(rgb, gain, seen.light), 1.0);
 }
 
 // Re-use: tiles that were not rendered are taken from earlier pictures, a draw for each of those.
@@ -169,58 +218,74 @@ fn tile_rect(instance: u32) -> TileRect {
     );
 }
 
-fn on_screen(point: vec2<f32>) -> vec4<f32> {
-    return vec4(point / vec2<f32>(params.rect_extent) * 2.0 - 1.0, 0.0, 1.0);
-}
-
-// Of the corners that a strip of four vertices has, in turn.
-fn is_far(vertex: u32) -> vec2<bool> {
-    return vec2((vertex & 1u) != 0u, (vertex & 2u) != 0u);
-}
-
-// One instance for each entry of a list.
+// As `tile`, but one instance for each entry of a list.
 @vertex
-fn listed(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
-    let rect = tile_rect(instance);
-    return on_screen(select(rect.low, rect.high, is_far(vertex)));
-}
-
-// As `listed`, but for rectangles in which nothing is attenuated.
-@vertex
-fn listed_with_work(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
+fn listed_with_work(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Seen {
     let rect = tile_rect(instance);
     if !tile_has_work(rect.low, rect.high) {
-        return vec4(-2.0, -2.0, 0.0, 1.0);
+        return unseen();
     }
-    return on_screen(select(rect.low, rect.high, is_far(vertex)));
+    return seen(select(rect.low, rect.high, is_far(vertex)));
 }
 
+// `Seen`, and where in an earlier picture.
 struct Found {
     @builtin(position) position: vec4<f32>,
-    // Where it lies in the texture, from 0 to 1, not divided: linear in the position.
-    @location(0) @interpolate(linear) at: vec3<f32>,
+    @location(0) @interpolate(linear) direction: vec2<f32>,
+    @location(1) @interpolate(flat) gaze: vec4<f32>,
+    @location(2) @interpolate(flat) range: vec4<f32>,
+    @location(3) @interpolate(flat) curves: vec4<f32>,
+    @location(4) @interpolate(flat) light: vec4<f32>,
+    // Where it lies there, not divided: linear in the position. In pixels of the rectangle where pixels of it are asked for one by
+    // one, otherwise from 0 to 1 in the texture.
+    @location(5) @interpolate(linear) at: vec3<f32>,
+    // Of an edge, how much is taken from there: the product of both.
+    @location(6) @interpolate(linear) share: vec2<f32>,
+    // earlier_extent and earlier_tiles.
+    @location(7) @interpolate(flat) earlier: vec4<f32>,
+    // earlier_grid, at least 1, whether it has tiles, and earlier_word.
+    @location(8) @interpolate(flat) tiles: vec4<u32>,
+    // From the pixels of the target to those of the earlier picture where nothing has moved, and earlier_offset.
+    @location(9) @interpolate(flat) offsets: vec4<i32>,
 }
 
-fn found(point: vec2<f32>) -> Found {
-    return Found(on_screen(point), homogeneous(reuse.to_texture, point));
+fn found(point: vec2<f32>, at: vec3<f32>, share: vec2<f32>) -> Found {
+    let seen = seen(point);
+    let offset = vec2<i32>(reuse.earlier_offset);
+    return Found(
+        seen.position,
+        seen.direction,
+        seen.gaze,
+        seen.range,
+        seen.curves,
+        seen.light,
+        at,
+        share,
+        vec4(reuse.earlier_extent, reuse.earlier_tiles),
+        vec4(max(reuse.earlier_grid, vec2(1u)), u32(all(reuse.earlier_grid > vec2(0u))), reuse.earlier_word),
+        vec4(offset - vec2<i32>(params.rect_offset), offset),
+    );
 }
 
+// One instance for each entry of a list, for pixels one by one.
+@vertex
+fn listed(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
+    let rect = tile_rect(instance);
+    let point = select(rect.low, rect.high, is_far(vertex));
+    return found(point, homogeneous(reuse.matrix, point), vec2(1.0));
+}
+
+// The same for the texture.
 @vertex
 fn listed_found(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
     let rect = tile_rect(instance);
-    return found(select(rect.low, rect.high, is_far(vertex)));
-}
-
-struct Border {
-    @builtin(position) position: vec4<f32>,
-    @location(0) @interpolate(linear) at: vec3<f32>,
-    // How much is taken from there: the product of both.
-    @location(1) @interpolate(linear) share: vec2<f32>,
+    let point = select(rect.low, rect.high, is_far(vertex));
+    return found(point, homogeneous(reuse.to_texture, point), vec2(1.0));
 }
 
 // Edges and corners of tiles.
 @vertex
-fn listed_border(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Border {
+fn listed_border(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
     let rect = tile_rect(instance);
     let width = min(vec2(reuse.border), reuse.tile_size * 0.5);
     let low = select(rect.low, rect.high - width, rect.edge == vec2(2u));
@@ -228,8 +293,8 @@ fn listed_border(@builtin(vertex_index) vertex: u32, @builtin(instance_index) in
     let at_high = select(vec2(0.0), vec2(1.0), rect.edge != vec2(1u));
     let at_low = select(vec2(0.0), vec2(1.0), rect.edge != vec2(2u));
     let corner = is_far(vertex);
-    let found = found(select(low, high, corner));
-    return Border(found.position, found.at, select(at_low, at_high, corner));
+    let point = select(low, high, corner);
+    return found(point, homogeneous(reuse.to_texture, point), select(at_low, at_high, corner));
 }
 
 // Where a point lies, not divided.
@@ -238,39 +303,37 @@ fn homogeneous(matrix: array<vec4<f32>, 3>, point: vec2<f32>) -> vec3<f32> {
 }
 
 // Whether the picture of this draw was rendered there, of which the point is.
-fn is_fresh_at(point: vec2<f32>) -> bool {
-    let tile = min(vec2<u32>(point * reuse.earlier_tiles), max(reuse.earlier_grid, vec2(1u)) - 1u);
-    let index = tile.y * reuse.earlier_grid.x + tile.x;
-    let has_tiles = all(reuse.earlier_grid > vec2(0u));
-    // No branch on uniforms alone: lavapipe of Mesa 22.3 compiles such a shader anew whenever they are written.
-    return !has_tiles | (((words[reuse.earlier_word + index / 32u] >> (index % 32u)) & 1u) == 0u);
+fn is_fresh_at(found: Found, point: vec2<f32>) -> bool {
+    let tile = min(vec2<u32>(point * found.earlier.zw), found.tiles.xy - 1u);
+    let index = tile.y * found.tiles.x + tile.x;
+    return (found.tiles.z == 0u) | (((words[found.tiles.w + index / 32u] >> (index % 32u)) & 1u) == 0u);
 }
 
-fn earlier_texel(texel: vec2<f32>) -> vec4<f32> {
-    return textureLoad(source, vec2<i32>(texel) + vec2<i32>(reuse.earlier_offset), 0);
+fn earlier_texel(found: Found, texel: vec2<f32>) -> vec4<f32> {
+    return textureLoad(source, vec2<i32>(texel) + found.offsets.zw, 0);
 }
 
 // Of texels that all were rendered.
-fn whole_pixel(at: vec3<f32>) -> vec4<f32> {
-    return textureSampleLevel(source, between, at.xy / at.z, 0.0);
+fn whole_pixel(found: Found) -> vec4<f32> {
+    return textureSampleLevel(source, between, found.at.xy / found.at.z, 0.0);
 }
 
 // A texel without weight does not count, even if it is no number.
-fn weighted(texel: vec2<f32>, weight: f32) -> vec4<f32> {
-    return select(vec4(0.0), earlier_texel(texel) * weight, weight > 0.0);
+fn weighted(found: Found, texel: vec2<f32>, weight: f32) -> vec4<f32> {
+    return select(vec4(0.0), earlier_texel(found, texel) * weight, weight > 0.0);
 }
 
 // Bilinear, of those that were rendered.
-fn mixed_footprint(at: vec2<f32>) -> vec4<f32> {
+fn mixed_footprint(found: Found, at: vec2<f32>) -> vec4<f32> {
     let base = floor(at - 0.5);
     let share = at - 0.5 - base;
-    let low = clamp(base, vec2(0.0), reuse.earlier_extent - 1.0);
-    let high = clamp(base + 1.0, vec2(0.0), reuse.earlier_extent - 1.0);
+    let low = clamp(base, vec2(0.0), found.earlier.xy - 1.0);
+    let high = clamp(base + 1.0, vec2(0.0), found.earlier.xy - 1.0);
     let fresh = vec4(
-        f32(is_fresh_at(low + 0.5)),
-        f32(is_fresh_at(vec2(high.x, low.y) + 0.5)),
-        f32(is_fresh_at(vec2(low.x, high.y) + 0.5)),
-        f32(is_fresh_at(high + 0.5)),
+        f32(is_fresh_at(found, low + 0.5)),
+        f32(is_fresh_at(found, vec2(high.x, low.y) + 0.5)),
+        f32(is_fresh_at(found, vec2(low.x, high.y) + 0.5)),
+        f32(is_fresh_at(found, high + 0.5)),
     );
     let rest = 1.0 - share;
     let weights = fresh * vec4(rest.x * rest.y, share.x * rest.y, rest.x * share.y, share.x * share.y);
@@ -279,73 +342,65 @@ fn mixed_footprint(at: vec2<f32>) -> vec4<f32> {
         discard;
     }
     let shares = weights / sum;
-    return weighted(low, shares.x)
-        + weighted(vec2(high.x, low.y), shares.y)
-        + weighted(vec2(low.x, high.y), shares.z)
-        + weighted(high, shares.w);
+    return weighted(found, low, shares.x)
+        + weighted(found, vec2(high.x, low.y), shares.y)
+        + weighted(found, vec2(low.x, high.y), shares.z)
+        + weighted(found, high, shares.w);
 }
 
-fn mixed_pixel(point: vec2<f32>) -> vec4<f32> {
-    let found = homogeneous(reuse.matrix, point);
-    let at = found.xy / found.z;
-    let is_inside = found.z > 0.0 && all(at >= vec2(0.0)) && all(at <= reuse.earlier_extent);
-    if !is_inside || !is_fresh_at(at) {
+fn mixed_pixel(found: Found) -> vec4<f32> {
+    let at = found.at.xy / found.at.z;
+    let is_inside = found.at.z > 0.0 && all(at >= vec2(0.0)) && all(at <= found.earlier.xy);
+    if !is_inside || !is_fresh_at(found, at) {
         discard;
     }
-    return mixed_footprint(at);
+    return mixed_footprint(found, at);
 }
 
-fn attenuated(rgba: vec4<f32>, point: vec2<f32>) -> vec4<f32> {
-    let angle = eccentricity(point);
-    let gain = 1.0 - params.strength * (1.0 - gains(angle));
-    return vec4(select(rgba.rgb, attenuate(rgba.rgb, gain), angle > params.plateau), rgba.a);
-}
-
-fn point_of(position: vec4<f32>) -> vec2<f32> {
-    return position.xy - vec2<f32>(params.rect_offset);
+fn attenuated(found: Found, rgba: vec4<f32>) -> vec4<f32> {
+    let angle = eccentricity(found.direction, found.gaze.xyz, found.gaze.w);
+    let gain = 1.0 - found.range.w * (1.0 - gains(angle, found.range, found.curves));
+    return vec4(select(rgba.rgb, attenuate(rgba.rgb, gain, found.light), angle > found.range.x), rgba.a);
 }
 
 // Where nothing has moved. What is not attenuated there is copied.
 @fragment
-fn still_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let point = point_of(position);
-    return attenuated(earlier_texel(floor(point)), point);
+fn still_attenuated(found: Found) -> @location(0) vec4<f32> {
+    return attenuated(found, textureLoad(source, vec2<i32>(found.position.xy) + found.offsets.xy, 0));
 }
 
 @fragment
 fn whole(found: Found) -> @location(0) vec4<f32> {
-    return whole_pixel(found.at);
+    return whole_pixel(found);
 }
 
 @fragment
 fn whole_attenuated(found: Found) -> @location(0) vec4<f32> {
-    return attenuated(whole_pixel(found.at), point_of(found.position));
+    return attenuated(found, whole_pixel(found));
 }
 
 @fragment
-fn mixed(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    return mixed_pixel(point_of(position));
+fn mixed(found: Found) -> @location(0) vec4<f32> {
+    return mixed_pixel(found);
 }
 
 @fragment
-fn mixed_attenuated(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let point = point_of(position);
-    return attenuated(mixed_pixel(point), point);
+fn mixed_attenuated(found: Found) -> @location(0) vec4<f32> {
+    return attenuated(found, mixed_pixel(found));
 }
 
 // Multiplied by its share, which blending reads as alpha.
-fn border_pixel(rgba: vec4<f32>, shares: vec2<f32>) -> vec4<f32> {
-    let share = shares.x * shares.y;
+fn border_pixel(found: Found, rgba: vec4<f32>) -> vec4<f32> {
+    let share = found.share.x * found.share.y;
     return vec4(rgba.rgb * share, share);
 }
 
 @fragment
-fn border(border: Border) -> @location(0) vec4<f32> {
-    return border_pixel(whole_pixel(border.at), border.share);
+fn border(found: Found) -> @location(0) vec4<f32> {
+    return border_pixel(found, whole_pixel(found));
 }
 
 @fragment
-fn border_attenuated(border: Border) -> @location(0) vec4<f32> {
-    let rgba = attenuated(whole_pixel(border.at), point_of(border.position));
-    return border_pixel(rgba, border.share);
+fn border_attenuated(found: Found) -> @location(0) vec4<f32> {
+    return border_pixel(found, attenuated(found, whole_pixel(found)));
 }
