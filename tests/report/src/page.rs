@@ -243,7 +243,7 @@ fn bits(results: &Results) -> Markup {
     html! {
         @if rows.is_empty() { p { "Not measured." } } @else {
             p.note {
-                "BD-rate: the mean difference in bits at equal PSNR of luma, at four settings of quality, of the pictures that the eyes see; chroma's bits are what is left without those of "
+                "BD-rate: the mean difference in bits at equal PSNR of luma, decoded against what was encoded, at four settings of quality, of the pictures that the eyes see; chroma's bits are what is left without those of "
                 "luma alone. Chroma attenuation saves no time."
             }
             table {

@@ -8,8 +8,8 @@ use zune_jpeg::JpegDecoder;
 /// From small to fine.
 pub const QUALITIES: [u8; 4] = [30, 50, 70, 90];
 
-/// Encodes a picture, and compares luma with the one that counts as right.
-pub fn encode(planes: &Planes, right: &Planes, sampling: Sampling, quality: u8) -> Result<Encoded, String> {
+/// Encodes a picture, and compares luma with what it was.
+pub fn encode(planes: &Planes, sampling: Sampling, quality: u8) -> Result<Encoded, String> {
     let luma: Vec<u8> = planes.luma().collect();
     // Luma's scan is the same in both, as its tables are its own.
     let grey = bytes(&luma, planes, ColorType::Luma, sampling, quality)?;
@@ -17,7 +17,7 @@ pub fn encode(planes: &Planes, right: &Planes, sampling: Sampling, quality: u8) 
     let decoded = JpegDecoder::new(&grey).decode().map_err(|error| format!("JPEG: {error:?}"))?;
     Ok(Encoded {
         size: Size { total: 8 * all.len() as u64, luma: 8 * grey.len() as u64 },
-        squared_error: squared_error(decoded.into_iter(), right.luma()),
+        squared_error: squared_error(decoded.into_iter(), planes.luma()),
         pixels: planes.pixels.len() as u64,
     })
 }
