@@ -4,7 +4,8 @@ use crate::results::{Results, mean};
 use crate::summary::{Row, mean_rows};
 use crate::verdict::EVERYTHING;
 
-/// Below this share of the time a technique counts as a gain: less is within what two runs differ by.
+/// Below this share of the time, or of the bits, a technique counts as a gain: less is within what two runs differ by, and no reason
+/// to give anything up.
 const GAIN: f64 = 0.95;
 
 /// One kind of application.
@@ -82,21 +83,20 @@ fn streamed(results: &Results, chroma: Option<&Row>) -> Advice {
     let codec =
         ["H.264 4:2:0", "JPEG 4:2:0"].into_iter().find(|codec| bits().any(|bits| bits.codec == *codec));
     let saved = codec.and_then(|codec| {
-        mean(bits().filter(|bits| bits.codec == codec).map(|bits| bits.total)).map(|total| (codec, total))
+        let of_codec = || bits().filter(|bits| bits.codec == codec);
+        Some((codec, mean(of_codec().map(|bits| bits.total))?, mean(of_codec().map(|bits| bits.chroma))?))
     });
     let (setting, measured) = match (saved, chroma) {
-        (Some((codec, total)), Some(row)) if total < 0.0 => (
-            "preset = \"streaming\"",
+        (Some((codec, total, of_chroma)), Some(row)) => (
+            if 1.0 + total < GAIN { "preset = \"streaming\"" } else { "chroma.mode = \"off\"" },
             format!(
-                "{:.1} % fewer bits at equal PSNR of luma ({codec}), for {:.2} JND of colour",
-                -100.0 * total,
+                "attenuation changes all bits by {:+.1} %, those of chroma by {:+.1} %, at equal PSNR of luma ({codec}), for {:.2} JND of colour",
+                100.0 * total,
+                100.0 * of_chroma,
                 row.chroma.unwrap_or(f64::NAN)
             ),
         ),
-        (Some((codec, total)), _) => {
-            ("chroma.mode = \"off\"", format!("{:+.1} % bits at equal PSNR of luma ({codec})", 100.0 * total))
-        }
-        (None, _) => ("preset = \"streaming\"", "bits were not measured".to_owned()),
+        _ => ("chroma.mode = \"off\"", "bits were not measured".to_owned()),
     };
     Advice {
         application: "Shown over a network, as video (WiVRn, ALVR, Steam Link)",
