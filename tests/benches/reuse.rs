@@ -190,7 +190,12 @@ fn finish(run: Run, scenario: &Scenario) -> Result<Outcome, Box<dyn Error>> {
 }
 
 fn cell(value: Option<f64>, digits: usize) -> String {
-    value.map_or("too few frames".to_owned(), |value| format!("{value:.digits$}"))
+    match value {
+        None => "too few frames".to_owned(),
+        // Of nothing, by nothing.
+        Some(value) if value.is_nan() => "-".to_owned(),
+        Some(value) => format!("{value:.digits$}"),
+    }
 }
 
 /// The mean over all pixels outside of 10 degrees; none of flicker in a short run.
