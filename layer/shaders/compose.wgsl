@@ -11,15 +11,17 @@ struct ComposeParams {
     red_weight: f32,
     blue_weight: f32,
     range_scale: f32,
-    cb_bound: f32,
-    cr_bound: f32,
     rim_scale: f32,
+    cb_loss: vec4<f32>,
+    cr_loss: vec4<f32>,
+    cr_loss_last: f32,
     cb_fall_off: f32,
     cr_fall_off: f32,
     radius: f32,
     strength: f32,
     gamut_floor: f32,
     gamut_ceiling: f32,
+    unused: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: ComposeParams;
@@ -29,8 +31,6 @@ struct ComposeParams {
 
 const TILE_SIZE: u32 = 64u;
 const HALF_PI: f32 = 1.5707964;
-const MIN_SHIFT: f32 = 1e-6;
-const LEAST: f32 = 1e-30;
 
 // Within 1e-6 radians (Abramowitz and Stegun, 4.4.46).
 fn arc_cosine(x: f32) -> f32 {
@@ -67,7 +67,7 @@ fn tile_has_work(low: vec2<f32>, high: vec2<f32>) -> bool {
 }
 
 // What pixels need of the parameters is handed on by the vertices: a parameter that each pixel reads by itself costs lavapipe
-// of Mesa 22.3 some 25 instructions a vector, and there are sixteen.
+// of Mesa 22.3 some 25 instructions a vector, and there are over twenty.
 struct Seen {
     @builtin(position) position: vec4<f32>,
     // direction(): linear in the position.
@@ -76,20 +76,29 @@ struct Seen {
     @location(1) @interpolate(flat) gaze: vec4<f32>,
     // Plateau, range_scale, rim_scale and strength.
     @location(2) @interpolate(flat) range: vec4<f32>,
-    // Bounds and fall-offs, those of Cb first.
-    @location(3) @interpolate(flat) curves: vec4<f32>,
-    // Weights of red and blue, floor and ceiling of the gamut.
-    @location(4) @interpolate(flat) light: vec4<f32>,
+    @location(3) @interpolate(flat) cb_loss: vec4<f32>,
+    @location(4) @interpolate(flat) cr_loss: vec4<f32>,
+    // cr_loss_last, and the fall-offs of Cb and Cr.
+    @location(5) @interpolate(flat) rest: vec3<f32>,
+    // Kr, Kb, Kr / Kg and Kb / Kg.
+    @location(6) @interpolate(flat) light: vec4<f32>,
+    // Floor and ceiling of the gamut, and Kg / Kb.
+    @location(7) @interpolate(flat) gamut: vec3<f32>,
 }
 
 fn seen(point: vec2<f32>) -> Seen {
+    let weights = vec2(params.red_weight, params.blue_weight);
+    let green_weight = 1.0 - weights.x - weights.y;
     return Seen(
         on_screen(point),
         direction(point),
         vec4(params.gaze, params.radius),
         vec4(params.plateau, params.range_scale, params.rim_scale, params.strength),
-        vec4(params.cb_bound, params.cr_bound, params.cb_fall_off, params.cr_fall_off),
-        vec4(params.red_weight, params.blue_weight, params.gamut_floor, params.gamut_ceiling),
+        params.cb_loss,
+        params.cr_loss,
+        vec3(params.cr_loss_last, params.cb_fall_off, params.cr_fall_off),
+        vec4(weights, weights / green_weight),
+        vec3(params.gamut_floor, params.gamut_ceiling, green_weight / weights.y),
     );
 }
 
@@ -120,21 +129,16 @@ fn tile(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u
     return seen(vec2<f32>(select(low, high, is_far(vertex))));
 }
 
-// cos(x pi / 2) within 3e-5, for x of 0 to 1.
-fn quarter_cosine(x: f32) -> f32 {
-    let square = x * x;
-    return 1.0 - square * (1.2337006 - square * (0.2536695 - square * (0.0208635 - square * 0.0009193)));
-}
-
-// chroma::Curves::gains: of Cb in x, of Cr in y. The angle is above the plateau. The larger of two powers is that of the larger
-// exponent.
-fn gains(angle: f32, range: vec4<f32>, curves: vec4<f32>) -> vec2<f32> {
-    let e = saturate((angle - range.x) * range.y);
-    let cb = curves.x * log2(max((1.0 - e) * (1.0 + e), LEAST));
-    let half = quarter_cosine(exp2(curves.y * log2(max(e, LEAST))));
-    let rim = 1.0 - e * range.z;
-    let floor = exp2(vec2(max(cb, -curves.z * angle), -curves.w * angle));
-    return vec2(floor.x, max(max(half * half, rim), floor.y));
+// chroma::Approximation::losses, in proportion to the strength: of Cb in x, of Cr in y. The angle is above the plateau.
+fn losses(angle: f32, seen: Seen) -> vec2<f32> {
+    let e = saturate((angle - seen.range.x) * seen.range.y);
+    let w = 1.0 - sqrt((1.0 - e) * (1.0 + e));
+    let v = sqrt(e);
+    let c = seen.cr_loss;
+    let cb = w * (seen.cb_loss.x + w * (seen.cb_loss.y + w * (seen.cb_loss.z + w * seen.cb_loss.w)));
+    let cr = v * (c.x + v * (c.y + v * (c.z + v * (c.w + v * seen.rest.x))));
+    let below_floor = 1.0 - exp2(-seen.rest.yz * angle);
+    return seen.range.w * min(vec2(cb, min(cr, e * seen.range.z)), below_floor);
 }
 
 // By its bits: a compiler may take it that no number is infinite or NaN.
@@ -143,26 +147,18 @@ fn is_finite(x: f32) -> bool {
 }
 
 // chroma::attenuate
-fn attenuate(rgb: vec3<f32>, gain: vec2<f32>, light: vec4<f32>) -> vec3<f32> {
-    let weights = vec3(light.x, 1.0 - light.x - light.y, light.y);
-    let y = dot(weights, rgb);
+fn attenuate(rgb: vec3<f32>, loss: vec2<f32>, seen: Seen) -> vec3<f32> {
+    let light = seen.light;
+    let y = light.x * rgb.r + light.y * rgb.b + (1.0 - light.x - light.y) * rgb.g;
     if !is_finite(y) {
         return rgb;
     }
-    let red = rgb.r - y;
-    let blue = rgb.b - y;
-    let green_part = 1.0 / weights.g;
-    let red_share = weights.r * green_part;
-    let blue_share = weights.b * green_part;
-
-    let without_blue = y - red_share * gain.y * red;
-    let room = select(light.w - without_blue, without_blue - light.z, blue > 0.0);
-    let limit = room / max(blue_share * abs(blue), MIN_SHIFT);
-    let cb = min(gain.x, max(limit, gain.y));
-
-    let lost_red = (1.0 - gain.y) * red;
-    let lost_blue = (1.0 - cb) * blue;
-    return vec3(rgb.r - lost_red, rgb.g + red_share * lost_red + blue_share * lost_blue, rgb.b - lost_blue);
+    let lost_red = loss.y * (rgb.r - y);
+    let green = rgb.g + light.z * lost_red;
+    let least = loss * (light.w * (rgb.b - y));
+    let room = seen.gamut.xy - green;
+    let lost_blue = clamp(clamp(least.x, room.x, room.y), min(least.x, least.y), max(least.x, least.y));
+    return vec3(rgb.r - lost_red, green + lost_blue, rgb.b - lost_blue * seen.gamut.z);
 }
 
 // Alpha is masked off by the pipeline.
@@ -173,8 +169,7 @@ fn pixel(seen: Seen) -> @location(0) vec4<f32> {
         discard;
     }
     let rgb = textureLoad(source, vec2<i32>(seen.position.xy), 0).rgb;
-    let gain = 1.0 - seen.range.w * (1.0 - gains(angle, seen.range, seen.curves));
-    return vec4(attenuate(rgb, gain, seen.light), 1.0);
+    return vec4(attenuate(rgb, losses(angle, seen), seen), 1.0);
 }
 
 // Re-use: tiles that were not rendered are taken from earlier pictures, a draw for each of those.
@@ -234,19 +229,22 @@ struct Found {
     @location(0) @interpolate(linear) direction: vec2<f32>,
     @location(1) @interpolate(flat) gaze: vec4<f32>,
     @location(2) @interpolate(flat) range: vec4<f32>,
-    @location(3) @interpolate(flat) curves: vec4<f32>,
-    @location(4) @interpolate(flat) light: vec4<f32>,
+    @location(3) @interpolate(flat) cb_loss: vec4<f32>,
+    @location(4) @interpolate(flat) cr_loss: vec4<f32>,
+    @location(5) @interpolate(flat) rest: vec3<f32>,
+    @location(6) @interpolate(flat) light: vec4<f32>,
+    @location(7) @interpolate(flat) gamut: vec3<f32>,
     // Where it lies there, not divided: linear in the position. In pixels of the rectangle where pixels of it are asked for one by
     // one, otherwise from 0 to 1 in the texture.
-    @location(5) @interpolate(linear) at: vec3<f32>,
+    @location(8) @interpolate(linear) at: vec3<f32>,
     // Of an edge, how much is taken from there: the product of both.
-    @location(6) @interpolate(linear) share: vec2<f32>,
+    @location(9) @interpolate(linear) share: vec2<f32>,
     // earlier_extent and earlier_tiles.
-    @location(7) @interpolate(flat) earlier: vec4<f32>,
+    @location(10) @interpolate(flat) earlier: vec4<f32>,
     // earlier_grid, at least 1, whether it has tiles, and earlier_word.
-    @location(8) @interpolate(flat) tiles: vec4<u32>,
+    @location(11) @interpolate(flat) tiles: vec4<u32>,
     // From the pixels of the target to those of the earlier picture where nothing has moved, and earlier_offset.
-    @location(9) @interpolate(flat) offsets: vec4<i32>,
+    @location(12) @interpolate(flat) offsets: vec4<i32>,
 }
 
 fn found(point: vec2<f32>, at: vec3<f32>, share: vec2<f32>) -> Found {
@@ -257,8 +255,11 @@ fn found(point: vec2<f32>, at: vec3<f32>, share: vec2<f32>) -> Found {
         seen.direction,
         seen.gaze,
         seen.range,
-        seen.curves,
+        seen.cb_loss,
+        seen.cr_loss,
+        seen.rest,
         seen.light,
+        seen.gamut,
         at,
         share,
         vec4(reuse.earlier_extent, reuse.earlier_tiles),
@@ -295,6 +296,20 @@ fn listed_border(@builtin(vertex_index) vertex: u32, @builtin(instance_index) in
     let corner = is_far(vertex);
     let point = select(low, high, corner);
     return found(point, homogeneous(reuse.to_texture, point), select(at_low, at_high, corner));
+}
+
+fn seen_of(found: Found) -> Seen {
+    return Seen(
+        found.position,
+        found.direction,
+        found.gaze,
+        found.range,
+        found.cb_loss,
+        found.cr_loss,
+        found.rest,
+        found.light,
+        found.gamut,
+    );
 }
 
 // Where a point lies, not divided.
@@ -358,9 +373,10 @@ fn mixed_pixel(found: Found) -> vec4<f32> {
 }
 
 fn attenuated(found: Found, rgba: vec4<f32>) -> vec4<f32> {
-    let angle = eccentricity(found.direction, found.gaze.xyz, found.gaze.w);
-    let gain = 1.0 - found.range.w * (1.0 - gains(angle, found.range, found.curves));
-    return vec4(select(rgba.rgb, attenuate(rgba.rgb, gain, found.light), angle > found.range.x), rgba.a);
+    let seen = seen_of(found);
+    let angle = eccentricity(seen.direction, seen.gaze.xyz, seen.gaze.w);
+    let rgb = attenuate(rgba.rgb, losses(angle, seen), seen);
+    return vec4(select(rgba.rgb, rgb, angle > seen.range.x), rgba.a);
 }
 
 // Where nothing has moved. What is not attenuated there is copied.

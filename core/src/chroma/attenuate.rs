@@ -23,9 +23,6 @@ impl Gamut {
     pub const UNBOUNDED: Self = Self { floor: -Self::FAR, ceiling: Self::FAR };
 }
 
-/// Least amount of green that a gain of Cb is divided by, so that grey does not divide by 0.
-const MIN_SHIFT: f32 = 1e-6;
-
 /// `rgb` (linear light) with its chroma scaled by `gains`. Y is kept.
 ///
 /// Cb and Cr are B - Y and R - Y over a constant each, so scaling them scales these two differences; green
@@ -40,16 +37,13 @@ pub fn attenuate(rgb: Vec3, gains: Gains, weights: Vec3, gamut: Gamut) -> Vec3 {
     if !y.is_finite() {
         return rgb;
     }
-    let (red, blue) = (rgb.x - y, rgb.z - y);
-    let (red_share, blue_share) = (weights.x / weights.y, weights.z / weights.y);
-
-    let without_blue = y - red_share * gains.cr * red;
-    let room = if blue > 0.0 { without_blue - gamut.floor } else { gamut.ceiling - without_blue };
-    let limit = room / (blue_share * blue.abs()).max(MIN_SHIFT);
-    let cb = gains.cb.min(limit.max(gains.cr));
-
     // As differences from the input, so that gains of 1 give back the very same value.
-    let lost_red = (1.0 - gains.cr) * red;
-    let lost_blue = (1.0 - cb) * blue;
-    Vec3::new(rgb.x - lost_red, rgb.y + red_share * lost_red + blue_share * lost_blue, rgb.z - lost_blue)
+    let lost_red = (1.0 - gains.cr) * (rgb.x - y);
+    let green = rgb.y + weights.x / weights.y * lost_red;
+    // By how much green rises where blue loses the least and the most.
+    let blue = weights.z / weights.y * (rgb.z - y);
+    let (least, most) = ((1.0 - gains.cb) * blue, (1.0 - gains.cr) * blue);
+    let lost_blue =
+        least.max(gamut.floor - green).min(gamut.ceiling - green).max(least.min(most)).min(least.max(most));
+    Vec3::new(rgb.x - lost_red, green + lost_blue, rgb.z - lost_blue * (weights.y / weights.z))
 }

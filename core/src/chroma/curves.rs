@@ -49,7 +49,7 @@ impl Gains {
     }
 }
 
-/// The curves over eccentricity, as the GPU evaluates them.
+/// The curves over eccentricity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curves {
     /// Eccentricity up to which both gains are 1, radians.

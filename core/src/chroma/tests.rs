@@ -157,6 +157,28 @@ proptest! {
     }
 
     #[test]
+    fn polynomials_are_the_curves(settings in bounds(), paper in any::<bool>(), e in 0.0f32..3.2) {
+        let settings = ChromaSettings { mode: if paper { Mode::Paper } else { Mode::Default }, ..settings };
+        let curves = Curves::new(&settings);
+        let (exact, found) = (curves.gains(e), Polynomials::new(&curves).gains(e));
+        let off = (found.cb - exact.cb).abs().max((found.cr - exact.cr).abs());
+        prop_assert!(off <= Polynomials::WITHIN, "{found:?} instead of {exact:?}");
+        prop_assert!(found.cb <= 1.0 && found.cr <= 1.0 && found.cb >= 0.0 && found.cr >= 0.0, "{found:?}");
+        if e <= curves.plateau {
+            prop_assert_eq!(found, Gains::FULL);
+        }
+    }
+
+    #[test]
+    fn polynomials_fall_as_the_curves_do(settings in bounds(), from in 0.0f32..3.1, step in 1e-3f32..0.03) {
+        let curves = Curves::new(&settings);
+        let (near, far) = [from, from + step].map(|e| Polynomials::new(&curves).gains(e)).into();
+        let allowed = curves.steepest() * step + 2e-6;
+        prop_assert!(near.cb - far.cb <= allowed && near.cr - far.cr <= allowed, "{near:?} to {far:?}, {allowed}");
+        prop_assert!(far.cb <= near.cb + 1e-4 && far.cr <= near.cr + 1e-4, "{near:?} to {far:?}");
+    }
+
+    #[test]
     fn gains_are_finite_for_any_eccentricity(settings in bounds(), e in proptest::num::f32::ANY) {
         let gains = Curves::new(&settings).gains(e);
         prop_assert!((0.0..=1.0).contains(&gains.cb) && (0.0..=1.0).contains(&gains.cr), "{gains:?}");

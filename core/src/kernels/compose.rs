@@ -12,7 +12,7 @@ mod reuse;
 pub use image::{PixelFormat, compose_image};
 pub use reuse::{EarlierPixels, ReuseParams, reuse_image};
 
-use crate::chroma::{ChromaSettings, Curves, Focus, Gamut, Mode, attenuate};
+use crate::chroma::{ChromaSettings, Curves, Focus, Gamut, Mode, Polynomials, attenuate};
 use crate::geometry::{Fov, ImagePlane, PixelRect, eccentricity, tile_eccentricity, unit_direction};
 use crate::layout::uniform;
 use glam::{UVec2, Vec2, Vec3};
@@ -42,12 +42,14 @@ uniform! {
         pub blue_weight: f32,
         /// [`Curves::range_scale`], per radian.
         pub range_scale: f32,
-        /// [`Curves::cb_bound`].
-        pub cb_bound: f32,
-        /// [`Curves::cr_bound`].
-        pub cr_bound: f32,
         /// [`Curves::rim_scale`].
         pub rim_scale: f32,
+        /// [`Polynomials::cb_loss`].
+        pub cb_loss: [f32; 4],
+        /// The first four of [`Polynomials::cr_loss`].
+        pub cr_loss: [f32; 4],
+        /// The last one.
+        pub cr_loss_last: f32,
         /// [`Curves::cb_fall_off`], octaves per radian.
         pub cb_fall_off: f32,
         /// [`Curves::cr_fall_off`], octaves per radian.
@@ -60,6 +62,8 @@ uniform! {
         pub gamut_floor: f32,
         /// [`Gamut::ceiling`].
         pub gamut_ceiling: f32,
+        /// Fills the last slot.
+        pub unused: u32,
     }
 }
 
@@ -78,7 +82,8 @@ impl ComposeParams {
         clamp_to_unit: bool,
     ) -> Self {
         let plane = fov.tangents().plane(rect_extent);
-        let curves = Curves::new(settings);
+        let polynomials = Polynomials::new(&Curves::new(settings));
+        let [first, second, third, fourth, cr_loss_last] = polynomials.cr_loss;
         let gamut = match (settings.mode, clamp_to_unit) {
             (Mode::Paper, _) => Gamut::UNBOUNDED,
             (Mode::Default, true) => Gamut::UNIT,
@@ -91,19 +96,21 @@ impl ComposeParams {
             plane_origin: plane.origin.into(),
             plane_step: plane.step.into(),
             gaze: unit_direction(gaze).unwrap_or(Vec3::ZERO).into(),
-            plateau: curves.plateau,
+            plateau: polynomials.plateau,
             red_weight: weights.x,
             blue_weight: weights.z,
-            range_scale: curves.range_scale,
-            cb_bound: curves.cb_bound,
-            cr_bound: curves.cr_bound,
-            rim_scale: curves.rim_scale,
-            cb_fall_off: curves.cb_fall_off,
-            cr_fall_off: curves.cr_fall_off,
+            range_scale: polynomials.range_scale,
+            rim_scale: polynomials.rim_scale,
+            cb_loss: polynomials.cb_loss,
+            cr_loss: [first, second, third, fourth],
+            cr_loss_last,
+            cb_fall_off: polynomials.cb_fall_off,
+            cr_fall_off: polynomials.cr_fall_off,
             radius: 0.0,
             strength: 1.0,
             gamut_floor: gamut.floor,
             gamut_ceiling: gamut.ceiling,
+            unused: 0,
         }
     }
 
@@ -152,7 +159,7 @@ impl ComposeParams {
         if angle <= self.plateau || self.strength <= 0.0 {
             return None;
         }
-        let gains = self.curves().gains(angle).at_strength(self.strength);
+        let gains = self.polynomials().gains(angle).at_strength(self.strength);
         Some(attenuate(rgb, gains, self.weights(), self.gamut()))
     }
 
@@ -160,13 +167,14 @@ impl ComposeParams {
         ImagePlane { origin: self.plane_origin.into(), step: self.plane_step.into() }
     }
 
-    fn curves(&self) -> Curves {
-        Curves {
+    fn polynomials(&self) -> Polynomials {
+        let [first, second, third, fourth] = self.cr_loss;
+        Polynomials {
             plateau: self.plateau,
             range_scale: self.range_scale,
-            cb_bound: self.cb_bound,
-            cr_bound: self.cr_bound,
             rim_scale: self.rim_scale,
+            cb_loss: self.cb_loss,
+            cr_loss: [first, second, third, fourth, self.cr_loss_last],
             cb_fall_off: self.cb_fall_off,
             cr_fall_off: self.cr_fall_off,
         }

@@ -1,14 +1,19 @@
-//! What the kernels of rates by contrast cost, beside a pass that copies the picture: `cargo dev bench kernels [--json]`.
+//! What the kernels of rates by contrast, and of colour, cost beside a pass that copies the picture: `cargo dev bench kernels [--json]`.
 //!
-//! CPU time of the process, which on lavapipe is that of the device too; the kernels take turns, and medians are shown. `analyze` and `decide`
-//! are of one view. Each is recorded several times in one submit, which in a frame is the application's own, and no part of their cost.
+//! CPU time of the process, which on lavapipe is that of the device too; the kernels take turns, and medians are shown. All are
+//! of one view. `analyze` and `decide` are recorded several times in one submit, which in a frame is the application's own, and no part
+//! of their cost; `compose` submits by itself.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a bench prints, and fails where a step does")]
 
+mod chroma;
 mod copy;
 #[path = "../../tests/analyze/pictures.rs"]
 #[allow(dead_code, reason = "shared with the tests of analyze")]
 mod pictures;
+#[path = "../../tests/compose/swapchain.rs"]
+#[allow(dead_code, reason = "shared with the tests of compose")]
+mod swapchain;
 #[path = "../../tests/compose/transfer.rs"]
 #[allow(dead_code, reason = "shared with the tests of compose")]
 mod transfer;
@@ -17,6 +22,7 @@ mod transfer;
 mod vulkan;
 
 use ash::vk;
+use chroma::Chroma;
 use copy::Copy;
 use glam::Quat;
 use parafovea::gpu::AppCommands;
@@ -69,15 +75,10 @@ fn measured(vulkan: &Vulkan, side: u32) -> Vec<(&'static str, f64, f64)> {
     let extent = vk::Extent2D { width: side, height: side };
     let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST | USAGE;
     let image = vulkan.image(vk::ImageCreateFlags::empty(), FORMAT, extent, 1, usage);
-    let plane = pictures::plane(pictures::ALL[0], [side; 2]);
-    let bytes: Vec<u8> = plane
-        .texels()
-        .iter()
-        .flat_map(|color| [color.x, color.y, color.z, 1.0].map(|x| (x * 255.0) as u8))
-        .collect();
-    vulkan.upload(Layer { image, layer: 0, extent }, &bytes);
+    vulkan.upload(Layer { image, layer: 0, extent }, &rgba8(side));
     vulkan.idle();
 
+    let mut chroma = Chroma::new(vulkan, side);
     let copy = Copy::new(vulkan, image, FORMAT, extent);
     let settings = ContrastSettings::default();
     let tiles = Arc::new(ViewTiles::new(&vulkan.gpu, settings.tiles([side; 2])).unwrap());
@@ -105,7 +106,7 @@ fn measured(vulkan: &Vulkan, side: u32) -> Vec<(&'static str, f64, f64)> {
         decide.record(&commands, target, params, &[]).unwrap();
     };
 
-    let mut times = [const { Vec::new() }; 6];
+    let mut times = [const { Vec::new() }; 8];
     for turn in 0..TURNS {
         let params = decision(side, turn);
         times[0].push(cpu_ms(vulkan, PICTURES, |commands| copy.record(vulkan, commands)));
@@ -116,6 +117,8 @@ fn measured(vulkan: &Vulkan, side: u32) -> Vec<(&'static str, f64, f64)> {
             times[index]
                 .push(cpu_ms(vulkan, DECISIONS, |commands| record_decision(commands, target, params)));
         }
+        times[6].push(chroma.cpu_ms(PICTURES, false));
+        times[7].push(chroma.cpu_ms(PICTURES, true));
     }
     let names = [
         "copy",
@@ -124,9 +127,18 @@ fn measured(vulkan: &Vulkan, side: u32) -> Vec<(&'static str, f64, f64)> {
         "decide",
         "decide, a plain picture",
         "decide, by rings alone",
+        "compose, nothing to do",
+        "compose, colour removed",
     ];
     let times = times.map(median);
     names.into_iter().zip(times).map(|(name, ms)| (name, ms, ms / times[0])).collect()
+}
+
+/// A picture like a natural one, as the format stores it.
+fn rgba8(side: u32) -> Vec<u8> {
+    let plane = pictures::plane(pictures::ALL[0], [side; 2]);
+    let bytes = |color: &glam::Vec3| [color.x, color.y, color.z, 1.0].map(|x| (x * 255.0) as u8);
+    plane.texels().iter().flat_map(bytes).collect()
 }
 
 /// What is to be decided: sound is heard, and contrast counts.
@@ -164,8 +176,13 @@ fn decision(side: u32, frame: u64) -> DecideParams {
 
 /// CPU time of the process until what was recorded, so many times, has run: milliseconds each.
 fn cpu_ms(vulkan: &Vulkan, times: u32, record: impl Fn(vk::CommandBuffer)) -> f64 {
+    cpu_ms_of(vulkan, times, || vulkan.run(|commands| (0..times).for_each(|_| record(commands))))
+}
+
+/// The same for what submits by itself, so many times.
+fn cpu_ms_of(vulkan: &Vulkan, times: u32, submit: impl FnOnce()) -> f64 {
     let before = process_cpu_ns();
-    vulkan.run(|commands| (0..times).for_each(|_| record(commands)));
+    submit();
     vulkan.idle();
     (process_cpu_ns() - before) as f64 / 1e6 / f64::from(times)
 }
