@@ -205,10 +205,7 @@ presets! {
         /// every technique is off
         None = "none" { rates.mode = RatesMode::Off; }
         /// what few notice: a periphery of a quarter of the shading
-        Quality = "quality" {
-            rates.peripheral = PeripheralRate::R2x2;
-            reuse.periods = Periods::of([1, 1, 1, 1, 2]);
-        }
+        Quality = "quality" { rates.peripheral = PeripheralRate::R2x2; }
         /// the state of the art: a sixteenth from 27 degrees on
         Balanced = "balanced" {}
         /// noticed at times: a sixteenth from 18 degrees on
