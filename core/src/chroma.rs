@@ -1,8 +1,9 @@
 //! Chroma attenuation with eccentricity, after "Perceptually Calibrated Foveated Chroma Attenuation for
 //! Gaze-Contingent VR Displays" (paper C below). Works on linear light, where it keeps luminance exactly.
 //!
-//! [`Curves`] say how much of each chroma channel is kept at an eccentricity, as [`Polynomials`] where that is asked for each pixel, [`attenuate()`] applies that to a colour,
-//! and [`Trail`] lets the gains of a place fall slowly once the gaze has left it. [`report`] adds up what is kept.
+//! [`Curves`] say how much of each chroma channel is kept at an eccentricity, as [`Polynomials`] where that is asked for
+//! each pixel, [`attenuate()`] applies that to a colour, and [`Trail`] lets the gains of a place fall slowly once the gaze
+//! has left it. [`report`] adds up what is kept.
 //!
 //! It saves bits of an encoder and power of a display, never GPU time.
 

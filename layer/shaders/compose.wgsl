@@ -129,7 +129,7 @@ fn tile(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u
     return seen(vec2<f32>(select(low, high, is_far(vertex))));
 }
 
-// chroma::Approximation::losses, in proportion to the strength: of Cb in x, of Cr in y. The angle is above the plateau.
+// What chroma::Polynomials::gains leave to 1, in proportion to the strength: of Cb in x, of Cr in y. The angle is above the plateau.
 fn losses(angle: f32, seen: Seen) -> vec2<f32> {
     let e = saturate((angle - seen.range.x) * seen.range.y);
     let w = 1.0 - sqrt((1.0 - e) * (1.0 + e));

@@ -1,4 +1,5 @@
-//! The curves as polynomials: what the kernel `compose` evaluates for each pixel, for a third of the time of the powers.
+//! The curves as polynomials: what the kernel `compose` evaluates for each pixel. All of it takes 0.87 of the time on lavapipe 22.3 that it
+//! takes with the powers of the curves.
 
 use super::{Curves, Gains};
 use std::f64::consts::{FRAC_PI_2, PI};
