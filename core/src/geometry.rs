@@ -10,9 +10,9 @@ mod resolution;
 mod tile;
 
 pub use cap::Cap;
-pub use depth::{DepthRange, MAX_VIEW_DISTANCE_M, view_distance};
+pub use depth::{DepthRange, MAX_VIEW_DISTANCE_M, Nearness, view_distance};
 pub(crate) use reprojection::rotation;
-pub use reprojection::{Reprojection, View};
+pub use reprojection::{Reprojection, View, parallax};
 pub use resolution::{Resolution, pixels_per_degree, resolution};
 pub use tile::{EccentricityRange, PixelRect, tile_eccentricity};
 

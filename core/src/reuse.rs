@@ -11,7 +11,8 @@ mod rects;
 mod stale_tiles;
 
 pub use compared::ComparedTiles;
-pub use history::{Footprint, Picture, Reuse, Source};
+pub(crate) use history::Parallax;
+pub use history::{Footprint, MovedSource, Picture, Reuse, Source, Viewpoint};
 pub use lists::TileLists;
 pub use rects::{Edge, TileRect, TileRects};
 pub use stale_tiles::StaleTiles;

@@ -185,6 +185,13 @@ struct ReuseParams {
     earlier_grid: vec2<u32>,
     earlier_word: u32,
     border: f32,
+    parallax: vec4<f32>,
+    nearness: vec4<f32>,
+    earlier_nearness: vec4<f32>,
+    depth_offset: vec2<u32>,
+    earlier_depth_offset: vec2<u32>,
+    depth_scale: vec2<f32>,
+    earlier_depth_scale: vec2<f32>,
 }
 
 @group(0) @binding(1) var<uniform> reuse: ReuseParams;
@@ -284,9 +291,12 @@ fn listed_found(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     return found(point, homogeneous(reuse.to_texture, point), vec2(1.0));
 }
 
-// Edges and corners of tiles.
-@vertex
-fn listed_border(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
+struct BorderCorner {
+    point: vec2<f32>,
+    share: vec2<f32>,
+}
+
+fn border_corner(vertex: u32, instance: u32) -> BorderCorner {
     let rect = tile_rect(instance);
     let width = min(vec2(reuse.border), reuse.tile_size * 0.5);
     let low = select(rect.low, rect.high - width, rect.edge == vec2(2u));
@@ -294,8 +304,21 @@ fn listed_border(@builtin(vertex_index) vertex: u32, @builtin(instance_index) in
     let at_high = select(vec2(0.0), vec2(1.0), rect.edge != vec2(1u));
     let at_low = select(vec2(0.0), vec2(1.0), rect.edge != vec2(2u));
     let corner = is_far(vertex);
-    let point = select(low, high, corner);
-    return found(point, homogeneous(reuse.to_texture, point), select(at_low, at_high, corner));
+    return BorderCorner(select(low, high, corner), select(at_low, at_high, corner));
+}
+
+// Edges and corners of tiles, for the texture.
+@vertex
+fn listed_border(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
+    let corner = border_corner(vertex, instance);
+    return found(corner.point, homogeneous(reuse.to_texture, corner.point), corner.share);
+}
+
+// The same for pixels one by one.
+@vertex
+fn listed_moved_border(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
+    let corner = border_corner(vertex, instance);
+    return found(corner.point, homogeneous(reuse.matrix, corner.point), corner.share);
 }
 
 fn seen_of(found: Found) -> Seen {
@@ -338,8 +361,15 @@ fn weighted(found: Found, texel: vec2<f32>, weight: f32) -> vec4<f32> {
     return select(vec4(0.0), earlier_texel(found, texel) * weight, weight > 0.0);
 }
 
+// The texels around a point, and how much of each is taken.
+struct Footprint {
+    low: vec2<f32>,
+    high: vec2<f32>,
+    weights: vec4<f32>,
+}
+
 // Bilinear, of those that were rendered.
-fn mixed_footprint(found: Found, at: vec2<f32>) -> vec4<f32> {
+fn footprint(found: Found, at: vec2<f32>) -> Footprint {
     let base = floor(at - 0.5);
     let share = at - 0.5 - base;
     let low = clamp(base, vec2(0.0), found.earlier.xy - 1.0);
@@ -352,24 +382,74 @@ fn mixed_footprint(found: Found, at: vec2<f32>) -> vec4<f32> {
     );
     let rest = 1.0 - share;
     let weights = fresh * vec4(rest.x * rest.y, share.x * rest.y, rest.x * share.y, share.x * share.y);
-    let sum = dot(weights, vec4(1.0));
+    return Footprint(low, high, weights);
+}
+
+fn mixed_footprint(found: Found, texels: Footprint) -> vec4<f32> {
+    let sum = dot(texels.weights, vec4(1.0));
     if sum <= 0.0 {
         discard;
     }
-    let shares = weights / sum;
-    return weighted(found, low, shares.x)
-        + weighted(found, vec2(high.x, low.y), shares.y)
-        + weighted(found, vec2(low.x, high.y), shares.z)
-        + weighted(found, high, shares.w);
+    let shares = texels.weights / sum;
+    return weighted(found, texels.low, shares.x)
+        + weighted(found, vec2(texels.high.x, texels.low.y), shares.y)
+        + weighted(found, vec2(texels.low.x, texels.high.y), shares.z)
+        + weighted(found, texels.high, shares.w);
+}
+
+fn is_shown_at(found: Found, homogeneous: vec3<f32>, at: vec2<f32>) -> bool {
+    let is_inside = homogeneous.z > 0.0 && all(at >= vec2(0.0)) && all(at <= found.earlier.xy);
+    return is_inside && is_fresh_at(found, at);
 }
 
 fn mixed_pixel(found: Found) -> vec4<f32> {
     let at = found.at.xy / found.at.z;
-    let is_inside = found.at.z > 0.0 && all(at >= vec2(0.0)) && all(at <= found.earlier.xy);
-    if !is_inside || !is_fresh_at(found, at) {
+    if !is_shown_at(found, found.at, at) {
         discard;
     }
-    return mixed_footprint(found, at);
+    return mixed_footprint(found, footprint(found, at));
+}
+
+// Where the head has moved: the depth of the newest picture, and of the earlier one.
+@group(2) @binding(0) var depth: texture_2d<f32>;
+@group(3) @binding(0) var earlier_depth: texture_2d<f32>;
+
+// What lies where something is looked for is that, if it were within so many pixels of it here.
+const SAME_PIXELS: f32 = 0.25;
+
+fn nearness(value: f32, of_values: vec4<f32>) -> f32 {
+    return of_values.x + of_values.y * min(max(value, of_values.z), of_values.w);
+}
+
+fn nearness_at(point: vec2<f32>) -> f32 {
+    let pixel = reuse.depth_offset + vec2<u32>(point * reuse.depth_scale);
+    return nearness(textureLoad(depth, vec2<i32>(pixel), 0).r, reuse.nearness);
+}
+
+fn earlier_nearness_at(texel: vec2<f32>) -> f32 {
+    let pixel = reuse.earlier_depth_offset + vec2<u32>((texel + 0.5) * reuse.earlier_depth_scale);
+    return nearness(textureLoad(earlier_depth, vec2<i32>(pixel), 0).r, reuse.earlier_nearness);
+}
+
+// Reuse::moved_source and moved_footprint
+fn moved_pixel(found: Found) -> vec4<f32> {
+    let here = nearness_at(found.position.xy - vec2<f32>(params.rect_offset));
+    let homogeneous = found.at + reuse.parallax.xyz * here;
+    let at = homogeneous.xy / homogeneous.z;
+    if !is_shown_at(found, homogeneous, at) {
+        discard;
+    }
+    let there = here / homogeneous.z;
+    let pixels_m = length(reuse.parallax.xy - at * reuse.parallax.z);
+    var texels = footprint(found, at);
+    let near = vec4(
+        earlier_nearness_at(texels.low),
+        earlier_nearness_at(vec2(texels.high.x, texels.low.y)),
+        earlier_nearness_at(vec2(texels.low.x, texels.high.y)),
+        earlier_nearness_at(texels.high),
+    );
+    texels.weights *= select(vec4(0.0), vec4(1.0), abs(near - there) * pixels_m <= vec4(SAME_PIXELS));
+    return mixed_footprint(found, texels);
 }
 
 fn attenuated(found: Found, rgba: vec4<f32>) -> vec4<f32> {
@@ -419,4 +499,24 @@ fn border(found: Found) -> @location(0) vec4<f32> {
 @fragment
 fn border_attenuated(found: Found) -> @location(0) vec4<f32> {
     return border_pixel(found, attenuated(found, whole_pixel(found)));
+}
+
+@fragment
+fn moved(found: Found) -> @location(0) vec4<f32> {
+    return moved_pixel(found);
+}
+
+@fragment
+fn moved_attenuated(found: Found) -> @location(0) vec4<f32> {
+    return attenuated(found, moved_pixel(found));
+}
+
+@fragment
+fn moved_border(found: Found) -> @location(0) vec4<f32> {
+    return border_pixel(found, moved_pixel(found));
+}
+
+@fragment
+fn moved_border_attenuated(found: Found) -> @location(0) vec4<f32> {
+    return border_pixel(found, attenuated(found, moved_pixel(found)));
 }

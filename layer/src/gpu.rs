@@ -32,7 +32,7 @@ pub(crate) use descriptor::{CompareSet, ListSet, TextureSets, UniformSet};
 pub(crate) use device_buffer::DeviceBuffer;
 pub(crate) use draw::{ColorTarget, color_pass};
 pub use error::GpuError;
-pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view};
+pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view, depth_view};
 pub(crate) use owned::Owned;
 pub(crate) use pipeline::{Output, TilePipeline, TileShader, tile_pipeline};
 pub(crate) use recorder::{Compare, DrawRecorder, Recorder, TileDraw};

@@ -1,12 +1,15 @@
-//! `cargo dev bench reuse [--size PIXELS] [--frames N] [--speeds A,B] [--scene NAME] [--moving | --paces A,B] [--gaze]`: what re-use does
-//! to pictures while the head turns, as the mean squared error and the mean of FLIP outside of 10 degrees, and as flicker, 8 to 30
+//! `cargo dev bench reuse [--size PIXELS] [--frames N] [--speeds A,B | --moves A,B] [--scene NAME] [--moving | --paces A,B] [--gaze]`: what
+//! re-use does to pictures while the head turns, or moves to the right by so many metres a second, as the mean squared error and the mean of FLIP outside of 10 degrees, and as flicker, 8 to 30
 //! Hz, in each ring, in paper B's mode and turned with the head; and the energy of the latter's flicker by the former's.
+//! With `--moves` the application submits depth, but for the mode "on, without depth", and rates are attachments of the stand-in for
+//! devices that have them.
 //! With `--moving` the scene moves too, with `--paces` so many times as fast as it is meant, and with `--gaze` the eyes
 //! do, three times a second.
 
 use glam::{Quat, Vec3};
 use parafovea_core::geometry::Fov;
 use parafovea_errors::{Eye, Frame, Judge, Metric, Picture, RING_NAMES, Report, Viewing};
+use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Gaze, Head, Scenario, ScenarioExt};
 use std::error::Error;
@@ -17,8 +20,7 @@ const RUN_UP: u64 = 40;
 const HZ: f64 = 90.0;
 /// The rings outside of 10 degrees, as [`Report::row`] counts them.
 const OUTSIDE: [usize; 3] = [3, 4, 5];
-const MODES: [&str; 2] = ["paper", "on"];
-const ARGUMENTS: &str = "--size, --frames, --speeds, --scene, --moving, --paces, --gaze";
+const ARGUMENTS: &str = "--size, --frames, --speeds, --moves, --scene, --moving, --paces, --gaze";
 /// Frames from one saccade to the next.
 const FIXATION: u64 = 30;
 
@@ -36,8 +38,10 @@ fn main() -> ExitCode {
 struct Request {
     size: u32,
     frames: u64,
-    /// Degrees a second.
+    /// Degrees a second, or metres a second where [`Self::has_moves`].
     speeds: Vec<f32>,
+    /// Whether the head moves, and does not turn.
+    has_moves: bool,
     scene: String,
     /// How fast the scene moves, where 1 is as fast as it is meant.
     paces: Vec<f64>,
@@ -52,6 +56,7 @@ impl Request {
             size: 512,
             frames: 30,
             speeds,
+            has_moves: false,
             scene: "courtyard".to_owned(),
             paces: vec![0.0],
             has_gaze: false,
@@ -73,9 +78,10 @@ impl Request {
                 }
                 "--size" => request.size = number(value())?,
                 "--frames" => request.frames = number(value())?.into(),
-                "--speeds" => {
+                "--speeds" | "--moves" => {
+                    request.has_moves = argument == "--moves";
                     let speeds: Result<_, _> = value().split(',').map(str::parse).collect();
-                    request.speeds = speeds.map_err(|error| format!("--speeds: {error}"))?;
+                    request.speeds = speeds.map_err(|error| format!("{argument}: {error}"))?;
                 }
                 other => return Err(format!("unknown argument `{other}`; there are {ARGUMENTS}")),
             }
@@ -85,20 +91,24 @@ impl Request {
 
     fn measure(&self) -> Result<(), Box<dyn Error>> {
         let rings = OUTSIDE.map(|ring| format!("flicker at {} degrees |", RING_NAMES[ring])).join(" ");
-        println!("| degrees a second | pace | mode | mean squared error | FLIP | {rings}");
+        let unit = if self.has_moves { "metres" } else { "degrees" };
+        println!("| {unit} a second | pace | mode | mean squared error | FLIP | {rings}");
         println!("|---|---|---|---|---|{}", "---|".repeat(OUTSIDE.len()));
         for (&speed, &pace) in
             self.speeds.iter().flat_map(|speed| self.paces.iter().map(move |pace| (speed, pace)))
         {
-            let pace_argument = pace.to_string();
-            let arguments = ["--scene", &self.scene, "--pace", &pace_argument];
-            let application = Application::ours("parafovea-scene", &arguments)?;
             let scenario = self.scenario(speed);
-            let run = Run::new(&application, &scenario);
-            let off = finish(run.clone(), &scenario)?;
+            let off = finish(self.run(pace, false, &scenario)?, &scenario)?;
             let mut energies = Vec::new();
-            for mode in MODES {
-                let on = finish(run.clone().on(&self.config(mode)), &scenario)?;
+            for (mode, has_depth) in self.modes() {
+                let run = self.run(pace, *has_depth, &scenario)?;
+                let run = if self.has_moves { run.shading_rates(ShadingRateProfile::Layered16) } else { run };
+                let on = finish(run.on(&self.config(mode)), &scenario)?;
+                let mode = if self.has_moves && !has_depth {
+                    format!("{mode}, without depth")
+                } else {
+                    (*mode).to_owned()
+                };
                 let report = self.judge(&scenario, &off, &on)?;
                 // Code values, as people know them.
                 let squared = outside(&report, Metric::Squared).map(|mean| mean * 255.0 * 255.0);
@@ -109,7 +119,7 @@ impl Request {
                 println!("| {speed} | {pace} | {mode} | {} |", cells.join(" | "));
                 energies.push(flicker.map(|mean| mean.map(|mean| mean * mean)));
             }
-            let [paper, ours] = &energies[..] else { continue };
+            let [paper, .., ours] = &energies[..] else { continue };
             let ratios = paper.iter().zip(ours).map(|(paper, ours)| Some(ours.as_ref()? / paper.as_ref()?));
             let ratios: Vec<String> = ratios.map(|ratio| cell(ratio, 2)).collect();
             println!("| {speed} | {pace} | energy, on / paper | | | {} |", ratios.join(" | "));
@@ -117,18 +127,31 @@ impl Request {
         Ok(())
     }
 
-    /// A head that turns to the left.
+    /// What is compared: the mode, and whether the application submits depth.
+    fn modes(&self) -> &'static [(&'static str, bool)] {
+        match self.has_moves {
+            true => &[("paper", false), ("on", false), ("on", true)],
+            false => &[("paper", false), ("on", false)],
+        }
+    }
+
+    fn run(&self, pace: f64, has_depth: bool, scenario: &Scenario) -> Result<Run, Box<dyn Error>> {
+        let pace = pace.to_string();
+        let mut arguments = vec!["--scene", &self.scene, "--pace", &pace];
+        arguments.extend(has_depth.then_some("--depth-layer"));
+        Ok(Run::new(&Application::ours("parafovea-scene", &arguments)?, scenario))
+    }
+
+    /// A head that turns to the left, or moves to the right.
     fn scenario(&self, speed: f32) -> Scenario {
         let frames = RUN_UP + self.frames;
         let saved: Vec<u64> = (RUN_UP..frames).collect();
         let mut scenario = Scenario::new(frames).sized(self.size, self.size).saving(&saved);
         scenario.clock.refresh_hz = HZ;
-        let head = |t: f64| Head {
-            t,
-            position: [0.0; 3],
-            yaw_deg: speed * (t - RUN_UP as f64 / HZ) as f32,
-            pitch_deg: 0.0,
-            roll_deg: 0.0,
+        let head = |t: f64| {
+            let way = speed * (t - RUN_UP as f64 / HZ) as f32;
+            let (x, yaw_deg) = if self.has_moves { (way, 0.0) } else { (0.0, way) };
+            Head { t, position: [x, 0.0, 0.0], yaw_deg, pitch_deg: 0.0, roll_deg: 0.0 }
         };
         scenario.head = vec![head(0.0), head(frames as f64 / HZ)];
         if self.has_gaze {
@@ -139,8 +162,10 @@ impl Request {
 
     fn config(&self, mode: &str) -> String {
         let source = if self.has_gaze { "eyes" } else { "centre" };
+        let rates =
+            if self.has_moves { "mode = \"off\"\nbackend = \"attachment\"" } else { "backend = \"mask\"" };
         format!(
-            "preset = \"none\"\n[gaze]\nsource = \"{source}\"\n[rates]\nbackend = \"mask\"\ngate = \"on\"\n[reuse]\nmode = \"{mode}\"\n"
+            "preset = \"none\"\n[gaze]\nsource = \"{source}\"\n[rates]\n{rates}\ngate = \"on\"\n[reuse]\nmode = \"{mode}\"\n"
         )
     }
 

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use parafovea_core::geometry::{Fov, eccentricity};
+use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
 use parafovea_tests::compare::{max_difference, psnr_db};
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, Outcome, Run};
@@ -234,4 +235,55 @@ fn sessions_may_follow_each_other() {
         let psnr_db = psnr_db(&off, &on, |_, _| true);
         assert!(psnr_db >= 30.0, "{psnr_db} dB in view {view} of frame {frame}");
     }
+}
+
+/// A head that moves to the right.
+fn moving(scenario: Scenario, metres_per_s: f32) -> Scenario {
+    let head = |t: f64| Head {
+        t,
+        position: [metres_per_s * (t - RUN_UP as f64 / HZ) as f32, 0.0, 0.0],
+        yaw_deg: 0.0,
+        pitch_deg: 0.0,
+        roll_deg: 0.0,
+    };
+    Scenario { head: vec![head(0.0), head(2.0)], ..scenario }
+}
+
+/// The share of tiles that are rendered, after the run-up, by the maps of the passes.
+fn rendered(outcome: &Outcome, frames: u64) -> f64 {
+    let passes = outcome.shading_rates().unwrap().into_iter().filter_map(|line| match line {
+        ShadingRateLine::Pass(pass) => pass.map,
+        ShadingRateLine::Finding(finding) => panic!("{finding:?}"),
+    });
+    let maps: Vec<_> = passes.collect();
+    let known = &maps[maps.len() * RUN_UP as usize / frames as usize..];
+    let count = |is_counted: fn(&str) -> bool| -> f64 {
+        let rates = known.iter().flat_map(|map| &map.histogram);
+        rates.filter(|(rate, _)| is_counted(rate)).map(|(_, count)| f64::from(*count)).sum()
+    };
+    count(|rate| rate == "1x1") / count(|_| true)
+}
+
+/// What is near is found where it is as the head moves, where the application submits depth: as much is re-used as if it were still.
+#[test]
+fn what_is_near_is_followed_by_its_depth() {
+    const CONFIG: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"off\"\nbackend = \"attachment\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n";
+    let frames = RUN_UP + 12;
+    let saved: Vec<u64> = (RUN_UP + 3..frames).collect();
+    let run = |arguments: &[&str], metres_per_s: f32, saved: &[u64]| {
+        let mut scenario = moving(Scenario::new(frames).sized(320, 320).saving(saved), metres_per_s);
+        scenario.clock.refresh_hz = HZ;
+        Run::new(&application(arguments), &scenario).shading_rates(ShadingRateProfile::Layered16)
+    };
+    let (with, without) = (["--still", "--depth-layer"], ["--still"]);
+    let off = finish(run(&with, 0.8, &saved), frames);
+    let followed = finish(run(&with, 0.8, &saved).on(CONFIG), frames);
+    let error = error(&off, &followed, &saved);
+    assert!(followed.log.contains("followed by it as the head moves"), "{}", followed.log);
+    // Where pictures are saved there are passes that save them.
+    let shares = [(&with[..], 0.0), (&with, 0.8), (&without, 0.8)]
+        .map(|(arguments, speed)| rendered(&finish(run(arguments, speed, &[]).on(CONFIG), frames), frames));
+    println!("rendered {shares:.3?}, mean squared error {error:.2}");
+    assert!(shares[0] < 0.7 && shares[1] <= 1.05 * shares[0] && shares[2] > 1.3 * shares[1], "{shares:?}");
+    assert!(error <= 20.0, "{error}");
 }

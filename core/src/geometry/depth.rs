@@ -37,5 +37,36 @@ pub fn view_distance(depth: f32, range: &DepthRange) -> f32 {
     }
 }
 
+/// How the values of a depth image stand for nearness, 1 / distance along -z of view space in 1/m: linearly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearness {
+    /// What the value 0 stands for, 1/m, were it within [`Self::bounds`].
+    pub at_zero: f32,
+    /// By how much more the value 1 does, 1/m.
+    pub slope: f32,
+    /// The least and the greatest value; those beyond count as the nearer of both.
+    pub bounds: [f32; 2],
+}
+
+impl Nearness {
+    /// Of the values of a range. Nothing where that makes no sense (NaN, a plane at 0 or behind, equal bounds).
+    pub fn new(range: &DepthRange) -> Option<Self> {
+        let DepthRange { min_depth, max_depth, near_z, far_z } = *range;
+        let slope = (far_z.recip() - near_z.recip()) / (max_depth - min_depth);
+        let at_zero = near_z.recip() - slope * min_depth;
+        let is_meant = max_depth > min_depth && near_z > 0.0 && far_z > 0.0;
+        (is_meant && at_zero.is_finite() && slope.is_finite()).then_some(Self {
+            at_zero,
+            slope,
+            bounds: [min_depth, max_depth],
+        })
+    }
+
+    /// What a value stands for, 1/m.
+    pub fn at(&self, depth: f32) -> f32 {
+        self.at_zero + self.slope * depth.max(self.bounds[0]).min(self.bounds[1])
+    }
+}
+
 #[cfg(test)]
 mod tests;

@@ -1,4 +1,5 @@
-//! Where what one view shows lies in another: for things so far away that only the views' orientations count.
+//! Where what one view shows lies in another: for things so far away that only the views' orientations count, and by how much
+//! what is near lies elsewhere.
 
 use super::ImagePlane;
 use glam::{Mat3, Quat, Vec2, Vec3};
@@ -42,6 +43,15 @@ impl Reprojection {
     pub fn matrix(&self) -> Mat3 {
         self.matrix
     }
+}
+
+/// What is to be added to what [`Reprojection::matrix`] makes of a pixel, times the nearness of what that shows (1 / distance
+/// along -z of its view's space, 1/m), where the view was at `from_m` and the other one, `to`, was at `to_m` of the space that
+/// both orientations lead to. The last coordinate of the sum is the quotient of both distances, that in `to` by that in the
+/// other view. `None` as there.
+pub fn parallax(to: &View, from_m: Vec3, to_m: Vec3) -> Option<Vec3> {
+    let shift = to_pixels(&to.plane)? * (rotation(to.orientation)?.inverse() * (from_m - to_m));
+    shift.is_finite().then_some(shift)
 }
 
 /// The rotation that a quaternion of any length means; none for one that is zero or not finite.

@@ -1,9 +1,12 @@
-//! `change`: how much what is shown in tiles of a picture differs from what an earlier picture shows in the same directions.
+//! `change`: how much what is shown in tiles of a picture differs from what an earlier picture shows in the same directions, or,
+//! where the head has moved and depth is known, at the same places.
 //!
 //! A tile has four parts, each of which is compared by the mean luminance of a few samples: finer detail is not seen where
 //! pictures are re-used, and comparing it would take a still texture that turns with the head for one that changes.
 
+use super::compose::{DepthRect, nearness_words};
 use crate::color::Matrix;
+use crate::geometry::Nearness;
 use crate::layout::uniform;
 use crate::reuse::Reuse;
 use glam::{Mat3, UVec2, Vec2, Vec3};
@@ -44,6 +47,14 @@ uniform! {
         pub count: u32,
         /// [`DARK`].
         pub dark: f32,
+        /// Where the head has moved: what is added to what [`Self::to_earlier`] makes of a point, for each 1/m of nearness.
+        pub parallax: [f32; 4],
+        /// What depth stands for in the newest picture: [`Nearness::at_zero`], [`Nearness::slope`] and [`Nearness::bounds`].
+        pub nearness: [f32; 4],
+        /// First pixel of the newest picture's depth in its image.
+        pub depth_offset: [u32; 2],
+        /// How many pixels of depth a pixel of the newest picture is wide and high.
+        pub depth_scale: [f32; 2],
     }
 }
 
@@ -63,6 +74,8 @@ impl ChangeParams {
         let to_texture =
             Mat3::from_scale(pixel) * Mat3::from_translation(UVec2::from(earlier_offset).as_vec2());
         let to_earlier = to_texture * earlier.matrix;
+        let parallax = earlier.parallax.map(|parallax| to_texture * parallax.shift).unwrap_or_default();
+        let nearness = earlier.parallax.map(|parallax| nearness_words(&parallax.now)).unwrap_or_default();
         Some(Self {
             to_earlier: to_earlier.to_cols_array_2d().map(|[x, y, z]| [x, y, z, 0.0]),
             weights: Matrix::Bt709.weights().into(),
@@ -74,7 +87,17 @@ impl ChangeParams {
             first: [0; 2],
             count: 0,
             dark: DARK,
+            parallax: parallax.extend(0.0).into(),
+            nearness,
+            depth_offset: [0; 2],
+            depth_scale: [0.0; 2],
         })
+    }
+
+    /// With the depth of the newest picture in that rectangle of its image.
+    pub fn with_depth(self, depth: DepthRect) -> Self {
+        let depth_scale = depth.scale(self.extent.into()).into();
+        Self { depth_offset: depth.offset, depth_scale, ..self }
     }
 
     /// How much a tile, by column and row, differs: the greatest difference of luminance among its parts, by the mean of both
@@ -87,6 +110,17 @@ impl ChangeParams {
         newest: impl Fn(Vec2) -> Vec3,
         earlier: impl Fn(Vec2) -> Vec3,
     ) -> f32 {
+        self.moved_change(tile, |_| 0.0, newest, earlier)
+    }
+
+    /// As [`Self::change`], where the head has moved; `depth` gives the pixels of the newest picture's depth image.
+    pub fn moved_change(
+        &self,
+        tile: [u32; 2],
+        depth: impl Fn([u32; 2]) -> f32,
+        newest: impl Fn(Vec2) -> Vec3,
+        earlier: impl Fn(Vec2) -> Vec3,
+    ) -> f32 {
         let mut greatest: f32 = 0.0;
         let mut light = 0.0;
         for part in QUARTERS {
@@ -94,7 +128,8 @@ impl ChangeParams {
             for tap in QUARTERS {
                 let point = self.point(tile, 2 * part + tap);
                 let here = (point + Vec2::from(self.offset)) * Vec2::from(self.pixel);
-                let samples = [newest(here), earlier(self.earlier(point))].map(|rgb| self.luminance(rgb));
+                let samples =
+                    [newest(here), earlier(self.earlier(point, &depth))].map(|rgb| self.luminance(rgb));
                 for (index, value) in samples.into_iter().enumerate() {
                     sums[index] += value;
                     low[index] = low[index].min(value);
@@ -114,9 +149,13 @@ impl ChangeParams {
         (at * Vec2::from(self.tile_size)).min(Vec2::from(self.extent) - 1.0).max(Vec2::ZERO)
     }
 
-    fn earlier(&self, point: Vec2) -> Vec2 {
-        let [x, y, z] = self.to_earlier.map(|[x, y, z, _]| Vec3::new(x, y, z));
-        let found = x * point.x + y * point.y + z;
+    fn earlier(&self, point: Vec2, depth: impl Fn([u32; 2]) -> f32) -> Vec2 {
+        let [x, y, z, parallax] = [self.to_earlier[0], self.to_earlier[1], self.to_earlier[2], self.parallax]
+            .map(|[x, y, z, _]| Vec3::new(x, y, z));
+        let [at_zero, slope, least, greatest] = self.nearness;
+        let nearness = Nearness { at_zero, slope, bounds: [least, greatest] };
+        let pixel = UVec2::from(self.depth_offset) + (point * Vec2::from(self.depth_scale)).as_uvec2();
+        let found = x * point.x + y * point.y + z + parallax * nearness.at(depth(pixel.into()));
         found.truncate() / found.z
     }
 

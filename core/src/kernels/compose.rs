@@ -10,7 +10,8 @@ mod image;
 mod reuse;
 
 pub use image::{PixelFormat, compose_image};
-pub use reuse::{EarlierPixels, ReuseParams, reuse_image};
+pub(in crate::kernels) use reuse::nearness_words;
+pub use reuse::{DepthPixels, DepthRect, EarlierPixels, ReuseParams, reuse_image};
 
 use crate::chroma::{ChromaSettings, Curves, Focus, Gamut, Mode, Polynomials, attenuate};
 use crate::geometry::{Fov, ImagePlane, PixelRect, eccentricity, tile_eccentricity, unit_direction};

@@ -2,11 +2,20 @@
 
 use super::rects::Edge;
 use super::{MAX_AGES, StaleTiles};
-use crate::geometry::{PixelRect, Reprojection, View};
-use glam::{Mat3, Vec2};
+use crate::gaze::NEAREST_ASSUMED_M;
+use crate::geometry::{Nearness, PixelRect, Reprojection, View, parallax};
+use glam::{Mat3, Vec2, Vec3};
 
 /// A turn that moves no pixel farther than this, pixels, counts as none: it would only blur.
 const STILL_PIXELS: f32 = 1.0 / 64.0;
+
+/// A move of the head that takes nothing from [`NEAREST_ASSUMED_M`] on farther than this, pixels, counts as none: to follow it would
+/// take depth for what nobody sees.
+const UNMOVED_PIXELS: f32 = 0.25;
+
+/// What lies where something is looked for in an earlier picture is that, if it were within so many pixels of it here: so far an edge
+/// may be beside its place. A surface seen at a slant has less from pixel to pixel.
+const SAME_PIXELS: f32 = 0.25;
 
 /// What is known of a picture of an eye.
 ///
@@ -20,6 +29,17 @@ pub struct Picture<'a> {
     pub extent: [u32; 2],
     /// Its tiles that were not rendered.
     pub stale: &'a StaleTiles,
+    /// From where it was seen, where that is known with its depth.
+    pub viewpoint: Option<Viewpoint>,
+}
+
+/// From where a picture was seen, with what its depth says: so what it shows is found by one that was seen from elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewpoint {
+    /// Where the view was in the space that its orientation leads to, metres.
+    pub position_m: Vec3,
+    /// What the values of its depth image stand for.
+    pub nearness: Nearness,
 }
 
 impl Picture<'_> {
@@ -49,20 +69,44 @@ pub(crate) struct Earlier<'a> {
     pub(crate) picture: Picture<'a>,
     /// From points of the newest picture, as (x, y, 1), to homogeneous points of this one.
     pub(crate) matrix: Mat3,
+    /// Where the newest picture is seen from elsewhere, and both have depth.
+    pub(crate) parallax: Option<Parallax>,
+}
+
+/// How what is near lies elsewhere in a picture that was seen from elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Parallax {
+    /// What is added to homogeneous points of the earlier picture for each 1/m ([`parallax`]).
+    pub(crate) shift: Vec3,
+    /// What depth stands for in the newest picture.
+    pub(crate) now: Nearness,
+    /// What it stood for in the earlier one.
+    pub(crate) then: Nearness,
 }
 
 impl Earlier<'_> {
     /// Whether nothing has moved since.
     pub(crate) fn is_still(&self) -> bool {
-        self.matrix == Mat3::IDENTITY
+        self.matrix == Mat3::IDENTITY && self.parallax.is_none()
     }
 
-    /// Where a point of the newest picture lies in this one; nothing where it does not show it.
+    /// Where a point of the newest picture lies in this one, were it endlessly far away; nothing where it does not show it.
     pub(crate) fn point(&self, point: Vec2) -> Option<Vec2> {
-        let found = self.matrix * point.extend(1.0);
-        let at = found.truncate() / found.z;
-        let is_inside = found.z > 0.0 && at.cmpge(Vec2::ZERO).all() && at.cmple(self.picture.size()).all();
+        self.shown(self.matrix * point.extend(1.0))
+    }
+
+    fn shown(&self, homogeneous: Vec3) -> Option<Vec2> {
+        let at = homogeneous.truncate() / homogeneous.z;
+        let is_inside =
+            homogeneous.z > 0.0 && at.cmpge(Vec2::ZERO).all() && at.cmple(self.picture.size()).all();
         is_inside.then_some(at)
+    }
+
+    /// [`Self::matrix`] of what is [`NEAREST_ASSUMED_M`] away, where it matters how far away things are.
+    pub(crate) fn near_matrix(&self) -> Option<Mat3> {
+        let Mat3 { x_axis, y_axis, z_axis } = self.matrix;
+        self.parallax
+            .map(|Parallax { shift, .. }| Mat3::from_cols(x_axis, y_axis, z_axis + shift / NEAREST_ASSUMED_M))
     }
 }
 
@@ -73,6 +117,17 @@ pub struct Source {
     pub age: usize,
     /// The point there.
     pub point: Vec2,
+}
+
+/// Where a pixel is re-used from in a picture that was seen from elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovedSource {
+    /// The picture, and the point there.
+    pub source: Source,
+    /// How near what the pixel shows was there, 1/m.
+    pub nearness: f32,
+    /// How far something moves here for each 1/m that it is nearer there, pixels.
+    pub pixels_m: f32,
 }
 
 /// The texels that make a re-used pixel: pixels of an earlier picture, from its upper left corner, and their weights,
@@ -97,7 +152,8 @@ impl<'a> Reuse<'a> {
         for (slot, picture) in found.iter_mut().zip(earlier) {
             let matrix = if turns { turn(&now, &picture) } else { Some(resize(&now, &picture)) };
             let Some(matrix) = matrix else { break };
-            *slot = Some(Earlier { picture, matrix });
+            let parallax = if turns { move_between(&now, &picture, &matrix) } else { None };
+            *slot = Some(Earlier { picture, matrix, parallax });
         }
         Self { now, earlier: found }
     }
@@ -115,6 +171,11 @@ impl<'a> Reuse<'a> {
     /// Whether nothing has moved since the picture of an age, 1..=[`Self::ages`].
     pub fn is_still_since(&self, age: usize) -> bool {
         self.at_age(age).is_some_and(Earlier::is_still)
+    }
+
+    /// Whether what the picture of an age has is found by its depth: it was seen from elsewhere, and both have depth.
+    pub fn has_moved_since(&self, age: usize) -> bool {
+        self.at_age(age).is_some_and(|earlier| earlier.parallax.is_some())
     }
 
     pub(crate) fn at_age(&self, age: usize) -> Option<&Earlier<'a>> {
@@ -143,8 +204,35 @@ impl<'a> Reuse<'a> {
         Some(Source { age, point: at })
     }
 
+    /// As [`Self::source`], of a point with this value in the depth image, where [`Self::has_moved_since`].
+    pub fn moved_source(&self, point: Vec2, age: usize, depth: f32) -> Option<MovedSource> {
+        let earlier = self.at_age(age)?;
+        let Parallax { shift, now, .. } = earlier.parallax?;
+        let nearness = now.at(depth);
+        let found = earlier.matrix * point.extend(1.0) + shift * nearness;
+        let at = earlier.shown(found).filter(|at| earlier.picture.is_fresh_at(*at))?;
+        Some(MovedSource {
+            source: Source { age, point: at },
+            nearness: nearness / found.z,
+            pixels_m: (shift.truncate() - at * shift.z).length(),
+        })
+    }
+
     /// What a source is made of: bilinear, without the texels of tiles that were not rendered.
     pub fn footprint(&self, source: Source) -> Option<Footprint> {
+        self.footprint_of(source, |_| true)
+    }
+
+    /// As [`Self::footprint`], without the texels that show something else: what moves away from in front of things leaves them to
+    /// be seen, of which the earlier picture has nothing. `depth` says the values of the earlier depth image.
+    pub fn moved_footprint(&self, moved: &MovedSource, depth: impl Fn([u32; 2]) -> f32) -> Option<Footprint> {
+        let then = self.at_age(moved.source.age)?.parallax?.then;
+        self.footprint_of(moved.source, |texel| {
+            (then.at(depth(texel)) - moved.nearness).abs() * moved.pixels_m <= SAME_PIXELS
+        })
+    }
+
+    fn footprint_of(&self, source: Source, counts: impl Fn([u32; 2]) -> bool) -> Option<Footprint> {
         let earlier = self.at_age(source.age)?;
         let picture = &earlier.picture;
         let base = (source.point - 0.5).floor();
@@ -153,8 +241,9 @@ impl<'a> Reuse<'a> {
             let step = Vec2::new(right, down);
             let texel = (base + step).clamp(Vec2::ZERO, picture.size() - 1.0);
             let weights = (Vec2::ONE - step - share).abs();
-            let is_fresh = picture.is_fresh_at(texel + 0.5);
-            (texel.as_uvec2().into(), if is_fresh { weights.x * weights.y } else { 0.0 })
+            let at = texel.as_uvec2().into();
+            let counts = picture.is_fresh_at(texel + 0.5) && counts(at);
+            (at, if counts { weights.x * weights.y } else { 0.0 })
         });
         let sum: f32 = footprint.iter().map(|(_, weight)| weight).sum();
         footprint.iter_mut().for_each(|(_, weight)| *weight /= sum);
@@ -220,4 +309,18 @@ fn turn(from: &Picture, to: &Picture) -> Option<Mat3> {
         moved.is_some_and(|moved| moved < STILL_PIXELS)
     });
     Some(if is_still { same } else { matrix })
+}
+
+/// How what is near lies elsewhere in an earlier picture, where both have depth, and the head has moved.
+fn move_between(now: &Picture, then: &Picture, matrix: &Mat3) -> Option<Parallax> {
+    let (here, there) = now.viewpoint.zip(then.viewpoint)?;
+    let shift = parallax(&then.view, here.position_m, there.position_m)?;
+    let has_moved = [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].into_iter().any(|corner| {
+        let far = *matrix * (corner * now.size()).extend(1.0);
+        let near = far + shift / NEAREST_ASSUMED_M;
+        // Not `>`: what is behind the view has no place.
+        let is_there = near.z > 0.0 && far.z > 0.0;
+        !(is_there && (near.truncate() / near.z).distance(far.truncate() / far.z) <= UNMOVED_PIXELS)
+    });
+    has_moved.then_some(Parallax { shift, now: here.nearness, then: there.nearness })
 }

@@ -15,7 +15,8 @@ pub struct TileLists {
     /// Those that are shown as they are in the newest picture: they were rendered, or no earlier picture has all of them.
     pub fresh: TileRects,
     /// For each age, from 1 on: stale tiles all of which is taken from the picture of that age, and from nothing of it that was
-    /// not rendered there. Each stale tile is in one of these, or in [`Self::fresh`].
+    /// not rendered there. Each stale tile is in one of these, or in [`Self::fresh`]. None where the head has moved, by
+    /// [`Reuse::has_moved_since`]: of what was hidden there is nothing to take.
     pub whole: [TileRects; MAX_AGES],
     /// Stale tiles of which a part is taken from the picture of that age, if that has it: to be drawn over the others, the
     /// oldest first.
@@ -24,6 +25,8 @@ pub struct TileLists {
     pub border: [[TileRects; Edge::ALL.len()]; MAX_AGES],
     /// The corners of all tiles in each earlier picture, row by row; NaN where it does not show them.
     corners: [Vec<Vec2>; MAX_AGES],
+    /// The same of what is as near as can be, where the head has moved; else none.
+    near_corners: [Vec<Vec2>; MAX_AGES],
 }
 
 /// How much of a tile a picture has.
@@ -43,8 +46,13 @@ impl TileLists {
         self.clear();
         let now = reuse.now();
         let [columns, rows] = now.stale.tiles();
-        for (corners, earlier) in self.corners.iter_mut().zip(reuse.earlier()) {
+        let of_ages = self.corners.iter_mut().zip(&mut self.near_corners);
+        for ((corners, near_corners), earlier) in of_ages.zip(reuse.earlier()) {
             fill_corners(corners, reuse, &earlier.matrix);
+            match earlier.near_matrix() {
+                Some(matrix) => fill_corners(near_corners, reuse, &matrix),
+                None => near_corners.clear(),
+            }
         }
         for row in 0..rows {
             for column in 0..columns {
@@ -80,19 +88,22 @@ impl TileLists {
 
     fn add_stale(&mut self, reuse: &Reuse, tile: [u32; 2], oldest: usize) {
         let mut has = [Has::Nothing; MAX_AGES];
-        for ((has, earlier), corners) in has.iter_mut().zip(reuse.earlier()).zip(&self.corners) {
+        let corners = self.corners.iter().zip(&self.near_corners);
+        for ((has, earlier), corners) in has.iter_mut().zip(reuse.earlier()).zip(corners) {
             *has = tile_in(earlier, corners, reuse, tile);
             if *has == Has::All {
                 break;
             }
         }
-        let whole = has.iter().position(|has| *has == Has::All);
-        match whole {
+        let all = has.iter().position(|has| *has == Has::All);
+        match all.filter(|index| !reuse.has_moved_since(index + 1)) {
             Some(index) => self.whole[index].push(tile, None),
             None => self.fresh.push(tile, None),
         }
-        if whole.is_none_or(|index| index >= oldest) {
-            for (mixed, _) in self.mixed.iter_mut().zip(has).filter(|(_, has)| *has == Has::Part) {
+        let takes_parts = all.is_none_or(|index| index >= oldest || reuse.has_moved_since(index + 1));
+        for (index, (mixed, has)) in self.mixed.iter_mut().zip(has).enumerate() {
+            let is_part = has == Has::Part || (has == Has::All && reuse.has_moved_since(index + 1));
+            if takes_parts && is_part {
                 mixed.push(tile, None);
             }
         }
@@ -128,24 +139,34 @@ fn fill_corners(corners: &mut Vec<Vec2>, reuse: &Reuse, matrix: &Mat3) {
     }
 }
 
-/// What an earlier picture has of a tile.
-fn tile_in(earlier: &Earlier, corners: &[Vec2], reuse: &Reuse, [column, row]: [u32; 2]) -> Has {
+/// What an earlier picture has of a tile, by the corners of all tiles there, far and near.
+fn tile_in(
+    earlier: &Earlier,
+    (far, near): (&Vec<Vec2>, &Vec<Vec2>),
+    reuse: &Reuse,
+    [column, row]: [u32; 2],
+) -> Has {
     let line = reuse.now().stale.tiles()[0] as usize + 1;
     let first = row as usize * line + column as usize;
-    has(earlier, [corners[first], corners[first + 1], corners[first + line], corners[first + line + 1]])
+    let of_tile = [first, first + 1, first + line, first + line + 1];
+    let near = of_tile.into_iter().filter_map(|index| near.get(index).copied());
+    has(earlier, of_tile.into_iter().map(|index| far[index]).chain(near))
 }
 
 /// What an earlier picture has of a rectangle with these corners there, NaN where it does not show them.
-pub(super) fn has(earlier: &Earlier, corners: [Vec2; 4]) -> Has {
+pub(super) fn has(earlier: &Earlier, corners: impl Iterator<Item = Vec2>) -> Has {
     let picture = &earlier.picture;
-    if corners.iter().any(|corner| corner.is_nan()) {
-        // Partly beside what the picture can show.
-        return Has::Part;
-    }
     let is_still = earlier.is_still();
     let margin = if is_still { 0.0 } else { MARGIN };
-    let low = corners.into_iter().fold(Vec2::INFINITY, Vec2::min) - margin;
-    let high = corners.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max) + margin;
+    let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+    for corner in corners {
+        if corner.is_nan() {
+            // Partly beside what the picture can show.
+            return Has::Part;
+        }
+        (low, high) = (low.min(corner), high.max(corner));
+    }
+    (low, high) = (low - margin, high + margin);
     if high.cmple(Vec2::ZERO).any() || low.cmpge(picture.size()).any() {
         return Has::Nothing;
     }
@@ -168,11 +189,15 @@ pub(super) fn has(earlier: &Earlier, corners: [Vec2; 4]) -> Has {
     }
 }
 
-/// The corners of a rectangle in an earlier picture, NaN where that does not show them.
-pub(super) fn corners_in(earlier: &Earlier, rect: &PixelRect) -> [Vec2; 4] {
+/// The corners of a rectangle in an earlier picture, far and, where the head has moved, near; NaN where that does not show them.
+pub(super) fn corners_in(earlier: &Earlier, rect: &PixelRect) -> impl Iterator<Item = Vec2> + use<> {
     let PixelRect { min, max } = *rect;
-    [min, Vec2::new(max.x, min.y), Vec2::new(min.x, max.y), max].map(|corner| {
-        let found = earlier.matrix * corner.extend(1.0);
-        if found.z > 0.0 { found.truncate() / found.z } else { Vec2::NAN }
+    let corners = [min, Vec2::new(max.x, min.y), Vec2::new(min.x, max.y), max];
+    let matrices = std::iter::once(earlier.matrix).chain(earlier.near_matrix());
+    matrices.flat_map(move |matrix| {
+        corners.map(|corner| {
+            let found = matrix * corner.extend(1.0);
+            if found.z > 0.0 { found.truncate() / found.z } else { Vec2::NAN }
+        })
     })
 }

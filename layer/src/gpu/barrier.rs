@@ -1,13 +1,13 @@
 //! Every image barrier that we record, by name, so that tests can leave out each one and expect to be told.
 //!
-//! The images of both sides are COLOR_ATTACHMENT_OPTIMAL outside of our work, as OpenXR has it
-//! (XR_KHR_vulkan_enable, "Swapchain Image Layout"): written by what came earlier on the same queue, read by
+//! The images of both sides are COLOR_ATTACHMENT_OPTIMAL outside of our work, those of depth DEPTH_STENCIL_ATTACHMENT_OPTIMAL, as
+//! OpenXR has it (XR_KHR_vulkan_enable, "Swapchain Image Layout"): written by what came earlier on the same queue, read by
 //! what comes later. No two barriers have the same layouts and stages.
 
 use ash::vk;
 use vk::{AccessFlags as Access, ImageLayout as Layout, PipelineStageFlags as Stage};
 
-/// A layout transition of all layers of a colour image, with the accesses that it orders.
+/// A layout transition of all layers of an image, with the accesses that it orders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImageBarrier {
     /// Name in tests and messages.
@@ -41,6 +41,30 @@ const APP_WRITE_STAGES: Stage = Stage::from_raw(
 const APP_WRITES: Access = Access::from_raw(
     Access::COLOR_ATTACHMENT_WRITE.as_raw() | Access::TRANSFER_WRITE.as_raw() | Access::SHADER_WRITE.as_raw(),
 );
+
+/// Stages in which depth is tested and written.
+const DEPTH_TESTS: Stage =
+    Stage::from_raw(Stage::EARLY_FRAGMENT_TESTS.as_raw() | Stage::LATE_FRAGMENT_TESTS.as_raw());
+
+/// Stages in which an application writes a depth image: as attachment, resolved in a render pass, or by copies.
+const DEPTH_WRITE_STAGES: Stage = Stage::from_raw(
+    DEPTH_TESTS.as_raw() | Stage::COLOR_ATTACHMENT_OUTPUT.as_raw() | Stage::TRANSFER.as_raw(),
+);
+
+/// The writes of [`DEPTH_WRITE_STAGES`].
+const DEPTH_WRITES: Access = Access::from_raw(
+    Access::DEPTH_STENCIL_ATTACHMENT_WRITE.as_raw()
+        | Access::COLOR_ATTACHMENT_WRITE.as_raw()
+        | Access::TRANSFER_WRITE.as_raw(),
+);
+
+const DEPTH_READ_WRITE: Access = Access::from_raw(
+    Access::DEPTH_STENCIL_ATTACHMENT_READ.as_raw() | Access::DEPTH_STENCIL_ATTACHMENT_WRITE.as_raw(),
+);
+
+/// Stages in which we read our copies of depth.
+const DEPTH_READ_STAGES: Stage =
+    Stage::from_raw(Stage::FRAGMENT_SHADER.as_raw() | Stage::COMPUTE_SHADER.as_raw());
 
 /// A new image of ours, before the application first gets it.
 pub const APP_CREATED: ImageBarrier = ImageBarrier {
@@ -165,8 +189,52 @@ pub const RUNTIME_DRAWN_TO_BLENDED: ImageBarrier = ImageBarrier {
     dst_access: COLOR_READ_WRITE,
 };
 
+/// The application's depth, which is written as an attachment and by copies, before we copy it.
+pub const DEPTH_WRITTEN_TO_COPIED: ImageBarrier = ImageBarrier {
+    name: "depth_written_to_copied",
+    old_layout: Layout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+    new_layout: Layout::TRANSFER_SRC_OPTIMAL,
+    src_stage: DEPTH_WRITE_STAGES,
+    dst_stage: Stage::TRANSFER,
+    src_access: DEPTH_WRITES,
+    dst_access: Access::TRANSFER_READ,
+};
+
+/// The same after the copy, before the runtime takes it as it would the application's.
+pub const DEPTH_COPIED_TO_WRITTEN: ImageBarrier = ImageBarrier {
+    name: "depth_copied_to_written",
+    old_layout: Layout::TRANSFER_SRC_OPTIMAL,
+    new_layout: Layout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+    src_stage: Stage::TRANSFER,
+    dst_stage: DEPTH_TESTS,
+    src_access: Access::empty(),
+    dst_access: DEPTH_READ_WRITE,
+};
+
+/// Our copy of earlier depth, whose content is not needed any more, before we copy to it.
+pub const KEPT_DEPTH_READ_TO_COPIED: ImageBarrier = ImageBarrier {
+    name: "kept_depth_read_to_copied",
+    old_layout: Layout::UNDEFINED,
+    new_layout: Layout::TRANSFER_DST_OPTIMAL,
+    src_stage: DEPTH_READ_STAGES,
+    dst_stage: Stage::TRANSFER,
+    src_access: Access::empty(),
+    dst_access: Access::TRANSFER_WRITE,
+};
+
+/// Our copy of depth, before we read it.
+pub const KEPT_DEPTH_COPIED_TO_READ: ImageBarrier = ImageBarrier {
+    name: "kept_depth_copied_to_read",
+    old_layout: Layout::TRANSFER_DST_OPTIMAL,
+    new_layout: Layout::SHADER_READ_ONLY_OPTIMAL,
+    src_stage: Stage::TRANSFER,
+    dst_stage: DEPTH_READ_STAGES,
+    src_access: Access::TRANSFER_WRITE,
+    dst_access: Access::SHADER_READ,
+};
+
 /// All of them.
-pub const ALL: [ImageBarrier; 11] = [
+pub const ALL: [ImageBarrier; 15] = [
     APP_CREATED,
     APP_RENDERED_TO_COPIED,
     APP_RENDERED_TO_SAMPLED,
@@ -178,6 +246,10 @@ pub const ALL: [ImageBarrier; 11] = [
     RUNTIME_ACQUIRED_TO_COPIED,
     RUNTIME_COPIED_TO_DRAWN,
     RUNTIME_DRAWN_TO_BLENDED,
+    DEPTH_WRITTEN_TO_COPIED,
+    DEPTH_COPIED_TO_WRITTEN,
+    KEPT_DEPTH_READ_TO_COPIED,
+    KEPT_DEPTH_COPIED_TO_READ,
 ];
 
 #[cfg(test)]

@@ -18,17 +18,25 @@ pub(crate) fn comparison(
     gpu: &Gpu,
     spirv: &'static [u8],
     entry: &'static CStr,
+    has_depth: bool,
 ) -> Result<Arc<Comparison>, GpuError> {
-    gpu.shared()?.comparison(spirv, entry)
+    gpu.shared()?.comparison(spirv, entry, has_depth)
 }
 
 impl Comparison {
-    /// Of an entry point of a module of SPIR-V: set 0 is a [`CompareSet`], sets 1 and 2 are of [`super::TextureSets`].
-    pub(super) fn make(gpu: &Arc<Gpu>, spirv: &[u8], entry: &CStr) -> Result<Self, GpuError> {
+    /// Of an entry point of a module of SPIR-V: set 0 is a [`CompareSet`], sets 1 and 2 are of [`super::TextureSets`], and, with
+    /// depth, set 3.
+    pub(super) fn make(
+        gpu: &Arc<Gpu>,
+        spirv: &[u8],
+        entry: &CStr,
+        has_depth: bool,
+    ) -> Result<Self, GpuError> {
         let module = shader_module(gpu, spirv)?;
         let (parameters, texture) = (CompareSet::layout(gpu)?, texture_layout(gpu)?);
-        let sets = [parameters.handle(), texture.handle(), texture.handle()];
-        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
+        let sets = [parameters.handle(), texture.handle(), texture.handle(), texture.handle()];
+        let sets = &sets[..if has_depth { 4 } else { 3 }];
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(sets);
         // SAFETY: the device and the layouts are live.
         let layout = unsafe {
             let handle = gpu

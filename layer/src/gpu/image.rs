@@ -1,10 +1,10 @@
-//! Colour images of ours, with their memory, and views.
+//! Images of ours, with their memory, and views.
 
 use super::{Gpu, GpuError, ImagePart, Owned};
 use ash::vk;
 use std::sync::Arc;
 
-/// What a colour image with one mip level is like.
+/// What an image with one mip level is like.
 pub(crate) struct ImageDescription<'a> {
     pub(crate) format: vk::Format,
     pub(crate) extent: vk::Extent2D,
@@ -104,18 +104,38 @@ pub(crate) fn color_view(
     format: vk::Format,
     layer: u32,
 ) -> Result<Owned<vk::ImageView>, GpuError> {
+    layer_view(gpu, image, format, vk::ImageAspectFlags::COLOR, layer)
+}
+
+/// A view of the depth of one layer of an image of a format with depth.
+pub(crate) fn depth_view(
+    gpu: &Arc<Gpu>,
+    image: vk::Image,
+    format: vk::Format,
+    layer: u32,
+) -> Result<Owned<vk::ImageView>, GpuError> {
+    layer_view(gpu, image, format, vk::ImageAspectFlags::DEPTH, layer)
+}
+
+fn layer_view(
+    gpu: &Arc<Gpu>,
+    image: vk::Image,
+    format: vk::Format,
+    aspect_mask: vk::ImageAspectFlags,
+    layer: u32,
+) -> Result<Owned<vk::ImageView>, GpuError> {
     let info = vk::ImageViewCreateInfo::default()
         .image(image)
         .view_type(vk::ImageViewType::TYPE_2D)
         .format(format)
         .subresource_range(vk::ImageSubresourceRange {
-            aspect_mask: vk::ImageAspectFlags::COLOR,
+            aspect_mask,
             base_mip_level: 0,
             level_count: 1,
             base_array_layer: layer,
             layer_count: 1,
         });
-    // SAFETY: the image is a live one of this device with this format and layer.
+    // SAFETY: the image is a live one of this device with this format, aspect and layer.
     unsafe {
         let handle =
             gpu.device.create_image_view(&info, None).map_err(GpuError::from_call("vkCreateImageView"))?;

@@ -41,6 +41,8 @@ pub(crate) struct TileShader {
     pub(crate) fragment: &'static CStr,
     /// Whether set 0 is a [`super::ListSet`], else a [`super::UniformSet`].
     pub(crate) has_lists: bool,
+    /// Whether sets 2 and 3 are of [`super::TextureSets`] too, else there are none.
+    pub(crate) has_depth: bool,
     /// What becomes of it.
     pub(crate) output: Output,
 }
@@ -63,7 +65,7 @@ pub(super) fn make_tile_pipeline(
     shader: &TileShader,
 ) -> Result<TilePipeline, GpuError> {
     let module = shader_module(gpu, spirv)?;
-    let layout = pipeline_layout(gpu, shader.has_lists)?;
+    let layout = pipeline_layout(gpu, shader)?;
     let stage = |flag, name| {
         vk::PipelineShaderStageCreateInfo::default().stage(flag).module(module.handle()).name(name)
     };
@@ -134,11 +136,15 @@ pub(super) fn shader_module(gpu: &Arc<Gpu>, spirv: &[u8]) -> Result<Owned<vk::Sh
     }
 }
 
-fn pipeline_layout(gpu: &Arc<Gpu>, has_lists: bool) -> Result<Owned<vk::PipelineLayout>, GpuError> {
-    let parameters = if has_lists { descriptor::list_layout(gpu) } else { descriptor::uniform_layout(gpu) }?;
+fn pipeline_layout(gpu: &Arc<Gpu>, shader: &TileShader) -> Result<Owned<vk::PipelineLayout>, GpuError> {
+    let parameters = match shader.has_lists {
+        true => descriptor::list_layout(gpu),
+        false => descriptor::uniform_layout(gpu),
+    }?;
     let texture = descriptor::texture_layout(gpu)?;
-    let sets = [parameters.handle(), texture.handle()];
-    let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
+    let sets = [parameters.handle(), texture.handle(), texture.handle(), texture.handle()];
+    let sets = &sets[..if shader.has_depth { 4 } else { 2 }];
+    let info = vk::PipelineLayoutCreateInfo::default().set_layouts(sets);
     // SAFETY: the device and both layouts are live.
     unsafe {
         let handle = gpu

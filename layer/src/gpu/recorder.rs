@@ -15,10 +15,10 @@ pub(crate) struct Recorder<'a> {
 /// Most bytes in one update of a buffer (vkCmdUpdateBuffer).
 const MOST_UPDATED: usize = 65_536;
 
-/// The first `layers` layers of a colour image with one mip level.
-fn color_range(layers: u32) -> vk::ImageSubresourceRange {
+/// The first `layers` layers of an image with one mip level.
+fn range(aspect_mask: vk::ImageAspectFlags, layers: u32) -> vk::ImageSubresourceRange {
     vk::ImageSubresourceRange {
-        aspect_mask: vk::ImageAspectFlags::COLOR,
+        aspect_mask,
         base_mip_level: 0,
         level_count: 1,
         base_array_layer: 0,
@@ -36,8 +36,19 @@ impl<'a> Recorder<'a> {
         self.slot
     }
 
-    /// Records a barrier over all layers of an image.
+    /// Records a barrier over all layers of a colour image.
     pub(crate) fn barrier(&self, barrier: &ImageBarrier, image: vk::Image, layers: u32) {
+        self.barrier_of(barrier, image, vk::ImageAspectFlags::COLOR, layers);
+    }
+
+    /// The same for all aspects of any image.
+    pub(crate) fn barrier_of(
+        &self,
+        barrier: &ImageBarrier,
+        image: vk::Image,
+        aspects: vk::ImageAspectFlags,
+        layers: u32,
+    ) {
         let info = vk::ImageMemoryBarrier::default()
             .image(image)
             .old_layout(barrier.old_layout)
@@ -46,7 +57,7 @@ impl<'a> Recorder<'a> {
             .dst_access_mask(barrier.dst_access)
             .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
             .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-            .subresource_range(color_range(layers));
+            .subresource_range(range(aspects, layers));
         let (src, dst) = (barrier.src_stage, barrier.dst_stage);
         let none = vk::DependencyFlags::empty();
         // SAFETY: the command buffer is being recorded, outside of a render pass; the image is live.
@@ -56,8 +67,19 @@ impl<'a> Recorder<'a> {
     /// Copies all layers from an image in TRANSFER_SRC_OPTIMAL to one of the same format and size in
     /// TRANSFER_DST_OPTIMAL.
     pub(crate) fn copy_image(&self, from: vk::Image, to: vk::Image, extent: vk::Extent2D, layers: u32) {
+        self.copy_aspect(vk::ImageAspectFlags::COLOR, [from, to], extent, layers);
+    }
+
+    /// The same for one aspect of images, the first of which is copied to the second.
+    pub(crate) fn copy_aspect(
+        &self,
+        aspect_mask: vk::ImageAspectFlags,
+        [from, to]: [vk::Image; 2],
+        extent: vk::Extent2D,
+        layers: u32,
+    ) {
         let subresource = vk::ImageSubresourceLayers {
-            aspect_mask: vk::ImageAspectFlags::COLOR,
+            aspect_mask,
             mip_level: 0,
             base_array_layer: 0,
             layer_count: layers,
@@ -81,13 +103,15 @@ impl<'a> Recorder<'a> {
     /// Runs a comparison.
     pub(crate) fn compare(&self, compare: &Compare<'_>) {
         let (device, commands, compute) = (self.device, self.commands, vk::PipelineBindPoint::COMPUTE);
-        let sets = [compare.parameters, compare.textures[0], compare.textures[1]];
+        let [newest, earlier] = compare.textures;
+        let sets = [compare.parameters, newest, earlier, compare.depth.unwrap_or_default()];
+        let sets = &sets[..3 + usize::from(compare.depth.is_some())];
         let layout = compare.comparison.layout();
         // SAFETY: the command buffer is being recorded, outside of a render pass; the sets have the layouts of the pipeline, and
         // one dynamic offset, which comes from the uniform's ring.
         unsafe {
             device.cmd_bind_pipeline(commands, compute, compare.comparison.handle());
-            device.cmd_bind_descriptor_sets(commands, compute, layout, 0, &sets, &[compare.offset]);
+            device.cmd_bind_descriptor_sets(commands, compute, layout, 0, sets, &[compare.offset]);
             device.cmd_dispatch(commands, compare.groups, 1, 1);
         }
     }
@@ -171,6 +195,8 @@ pub(crate) struct Compare<'a> {
     pub(crate) offset: u32,
     /// Sets 1 and 2.
     pub(crate) textures: [vk::DescriptorSet; 2],
+    /// Set 3, of a comparison that has it.
+    pub(crate) depth: Option<vk::DescriptorSet>,
     /// How many workgroups.
     pub(crate) groups: u32,
 }
@@ -190,6 +216,8 @@ pub(crate) struct TileDraw<'a> {
     pub(crate) offsets: &'a [u32],
     /// Set 1, where the pipeline's shaders use it.
     pub(crate) texture: Option<vk::DescriptorSet>,
+    /// Sets 2 and 3, of a pipeline that has them; then it has a texture too.
+    pub(crate) depth: Option<[vk::DescriptorSet; 2]>,
     /// What the tiles divide, within the target.
     pub(crate) viewport: vk::Rect2D,
     /// What may be written, within the target.
@@ -210,8 +238,9 @@ impl DrawRecorder<'_> {
             min_depth: 0.0,
             max_depth: 1.0,
         };
-        let texture = draw.texture.unwrap_or_default();
-        let sets = &[draw.parameters, texture][..1 + usize::from(draw.texture.is_some())];
+        let (texture, [depth, earlier]) = (draw.texture.unwrap_or_default(), draw.depth.unwrap_or_default());
+        let count = if draw.depth.is_some() { 4 } else { 1 + usize::from(draw.texture.is_some()) };
+        let sets = &[draw.parameters, texture, depth, earlier][..count];
         let layout = draw.pipeline.layout();
         let graphics = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: within a render pass that the pipeline is compatible with; the sets have the layouts of the

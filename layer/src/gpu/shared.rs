@@ -127,8 +127,9 @@ impl Shared {
         &self,
         spirv: &'static [u8],
         entry: &'static CStr,
+        has_depth: bool,
     ) -> Result<Arc<Comparison>, GpuError> {
-        self.comparisons.get_or_make((spirv, entry), || Comparison::make(&self.gpu, spirv, entry))
+        self.comparisons.get_or_make((spirv, entry), || Comparison::make(&self.gpu, spirv, entry, has_depth))
     }
 
     pub(super) fn color_pass(&self, format: vk::Format) -> Result<Arc<Owned<vk::RenderPass>>, GpuError> {

@@ -5,7 +5,7 @@
 
 pub use parafovea_core::kernels::change::ChangeParams;
 
-use super::compose::{ComposeJob, EarlierImage};
+use super::compose::{ComposeJob, EarlierImage, PictureDepth};
 use crate::gpu::barrier::{APP_COMPARED_TO_RENDERED, APP_RENDERED_TO_COMPARED};
 use crate::gpu::{
     Compare, CompareSet, Comparison, Gpu, GpuError, Recorder, ResultRing, SUBMITS_IN_FLIGHT, UniformRing,
@@ -39,11 +39,15 @@ pub struct ChangeRegion<'a> {
     pub earlier: [EarlierImage; MAX_AGES],
     /// How the picture is looked at: given back with the results.
     pub view: View,
+    /// The depth of the picture, where [`Reuse::has_moved_since`] any.
+    pub depth: Option<PictureDepth<'a>>,
 }
 
 /// The pass.
 pub(super) struct Change {
     comparison: Arc<Comparison>,
+    /// Where the head has moved.
+    moved: Arc<Comparison>,
     room: Option<Room>,
     /// What is under way, by slot.
     pending: [Pending; SUBMITS_IN_FLIGHT],
@@ -81,7 +85,8 @@ impl Change {
     /// A failed call.
     pub(super) fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
         Ok(Self {
-            comparison: comparison(gpu, SPIRV, c"change")?,
+            comparison: comparison(gpu, SPIRV, c"change", false)?,
+            moved: comparison(gpu, SPIRV, c"moved_change", true)?,
             room: None,
             pending: Default::default(),
             results: Vec::new(),
@@ -123,7 +128,7 @@ impl Change {
     /// # Errors
     /// [`GpuError::Invalid`] where [`Self::make_room`] has not made enough.
     pub(super) fn record(&mut self, recorder: &Recorder, jobs: &[ComposeJob]) -> Result<(), GpuError> {
-        let Self { comparison, room, pending, .. } = self;
+        let Self { comparison, moved, room, pending, .. } = self;
         let pending = &mut pending[recorder.slot()];
         pending.submit = 0;
         pending.views.clear();
@@ -152,11 +157,15 @@ impl Change {
                 let at = pending.tiles.len() as u32;
                 let first = [room.words.write(recorder, at, tiles)?, room.results.place(recorder, at)];
                 let params = ChangeParams { first, count: tiles.len() as u32, ..params };
+                let depth = region.depth.filter(|_| region.reuse.has_moved_since(index + 1));
+                let params = depth.map_or(params, |depth| params.with_depth(depth.rect));
+                let depth = depth.and_then(|depth| depth.texture());
                 recorder.compare(&Compare {
-                    comparison,
+                    comparison: if depth.is_some() { moved } else { comparison },
                     parameters: room.set.handle(),
                     offset: room.params.write(recorder, number, &params)?,
                     textures: [newest, earlier],
+                    depth,
                     groups: params.count.div_ceil(THREADS),
                 });
                 pending.tiles.extend_from_slice(tiles);

@@ -5,6 +5,7 @@
 
 mod app_images;
 mod copies;
+mod depth;
 mod draws;
 mod pipelines;
 mod record;
@@ -13,6 +14,7 @@ mod runtime_images;
 mod shape;
 
 pub use app_images::{APP_USAGE, AppImages};
+pub use depth::{DEPTH_USAGE, DepthShape, DepthSource, KeptDepth, PictureDepth};
 pub use parafovea_core::kernels::compose::ComposeParams;
 pub use reuse::{EarlierImage, ReuseRegion};
 pub use runtime_images::{RUNTIME_USAGE, RuntimeImages};
@@ -204,6 +206,7 @@ impl Compose {
         for job in jobs {
             job.app.uses().mark(submit);
             job.runtime.uses().mark(submit);
+            depths(job).for_each(|depth| depth.mark(submit));
         }
         Ok(())
     }
@@ -282,7 +285,22 @@ fn not_compared(error: GpuError) -> Changing {
 /// Refuses earlier pictures that are not where they are said to be.
 fn check_reuse(job: &ComposeJob) -> Result<(), GpuError> {
     job.reuse.iter().try_for_each(|region| check_earlier(job, &region.reuse, &region.earlier))?;
-    job.changes.iter().try_for_each(|region| check_earlier(job, &region.reuse, &region.earlier))
+    job.changes.iter().try_for_each(|region| check_earlier(job, &region.reuse, &region.earlier))?;
+    let has_depth = |region: &ReuseRegion, age: usize| region.depth_at_age(age).is_some();
+    let mut moved = job.reuse.iter().flat_map(|region| (1..=MAX_AGES).map(move |age| (region, age)));
+    let lacks = moved.any(|(region, age)| region.reuse.has_moved_since(age) && !has_depth(region, age));
+    let has_moved = |region: &ChangeRegion| (1..=MAX_AGES).any(|age| region.reuse.has_moved_since(age));
+    if lacks || job.changes.iter().any(|region| has_moved(region) && region.depth.is_none()) {
+        return Err(GpuError::Invalid("a head that moved, and no depth"));
+    }
+    depths(job).try_for_each(PictureDepth::check)
+}
+
+/// The depth that a job reads.
+fn depths<'a>(job: &ComposeJob<'a>) -> impl Iterator<Item = &'a PictureDepth<'a>> + use<'a> {
+    let reused =
+        job.reuse.iter().flat_map(|region| region.depth.iter().chain(region.earlier_depth.iter().flatten()));
+    reused.chain(job.changes.iter().filter_map(|region| region.depth.as_ref()))
 }
 
 fn check_earlier(

@@ -177,6 +177,7 @@ impl DebugViewPass {
                         parameters: maps.set.handle(),
                         offsets: &[*offset, *offset],
                         texture: None,
+                        depth: None,
                         viewport: rect,
                         scissor: rect,
                         tiles: 0..1,
@@ -209,7 +210,13 @@ impl DebugViewPass {
             DebugView::Age => c"age",
             DebugView::Gaze => c"gaze",
         };
-        let shader = TileShader { vertex: c"corner", fragment, has_lists: true, output: Output::Blended };
+        let shader = TileShader {
+            vertex: c"corner",
+            fragment,
+            has_lists: true,
+            has_depth: false,
+            output: Output::Blended,
+        };
         self.pipelines.push((format, view, tile_pipeline(&self.gpu, format, SPIRV, &shader)?));
         Ok(())
     }

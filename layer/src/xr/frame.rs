@@ -2,6 +2,7 @@
 
 mod complete;
 mod debug_view;
+mod depth;
 mod history;
 mod layers;
 mod nearest;

@@ -4,6 +4,7 @@
 //! our own ring; the runtime's images are taken and returned in [`super::frame`].
 
 mod create;
+mod depth;
 mod description;
 mod drawn_over;
 mod eligibility;
@@ -14,6 +15,7 @@ mod target;
 mod turns;
 
 pub use create::create;
+pub use depth::NewestDepth;
 pub use images::{acquire_image, enumerate_images, release_image, wait_image};
 pub use ring::Newest;
 pub use substitute::Substitute;
@@ -25,6 +27,7 @@ use super::session::Session;
 use crate::abi::{attempt, guard};
 use crate::registry::Registry;
 use ash::vk;
+use depth::Depth;
 use description::Description;
 use drawn_over::DrawnOver;
 use openxr_sys as xr;
@@ -45,6 +48,7 @@ pub struct Swapchain {
     description: Description,
     turns: Mutex<Turns>,
     drawn_over: Mutex<DrawnOver>,
+    depth: Mutex<Depth>,
     is_told: AtomicBool,
 }
 
@@ -62,6 +66,7 @@ impl Swapchain {
             description,
             turns: Mutex::default(),
             drawn_over: Mutex::default(),
+            depth: Mutex::default(),
             is_told: AtomicBool::new(false),
         }
     }
@@ -106,6 +111,7 @@ impl Swapchain {
     fn end(&self) {
         self.tell_end();
         self.end_drawing_over();
+        self.end_keeping_depth();
         if let Some(substitute) = &self.substitute {
             substitute.target().let_go();
         }
@@ -136,6 +142,11 @@ pub fn forget_all_of(session: xr::Session) {
 /// The image of that swapchain that the application released last, if that is known.
 pub fn newest_image(handle: xr::Swapchain) -> Option<u32> {
     SWAPCHAINS.get(handle)?.newest_image()
+}
+
+/// The depth of the image of that swapchain that the application released last, if it was copied.
+pub fn newest_depth(handle: xr::Swapchain) -> Option<NewestDepth> {
+    SWAPCHAINS.get(handle)?.newest_depth()
 }
 
 /// The swapchain of that handle, if it is tracked, and the functions below.

@@ -3,7 +3,7 @@
 use crate::pictures::{FOV, picture, region};
 use crate::swapchain::{Swapchain, shape};
 use crate::vulkan::Vulkan;
-use crate::{change, reuse};
+use crate::{change, moved, reuse};
 use ash::vk;
 use glam::Vec3;
 use parafovea::gpu::barrier::{ALL, ImageBarrier};
@@ -30,6 +30,7 @@ fn frames(vulkan: &Vulkan) {
     }
     reuse::in_turn(vulkan, &mut compose, 6);
     change::in_turn(vulkan, &mut compose, 6);
+    moved::in_turn(vulkan, &mut compose, 6);
     drawn_over(vulkan);
 }
 

@@ -31,6 +31,7 @@ pub fn region<'a>(frames: &'a [Frame], tiles: &'a ComparedTiles) -> ChangeRegion
         tiles,
         earlier,
         view: View { orientation: Quat::from_rotation_y(0.4), plane: frames[0].view.plane },
+        depth: None,
     }
 }
 
@@ -47,15 +48,15 @@ fn news(compose: &mut Compose) -> Vec<Found> {
 }
 
 /// What a texture gives that has these pixels.
-fn sampler(frame: &Frame, format: PixelFormat) -> impl Fn(Vec2) -> Vec3 {
-    let size = Vec2::new(frame.extent[0] as f32, frame.extent[1] as f32);
+pub fn sampler(pixels: &[u8], extent: [u32; 2], format: PixelFormat) -> impl Fn(Vec2) -> Vec3 {
+    let size = Vec2::new(extent[0] as f32, extent[1] as f32);
     move |at| {
         let point = at * size - 0.5;
         let (base, share) = (point.floor(), point - point.floor());
         let texel = |right: f32, down: f32| {
             let at = (base + Vec2::new(right, down)).clamp(Vec2::ZERO, size - 1.0).as_uvec2();
-            let index = ((at.y * frame.extent[0] + at.x) * 4) as usize;
-            format.decode(&frame.pixels[index..index + 4])
+            let index = ((at.y * extent[0] + at.x) * 4) as usize;
+            format.decode(&pixels[index..index + 4])
         };
         let row = |down: f32| texel(0.0, down).lerp(texel(1.0, down), share.x);
         row(0.0).lerp(row(1.0), share.y)
@@ -88,7 +89,8 @@ fn changes_match_the_reference() {
             let mut at = 0;
             for age in 1..=OLDEST {
                 let params = ChangeParams::new(&region.reuse, age, [0; 2], [0; 2], extent).unwrap();
-                let samplers = [0, age].map(|frame| sampler(&frames[frame], pixel_format(format)));
+                let samplers =
+                    [0, age].map(|frame| sampler(&frames[frame].pixels, extent, pixel_format(format)));
                 for word in tiles.with_age(age) {
                     let tile = [word & 0xffff, word >> 16];
                     let expected = params.change(tile, &samplers[0], &samplers[1]);

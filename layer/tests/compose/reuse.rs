@@ -50,7 +50,7 @@ impl Frame {
     }
 
     fn picture(&self) -> Picture<'_> {
-        Picture { view: self.view, extent: self.extent, stale: &self.stale }
+        Picture { view: self.view, extent: self.extent, stale: &self.stale, viewpoint: None }
     }
 }
 
@@ -72,7 +72,16 @@ fn whole(frames: &[Frame]) -> vk::Rect2D {
 fn reuse_region<'a>(frames: &'a [Frame], lists: &'a TileLists, turns: bool, border: f32) -> ReuseRegion<'a> {
     let earlier =
         std::array::from_fn(|index| EarlierImage { app_index: index as u32 + 1, ..EarlierImage::default() });
-    ReuseRegion { array_layer: 0, rect: whole(frames), reuse: reuse(frames, turns), lists, earlier, border }
+    ReuseRegion {
+        array_layer: 0,
+        rect: whole(frames),
+        reuse: reuse(frames, turns),
+        lists,
+        earlier,
+        border,
+        depth: None,
+        earlier_depth: [None; MAX_AGES],
+    }
 }
 
 /// What the device makes of the frames.
@@ -102,14 +111,14 @@ fn reference(
     let mut pixels = frames[0].pixels.clone();
     let earlier: Vec<_> = frames[1..]
         .iter()
-        .map(|frame| EarlierPixels { pixels: &frame.pixels, width, offset: [0; 2] })
+        .map(|frame| EarlierPixels { pixels: &frame.pixels, width, offset: [0; 2], depth: None })
         .collect();
     let neutral = ComposeParams::neutral([0; 2], frames[0].extent);
     let params = regions.first().map_or(neutral, |region| region.params);
     let reuse = reuse(frames, turns);
     let mut lists = TileLists::default();
     lists.update(&reuse, border, OLDEST);
-    reuse_image(&mut pixels, width, format, &params, (&reuse, &lists, border), &earlier);
+    reuse_image(&mut pixels, width, format, &params, (&reuse, &lists, border), (None, &earlier));
     pixels
 }
 
@@ -198,11 +207,13 @@ fn only_the_region_changes() {
     let shown = swapchain.shown(&vulkan, 1, 2, 4);
     assert!(shown[0] == images[0][0], "the other layer");
     let mut expected = images[0][1].clone();
-    let before: Vec<_> =
-        images[1..].iter().map(|image| EarlierPixels { pixels: &image[1], width, offset }).collect();
+    let before: Vec<_> = images[1..]
+        .iter()
+        .map(|image| EarlierPixels { pixels: &image[1], width, offset, depth: None })
+        .collect();
     let params = ComposeParams::neutral(offset, [64, 48]);
     let how = (&reuse(&frames, true), &lists, 4.0);
-    reuse_image(&mut expected, width, pixel_format(format), &params, how, &before);
+    reuse_image(&mut expected, width, pixel_format(format), &params, how, (None, &before));
     let others = expected.iter().zip(&shown[1]).filter(|(a, b)| a.abs_diff(**b) > 2).count();
     assert!(others <= 40, "{others}");
     for (index, texel) in shown[1].chunks(4).enumerate().filter(|(index, _)| index % 128 < 64) {
@@ -267,7 +278,11 @@ fn earlier_pictures_that_are_not_there_are_refused() {
     let mut lists = TileLists::default();
     lists.update(&reuse(&frames, true), 4.0, OLDEST);
     let good = reuse_region(&frames, &lists, true, 4.0);
-    let with = |image: EarlierImage| ReuseRegion { earlier: [image; MAX_AGES], ..good };
+    let with = |image: EarlierImage| {
+        let mut region = good;
+        region.earlier = [image; MAX_AGES];
+        region
+    };
     let there = EarlierImage { app_index: 1, ..EarlierImage::default() };
     let mut outside = good;
     outside.rect.offset.x = 1;

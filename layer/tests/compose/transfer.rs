@@ -97,8 +97,13 @@ impl Vulkan {
         }
     }
 
-    /// An image for depth, to be copied to.
-    pub fn depth_image(&self, format: vk::Format, extent: vk::Extent2D) -> vk::Image {
+    /// An image for depth, to be copied to, and for what else is said.
+    pub fn depth_image(
+        &self,
+        format: vk::Format,
+        extent: vk::Extent2D,
+        usage: vk::ImageUsageFlags,
+    ) -> vk::Image {
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
@@ -106,7 +111,7 @@ impl Vulkan {
             .mip_levels(1)
             .array_layers(1)
             .samples(vk::SampleCountFlags::TYPE_1)
-            .usage(vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST);
+            .usage(usage | vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST);
         // SAFETY: plain use of Vulkan; the image is never destroyed.
         unsafe {
             let image = self.device.create_image(&info, None).unwrap();

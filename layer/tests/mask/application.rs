@@ -57,7 +57,7 @@ impl Application {
         let extent = vk::Extent2D { width, height };
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | USAGE;
         let color = vulkan.image(vk::ImageCreateFlags::empty(), COLOR, extent, 1, usage);
-        let depth = vulkan.depth_image(setup.depth, extent);
+        let depth = vulkan.depth_image(setup.depth, extent, vk::ImageUsageFlags::empty());
         let aspects = aspects(setup.depth);
         let views = [
             vulkan.view(color, COLOR, vk::ImageAspectFlags::COLOR, vk::ImageUsageFlags::COLOR_ATTACHMENT),

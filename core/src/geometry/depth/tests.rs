@@ -66,4 +66,34 @@ proptest! {
     fn farther_values_are_farther(a in 0.0f32..=1.0, b in 0.0f32..=1.0) {
         prop_assert!(view_distance(a.min(b), &USUAL) <= view_distance(a.max(b), &USUAL));
     }
+    #[test]
+    fn nearness_is_one_by_distance(
+        depth in 0.0f32..=1.0, near in 0.01f32..1.0, far in 2.0f32..1e5, min in 0.0f32..0.4, max in 0.6f32..=1.0,
+        is_reversed: bool, is_endless: bool,
+    ) {
+        let far = if is_endless { f32::INFINITY } else { far };
+        let [near_z, far_z] = if is_reversed { [far, near] } else { [near, far] };
+        let range = DepthRange { min_depth: min, max_depth: max, near_z, far_z };
+        let found = Nearness::new(&range).unwrap().at(depth);
+        let expected = view_distance(depth, &range).recip();
+        // A few units in the last place of the nearest.
+        prop_assert!((found - expected).abs() <= 3e-6 / near, "{found}, not {expected}");
+    }
+}
+
+#[test]
+fn what_makes_no_sense_has_no_nearness() {
+    for range in [
+        DepthRange { near_z: 0.0, ..USUAL },
+        DepthRange { far_z: -1.0, ..USUAL },
+        DepthRange { near_z: f32::NAN, ..USUAL },
+        DepthRange { min_depth: 0.5, max_depth: 0.5, ..USUAL },
+        DepthRange { min_depth: 1.0, max_depth: 0.0, ..USUAL },
+        DepthRange { max_depth: f32::NAN, ..USUAL },
+    ] {
+        assert_eq!(Nearness::new(&range), None, "{range:?}");
+    }
+    let usual = Nearness::new(&USUAL).unwrap();
+    assert_eq!((usual.at(-3.0), usual.at(0.0)), (10.0, 10.0));
+    assert!((usual.at(f32::INFINITY) - 0.01).abs() < 1e-6);
 }

@@ -21,8 +21,12 @@ fn view(yaw_deg: f32) -> View {
 
 fn params(now_deg: f32, before_deg: f32) -> ChangeParams {
     let stale = tiles();
-    let [now, before] =
-        [now_deg, before_deg].map(|yaw| Picture { view: view(yaw), extent: EXTENT, stale: &stale });
+    let [now, before] = [now_deg, before_deg].map(|yaw| Picture {
+        view: view(yaw),
+        extent: EXTENT,
+        stale: &stale,
+        viewpoint: None,
+    });
     ChangeParams::new(&Reuse::new(now, [before], true), 1, [0; 2], [0; 2], EXTENT).unwrap()
 }
 

@@ -1,9 +1,9 @@
 //! The part of the kernel that completes a picture from earlier ones, before colour is attenuated.
 
 use super::{ComposeParams, PixelFormat};
-use crate::geometry::{Fov, PixelRect};
+use crate::geometry::{Fov, Nearness, PixelRect};
 use crate::layout::uniform;
-use crate::reuse::{Edge, Reuse, TileLists, TileRect, TileRects};
+use crate::reuse::{Edge, Parallax, Reuse, TileLists, TileRect, TileRects};
 use glam::{Mat3, UVec2, Vec2, Vec4};
 
 uniform! {
@@ -29,7 +29,42 @@ uniform! {
         pub earlier_word: u32,
         /// Width over which fresh pixels beside stale tiles are blended, pixels.
         pub border: f32,
+        /// Where the head has moved: what is added to homogeneous points of that picture, in pixels, for each 1/m of nearness.
+        pub parallax: [f32; 4],
+        /// What depth stands for in the newest picture: [`Nearness::at_zero`], [`Nearness::slope`] and [`Nearness::bounds`].
+        pub nearness: [f32; 4],
+        /// The same in that picture.
+        pub earlier_nearness: [f32; 4],
+        /// First pixel of the newest picture's depth in its image.
+        pub depth_offset: [u32; 2],
+        /// The same of that picture.
+        pub earlier_depth_offset: [u32; 2],
+        /// How many pixels of depth a pixel of the newest picture is wide and high.
+        pub depth_scale: [f32; 2],
+        /// The same of that picture.
+        pub earlier_depth_scale: [f32; 2],
     }
+}
+
+/// The rectangle of an image in which the depth of a picture is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DepthRect {
+    /// Its first pixel.
+    pub offset: [u32; 2],
+    /// Its size, pixels: that of the picture, or another one.
+    pub extent: [u32; 2],
+}
+
+impl DepthRect {
+    /// How many of its pixels one of a picture of `size` pixels is wide and high.
+    pub(in crate::kernels) fn scale(&self, size: Vec2) -> Vec2 {
+        UVec2::from(self.extent).as_vec2() / size
+    }
+}
+
+pub(in crate::kernels) fn nearness_words(nearness: &Nearness) -> [f32; 4] {
+    let Nearness { at_zero, slope, bounds: [least, greatest] } = *nearness;
+    [at_zero, slope, least, greatest]
 }
 
 impl ReuseParams {
@@ -53,6 +88,22 @@ impl ReuseParams {
             earlier_tiles: earlier.picture.tiles_per_pixel().into(),
             earlier_grid: earlier.picture.stale.tiles(),
             earlier_word: word,
+            ..self
+        }
+    }
+
+    /// With the depth of the newest picture, and of that of `age`, where [`Reuse::has_moved_since`].
+    pub fn with_depth(self, reuse: &Reuse, age: usize, depth: DepthRect, earlier_depth: DepthRect) -> Self {
+        let found = reuse.at_age(age).and_then(|earlier| Some((earlier.picture, earlier.parallax?)));
+        let Some((picture, Parallax { shift, now, then })) = found else { return self };
+        Self {
+            parallax: shift.extend(0.0).into(),
+            nearness: nearness_words(&now),
+            earlier_nearness: nearness_words(&then),
+            depth_offset: depth.offset,
+            earlier_depth_offset: earlier_depth.offset,
+            depth_scale: depth.scale(reuse.now().size()).into(),
+            earlier_depth_scale: earlier_depth.scale(picture.size()).into(),
             ..self
         }
     }
@@ -80,18 +131,40 @@ pub struct EarlierPixels<'a> {
     pub width: u32,
     /// First pixel of the picture's rectangle.
     pub offset: [u32; 2],
+    /// Its depth, where that is known.
+    pub depth: Option<DepthPixels<'a>>,
+}
+
+/// The depth of a picture.
+#[derive(Clone, Copy, Debug)]
+pub struct DepthPixels<'a> {
+    /// Rows of `width` values.
+    pub values: &'a [f32],
+    /// Width of the image, pixels.
+    pub width: u32,
+    /// The picture's rectangle.
+    pub rect: DepthRect,
+}
+
+impl DepthPixels<'_> {
+    /// The value at a point of a picture of `size` pixels; 0 beyond the image.
+    fn at(&self, point: Vec2, size: Vec2) -> f32 {
+        let at = UVec2::from(self.rect.offset) + (point * self.rect.scale(size)).as_uvec2();
+        self.values.get(at.y as usize * self.width as usize + at.x as usize).copied().unwrap_or_default()
+    }
 }
 
 /// Completes and processes one region of an image in place, as [`super::compose_image`] does without earlier pictures, with
-/// the lists that `reuse` makes. `earlier` has one image for each of [`Reuse::ages`].
+/// the lists that `reuse` makes. `earlier` has one image for each of [`Reuse::ages`]; `depth` is that of the newest one.
 pub fn reuse_image(
     pixels: &mut [u8],
     width: u32,
     format: PixelFormat,
     params: &ComposeParams,
     (reuse, lists, border): (&Reuse, &TileLists, f32),
-    earlier: &[EarlierPixels],
+    (depth, earlier): (Option<DepthPixels>, &[EarlierPixels]),
 ) {
+    let sample = |point: Vec2, age: usize| sample(format, reuse, (depth, earlier), point, age);
     let mut edit = |x: u32, y: u32, change: &dyn Fn(Vec4) -> Option<(Vec4, f32)>| {
         let at = UVec2::from(params.rect_offset) + UVec2::new(x, y);
         let index = (at.y as usize * width as usize + at.x as usize) * 4;
@@ -109,7 +182,7 @@ pub fn reuse_image(
             for (x, y) in pixels_in(reuse, &reuse.tiles(rect.first(), rect.size())) {
                 edit(x, y, &|here| match age {
                     0 => Some((here, 1.0)),
-                    _ => Some((sample(format, reuse, earlier, centre(x, y), age)?, 1.0)),
+                    _ => Some((sample(centre(x, y), age)?, 1.0)),
                 });
             }
         }
@@ -127,7 +200,7 @@ pub fn reuse_image(
                 let rect = reuse.edge(tile, edge, border);
                 for (x, y) in pixels_in(reuse, &rect) {
                     let share = edge.share(&rect, centre(x, y));
-                    edit(x, y, &|_| Some((sample(format, reuse, earlier, centre(x, y), age)?, share)));
+                    edit(x, y, &|_| Some((sample(centre(x, y), age)?, share)));
                 }
             }
         }
@@ -148,17 +221,23 @@ fn pixels_in(reuse: &Reuse, rect: &PixelRect) -> impl Iterator<Item = (u32, u32)
 fn sample(
     format: PixelFormat,
     reuse: &Reuse,
-    earlier: &[EarlierPixels],
+    (depth, earlier): (Option<DepthPixels>, &[EarlierPixels]),
     point: Vec2,
     age: usize,
 ) -> Option<Vec4> {
-    let source = reuse.source(point, age)?;
     let image = earlier.get(age - 1)?;
     let texel = |[x, y]: [u32; 2]| {
         let (x, y) = (image.offset[0] + x, image.offset[1] + y);
         let texel = &image.pixels[(y as usize * image.width as usize + x as usize) * 4..][..4];
         format.decode(texel).extend(f32::from(texel[3]) / 255.0)
     };
-    let footprint = reuse.footprint(source)?.into_iter().filter(|(_, weight)| *weight > 0.0);
+    let footprint = if reuse.has_moved_since(age) {
+        let moved = reuse.moved_source(point, age, depth?.at(point, reuse.now().size()))?;
+        let (then, size) = (image.depth?, reuse.pictures().nth(age - 1)?.size());
+        reuse.moved_footprint(&moved, |texel| then.at(UVec2::from(texel).as_vec2() + 0.5, size))
+    } else {
+        reuse.footprint(reuse.source(point, age)?)
+    };
+    let footprint = footprint?.into_iter().filter(|(_, weight)| *weight > 0.0);
     Some(footprint.map(|(at, weight)| texel(at) * weight).sum())
 }

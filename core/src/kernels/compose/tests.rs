@@ -1,3 +1,5 @@
+mod moved;
+
 use super::*;
 use crate::chroma::Matrix;
 use crate::layout::Uniform;

@@ -11,7 +11,12 @@ const FOV: Fov = Fov { left: -0.9, right: 0.7, up: 0.8, down: -0.6 };
 
 fn picture(yaw_deg: f32, stale: &StaleTiles) -> Picture<'_> {
     let orientation = Quat::from_rotation_y(yaw_deg.to_radians());
-    Picture { view: View { orientation, plane: FOV.tangents().plane(EXTENT) }, extent: EXTENT, stale }
+    Picture {
+        view: View { orientation, plane: FOV.tangents().plane(EXTENT) },
+        extent: EXTENT,
+        stale,
+        viewpoint: None,
+    }
 }
 
 fn compared(reuse: &Reuse, oldest: usize) -> ComparedTiles {

@@ -16,7 +16,7 @@ fn view(extent: [u32; 2], yaw_deg: f32, roll_deg: f32) -> View {
 }
 
 fn picture(extent: [u32; 2], yaw_deg: f32, stale: &StaleTiles) -> Picture<'_> {
-    Picture { view: view(extent, yaw_deg, 0.0), extent, stale }
+    Picture { view: view(extent, yaw_deg, 0.0), extent, stale, viewpoint: None }
 }
 
 fn centres(extent: [u32; 2]) -> impl Iterator<Item = Vec2> {

@@ -25,34 +25,59 @@ pub(super) struct ReusePipelines {
     pub(super) whole: [Arc<TilePipeline>; 2],
     /// Tiles of which pixels are taken from an earlier picture.
     pub(super) mixed: [Arc<TilePipeline>; 2],
-    /// Edges of fresh tiles, blended with an earlier picture beside stale ones; nothing where the format cannot be blended.
-    pub(super) border: Option<[Arc<TilePipeline>; 2]>,
+    /// The same where the head has moved, by depth.
+    pub(super) moved: [Arc<TilePipeline>; 2],
+    /// Edges of fresh tiles, blended with an earlier picture beside stale ones, and the same where the head has moved; nothing where
+    /// the format cannot be blended.
+    pub(super) borders: Option<Borders>,
+}
+
+/// Pipelines that blend.
+pub(super) struct Borders {
+    /// Where it has not moved.
+    pub(super) unmoved: [Arc<TilePipeline>; 2],
+    /// Where it has.
+    pub(super) moved: [Arc<TilePipeline>; 2],
 }
 
 impl Pipelines {
     pub(super) fn new(gpu: &Arc<Gpu>, format: vk::Format) -> Result<Self, GpuError> {
-        let shader =
-            TileShader { vertex: c"tile", fragment: c"pixel", has_lists: false, output: Output::Color };
+        let shader = TileShader {
+            vertex: c"tile",
+            fragment: c"pixel",
+            has_lists: false,
+            has_depth: false,
+            output: Output::Color,
+        };
         Ok(Self { chroma: tile_pipeline(gpu, format, SPIRV, &shader)?, reuse: None })
     }
 }
 
 impl ReusePipelines {
     pub(super) fn new(gpu: &Arc<Gpu>, format: vk::Format) -> Result<Self, GpuError> {
-        let pipeline = |vertex: &'static CStr, fragment: &'static CStr, output: Output| {
-            tile_pipeline(gpu, format, SPIRV, &TileShader { vertex, fragment, has_lists: true, output })
+        let pipeline = |vertex: &'static CStr, fragment: &'static CStr, has_depth: bool, output: Output| {
+            let shader = TileShader { vertex, fragment, has_lists: true, has_depth, output };
+            tile_pipeline(gpu, format, SPIRV, &shader)
         };
-        let both = |vertex, [plain, attenuated]: [&'static CStr; 2], output| {
-            Ok::<_, GpuError>([pipeline(vertex, plain, output)?, pipeline(vertex, attenuated, output)?])
+        let both = |vertex, [plain, attenuated]: [&'static CStr; 2], has_depth, output| {
+            let pipeline = |fragment| pipeline(vertex, fragment, has_depth, output);
+            Ok::<_, GpuError>([pipeline(plain)?, pipeline(attenuated)?])
         };
-        let border = || both(c"listed_border", [c"border", c"border_attenuated"], Output::Blended);
+        let borders = || {
+            let moved = [c"moved_border", c"moved_border_attenuated"];
+            Ok::<_, GpuError>(Borders {
+                unmoved: both(c"listed_border", [c"border", c"border_attenuated"], false, Output::Blended)?,
+                moved: both(c"listed_moved_border", moved, true, Output::Blended)?,
+            })
+        };
         let all = Output::ColorAndAlpha;
         Ok(Self {
-            fresh: pipeline(c"listed_with_work", c"pixel", Output::Color)?,
-            still: pipeline(c"listed", c"still_attenuated", all)?,
-            whole: both(c"listed_found", [c"whole", c"whole_attenuated"], all)?,
-            mixed: both(c"listed", [c"mixed", c"mixed_attenuated"], all)?,
-            border: if gpu.can_blend(format) { Some(border()?) } else { None },
+            fresh: pipeline(c"listed_with_work", c"pixel", false, Output::Color)?,
+            still: pipeline(c"listed", c"still_attenuated", false, all)?,
+            whole: both(c"listed_found", [c"whole", c"whole_attenuated"], false, all)?,
+            mixed: both(c"listed", [c"mixed", c"mixed_attenuated"], false, all)?,
+            moved: both(c"listed", [c"moved", c"moved_attenuated"], true, all)?,
+            borders: if gpu.can_blend(format) { Some(borders()?) } else { None },
         })
     }
 }

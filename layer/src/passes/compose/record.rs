@@ -3,7 +3,7 @@
 use super::ComposeJob;
 use super::copies::copy;
 use super::draws::{Draw, Draws};
-use super::pipelines::{Pipelines, ReusePipelines};
+use super::pipelines::{Borders, Pipelines, ReusePipelines};
 use super::reuse::Age;
 use crate::gpu::barrier::{
     APP_COPIED_TO_RENDERED, APP_COPIED_TO_SAMPLED, APP_RENDERED_TO_COPIED, APP_RENDERED_TO_SAMPLED,
@@ -91,6 +91,7 @@ fn draw(
                         parameters: sets.plain.handle(),
                         offsets: &[draw.offset.get()],
                         texture: Some(texture),
+                        depth: None,
                         viewport: draw.viewport,
                         scissor: draw.scissor,
                         tiles: 0..draw.tiles,
@@ -123,7 +124,7 @@ impl Completion<'_> {
         let attenuates = self.draw.params.has_work();
         let variant = usize::from(attenuates);
         if attenuates {
-            self.tiles(&self.pipelines.fresh, placed.offset, self.texture, &placed.fresh);
+            self.tiles(&self.pipelines.fresh, placed.offset, (self.texture, None), &placed.fresh);
         }
         let texture = |image: &super::EarlierImage| self.job.app.texture(image.app_index, image.array_layer);
         let ages: SmallVec<[(&Age, vk::DescriptorSet); MAX_AGES]> = self
@@ -133,18 +134,27 @@ impl Completion<'_> {
             .collect();
         for (age, texture) in &ages {
             let whole = if age.is_still { &self.pipelines.still } else { &self.pipelines.whole[variant] };
-            self.tiles(whole, age.offset, *texture, &age.whole);
+            self.tiles(whole, age.offset, (*texture, None), &age.whole);
         }
+        let ReusePipelines { mixed, moved, borders, .. } = self.pipelines;
         for (age, texture) in ages.iter().rev() {
-            self.tiles(&self.pipelines.mixed[variant], age.offset, *texture, &age.mixed);
+            let mixed = if age.depth.is_some() { moved } else { mixed };
+            self.tiles(&mixed[variant], age.offset, (*texture, age.depth), &age.mixed);
         }
-        let Some(border) = &self.pipelines.border else { return };
+        let Some(Borders { unmoved, moved }) = borders else { return };
         for (age, texture) in &ages {
-            self.tiles(&border[variant], age.offset, *texture, &age.border);
+            let border = if age.depth.is_some() { moved } else { unmoved };
+            self.tiles(&border[variant], age.offset, (*texture, age.depth), &age.border);
         }
     }
 
-    fn tiles(&self, pipeline: &TilePipeline, offset: u32, texture: vk::DescriptorSet, tiles: &Range<u32>) {
+    fn tiles(
+        &self,
+        pipeline: &TilePipeline,
+        offset: u32,
+        (texture, depth): (vk::DescriptorSet, Option<[vk::DescriptorSet; 2]>),
+        tiles: &Range<u32>,
+    ) {
         if tiles.is_empty() {
             return;
         }
@@ -153,6 +163,7 @@ impl Completion<'_> {
             parameters: self.lists.handle(),
             offsets: &[self.draw.offset.get(), offset],
             texture: Some(texture),
+            depth,
             viewport: self.draw.viewport,
             scissor: self.draw.scissor,
             tiles: tiles.clone(),

@@ -1,7 +1,7 @@
 //! What is taken from earlier pictures: where a frame's parameters and lists are written, and which instances are drawn.
 
 use super::draws::Draw;
-use super::{ComposeParams, MAX_REUSED};
+use super::{ComposeParams, MAX_REUSED, PictureDepth};
 use crate::gpu::{Gpu, GpuError, ListSet, Recorder, UniformRing, Uses, WordRing};
 use ash::vk;
 use parafovea_core::kernels::compose::ReuseParams;
@@ -24,6 +24,10 @@ pub struct ReuseRegion<'a> {
     pub earlier: [EarlierImage; MAX_AGES],
     /// Width over which fresh pixels beside stale tiles are blended, pixels; 0: not at all.
     pub border: f32,
+    /// The depth of its picture, where [`Reuse::has_moved_since`] any.
+    pub depth: Option<PictureDepth<'a>>,
+    /// That of the earlier pictures, for each that [`Reuse::has_moved_since`].
+    pub earlier_depth: [Option<PictureDepth<'a>>; MAX_AGES],
 }
 
 /// Where an earlier picture is.
@@ -41,6 +45,12 @@ impl<'a> ReuseRegion<'a> {
     /// The earlier pictures: their index, and where they are.
     pub(super) fn pictures(&'a self) -> impl Iterator<Item = (usize, &'a EarlierImage)> {
         self.earlier.iter().enumerate().take(self.reuse.ages())
+    }
+
+    /// The depth of its picture, and of that of an age, from 1 on, where that counts.
+    pub(super) fn depth_at_age(&self, age: usize) -> Option<[PictureDepth<'a>; 2]> {
+        let earlier = *self.earlier_depth.get(age.checked_sub(1)?)?;
+        self.reuse.has_moved_since(age).then_some([self.depth?, earlier?])
     }
 
     /// Whether parts of tiles are drawn from the picture of this index.
@@ -63,6 +73,8 @@ pub(super) struct Age {
     pub(super) offset: u32,
     /// Whether nothing has moved since.
     pub(super) is_still: bool,
+    /// The depth of the newest picture and of that one, where the head has moved.
+    pub(super) depth: Option<[vk::DescriptorSet; 2]>,
     /// Instances.
     pub(super) whole: Range<u32>,
     /// Instances.
@@ -145,11 +157,17 @@ impl ReuseBuffers {
         for (index, image) in draw.sampled() {
             let age = index + 1;
             let word = self.stale(recorder, region, index, at)?;
+            let depth = region.depth_at_age(age);
             let written = plain.at_age(&region.reuse, age, image.offset, extent, word);
+            let written = match depth {
+                Some([now, then]) => written.with_depth(&region.reuse, age, now.rect, then.rect),
+                None => written,
+            };
             let lists = region.lists;
             placed.ages[index] = Age {
                 offset: params(self, age, &written)?,
                 is_still: region.reuse.is_still_since(age),
+                depth: depth.and_then(|[now, then]| Some([now.texture()?, then.texture()?])),
                 whole: if draw.is_copied(region, index) {
                     0..0
                 } else {

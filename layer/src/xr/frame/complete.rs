@@ -1,6 +1,7 @@
 //! What of a frame's pictures is taken from earlier ones.
 
 use super::Works;
+use super::depth;
 use super::history::{Completing, History, ShownPicture};
 use super::layers::{self, Projection, Shown};
 use super::work::Work;
@@ -55,7 +56,10 @@ pub unsafe fn complete<'a>(
             kept[0]
         } else {
             let is_intact = |release| shown.is_some_and(|(_, work)| work.is_intact(release));
-            let picture = shown.as_ref().map(|(picture, _)| picture);
+            let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
+            // SAFETY: the caller vouches for `info`, and what it points to.
+            let depth = view.and_then(|view| unsafe { depth::of(view) });
+            let picture = shown.as_ref().map(|(picture, _)| (picture, depth));
             history.show(eye, picture, is_intact, |words, stale| active.device.stale(eye, words, stale));
             shown.is_some_and(|(_, work)| work.keeps(longest_period(&config)))
         };
@@ -71,6 +75,8 @@ pub unsafe fn complete<'a>(
             active.plan.planning().history_kept(eye);
         }
     }
+    let follows = |eye: usize| history.has_depth(eye) || (eye == 1 && !history.has_pictures(eye));
+    active.plan.planning().views.set_followed((0..2).all(follows));
     let history: &'a History = history;
     for eye in 0..2 {
         let view = scene.as_ref().and_then(|scene| scene.views.get(eye));

@@ -1,15 +1,18 @@
 //! The pictures of the last frames, which still lie in the application's images: what is not rendered anew is taken from them.
 //!
 //! A picture is kept from the frame that shows it first, with the pose and field of view of then and the tiles that its passes
-//! left out, until the application draws to its image again. Nothing is copied, and what was re-used is never re-used again.
+//! left out, until the application draws to its image again. No colour is copied, and what was re-used is never re-used again.
+//! Depth, where it is submitted, is the runtime's image after its frame: of that there are copies.
 
 use crate::passes::change::ChangeRegion;
-use crate::passes::compose::{EarlierImage, ReuseRegion};
+use crate::passes::compose::{EarlierImage, PictureDepth, ReuseRegion};
+use crate::xr::swapchain::NewestDepth;
 use ash::vk;
 use glam::{Quat, Vec2, Vec3};
 use openxr_sys as xr;
 use parafovea_core::geometry::{ImagePlane, View};
-use parafovea_core::reuse::{ComparedTiles, MAX_AGES, Picture, Reuse, StaleTiles, TileLists};
+use parafovea_core::kernels::compose::DepthRect;
+use parafovea_core::reuse::{ComparedTiles, MAX_AGES, Picture, Reuse, StaleTiles, TileLists, Viewpoint};
 use std::array;
 
 /// Pictures that are further apart than this, nanoseconds, are not of one run: the application paused, or was hidden.
@@ -47,6 +50,19 @@ pub struct History {
     words: Vec<u32>,
 }
 
+/// The depth of a picture, as a frame submits it.
+#[derive(Debug, Clone)]
+pub struct ShownDepth {
+    /// Where it is.
+    pub newest: NewestDepth,
+    /// In which layer.
+    pub array_layer: u32,
+    /// In which rectangle, within the image.
+    pub rect: DepthRect,
+    /// What it says, and from where it was seen.
+    pub viewpoint: Viewpoint,
+}
+
 /// A picture as a frame shows it.
 #[derive(Debug, Clone, Copy)]
 pub struct ShownPicture {
@@ -70,11 +86,11 @@ pub struct ShownPicture {
 
 impl History {
     /// A frame shows a picture of an eye (0: left, 1: right), or none. `is_intact` says of a release whether its picture is still
-    /// there, and `stale` which tiles of this one are stale, with memory to work in.
+    /// there, and `stale` which tiles of this one are stale, with memory to work in. With it comes its depth, where that was copied.
     pub fn show(
         &mut self,
         eye: usize,
-        shown: Option<&ShownPicture>,
+        shown: Option<(&ShownPicture, Option<ShownDepth>)>,
         is_intact: impl Fn(u64) -> bool,
         stale: impl FnOnce(&mut Vec<u32>, &mut StaleTiles),
     ) {
@@ -82,8 +98,14 @@ impl History {
         let history = &mut eyes[eye];
         match shown {
             Some(shown) => history.show(shown, is_intact, |tiles| stale(words, tiles)),
-            None => history.len = 0,
+            None => history.keep(0),
         }
+    }
+
+    /// Whether what the newest picture of an eye shows can be followed as the head moves: it has depth, and so has that before it.
+    pub fn has_depth(&self, eye: usize) -> bool {
+        let EyeHistory { pictures, len, .. } = &self.eyes[eye];
+        *len > 1 && pictures[..2].iter().all(|kept| kept.depth.is_some())
     }
 
     /// Whether any picture of an eye is there.
@@ -129,6 +151,7 @@ impl History {
             tiles: compared,
             earlier: earlier_images(&pictures[..*len]),
             view: View { orientation, plane: of_tiles(&reuse) },
+            depth: newest.picture_depth(),
             reuse,
         })
     }
@@ -149,6 +172,8 @@ impl History {
             lists,
             earlier: earlier_images(pictures),
             border: how.border_of(&reuse),
+            depth: pictures[0].picture_depth(),
+            earlier_depth: array::from_fn(|index| pictures.get(index + 1).and_then(Kept::picture_depth)),
             reuse,
         })
     }
@@ -179,10 +204,11 @@ struct Kept {
     view: View,
     time: xr::Time,
     stale: StaleTiles,
+    depth: Option<ShownDepth>,
 }
 
 impl Kept {
-    fn new(shown: &ShownPicture, stale: StaleTiles) -> Self {
+    fn new((shown, depth): (&ShownPicture, Option<ShownDepth>), stale: StaleTiles) -> Self {
         let vk::Rect2D { offset, extent } = shown.rect;
         Self {
             release: shown.release,
@@ -195,18 +221,29 @@ impl Kept {
             view: shown.view,
             time: shown.time,
             stale,
+            depth,
         }
     }
 
     fn picture(&self) -> Picture<'_> {
-        Picture { view: self.view, extent: self.extent, stale: &self.stale }
+        let viewpoint = self.depth.as_ref().map(|depth| depth.viewpoint);
+        Picture { view: self.view, extent: self.extent, stale: &self.stale, viewpoint }
+    }
+
+    fn picture_depth(&self) -> Option<PictureDepth<'_>> {
+        self.depth.as_ref().map(|depth| PictureDepth {
+            kept: &depth.newest.kept,
+            turn: depth.newest.turn,
+            array_layer: depth.array_layer,
+            rect: depth.rect,
+        })
     }
 }
 
 impl EyeHistory {
     fn show(
         &mut self,
-        shown: &ShownPicture,
+        (shown, depth): (&ShownPicture, Option<ShownDepth>),
         is_intact: impl Fn(u64) -> bool,
         stale: impl FnOnce(&mut StaleTiles),
     ) {
@@ -220,13 +257,22 @@ impl EyeHistory {
         match self.pictures.first_mut().filter(|_| self.len > 0) {
             // The same picture again, wherever it is said to have been seen from.
             Some(newest) if newest.release == shown.release => newest.time = shown.time,
-            _ => self.push(shown, stale),
+            _ => self.push((shown, depth), stale),
         }
         let earlier = self.pictures[1..self.len].iter();
-        self.len = 1 + earlier.take_while(|kept| is_intact(kept.release)).count();
+        self.keep(1 + earlier.take_while(|kept| is_intact(kept.release)).count());
     }
 
-    fn push(&mut self, shown: &ShownPicture, stale: impl FnOnce(&mut StaleTiles)) {
+    /// Keeps so many pictures, with the depth that is still there.
+    fn keep(&mut self, len: usize) {
+        self.len = len;
+        for (index, kept) in self.pictures.iter_mut().enumerate() {
+            let is_there = |depth: &ShownDepth| depth.newest.kept.is_there(depth.newest.turn);
+            kept.depth = kept.depth.take().filter(|depth| index < len && is_there(depth));
+        }
+    }
+
+    fn push(&mut self, shown: (&ShownPicture, Option<ShownDepth>), stale: impl FnOnce(&mut StaleTiles)) {
         let mut tiles = match self.pictures.len() > MAX_AGES {
             true => self.pictures.pop().map(|kept| kept.stale).unwrap_or_default(),
             false => StaleTiles::default(),

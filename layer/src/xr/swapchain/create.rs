@@ -1,8 +1,10 @@
 //! `xrCreateSwapchain`.
 
 use super::description::Description;
-use super::eligibility::{NotSubstituted, filled_usage, runtime_usage, shape, vulkan_usage};
-use super::{SWAPCHAINS, Substitute, Swapchain};
+use super::eligibility::{
+    NotSubstituted, filled_usage, kept_depth_usage, runtime_usage, shape, vulkan_usage,
+};
+use super::{SWAPCHAINS, Substitute, Swapchain, depth};
 use crate::abi::guard;
 use crate::config::{images_for_reuse, wants_maps};
 use crate::link::BACKEND_MASK;
@@ -15,8 +17,8 @@ use openxr_sys as xr;
 use std::ptr;
 use std::sync::Arc;
 
-/// `xrCreateSwapchain`: for a virtual one, and for one whose pictures may have to be filled, the runtime is asked for more
-/// usage. If it refuses, the call is made as the application made it, so that the runtime's own result is what the
+/// `xrCreateSwapchain`: for a virtual one, for one whose pictures may have to be filled, and for one with depth that may be copied,
+/// the runtime is asked for more usage. If it refuses, the call is made as the application made it, so that the runtime's own result is what the
 /// application gets.
 pub unsafe extern "system" fn create(
     session: xr::Session,
@@ -63,8 +65,9 @@ pub unsafe extern "system" fn create(
                 }
             }
             if planned.is_err() {
-                if let Some(asked) = asked.filter(|asked| may_be_filled(known, active, asked)) {
-                    usage_flags = filled_usage(asked.usage_flags);
+                let more = asked.and_then(|asked| Some((asked, more_usage(known, active, asked)?)));
+                if let Some((asked, more)) = more {
+                    usage_flags = more;
                     result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
                 }
                 if result.into_raw() < 0 {
@@ -82,6 +85,18 @@ pub unsafe extern "system" fn create(
             result
         },
     )
+}
+
+/// What the runtime's images are asked to be usable for, where the application draws to them itself, if that is more than what it asks.
+fn more_usage(
+    session: &Session,
+    active: &Active,
+    info: &xr::SwapchainCreateInfo,
+) -> Option<xr::SwapchainUsageFlags> {
+    if may_be_filled(session, active, info) {
+        return Some(filled_usage(info.usage_flags));
+    }
+    depth::may_be_kept(session, active, info).then(|| kept_depth_usage(info.usage_flags))
 }
 
 /// Whether passes that draw to a swapchain may have masks.

@@ -2,7 +2,7 @@
 
 use super::eligibility::vulkan_usage;
 use crate::link::SwapchainRecord;
-use crate::passes::compose::SwapchainShape;
+use crate::passes::compose::{DEPTH_USAGE, DepthShape, SwapchainShape};
 use ash::vk;
 use openxr_sys as xr;
 
@@ -53,6 +53,18 @@ impl Description {
         let (extent, array_layers) = self.extent_and_layers();
         let (format, usage) = (self.format, self.granted);
         Ok(SwapchainShape { format, extent, array_layers, usage, mutable: false, view_formats: Vec::new() })
+    }
+
+    /// Whether the images can have depth that can be copied.
+    pub fn can_copy_depth(&self) -> bool {
+        let needed = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | DEPTH_USAGE;
+        self.granted.contains(needed) && !self.has_flags && self.samples == 1 && self.faces == 1
+    }
+
+    /// What they are like, if they have depth.
+    pub fn depth_shape(&self) -> DepthShape {
+        let (extent, array_layers) = self.extent_and_layers();
+        DepthShape { format: self.format, extent, array_layers }
     }
 
     /// The record for these images, to which it points.

@@ -2,7 +2,7 @@
 
 use super::super::structures::extending;
 use crate::abi::pnext::{MAX_LENGTH, Structure};
-use crate::passes::compose::{RUNTIME_USAGE, SwapchainShape};
+use crate::passes::compose::{DEPTH_USAGE, RUNTIME_USAGE, SwapchainShape};
 use crate::passes::{analyze, fill};
 use ash::vk;
 use openxr_sys as xr;
@@ -122,6 +122,11 @@ pub fn vulkan_usage(usage: xr::SwapchainUsageFlags) -> vk::ImageUsageFlags {
 pub fn runtime_usage(asked: xr::SwapchainUsageFlags, analyzed: bool) -> xr::SwapchainUsageFlags {
     let more = if analyzed { analyze::USAGE } else { vk::ImageUsageFlags::empty() };
     with(asked, RUNTIME_USAGE | more)
+}
+
+/// As [`runtime_usage`], where the depth that the application draws to the runtime's images is copied.
+pub fn kept_depth_usage(asked: xr::SwapchainUsageFlags) -> xr::SwapchainUsageFlags {
+    with(asked, DEPTH_USAGE)
 }
 
 /// As [`runtime_usage`], where passes that draw to the runtime's images may have masks.

@@ -38,10 +38,10 @@ fn nothing_is_stale(_: &mut Vec<u32>, stale: &mut StaleTiles) {
 /// A whole picture and a stale one.
 fn of_two() -> History {
     let mut history = History::default();
-    history.show(0, Some(&shown(1)), ALWAYS, nothing_is_stale);
+    history.show(0, Some((&shown(1), None)), ALWAYS, nothing_is_stale);
     history.complete(0, Completing::TURNED);
     assert!(history.region(0, Completing::TURNED).is_none(), "a whole picture needs nothing");
-    history.show(0, Some(&shown(2)), ALWAYS, left_half_is_stale);
+    history.show(0, Some((&shown(2), None)), ALWAYS, left_half_is_stale);
     history
 }
 
@@ -67,12 +67,12 @@ fn stale_pictures_are_completed_from_earlier_ones() {
 fn pictures_are_kept_as_long_as_they_can_be_used() {
     let mut history = of_two();
     for number in 3..30 {
-        history.show(0, Some(&shown(number)), ALWAYS, left_half_is_stale);
+        history.show(0, Some((&shown(number), None)), ALWAYS, left_half_is_stale);
         assert_eq!(ages(&history), (number as usize - 1).min(MAX_AGES));
     }
-    history.show(0, Some(&shown(30)), |release| release >= 28, left_half_is_stale);
+    history.show(0, Some((&shown(30), None)), |release| release >= 28, left_half_is_stale);
     assert_eq!(ages(&history), 2, "the application draws to the others");
-    history.show(0, Some(&shown(31)), ALWAYS, left_half_is_stale);
+    history.show(0, Some((&shown(31), None)), ALWAYS, left_half_is_stale);
     let region = history.region(0, Completing::PAPER).unwrap();
     assert_eq!(region.reuse.ages(), 3);
     assert_eq!(region.earlier[..3].iter().map(|image| image.app_index).collect::<Vec<_>>(), [0, 4, 3]);
@@ -89,16 +89,21 @@ fn what_does_not_belong_together_begins_anew() {
         ("time that runs back", ShownPicture { time: later(-1), ..next }),
     ] {
         let mut history = of_two();
-        history.show(0, Some(&picture), ALWAYS, left_half_is_stale);
+        history.show(0, Some((&picture, None)), ALWAYS, left_half_is_stale);
         assert_eq!(ages(&history), 0, "{what}");
     }
     let mut history = of_two();
     history.show(0, None, ALWAYS, left_half_is_stale);
     assert!(!history.has_pictures(0), "a frame without a picture");
-    history.show(0, Some(&next), ALWAYS, left_half_is_stale);
+    history.show(0, Some((&next, None)), ALWAYS, left_half_is_stale);
     assert_eq!(ages(&history), 0);
     let mut history = of_two();
-    history.show(0, Some(&ShownPicture { time: later(LONGEST_GAP_NS), ..next }), ALWAYS, left_half_is_stale);
+    history.show(
+        0,
+        Some((&ShownPicture { time: later(LONGEST_GAP_NS), ..next }, None)),
+        ALWAYS,
+        left_half_is_stale,
+    );
     assert_eq!(ages(&history), 2, "a few frames were left out");
 }
 
@@ -106,9 +111,9 @@ fn what_does_not_belong_together_begins_anew() {
 fn what_was_rendered_is_compared() {
     let mut history = History::default();
     let still = |number: u64| ShownPicture { view: shown(1).view, ..shown(number) };
-    history.show(0, Some(&still(1)), ALWAYS, nothing_is_stale);
-    history.show(0, Some(&still(2)), ALWAYS, left_half_is_stale);
-    history.show(0, Some(&still(3)), ALWAYS, left_half_is_stale);
+    history.show(0, Some((&still(1), None)), ALWAYS, nothing_is_stale);
+    history.show(0, Some((&still(2), None)), ALWAYS, left_half_is_stale);
+    history.show(0, Some((&still(3), None)), ALWAYS, left_half_is_stale);
     history.compare(0, Completing::TURNED, |_| true);
     let orientation = Quat::from_rotation_y(0.5);
     let region = history.changes(0, Completing::TURNED, orientation).unwrap();
@@ -133,7 +138,7 @@ fn another_rectangle_goes_on() {
     let mut history = of_two();
     let extent = vk::Extent2D { width: 48, height: 24 };
     let smaller = ShownPicture { rect: vk::Rect2D { extent, ..shown(3).rect }, ..shown(3) };
-    history.show(0, Some(&smaller), ALWAYS, left_half_is_stale);
+    history.show(0, Some((&smaller, None)), ALWAYS, left_half_is_stale);
     let region = history.region(0, Completing::TURNED).unwrap();
     assert_eq!((region.reuse.ages(), region.rect.extent), (2, extent));
 }
@@ -142,10 +147,10 @@ fn another_rectangle_goes_on() {
 fn the_same_picture_again_is_no_other() {
     let mut history = of_two();
     let again = ShownPicture { time: shown(5).time, ..shown(2) };
-    history.show(0, Some(&again), ALWAYS, |_, _| panic!("it is known"));
+    history.show(0, Some((&again, None)), ALWAYS, |_, _| panic!("it is known"));
     assert_eq!(ages(&history), 1);
     let next =
         ShownPicture { time: xr::Time::from_nanos(again.time.as_nanos() + LONGEST_GAP_NS), ..shown(3) };
-    history.show(0, Some(&next), ALWAYS, left_half_is_stale);
+    history.show(0, Some((&next, None)), ALWAYS, left_half_is_stale);
     assert_eq!(ages(&history), 2, "shown without a gap");
 }

@@ -1,0 +1,134 @@
+//! The depth of the last pictures, of a swapchain that the application draws depth to: copied before it is the runtime's.
+
+use super::Swapchain;
+use super::create::runtime_images;
+use crate::config::{ReuseMode, images_for_reuse, wants_reuse};
+use crate::gpu::GpuError;
+use crate::link::BACKEND_RATE_ATTACHMENT;
+use crate::passes::compose::{DepthShape, DepthSource, KeptDepth};
+use crate::xr::session::{Active, Health, Session, Tools};
+use openxr_sys as xr;
+use std::sync::{Arc, MutexGuard, PoisonError};
+
+/// Whether depth can be copied; nobody knows before it is asked for.
+#[derive(Default)]
+pub enum Depth {
+    #[default]
+    NotYet,
+    Never,
+    There {
+        source: DepthSource,
+        /// Which copy is that of the image that was released last, if any is.
+        newest: Option<u64>,
+    },
+}
+
+impl Depth {
+    /// Copies that of an image.
+    fn with_copy(self, index: u32) -> Self {
+        let Self::There { source, .. } = self else { return self };
+        match source.copy(index) {
+            Ok(turn) => Self::There { source, newest: Some(turn) },
+            // The device is behind: this picture goes without.
+            Err(GpuError::Timeout) => Self::There { source, newest: None },
+            Err(error) => {
+                error.tell("what is re-used is not followed as the head moves");
+                Self::Never
+            }
+        }
+    }
+}
+
+/// The depth of the image that was released last.
+#[derive(Clone, Debug)]
+pub struct NewestDepth {
+    /// The copies.
+    pub kept: Arc<KeptDepth>,
+    /// Which of them it is.
+    pub turn: u64,
+}
+
+/// Whether the depth of a swapchain may be looked at that is created so: what is re-used is followed by it as the head moves.
+/// Masks need depth for themselves: where it is submitted, nothing is left out by them.
+pub fn may_be_kept(session: &Session, active: &Active, info: &xr::SwapchainCreateInfo) -> bool {
+    info.usage_flags.contains(xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT)
+        && (info.sample_count, info.mip_count, info.face_count) == (1, 1, 1)
+        && info.create_flags.is_empty()
+        && is_wanted(session, active)
+}
+
+fn is_wanted(session: &Session, active: &Active) -> bool {
+    let config = session.instance.config.get();
+    wants_reuse(&config)
+        && config.reuse.mode == ReuseMode::On
+        && active.device.offer().is_some_and(|offer| offer.backend == BACKEND_RATE_ATTACHMENT)
+}
+
+impl Swapchain {
+    /// Copies the depth of the image that the application returns next, where that counts. In this call the queue is the runtime's,
+    /// hence ours.
+    pub(super) fn keep_depth(&self) {
+        if !self.description.can_copy_depth() {
+            return;
+        }
+        let is_of_use =
+            |active: &&Active| active.health() == Health::Works && is_wanted(&self.session, active);
+        let tools = self.session.active.as_ref().filter(is_of_use).and_then(Active::made_tools);
+        let index = self.turns().ready();
+        // Never again after a panic.
+        let known = std::mem::replace(&mut *self.depth(), Depth::Never);
+        let next = match (known, tools.zip(index)) {
+            (Depth::NotYet, Some((tools, index))) => self.make_depth(tools).with_copy(index),
+            (Depth::There { source, .. }, Some((_, index))) => {
+                Depth::There { source, newest: None }.with_copy(index)
+            }
+            (Depth::There { source, .. }, None) => Depth::There { source, newest: None },
+            (known, _) => known,
+        };
+        *self.depth() = next;
+    }
+
+    fn make_depth(&self, tools: &Tools) -> Depth {
+        let make = || {
+            let images = runtime_images(&self.session, self.handle)
+                .map_err(|result| format!("xrEnumerateSwapchainImages returned {result:?}"))?;
+            let shape = self.description.depth_shape();
+            let count = images_for_reuse(&self.session.instance.config.get());
+            DepthSource::new(&tools.gpu, &shape, images, count).map_err(|error| error.to_string())
+        };
+        match make() {
+            Ok(source) => {
+                let DepthShape { format, extent, array_layers } = *source.kept().shape();
+                let (width, height) = (extent.width, extent.height);
+                tracing::info!(
+                    "depth of {width}x{height}x{array_layers} {format:?}: what is re-used is followed by it as the head moves"
+                );
+                Depth::There { source, newest: None }
+            }
+            Err(reason) => {
+                tracing::info!("what is re-used is not followed as the head moves: {reason}");
+                Depth::Never
+            }
+        }
+    }
+
+    /// The depth of the image that the application released last, if it was copied.
+    pub(super) fn newest_depth(&self) -> Option<NewestDepth> {
+        match &*self.depth() {
+            Depth::There { source, newest: Some(turn) } => {
+                Some(NewestDepth { kept: Arc::clone(source.kept()), turn: *turn })
+            }
+            Depth::There { .. } | Depth::NotYet | Depth::Never => None,
+        }
+    }
+
+    /// Lets the runtime's images go, after the work of ours that uses them.
+    pub(super) fn end_keeping_depth(&self) {
+        let depth = std::mem::replace(&mut *self.depth(), Depth::Never);
+        drop(depth);
+    }
+
+    fn depth(&self) -> MutexGuard<'_, Depth> {
+        self.depth.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
