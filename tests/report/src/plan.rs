@@ -53,7 +53,7 @@ impl Plan {
     pub fn full() -> Self {
         let timed = Effort { turns: 2, run_up: LAYER_RUN_UP, frames: 90, size: 1024 };
         // Rates need half a second to become coarse.
-        let fine = Effort { turns: 1, run_up: 54, frames: 4, size: FINE_SIZE };
+        let fine = Effort { turns: 1, run_up: 48, frames: 4, size: FINE_SIZE };
         Self {
             scenes: SceneName::ALL.into_iter().filter(|scene| *scene != SceneName::Courtyard).collect(),
             points: points(Extent::Full),

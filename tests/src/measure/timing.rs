@@ -17,8 +17,8 @@ pub struct Effort {
     pub size: u32,
 }
 
-/// Run-up with the layer: a pass is recognised after some frames, and from full rate to 4x4 rates take a second.
-pub const LAYER_RUN_UP: u64 = 120;
+/// Run-up with the layer: a pass is recognised after some frames, and from full rate to 4x4 rates take a second, 90 frames.
+pub const LAYER_RUN_UP: u64 = 108;
 
 impl Effort {
     /// The same frames, with no more of a run-up than a technique needs.
