@@ -149,8 +149,10 @@ fn tile_in(
     let line = reuse.now().stale.tiles()[0] as usize + 1;
     let first = row as usize * line + column as usize;
     let of_tile = [first, first + 1, first + line, first + line + 1];
-    let near = of_tile.into_iter().filter_map(|index| near.get(index).copied());
-    has(earlier, of_tile.into_iter().map(|index| far[index]).chain(near))
+    if near.is_empty() {
+        return has(earlier, of_tile.map(|index| far[index]).into_iter());
+    }
+    has(earlier, of_tile.into_iter().flat_map(|index| [far[index], near[index]]))
 }
 
 /// What an earlier picture has of a rectangle with these corners there, NaN where it does not show them.
