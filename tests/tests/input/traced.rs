@@ -54,8 +54,30 @@ impl Quiet for parafovea_tests::scenario::Scenario {
     }
 }
 
-/// Byte strings that give the gaze away: its angles, direction and orientation, in digits and as numbers.
-fn signs() -> Vec<Vec<u8>> {
+/// A byte string that gives the gaze away.
+enum Sign {
+    /// A number in digits, which begins there: not the end of another one, such as a time.
+    Digits(Vec<u8>),
+    /// A number as it lies in memory.
+    Number(Vec<u8>),
+}
+
+impl Sign {
+    /// Whether a line of a trace has it. strace prints bytes as `\x2e`.
+    fn is_in(&self, line: &str) -> bool {
+        let printed = |bytes: &[u8]| bytes.iter().map(|byte| format!("\\x{byte:02x}")).collect::<String>();
+        match self {
+            Self::Number(bytes) => line.contains(&printed(bytes)),
+            Self::Digits(bytes) => line.match_indices(&printed(bytes)).any(|(at, _)| {
+                let is_digit = |digit: u8| line[..at].ends_with(&printed(&[digit]));
+                !(b'0'..=b'9').any(is_digit)
+            }),
+        }
+    }
+}
+
+/// What gives the gaze away: its angles, direction and orientation, in digits and as numbers.
+fn signs() -> Vec<Sign> {
     let turned = glam::Quat::from_euler(glam::EulerRot::YXZ, LEFT.to_radians(), UP.to_radians(), 0.0);
     let direction = turned * glam::Vec3::NEG_Z;
     let numbers = [LEFT, UP, LEFT.to_radians(), UP.to_radians()]
@@ -65,22 +87,28 @@ fn signs() -> Vec<Vec<u8>> {
     let mut signs = Vec::new();
     for number in numbers {
         // Without the last digits, which depend on how it was computed, and on how many are printed.
-        signs.push(format!("{:.3}", number.abs()).into_bytes());
-        signs.push(number.to_le_bytes()[1..].to_vec());
-        signs.push(f64::from(number).to_le_bytes()[4..].to_vec());
+        signs.push(Sign::Digits(format!("{:.3}", number.abs()).into_bytes()));
+        signs.push(Sign::Number(number.to_le_bytes()[1..].to_vec()));
+        signs.push(Sign::Number(f64::from(number).to_le_bytes()[4..].to_vec()));
     }
     signs
 }
 
-/// The lines that have one of the signs. strace prints bytes as `\x2e`.
-fn betraying<'a>(trace: &'a [String], signs: &[Vec<u8>]) -> Vec<&'a String> {
-    let printed = |sign: &Vec<u8>| sign.iter().map(|byte| format!("\\x{byte:02x}")).collect::<String>();
-    let printed: Vec<String> = signs.iter().map(printed).collect();
-    trace.iter().filter(|line| printed.iter().any(|sign| line.contains(sign))).collect()
+/// The lines that have one of the signs.
+fn betraying<'a>(trace: &'a [String], signs: &[Sign]) -> Vec<&'a String> {
+    trace.iter().filter(|line| signs.iter().any(|sign| sign.is_in(line))).collect()
 }
 
 fn sockets(trace: &[String]) -> usize {
     trace.iter().filter(|line| line.contains("socket(") || line.contains("connect(")).count()
+}
+
+#[test]
+fn digits_of_a_time_are_no_sign_and_those_of_an_angle_are() {
+    let sign = Sign::Digits(b"0.059".to_vec());
+    assert!(!sign.is_in(r#"write(3, "\x34\x35\x30\x2e\x30\x35\x39\x20", 8) = 8"#), "450.059");
+    assert!(sign.is_in(r#"write(3, "\x34\x2c\x30\x2e\x30\x35\x39", 7) = 7"#), "4,0.059");
+    assert!(sign.is_in(r#"write(3, "\x30\x2e\x30\x35\x39", 5) = 5"#));
 }
 
 #[test]
