@@ -130,6 +130,7 @@ fn parallax_at(point: vec2<f32>) -> vec3<f32> {
     return params.parallax.xyz * nearness;
 }
 
+// Apart from `change`: what an entry point calls decides which sets its pipeline has to have.
 @compute @workgroup_size(64)
 fn moved_change(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= params.count {
