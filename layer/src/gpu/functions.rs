@@ -111,10 +111,13 @@ impl Functions {
         }
         let address =
             |function: vk::PFN_vkVoidFunction| function.map_or(std::ptr::null(), |f| f as *const c_void);
+        // Only the names above: inside vkCreateDevice the loader answers the name of a device function by asking every
+        // device of the instance, and the newest one has no dispatch table yet.
+        let listed = |name: &CStr| INSTANCE.contains(&name).then(|| instance_function(name)).flatten();
         // SAFETY: each pointer is what the next layer gives for that name, hence of the named function's type.
         unsafe {
             Ok(Self {
-                instance: ash::Instance::load_with(|name| address(instance_function(name)), record.instance),
+                instance: ash::Instance::load_with(|name| address(listed(name)), record.instance),
                 device: ash::Device::load_with(|name| address(device_function(name)), record.device),
             })
         }

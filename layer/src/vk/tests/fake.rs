@@ -13,6 +13,12 @@ pub mod rates;
 
 thread_local! {
     static CALLS: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+    static INSTANCE_NAMES: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+}
+
+/// The names that vkGetInstanceProcAddr was asked for on this thread since the last time.
+pub fn instance_names() -> Vec<String> {
+    INSTANCE_NAMES.take()
 }
 
 /// What reached the stand-in on this thread since the last time.
@@ -200,7 +206,9 @@ pub unsafe extern "system" fn get_instance_proc_addr(
     name: *const c_char,
 ) -> vk::PFN_vkVoidFunction {
     // SAFETY: the caller passes a name.
-    function(unsafe { CStr::from_ptr(name) })
+    let name = unsafe { CStr::from_ptr(name) };
+    INSTANCE_NAMES.with_borrow_mut(|names| names.push(name.to_string_lossy().into_owned()));
+    function(name)
 }
 
 pub unsafe extern "system" fn get_device_proc_addr(

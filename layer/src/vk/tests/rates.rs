@@ -114,3 +114,21 @@ fn a_device_that_stays_inert_is_created_as_the_application_asks() {
     destroy_instance(instance);
     rates::offer(false, false);
 }
+
+#[test]
+fn no_device_function_is_looked_up_through_the_instance() {
+    rates::offer(true, false);
+    let instance = new_instance(Some(vk::API_VERSION_1_1));
+    fake::instance_names();
+    let device = new_device(instance);
+    let names = fake::instance_names();
+    rates::offer(false, false);
+    assert!(names.iter().any(|name| name == "vkCreateDevice"), "{names:?}");
+    // The loader's last layer would ask all devices, and the newest has no dispatch table before vkCreateDevice returns.
+    let of_instance = ["vkCreateDevice", "vkEnumerateDevice", "vkGetPhysicalDevice"];
+    let others: Vec<_> =
+        names.iter().filter(|name| !of_instance.iter().any(|begin| name.starts_with(begin))).collect();
+    assert_eq!(others, [""; 0]);
+    destroy_device(device);
+    destroy_instance(instance);
+}
