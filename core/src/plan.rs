@@ -30,7 +30,7 @@ mod turns;
 pub use contrast::VisibleContrast;
 pub use frame::{EyePlan, FramePlan};
 pub use input::{EyeInput, PlanInput};
-pub use lattice::{LatticeShape, MAX_SIDE, TEXEL_SIDES, TileLattice};
+pub use lattice::{LatticeShape, MAX_SIDE, MOST_TILES, TEXEL_SIDES, TileLattice, tile_of};
 pub use planner::Planner;
 pub use reasons::{Reason, Reasons};
 pub use rings::{AvailableRates, COARSER_RATES, Rings, STEPS_PER_OCTAVE};

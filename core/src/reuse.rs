@@ -7,6 +7,7 @@
 mod compared;
 mod history;
 mod lists;
+mod places;
 mod rects;
 mod stale_tiles;
 

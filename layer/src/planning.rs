@@ -27,7 +27,7 @@ use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::Techniques;
 use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker, Rejection};
 use parafovea_core::geometry;
-use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings};
+use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings, tile_of};
 use told::LastLook;
 
 /// A display time that is earlier than the one before by less than this belongs to another thread that is behind; by more,
@@ -315,7 +315,10 @@ impl Planning {
     }
 
     fn plan_settings(&self, config: &Config, can_attenuate: bool) -> PlanSettings {
-        let settings = plan_settings(config, self.offer.rates(), self.offer.texel());
+        let extent = self.views.eyes().map_or([0; 2], |[left, right]| {
+            [0, 1].map(|axis: usize| left.extent[axis].max(right.extent[axis]))
+        });
+        let settings = plan_settings(config, self.offer.rates(), tile_of(self.offer.texel(), extent));
         let rails = match config.gaze.source {
             GazeSource::Eyes | GazeSource::File => settings.rails,
             // Nothing moves: there is no change that could be seen, and every frame has the same rings.

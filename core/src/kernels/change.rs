@@ -79,7 +79,7 @@ impl ChangeParams {
         Some(Self {
             to_earlier: to_earlier.to_cols_array_2d().map(|[x, y, z]| [x, y, z, 0.0]),
             weights: Matrix::Bt709.weights().into(),
-            noise: if earlier.is_still() { 0.0 } else { INTERPOLATED },
+            noise: if earlier.is_still { 0.0 } else { INTERPOLATED },
             pixel: pixel.into(),
             offset: UVec2::from(offset).as_vec2().into(),
             extent: reuse.now().size().into(),

@@ -222,16 +222,45 @@ fn coarsen(params: &DecideParams, is_judged: bool, memory: &mut TileMemory) {
     let step = params.coarsening.min(255) as u8;
     let elapsed_ms = params.elapsed_ms.min(255) as u8;
     let limits = params.levels.map(|level| level as u8);
-    let [keep, grow] = &memory.permitted;
-    let tiles =
-        memory.levels.iter_mut().zip(&mut memory.ages_ms).zip(&memory.chords).zip(keep.iter().zip(grow));
-    for (index, (((level, age_ms), chord), (keep, grow))) in (0..).zip(tiles) {
-        let looks = is_judged && *age_ms >= STEADY_MS && params.is_looked_at(index);
-        let keep = if looks { 0 } else { (*keep).min(level_at(*chord, &params.ring_chords, &params.levels)) };
-        let grow = (*grow).min(level_at(*chord, &params.coarsening_chords, &params.levels)).min(keep);
+    let TileMemory { levels, ages_ms, chords, permitted: [keep, grow] } = memory;
+    limit_by_rings(keep, chords, &params.ring_chords, &params.levels);
+    limit_by_rings(grow, chords, &params.coarsening_chords, &params.levels);
+    if is_judged {
+        for ((index, keep), age_ms) in (0..).zip(keep.iter_mut()).zip(&*ages_ms) {
+            let looks = *age_ms >= STEADY_MS && params.is_looked_at(index);
+            *keep = if looks { 0 } else { *keep };
+        }
+    }
+    for (((level, age_ms), keep), grow) in levels.iter_mut().zip(ages_ms).zip(&*keep).zip(&*grow) {
         let before = reached(*level, &limits);
-        *level = before.min(keep).max(grow.min(level.saturating_add(step)));
+        let grow = (*grow).min(*keep);
+        *level = before.min(*keep).max(grow.min(level.saturating_add(step)));
         *age_ms = if reached(*level, &limits) == before { age_ms.saturating_add(elapsed_ms) } else { 0 };
+    }
+}
+
+/// Lowers what is permitted to tiles at these squared chords to the level of the last ring that each has reached; 0 before them all.
+fn limit_by_rings(permitted: &mut [u8], chords: &[f32], rings: &[f32; 4], levels: &[u32; 4]) {
+    // So many at once that vectors hold them as numbers of 32 bits and of 8.
+    const LANES: usize = 16;
+    // Rings rise, so that a tile at one of them is at all before it: the steps up to its level are added up.
+    let [a, b, c, d] = *levels;
+    let steps = [a, b.wrapping_sub(a), c.wrapping_sub(b), d.wrapping_sub(c)];
+    let mut permitted = permitted.chunks_exact_mut(LANES);
+    let mut chords = chords.chunks_exact(LANES);
+    for (permitted, chords) in permitted.by_ref().zip(chords.by_ref()) {
+        let mut reached = [0u32; LANES];
+        for (ring, step) in rings.iter().zip(steps) {
+            for (reached, chord) in reached.iter_mut().zip(chords) {
+                *reached = reached.wrapping_add(if *chord >= *ring { step } else { 0 });
+            }
+        }
+        for (permitted, reached) in permitted.iter_mut().zip(reached) {
+            *permitted = (*permitted).min(reached as u8);
+        }
+    }
+    for (permitted, chord) in permitted.into_remainder().iter_mut().zip(chords.remainder()) {
+        *permitted = (*permitted).min(level_at(*chord, rings, levels));
     }
 }
 

@@ -26,8 +26,13 @@ impl Changes {
         let compared = tiles.len();
         // A part of a tile is half as wide.
         let visible = VisibleChange::new((view.plane.step.abs().min_element() / 2.0).atan().to_degrees());
+        // Nowhere is less seen than this, and of most tiles nothing is to be seen.
+        let least_change = self.settings.least_change(&visible);
         let mut changed = 0;
         for (word, change) in tiles {
+            if change <= least_change {
+                continue;
+            }
             let tile = Vec2::new((word & 0xffff) as f32, (word >> 16) as f32);
             let direction = |point: Vec2| view.orientation * view.plane.direction(tile + point);
             let middle = direction(Vec2::splat(0.5));

@@ -4,10 +4,13 @@ use super::frame::EyePlan;
 use super::input::EyeInput;
 use super::lattice::{LatticeShape, TileLattice};
 use super::renewal::Renewal;
+use super::rules::{FrameRules, Permit};
+use super::settings::PlanSettings;
+use super::statistics::Statistics;
 use crate::chroma::Trail;
 use crate::geometry::{Fov, rotation};
 use crate::image::Plane;
-use crate::kernels::decide::TileMemory;
+use crate::kernels::decide::{TileMemory, decide};
 use glam::Quat;
 
 /// One view: where its tiles look, and what they remember.
@@ -18,6 +21,8 @@ pub(super) struct EyeMemory {
     pub(super) renewal: Renewal,
     pub(super) tiles: TileMemory,
     pub(super) trail: Trail,
+    /// Whether the plan that was made last has every tile rendered at full rate, and nothing could have become coarser.
+    pub(super) is_full: bool,
 }
 
 impl EyeMemory {
@@ -31,6 +36,7 @@ impl EyeMemory {
         let shape = LatticeShape { fov, ..input.shape(texel) };
         if self.shape != Some(shape) {
             self.shape = Some(shape);
+            self.is_full = false;
             self.lattice.set(&shape);
             let [columns, rows] = self.lattice.tiles();
             let tiles = columns as usize * rows as usize;
@@ -44,6 +50,27 @@ impl EyeMemory {
             out.fov = fov;
         }
         usable
+    }
+
+    /// Plans every tile at full rate, as settings without rates and without a schedule have it. Frame after frame that is the same plan,
+    /// and costs nothing for each tile.
+    pub(super) fn renew_at_full_rate(
+        &mut self,
+        rules: &FrameRules,
+        settings: &PlanSettings,
+        out: &mut EyePlan,
+    ) {
+        out.judged = None;
+        out.rings = Permit::NOTHING.rings;
+        let params = rules.params(settings, out.centres, &Permit::NOTHING, &self.lattice);
+        out.decision = params;
+        if self.is_full {
+            return;
+        }
+        self.is_full = true;
+        self.renewal.renew_all();
+        decide(&params, &mut self.lattice, self.renewal.due(), None, &mut self.tiles, out);
+        out.statistics = Statistics::new(&self.lattice, &out.rates, &out.ages);
     }
 }
 

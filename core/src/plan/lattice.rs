@@ -15,6 +15,22 @@ pub const TEXEL_SIDES: RangeInclusive<u32> = 8..=64;
 /// Longest side of a view, pixels; what lies beyond has no tiles, and is not to be coarsened.
 pub const MAX_SIDE: u32 = 16_384;
 
+/// Columns or rows of tiles beyond which a plan takes larger tiles. At 110 degrees they are 1.5 degrees wide, as 16 pixels are at
+/// 1024: what planning costs follows the field of view, not the pixels and not the size of the device's texels.
+pub const MOST_TILES: u32 = 72;
+
+/// The tile, pixels, to plan a view of `extent` pixels with on a device whose attachments have texels of `texel` pixels: so many
+/// texels, a power of two on each axis, that no axis has more than [`MOST_TILES`], within [`TEXEL_SIDES`].
+pub fn tile_of(texel: [u32; 2], extent: [u32; 2]) -> [u32; 2] {
+    [0, 1].map(|axis| {
+        let mut side = texel[axis].max(1);
+        while extent[axis].div_ceil(side) > MOST_TILES && side * 2 <= *TEXEL_SIDES.end() {
+            side *= 2;
+        }
+        side
+    })
+}
+
 /// Where a view lies in its image, and what it shows: all that the lattice depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatticeShape {

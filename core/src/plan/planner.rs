@@ -151,6 +151,11 @@ impl Planner {
         let to_view = orientation.unwrap_or(Quat::IDENTITY).inverse();
         out.centres = rules.centres.map(|centre| to_view * centre);
         memory.renewal.begin(frame, orientation.map(|orientation| head * orientation));
+        out.gaze = if rules.has_gaze() { out.centres[index] } else { Vec3::ZERO };
+        if matches!(self.settings.rates, RateSettings::Off) && self.settings.schedule.is_none() {
+            return memory.renew_at_full_rate(rules, &self.settings, out);
+        }
+        memory.is_full = false;
         match (&self.settings.schedule, &self.ages, &rules.schedule) {
             (Some(updates), Some(ages), Some(schedule)) if !eye.refresh && orientation.is_some() => {
                 match updates.turns {
@@ -173,7 +178,6 @@ impl Planner {
             (Some(_), Some(judged), Some(_)) => judged,
             (Some(_), ..) => rules.fixed,
         };
-        out.gaze = if rules.has_gaze() { out.centres[index] } else { Vec3::ZERO };
         out.rings = permit.rings;
         let params = rules.params(&self.settings, out.centres, &permit, &memory.lattice);
         out.decision = params;

@@ -1,6 +1,6 @@
 //! Which tiles of a picture are compared with earlier pictures, to see whether what they show has changed.
 
-use super::lists::{Has, corners_in, has};
+use super::places::{Has, TilePlaces};
 use super::{MAX_AGES, Reuse};
 
 /// Tiles that were rendered, by the earlier picture that they are compared with. Memory is only asked for beyond the longest
@@ -8,6 +8,7 @@ use super::{MAX_AGES, Reuse};
 #[derive(Clone, Debug, Default)]
 pub struct ComparedTiles {
     by_age: [Vec<u32>; MAX_AGES],
+    places: TilePlaces,
 }
 
 impl ComparedTiles {
@@ -16,6 +17,7 @@ impl ComparedTiles {
     /// So what is rendered in each frame because it changes is judged as what is not.
     pub fn update(&mut self, reuse: &Reuse, oldest: usize, is_wanted: impl Fn([u32; 2]) -> bool) {
         self.clear();
+        self.places.begin(reuse);
         let now = reuse.now();
         let [columns, rows] = now.stale.tiles();
         let ages = reuse.ages().min(oldest);
@@ -25,10 +27,11 @@ impl ComparedTiles {
                 if now.stale.is_stale(tile) || !is_wanted(tile) {
                     continue;
                 }
-                let rect = reuse.tiles(tile, [1, 1]);
                 let is_all = |age: &usize| {
                     let earlier = reuse.at_age(*age);
-                    earlier.is_some_and(|earlier| has(earlier, corners_in(earlier, &rect)) == Has::All)
+                    earlier.is_some_and(|earlier| {
+                        self.places.tile_in(reuse, *age - 1, earlier, tile) == Has::All
+                    })
                 };
                 if let Some(age) = (1..=ages).rev().find(is_all) {
                     self.by_age[age - 1].push(column | row << 16);

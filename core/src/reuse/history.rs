@@ -71,6 +71,10 @@ pub(crate) struct Earlier<'a> {
     pub(crate) matrix: Mat3,
     /// Where the newest picture is seen from elsewhere, and both have depth.
     pub(crate) parallax: Option<Parallax>,
+    /// Whether nothing has moved since.
+    pub(crate) is_still: bool,
+    /// [`Picture::tiles_per_pixel`]; of a picture without tiles, which is fresh, as if it were one.
+    pub(crate) tiles_per_pixel: Vec2,
 }
 
 /// How what is near lies elsewhere in a picture that was seen from elsewhere.
@@ -85,11 +89,6 @@ pub(crate) struct Parallax {
 }
 
 impl Earlier<'_> {
-    /// Whether nothing has moved since.
-    pub(crate) fn is_still(&self) -> bool {
-        self.matrix == Mat3::IDENTITY && self.parallax.is_none()
-    }
-
     /// Where a point of the newest picture lies in this one, were it endlessly far away; nothing where it does not show it.
     pub(crate) fn point(&self, point: Vec2) -> Option<Vec2> {
         self.shown(self.matrix * point.extend(1.0))
@@ -153,7 +152,10 @@ impl<'a> Reuse<'a> {
             let matrix = if turns { turn(&now, &picture) } else { Some(resize(&now, &picture)) };
             let Some(matrix) = matrix else { break };
             let parallax = if turns { move_between(&now, &picture, &matrix) } else { None };
-            *slot = Some(Earlier { picture, matrix, parallax });
+            let is_still = matrix == Mat3::IDENTITY && parallax.is_none();
+            let is_one = picture.stale.tiles() == [0; 2];
+            let tiles_per_pixel = if is_one { 1.0 / picture.size() } else { picture.tiles_per_pixel() };
+            *slot = Some(Earlier { picture, matrix, parallax, is_still, tiles_per_pixel });
         }
         Self { now, earlier: found }
     }
@@ -165,12 +167,12 @@ impl<'a> Reuse<'a> {
 
     /// Whether nothing has moved since any of the earlier ones.
     pub fn is_still(&self) -> bool {
-        self.earlier().all(Earlier::is_still)
+        self.earlier().all(|earlier| earlier.is_still)
     }
 
     /// Whether nothing has moved since the picture of an age, 1..=[`Self::ages`].
     pub fn is_still_since(&self, age: usize) -> bool {
-        self.at_age(age).is_some_and(Earlier::is_still)
+        self.at_age(age).is_some_and(|earlier| earlier.is_still)
     }
 
     /// Whether what the picture of an age has is found by its depth: it was seen from elsewhere, and both have depth.

@@ -1,18 +1,13 @@
 //! Tiles, sorted by what drawing them takes.
 
-use super::history::Earlier;
+use super::places::{Has, TilePlaces};
 use super::rects::{Edge, TileRects};
 use super::{MAX_AGES, Reuse};
-use crate::geometry::PixelRect;
-use glam::{Mat3, Vec2};
-
-/// Pixels around a tile that its re-used pixels may be interpolated from, with room for rounding.
-const MARGIN: f32 = 1.0;
 
 /// The tiles of a picture in lists. Memory is only asked for beyond the longest lists so far.
 #[derive(Clone, Debug, Default)]
 pub struct TileLists {
-    /// Those that are shown as they are in the newest picture: they were rendered, or no earlier picture has all of them.
+    /// Tiles that are shown as they are in the newest picture: they were rendered, or no earlier picture has all of them.
     pub fresh: TileRects,
     /// For each age, from 1 on: stale tiles all of which is taken from the picture of that age, and from nothing of it that was
     /// not rendered there. Each stale tile is in one of these, or in [`Self::fresh`]. None where the head has moved, by
@@ -23,18 +18,10 @@ pub struct TileLists {
     pub mixed: [TileRects; MAX_AGES],
     /// Edges of fresh tiles beside stale ones that are blended with the picture of that age, by place in [`Edge::ALL`].
     pub border: [[TileRects; Edge::ALL.len()]; MAX_AGES],
-    /// The corners of all tiles in each earlier picture, row by row; NaN where it does not show them.
-    corners: [Vec<Vec2>; MAX_AGES],
-    /// The same of what is as near as can be, where the head has moved; else none.
-    near_corners: [Vec<Vec2>; MAX_AGES],
-}
-
-/// How much of a tile a picture has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Has {
-    Nothing,
-    Part,
-    All,
+    places: TilePlaces,
+    neighbours: Neighbours,
+    /// Ages whose lists have been filled since [`Self::clear`].
+    ages: usize,
 }
 
 impl TileLists {
@@ -44,27 +31,26 @@ impl TileLists {
     /// else be older than `oldest`, since one picture for all of a tile is much cheaper.
     pub fn update(&mut self, reuse: &Reuse, border: f32, oldest: usize) {
         self.clear();
-        let now = reuse.now();
-        let [columns, rows] = now.stale.tiles();
-        let of_ages = self.corners.iter_mut().zip(&mut self.near_corners);
-        for ((corners, near_corners), earlier) in of_ages.zip(reuse.earlier()) {
-            fill_corners(corners, reuse, &earlier.matrix);
-            match earlier.near_matrix() {
-                Some(matrix) => fill_corners(near_corners, reuse, &matrix),
-                None => near_corners.clear(),
-            }
-        }
+        self.places.begin(reuse);
+        let [columns, rows] = reuse.now().stale.tiles();
         for row in 0..rows {
-            for column in 0..columns {
-                let tile = [column, row];
-                if now.stale.is_stale(tile) {
-                    self.add_stale(reuse, tile, oldest);
-                } else {
-                    self.fresh.push(tile, None);
-                    if border > 0.0 {
-                        self.add_borders(reuse, tile, border);
+            self.neighbours.set_row(reuse, row);
+            let mut column = 0;
+            while column < columns {
+                let (kind, count) = self.neighbours.run(column);
+                match kind {
+                    Kind::Fresh => self.fresh.push_run([column, row], count),
+                    Kind::BesideStale => {
+                        self.fresh.push_run([column, row], count);
+                        if border > 0.0 {
+                            (column..column + count)
+                                .for_each(|column| self.add_borders(reuse, [column, row], border));
+                        }
                     }
+                    Kind::Stale => (column..column + count)
+                        .for_each(|column| self.add_stale(reuse, [column, row], oldest)),
                 }
+                column += count;
             }
             self.each(TileRects::end_row);
         }
@@ -73,10 +59,13 @@ impl TileLists {
     /// Nothing is in any list.
     pub fn clear(&mut self) {
         self.each(TileRects::clear);
+        self.ages = 0;
     }
 
     fn each(&mut self, act: impl FnMut(&mut TileRects)) {
-        let of_ages = self.whole.iter_mut().chain(&mut self.mixed).chain(self.border.as_flattened_mut());
+        let ages = self.ages;
+        let of_ages = self.whole[..ages].iter_mut().chain(&mut self.mixed[..ages]);
+        let of_ages = of_ages.chain(self.border[..ages].as_flattened_mut());
         std::iter::once(&mut self.fresh).chain(of_ages).for_each(act);
     }
 
@@ -88,118 +77,122 @@ impl TileLists {
 
     fn add_stale(&mut self, reuse: &Reuse, tile: [u32; 2], oldest: usize) {
         let mut has = [Has::Nothing; MAX_AGES];
-        let corners = self.corners.iter().zip(&self.near_corners);
-        for ((has, earlier), corners) in has.iter_mut().zip(reuse.earlier()).zip(corners) {
-            *has = tile_in(earlier, corners, reuse, tile);
-            if *has == Has::All {
+        let mut all = None;
+        for (index, earlier) in reuse.earlier().enumerate() {
+            has[index] = self.places.tile_in(reuse, index, earlier, tile);
+            if has[index] == Has::All {
+                all = Some(index);
                 break;
             }
         }
-        let all = has.iter().position(|has| *has == Has::All);
         match all.filter(|index| !reuse.has_moved_since(index + 1)) {
-            Some(index) => self.whole[index].push(tile, None),
+            Some(index) => {
+                self.ages = self.ages.max(index + 1);
+                self.whole[index].push(tile, None);
+            }
             None => self.fresh.push(tile, None),
         }
         let takes_parts = all.is_none_or(|index| index >= oldest || reuse.has_moved_since(index + 1));
-        for (index, (mixed, has)) in self.mixed.iter_mut().zip(has).enumerate() {
-            let is_part = has == Has::Part || (has == Has::All && reuse.has_moved_since(index + 1));
-            if takes_parts && is_part {
-                mixed.push(tile, None);
+        if !takes_parts {
+            return;
+        }
+        for (index, has) in has.into_iter().enumerate() {
+            if has == Has::Part || (has == Has::All && reuse.has_moved_since(index + 1)) {
+                self.ages = self.ages.max(index + 1);
+                self.mixed[index].push(tile, None);
             }
         }
     }
 
+    /// Adds the edges of a fresh tile that are borders, as [`Reuse::is_border`] says.
     fn add_borders(&mut self, reuse: &Reuse, tile: [u32; 2], border: f32) {
-        for (kind, edge) in Edge::ALL.into_iter().enumerate() {
-            if reuse.is_border(tile, edge) {
-                let rect = reuse.edge(tile, edge, border);
-                let whole =
-                    reuse.earlier().position(|earlier| has(earlier, corners_in(earlier, &rect)) == Has::All);
-                if let Some(index) = whole {
+        let edges = self.neighbours.edges(tile[0]);
+        let mut has_tile = [None; MAX_AGES];
+        for (kind, edge) in Edge::ALL.into_iter().enumerate().filter(|(kind, _)| edges >> kind & 1 == 1) {
+            for (index, earlier) in reuse.earlier().enumerate() {
+                let has =
+                    *has_tile[index].get_or_insert_with(|| self.places.tile_in(reuse, index, earlier, tile));
+                let has_edge = || earlier.has_rect(&reuse.edge(tile, edge, border)) == Has::All;
+                // A picture that has all of the tile has all of its edge, and one that has nothing of it nothing.
+                if has == Has::All || (has == Has::Part && has_edge()) {
+                    self.ages = self.ages.max(index + 1);
                     self.border[index][kind].push(tile, Some(edge));
+                    break;
                 }
             }
         }
     }
 }
 
-/// Takes the corners of all tiles to where a matrix leads.
-fn fill_corners(corners: &mut Vec<Vec2>, reuse: &Reuse, matrix: &Mat3) {
-    let now = reuse.now();
-    let size = 1.0 / now.tiles_per_pixel();
-    let [columns, rows] = now.stale.tiles();
-    corners.clear();
-    for row in 0..=rows {
-        let y = (row as f32 * size.y).min(now.size().y);
-        let start = matrix.y_axis * y + matrix.z_axis;
-        corners.extend((0..=columns).map(|column| {
-            let found = matrix.x_axis * (column as f32 * size.x).min(now.size().x) + start;
-            if found.z > 0.0 { found.truncate() / found.z } else { Vec2::NAN }
-        }));
-    }
+/// A tile, by itself and the eight around it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Fresh,
+    BesideStale,
+    Stale,
 }
 
-/// What an earlier picture has of a tile, by the corners of all tiles there, far and near.
-fn tile_in(
-    earlier: &Earlier,
-    (far, near): (&Vec<Vec2>, &Vec<Vec2>),
-    reuse: &Reuse,
-    [column, row]: [u32; 2],
-) -> Has {
-    let line = reuse.now().stale.tiles()[0] as usize + 1;
-    let first = row as usize * line + column as usize;
-    let of_tile = [first, first + 1, first + line, first + line + 1];
-    if near.is_empty() {
-        return has(earlier, of_tile.map(|index| far[index]).into_iter());
-    }
-    has(earlier, of_tile.into_iter().flat_map(|index| [far[index], near[index]]))
+/// Which tiles of three rows are stale, a byte each, with one more on either side.
+#[derive(Clone, Debug, Default)]
+struct Neighbours {
+    rows: [Vec<u8>; 3],
+    /// Whether any tile of a column is stale in one of the three rows.
+    columns: Vec<u8>,
+    /// Of each tile of the middle row: bit 0, whether it or a neighbour is stale; bit 1, whether it is.
+    kinds: Vec<u8>,
 }
 
-/// What an earlier picture has of a rectangle with these corners there, NaN where it does not show them.
-pub(super) fn has(earlier: &Earlier, corners: impl Iterator<Item = Vec2>) -> Has {
-    let picture = &earlier.picture;
-    let is_still = earlier.is_still();
-    let margin = if is_still { 0.0 } else { MARGIN };
-    let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
-    for corner in corners {
-        if corner.is_nan() {
-            // Partly beside what the picture can show.
-            return Has::Part;
+impl Neighbours {
+    /// Goes on to a row of the newest picture; rows are taken in their order, from the first on.
+    fn set_row(&mut self, reuse: &Reuse, row: u32) {
+        let stale = reuse.now().stale;
+        if row == 0 {
+            let [above, here, below] = &mut self.rows;
+            above.clear();
+            above.resize(stale.tiles()[0] as usize + 2, 0);
+            stale.unpack_row(0, here);
+            stale.unpack_row(1, below);
+        } else {
+            self.rows.rotate_left(1);
+            stale.unpack_row(row + 1, &mut self.rows[2]);
         }
-        (low, high) = (low.min(corner), high.max(corner));
+        let [above, here, below] = &self.rows;
+        self.columns.clear();
+        self.columns
+            .extend(above.iter().zip(here).zip(below).map(|((above, here), below)| above | here | below));
+        let (columns, here) = (&self.columns[..], &here[1..]);
+        let of_three = columns.iter().zip(&columns[1..]).zip(&columns[2..]);
+        self.kinds.clear();
+        self.kinds
+            .extend(of_three.zip(here).map(|(((left, own), right), here)| left | own | right | here << 1));
     }
-    (low, high) = (low - margin, high + margin);
-    if high.cmple(Vec2::ZERO).any() || low.cmpge(picture.size()).any() {
-        return Has::Nothing;
-    }
-    let is_inside = low.cmpge(Vec2::ZERO).all() && high.cmple(picture.size()).all();
-    let first = picture.tile_at(low);
-    // What ends where a tile begins does not reach into it.
-    let last = picture.tile_at(high - if is_still { 0.5 } else { 0.0 });
-    let (mut fresh, mut stale) = (false, false);
-    for row in first[1]..=last[1] {
-        for column in first[0]..=last[0] {
-            let is_stale = picture.stale.is_stale([column, row]);
-            fresh |= !is_stale;
-            stale |= is_stale;
-        }
-    }
-    match (fresh, stale) {
-        (false, _) => Has::Nothing,
-        (true, false) if is_inside => Has::All,
-        (true, _) => Has::Part,
-    }
-}
 
-/// The corners of a rectangle in an earlier picture, far and, where the head has moved, near; NaN where that does not show them.
-pub(super) fn corners_in(earlier: &Earlier, rect: &PixelRect) -> impl Iterator<Item = Vec2> + use<> {
-    let PixelRect { min, max } = *rect;
-    let corners = [min, Vec2::new(max.x, min.y), Vec2::new(min.x, max.y), max];
-    let matrices = std::iter::once(earlier.matrix).chain(earlier.near_matrix());
-    matrices.flat_map(move |matrix| {
-        corners.map(|corner| {
-            let found = matrix * corner.extend(1.0);
-            if found.z > 0.0 { found.truncate() / found.z } else { Vec2::NAN }
-        })
-    })
+    /// What the tile of a column is, and how many from there on are the same.
+    fn run(&self, column: u32) -> (Kind, u32) {
+        let kinds = &self.kinds[column as usize..];
+        let first = kinds.first().copied().unwrap_or_default();
+        let count = kinds.iter().take_while(|kind| **kind == first).count() as u32;
+        let kind = match first {
+            0 => Kind::Fresh,
+            1 => Kind::BesideStale,
+            _ => Kind::Stale,
+        };
+        (kind, count.max(1))
+    }
+
+    /// The edges and corners of a fresh tile that are borders, a bit for each of [`Edge::ALL`].
+    fn edges(&self, column: u32) -> u8 {
+        let place = column as usize;
+        let [above, here, below] = self.rows.each_ref().map(|row| &row[place..place + 3]);
+        let (up, down, left, right) = (above[1], below[1], here[0], here[2]);
+        let corner = |corner: u8, beside: u8, along: u8| corner & !(beside | along);
+        let corners = [
+            corner(above[0], up, left),
+            corner(above[2], up, right),
+            corner(below[0], down, left),
+            corner(below[2], down, right),
+        ];
+        let sides = [up, down, left, right].into_iter().chain(corners);
+        (0..).zip(sides).fold(0, |edges, (kind, is_border)| edges | is_border << kind)
+    }
 }

@@ -118,6 +118,25 @@ impl TileRects {
         }
     }
 
+    /// Adds so many tiles, at least one, that begin with this one.
+    pub(super) fn push_run(&mut self, tile: [u32; 2], count: u32) {
+        let end = tile[0] + count;
+        let mut column = tile[0];
+        while column < end {
+            match self.row.last_mut() {
+                Some(last) if last.goes_on_at(column) => {
+                    let more = (end - column).min(MOST - last.size()[0]);
+                    last.0[1] += more;
+                    column += more;
+                }
+                _ => {
+                    self.row.push(TileRect::tile([column, tile[1]], 0));
+                    column += 1;
+                }
+            }
+        }
+    }
+
     /// All of a row was added; the next one is that below.
     pub(super) fn end_row(&mut self) {
         if self.row.is_empty() && self.open.is_empty() {

@@ -7,25 +7,37 @@ use std::ops::Range;
 /// The tiles of an eye's picture that are stale in a frame; all others are fresh.
 ///
 /// A set of tiles is laid over pictures of other sizes proportionally, as the rates are.
-#[derive(Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Default)]
 pub struct StaleTiles {
     extent: [u32; 2],
     texel: [u32; 2],
     tiles: [u32; 2],
     /// Whether each tile is stale, row by row, 32 in a word from its lowest bit on.
     words: Vec<u32>,
+    /// See [`Self::sum`]; empty where that was not called.
+    sums: Vec<u16>,
 }
+
+impl PartialEq for StaleTiles {
+    fn eq(&self, other: &Self) -> bool {
+        let shape = |tiles: &Self| (tiles.extent, tiles.texel, tiles.tiles);
+        shape(self) == shape(other) && self.words == other.words
+    }
+}
+
+impl Eq for StaleTiles {}
 
 impl Clone for StaleTiles {
     fn clone(&self) -> Self {
-        let Self { extent, texel, tiles, ref words } = *self;
-        Self { extent, texel, tiles, words: words.clone() }
+        let Self { extent, texel, tiles, ref words, ref sums } = *self;
+        Self { extent, texel, tiles, words: words.clone(), sums: sums.clone() }
     }
 
     /// Keeps the memory that there is.
     fn clone_from(&mut self, source: &Self) {
         (self.extent, self.texel, self.tiles) = (source.extent, source.texel, source.tiles);
         self.words.clone_from(&source.words);
+        self.sums.clone_from(&source.sums);
     }
 }
 
@@ -67,6 +79,7 @@ impl StaleTiles {
     pub fn clear(&mut self) {
         (self.extent, self.texel, self.tiles) = ([0; 2], [0; 2], [0; 2]);
         self.words.clear();
+        self.sums.clear();
     }
 
     /// Whether nothing is stale.
@@ -77,6 +90,7 @@ impl StaleTiles {
     /// Adds what is stale in `other`: after that, each point of the picture is stale that was so in either. With tiles of
     /// another size, those are added that meet a stale one.
     pub fn unite(&mut self, other: &Self) {
+        self.sums.clear();
         if self.tiles == [0; 2] {
             self.clone_from(other);
         } else if (self.extent, self.texel) == (other.extent, other.texel) {
@@ -120,6 +134,65 @@ impl StaleTiles {
         }
     }
 
+    /// Prepares for many questions about rectangles of tiles, which take four look-ups each then. Changes nothing else.
+    pub fn sum(&mut self) {
+        let Self { tiles: [columns, rows], words, sums, .. } = self;
+        let line = *columns as usize + 1;
+        sums.clear();
+        sums.resize(line * (*rows as usize + 1), 0);
+        let mut bits = Bits::at(words, 0);
+        for row in 0..*rows as usize {
+            let (above, below) = sums.split_at_mut(line * (row + 1));
+            let mut sum = 0u16;
+            for (below, above) in below[1..line].iter_mut().zip(&above[line * row + 1..]) {
+                sum = sum.wrapping_add(bits.take().into());
+                *below = above.wrapping_add(sum);
+            }
+        }
+    }
+
+    /// Whether any tile of a rectangle is fresh, and whether any is stale: of columns and rows from `first` to `last`, both within
+    /// the picture. Without tiles everything is fresh.
+    #[inline]
+    pub(super) fn kinds(&self, first: [u32; 2], last: [u32; 2]) -> (bool, bool) {
+        let ([left, top], [right, bottom]) = (first, last.map(|last| last + 1));
+        if self.sums.is_empty() {
+            return self.kinds_one_by_one(first, last);
+        }
+        let line = self.tiles[0] as usize + 1;
+        // Modulo 2^16, which no rectangle of a plan's tiles has.
+        let sum = |column: u32, row: u32| {
+            self.sums.get(row as usize * line + column as usize).copied().unwrap_or(0)
+        };
+        let stale = sum(right, bottom)
+            .wrapping_sub(sum(left, bottom))
+            .wrapping_sub(sum(right, top))
+            .wrapping_add(sum(left, top));
+        let all = right.wrapping_sub(left).wrapping_mul(bottom.wrapping_sub(top)) as u16;
+        (stale != all, stale != 0)
+    }
+
+    #[cold]
+    fn kinds_one_by_one(&self, first: [u32; 2], last: [u32; 2]) -> (bool, bool) {
+        let mut tiles = (first[1]..=last[1])
+            .flat_map(|row| (first[0]..=last[0]).map(move |column| self.is_stale([column, row])));
+        let begin = tiles.next().unwrap_or_default();
+        let is_mixed = tiles.any(|is_stale| is_stale != begin);
+        (!begin || is_mixed, begin || is_mixed)
+    }
+
+    /// Which tiles of a row are stale, 1 each, with a 0 before and after them; zeros for rows beyond the picture.
+    pub(super) fn unpack_row(&self, row: u32, into: &mut Vec<u8>) {
+        let columns = self.tiles[0] as usize;
+        into.clear();
+        into.push(0);
+        if row < self.tiles[1] {
+            let mut bits = Bits::at(&self.words, row as usize * columns);
+            into.extend((0..columns).map(|_| bits.take()));
+        }
+        into.resize(columns + 2, 0);
+    }
+
     fn index(&self, [column, row]: [u32; 2]) -> usize {
         row as usize * self.tiles[0] as usize + column as usize
     }
@@ -158,5 +231,33 @@ impl StaleTiles {
     /// Whether each tile is stale: bit `i % 32`, counted from the lowest, of word `i / 32` for tile `i`, row by row.
     pub fn words(&self) -> &[u32] {
         &self.words
+    }
+}
+
+/// The bits of words one after the other, from the lowest of each on.
+struct Bits<'a> {
+    words: std::slice::Iter<'a, u32>,
+    word: u32,
+    left: u32,
+}
+
+impl<'a> Bits<'a> {
+    /// From a bit on.
+    fn at(words: &'a [u32], index: usize) -> Self {
+        let mut words = words.get(index / 32..).unwrap_or_default().iter();
+        let (word, skipped) = (words.next().copied().unwrap_or(0), index as u32 % 32);
+        Self { words, word: word >> skipped, left: u32::BITS - skipped }
+    }
+
+    /// The next one; 0 after the last.
+    #[inline]
+    fn take(&mut self) -> u8 {
+        if self.left == 0 {
+            (self.word, self.left) = (self.words.next().copied().unwrap_or(0), u32::BITS);
+        }
+        let bit = (self.word & 1) as u8;
+        self.word >>= 1;
+        self.left -= 1;
+        bit
     }
 }

@@ -80,6 +80,13 @@ impl RefreshSettings {
         }
     }
 
+    /// A change up to which [`Self::need`] is at most 1 at every eccentricity: sensitivity is greatest at the gaze. Negative where there
+    /// is no such change.
+    pub fn least_change(&self, visible: &VisibleChange) -> f32 {
+        let threshold = self.change * visible.at(0.0);
+        if threshold > 0.0 { threshold } else { f32::NEG_INFINITY }
+    }
+
     /// Whether so many tiles changed that the scene did, and everything is refreshed
     /// ([`super::CellAges::require_all`]). Never without tiles; a NaN share counts as 0.
     pub fn is_scene_cut(&self, changed: usize, tiles: usize) -> bool {

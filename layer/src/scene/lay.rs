@@ -52,10 +52,19 @@ impl RateImage {
 /// Space to work in, kept so that a frame allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
-    /// For each column of the rate image, the columns of the plan that it meets.
+    /// For each limit of a layer and each column of the rate image, the columns of the plan that it meets.
     columns: Vec<Span>,
     /// The finest of some rows of the plan.
     row: Vec<u8>,
+}
+
+/// What decides a row of texels: rows that agree in it are alike.
+#[derive(Clone, PartialEq, Eq, Default)]
+struct RowKey {
+    /// For each limit, the rows of the plan that it meets.
+    met: SmallVec<[Span; 8]>,
+    /// For each part, whether it has all pixels of the row within the render area, or none.
+    covers: SmallVec<[bool; 8]>,
 }
 
 /// Writes the texels of `image` to `out`, row by row, layer by layer: [`parafovea_core::rate::ShadingRate::texel`], with
@@ -100,20 +109,25 @@ fn lay_layer(
         texels.copy_from_slice(rates);
         return;
     }
-    texels.fill(COARSEST);
-    for place in places {
-        for map in maps(eyes, place.eyes) {
-            if place.orientation != Orientation::UpsideDown {
-                limit(map, place, false, image, scratch, texels);
-            }
-            if place.orientation != Orientation::Upright {
-                limit(map, place, true, image, scratch, texels);
-            }
+    let Scratch { columns, row: finest } = scratch;
+    let limits = Limits::new(eyes, places, image, columns);
+    let width = image.tiles[0] as usize;
+    let mut last: Option<RowKey> = None;
+    for row in 0..image.tiles[1] {
+        let begin = row as usize * width;
+        let key = limits.row_key(places, image, row);
+        if key.is_some() && key == last {
+            texels.copy_within(begin - width..begin, begin);
+            continue;
         }
-    }
-    uncover(places, image, texels);
-    for texel in texels {
-        *texel = rates.of_unary(*texel);
+        last = key;
+        let texels = &mut texels[begin..begin + width];
+        texels.fill(COARSEST);
+        limits.apply(image, row, columns, finest, texels);
+        uncover(places, image, row, texels);
+        for texel in texels {
+            *texel = rates.of_unary(*texel);
+        }
     }
 }
 
@@ -180,6 +194,22 @@ impl Place {
         Self { eyes: part.eyes, orientation: part.orientation, axes }
     }
 
+    /// Whether the part has all pixels of a row within the render area, or none; `None` where it has some, or the row lies outside of the
+    /// area.
+    fn covers_row(&self, image: &RateImage, row: u32) -> Option<bool> {
+        let texel = i64::from(image.texel[1]);
+        let (area, area_end) = area(image, 1);
+        let from = (i64::from(row) * texel).max(area);
+        let to = ((i64::from(row) + 1) * texel).min(area_end);
+        let (first, end) = self.axes[1];
+        match () {
+            () if from >= to => None,
+            () if first <= from && to <= end => Some(true),
+            () if end <= from || to <= first => Some(false),
+            () => None,
+        }
+    }
+
     /// The texels of which all pixels within the render area lie in the part.
     fn inner(&self, axis: usize, image: &RateImage) -> Span {
         let (first, end) = self.axes[axis];
@@ -197,37 +227,98 @@ fn area(image: &RateImage, axis: usize) -> (i64, i64) {
     (first, first + i64::from(image.area[axis + 2]))
 }
 
-/// Limits the texels that a part meets to the finest tile under each. A map without tiles limits all to 1x1.
-fn limit(
-    map: &EyeMap,
-    place: &Place,
-    flipped: bool,
-    image: &RateImage,
-    scratch: &mut Scratch,
-    texels: &mut [u8],
-) {
-    let Scratch { columns, row } = scratch;
-    columns.clear();
-    columns.extend((0..image.tiles[0]).map(|column| span::met(map, place, image, 0, column, false)));
-    let straight = straight(columns);
-    let width = image.tiles[0] as usize;
-    for (index, texels) in (0u32..).zip(texels.chunks_exact_mut(width)) {
-        let rows = span::met(map, place, image, 1, index, flipped);
-        if rows.is_empty() {
-            continue;
-        }
-        finest_row(map, rows, row);
-        if let Some((from, to, first)) = straight {
-            for (texel, rate) in texels[from..to].iter_mut().zip(&row[first..]) {
-                *texel &= rate;
+/// The plans under the parts of a layer. A plan without tiles limits all texels of its part to 1x1.
+struct Limits<'a>(SmallVec<[Limit<'a>; 8]>);
+
+/// A plan under a part.
+struct Limit<'a> {
+    map: &'a EyeMap,
+    place: &'a Place,
+    is_flipped: bool,
+    columns: Columns,
+}
+
+/// How columns of the rate image meet those of the plan.
+#[derive(Clone, Copy)]
+enum Columns {
+    /// One each, in turn: first and end column, first of the plan.
+    Straight(usize, usize, usize),
+    /// At most one each.
+    Single,
+    Several,
+}
+
+impl<'a> Limits<'a> {
+    /// `spans` becomes the columns that each limit meets.
+    fn new(eyes: [&'a EyeMap; 2], places: &'a Places, image: &RateImage, spans: &mut Vec<Span>) -> Self {
+        spans.clear();
+        let mut limits = SmallVec::new();
+        for place in places {
+            for map in maps(eyes, place.eyes) {
+                let begin = spans.len();
+                let met = |column| span::met(map, place, image, 0, column, false);
+                spans.extend((0..image.tiles[0]).map(met));
+                let own = &spans[begin..];
+                let columns = match straight(own) {
+                    Some((from, to, first)) => Columns::Straight(from, to, first),
+                    None if own.iter().all(|span| span.range().len() <= 1) => Columns::Single,
+                    None => Columns::Several,
+                };
+                let limit = |is_flipped| Limit { map, place, is_flipped, columns };
+                if place.orientation != Orientation::UpsideDown {
+                    limits.push(limit(false));
+                }
+                if place.orientation != Orientation::Upright {
+                    if place.orientation == Orientation::Unknown {
+                        spans.extend_from_within(begin..);
+                    }
+                    limits.push(limit(true));
+                }
             }
-            continue;
         }
-        for (texel, columns) in texels.iter_mut().zip(columns.iter()) {
-            if !columns.is_empty() {
-                *texel &= finest(&row[columns.range()]);
+        Self(limits)
+    }
+
+    /// What decides a row; `None` where that is more than a key says.
+    fn row_key(&self, places: &Places, image: &RateImage, row: u32) -> Option<RowKey> {
+        let covers = places.iter().map(|place| place.covers_row(image, row)).collect::<Option<_>>()?;
+        let met = self.0.iter().map(|limit| limit.rows(image, row)).collect();
+        Some(RowKey { met, covers })
+    }
+
+    /// Limits the texels of a row to the finest tile under each.
+    fn apply(&self, image: &RateImage, row: u32, spans: &[Span], finest_of: &mut Vec<u8>, texels: &mut [u8]) {
+        let width = image.tiles[0] as usize;
+        for (limit, spans) in self.0.iter().zip(spans.chunks_exact(width)) {
+            let rows = limit.rows(image, row);
+            if rows.is_empty() {
+                continue;
+            }
+            finest_row(limit.map, rows, finest_of);
+            match limit.columns {
+                Columns::Straight(from, to, first) => {
+                    for (texel, rate) in texels[from..to].iter_mut().zip(&finest_of[first..]) {
+                        *texel &= rate;
+                    }
+                }
+                Columns::Single => {
+                    for (texel, span) in texels.iter_mut().zip(spans) {
+                        *texel &= if span.is_empty() { COARSEST } else { finest_of[span.range().start] };
+                    }
+                }
+                Columns::Several => {
+                    for (texel, span) in texels.iter_mut().zip(spans).filter(|(_, span)| !span.is_empty()) {
+                        *texel &= finest(&finest_of[span.range()]);
+                    }
+                }
             }
         }
+    }
+}
+
+impl Limit<'_> {
+    fn rows(&self, image: &RateImage, row: u32) -> Span {
+        span::met(self.map, self.place, image, 1, row, self.is_flipped)
     }
 }
 
@@ -261,23 +352,20 @@ fn finest_row(map: &EyeMap, rows: Span, out: &mut Vec<u8>) {
     }
 }
 
-/// Makes those texels 1x1 that have a pixel of the render area in no part, and those outside of it.
-fn uncover(places: &Places, image: &RateImage, texels: &mut [u8]) {
-    let width = image.tiles[0] as usize;
-    let inner: SmallVec<[[Span; 2]; 8]> =
-        places.iter().map(|place| [place.inner(0, image), place.inner(1, image)]).collect();
-    for (row, texels) in (0u32..).zip(texels.chunks_exact_mut(width)) {
-        let mut column = 0;
-        while column < width {
-            // Whole runs of texels within one part are by far the most.
-            let run = inner.iter().find_map(|[columns, rows]| {
-                (rows.contains(row) && columns.range().contains(&column)).then_some(columns.range().end)
-            });
-            if run.is_none() && !is_covered(places, image, [column as u32, row]) {
-                texels[column] = FULL;
-            }
-            column = run.unwrap_or(column + 1);
+/// Makes those texels of a row 1x1 that have a pixel of the render area in no part, and those outside of it.
+fn uncover(places: &Places, image: &RateImage, row: u32, texels: &mut [u8]) {
+    let inner = |place: &Place| [place.inner(0, image), place.inner(1, image)];
+    let inner: SmallVec<[[Span; 2]; 8]> = places.iter().map(inner).collect();
+    let mut column = 0;
+    while column < texels.len() {
+        // Whole runs of texels within one part are by far the most.
+        let run = inner.iter().find_map(|[columns, rows]| {
+            (rows.contains(row) && columns.range().contains(&column)).then_some(columns.range().end)
+        });
+        if run.is_none() && !is_covered(places, image, [column as u32, row]) {
+            texels[column] = FULL;
         }
+        column = run.unwrap_or(column + 1);
     }
 }
 

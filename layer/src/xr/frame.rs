@@ -67,12 +67,14 @@ pub unsafe extern "system" fn begin(handle: xr::Session, info: *const xr::FrameB
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.begin_frame)(handle, info) };
     guard("xrBeginFrame", below, |answer| {
+        let active = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)));
+        // Before the call: it lets the xrWaitFrame of the next frame return on another thread.
+        let time = active.and_then(|(_, active)| active.plan.awaited());
         let section = known.as_ref().and_then(|known| known.runtime_section());
         let result = answer.record(below());
         drop(section);
-        let active = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)));
-        if let (true, Some((known, active))) = (result.into_raw() >= 0, active) {
-            plan::frame_begun(known, active);
+        if let (true, Some((known, active)), Some(time)) = (result.into_raw() >= 0, active, time) {
+            plan::frame_begun(known, active, time);
         }
         result
     })

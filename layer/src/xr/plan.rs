@@ -1,5 +1,6 @@
-//! When a session's frames are planned, and who is told: at xrBeginFrame, again where the application locates its views,
-//! and at xrEndFrame only where nothing could be planned before.
+//! When a session's frames are planned, and who is told. Each frame is planned once, with the newest gaze that can still matter: at the
+//! application's first xrLocateViews between xrBeginFrame and xrEndFrame for the frame's display time. An application whose last frame
+//! had no such call is planned at xrBeginFrame, and a frame without any plan at xrEndFrame.
 //!
 //! Gaze is located on these threads, never inside a call of Vulkan: engines hold the locks of their queues there, and a
 //! locate may wait for another process. No lock of ours is held meanwhile.
@@ -40,8 +41,10 @@ pub struct SessionPlan {
     ears: Mutex<Ears>,
     /// Display time of the frame that xrWaitFrame returned last.
     awaited: AtomicI64,
-    /// Display time for which views were located last.
-    located: AtomicI64,
+    /// Display time of the frame that xrBeginFrame began last.
+    begun: AtomicI64,
+    /// Whether the views of that frame were located since.
+    is_located: AtomicBool,
     /// Display time of the first frame, until it was looked whether anything is seen.
     first: AtomicI64,
     has_looked: AtomicBool,
@@ -56,7 +59,8 @@ impl Default for SessionPlan {
             benefit: Mutex::default(),
             ears: Mutex::default(),
             awaited: AtomicI64::new(NEVER),
-            located: AtomicI64::new(NEVER),
+            begun: AtomicI64::new(NEVER),
+            is_located: AtomicBool::new(false),
             first: AtomicI64::new(NEVER),
             has_looked: AtomicBool::new(false),
             has_failed: AtomicBool::new(false),
@@ -78,6 +82,12 @@ impl SessionPlan {
     /// xrWaitFrame returned a frame to be shown at `time`.
     pub fn frame_awaited(&self, time: xr::Time) {
         self.awaited.store(time.as_nanos(), Ordering::Relaxed);
+    }
+
+    /// Display time of the frame that xrBeginFrame is about to begin; `None` before the first xrWaitFrame.
+    pub fn awaited(&self) -> Option<xr::Time> {
+        let time = self.awaited.load(Ordering::Relaxed);
+        (time != NEVER).then(|| xr::Time::from_nanos(time))
     }
 
     /// Where colour is kept in the left and in the right view, in the space of the head, and how it falls off from there.
@@ -230,15 +240,17 @@ pub fn tell_unseen(session: &Session, active: &Active, config: &Config, time: xr
     }
 }
 
-/// xrBeginFrame succeeded.
-pub fn frame_begun(session: &Session, active: &Active) {
-    let time = active.plan.awaited.load(Ordering::Relaxed);
-    if time == NEVER {
-        return;
+/// xrBeginFrame succeeded, for the frame that is shown at `time`.
+pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
+    let state = &active.plan;
+    state.tell_settings(active, &session.instance.config.get());
+    state.begun.store(time.as_nanos(), Ordering::Relaxed);
+    let was_located = state.is_located.swap(false, Ordering::Relaxed);
+    state.planning().frame_begins(time.as_nanos());
+    // Where the views of the last frame were located, those of this one will be, and the gaze is newer then.
+    if !was_located {
+        plan(session, active, time);
     }
-    active.plan.tell_settings(active, &session.instance.config.get());
-    active.plan.planning().frame_begins(time);
-    plan(session, active, xr::Time::from_nanos(time));
 }
 
 /// `xrLocateViews`: what the application will draw, and with it the newest gaze.
@@ -277,11 +289,21 @@ pub unsafe extern "system" fn locate_views(
     })
 }
 
-/// The application located its views. Of several calls for one frame the first plans it.
+/// The application located its views. Of several calls for one frame the first plans it, where the plan waits for it; calls for other
+/// times, of a thread that prepares the next frame, plan nothing.
 fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr::View]) {
     let views: SmallVec<[View; 4]> = views.iter().filter_map(|view| of_pose(&view.pose, &view.fov)).collect();
-    active.plan.planning().views.located(&views);
-    if active.plan.located.swap(time.as_nanos(), Ordering::Relaxed) != time.as_nanos() {
+    let state = &active.plan;
+    let is_planned = {
+        let mut planning = state.planning();
+        planning.views.located(&views);
+        planning.is_planned()
+    };
+    if state.begun.load(Ordering::Relaxed) != time.as_nanos() {
+        return;
+    }
+    let is_first = !state.is_located.swap(true, Ordering::Relaxed);
+    if is_first && !is_planned {
         plan(session, active, time);
     }
 }

@@ -104,3 +104,21 @@ fn chords_are_angles() {
         assert!((deg_of_chord(chord_of_deg(angle)) - angle).abs() < 1e-3, "{angle}");
     }
 }
+
+#[test]
+fn tiles_of_a_plan_follow_the_picture_and_not_the_texel() {
+    for (texel, extent, expected) in [
+        ([8, 8], [2160, 2160], [32, 32]),
+        ([16, 16], [2160, 2160], [32, 32]),
+        ([8, 8], [1024, 1024], [16, 16]),
+        ([16, 16], [1024, 1024], [16, 16]),
+        ([8, 8], [256, 256], [8, 8]),
+        ([8, 16], [576, 2160], [8, 32]),
+        ([16, 16], [4096, 4000], [64, 64]),
+        ([64, 64], [16_384, 16_384], [64, 64]),
+        ([8, 8], [0, 0], [8, 8]),
+        ([0, 24], [100, 8000], [2, 48]),
+    ] {
+        assert_eq!(tile_of(texel, extent), expected, "{texel:?} {extent:?}");
+    }
+}

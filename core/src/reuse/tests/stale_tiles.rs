@@ -40,6 +40,14 @@ fn contradictions_are_fresh() {
 }
 
 #[test]
+fn a_picture_without_tiles_is_fresh() {
+    let mut none = StaleTiles::default();
+    assert_eq!(none.kinds([0, 0], [0, 0]), (true, false));
+    none.sum();
+    assert_eq!(none.kinds([0, 0], [0, 0]), (true, false));
+}
+
+#[test]
 fn points_are_found_in_their_tiles() {
     let stale = set([100, 70], [16, 8], |_, _| true);
     let tile = |x: f32, y: f32| stale.tile_at(Vec2::new(x / 100.0, y / 70.0));
@@ -53,6 +61,33 @@ fn points_are_found_in_their_tiles() {
 }
 
 proptest! {
+    #[test]
+    fn sums_answer_as_tiles_do(
+        tiles in prop::array::uniform2(1u32..80), corners in prop::array::uniform2(prop::array::uniform2(0.0f32..1.0)),
+        share in 0u32..8, seed in 0u32..1000,
+    ) {
+        let hash = |column: u32, row: u32| (column * 31 + row * 17 + seed).wrapping_mul(0x9e37_79b1) >> 29;
+        let mut stale = set(tiles.map(|side| side * 8), [8, 8], |column, row| hash(column, row) < share);
+        let at = |part: [f32; 2]| [0, 1].map(|axis: usize| (part[axis] * tiles[axis] as f32) as u32);
+        let [a, b] = corners.map(at);
+        let first = [a[0].min(b[0]), a[1].min(b[1])];
+        let last = [a[0].max(b[0]), a[1].max(b[1])];
+        let mut inside = (first[1]..=last[1])
+            .flat_map(|row| (first[0]..=last[0]).map(move |column| [column, row]))
+            .map(|tile| stale.is_stale(tile));
+        let expected = (inside.clone().any(|is_stale| !is_stale), inside.any(|is_stale| is_stale));
+        prop_assert_eq!(stale.kinds(first, last), expected);
+        stale.sum();
+        prop_assert_eq!(stale.kinds(first, last), expected);
+        let mut row = Vec::new();
+        stale.unpack_row(first[1], &mut row);
+        let unpacked: Vec<bool> = row[1..row.len() - 1].iter().map(|byte| *byte == 1).collect();
+        let own: Vec<bool> = (0..tiles[0]).map(|column| stale.is_stale([column, first[1]])).collect();
+        prop_assert_eq!(unpacked, own);
+        stale.unite(&set([8, 8], [8, 8], |_, _| true));
+        prop_assert_eq!(stale.kinds(first, last), (false, true), "old sums are gone");
+    }
+
     #[test]
     fn a_union_holds_each_point_that_is_stale_in_either(
         extents in prop::array::uniform2(prop::array::uniform2(1u32..90)),

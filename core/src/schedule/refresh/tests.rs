@@ -49,3 +49,17 @@ fn a_scene_cut_is_a_large_share() {
     assert!(!settings.is_scene_cut(0, 0));
     assert!(RefreshSettings { cut_share: f32::NAN, ..settings }.is_scene_cut(0, 1));
 }
+
+#[test]
+fn no_smaller_change_than_the_least_is_refreshed_anywhere() {
+    let (settings, visible) = (RefreshSettings::default(), VisibleChange::new(0.7));
+    let least = settings.least_change(&visible);
+    assert!(least > 0.0 && settings.need(least * 1.01, &visible, 0.0) > 1.0);
+    for eccentricity_deg in [0.0, 3.0, 20.0, 60.0, 180.0, f32::NAN] {
+        assert!(settings.need(least, &visible, eccentricity_deg) <= 1.0, "at {eccentricity_deg}");
+    }
+    for change in [0.0, -1.0, f32::NAN] {
+        let all = RefreshSettings { change, ..settings };
+        assert_eq!(all.least_change(&visible), f32::NEG_INFINITY, "all of it is refreshed");
+    }
+}

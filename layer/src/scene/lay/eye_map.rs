@@ -1,8 +1,7 @@
 //! The plan of one eye.
 
-use super::rates::{FULL, RateSet, unary};
-use parafovea_core::rate::ShadingRate;
-use parafovea_core::reuse::{STALE, StaleTiles};
+use super::rates::{FULL, RateSet, TILE_BYTES};
+use parafovea_core::reuse::StaleTiles;
 
 /// Rates of one eye's picture, see [`crate::link::EyeMapRecord`].
 #[derive(Clone, Debug, Default)]
@@ -20,7 +19,7 @@ pub struct EyeMap {
 
 impl EyeMap {
     /// Takes a plan: the size of its picture and of a tile in pixels, columns and rows of tiles, and their texels, with the
-    /// bit [`STALE`] where that is so. Texels that are no rate count as 1x1. Memory is only asked for beyond the largest plan so far.
+    /// bit [`parafovea_core::reuse::STALE`] where that is so. Texels that are no rate count as 1x1. Memory is only asked for beyond the largest plan so far.
     ///
     /// Where the numbers contradict each other the map becomes empty: everything is 1x1.
     pub fn set(&mut self, extent: [u32; 2], texel: [u32; 2], tiles: [u32; 2], texels: &[u8]) {
@@ -32,13 +31,13 @@ impl EyeMap {
             return;
         }
         (self.extent, self.texel, self.tiles) = (extent, texel, tiles);
+        let bytes = &*TILE_BYTES;
+        self.texels.extend(texels.iter().map(|texel| bytes[usize::from(*texel)].texel));
+        self.unary.extend(texels.iter().map(|texel| bytes[usize::from(*texel)].unary));
         for texel in texels {
-            let stale = texel & STALE;
-            let rate = ShadingRate::from_texel(texel & !STALE).unwrap_or(ShadingRate::R1X1);
-            self.texels.push(rate.texel() | stale);
-            self.unary.push(unary(rate) | stale);
-            self.used.insert(rate);
-            self.coarsens |= stale == 0 && rate != ShadingRate::R1X1;
+            let byte = &bytes[usize::from(*texel)];
+            self.used = self.used.union(byte.used);
+            self.coarsens |= byte.coarsens;
         }
         self.stale.set(extent, texel, &self.texels);
     }
@@ -68,7 +67,7 @@ impl EyeMap {
         self.tiles
     }
 
-    /// Texels of the tiles, row by row, with [`STALE`].
+    /// Texels of the tiles, row by row, with [`parafovea_core::reuse::STALE`].
     pub fn texels(&self) -> &[u8] {
         &self.texels
     }
@@ -87,7 +86,7 @@ impl EyeMap {
         self.used
     }
 
-    /// Unary rates of a row, with [`STALE`]; 1x1 beyond the plan.
+    /// Unary rates of a row, with [`parafovea_core::reuse::STALE`]; 1x1 beyond the plan.
     pub(super) fn unary_row(&self, row: usize) -> &[u8] {
         let columns = self.tiles[0] as usize;
         self.unary.get(row * columns..(row + 1) * columns).filter(|row| !row.is_empty()).unwrap_or(&[FULL])

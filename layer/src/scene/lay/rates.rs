@@ -2,6 +2,7 @@
 
 use parafovea_core::rate::ShadingRate;
 use parafovea_core::reuse::STALE;
+use std::sync::LazyLock;
 
 /// Unary of 1x1.
 pub(super) const FULL: u8 = 0;
@@ -70,6 +71,11 @@ pub fn refine_fresh(texels: &mut [u8]) {
 pub(super) struct RateSet(u16);
 
 impl RateSet {
+    /// The set with the bits of another too.
+    pub(super) fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
     pub(super) fn insert(&mut self, rate: ShadingRate) {
         self.0 |= 1 << rate.texel();
     }
@@ -81,3 +87,32 @@ pub(super) fn unary(rate: ShadingRate) -> u8 {
     let side = |pixels: u32| (pixels - 1) as u8;
     side(rate.width()) << 2 | side(rate.height())
 }
+
+/// A tile's byte in the map of an eye's rates, in the forms that laying needs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TileByte {
+    /// Its texel with [`STALE`]; 1x1 for a byte that is no rate.
+    pub(super) texel: u8,
+    /// Unary, with [`STALE`].
+    pub(super) unary: u8,
+    /// The rate, and whether it is coarser than 1x1 and not stale.
+    pub(super) used: RateSet,
+    pub(super) coarsens: bool,
+}
+
+/// By byte.
+pub(super) static TILE_BYTES: LazyLock<[TileByte; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|byte| {
+        let byte = byte as u8;
+        let stale = byte & STALE;
+        let rate = ShadingRate::from_texel(byte & !STALE).unwrap_or(ShadingRate::R1X1);
+        let mut used = RateSet::default();
+        used.insert(rate);
+        TileByte {
+            texel: rate.texel() | stale,
+            unary: unary(rate) | stale,
+            used,
+            coarsens: stale == 0 && rate != ShadingRate::R1X1,
+        }
+    })
+});

@@ -59,11 +59,11 @@ pub(super) fn met(
         return Span { first: 0, end: 1 };
     }
     let (from, to) = if flipped { (end - to, end - from) } else { (from - first, to - first) };
-    let scaled = i128::from(extent);
-    let whole = i128::from(end - first) * i128::from(tile);
-    let begin = i128::from(from) * scaled / whole;
-    let past = (i128::from(to) * scaled + whole - 1) / whole;
+    // Sides are below 2^31, so that all products fit: those of Vulkan's images, and of parts within 64 render areas.
+    let whole = (end - first).saturating_mul(tile);
+    let begin = from.saturating_mul(extent) / whole;
+    let past = to.saturating_mul(extent).saturating_add(whole - 1) / whole;
     let last = i64::from(tiles) - 1;
-    let begin = i64::try_from(begin).unwrap_or(last).min(last);
-    Span::within(begin, i64::try_from(past).unwrap_or(i64::MAX).max(begin + 1), tiles)
+    let begin = begin.min(last);
+    Span::within(begin, past.max(begin + 1), tiles)
 }

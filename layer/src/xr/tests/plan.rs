@@ -93,5 +93,6 @@ fn a_runtime_that_blocks_in_a_locate_blocks_nobody_else() {
         receiver.recv_timeout(Duration::from_secs(30)).expect("another thread waits for a lock of ours");
     })));
     application.begin();
+    application.locate();
     assert!(IN_LOCATE.take().is_none(), "nothing was located");
 }

@@ -22,18 +22,49 @@ fn a_gaze_that_moves_between_begin_and_locate_is_in_the_plan_before_the_applicat
 }
 
 #[test]
-fn gaze_is_located_at_begin_and_with_the_views_and_nowhere_else() {
+fn gaze_is_located_once_a_frame_with_the_first_views() {
     let application = Application::new();
     look(0.0);
     application.settle();
     GAZE_LOCATED.set(0);
     application.begin();
+    assert_eq!(GAZE_LOCATED.get(), 0, "the views are yet to be located");
+    application.locate();
+    application.locate();
     assert_eq!(GAZE_LOCATED.get(), 1);
-    application.locate();
-    application.locate();
-    assert_eq!(GAZE_LOCATED.get(), 2);
     application.end(&[application.view(0), application.view(1)], None);
-    assert_eq!(GAZE_LOCATED.get(), 2);
+    assert_eq!(GAZE_LOCATED.get(), 1);
+}
+
+#[test]
+fn an_application_that_locates_its_views_elsewhere_is_planned_at_begin() {
+    let application = Application::new();
+    look(0.0);
+    application.settle();
+    let views = [application.view(0), application.view(1)];
+    let plans_of = |act: &dyn Fn()| {
+        GAZE_LOCATED.set(0);
+        act();
+        GAZE_LOCATED.get()
+    };
+    // The first frame without its views is planned as it ends, those after it as they begin.
+    assert_eq!(plans_of(&|| application.begin()), 0);
+    assert_eq!(plans_of(&|| application.end(&views, None)), 1);
+    for _ in 0..3 {
+        assert_eq!(plans_of(&|| application.begin()), 1);
+        // A thread that prepares the next frame.
+        let time = DISPLAY_TIME.get();
+        DISPLAY_TIME.set(time + FRAME_NS);
+        assert_eq!(plans_of(&|| application.locate()), 0);
+        DISPLAY_TIME.set(time);
+        assert_eq!(plans_of(&|| application.end(&views, None)), 0);
+    }
+    // And back: one frame is planned as it begins, and the next with its views.
+    assert_eq!(plans_of(&|| application.begin()), 1);
+    assert_eq!(plans_of(&|| application.locate()), 0);
+    application.end(&views, None);
+    assert_eq!(plans_of(&|| application.begin()), 0);
+    assert_eq!(plans_of(&|| application.locate()), 1);
 }
 
 #[test]
