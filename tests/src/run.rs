@@ -22,7 +22,6 @@ use parafovea_test_layers::{
 };
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::Duration;
 
 /// What is run.
@@ -277,9 +276,9 @@ impl Run {
         let text = toml::to_string(&self.scenario).map_err(|error| HarnessError::format(&scenario, error))?;
         write(&scenario, &text)?;
 
-        let mut command = Command::new(&self.application.program);
+        let mut command = self.driver.command(&self.application.program)?;
         command.args(&self.application.arguments).current_dir(folder.path()).env_clear();
-        command.envs(installation.private_environment(self.driver)).env("PARAFOVEA_MOCK_SCENARIO", scenario);
+        command.envs(installation.private_environment(self.driver)?).env("PARAFOVEA_MOCK_SCENARIO", scenario);
         command.envs(self.layer.config().map(|_| ("PARAFOVEA", "1")));
         let mut vulkan_layers: Vec<String> = self.test_layers.iter().map(|layer| layer.name()).collect();
         if self.validation {

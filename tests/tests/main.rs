@@ -11,6 +11,7 @@ mod counting;
 mod debug_view;
 mod dist;
 mod documents;
+mod drivers;
 mod enabling;
 mod faults;
 mod frame;

@@ -5,6 +5,7 @@
 //! runs. Everything is written below the target folder.
 
 mod compare;
+mod drivers;
 mod monado;
 mod packages;
 mod sanitize;
@@ -18,6 +19,7 @@ const HELP: &str = "\
 cargo dev <task>, run anywhere in the repository:
 
   setup                 install what is missing (Debian and Ubuntu; elsewhere: name it). Implied by every task
+                        but for the drivers over kernel shims, which it unpacks to target/drivers/release and `test` needs
   demo [--json]         hello_xr and our scene through the layer, off and on; pictures in target/demo/
   test                  formatting, clippy, build, all tests, docs: what CI runs
   run [--runtime mock|system] [--config FILE] -- CMD...
