@@ -6,7 +6,7 @@
 
 use crate::HarnessError;
 use crate::artifacts::Library;
-use crate::drivers::ShimDevice;
+use crate::drivers::{Folder, ShimDevice};
 use parafovea_manifest::install::stage;
 use parafovea_manifest::json::Half;
 use parafovea_mock_runtime::write_runtime_manifest;
@@ -43,6 +43,16 @@ pub enum Driver {
 }
 
 impl Driver {
+    /// Folders with the explicit layers that programs find with this driver, besides the test layers.
+    pub(crate) fn data_folders(self) -> Vec<PathBuf> {
+        match self {
+            Driver::Shim(device) if device.folder() == Folder::Sid => {
+                Folder::Sid.path().into_iter().map(|folder| folder.join("usr/share")).collect()
+            }
+            _ => ["/usr/share", "/usr/local/share", "/etc"].map(PathBuf::from).into(),
+        }
+    }
+
     /// A command that runs `program` where this driver can be loaded.
     ///
     /// # Errors
@@ -77,7 +87,7 @@ impl Installation {
         let test_layers = Library::TestLayers.path()?;
         for layer in TestLayer::ALL {
             // Implicit layers from the configuration folder come above those from the data folder, and so these above ours.
-            let is_above = matches!(layer, TestLayer::Count | TestLayer::Calls);
+            let is_above = matches!(layer, TestLayer::Above | TestLayer::Count | TestLayer::Calls);
             let (kind, manifest) = if is_above {
                 ("config/vulkan/implicit_layer.d", layer.implicit_manifest(&test_layers))
             } else {

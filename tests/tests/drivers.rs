@@ -1,20 +1,74 @@
 //! Programs with the layer as the only layer above Mesa's real drivers: any layer below ours hides how the loader ends a
-//! chain of calls.
+//! chain of calls. A share of `cargo dev drivers`.
 
-use parafovea_tests::drivers::ShimDevice;
-use parafovea_tests::installation::Driver;
-use parafovea_tests::run::{Application, Run};
-use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use std::time::Duration;
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-const FRAMES: u64 = 8;
+use libtest_mimic::{Arguments, Failed, Trial};
+use parafovea_tests::drivers::{Cell, Folder, Mode, Program, Row, ShimDevice, Stack, Target, judge};
+use std::process::ExitCode;
 
-#[test]
-fn render_pass_on_navi31() {
-    let arguments = ["--style", "render-pass", "--size", "64", "--frames", "8"];
-    let application = Application::ours("parafovea-zoo", &arguments).unwrap();
-    let run = Run::new(&application, &Scenario::new(FRAMES).sized(64, 64));
-    let run = run.driver(Driver::Shim(ShimDevice::Navi31)).on("").timeout(Duration::from_secs(30));
-    let outcome = run.finish().unwrap().expect_frames(FRAMES).unwrap();
-    assert!(outcome.log.contains("rate attachments: Offer"), "{}", outcome.log);
+/// RDNA 1, without rates; RDNA 2; RDNA 3.
+const DEVICES: [ShimDevice; 3] = [ShimDevice::Navi10, ShimDevice::Navi21, ShimDevice::Navi31];
+
+/// Styles that begin passes, make pipelines and record draws in different ways.
+const STYLES: [&str; 8] = [
+    "render-pass",
+    "dynamic-rendering",
+    "multiview",
+    "imageless",
+    "msaa-resolve",
+    "proton",
+    "secondaries",
+    "subpasses",
+];
+
+const MODES: [Mode; 4] = [Mode::Off, Mode::Inert, Mode::Rates, Mode::Everything];
+
+fn main() -> ExitCode {
+    let missing = Folder::Release.path().err().map(|error| error.to_string());
+    // Only there are the drivers sure to be: elsewhere a reason to do without is no mistake.
+    let is_ignored = missing.is_some() && !is_bookworm();
+    if let (Some(reason), true) = (&missing, is_ignored) {
+        eprintln!("ignored: {reason}");
+    }
+    let trial = |device: ShimDevice, program: Program| {
+        let name = format!("{} on {}", program.name(), device.name());
+        Trial::test(name, move || check(device, program)).with_ignored_flag(is_ignored)
+    };
+    let trials = DEVICES.into_iter().flat_map(|device| {
+        programs().into_iter().map(move |program| trial(device, program)).collect::<Vec<_>>()
+    });
+    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
+}
+
+fn is_bookworm() -> bool {
+    let text = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
+    text.lines().any(|line| line == "ID=debian") && text.contains("VERSION_CODENAME=bookworm")
+}
+
+fn programs() -> Vec<Program> {
+    let is_wanted = |program: &Program| match program {
+        Program::Style(style) => STYLES.contains(&style.name),
+        Program::VulkanInfo | Program::HelloXr(_) | Program::Scene => true,
+        Program::Doctor => false,
+    };
+    Program::all().into_iter().filter(is_wanted).collect()
+}
+
+fn check(device: ShimDevice, program: Program) -> Result<(), Failed> {
+    let cells = MODES.map(|mode| Cell { stack: Stack::Alone, mode });
+    let row = judge(&Target::Shim(device), program, &cells)?;
+    assert_eq!((&row.refusal, row.left_out.as_slice()), (&None, &[][..]));
+    assert_eq!(row.runs.len(), cells.len());
+    let faults: Vec<_> = row.runs.iter().filter(|run| run.is_fault()).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+    if device.has_rates() && program.has_frames() {
+        assert_eq!(engaged(&row), Some("rates"));
+    }
+    Ok(())
+}
+
+/// What the layer did where it was to set rates.
+fn engaged(row: &Row) -> Option<&'static str> {
+    row.runs.iter().find(|run| run.mode == Mode::Rates.name())?.engaged
 }

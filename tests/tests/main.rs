@@ -11,7 +11,6 @@ mod counting;
 mod debug_view;
 mod dist;
 mod documents;
-mod drivers;
 mod enabling;
 mod faults;
 mod frame;

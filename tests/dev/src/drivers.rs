@@ -1,7 +1,9 @@
 //! Mesa's real drivers with no-op kernel shims, unpacked below the target folder by apt: nothing is installed, and no
 //! root's rights are needed.
 
-use crate::steps::profile_folder;
+use crate::setup::{Voice, setup};
+use crate::steps::{Steps, profile_folder};
+use crate::tasks;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -39,6 +41,32 @@ pub fn unpack_release() {
     if let Err(reason) = unpack(&set) {
         eprintln!("cargo dev: no drivers over kernel shims: {reason}");
     }
+}
+
+/// Unpacks sid's drivers to `target/drivers/sid`, with its loaders, validation and C library: the newest Mesa, and drivers that releases
+/// leave out. Says so where that cannot be, which is no error.
+fn unpack_sid() {
+    let packages = &[
+        "libopenxr-loader1",
+        "libvulkan1",
+        "mesa-drm-shim",
+        "mesa-vulkan-drivers",
+        "openxr-layer-corevalidation",
+        "vulkan-validationlayers",
+    ];
+    if let Err(reason) = unpack(&Set { name: "sid", suite: "sid", packages, with_dependencies: true }) {
+        println!("skipped: drivers of Debian sid: {reason}");
+    }
+}
+
+/// The layer on all of Mesa's drivers.
+pub fn drivers(arguments: &[String]) -> Result<(), String> {
+    setup(Voice::Implied)?;
+    unpack_release();
+    unpack_sid();
+    let mut steps = Steps::default();
+    tasks::build(&mut steps)?;
+    steps.run("drivers", Command::new(profile_folder()?.join("parafovea-drivers")).args(arguments))
 }
 
 /// The suite with mesa-drm-shim for a release, by the text of `/etc/os-release`.

@@ -22,6 +22,11 @@ cargo dev <task>, run anywhere in the repository:
                         but for the drivers over kernel shims, which it unpacks to target/drivers/release and `test` needs
   demo [--json]         hello_xr and our scene through the layer, off and on; pictures in target/demo/
   test                  formatting, clippy, build, all tests, docs: what CI runs
+  drivers [--json] [PART]
+                        the layer on Mesa's real drivers over no-op kernel shims, without a GPU (RADV, NVK, Turnip; Debian's packages, unpacked
+                        in target/drivers/): programs x other layers (none, validation, one above and one below) x configurations (off,
+                        inert, rates, mask, everything), all with PART in `DEVICE PROGRAM`. Six styles, hello_xr, our scene, vulkaninfo
+                        and the doctor in all combinations; other styles alone with rates and everything, and validated with everything
   run [--runtime mock|system] [--config FILE] -- CMD...
                         any OpenXR program with the layer (default: the mock runtime on lavapipe)
   zoo [STYLE]           every style of rendering at full length (256 x 256 pixels, 120 frames, with a still and a moving gaze, on both
@@ -63,6 +68,7 @@ fn main() -> ExitCode {
         Some("run") => tasks::run(rest),
         Some("zoo") => tasks::zoo(rest),
         Some("faults") => tasks::faults(rest),
+        Some("drivers") => drivers::drivers(rest),
         Some("fuzz") => tasks::fuzz(rest),
         Some("gpu") => tasks::gpu(rest),
         Some("bench") => tasks::bench(rest),
