@@ -6,7 +6,7 @@
 
 use super::attach::Rates;
 use super::commands::SetRate;
-use super::copies::slice;
+use super::copies::{slice, words};
 use super::shader::{Effects, FragmentShaders};
 use crate::abi::guard;
 use crate::mask::PipelineFacts;
@@ -84,9 +84,9 @@ unsafe fn effects(info: &vk::ShaderCreateInfoEXT<'_>) -> Effects {
     }
     // SAFETY: the caller vouches for the code, which is SPIR-V of `code_size` bytes, and the name.
     unsafe {
-        let words = slice(info.p_code.cast::<u32>(), (info.code_size / size_of::<u32>()) as u32);
+        let words = words(info.p_code, info.code_size);
         let name = CStr::from_ptr(info.p_name).to_str();
-        let shaders = FragmentShaders::read(words).zip(name.ok());
+        let shaders = FragmentShaders::read(&words).zip(name.ok());
         shaders.map_or(Effects::UNKNOWN, |(shaders, name)| shaders.effects(name))
     }
 }
@@ -186,7 +186,27 @@ pub unsafe extern "system" fn bind(
 
 #[cfg(test)]
 mod tests {
+    use super::super::shader::tests::plain_shader;
     use super::*;
+
+    /// Applications include compiled shaders as bytes, at any address.
+    #[test]
+    fn code_at_an_odd_address_is_read() {
+        let code: Vec<u8> = plain_shader().iter().flat_map(|word| word.to_ne_bytes()).collect();
+        for offset in 0..4 {
+            let mut aligned = vec![0u32; code.len() / 4 + 1];
+            let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut aligned);
+            bytes[offset..offset + code.len()].copy_from_slice(&code);
+            let info = vk::ShaderCreateInfoEXT::default()
+                .stage(vk::ShaderStageFlags::FRAGMENT)
+                .code_type(vk::ShaderCodeTypeEXT::SPIRV)
+                .code(&bytes[offset..offset + code.len()])
+                .name(c"main");
+            // SAFETY: the structure is valid but for the alignment of its code.
+            let effects = unsafe { effects(&info) };
+            assert_eq!(effects, Effects::default(), "at an offset of {offset} bytes");
+        }
+    }
 
     #[test]
     fn only_fragment_shaders_get_the_flag() {
