@@ -6,6 +6,9 @@ use super::dispatch_key::DispatchKey;
 use super::enablement::Enablement;
 use super::rates::{self, Copies, room};
 use crate::abi::guard;
+use crate::config::Arming;
+#[cfg(not(test))]
+use crate::config::Environment;
 use crate::registry::Registry;
 use ash::vk;
 use std::sync::Arc;
@@ -122,8 +125,9 @@ unsafe fn create_below(
         let mut room = room::<64>();
         let mut copies = Copies::new(&mut room);
         let version = requested_version((*info).p_application_info.as_ref());
+        let wants_rates = enabled && arming() == Arming::Rates;
         if let Some(amended) =
-            enabled.then(|| rates::create::instance(&*info, version, &mut copies)).flatten()
+            wants_rates.then(|| rates::create::instance(&*info, version, &mut copies)).flatten()
         {
             let before = *instance;
             let link = chain::instance_link(info).map(|at| (at, *at));
@@ -139,6 +143,15 @@ unsafe fn create_below(
         create(info, allocator, instance)
     }
 }
+
+/// What the configuration of this process asks of a device that is created now.
+#[cfg(not(test))]
+pub fn arming() -> Arming {
+    Arming::of_process(&Environment::of_process(Enablement::of_process() == Enablement::Elevated))
+}
+
+#[cfg(test)]
+pub use super::tests::arming;
 
 /// Begins to track an instance.
 ///

@@ -19,6 +19,7 @@ use crate::vk::shader_modules::ShaderModules;
 use crate::vk::table::Table;
 use ash::vk;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The rate attachments of a device.
 pub struct Rates {
@@ -40,6 +41,8 @@ pub struct Rates {
     pub(super) shader_objects: Table<vk::ShaderEXT, bool>,
     /// Whether the rate of a pipeline may have to be set when it is bound.
     pub sets_rates_at_bind: bool,
+    /// Whether dynamic rendering gets no attachments any more.
+    rendering_is_left_alone: AtomicBool,
 }
 
 /// What a framebuffer has for a render pass to which rates were added.
@@ -77,7 +80,19 @@ impl Rates {
             set_rates: SetRates::new(combiner, application_sets_rates),
             shader_objects: Table::default(),
             sets_rates_at_bind: application_sets_rates || links_pipelines,
+            rendering_is_left_alone: AtomicBool::new(false),
         })
+    }
+
+    /// From now on dynamic rendering gets no attachments: there are pipelines or shaders that may not be used with them
+    /// (VUID-vkCmdDraw-imageView-06183).
+    pub(super) fn leave_rendering_alone(&self) {
+        self.rendering_is_left_alone.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether dynamic rendering gets attachments.
+    pub fn attaches_to_rendering(&self) -> bool {
+        !self.rendering_is_left_alone.load(Ordering::Relaxed)
     }
 
     /// `vkCreateRenderPass`: as one of the second version with rates, or else as the application asks.
@@ -107,6 +122,8 @@ impl Rates {
                 }
             }
             self.left_alone(amended.map(|_| ()));
+            // Structures of the application that were amended in place become its own again.
+            drop(copies);
             next(device, info, allocator, pass)
         }
     }
@@ -136,6 +153,7 @@ impl Rates {
                 }
             }
             self.left_alone(amended.map(|_| ()));
+            drop(copies);
             next(device, info, allocator, pass)
         }
     }
@@ -188,7 +206,7 @@ impl Rates {
                 let [width, height, layers] = framebuffer::promised_size(&*info, colour);
                 let (texels, layers) = (self.offer.texels([width, height]), self.offer.layers(layers));
                 let Some(image) = self.images.fitting(RateImageKey::shared(texels, layers)) else {
-                    return vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+                    return Self::too_large(&*info);
                 };
                 let RateImageKey { texels, layers, .. } = image.key;
                 let promise = Promise { texels, layers, usage: USAGE };
@@ -203,7 +221,7 @@ impl Rates {
                 let key = self.key(target).unwrap_or_else(unknown);
                 // Without a view the framebuffer would not fit its render pass.
                 let Some(image) = self.images.fitting(key) else {
-                    return vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+                    return Self::too_large(&*info);
                 };
                 (framebuffer::with_view(&*info, image.view, &mut copies), Attached::Image(image))
             };
@@ -213,6 +231,12 @@ impl Rates {
             }
             result
         }
+    }
+
+    /// No image goes with a framebuffer, which is larger than the device says that it can be.
+    fn too_large(info: &vk::FramebufferCreateInfo<'_>) -> vk::Result {
+        tracing::warn!("a framebuffer of {}x{} is larger than the device allows", info.width, info.height);
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY
     }
 
     /// A framebuffer is about to be destroyed.
@@ -281,7 +305,7 @@ impl Rates {
     ) -> Option<Arc<RateImage>> {
         // SAFETY: the caller vouches for the structure.
         unsafe {
-            let wants = rendering::wants_rates(&*info).is_ok();
+            let wants = self.attaches_to_rendering() && rendering::wants_rates(&*info).is_ok();
             let key = self.key(target).filter(|_| wants);
             let Some(image) = key.and_then(|key| self.images.of(key)) else {
                 begin(info);

@@ -196,14 +196,13 @@ pub struct RateImages {
 /// After so many failures no image is tried to be made any more.
 const MOST_FAILURES: u32 = 4;
 
-/// Framebuffers that the stand-in goes with have at most this width and height, pixels: more than the pictures of any headset.
-const STAND_IN_SIDE: u32 = 8192;
-
 /// What makes rate images.
 struct Maker {
     functions: Functions,
     /// Size of a texel, pixels.
     texel: [u32; 2],
+    /// Width and height of the largest framebuffer, pixels (`maxFramebufferWidth`, `maxFramebufferHeight`).
+    largest: [u32; 2],
     /// Types of the device's memory.
     memory_types: vk::PhysicalDeviceMemoryProperties,
     /// Families of the queues that the application has: where there are several, all may use an image at once.
@@ -227,14 +226,16 @@ impl RateImages {
     /// The record is of a live device, which has what is enabled.
     pub unsafe fn of_device(record: &DeviceRecord, enabled: &Enabled) -> Result<Self, GpuError> {
         // SAFETY: the caller vouches for the record.
-        let (functions, memory_types) = unsafe {
+        let (functions, memory_types, limits) = unsafe {
             let functions = Functions::load(record)?;
             let types = functions.instance.get_physical_device_memory_properties(record.physical_device);
-            (functions, types)
+            let limits = functions.instance.get_physical_device_properties(record.physical_device).limits;
+            (functions, types, limits)
         };
         let maker = Maker {
             functions,
             texel: enabled.offer.texel,
+            largest: [limits.max_framebuffer_width, limits.max_framebuffer_height],
             memory_types,
             families: enabled.families.clone(),
             has_format_lists: enabled.has_format_lists,
@@ -249,10 +250,10 @@ impl RateImages {
         })
     }
 
-    /// The image that goes with all framebuffers of up to [`STAND_IN_SIDE`], made the first time; nothing where that fails. A render
-    /// pass may get a rate attachment only where there is one: its framebuffers cannot do without.
+    /// The image that goes with every framebuffer that the device can have, made the first time; `None` where that fails. A
+    /// render pass may get a rate attachment only where there is one: its framebuffers cannot do without.
     pub fn stand_in(&self) -> Option<&Arc<RateImage>> {
-        let texels = self.maker.texel.map(|side| STAND_IN_SIDE.div_ceil(side));
+        let texels = [0, 1].map(|axis| self.maker.largest[axis].div_ceil(self.maker.texel[axis]).max(1));
         self.stand_in.get_or_init(|| self.of(RateImageKey::shared(texels, 1))).as_ref()
     }
 

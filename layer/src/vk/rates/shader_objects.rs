@@ -7,8 +7,10 @@
 use super::attach::Rates;
 use super::commands::SetRate;
 use super::copies::{slice, words};
+use super::pipelines::may_be_ours;
 use super::shader::{Effects, FragmentShaders};
 use crate::abi::guard;
+use crate::gpu::GpuError;
 use crate::mask::PipelineFacts;
 use crate::vk::{device, recording};
 use ash::vk;
@@ -17,9 +19,12 @@ use std::ffi::CStr;
 const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
 
 impl Rates {
+    /// `vkCreateShadersEXT`, with the flag that the shaders may be used with a rate attachment. Where that fails, the call
+    /// is repeated as the application made it.
+    ///
     /// # Safety
     ///
-    /// The arguments of vkCreateShadersEXT; the function is that of the device's next layer.
+    /// The arguments of the call; the functions are those of the device's next layer.
     unsafe fn create_shaders(
         &self,
         device: vk::Device,
@@ -27,14 +32,25 @@ impl Rates {
         infos: *const vk::ShaderCreateInfoEXT<'_>,
         allocator: *const vk::AllocationCallbacks<'_>,
         made: *mut vk::ShaderEXT,
-        next: vk::PFN_vkCreateShadersEXT,
+        (next, destroy): (vk::PFN_vkCreateShadersEXT, Option<vk::PFN_vkDestroyShaderEXT>),
     ) -> vk::Result {
         // SAFETY: the caller vouches for the arguments; what could not be made is null.
         unsafe {
-            let infos = slice(infos, count);
-            let amended: Vec<_> = infos.iter().map(flagged).collect();
+            let asked = slice(infos, count);
+            let amended: Vec<_> = asked.iter().map(flagged).collect();
             let result = next(device, count, amended.as_ptr(), allocator, made);
-            for (info, &shader) in infos.iter().zip(slice(made.cast_const(), count)) {
+            if may_be_ours(result) {
+                GpuError::Call { call: "vkCreateShadersEXT", result }
+                    .tell("shaders stay at 1x1, as the application describes them");
+                for &shader in slice(made.cast_const(), count) {
+                    if let (Some(destroy), true) = (destroy, shader != vk::ShaderEXT::null()) {
+                        destroy(device, shader, allocator);
+                    }
+                }
+                self.leave_rendering_alone();
+                return next(device, count, infos, allocator, made);
+            }
+            for (info, &shader) in asked.iter().zip(slice(made.cast_const(), count)) {
                 if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {
                     let every_pixel = effects(info).need_every_pixel(&self.offer.limits);
                     self.shader_objects.insert(shader, every_pixel);
@@ -112,7 +128,10 @@ pub unsafe extern "system" fn create(
                     return FAILED;
                 };
                 answer.record(match known.rates() {
-                    Some(rates) => rates.create_shaders(device, count, infos, allocator, made, next),
+                    Some(rates) => {
+                        let functions = (next, known.hooked.destroy_shader);
+                        rates.create_shaders(device, count, infos, allocator, made, functions)
+                    }
                     None => next(device, count, infos, allocator, made),
                 })
             }

@@ -116,6 +116,66 @@ fn a_device_that_stays_inert_is_created_as_the_application_asks() {
 }
 
 #[test]
+fn what_the_configuration_does_not_ask_for_is_not_created() {
+    rates::offer(true, false);
+    for arming in [Arming::Inert, Arming::Pictures, Arming::Masks] {
+        ARMING.set(arming);
+        let instance = new_instance(Some(vk::API_VERSION_1_0));
+        assert_eq!(rates::enabled(), [""; 0], "{arming:?}");
+        destroy_instance(instance);
+        let instance = new_instance(Some(vk::API_VERSION_1_1));
+        let device = new_device(instance);
+        assert_eq!(rates::enabled(), [""; 0], "{arming:?}");
+        assert_eq!(rates::features(), [0; 3], "{arming:?}");
+        // SAFETY: the device is live.
+        let known = unsafe { device::of(device) }.unwrap();
+        let has = (known.armed.is_some(), known.rates().is_some(), known.masks().is_some());
+        let expected = match arming {
+            Arming::Inert => (false, false, false),
+            Arming::Pictures => (true, false, false),
+            Arming::Masks | Arming::Rates => (true, false, true),
+        };
+        assert_eq!(has, expected, "{arming:?}");
+        destroy_device(device);
+        destroy_instance(instance);
+    }
+    ARMING.set(Arming::Rates);
+    rates::offer(false, false);
+}
+
+/// An inert device's functions are the next layer's, but for creation and destruction, and the OpenXR half learns that
+/// the device is inert.
+#[test]
+fn a_device_without_work_has_no_hooks() {
+    rates::offer(true, false);
+    ARMING.set(Arming::Inert);
+    let instance = new_instance(Some(vk::API_VERSION_1_1));
+    let device = new_device(instance);
+    let names = [
+        c"vkCreateRenderPass",
+        c"vkCreateGraphicsPipelines",
+        c"vkCreateFramebuffer",
+        c"vkCreateImage",
+        c"vkQueueSubmit",
+        c"vkCmdBeginRenderPass",
+        c"vkCmdBindPipeline",
+        c"vkBeginCommandBuffer",
+    ];
+    for name in names {
+        let address = |function: vk::PFN_vkVoidFunction| function.map(|function| function as usize);
+        // SAFETY: a live device and a name.
+        let below = address(unsafe { fake::get_device_proc_addr(device, name.as_ptr()) });
+        assert!(below.is_some());
+        assert_eq!(address(device_function(device, name)), below, "{name:?} is hooked");
+    }
+    assert!(link(device).is_some() && record(device).is_none());
+    destroy_device(device);
+    destroy_instance(instance);
+    ARMING.set(Arming::Rates);
+    rates::offer(false, false);
+}
+
+#[test]
 fn no_device_function_is_looked_up_through_the_instance() {
     rates::offer(true, false);
     let instance = new_instance(Some(vk::API_VERSION_1_1));
