@@ -6,6 +6,7 @@ use super::dispatch::{ArmedTable, DeviceTable};
 use super::dispatch_key::DispatchKey;
 use super::instance::{self, Instance};
 use super::masks::Masks;
+use super::quirks;
 use super::rates::create::Enabled;
 use super::rates::{self, Copies, NoRates, Rates, room};
 use super::recording;
@@ -185,6 +186,7 @@ impl Below<'_> {
             match unsafe { self.create_with_rates() } {
                 Ok(enabled) => {
                     tracing::info!("rate attachments: {:?}", enabled.offer);
+                    quirks::tell(&enabled.quirks, &self.instance.engine);
                     return (vk::Result::SUCCESS, Some(enabled));
                 }
                 Err(reason) => decided(&format_args!("no rate attachments: {reason}")),
@@ -223,10 +225,12 @@ impl Below<'_> {
     }
 }
 
+/// What the next layer says of a physical device.
+///
 /// # Safety
 ///
 /// `physical_device` is a live one of `instance`.
-unsafe fn properties(
+pub unsafe fn properties(
     instance: &Instance,
     physical_device: vk::PhysicalDevice,
 ) -> vk::PhysicalDeviceProperties {

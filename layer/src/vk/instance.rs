@@ -20,6 +20,8 @@ pub struct Instance {
     pub enabled: bool,
     /// The version that the application asked for.
     pub api_version: u32,
+    /// The engine that it names (`VkApplicationInfo::pEngineName`); empty without.
+    pub engine: String,
     pub next: InstanceTable,
     pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
     pub get_physical_device_proc_addr: Option<GetPhysicalDeviceProcAddr>,
@@ -174,6 +176,7 @@ unsafe fn track(
                 handle,
                 enabled,
                 api_version: requested_version((*info).p_application_info.as_ref()),
+                engine: engine((*info).p_application_info.as_ref()),
                 next: table,
                 get_instance_proc_addr: next.get_instance_proc_addr,
                 get_physical_device_proc_addr: next.get_physical_device_proc_addr,
@@ -186,6 +189,15 @@ unsafe fn track(
 /// The version that an application asked for: without an answer it is 1.0 (VkApplicationInfo::apiVersion).
 fn requested_version(application: Option<&vk::ApplicationInfo<'_>>) -> u32 {
     application.map_or(0, |application| application.api_version).max(vk::API_VERSION_1_0)
+}
+
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn engine(application: Option<&vk::ApplicationInfo<'_>>) -> String {
+    // SAFETY: the caller vouches for the name, which is null or a string.
+    let name = application.and_then(|application| unsafe { application.engine_name_as_c_str() });
+    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 /// `vkDestroyInstance`.

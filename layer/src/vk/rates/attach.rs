@@ -18,6 +18,7 @@ use crate::vk::objects::Image;
 use crate::vk::shader_modules::ShaderModules;
 use crate::vk::table::Table;
 use ash::vk;
+use parafovea_manifest::quirks::Effect;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -43,6 +44,8 @@ pub struct Rates {
     pub sets_rates_at_bind: bool,
     /// Whether dynamic rendering gets no attachments any more.
     rendering_is_left_alone: AtomicBool,
+    /// Whether dynamic rendering gets an attachment only where its target was recognised as the scene.
+    attaches_only_matched: bool,
 }
 
 /// What a framebuffer has for a render pass to which rates were added.
@@ -67,7 +70,7 @@ impl Rates {
         // SAFETY: the caller vouches for the record.
         let images = unsafe { RateImages::of_device(record, &enabled) };
         let images = images.inspect_err(|reason| tracing::info!("no rate attachments: {reason}")).ok()?;
-        let Enabled { offer, application_sets_rates, links_pipelines, .. } = enabled;
+        let Enabled { offer, quirks, application_sets_rates, links_pipelines, .. } = enabled;
         let combiner = offer.combiner();
         Some(Self {
             offer,
@@ -81,6 +84,7 @@ impl Rates {
             shader_objects: Table::default(),
             sets_rates_at_bind: application_sets_rates || links_pipelines,
             rendering_is_left_alone: AtomicBool::new(false),
+            attaches_only_matched: quirks.has(Effect::AttachOnlyMatched),
         })
     }
 
@@ -291,8 +295,8 @@ impl Rates {
         }
     }
 
-    /// Calls `begin` with the dynamic rendering as it is to begin, and returns the rate image that it reads. `target`
-    /// is the first colour target; passes without one that is known are left alone.
+    /// Calls `begin` with the dynamic rendering as it is to begin, and returns the rate image that it reads, or would read
+    /// once its target is recognised. `target` is the first colour target; passes without one that is known are left alone.
     ///
     /// # Safety
     ///
@@ -311,6 +315,13 @@ impl Rates {
                 begin(info);
                 return None;
             };
+            // Pipelines with the flag for attachments may be used without one. A pass that is suspended and
+            // resumed must have the same attachments throughout (vkCmdBeginRendering).
+            let is_matched = image.is_matched() && !rendering::is_suspended(&*info);
+            if self.attaches_only_matched && !is_matched {
+                begin(info);
+                return Some(image);
+            }
             let mut room = room::<64>();
             let mut copies = Copies::new(&mut room);
             begin(&rendering::with_view(&*info, image.view, &self.offer, &mut copies));

@@ -12,7 +12,7 @@ use crate::gpu::GpuError;
 use crate::gpu::functions::Functions;
 use crate::gpu::memory::memory_type;
 use crate::link::DeviceRecord;
-use crate::scene::{ImageDescription, ImageKey, Target};
+use crate::scene::{How, ImageDescription, ImageKey, Target};
 use crate::vk::backend::{Laying, MapSize, RateMap, Upload};
 use ash::vk;
 use std::collections::HashMap;
@@ -61,6 +61,8 @@ pub struct RateImage {
     image: vk::Image,
     place: Place,
     maker: Arc<Maker>,
+    /// Whether the pass that was submitted last for its target was the scene.
+    is_matched: AtomicBool,
 }
 
 /// The stage and the access of passes that read rates.
@@ -70,6 +72,11 @@ const READ: (vk::PipelineStageFlags, vk::AccessFlags) = (
 );
 
 impl RateImage {
+    /// Whether the pass that was submitted last for its target was recognised as the scene.
+    pub fn is_matched(&self) -> bool {
+        self.is_matched.load(Ordering::Relaxed)
+    }
+
     /// Records that it becomes the map at `offset` of a buffer, a texel a byte, row by row, layer by layer, and readable
     /// as a rate attachment. Passes on this queue that read it before are waited for.
     ///
@@ -171,6 +178,10 @@ impl Drop for RateImage {
 impl RateMap for Arc<RateImage> {
     fn size(&self) -> MapSize {
         MapSize { texel: self.maker.texel, tiles: self.key.texels, layers: self.key.layers }
+    }
+
+    fn noted(&self, scene: Option<How>) {
+        self.is_matched.store(scene.is_some(), Ordering::Relaxed);
     }
 
     fn laying(&self) -> Option<Laying> {
@@ -360,7 +371,8 @@ impl Maker {
                 })
             });
             let (place, view) = made.inspect_err(|_| device.destroy_image(image, None))?;
-            Ok(RateImage { key, view, image, place, maker: Arc::clone(self) })
+            let maker = Arc::clone(self);
+            Ok(RateImage { key, view, image, place, maker, is_matched: AtomicBool::new(false) })
         }
     }
 

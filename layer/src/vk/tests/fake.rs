@@ -162,7 +162,9 @@ unsafe extern "system" fn physical_device_properties(
     properties: *mut vk::PhysicalDeviceProperties,
 ) {
     // SAFETY: the caller passes a structure to write to.
-    unsafe { (*properties).api_version = DEVICE_VERSION };
+    let properties = unsafe { &mut *properties };
+    properties.api_version = DEVICE_VERSION;
+    rates::describe(properties);
 }
 
 /// What the stand-in answers for `vkCmdDraw`, which this layer does not hook.

@@ -115,6 +115,33 @@ fn a_device_that_stays_inert_is_created_as_the_application_asks() {
     rates::offer(false, false);
 }
 
+/// Layers and samples, as the device offers them.
+fn limits(driver: vk::DriverId, name: &'static [u8]) -> (bool, vk::SampleCountFlags) {
+    rates::offer(true, false);
+    rates::drive(driver, name);
+    let instance = new_instance(Some(vk::API_VERSION_1_2));
+    let device = new_device(instance);
+    // SAFETY: the device is live.
+    let known = unsafe { device::of(device) }.unwrap();
+    let offer = known.rates().unwrap().offer.clone();
+    destroy_device(device);
+    destroy_instance(instance);
+    rates::drive(vk::DriverId::default(), b"");
+    rates::offer(false, false);
+    (offer.layered, offer.limits.samples)
+}
+
+#[test]
+fn quirks_of_a_device_limit_what_it_offers() {
+    let radv = vk::DriverId::MESA_RADV;
+    assert_eq!(limits(radv, b"AMD Radeon RX 6800 (RADV NAVI21)"), (false, vk::SampleCountFlags::TYPE_4));
+    assert_eq!(limits(radv, b"AMD Radeon (RADV NAVI31)"), (true, vk::SampleCountFlags::TYPE_4));
+    for other in [vk::DriverId::MESA_NVK, vk::DriverId::AMD_PROPRIETARY] {
+        let found = limits(other, b"AMD Radeon RX 6800 (RADV NAVI21)");
+        assert_eq!(found, (true, vk::SampleCountFlags::TYPE_8));
+    }
+}
+
 #[test]
 fn what_the_configuration_does_not_ask_for_is_not_created() {
     rates::offer(true, false);
