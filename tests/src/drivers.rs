@@ -10,6 +10,7 @@
 
 mod cell;
 mod matrix;
+pub mod profiles;
 mod program;
 mod row;
 mod shim;

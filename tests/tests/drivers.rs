@@ -4,6 +4,8 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use libtest_mimic::{Arguments, Failed, Trial};
+use parafovea_test_layers::{ShadingRateDevice, ShadingRateProfile};
+use parafovea_tests::drivers::profiles::{QUERIED, shading_rates};
 use parafovea_tests::drivers::{Cell, Folder, Mode, Program, Row, ShimDevice, Stack, Target, judge};
 use std::process::ExitCode;
 
@@ -11,7 +13,7 @@ use std::process::ExitCode;
 const DEVICES: [ShimDevice; 3] = [ShimDevice::Navi10, ShimDevice::Navi21, ShimDevice::Navi31];
 
 /// Styles that begin passes, make pipelines and record draws in different ways.
-const STYLES: [&str; 8] = [
+const STYLES: [&str; 9] = [
     "render-pass",
     "dynamic-rendering",
     "multiview",
@@ -19,6 +21,7 @@ const STYLES: [&str; 8] = [
     "msaa-resolve",
     "proton",
     "secondaries",
+    "shader-objects",
     "subpasses",
 ];
 
@@ -38,7 +41,12 @@ fn main() -> ExitCode {
     let trials = DEVICES.into_iter().flat_map(|device| {
         programs().into_iter().map(move |program| trial(device, program)).collect::<Vec<_>>()
     });
-    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
+    let profiles = QUERIED.into_iter().filter(|(_, device)| device.folder() == Folder::Release);
+    let profiles = profiles.map(|(profile, device)| {
+        let name = format!("the profile {} is of the driver", profile.name());
+        Trial::test(name, move || check_profile(profile, device)).with_ignored_flag(is_ignored)
+    });
+    libtest_mimic::run(&Arguments::from_args(), trials.chain(profiles).collect()).exit_code()
 }
 
 fn is_bookworm() -> bool {
@@ -65,6 +73,14 @@ fn check(device: ShimDevice, program: Program) -> Result<(), Failed> {
     if device.has_rates() && program.has_frames() {
         assert_eq!(engaged(&row), Some("rates"));
     }
+    Ok(())
+}
+
+/// The layer that stands in for shading rates says what the driver says. Versions of one release differ in fixes only.
+fn check_profile(profile: ShadingRateProfile, device: ShimDevice) -> Result<(), Failed> {
+    let found = shading_rates(device)?;
+    let kept = ShadingRateDevice { driver: found.driver.clone(), ..profile.device().clone() };
+    assert_eq!(found, kept, "`cargo dev drivers --profiles` writes it anew");
     Ok(())
 }
 

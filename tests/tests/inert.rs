@@ -19,7 +19,7 @@ fn applications() -> [Application; 3] {
 /// The application over a device with shading rates, with the calls counted that come down to it.
 fn run(application: &Application, config: Option<&str>) -> Outcome {
     let run = Run::new(application, &Scenario::new(FRAMES).sized(64, 64))
-        .shading_rates(ShadingRateProfile::Layered16)
+        .shading_rates(ShadingRateProfile::NvkTuring)
         .faulted(None);
     let run = match config {
         Some(config) => run.on(config),

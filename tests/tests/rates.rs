@@ -87,7 +87,7 @@ fn the_gate_hears_what_passes_take_on_a_gpu() {
         let arguments = ["--style", style, "--size", "64", "--frames", &frames];
         let application = Application::ours("parafovea-zoo", &arguments).unwrap();
         let run = Run::new(&application, &Scenario::new(FRAMES).sized(64, 64)).validated();
-        let run = run.shading_rates(ShadingRateProfile::Layered16).env(SHADING_RATE_GPU_VARIABLE, "1");
+        let run = run.shading_rates(ShadingRateProfile::NvkTuring).env(SHADING_RATE_GPU_VARIABLE, "1");
         let outcome = run.on("[gaze]\nsource = \"centre\"\n").finish().unwrap();
         let outcome = outcome.expect_frames(FRAMES).unwrap();
         let found = outcome.findings.vulkan.iter();

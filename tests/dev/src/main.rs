@@ -22,11 +22,12 @@ cargo dev <task>, run anywhere in the repository:
                         but for the drivers over kernel shims, which it unpacks to target/drivers/release and `test` needs
   demo [--json]         hello_xr and our scene through the layer, off and on; pictures in target/demo/
   test                  formatting, clippy, build, all tests, docs: what CI runs
-  drivers [--json] [PART]
+  drivers [--json] [PART] | --profiles
                         the layer on Mesa's real drivers over no-op kernel shims, without a GPU (RADV, NVK, Turnip; Debian's packages, unpacked
                         in target/drivers/): programs x other layers (none, validation, one above and one below) x configurations (off,
                         inert, rates, mask, everything), all with PART in `DEVICE PROGRAM`. Six styles, hello_xr, our scene, vulkaninfo
-                        and the doctor in all combinations; other styles alone with rates and everything, and validated with everything
+                        and the doctor in all combinations; other styles alone with rates and everything, and validated with everything. --profiles
+                        writes what the drivers say of shading rates to tests/layers/profiles/, for the tests' stand-in
   run [--runtime mock|system] [--config FILE] -- CMD...
                         any OpenXR program with the layer (default: the mock runtime on lavapipe)
   zoo [STYLE]           every style of rendering at full length (256 x 256 pixels, 120 frames, with a still and a moving gaze, on both

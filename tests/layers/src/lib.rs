@@ -49,8 +49,8 @@ pub use faults::{FAULT_FILE_VARIABLE, FAULT_VARIABLE, FaultReport, VulkanFault, 
 pub use manifest::TestLayer;
 pub use shading_rate::{
     SHADING_RATE_FILE_VARIABLE, SHADING_RATE_GPU_VARIABLE, SHADING_RATE_PROFILE_VARIABLE,
-    SHADING_RATE_TEXELS_VARIABLE, ShadingRateFinding, ShadingRateLine, ShadingRateMap, ShadingRatePass,
-    ShadingRateProfile,
+    SHADING_RATE_TEXELS_VARIABLE, ShadingRate, ShadingRateDevice, ShadingRateFinding, ShadingRateLimits,
+    ShadingRateLine, ShadingRateMap, ShadingRatePass, ShadingRateProfile,
 };
 
 use ash::vk;

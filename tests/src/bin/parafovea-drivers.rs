@@ -1,5 +1,6 @@
-//! `cargo dev drivers [--json] [PART]`: the layer on Mesa's real drivers over no-op kernel shims.
+//! `cargo dev drivers [--json] [PART] | --profiles`: the layer on Mesa's real drivers over no-op kernel shims.
 
+use parafovea_tests::drivers::profiles::{self, QUERIED};
 use parafovea_tests::drivers::{Folder, JsonCell, Matrix, Row, ShimDevice, Target};
 use std::process::ExitCode;
 
@@ -16,6 +17,7 @@ fn main() -> ExitCode {
 #[derive(Default)]
 struct Request {
     json: bool,
+    profiles: bool,
     part: String,
 }
 
@@ -25,8 +27,11 @@ impl Request {
         for argument in arguments {
             match argument.as_str() {
                 "--json" => request.json = true,
+                "--profiles" => request.profiles = true,
                 part if !part.starts_with('-') && request.part.is_empty() => request.part = argument,
-                other => return Err(format!("`{other}`: usage: cargo dev drivers [--json] [PART]")),
+                other => {
+                    return Err(format!("`{other}`: usage: cargo dev drivers [--json] [PART] | --profiles"));
+                }
             }
         }
         Ok(request)
@@ -34,6 +39,10 @@ impl Request {
 }
 
 fn check(request: &Request) -> Result<(), String> {
+    if request.profiles {
+        let written = QUERIED.into_iter().try_for_each(|(profile, device)| profiles::write(profile, device));
+        return written.map_err(|error| error.to_string());
+    }
     let targets = targets();
     for target in &targets {
         let version = target.version().map_err(|error| error.to_string())?;

@@ -73,7 +73,7 @@ fn style(name: &str) -> Result<&'static Style, String> {
 
 fn check(request: &Request) -> Result<(), String> {
     let machine = if request.over_emulator {
-        Machine::over_stand_in(ShadingRateProfile::Layered16)
+        Machine::over_stand_in(ShadingRateProfile::NvkTuring)
     } else {
         Machine::of(Driver::System)
     };

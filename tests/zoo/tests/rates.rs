@@ -127,7 +127,7 @@ const LEFT_ALONE: [(&str, &str); 3] = [
 fn check_left_alone(option: &str) -> Result<(), Failed> {
     let style = parafovea_zoo::style("render-pass").ok_or("no such style")?;
     let config = format!("{FIXED_RINGS}{option}\n");
-    let outcome = run(style, SHARE, ShadingRateProfile::Layered16, &config, SHARE.scenario())?;
+    let outcome = run(style, SHARE, ShadingRateProfile::NvkTuring, &config, SHARE.scenario())?;
     let (findings, seen) = lines(outcome.expect_frames(SHARE.frames)?.shading_rates()?);
     assert_eq!(findings, []);
     assert_eq!(seen.len() as u64, 2 * SHARE.frames);
