@@ -60,7 +60,7 @@ impl Quirk {
             driver.device.split(|at: char| !at.is_ascii_alphanumeric() && at != '_').any(|is| is == *word)
         };
         self.driver == driver.id
-            && self.devices.iter().any(|word| is_word(word))
+            && self.devices.iter().any(is_word)
             && self.fixed_in.is_none_or(|fixed| driver.version < fixed)
     }
 }
@@ -104,7 +104,7 @@ impl Quirks {
             Effect::MaxSamples(samples) => Some(samples),
             _ => None,
         };
-        self.rows.iter().filter_map(|quirk| of(quirk)).min()
+        self.rows.iter().filter_map(of).min()
     }
 
     /// What is wrong with the variable; `None` where every word names a row.

@@ -3,6 +3,7 @@
 use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use std::time::{Duration, Instant};
 
 const FRAMES: u64 = 12;
 
@@ -47,4 +48,22 @@ fn a_configuration_without_work_is_a_pass_through_layer() {
         let armed = run(&application, Some("[gaze]\nsource = \"centre\"\n")).faults().unwrap();
         assert!(armed.iter().any(|report| !report.own.is_empty()), "{name}: the layer does nothing at all");
     }
+}
+
+/// A device is armed when it is created or not at all, so an edit that asks for more later says so.
+#[test]
+fn an_edit_that_needs_another_device_asks_for_a_restart() {
+    let application = Application::hello_xr("Vulkan2").unwrap();
+    let scenario = Scenario::new(400).sized(64, 64).in_real_time();
+    let running = Run::new(&application, &scenario).on("preset = \"none\"\n").start().unwrap();
+    let wait_for = |line: &str| {
+        let start = Instant::now();
+        while !running.log().contains(line) {
+            assert!(start.elapsed() < Duration::from_secs(60), "{line} in\n{}", running.log());
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    };
+    wait_for("session inert");
+    std::fs::write(running.config_file(), "preset = \"balanced\"\n").unwrap();
+    wait_for("asks for shading rates, which takes effect when the application is started again");
 }
