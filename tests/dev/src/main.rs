@@ -38,7 +38,7 @@ cargo dev <task>, run anywhere in the repository:
   fuzz [TARGET] [--minutes N]
                         mutated inputs for what reads files, chains and shaders, a minute each or so long; `test` runs a few thousand
   gpu [--json]          on a GPU with VK_KHR_fragment_shading_rate: the layer's rates beside the same ones set by the application itself, pictures and
-                        GPU times; kept in tests/gpu-results/. Without such a GPU it says so, and that is all
+                        GPU times; kept in tests/gpu-results/. Then the matrix of `drivers`. Without such a GPU it says so, and that is all
   bench NAME [--json]   a bench: break-even (how dear pixels must be for the layer to gain), ears (what listening costs, and how late it is), frame (what techniques save), kernels (what rates by contrast, and colour, cost a view), models (what the models cost, their hard cases, and how well gaze is followed), overhead (what the layer costs), reuse (what pictures of a turning head lose), status (what parafovea status shows, and takes)
   monado [PART]         as root, with debootstrap: the passes' tests in a Debian trixie in target/monado/, with its driver and validation; then
                         hello_xr, our scene and every style on Monado there, with everything on and without the layer: the same results, and

@@ -74,15 +74,8 @@ fn targets() -> Vec<Target> {
 /// Prints a run: all as JSON, or faults for people.
 fn print(run: &JsonCell, json: bool) {
     if json {
-        match serde_json::to_string(run) {
-            Ok(line) => println!("{line}"),
-            Err(error) => eprintln!("{error}"),
-        }
+        println!("{}", run.json());
     } else if run.is_fault() {
-        eprintln!("{} {}, {}, {}: {}", run.device, run.style, run.stack, run.mode, run.outcome);
-        let mut messages = run.messages.clone();
-        messages.sort();
-        messages.dedup();
-        messages.iter().take(6).for_each(|message| eprintln!("    {message}"));
+        eprintln!("{run}");
     }
 }

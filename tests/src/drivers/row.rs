@@ -4,6 +4,7 @@ use super::{Cell, End, Engaged, Mode, Program, Seen, Stack, Target};
 use crate::HarnessError;
 use parafovea_zoo::Style;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// A program on a device, with all its runs.
 #[derive(Default)]
@@ -43,7 +44,25 @@ pub struct JsonCell {
     pub is_worse: bool,
 }
 
+impl std::fmt::Display for JsonCell {
+    /// The run, and its first messages, each once.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {}, {}, {}: {}", self.device, self.style, self.stack, self.mode, self.outcome)?;
+        let messages: BTreeSet<&String> = self.messages.iter().collect();
+        messages.into_iter().take(MESSAGES_SHOWN).try_for_each(|message| write!(f, "\n    {message}"))
+    }
+}
+
+/// Different messages of a run that people are shown.
+const MESSAGES_SHOWN: usize = 6;
+
 impl JsonCell {
+    /// An object in a line.
+    pub fn json(&self) -> String {
+        // Structures of strings always serialise.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
     /// Whether something is wrong with the layer in this run.
     pub fn is_fault(&self) -> bool {
         self.is_worse || !self.messages.is_empty()
