@@ -54,6 +54,12 @@ impl Program {
         !matches!(self, Self::VulkanInfo | Self::Doctor)
     }
 
+    /// Whether it sets shading rates itself: the layer leaves its passes alone, which the record of passes does not tell.
+    pub fn sets_rates(self) -> bool {
+        let rates = c"VK_KHR_fragment_shading_rate";
+        matches!(self, Self::Style(style) if style.needs.extensions.contains(&rates))
+    }
+
     /// Whether it starts programs, which do not get the program loader of a folder with a C library of its own.
     pub fn starts_programs(self) -> bool {
         matches!(self, Self::Doctor)

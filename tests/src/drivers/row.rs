@@ -33,7 +33,7 @@ pub struct JsonCell {
     /// The layer's configuration.
     pub mode: &'static str,
     /// `rates` or `masks` where the layer made passes of an eye's picture coarser by them; `no` where it made none so; null
-    /// where it was not asked to, or where rates are decided on the GPU.
+    /// where it was not asked to, where rates are decided on the GPU, or where the application sets rates itself.
     pub engaged: Option<&'static str>,
     /// Messages of validation and of the runtime beyond those without the layer, and warnings and errors in the layer's log.
     pub messages: Vec<String>,
@@ -136,7 +136,9 @@ fn json(row: &Row, program: Program, cell: Cell, seen: &Seen, without: Option<&S
         style: row.program.clone(),
         stack: cell.stack.name(),
         mode: cell.mode.name(),
-        engaged: (program.has_frames()).then(|| engaged(cell.mode, seen.engaged)).flatten(),
+        engaged: (program.has_frames() && !program.sets_rates())
+            .then(|| engaged(cell.mode, seen.engaged))
+            .flatten(),
         messages: messages(seen, without),
         outcome: seen.end.to_string(),
         is_worse: is_worse(program, cell.mode, seen, without.map(|without| &without.end)),
