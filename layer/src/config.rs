@@ -1,10 +1,12 @@
 //! The configuration that holds at this moment, and noticing that its file changed.
 
+mod arming;
 mod chroma;
 mod debug_view;
 mod executable;
 mod plan;
 
+pub use arming::{Arming, device_armed};
 pub use chroma::chroma_settings;
 pub use debug_view::debug_view;
 pub use executable::executable;
@@ -45,6 +47,8 @@ struct Watched {
     asked: AskedView,
     /// What was asked for at the last look.
     view: Option<DebugView>,
+    /// What was asked for in vain at the last look, as the device was not armed for it.
+    out_of_reach: Option<Arming>,
     looked: Instant,
 }
 
@@ -52,11 +56,13 @@ impl LiveConfig {
     /// Reads the configuration of `application`, the name that it gives to OpenXR. Where the file has an
     /// error, that is logged, and the defaults hold.
     pub fn new(environment: &Environment, application: Option<&str>, now: Instant) -> Self {
+        arming::name_application(application);
         let mut watch = Watch::new(environment, application, &executable());
         let config = watch.poll().and_then(accept).unwrap_or_default();
         crate::log::set_level(config.log.level);
         let asked = AskedView::new(environment, std::process::id());
-        let watched = Watched { watch, configured: config, asked, view: None, looked: now };
+        let watched =
+            Watched { watch, configured: config, asked, view: None, out_of_reach: None, looked: now };
         Self {
             current: ArcSwap::from_pointee(config),
             is_view_asked: AtomicBool::new(false),
@@ -104,6 +110,15 @@ impl LiveConfig {
         let mut config = watched.configured;
         config.debug.view = view.unwrap_or(config.debug.view);
         self.is_view_asked.store(view.is_some(), Ordering::Relaxed);
+        let out_of_reach = arming::out_of_reach(&config);
+        if out_of_reach != watched.out_of_reach {
+            watched.out_of_reach = out_of_reach;
+            if let Some(wanted) = out_of_reach {
+                tracing::warn!(
+                    "the configuration now asks for {wanted}, which takes effect when the application is started again"
+                );
+            }
+        }
         self.current.store(Arc::new(config));
     }
 }

@@ -19,6 +19,7 @@ mod image;
 pub(crate) mod memory;
 mod owned;
 mod pipeline;
+mod pipeline_layout;
 mod recorder;
 mod shared;
 

@@ -37,6 +37,7 @@ mod objects;
 mod perception;
 mod proc_addr;
 mod properties;
+mod quirks;
 mod rates;
 mod recording;
 mod runtime_section;

@@ -6,6 +6,7 @@
 mod audio;
 mod configuration;
 mod containers;
+mod created;
 mod device;
 mod finding;
 mod layers;
@@ -19,7 +20,7 @@ mod surroundings;
 mod variables;
 
 pub use finding::{Finding, Fix, Severity};
-pub use probed::{Device, LoaderLayers, Probed, RuntimeAnswer, VulkanAnswer};
+pub use probed::{CreatedDevice, Device, LoaderLayers, Probed, RuntimeAnswer, VulkanAnswer};
 pub use surroundings::Surroundings;
 
 use layers::Layers;
@@ -33,6 +34,7 @@ pub fn examine(surroundings: &Surroundings) -> Vec<Finding> {
     findings.extend(loaders::examine(surroundings));
     findings.extend(runtime::examine(surroundings));
     findings.extend(device::examine(surroundings, &layers));
+    findings.extend(created::examine(surroundings, &layers));
     findings.extend(configuration::examine(surroundings));
     findings.extend(audio::examine(surroundings, &layers));
     findings.extend(log::examine(surroundings));

@@ -9,4 +9,5 @@ pub mod install;
 pub mod json;
 pub mod options;
 pub mod paths;
+pub mod quirks;
 pub mod status;

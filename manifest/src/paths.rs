@@ -2,6 +2,8 @@
 //!
 //! Source: XDG Base Directory Specification 0.8.
 
+use crate::quirks::QUIRKS_VARIABLE;
+use std::borrow::Cow;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -13,6 +15,7 @@ pub struct Environment {
     data_home: Option<PathBuf>,
     state_home: Option<PathBuf>,
     runtime_dir: Option<PathBuf>,
+    quirks: Option<OsString>,
 }
 
 impl Environment {
@@ -35,6 +38,7 @@ impl Environment {
             data_home: base("XDG_DATA_HOME", ".local/share"),
             state_home: base("XDG_STATE_HOME", ".local/state"),
             runtime_dir: absolute("XDG_RUNTIME_DIR"),
+            quirks: variable(QUIRKS_VARIABLE),
         }
     }
 
@@ -66,6 +70,11 @@ impl Environment {
     /// `$XDG_RUNTIME_DIR`: for what is there as long as the user is logged in.
     pub fn runtime_dir(&self) -> Option<&Path> {
         self.runtime_dir.as_deref()
+    }
+
+    /// The value of [`QUIRKS_VARIABLE`]; empty where it is not set.
+    pub fn quirks(&self) -> Cow<'_, str> {
+        self.quirks.as_deref().unwrap_or_default().to_string_lossy()
     }
 
     /// Where the log of `executable` (its path or its name) goes: `$XDG_STATE_HOME/parafovea/<name>.log`.

@@ -102,7 +102,7 @@ impl Request {
             let mut energies = Vec::new();
             for (mode, has_depth) in self.modes() {
                 let run = self.run(pace, *has_depth, &scenario)?;
-                let run = if self.has_moves { run.shading_rates(ShadingRateProfile::Layered16) } else { run };
+                let run = if self.has_moves { run.shading_rates(ShadingRateProfile::NvkTuring) } else { run };
                 let on = finish(run.on(&self.config(mode)), &scenario)?;
                 let mode = if self.has_moves && !has_depth {
                     format!("{mode}, without depth")

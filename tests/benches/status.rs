@@ -52,7 +52,7 @@ fn measure(mut arguments: impl Iterator<Item = String>) -> Result<(), Failure> {
     }
     // The device has no rates, and hello_xr asks for a Vulkan without masks: it gets a device that looks as if it had rates.
     let hello_xr = Application::hello_xr("Vulkan2")?;
-    one("hello_xr", &hello_xr, |run| run.shading_rates(ShadingRateProfile::Layered16), seconds, json)?;
+    one("hello_xr", &hello_xr, |run| run.shading_rates(ShadingRateProfile::NvkTuring), seconds, json)?;
     one("parafovea-scene", &Application::ours("parafovea-scene", &[])?, |run| run, seconds, json)?;
     for style in STYLES {
         let application =

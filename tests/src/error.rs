@@ -21,6 +21,14 @@ pub enum HarnessError {
         /// The program.
         name: String,
     },
+    /// Mesa's drivers over shims of the kernel's devices are not unpacked.
+    #[error(
+        "there are no drivers in {path}; `cargo dev setup` or `cargo dev drivers` unpacks them, or says why not"
+    )]
+    NoDriver {
+        /// Their folder.
+        path: PathBuf,
+    },
     /// Reading or writing a file failed.
     #[error("{path}: {source}")]
     File {

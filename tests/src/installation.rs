@@ -6,12 +6,14 @@
 
 use crate::HarnessError;
 use crate::artifacts::Library;
+use crate::drivers::{Folder, ShimDevice};
 use parafovea_manifest::install::stage;
 use parafovea_manifest::json::Half;
 use parafovea_mock_runtime::write_runtime_manifest;
 use parafovea_test_layers::TestLayer;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Which halves of the layer are installed, and from which files.
 #[derive(Clone, Default, Debug)]
@@ -36,6 +38,31 @@ pub enum Driver {
     Lavapipe,
     /// What the system has: real GPUs.
     System,
+    /// One of Mesa's real drivers over a shim of the kernel's device. Programs must be started by [`Driver::command`].
+    Shim(ShimDevice),
+}
+
+impl Driver {
+    /// Folders with the explicit layers that programs find with this driver, besides the test layers.
+    pub(crate) fn data_folders(self) -> Vec<PathBuf> {
+        match self {
+            Driver::Shim(device) if device.folder() == Folder::Sid => {
+                Folder::Sid.path().into_iter().map(|folder| folder.join("usr/share")).collect()
+            }
+            _ => ["/usr/share", "/usr/local/share", "/etc"].map(PathBuf::from).into(),
+        }
+    }
+
+    /// A command that runs `program` where this driver can be loaded.
+    ///
+    /// # Errors
+    /// [`HarnessError::NoDriver`] where the driver is not unpacked.
+    pub fn command(self, program: &Path) -> Result<Command, HarnessError> {
+        match self {
+            Driver::Lavapipe | Driver::System => Ok(Command::new(program)),
+            Driver::Shim(device) => device.command(program),
+        }
+    }
 }
 
 /// The variable with the manifest of another driver than lavapipe's, for instance that of a newer one.
@@ -60,7 +87,7 @@ impl Installation {
         let test_layers = Library::TestLayers.path()?;
         for layer in TestLayer::ALL {
             // Implicit layers from the configuration folder come above those from the data folder, and so these above ours.
-            let is_above = matches!(layer, TestLayer::Count | TestLayer::Calls);
+            let is_above = matches!(layer, TestLayer::Above | TestLayer::Count | TestLayer::Calls);
             let (kind, manifest) = if is_above {
                 ("config/vulkan/implicit_layer.d", layer.implicit_manifest(&test_layers))
             } else {
@@ -99,7 +126,10 @@ impl Installation {
 
     /// A whole environment for an application that is to run on the mock runtime and lavapipe, and find nothing
     /// of the user who runs it.
-    pub fn private_environment(&self, driver: Driver) -> Vec<(&'static str, OsString)> {
+    ///
+    /// # Errors
+    /// As for [`Self::mock_environment`].
+    pub fn private_environment(&self, driver: Driver) -> Result<Vec<(&'static str, OsString)>, HarnessError> {
         let folder = |part: &str| self.folder.join(part).into_os_string();
         let mut variables = vec![
             ("HOME", folder("home")),
@@ -113,26 +143,34 @@ impl Installation {
         variables.extend(
             ["PATH", "LD_LIBRARY_PATH"].into_iter().filter_map(|name| Some((name, std::env::var_os(name)?))),
         );
-        variables.extend(self.mock_environment(driver));
-        variables
+        // Later entries replace earlier ones of the same name.
+        variables.extend(self.mock_environment(driver)?);
+        Ok(variables)
     }
 
     /// The variables that choose the mock runtime and the driver: lavapipe where there is one, or that of
     /// [`DRIVER_VARIABLE`].
-    pub fn mock_environment(&self, driver: Driver) -> Vec<(&'static str, OsString)> {
+    ///
+    /// # Errors
+    /// [`HarnessError::NoDriver`] where the driver of a [`Driver::Shim`] is not unpacked.
+    pub fn mock_environment(&self, driver: Driver) -> Result<Vec<(&'static str, OsString)>, HarnessError> {
         let mut variables = vec![("XR_RUNTIME_JSON", self.runtime_manifest.clone().into_os_string())];
         let manifest = match driver {
             Driver::Lavapipe => {
                 std::env::var_os(DRIVER_VARIABLE).or_else(|| Some(lavapipe()?.into_os_string()))
             }
             Driver::System => None,
+            Driver::Shim(device) => {
+                variables.extend(device.environment()?);
+                None
+            }
         };
         if let Some(manifest) = manifest {
             // The first is the loader's name for it since 1.3.207, the second is the one before.
             variables.push(("VK_DRIVER_FILES", manifest.clone()));
             variables.push(("VK_ICD_FILENAMES", manifest));
         }
-        variables
+        Ok(variables)
     }
 }
 

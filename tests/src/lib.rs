@@ -10,6 +10,7 @@ pub mod break_even;
 pub mod compare;
 pub mod demo;
 pub mod device;
+pub mod drivers;
 pub mod error;
 pub mod fuzz;
 pub mod installation;

@@ -9,6 +9,7 @@ pub use validation::Message;
 
 use crate::artifacts::{Library, program, system_program};
 use crate::installation::{Driver, Halves, Installation, write};
+use crate::record::Record;
 use crate::scenario::Scenario;
 use crate::{HarnessError, artifacts};
 use child::Child;
@@ -22,7 +23,6 @@ use parafovea_test_layers::{
 };
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::Duration;
 
 /// What is run.
@@ -50,6 +50,15 @@ impl Application {
     pub fn ours(name: &str, arguments: &[&str]) -> Result<Self, HarnessError> {
         let arguments = arguments.iter().map(|argument| (*argument).to_owned()).collect();
         Ok(Self { name: name.to_owned(), program: program(name)?, arguments })
+    }
+
+    /// A program of the system.
+    ///
+    /// # Errors
+    /// [`HarnessError::NotInstalled`].
+    pub fn of_system(name: &str, arguments: &[&str]) -> Result<Self, HarnessError> {
+        let arguments = arguments.iter().map(|argument| (*argument).to_owned()).collect();
+        Ok(Self { name: name.to_owned(), program: system_program(name)?, arguments })
     }
 
     /// The same, started by a program of the system such as strace, with these arguments before it.
@@ -113,6 +122,7 @@ pub struct Run {
     driver: Driver,
     environment: Vec<(String, OsString)>,
     timeout: Duration,
+    closes_input: bool,
 }
 
 impl Run {
@@ -131,6 +141,7 @@ impl Run {
             driver: Driver::default(),
             environment: Vec::new(),
             timeout: Duration::from_secs(240),
+            closes_input: false,
         }
     }
 
@@ -174,10 +185,11 @@ impl Run {
         self
     }
 
-    /// As [`Self::validated`], unless the validation layer is older than Vulkan headers 1.3.`headers`, from which on it knows what the
-    /// application does: before, it complains of what is right, or crashes.
+    /// As [`Self::validated`], unless the validation layer beside the driver set before is older than Vulkan headers
+    /// 1.3.`headers`, the first to know the application's calls: older ones complain of valid calls, or crash.
     pub fn validated_from(self, headers: u32) -> Self {
-        if validation::headers().is_some_and(|has| has < headers) { self } else { self.validated() }
+        let has = validation::headers(&self.driver.data_folders());
+        if has.is_some_and(|has| has < headers) { self } else { self.validated() }
     }
 
     /// Whether validation is below ours.
@@ -189,6 +201,11 @@ impl Run {
     pub fn test_layer(mut self, layer: TestLayer) -> Self {
         self.test_layers.push(layer);
         self
+    }
+
+    /// Puts layers that do nothing directly above and below ours, as overlays and capture tools are.
+    pub fn between_layers(self) -> Self {
+        self.test_layer(TestLayer::PassThrough).env(&TestLayer::Above.implicit_variable(), "1")
     }
 
     /// Counts the fragments that the application shades, above our layer: what that draws itself is not counted. Counts
@@ -255,6 +272,13 @@ impl Run {
         self
     }
 
+    /// Ends the application's standard input when all frames of the scenario are there. hello_xr reads it in a thread of its own
+    /// until its end, and newer C libraries (2.43) wait for that thread in `exit`.
+    pub fn closing_input(mut self) -> Self {
+        self.closes_input = true;
+        self
+    }
+
     /// Runs it to its end.
     ///
     /// # Errors
@@ -277,9 +301,9 @@ impl Run {
         let text = toml::to_string(&self.scenario).map_err(|error| HarnessError::format(&scenario, error))?;
         write(&scenario, &text)?;
 
-        let mut command = Command::new(&self.application.program);
+        let mut command = self.driver.command(&self.application.program)?;
         command.args(&self.application.arguments).current_dir(folder.path()).env_clear();
-        command.envs(installation.private_environment(self.driver)).env("PARAFOVEA_MOCK_SCENARIO", scenario);
+        command.envs(installation.private_environment(self.driver)?).env("PARAFOVEA_MOCK_SCENARIO", scenario);
         command.envs(self.layer.config().map(|_| ("PARAFOVEA", "1")));
         let mut vulkan_layers: Vec<String> = self.test_layers.iter().map(|layer| layer.name()).collect();
         if self.validation {
@@ -398,7 +422,13 @@ impl Running {
     /// # Errors
     /// As for [`Run::finish`].
     pub fn finish(self) -> Result<Outcome, HarnessError> {
-        let exit = self.child.finish()?;
+        let record = self.folder.path().join(&self.run.scenario.output.dir).join("record.jsonl");
+        let frames = self.run.scenario.session.frames;
+        let is_done = || {
+            self.run.closes_input
+                && Record::load(&record).is_ok_and(|record| record.frames.len() as u64 >= frames)
+        };
+        let exit = self.child.finish(is_done)?;
         Outcome::collect(self.run.application.name, self.folder, &self.installation, &self.run.scenario, exit)
     }
 }

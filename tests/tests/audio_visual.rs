@@ -136,7 +136,7 @@ fn contrasts(picture: &Picture) -> Vec<f64> {
 fn in_silence_nothing_is_recomputed() {
     const MORE: u64 = 20;
     let own_submits = |mode: &str, frames: u64| {
-        let run = scene(frames).shading_rates(ShadingRateProfile::Layered16).faulted(None);
+        let run = scene(frames).shading_rates(ShadingRateProfile::NvkTuring).faulted(None);
         let outcome = run.on(&config(mode, "")).finish().unwrap().expect_frames(frames).unwrap();
         let reports = outcome.faults().unwrap();
         let of = |name: &str| reports.iter().filter_map(|report| report.own.get(name)).sum::<u64>();
@@ -162,7 +162,7 @@ impl Listening {
         let application = Application::ours("parafovea-scene", arguments).unwrap();
         let scenario = Scenario::new(frames).sized(256, 224).saving(&[frames - 1]);
         let configured = |run: Run| {
-            let run = run.with_ears().unwrap().validated().shading_rates(ShadingRateProfile::Layered16);
+            let run = run.with_ears().unwrap().validated().shading_rates(ShadingRateProfile::NvkTuring);
             run.on(config).env("PARAFOVEA_HEARD_FILE", &heard).timeout(Duration::from_secs(900))
         };
         let player = Player::alone(&application, scenario, configured).unwrap();
@@ -228,7 +228,7 @@ fn assert_steady(maps: &[Vec<u8>], constant: bool) {
 
 /// The map of rings that holds in silence.
 fn rings() -> Vec<u8> {
-    let run = scene(SETTLED).shading_rates(ShadingRateProfile::Layered16).on(&config("fixed", ""));
+    let run = scene(SETTLED).shading_rates(ShadingRateProfile::NvkTuring).on(&config("fixed", ""));
     newest_map(&finish(run, SETTLED))
 }
 

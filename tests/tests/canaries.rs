@@ -64,7 +64,7 @@ impl Work {
             Self::Reuse | Self::Follow => Scenario { head: vec![head(0.0), head(2.0)], ..scenario },
         };
         let run = Run::new(&application.unwrap(), &scenario).on(config).validated();
-        let run = if self == Self::Follow { run.shading_rates(ShadingRateProfile::Layered16) } else { run };
+        let run = if self == Self::Follow { run.shading_rates(ShadingRateProfile::NvkTuring) } else { run };
         change(run).finish().unwrap().expect_frames(FRAMES).unwrap()
     }
 }

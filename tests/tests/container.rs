@@ -31,7 +31,7 @@ impl Container {
         let scenario = folder.path().join("scenario.toml");
         fs::write(&scenario, toml::to_string(&Scenario::new(20).sized(64, 64)).unwrap()).unwrap();
         // All other variables of the loaders and of the user are unset.
-        let mut environment = installation.mock_environment(Driver::Lavapipe);
+        let mut environment = installation.mock_environment(Driver::Lavapipe).unwrap();
         environment.extend([
             ("HOME", home.clone().into_os_string()),
             ("PATH", "/usr/bin:/bin".into()),

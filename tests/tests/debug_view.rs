@@ -152,7 +152,7 @@ fn ages_are_of_tiles_that_were_not_rendered() {
 fn rates_that_the_gpu_decided_are_drawn() {
     const TILES: [u32; 2] = [16, 14];
     let scenario = Scenario::new(FRAMES).sized(256, 224).saving(&[LAST]);
-    let run = Run::new(&scene(), &scenario).shading_rates(ShadingRateProfile::Layered16);
+    let run = Run::new(&scene(), &scenario).shading_rates(ShadingRateProfile::NvkTuring);
     let finish = |run: Run| run.finish().unwrap().expect_frames(FRAMES).unwrap();
     let off = finish(run.clone());
     let config = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n";

@@ -63,6 +63,7 @@ fn hello_xr_runs_with_the_content_of_the_package() {
     data.push(":/usr/local/share:/usr/share");
     let environment: Vec<(&str, OsString)> = installation
         .private_environment(Driver::Lavapipe)
+        .unwrap()
         .into_iter()
         .chain([("XDG_DATA_DIRS", data), ("PARAFOVEA_MOCK_SCENARIO", scenario.into())])
         .collect();

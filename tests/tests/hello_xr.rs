@@ -68,7 +68,7 @@ fn run(graphics: &str, config: Option<&str>, has_rates: bool) -> Outcome {
     };
     let scenario = Scenario { gaze: (0..20).map(gaze).collect(), ..Scenario::new(FRAMES).sized(256, 256) };
     let run = Run::new(&application, &scenario).validated();
-    let run = if has_rates { run.shading_rates(ShadingRateProfile::Layered16) } else { run };
+    let run = if has_rates { run.shading_rates(ShadingRateProfile::NvkTuring) } else { run };
     let run = match config {
         Some(config) => run.on(config),
         None => run,

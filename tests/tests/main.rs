@@ -16,6 +16,7 @@ mod faults;
 mod frame;
 mod fuzz;
 mod hello_xr;
+mod inert;
 mod input;
 mod loader_1_1;
 mod memory;

@@ -29,7 +29,7 @@ fn the_layers_rates_are_those_that_an_application_would_set() {
 
 #[test]
 fn times_are_taken_and_kept() {
-    let machine = Machine::over_stand_in(ShadingRateProfile::Layered16).unwrap();
+    let machine = Machine::over_stand_in(ShadingRateProfile::NvkTuring).unwrap();
     let length = Length { frames: 20, size: 64 };
     let style = styles().next().unwrap();
     let times = time(&machine, style, length, 1).unwrap();

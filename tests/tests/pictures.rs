@@ -11,6 +11,8 @@ use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
 const OFF: &str = "preset = \"none\"\n";
+/// The device is armed, and every rate is 1x1.
+const ARMED: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"off\"\n";
 const CHROMA: &str =
     "preset = \"none\"\n[gaze]\nsource = \"eyes\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 
@@ -65,10 +67,15 @@ fn the_scene_with_every_technique_off() {
 
 /// Nothing is substituted, and no bit changes.
 fn with_every_technique_off(subject: &Subject) {
-    let (reference, off) = (subject.run(None), subject.run(Some(OFF)));
-    assert_eq!(reference.record.created(), off.record.created(), "swapchains");
-    for (expected, picture) in subject.pictures(&reference).iter().zip(subject.pictures(&off)) {
-        assert_eq!(max_difference(expected, &picture, |_, _| true), 0);
+    let reference = subject.run(None);
+    for config in [OFF, ARMED] {
+        let off = subject.run(Some(config));
+        if config == OFF {
+            assert_eq!(reference.record.created(), off.record.created(), "swapchains");
+        }
+        for (expected, picture) in subject.pictures(&reference).iter().zip(subject.pictures(&off)) {
+            assert_eq!(max_difference(expected, &picture, |_, _| true), 0, "{config}");
+        }
     }
 }
 

@@ -10,7 +10,8 @@ use parafovea_tests::scenario::{Scenario, ScenarioExt};
 const FRAMES: u64 = 12;
 const LAST: u64 = FRAMES - 1;
 const COPY_OF_MAP: &str = "vkCmdCopyImageToBuffer: For optimal performance";
-const OFF: &str = "[rates]\nmode = \"off\"\n";
+/// Rates are asked for, and dropped by the gate: the device is armed, and all is at 1x1.
+const DROPPED: &str = "preset = \"none\"\n[rates]\nmode = \"fixed\"\ngate = \"off\"\n";
 
 fn finish(run: Run) -> Outcome {
     let outcome = run.validated().finish().unwrap().expect_frames(FRAMES).unwrap();
@@ -41,7 +42,7 @@ fn check(application: &Application) {
     let run = Run::new(application, &Scenario::new(FRAMES).sized(128, 128).saving(&[LAST]));
     let reference = finish(run.clone());
     for profile in ShadingRateProfile::ALL {
-        let over = finish(run.clone().shading_rates(profile).on(OFF));
+        let over = finish(run.clone().shading_rates(profile).on(DROPPED));
         assert!(over.log.contains("rate attachments: Offer"), "{}", over.log);
         // The test layer copies each map before its pass, and leaves it in a layout for everything.
         let is_copy_of_map = |found: &Message| found.text.contains(COPY_OF_MAP);
@@ -87,7 +88,7 @@ fn the_gate_hears_what_passes_take_on_a_gpu() {
         let arguments = ["--style", style, "--size", "64", "--frames", &frames];
         let application = Application::ours("parafovea-zoo", &arguments).unwrap();
         let run = Run::new(&application, &Scenario::new(FRAMES).sized(64, 64)).validated();
-        let run = run.shading_rates(ShadingRateProfile::Layered16).env(SHADING_RATE_GPU_VARIABLE, "1");
+        let run = run.shading_rates(ShadingRateProfile::NvkTuring).env(SHADING_RATE_GPU_VARIABLE, "1");
         let outcome = run.on("[gaze]\nsource = \"centre\"\n").finish().unwrap();
         let outcome = outcome.expect_frames(FRAMES).unwrap();
         let found = outcome.findings.vulkan.iter();

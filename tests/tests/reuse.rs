@@ -273,7 +273,7 @@ fn what_is_near_is_followed_by_its_depth() {
     let run = |arguments: &[&str], metres_per_s: f32, saved: &[u64]| {
         let mut scenario = moving(Scenario::new(frames).sized(320, 320).saving(saved), metres_per_s);
         scenario.clock.refresh_hz = HZ;
-        Run::new(&application(arguments), &scenario).shading_rates(ShadingRateProfile::Layered16)
+        Run::new(&application(arguments), &scenario).shading_rates(ShadingRateProfile::NvkTuring)
     };
     for arrangement in ["separate", "array", "double-wide"] {
         let arguments = ["--still", "--depth-layer", "--swapchain", arrangement];

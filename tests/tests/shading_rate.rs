@@ -16,7 +16,7 @@ fn finish(run: Run) -> Outcome {
 fn check(application: &Application) {
     let run = Run::new(application, &Scenario::new(FRAMES).sized(128, 128));
     let reference = finish(run.clone());
-    let over = finish(run.shading_rates(ShadingRateProfile::Layered16));
+    let over = finish(run.shading_rates(ShadingRateProfile::NvkTuring));
     let new = over.findings.beyond(&reference.findings);
     assert!(new.is_empty(), "{new:#?}");
     assert_eq!(over.shading_rates().unwrap(), []);

@@ -135,7 +135,7 @@ fn what_is_saved_is_measured_and_shown_anew_every_second() {
     };
     let hello_xr = start(Application::hello_xr("Vulkan2").unwrap());
     for (run, backend) in [
-        (hello_xr.shading_rates(ShadingRateProfile::Layered16), "rate attachment"),
+        (hello_xr.shading_rates(ShadingRateProfile::NvkTuring), "rate attachment"),
         (start(Application::ours("parafovea-scene", &[]).unwrap()), "mask"),
         style("render-pass"),
         style("dynamic-rendering"),

@@ -1,7 +1,8 @@
 //! What `parafovea doctor` asks Vulkan and OpenXR, in a process of its own, which may hang or crash: `parafovea-probe layers`,
-//! `vulkan` or `openxr` prints one line of JSON, a member of `parafovea_manifest::doctor::Probed`, or on standard error one line
+//! `vulkan`, `devices` or `openxr` prints one line of JSON, a member of `parafovea_manifest::doctor::Probed`, or on standard error one line
 //! that says why there is none.
 
+mod created_devices;
 mod openxr_runtime;
 mod vulkan_devices;
 
@@ -29,8 +30,9 @@ fn answer(question: &str) -> Result<String, String> {
             serde_json::to_string(&LoaderLayers { openxr, vulkan })
         }
         "vulkan" => serde_json::to_string(&vulkan_devices::answer()?),
+        "devices" => serde_json::to_string(&created_devices::answer()?),
         "openxr" => serde_json::to_string(&openxr_runtime::answer()?),
-        _ => return Err("parafovea-probe is asked for `layers`, `vulkan` or `openxr`".to_owned()),
+        _ => return Err("parafovea-probe is asked for `layers`, `vulkan`, `devices` or `openxr`".to_owned()),
     };
     answer.map_err(|error| error.to_string())
 }

@@ -17,16 +17,7 @@ pub fn layers() -> Result<Vec<String>, String> {
 /// The devices and their shading rates.
 pub fn answer() -> Result<VulkanAnswer, String> {
     let entry = entry()?;
-    // SAFETY: as above; a loader of Vulkan 1.0 has no such function, which ash takes care of.
-    let version =
-        unsafe { entry.try_enumerate_instance_version() }.ok().flatten().unwrap_or(vk::API_VERSION_1_0);
-    let application = vk::ApplicationInfo::default()
-        .application_name(c"parafovea-probe")
-        .api_version(version.min(vk::API_VERSION_1_3));
-    let info = vk::InstanceCreateInfo::default().application_info(&application);
-    // SAFETY: valid usage: neither layers nor extensions, and what is pointed to outlives the call.
-    let instance = unsafe { entry.create_instance(&info, None) }
-        .map_err(|error| format!("vkCreateInstance: {error}"))?;
+    let (instance, version) = instance(&entry)?;
     // SAFETY: a live instance; what is asked needs Vulkan 1.1, which is made sure of, and it is destroyed last.
     let devices = unsafe {
         let devices = instance
@@ -41,7 +32,22 @@ pub fn answer() -> Result<VulkanAnswer, String> {
     Ok(VulkanAnswer { version: parts(version), devices: devices? })
 }
 
-fn entry() -> Result<Entry, String> {
+/// An instance of the newest version that the loader speaks, up to 1.3, without layers and extensions; and the loader's
+/// version.
+pub(crate) fn instance(entry: &Entry) -> Result<(Instance, u32), String> {
+    // SAFETY: the loader is loaded; one of Vulkan 1.0 has no such function, which ash takes care of.
+    let version =
+        unsafe { entry.try_enumerate_instance_version() }.ok().flatten().unwrap_or(vk::API_VERSION_1_0);
+    let application = vk::ApplicationInfo::default()
+        .application_name(c"parafovea-probe")
+        .api_version(version.min(vk::API_VERSION_1_3));
+    let info = vk::InstanceCreateInfo::default().application_info(&application);
+    // SAFETY: valid usage: neither layers nor extensions, and what is pointed to outlives the call.
+    let instance = unsafe { entry.create_instance(&info, None) };
+    Ok((instance.map_err(|error| format!("vkCreateInstance: {error}"))?, version))
+}
+
+pub(crate) fn entry() -> Result<Entry, String> {
     // SAFETY: the system's Vulkan loader is one.
     unsafe { Entry::load() }.map_err(|error| format!("the Vulkan loader cannot be loaded: {error}"))
 }
@@ -74,6 +80,8 @@ unsafe fn describe(entry: &Entry, instance: &Instance, version: u32, device: vk:
             let name = driver.driver_name_as_c_str().map(text).unwrap_or_default();
             let info = driver.driver_info_as_c_str().map(text).unwrap_or_default();
             described.driver = format!("{name} {info}").trim().to_owned();
+            described.driver_id = driver.driver_id.as_raw().cast_unsigned();
+            described.driver_version = parts(properties.driver_version);
         }
         if !has(fragment_shading_rate::NAME) {
             return described;
@@ -96,6 +104,8 @@ unsafe fn describe(entry: &Entry, instance: &Instance, version: u32, device: vk:
             size(limits.min_fragment_shading_rate_attachment_texel_size),
             size(limits.max_fragment_shading_rate_attachment_texel_size),
         ];
+        described.layered = limits.layered_shading_rate_attachments == vk::TRUE;
+        described.samples = limits.max_fragment_shading_rate_rasterization_samples.as_raw();
         let functions = fragment_shading_rate::Instance::new(entry, instance);
         let ask = functions.fp().get_physical_device_fragment_shading_rates_khr;
         let mut count = 0;
@@ -114,7 +124,7 @@ unsafe fn describe(entry: &Entry, instance: &Instance, version: u32, device: vk:
     described
 }
 
-fn text(name: &CStr) -> String {
+pub(crate) fn text(name: &CStr) -> String {
     name.to_string_lossy().into_owned()
 }
 

@@ -2,6 +2,7 @@
 
 use super::descriptor::{CompareSet, texture_layout};
 use super::pipeline::shader_module;
+use super::pipeline_layout::PipelineLayout;
 use super::{Gpu, GpuError, Owned};
 use ash::vk;
 use std::ffi::CStr;
@@ -10,7 +11,7 @@ use std::sync::Arc;
 /// A pipeline with its layout.
 pub(crate) struct Comparison {
     pipeline: Owned<vk::Pipeline>,
-    layout: Owned<vk::PipelineLayout>,
+    layout: PipelineLayout,
 }
 
 /// A pipeline of an entry point of a module of SPIR-V, as [`Comparison::make`] makes it.
@@ -34,17 +35,7 @@ impl Comparison {
     ) -> Result<Self, GpuError> {
         let module = shader_module(gpu, spirv)?;
         let (parameters, texture) = (CompareSet::layout(gpu)?, texture_layout(gpu)?);
-        let sets = [parameters.handle(), texture.handle(), texture.handle(), texture.handle()];
-        let sets = &sets[..if has_depth { 4 } else { 3 }];
-        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(sets);
-        // SAFETY: the device and the layouts are live.
-        let layout = unsafe {
-            let handle = gpu
-                .device
-                .create_pipeline_layout(&info, None)
-                .map_err(GpuError::from_call("vkCreatePipelineLayout"))?;
-            Owned::new(gpu, handle, |device, handle| device.destroy_pipeline_layout(handle, None))
-        };
+        let layout = PipelineLayout::new(gpu, parameters, texture, if has_depth { 3 } else { 2 })?;
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(module.handle())

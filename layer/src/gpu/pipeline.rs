@@ -1,5 +1,6 @@
 //! Pipelines that draw tiles: an instance each, a strip of four vertices, no vertex input.
 
+use super::pipeline_layout::PipelineLayout;
 use super::{Gpu, GpuError, Owned, descriptor};
 use ash::vk;
 use std::ffi::CStr;
@@ -8,7 +9,7 @@ use std::sync::Arc;
 /// A pipeline with its layout.
 pub(crate) struct TilePipeline {
     pipeline: Owned<vk::Pipeline>,
-    layout: Owned<vk::PipelineLayout>,
+    layout: PipelineLayout,
 }
 
 impl TilePipeline {
@@ -136,21 +137,15 @@ pub(super) fn shader_module(gpu: &Arc<Gpu>, spirv: &[u8]) -> Result<Owned<vk::Sh
     }
 }
 
-fn pipeline_layout(gpu: &Arc<Gpu>, shader: &TileShader) -> Result<Owned<vk::PipelineLayout>, GpuError> {
+fn pipeline_layout(gpu: &Arc<Gpu>, shader: &TileShader) -> Result<PipelineLayout, GpuError> {
     let parameters = match shader.has_lists {
         true => descriptor::list_layout(gpu),
         false => descriptor::uniform_layout(gpu),
     }?;
-    let texture = descriptor::texture_layout(gpu)?;
-    let sets = [parameters.handle(), texture.handle(), texture.handle(), texture.handle()];
-    let sets = &sets[..if shader.has_depth { 4 } else { 2 }];
-    let info = vk::PipelineLayoutCreateInfo::default().set_layouts(sets);
-    // SAFETY: the device and both layouts are live.
-    unsafe {
-        let handle = gpu
-            .device
-            .create_pipeline_layout(&info, None)
-            .map_err(GpuError::from_call("vkCreatePipelineLayout"))?;
-        Ok(Owned::new(gpu, handle, |device, handle| device.destroy_pipeline_layout(handle, None)))
-    }
+    PipelineLayout::new(
+        gpu,
+        parameters,
+        descriptor::texture_layout(gpu)?,
+        if shader.has_depth { 3 } else { 1 },
+    )
 }

@@ -6,10 +6,12 @@ use super::dispatch::{ArmedTable, DeviceTable};
 use super::dispatch_key::DispatchKey;
 use super::instance::{self, Instance};
 use super::masks::Masks;
+use super::quirks;
 use super::rates::create::Enabled;
 use super::rates::{self, Copies, NoRates, Rates, room};
 use super::recording;
 use crate::abi::guard;
+use crate::config::{Arming, device_armed};
 use crate::link::DeviceRecord;
 use crate::registry::Registry;
 use crate::status::decided;
@@ -25,6 +27,8 @@ pub struct Device {
     /// The next layer's functions under the hooks of armed devices.
     pub hooked: ArmedTable,
     pub get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
+    /// Whether the OpenXR half finds it, if only to learn that it is inert.
+    pub is_linked: bool,
     active: AtomicBool,
 }
 
@@ -144,15 +148,16 @@ unsafe fn create_tracked(
         // Without it no device is armed.
         next.set_device_loader_data = None;
     }
-    let will_be_armed = instance.enabled && next.set_device_loader_data.is_some();
+    let may_be_armed = instance.enabled && next.set_device_loader_data.is_some();
+    let arming = if may_be_armed { instance::arming() } else { Arming::Inert };
     let below = Below { create, instance: &instance, physical_device, info, allocator, device };
     // SAFETY: the application's own arguments; the loader's structure is advanced.
-    let (result, enabled) = unsafe { below.create(will_be_armed) };
+    let (result, enabled) = unsafe { below.create(arming) };
     if result != vk::Result::SUCCESS {
         return (result, None);
     }
     // SAFETY: the call succeeded, so `device` points to a live device of the next layer.
-    match unsafe { track(&instance, physical_device, *device, next, enabled) } {
+    match unsafe { track(&instance, physical_device, *device, next, (arming, enabled)) } {
         Some(state) => (result, Some(state)),
         None => FAILED,
     }
@@ -169,18 +174,19 @@ struct Below<'a> {
 }
 
 impl Below<'_> {
-    /// Creates the device, with rate attachments where that is `wanted` and possible, or else exactly as the
-    /// application asks. Returns what it has of them.
+    /// Creates the device, with rate attachments where the configuration asks for rates and they are possible, or else
+    /// exactly as the application asks. Returns what it has of them.
     ///
     /// # Safety
     ///
     /// The arguments of vkCreateDevice, with which the next layer's may be called.
-    unsafe fn create(&self, wanted: bool) -> (vk::Result, Option<Enabled>) {
-        if wanted {
+    unsafe fn create(&self, arming: Arming) -> (vk::Result, Option<Enabled>) {
+        if arming == Arming::Rates {
             // SAFETY: the caller vouches for the arguments.
             match unsafe { self.create_with_rates() } {
                 Ok(enabled) => {
                     tracing::info!("rate attachments: {:?}", enabled.offer);
+                    quirks::tell(&enabled.quirks, &self.instance.engine);
                     return (vk::Result::SUCCESS, Some(enabled));
                 }
                 Err(reason) => decided(&format_args!("no rate attachments: {reason}")),
@@ -219,10 +225,12 @@ impl Below<'_> {
     }
 }
 
+/// What the next layer says of a physical device.
+///
 /// # Safety
 ///
 /// `physical_device` is a live one of `instance`.
-unsafe fn properties(
+pub unsafe fn properties(
     instance: &Instance,
     physical_device: vk::PhysicalDevice,
 ) -> vk::PhysicalDeviceProperties {
@@ -242,7 +250,7 @@ unsafe fn track(
     physical_device: vk::PhysicalDevice,
     device: vk::Device,
     next: NextDevice,
-    enabled: Option<Enabled>,
+    (arming, enabled): (Arming, Option<Enabled>),
 ) -> Option<&'static str> {
     // SAFETY: the caller vouches for the handles and the pointer.
     unsafe {
@@ -253,7 +261,9 @@ unsafe fn track(
         let api_version = instance.api_version.min(properties.api_version);
         let is_cpu = properties.device_type == vk::PhysicalDeviceType::CPU;
         let hooked = ArmedTable::load(api_version, |name| (next.get_device_proc_addr)(device, name.as_ptr()));
-        let armed = set_device_loader_data.map(|set_device_loader_data| {
+        let is_linked = set_device_loader_data.is_some();
+        let wanted = set_device_loader_data.filter(|_| arming != Arming::Inert);
+        let armed = wanted.map(|set_device_loader_data| {
             let record = DeviceRecord {
                 instance: instance.handle,
                 physical_device,
@@ -264,10 +274,11 @@ unsafe fn track(
                 set_device_loader_data,
             };
             let rates = enabled.and_then(|enabled| Rates::on(&record, enabled, is_cpu)).map(Arc::new);
+            let wants_masks = rates.is_none() && arming != Arming::Pictures;
             // The fill's shader has storage buffers as SPIR-V knows them from Vulkan 1.1 on.
-            let may_mask = rates.is_none() && api_version >= vk::API_VERSION_1_1;
+            let may_mask = wants_masks && api_version >= vk::API_VERSION_1_1;
             let masks = may_mask.then(|| Arc::new(Masks::on(&record, is_cpu)));
-            if masks.is_none() && rates.is_none() {
+            if wants_masks && !may_mask {
                 decided(&"no masks either: the application asks for Vulkan 1.0");
             }
             Arc::new(Armed::new(record, hooked, rates, masks))
@@ -275,9 +286,15 @@ unsafe fn track(
         let state = match (&armed, instance.enabled) {
             (Some(_), _) => "armed",
             (None, false) => "inert",
+            (None, true) if is_linked => {
+                "inert: the configuration asks for nothing; an edit takes effect when the application is started again"
+            }
             (None, true) => "inert: the Vulkan loader gave no vkSetDeviceLoaderData",
         };
-        recording::compute::device_made(key, &hooked);
+        device_armed(if armed.is_some() { arming } else { Arming::Inert });
+        if armed.is_some() {
+            recording::compute::device_made(key, &hooked);
+        }
         DEVICES.insert(
             key,
             Arc::new(Device {
@@ -285,6 +302,7 @@ unsafe fn track(
                 next: table,
                 hooked,
                 get_device_proc_addr: next.get_device_proc_addr,
+                is_linked,
                 active: AtomicBool::new(false),
             }),
         );

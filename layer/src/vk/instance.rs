@@ -6,6 +6,9 @@ use super::dispatch_key::DispatchKey;
 use super::enablement::Enablement;
 use super::rates::{self, Copies, room};
 use crate::abi::guard;
+use crate::config::Arming;
+#[cfg(not(test))]
+use crate::config::Environment;
 use crate::registry::Registry;
 use ash::vk;
 use std::sync::Arc;
@@ -17,6 +20,8 @@ pub struct Instance {
     pub enabled: bool,
     /// The version that the application asked for.
     pub api_version: u32,
+    /// The engine that it names (`VkApplicationInfo::pEngineName`); empty without.
+    pub engine: String,
     pub next: InstanceTable,
     pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
     pub get_physical_device_proc_addr: Option<GetPhysicalDeviceProcAddr>,
@@ -122,8 +127,9 @@ unsafe fn create_below(
         let mut room = room::<64>();
         let mut copies = Copies::new(&mut room);
         let version = requested_version((*info).p_application_info.as_ref());
+        let wants_rates = enabled && arming() == Arming::Rates;
         if let Some(amended) =
-            enabled.then(|| rates::create::instance(&*info, version, &mut copies)).flatten()
+            wants_rates.then(|| rates::create::instance(&*info, version, &mut copies)).flatten()
         {
             let before = *instance;
             let link = chain::instance_link(info).map(|at| (at, *at));
@@ -139,6 +145,15 @@ unsafe fn create_below(
         create(info, allocator, instance)
     }
 }
+
+/// What the configuration of this process asks of a device that is created now.
+#[cfg(not(test))]
+pub fn arming() -> Arming {
+    Arming::of_process(&Environment::of_process(Enablement::of_process() == Enablement::Elevated))
+}
+
+#[cfg(test)]
+pub use super::tests::arming;
 
 /// Begins to track an instance.
 ///
@@ -161,6 +176,7 @@ unsafe fn track(
                 handle,
                 enabled,
                 api_version: requested_version((*info).p_application_info.as_ref()),
+                engine: engine((*info).p_application_info.as_ref()),
                 next: table,
                 get_instance_proc_addr: next.get_instance_proc_addr,
                 get_physical_device_proc_addr: next.get_physical_device_proc_addr,
@@ -173,6 +189,15 @@ unsafe fn track(
 /// The version that an application asked for: without an answer it is 1.0 (VkApplicationInfo::apiVersion).
 fn requested_version(application: Option<&vk::ApplicationInfo<'_>>) -> u32 {
     application.map_or(0, |application| application.api_version).max(vk::API_VERSION_1_0)
+}
+
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn engine(application: Option<&vk::ApplicationInfo<'_>>) -> String {
+    // SAFETY: the caller vouches for the name, which is null or a string.
+    let name = application.and_then(|application| unsafe { application.engine_name_as_c_str() });
+    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 /// `vkDestroyInstance`.

@@ -43,7 +43,8 @@ pub unsafe extern "system" fn instance(handle: vk::Instance, name: *const c_char
     )
 }
 
-/// `vkGetDeviceProcAddr`. Answers the OpenXR half's question for the link, for an armed device.
+/// `vkGetDeviceProcAddr`. Answers the OpenXR half's question for the link, for an armed device and for one that the
+/// configuration keeps inert.
 pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) -> vk::PFN_vkVoidFunction {
     // SAFETY: the caller passes a null-terminated name and a live device.
     guard(
@@ -54,7 +55,7 @@ pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) ->
             let name = text(&name)?;
             let known = device::of(handle)?;
             if name == GET_LINK_NAME {
-                return known.armed.is_some().then(link_table::get_link);
+                return known.is_linked.then(link_table::get_link);
             }
             let next = (known.get_device_proc_addr)(handle, name.as_ptr())?;
             if is_frequent(name) && !wants_binding(&known, name) {

@@ -1,11 +1,11 @@
 //! What the fragment shaders of live shader modules do.
 
 use super::chain::extension;
+use super::rates::copies::words;
 use super::rates::shader::{Effects, FragmentShaders};
 use super::table::Table;
 use ash::vk;
 use std::ffi::CStr;
-use std::slice;
 use std::sync::Arc;
 
 /// The modules of a device.
@@ -52,9 +52,30 @@ impl ShaderModules {
 ///
 /// The structure is valid.
 unsafe fn read(info: &vk::ShaderModuleCreateInfo<'_>) -> Option<FragmentShaders> {
-    if info.p_code.is_null() {
-        return None;
-    }
     // SAFETY: the caller vouches for the code, of `code_size` bytes.
-    FragmentShaders::read(unsafe { slice::from_raw_parts(info.p_code, info.code_size / size_of::<u32>()) })
+    FragmentShaders::read(&unsafe { words(info.p_code.cast(), info.code_size) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rates::shader::tests::plain_shader;
+    use super::*;
+
+    #[test]
+    fn code_at_an_odd_address_is_read() {
+        let code = plain_shader();
+        let mut memory = vec![0u32; code.len() + 1];
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut memory);
+        for offset in 0..4 {
+            bytes[offset..offset + code.len() * 4].copy_from_slice(bytemuck::cast_slice(&code));
+            let info = vk::ShaderModuleCreateInfo {
+                p_code: bytes[offset..].as_ptr().cast(),
+                code_size: code.len() * 4,
+                ..Default::default()
+            };
+            // SAFETY: the structure is valid but for the alignment of its code.
+            let shaders = unsafe { read(&info) }.unwrap();
+            assert_eq!(shaders.effects("main"), Effects::default(), "at an offset of {offset} bytes");
+        }
+    }
 }

@@ -3,14 +3,26 @@
 mod ends;
 mod fake;
 mod rates;
+mod refused;
 
 use super::chain::NegotiateLayerInterface;
 use super::{LAYER_NAME, device, negotiate, proc_addr};
+use crate::config::Arming;
 use crate::link::{DeviceRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable};
 use ash::vk::{self, Handle};
+use std::cell::Cell;
 use std::ffi::{CStr, c_void};
 use std::mem::{MaybeUninit, transmute};
 use std::ptr::{null, null_mut};
+
+thread_local! {
+    static ARMING: Cell<Arming> = const { Cell::new(Arming::Rates) };
+}
+
+/// What the configuration asks of devices that are created on this thread.
+pub fn arming() -> Arming {
+    ARMING.get()
+}
 
 /// A structure that this layer does not know.
 fn unknown(s_type: i32, p_next: *const c_void) -> *const c_void {

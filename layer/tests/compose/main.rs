@@ -7,6 +7,7 @@ mod allocations;
 mod canaries;
 mod change;
 mod failures;
+mod layouts;
 mod moved;
 mod pictures;
 mod reuse;

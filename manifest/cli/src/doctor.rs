@@ -96,7 +96,11 @@ fn summary(findings: &[Finding]) -> String {
     let (problems, warnings) = (count(Severity::Problem), count(Severity::Warning));
     let fixable = findings.iter().filter(|finding| finding.fix.is_some()).count();
     let counted = |number, name: &str| format!("{number} {name}{}", if number == 1 { "" } else { "s" });
+    let is_whole = findings.iter().all(|finding| finding.id != "cannot-check");
     let mut line = match (problems, warnings) {
+        (0, 0) if !is_whole => {
+            "Nothing wrong was found, but not everything could be checked: see the notes.".to_owned()
+        }
         (0, 0) => "All is well: parafovea run -- GAME, or PARAFOVEA=1 %command% in Steam.".to_owned(),
         _ => format!("{}, {}.", counted(problems, "problem"), counted(warnings, "warning")),
     };

@@ -4,6 +4,7 @@ use super::layers::Layers;
 use super::manifests::called;
 use super::{Device, Finding, RuntimeAnswer, Surroundings, runtime};
 use crate::json::Half;
+use crate::quirks::{Driver, Quirk, Quirks};
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
     let probed = &surroundings.probed;
@@ -25,7 +26,17 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
             Finding::problem("no-device", "Vulkan finds no device", "Games that use Vulkan do not start.")
                 .advise("install a driver (Debian, Ubuntu: mesa-vulkan-drivers, or that of NVIDIA)"),
         ),
-        Ok(vulkan) => findings.extend(of_devices(&vulkan.devices)),
+        Ok(vulkan) => {
+            findings.extend(of_devices(&vulkan.devices));
+            let changes = surroundings.environment.quirks();
+            findings.extend(vulkan.devices.iter().flat_map(|device| quirks(device, &changes)));
+            // Of every device, so the first one says it.
+            let complaint = vulkan.devices.first().and_then(|device| quirks_of(device, &changes).complaint());
+            findings.extend(complaint.map(|complaint| {
+                Finding::warning("unknown-quirk", complaint, "The rest of the variable holds.")
+                    .advise("correct the variable, or unset it")
+            }));
+        }
     }
     match &probed.openxr {
         Err(reason) => findings.push(unknown("the OpenXR runtime offers", reason)),
@@ -94,10 +105,39 @@ fn of_device(device: &Device) -> Option<Finding> {
     }
     let [[least, _], [most, _]] = device.texel;
     let texel = if least == most { least.to_string() } else { format!("{least} to {most}") };
-    Some(Finding::good(
-        "shading-rates",
-        format!("{name} has shading rates up to {}, in tiles of {texel} pixels", coarsest(&device.rates)),
-    ))
+    let coarsest = coarsest(&device.rates);
+    let layers = if device.layered { "a layer for each eye" } else { "one layer for both eyes" };
+    let samples = match device.samples {
+        0 => String::new(),
+        samples => format!(", with up to {samples} samples a pixel"),
+    };
+    let found =
+        format!("{name} has shading rates up to {coarsest}, in tiles of {texel} pixels, {layers}{samples}");
+    Some(match coarsest {
+        "4x4" => Finding::good("shading-rates", found),
+        _ => {
+            let means =
+                format!("The periphery is shaded at {coarsest} at the coarsest, whatever is configured.");
+            Finding::note("shading-rates", found, means)
+        }
+    })
+}
+
+fn quirks_of(device: &Device, changes: &str) -> Quirks {
+    let driver = Driver { id: device.driver_id, device: &device.name, version: device.driver_version };
+    Quirks::of(&driver, changes)
+}
+
+/// What the layer does otherwise on a device with shading rates.
+fn quirks(device: &Device, changes: &str) -> Vec<Finding> {
+    if device.rates.is_empty() {
+        return Vec::new();
+    }
+    let finding = |quirk: &&Quirk| {
+        let found = format!("{}: quirk {}: {}", device.name, quirk.name, quirk.doc);
+        Finding::note("quirk", found, format!("Known from: {}.", quirk.source))
+    };
+    quirks_of(device, changes).rows.iter().map(finding).collect()
 }
 
 /// The rate that shades the most pixels at once.

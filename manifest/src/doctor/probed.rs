@@ -10,6 +10,8 @@ pub struct Probed {
     pub layers: Result<LoaderLayers, String>,
     /// Which devices there are.
     pub vulkan: Result<VulkanAnswer, String>,
+    /// What becomes of devices that are created with the layer; an error is a crash, a hang or a failure of the program.
+    pub created: Result<Vec<CreatedDevice>, String>,
     /// Which runtime there is.
     pub openxr: Result<RuntimeAnswer, String>,
 }
@@ -18,7 +20,7 @@ impl Default for Probed {
     /// Nobody was asked.
     fn default() -> Self {
         let nobody = || "nobody was asked".to_owned();
-        Self { layers: Err(nobody()), vulkan: Err(nobody()), openxr: Err(nobody()) }
+        Self { layers: Err(nobody()), vulkan: Err(nobody()), created: Err(nobody()), openxr: Err(nobody()) }
     }
 }
 
@@ -56,6 +58,29 @@ pub struct Device {
     pub rates: Vec<String>,
     /// Smallest and largest size of the texels of such attachments, pixels.
     pub texel: [[u32; 2]; 2],
+    /// Whether each layer or view of a picture can have rates of its own.
+    #[serde(default)]
+    pub layered: bool,
+    /// Most samples a pixel that rates go together with; 0: not known.
+    #[serde(default)]
+    pub samples: u32,
+    /// `VkDriverId`; 0: not known.
+    #[serde(default)]
+    pub driver_id: u32,
+    /// The driver's version, as Mesa encodes it: major, minor, patch.
+    #[serde(default)]
+    pub driver_version: [u32; 3],
+}
+
+/// A device that was created, and destroyed again, with the layer enabled.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CreatedDevice {
+    /// What it is called.
+    pub name: String,
+    /// Why it could not be created; `None` where it was.
+    pub failure: Option<String>,
+    /// Whether the layer is on it, and ready to work.
+    pub has_layer: bool,
 }
 
 /// What the OpenXR runtime says.

@@ -113,9 +113,12 @@ fn probed() -> Probed {
                 name: "A GPU".to_owned(),
                 rates: ["1x1", "2x2", "4x4", "4x2"].map(str::to_owned).to_vec(),
                 texel: [[8, 8], [16, 16]],
+                layered: true,
+                samples: 4,
                 ..Device::default()
             }],
         }),
+        created: Ok(vec![CreatedDevice { name: "A GPU".to_owned(), failure: None, has_layer: true }]),
         openxr: Ok(RuntimeAnswer {
             name: "Monado".to_owned(),
             extensions: ["XR_KHR_vulkan_enable2", "XR_EXT_eye_gaze_interaction"].map(str::to_owned).to_vec(),
@@ -135,7 +138,8 @@ fn a_healthy_machine_has_nothing_to_do() {
         "OpenXR loader 1.0.20: ",
         "Vulkan loader 1.3.239: ",
         "OpenXR runtime: Monado ",
-        "A GPU has shading rates up to 4x4, in tiles of 8 to 16 pixels",
+        "A GPU has shading rates up to 4x4, in tiles of 8 to 16 pixels, a layer for each eye, with up to 4 samples a pixel",
+        "A GPU: a device was created with the layer",
         "A headset is there, and tracks eyes",
         "configuration: ",
         "logs: ",
@@ -152,6 +156,38 @@ fn what_nobody_can_check_is_said_and_is_no_fault() {
     assert_eq!(findings.len(), 3);
     assert!(
         findings.iter().all(|finding| finding.id == "cannot-check" && finding.severity == Severity::Note)
+    );
+}
+
+/// As RADV answers on RDNA2.
+#[test]
+fn what_a_gpu_can_give_and_its_quirks_are_told() {
+    let mut machine = Machine::new();
+    *machine.probed.vulkan.as_mut().unwrap().devices.first_mut().unwrap() = Device {
+        name: "AMD Radeon RX 6800 (RADV NAVI21)".to_owned(),
+        driver_id: 3,
+        driver_version: [25, 0, 7],
+        rates: ["2x2", "2x1", "1x2", "1x1"].map(str::to_owned).to_vec(),
+        texel: [[8, 8]; 2],
+        samples: 8,
+        ..Device::default()
+    };
+    let found: Vec<_> = machine.findings().into_iter().map(|finding| (finding.id, finding.found)).collect();
+    assert_eq!(
+        found[0],
+        (
+            "shading-rates",
+            "AMD Radeon RX 6800 (RADV NAVI21) has shading rates up to 2x2, in tiles of 8 pixels, one layer for both eyes, with up to 8 samples a pixel".to_owned()
+        )
+    );
+    let quirks = |found: &[(&str, String)]| found.iter().filter(|(id, _)| *id == "quirk").count();
+    assert_eq!(quirks(&found), 4, "{found:#?}");
+    machine.set("PARAFOVEA_QUIRKS", "-first-layer-only,mistyped");
+    let found: Vec<_> = machine.findings().into_iter().map(|finding| (finding.id, finding.found)).collect();
+    assert_eq!(quirks(&found), 3, "{found:#?}");
+    assert!(
+        found.iter().any(|(id, found)| *id == "unknown-quirk" && found.contains("mistyped")),
+        "{found:#?}"
     );
 }
 

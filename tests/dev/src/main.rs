@@ -5,6 +5,7 @@
 //! runs. Everything is written below the target folder.
 
 mod compare;
+mod drivers;
 mod monado;
 mod packages;
 mod sanitize;
@@ -18,8 +19,15 @@ const HELP: &str = "\
 cargo dev <task>, run anywhere in the repository:
 
   setup                 install what is missing (Debian and Ubuntu; elsewhere: name it). Implied by every task
+                        but for the drivers over kernel shims, which it unpacks to target/drivers/release and `test` needs
   demo [--json]         hello_xr and our scene through the layer, off and on; pictures in target/demo/
   test                  formatting, clippy, build, all tests, docs: what CI runs
+  drivers [--json] [PART] | --profiles
+                        the layer on Mesa's real drivers over no-op kernel shims, without a GPU (RADV, NVK, Turnip; Debian's packages, unpacked
+                        in target/drivers/): programs x other layers (none, validation, one above and one below) x configurations (off,
+                        inert, rates, mask, everything), all with PART in `DEVICE PROGRAM`. Six styles, hello_xr, our scene, vulkaninfo
+                        and the doctor in all combinations; other styles alone with rates and everything, and validated with everything. --profiles
+                        writes what the drivers say of shading rates to tests/layers/profiles/, for the tests' stand-in
   run [--runtime mock|system] [--config FILE] -- CMD...
                         any OpenXR program with the layer (default: the mock runtime on lavapipe)
   zoo [STYLE]           every style of rendering at full length (256 x 256 pixels, 120 frames, with a still and a moving gaze, on both
@@ -30,7 +38,7 @@ cargo dev <task>, run anywhere in the repository:
   fuzz [TARGET] [--minutes N]
                         mutated inputs for what reads files, chains and shaders, a minute each or so long; `test` runs a few thousand
   gpu [--json]          on a GPU with VK_KHR_fragment_shading_rate: the layer's rates beside the same ones set by the application itself, pictures and
-                        GPU times; kept in tests/gpu-results/. Without such a GPU it says so, and that is all
+                        GPU times; kept in tests/gpu-results/. Then the matrix of `drivers`. Without such a GPU it says so, and that is all
   bench NAME [--json]   a bench: break-even (how dear pixels must be for the layer to gain), ears (what listening costs, and how late it is), frame (what techniques save), kernels (what rates by contrast, and colour, cost a view), models (what the models cost, their hard cases, and how well gaze is followed), overhead (what the layer costs), reuse (what pictures of a turning head lose), status (what parafovea status shows, and takes)
   monado [PART]         as root, with debootstrap: the passes' tests in a Debian trixie in target/monado/, with its driver and validation; then
                         hello_xr, our scene and every style on Monado there, with everything on and without the layer: the same results, and
@@ -61,6 +69,7 @@ fn main() -> ExitCode {
         Some("run") => tasks::run(rest),
         Some("zoo") => tasks::zoo(rest),
         Some("faults") => tasks::faults(rest),
+        Some("drivers") => drivers::drivers(rest),
         Some("fuzz") => tasks::fuzz(rest),
         Some("gpu") => tasks::gpu(rest),
         Some("bench") => tasks::bench(rest),

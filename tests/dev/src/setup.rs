@@ -1,5 +1,6 @@
 //! `setup`: brings what is missing where it can, names it where it cannot, and is silent when all is there.
 
+use crate::drivers::unpack_release;
 use crate::packages::{Manager, NEEDS, Need, program_in_path};
 use crate::steps;
 use std::path::PathBuf;
@@ -16,6 +17,9 @@ pub enum Voice {
 
 /// Installs or names what is missing. Something missing is no error: the tasks go on with what is there.
 pub fn setup(voice: Voice) -> Result<(), String> {
+    if voice == Voice::Asked {
+        unpack_release();
+    }
     let missing = missing();
     if missing.is_empty() {
         if voice == Voice::Asked {

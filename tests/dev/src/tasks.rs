@@ -1,6 +1,7 @@
 //! The tasks beyond `setup`: each builds what it needs with the one profile that they all share.
 
 use crate::compare;
+use crate::drivers::unpack_release;
 use crate::packages::can_build_audio;
 use crate::setup::{Voice, setup};
 use crate::steps::{Steps, cargo, profile_folder};
@@ -46,6 +47,7 @@ fn checks(steps: &mut Steps) -> Result<(), String> {
     let clippy = ["--all-targets", "--", "-D", "warnings"];
     steps.run("cargo clippy", in_root(workspace("clippy").args(clippy)))?;
     build(steps)?;
+    unpack_release();
     // All that fails, not the first: the whole takes minutes.
     steps.run("cargo test", in_root(workspace("test").arg("--no-fail-fast")))?;
     let doc = ["--no-deps", "--document-private-items"];

@@ -1,7 +1,8 @@
-//! Nine Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
+//! Ten Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
 //! own ([`TestLayer::manifest`]), which maps the loader's entry point to that layer's.
 //!
 //! - `VK_LAYER_PARAFOVEA_TEST_pass_through` does nothing: the baseline for what any layer costs.
+//! - `VK_LAYER_PARAFOVEA_TEST_above` does nothing either, above Parafovea.
 //! - `VK_LAYER_PARAFOVEA_TEST_count` counts fragment shader invocations, draws and submits ([`Count`]).
 //! - `VK_LAYER_PARAFOVEA_TEST_samples` counts the samples that pass depth and stencil tests in the application's render
 //!   passes ([`SampleCount`]), below Parafovea, together with the former above it.
@@ -48,8 +49,8 @@ pub use faults::{FAULT_FILE_VARIABLE, FAULT_VARIABLE, FaultReport, VulkanFault, 
 pub use manifest::TestLayer;
 pub use shading_rate::{
     SHADING_RATE_FILE_VARIABLE, SHADING_RATE_GPU_VARIABLE, SHADING_RATE_PROFILE_VARIABLE,
-    SHADING_RATE_TEXELS_VARIABLE, ShadingRateFinding, ShadingRateLine, ShadingRateMap, ShadingRatePass,
-    ShadingRateProfile,
+    SHADING_RATE_TEXELS_VARIABLE, ShadingRate, ShadingRateDevice, ShadingRateFinding, ShadingRateLimits,
+    ShadingRateLine, ShadingRateMap, ShadingRatePass, ShadingRateProfile,
 };
 
 use ash::vk;
@@ -66,6 +67,19 @@ pub unsafe extern "system" fn pass_through_vkNegotiateLoaderLayerInterfaceVersio
 ) -> vk::Result {
     // SAFETY: the loader vouches for it.
     unsafe { layer::negotiate::<pass_through::PassThrough>(interface) }
+}
+
+/// The Vulkan loader's first call to the layer `above`.
+///
+/// # Safety
+///
+/// Called by a Vulkan loader, with a valid structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn above_vkNegotiateLoaderLayerInterfaceVersion(
+    interface: *mut NegotiateLayerInterface,
+) -> vk::Result {
+    // SAFETY: the loader vouches for it.
+    unsafe { layer::negotiate::<pass_through::Above>(interface) }
 }
 
 /// The Vulkan loader's first call to the layer `count`.

@@ -8,6 +8,8 @@ use std::path::Path;
 pub enum TestLayer {
     /// Does nothing.
     PassThrough,
+    /// Does nothing, above Parafovea.
+    Above,
     /// Counts fragment shader invocations.
     Count,
     /// Counts samples that pass depth and stencil tests.
@@ -28,8 +30,9 @@ pub enum TestLayer {
 
 impl TestLayer {
     /// All of them.
-    pub const ALL: [TestLayer; 9] = [
+    pub const ALL: [TestLayer; 10] = [
         TestLayer::PassThrough,
+        TestLayer::Above,
         TestLayer::Count,
         TestLayer::Samples,
         TestLayer::Times,
@@ -44,6 +47,7 @@ impl TestLayer {
     pub fn stem(self) -> &'static str {
         match self {
             TestLayer::PassThrough => "pass_through",
+            TestLayer::Above => "above",
             TestLayer::Count => "count",
             TestLayer::Samples => "samples",
             TestLayer::Times => "times",

@@ -1,7 +1,7 @@
 //! A layer that makes a device without `VK_KHR_fragment_shading_rate` look as if it had it, checks that it is used
 //! as the specification says, and writes down the map of every pass that is executed.
 //!
-//! It stands in for three devices ([`ShadingRateProfile`]), and must be above the validation layer, to which it
+//! It stands in for several devices ([`ShadingRateProfile`]), and must be above the validation layer, to which it
 //! passes nothing of the extension: structures are left out, flags and layouts replaced (`lower`). A render pass
 //! keeps its rate attachment as one that no subpass uses. Ahead of each pass with a rate attachment the layer
 //! copies the map into a buffer (`capture`), and reads it when the submit has completed (`submit`).
@@ -19,6 +19,7 @@ mod barrier;
 mod capture;
 mod chain;
 mod device;
+mod device_limits;
 mod draw;
 mod findings;
 mod framebuffer;
@@ -39,6 +40,7 @@ mod state;
 mod submit;
 mod transfer;
 
+pub use device_limits::{ShadingRate, ShadingRateDevice, ShadingRateLimits};
 pub use lines::{
     SHADING_RATE_FILE_VARIABLE, SHADING_RATE_TEXELS_VARIABLE, ShadingRateFinding, ShadingRateLine,
     ShadingRateMap, ShadingRatePass,

@@ -4,6 +4,7 @@ use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::HarnessError;
 use parafovea_tests::artifacts::target_folder;
 use parafovea_tests::device::Machine;
+use parafovea_tests::drivers::{JsonCell, Matrix, Row, Target};
 use parafovea_tests::installation::Driver;
 use parafovea_tests::measure::print_json;
 use parafovea_tests::native::{Length, Results, StyleResults, compare, styles, time};
@@ -73,7 +74,7 @@ fn style(name: &str) -> Result<&'static Style, String> {
 
 fn check(request: &Request) -> Result<(), String> {
     let machine = if request.over_emulator {
-        Machine::over_stand_in(ShadingRateProfile::Layered16)
+        Machine::over_stand_in(ShadingRateProfile::NvkTuring)
     } else {
         Machine::of(Driver::System)
     };
@@ -106,7 +107,20 @@ fn check(request: &Request) -> Result<(), String> {
     }
     let path = results.write(&folder(&machine)?).map_err(|error| error.to_string())?;
     eprintln!("written: {}", path.display());
+    if machine.stand_in.is_none() {
+        faults.extend(run_matrix(machine, request.json)?);
+    }
     if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
+}
+
+/// The matrix of `cargo dev drivers` on the GPU: what is wrong.
+fn run_matrix(machine: Machine, json: bool) -> Result<Vec<String>, String> {
+    let print = |row: &Row| row.runs.iter().filter(|_| json).for_each(|run| println!("{}", run.json()));
+    let matrix = Matrix::new(vec![Target::Gpu(machine)], "", print).map_err(|error| error.to_string())?;
+    if !json {
+        println!("{}\n{}", matrix.table(), matrix.summary());
+    }
+    Ok(matrix.faults().into_iter().map(JsonCell::to_string).collect())
 }
 
 /// Where results are kept: those of a GPU among the sources, to be committed.

@@ -65,7 +65,8 @@ fn become_command(request: Request) -> Result<std::convert::Infallible, String> 
     let mut command = Command::new(&request.command[0]);
     command.args(&request.command[1..]).envs([installation.search_path()]).env("PARAFOVEA", "1");
     if request.mock {
-        command.envs(installation.mock_environment(Driver::Lavapipe));
+        let environment = installation.mock_environment(Driver::Lavapipe);
+        command.envs(environment.map_err(|error| error.to_string())?);
     }
     if let Some(config) = request.config {
         command.env("PARAFOVEA_CONFIG", config);

@@ -51,12 +51,18 @@ impl Child {
         !matches!(self.process.try_wait(), Ok(None))
     }
 
-    pub(super) fn finish(mut self) -> Result<Exit, HarnessError> {
+    /// Waits for its end, or kills it when its time is over. Its standard input ends once `is_done`.
+    pub(super) fn finish(mut self, is_done: impl Fn() -> bool) -> Result<Exit, HarnessError> {
         let wait = HarnessError::file(Path::new("the running application"));
         let status = loop {
             match self.process.try_wait() {
                 Ok(Some(status)) => break Some(status),
-                Ok(None) if Instant::now() < self.deadline => std::thread::sleep(POLL),
+                Ok(None) if Instant::now() < self.deadline => {
+                    if self.input.is_some() && is_done() {
+                        self.close_input();
+                    }
+                    std::thread::sleep(POLL);
+                }
                 Ok(None) => break None,
                 Err(error) => return Err(wait(error)),
             }

@@ -10,6 +10,7 @@ use crate::record::Record;
 use crate::scenario::Scenario;
 use parafovea_test_layers::{Count, Counted, FaultReport, GpuTime, GpuTimes, SampleCount, ShadingRateLine};
 use serde::de::DeserializeOwned;
+use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 
 /// An application's end, and everything that it left. Its folder goes with it, unless a test fails.
@@ -18,6 +19,8 @@ pub struct Outcome {
     pub application: String,
     /// Its exit code; none when it was killed, by a signal or because its time was over.
     pub exit_code: Option<i32>,
+    /// The signal that killed it, other than the one sent when its time was over.
+    pub signal: Option<i32>,
     /// Whether it was killed because its time was over.
     pub timed_out: bool,
     /// What it printed.
@@ -44,6 +47,7 @@ impl Outcome {
         Ok(Self {
             application,
             exit_code: exit.status.and_then(|status| status.code()),
+            signal: exit.status.and_then(|status| status.signal()),
             timed_out: exit.status.is_none(),
             record: Record::load(&pictures.join("record.jsonl"))?,
             findings: Findings::read(folder.path(), &exit.output),
@@ -188,7 +192,7 @@ impl Outcome {
         let end = match (self.timed_out, self.exit_code) {
             (true, _) => "its time was over".to_owned(),
             (false, Some(code)) => format!("exit code {code}"),
-            (false, None) => "killed by a signal".to_owned(),
+            (false, None) => format!("killed by signal {}", self.signal.unwrap_or_default()),
         };
         Err(self.failed(&format!("{done} of {frames} frames, {end}")))
     }

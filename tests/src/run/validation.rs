@@ -3,20 +3,20 @@
 use crate::HarnessError;
 use crate::installation::write;
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const OPENXR_LAYER: &str = "XR_APILAYER_LUNARG_core_validation";
 const VULKAN_LOG: &str = "vulkan_validation.txt";
 const OPENXR_LOG: &str = "openxr_validation.txt";
 
-/// Version N of the Vulkan headers (1.3.N) that the installed validation layer was made from; none where it is not found, or newer than 1.3.
-pub(super) fn headers() -> Option<u32> {
-    let folders = ["/usr/share", "/usr/local/share", "/etc"];
+/// The patch number N of the Vulkan headers (1.3.N, 1.4.N, counted on) of the first validation layer in one of these folders; None
+/// where there is none.
+pub(super) fn headers(folders: &[PathBuf]) -> Option<u32> {
     let manifest = folders.iter().find_map(|folder| {
-        let path = Path::new(folder).join("vulkan/explicit_layer.d/VkLayer_khronos_validation.json");
+        let path = folder.join("vulkan/explicit_layer.d/VkLayer_khronos_validation.json");
         serde_json::from_str::<serde_json::Value>(&std::fs::read_to_string(path).ok()?).ok()
     })?;
-    manifest["layer"]["api_version"].as_str()?.strip_prefix("1.3.")?.parse().ok()
+    manifest["layer"]["api_version"].as_str()?.rsplit('.').next()?.parse().ok()
 }
 
 /// One finding of a validation layer.
@@ -67,9 +67,9 @@ impl Findings {
         let text = |name| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
         let (vulkan, openxr) = (text(VULKAN_LOG), text(OPENXR_LOG));
         Self {
-            vulkan_was_active: vulkan.contains("Khronos Validation Layer Active"),
+            vulkan_was_active: STARTS.iter().any(|start| vulkan.contains(start)),
             openxr_was_active: output.contains("Core Validation output type"),
-            vulkan: vulkan.lines().filter_map(vulkan_message).collect(),
+            vulkan: vulkan_messages(&vulkan),
             openxr: openxr.lines().filter_map(openxr_message).collect(),
         }
     }
@@ -88,12 +88,23 @@ impl Findings {
     }
 }
 
-/// `..Validation Error: [ RULE ] Object 0: .. | MessageID = .. | text`; information is no finding.
-fn vulkan_message(line: &str) -> Option<Message> {
+/// Words of the Vulkan layer's first message: up to headers 1.3.2xx, and later.
+const STARTS: [&str; 2] = ["Khronos Validation Layer Active", "CURRENT-VALIDATION-ENABLED"];
+
+/// `..Validation Error: [ RULE ] Object 0: .. | MessageID = .. | text`, in later versions with the text in the next line;
+/// information is no finding.
+fn vulkan_messages(log: &str) -> Vec<Message> {
     let severities = ["Validation Error: [ ", "Validation Warning: [ ", "Validation Performance Warning: [ "];
-    let rest = severities.iter().find_map(|severity| line.split_once(severity))?.1;
-    let (rule, text) = rest.split_once(" ]")?;
-    Some(Message { rule: rule.to_owned(), text: text.to_owned() })
+    let mut lines = log.lines().peekable();
+    let mut messages = Vec::new();
+    while let Some(line) = lines.next() {
+        let rest = severities.iter().find_map(|severity| line.split_once(severity));
+        let Some((rule, text)) = rest.and_then(|(_, rest)| rest.split_once(" ]")) else { continue };
+        let is_head = text.rsplit_once("MessageID = ").is_some_and(|(_, id)| !id.contains('|'));
+        let text = lines.peek().filter(|_| is_head).map_or(text, |next| next);
+        messages.push(Message { rule: rule.to_owned(), text: text.to_owned() });
+    }
+    messages
 }
 
 /// `[VALID_ERROR | RULE | function]: text`.
@@ -126,6 +137,34 @@ mod tests {
         assert_eq!(findings.openxr[0].rule, "VUID-xrEndFrame-x");
         assert_eq!(findings.beyond(&Findings::default()).len(), 2);
         assert!(findings.beyond(&findings).is_empty());
+    }
+
+    #[test]
+    fn newer_validation_has_the_text_in_the_next_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let log = "Validation Information: [ CURRENT-VALIDATION-ENABLED ] | MessageID = 0xfd7b2292\n\
+            vkCreateInstance(): Current Validation Enabled:\n\n\
+            Validation Error: [ VUID-vkCmdDraw-None-1 ] | MessageID = 0x1\nvkCmdDraw(): no pipeline.\nObjects: 1\n";
+        std::fs::write(folder.path().join(VULKAN_LOG), log).unwrap();
+        let findings = Findings::read(folder.path(), "");
+        assert!(findings.vulkan_was_active);
+        let message = Message {
+            rule: "VUID-vkCmdDraw-None-1".to_owned(),
+            text: "vkCmdDraw(): no pipeline.".to_owned(),
+        };
+        assert_eq!(findings.vulkan, [message]);
+    }
+
+    #[test]
+    fn headers_are_counted_on_from_one_minor_version_to_the_next() {
+        let folder = tempfile::tempdir().unwrap();
+        let folders = [folder.path().to_owned()];
+        assert_eq!(headers(&folders), None);
+        for (version, patch) in [("1.3.239", 239), ("1.4.363", 363)] {
+            let path = folder.path().join("vulkan/explicit_layer.d/VkLayer_khronos_validation.json");
+            write(&path, &format!("{{\"layer\":{{\"api_version\":\"{version}\"}}}}")).unwrap();
+            assert_eq!(headers(&folders), Some(patch));
+        }
     }
 
     #[test]

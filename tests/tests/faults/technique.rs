@@ -74,7 +74,7 @@ impl Technique {
             Application::ours("parafovea-zoo", &zoo)
         };
         let run = Run::new(&application.unwrap(), scenario);
-        if self.has_rates { run.shading_rates(ShadingRateProfile::Layered16) } else { run }
+        if self.has_rates { run.shading_rates(ShadingRateProfile::NvkTuring) } else { run }
     }
 
     /// Nothing goes wrong.

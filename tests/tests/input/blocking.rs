@@ -16,7 +16,7 @@ fn check(case: &str) {
     scenario.quirks.locate_lock.clone_from(&lock);
     let config =
         following("").replace("preset = \"none\"", "preset = \"balanced\"") + "[rates]\ngate = \"on\"\n";
-    let run = Run::new(&application, &scenario).shading_rates(ShadingRateProfile::Layered16).on(&config);
+    let run = Run::new(&application, &scenario).shading_rates(ShadingRateProfile::NvkTuring).on(&config);
     let outcome = run.timeout(Duration::from_secs(60)).finish().unwrap();
     assert!(!outcome.timed_out, "a thread waits for ever\n{}", outcome.log);
     assert_eq!(outcome.exit_code, Some(0), "{}\n{}", outcome.output, outcome.log);

@@ -15,7 +15,7 @@ fn rates(source: &str) -> String {
 
 fn scene(config: &str, scenario: &Scenario) -> Outcome {
     let application = Application::ours("parafovea-scene", &["--lights", "0"]).unwrap();
-    let run = Run::new(&application, scenario).shading_rates(ShadingRateProfile::Layered16).on(config);
+    let run = Run::new(&application, scenario).shading_rates(ShadingRateProfile::NvkTuring).on(config);
     run.finish().unwrap().expect_frames(FRAMES).unwrap()
 }
 

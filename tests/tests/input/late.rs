@@ -20,7 +20,7 @@ fn at(t: f64, yaw_deg: f32, tracked: bool) -> Gaze {
 fn maps(scenario: &Scenario) -> Vec<String> {
     let frames = scenario.session.frames;
     let application = Application::ours("parafovea-scene", &["--lights", "0"]).unwrap();
-    let run = Run::new(&application, scenario).shading_rates(ShadingRateProfile::Layered16);
+    let run = Run::new(&application, scenario).shading_rates(ShadingRateProfile::NvkTuring);
     let outcome = run.on("[rates]\ngate = \"on\"\n").finish().unwrap().expect_frames(frames).unwrap();
     let maps: Vec<String> = outcome
         .shading_rates()

@@ -10,12 +10,14 @@ mod pass;
 mod pipeline;
 mod rates;
 mod rates_file;
+mod shading_rates;
 mod subpasses;
 mod transfer;
 
 pub use attachment::Attachment;
 pub use buffer::Buffer;
 pub use device::Device;
+use device::RATES;
 pub use image::{DEPTH, Image, ImageSpec};
 pub use pass::{Kind, Pass, PassSpec, Target, passes};
 pub use pipeline::{Depth, Making, PipelineSpec, Shader};
@@ -55,7 +57,7 @@ pub struct Gpu {
     has_addresses: bool,
     /// Whether the instance goes with it.
     owns_instance: bool,
-    _entry: ash::Entry,
+    entry: ash::Entry,
 }
 
 /// The device, or what it lacks.
@@ -177,7 +179,7 @@ impl Gpu {
             rates: None,
             has_addresses: demands.features.contains(&Feature::BufferDeviceAddress),
             owns_instance: true,
-            _entry: entry,
+            entry,
         };
         gpu.rates = maps.map(|maps| Rates::new(&gpu, maps)).transpose()?;
         Ok(Opened::Gpu(Box::new(gpu)))
@@ -206,7 +208,7 @@ impl Gpu {
             rates: None,
             has_addresses: false,
             owns_instance: false,
-            _entry: self._entry.clone(),
+            entry: self.entry.clone(),
             physical: self.physical,
             family: self.family,
             memory: self.memory,

@@ -23,7 +23,7 @@ pub use style::{Arrangement, Style, Threads};
 pub use styles::STYLES;
 pub use support::{Feature, Needs, OpenXr, Queues};
 pub use truth::{Eyes, PassSeen, PassTruth};
-pub use xr::{End, devices, run};
+pub use xr::{End, devices, run, shading_rates};
 
 /// What the program prints in front of the reason why it cannot show a style on this machine.
 pub const SKIPPED: &str = "skipped: no device with ";

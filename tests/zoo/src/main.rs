@@ -1,19 +1,17 @@
 //! Shows the scene in one style, for so many frames.
 
 use clap::Parser;
-use parafovea_zoo::{End, Options, SKIPPED, STYLES, devices, run, style};
+use parafovea_zoo::{End, Options, SKIPPED, STYLES, devices, run, shading_rates, style};
+use serde::Serialize;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let options = Options::parse();
     if options.devices {
-        return match print_devices() {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(error) => {
-                eprintln!("{error:#}");
-                ExitCode::FAILURE
-            }
-        };
+        return print(devices());
+    }
+    if options.shading_rates {
+        return print(shading_rates());
     }
     let Some(name) = options.style.as_deref().filter(|_| !options.list) else {
         for style in STYLES {
@@ -38,9 +36,19 @@ fn main() -> ExitCode {
     }
 }
 
-fn print_devices() -> anyhow::Result<()> {
-    for device in devices()? {
-        println!("{}", serde_json::to_string(&device)?);
+/// Prints one JSON object a line.
+fn print<T: Serialize>(objects: anyhow::Result<Vec<T>>) -> ExitCode {
+    let lines = objects.and_then(|objects| {
+        objects.iter().map(|object| Ok(serde_json::to_string(object)?)).collect::<anyhow::Result<Vec<_>>>()
+    });
+    match lines {
+        Ok(lines) => {
+            lines.iter().for_each(|line| println!("{line}"));
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{error:#}");
+            ExitCode::FAILURE
+        }
     }
-    Ok(())
 }

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 #[command(name = "parafovea-zoo", version)]
 pub struct Options {
     /// Name of the style
-    #[arg(long, required_unless_present_any = ["list", "devices"])]
+    #[arg(long, required_unless_present_any = ["list", "devices", "shading_rates"])]
     pub style: Option<String>,
     /// Width and height of an eye's picture, in pixels
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=8192))]
@@ -31,6 +31,9 @@ pub struct Options {
     /// Print what devices there are, one JSON object a line
     #[arg(long)]
     pub devices: bool,
+    /// Print what devices with VK_KHR_fragment_shading_rate say of it, one JSON object a line
+    #[arg(long)]
+    pub shading_rates: bool,
     /// Print the styles, one a line
     #[arg(long)]
     pub list: bool,

@@ -14,6 +14,7 @@ use crate::swapchain::Swapchain;
 use anyhow::{Context, Result, bail};
 use ash::vk;
 use openxr as xr;
+use parafovea_test_layers::ShadingRateDevice;
 use std::cell::{Cell, RefCell};
 use std::time::Duration;
 
@@ -58,13 +59,25 @@ fn entry() -> Result<xr::Entry> {
 /// # Errors
 /// If there is no loader, runtime, headset or GPU, or a call fails.
 pub fn devices() -> Result<Vec<Device>> {
+    with_gpu(Gpu::devices)
+}
+
+/// What the devices with VK_KHR_fragment_shading_rate say of it.
+///
+/// # Errors
+/// As for [`devices`].
+pub fn shading_rates() -> Result<Vec<ShadingRateDevice>> {
+    with_gpu(Gpu::shading_rates)
+}
+
+fn with_gpu<T>(ask: impl FnOnce(&Gpu) -> Result<T>) -> Result<T> {
     let mut enabled = xr::ExtensionSet::default();
     enabled.khr_vulkan_enable2 = true;
     let instance = entry()?.create_instance(&APPLICATION, &enabled, &[], &())?;
     let system = instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY).context("no headset")?;
     let needs = Needs { vulkan: vk::API_VERSION_1_2, ..Needs::NOTHING };
     match Gpu::open(&instance, system, &needs.demands(false), None)? {
-        Opened::Gpu(gpu) => gpu.devices(),
+        Opened::Gpu(gpu) => ask(&gpu),
         Opened::Lacking(what) => bail!("the device lacks {what}"),
     }
 }

@@ -69,7 +69,7 @@ fn run(style: &Style) -> (Outcome, bool) {
         .two_queues(style.needs.queues == Queues::Two);
     // The one extension that there is a stand-in for.
     let run = if style.needs.extensions.contains(&c"VK_KHR_fragment_shading_rate") {
-        run.shading_rates(ShadingRateProfile::Layered16)
+        run.shading_rates(ShadingRateProfile::NvkTuring)
     } else {
         run
     };

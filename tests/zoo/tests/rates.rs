@@ -58,9 +58,12 @@ fn main() -> ExitCode {
             check_reuse(style, profile)
         })
     });
-    let left_alone =
-        LEFT_ALONE.into_iter().map(|(name, option)| Trial::test(name, || check_left_alone(option)));
-    libtest_mimic::run(&Arguments::from_args(), trials.chain(reused).chain(left_alone).collect()).exit_code()
+    let left_alone = LEFT_ALONE.into_iter().map(|case| Trial::test(case.0, move || check_left_alone(case)));
+    let matched = ATTACHED_ONCE_MATCHED.into_iter().map(|name| {
+        Trial::test(format!("{name}, attached once matched"), move || check_attached_once_matched(name))
+    });
+    let all = trials.chain(reused).chain(left_alone).chain(matched);
+    libtest_mimic::run(&Arguments::from_args(), all.collect()).exit_code()
 }
 
 /// Styles whose periphery is re-used in every test: on this backend all take the same way.
@@ -117,21 +120,57 @@ enum MapOf {
     MovingGaze,
 }
 
-/// What a user may ask for, and nothing becomes coarser by a rate attachment.
-const LEFT_ALONE: [(&str, &str); 3] = [
-    ("passes that the profile excludes", "passes = \"exclude 96x96\""),
-    ("another backend", "backend = \"mask\""),
-    ("no rates", "mode = \"off\""),
+/// What a user may ask for, and nothing becomes coarser by a rate attachment; whether passes have one all the same, and
+/// what the log says.
+const LEFT_ALONE: [(&str, &str, bool, &str); 3] = [
+    ("passes that the profile excludes", "passes = \"exclude 96x96\"", true, "session active"),
+    ("another backend", "backend = \"mask\"", false, "a pass of 96x96 has a mask"),
+    ("no rates", "mode = \"off\"", false, "inert: the configuration asks for nothing"),
 ];
 
-fn check_left_alone(option: &str) -> Result<(), Failed> {
+fn check_left_alone((_, option, has_attachments, says): (&str, &str, bool, &str)) -> Result<(), Failed> {
     let style = parafovea_zoo::style("render-pass").ok_or("no such style")?;
     let config = format!("{FIXED_RINGS}{option}\n");
-    let outcome = run(style, SHARE, ShadingRateProfile::Layered16, &config, SHARE.scenario())?;
-    let (findings, seen) = lines(outcome.expect_frames(SHARE.frames)?.shading_rates()?);
+    let outcome = run(style, SHARE, ShadingRateProfile::NvkTuring, &config, SHARE.scenario())?;
+    let outcome = outcome.expect_frames(SHARE.frames)?;
+    assert!(outcome.log.contains(says), "{}", outcome.log);
+    let (findings, seen) = lines(outcome.shading_rates()?);
     assert_eq!(findings, []);
-    assert_eq!(seen.len() as u64, 2 * SHARE.frames);
+    assert_eq!(seen.len() as u64, if has_attachments { 2 * SHARE.frames } else { 0 });
     assert!(!seen.iter().filter_map(|pass| pass.map.as_ref()).any(is_coarse), "{seen:#?}");
+    Ok(())
+}
+
+/// Styles of dynamic rendering.
+const ATTACHED_ONCE_MATCHED: [&str; 2] = ["dynamic-rendering", "proton"];
+
+/// On a device where an attachment alone costs time, passes have one from the frame on in which they are known.
+fn check_attached_once_matched(name: &str) -> Result<(), Failed> {
+    let style = parafovea_zoo::style(name).ok_or("no such style")?;
+    let outcome = Run::new(&application(style, SHARE)?, &SHARE.scenario())
+        .validated_from(style.headers)
+        .shading_rates(ShadingRateProfile::NvkTuring)
+        .env("PARAFOVEA_QUIRKS", "attach-only-matched,none-such")
+        .on(FIXED_RINGS)
+        .finish()?;
+    if let Some(skipped) = outcome.output.lines().find(|line| line.starts_with(SKIPPED)) {
+        println!("{name}: {skipped}");
+        return Ok(());
+    }
+    let outcome = outcome.expect_frames(SHARE.frames)?;
+    for says in ["quirk attach-only-matched: ", "PARAFOVEA_QUIRKS: none-such names no quirk; allowed are"] {
+        assert!(outcome.log.contains(says), "{}", outcome.log);
+    }
+    let messages: Vec<&Message> =
+        outcome.findings.vulkan.iter().filter(|found| !found.is_of_stand_in()).collect();
+    assert!(messages.is_empty(), "{messages:#?}");
+    let (findings, seen) = lines(outcome.shading_rates()?);
+    assert_eq!(findings, []);
+    let coarse = seen.iter().filter_map(|pass| pass.map.as_ref()).filter(|map| is_coarse(map)).count() as u64;
+    let frames_known = SHARE.frames - COARSE_FROM;
+    assert!(coarse >= 2 * frames_known, "{coarse} passes are coarse\n{}", outcome.log);
+    let scene_passes = 2 * SHARE.frames;
+    assert!((seen.len() as u64) < scene_passes, "{} passes have an attachment", seen.len());
     Ok(())
 }
 

@@ -18,7 +18,9 @@ use crate::vk::objects::Image;
 use crate::vk::shader_modules::ShaderModules;
 use crate::vk::table::Table;
 use ash::vk;
+use parafovea_manifest::quirks::Effect;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The rate attachments of a device.
 pub struct Rates {
@@ -40,6 +42,10 @@ pub struct Rates {
     pub(super) shader_objects: Table<vk::ShaderEXT, bool>,
     /// Whether the rate of a pipeline may have to be set when it is bound.
     pub sets_rates_at_bind: bool,
+    /// Whether dynamic rendering gets no attachments any more.
+    rendering_is_left_alone: AtomicBool,
+    /// Whether dynamic rendering gets an attachment only where its target was recognised as the scene.
+    attaches_only_matched: bool,
 }
 
 /// What a framebuffer has for a render pass to which rates were added.
@@ -64,7 +70,7 @@ impl Rates {
         // SAFETY: the caller vouches for the record.
         let images = unsafe { RateImages::of_device(record, &enabled) };
         let images = images.inspect_err(|reason| tracing::info!("no rate attachments: {reason}")).ok()?;
-        let Enabled { offer, application_sets_rates, links_pipelines, .. } = enabled;
+        let Enabled { offer, quirks, application_sets_rates, links_pipelines, .. } = enabled;
         let combiner = offer.combiner();
         Some(Self {
             offer,
@@ -77,7 +83,20 @@ impl Rates {
             set_rates: SetRates::new(combiner, application_sets_rates),
             shader_objects: Table::default(),
             sets_rates_at_bind: application_sets_rates || links_pipelines,
+            rendering_is_left_alone: AtomicBool::new(false),
+            attaches_only_matched: quirks.has(Effect::AttachOnlyMatched),
         })
+    }
+
+    /// From now on dynamic rendering gets no attachments: there are pipelines or shaders that may not be used with them
+    /// (VUID-vkCmdDraw-imageView-06183).
+    pub(super) fn leave_rendering_alone(&self) {
+        self.rendering_is_left_alone.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether dynamic rendering gets attachments.
+    pub fn attaches_to_rendering(&self) -> bool {
+        !self.rendering_is_left_alone.load(Ordering::Relaxed)
     }
 
     /// `vkCreateRenderPass`: as one of the second version with rates, or else as the application asks.
@@ -107,6 +126,8 @@ impl Rates {
                 }
             }
             self.left_alone(amended.map(|_| ()));
+            // Structures of the application that were amended in place become its own again.
+            drop(copies);
             next(device, info, allocator, pass)
         }
     }
@@ -136,6 +157,7 @@ impl Rates {
                 }
             }
             self.left_alone(amended.map(|_| ()));
+            drop(copies);
             next(device, info, allocator, pass)
         }
     }
@@ -188,7 +210,7 @@ impl Rates {
                 let [width, height, layers] = framebuffer::promised_size(&*info, colour);
                 let (texels, layers) = (self.offer.texels([width, height]), self.offer.layers(layers));
                 let Some(image) = self.images.fitting(RateImageKey::shared(texels, layers)) else {
-                    return vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+                    return Self::too_large(&*info);
                 };
                 let RateImageKey { texels, layers, .. } = image.key;
                 let promise = Promise { texels, layers, usage: USAGE };
@@ -203,7 +225,7 @@ impl Rates {
                 let key = self.key(target).unwrap_or_else(unknown);
                 // Without a view the framebuffer would not fit its render pass.
                 let Some(image) = self.images.fitting(key) else {
-                    return vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+                    return Self::too_large(&*info);
                 };
                 (framebuffer::with_view(&*info, image.view, &mut copies), Attached::Image(image))
             };
@@ -213,6 +235,12 @@ impl Rates {
             }
             result
         }
+    }
+
+    /// No image goes with a framebuffer, which is larger than the device says that it can be.
+    fn too_large(info: &vk::FramebufferCreateInfo<'_>) -> vk::Result {
+        tracing::warn!("a framebuffer of {}x{} is larger than the device allows", info.width, info.height);
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY
     }
 
     /// A framebuffer is about to be destroyed.
@@ -267,8 +295,8 @@ impl Rates {
         }
     }
 
-    /// Calls `begin` with the dynamic rendering as it is to begin, and returns the rate image that it reads. `target`
-    /// is the first colour target; passes without one that is known are left alone.
+    /// Calls `begin` with the dynamic rendering as it is to begin, and returns the rate image that it reads, or would read
+    /// once its target is recognised. `target` is the first colour target; passes without one that is known are left alone.
     ///
     /// # Safety
     ///
@@ -281,12 +309,19 @@ impl Rates {
     ) -> Option<Arc<RateImage>> {
         // SAFETY: the caller vouches for the structure.
         unsafe {
-            let wants = rendering::wants_rates(&*info).is_ok();
+            let wants = self.attaches_to_rendering() && rendering::wants_rates(&*info).is_ok();
             let key = self.key(target).filter(|_| wants);
             let Some(image) = key.and_then(|key| self.images.of(key)) else {
                 begin(info);
                 return None;
             };
+            // Pipelines with the flag for attachments may be used without one. A pass that is suspended and
+            // resumed must have the same attachments throughout (vkCmdBeginRendering).
+            let is_matched = image.is_matched() && !rendering::is_suspended(&*info);
+            if self.attaches_only_matched && !is_matched {
+                begin(info);
+                return Some(image);
+            }
             let mut room = room::<64>();
             let mut copies = Copies::new(&mut room);
             begin(&rendering::with_view(&*info, image.view, &self.offer, &mut copies));

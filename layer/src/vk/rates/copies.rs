@@ -2,6 +2,7 @@
 
 use ash::vk::{self, TaggedStructure};
 use smallvec::SmallVec;
+use std::borrow::Cow;
 use std::ffi::c_void;
 use std::mem::MaybeUninit;
 use std::ptr::copy_nonoverlapping;
@@ -158,6 +159,27 @@ pub unsafe fn find<'c, T: TaggedStructure>(first: *const c_void) -> Option<&'c T
         }
     }
     None
+}
+
+/// The words of an application's SPIR-V, of `size` bytes: a copy where the code is not aligned to words. The
+/// specification demands alignment (VUID-VkShaderModuleCreateInfo-pCode-08740, VUID-VkShaderCreateInfoEXT-pCode-08493),
+/// but drivers take code without it, and so do applications.
+///
+/// # Safety
+///
+/// `code` points to that many bytes, which live for `'c`; or it is null.
+pub unsafe fn words<'c>(code: *const c_void, size: usize) -> Cow<'c, [u32]> {
+    if code.is_null() {
+        return Cow::Borrowed(&[]);
+    }
+    let (first, count) = (code.cast::<u32>(), size / size_of::<u32>());
+    // SAFETY: the caller vouches for the bytes; words are borrowed only where they are aligned.
+    unsafe {
+        if first.is_aligned() {
+            return Cow::Borrowed(std::slice::from_raw_parts(first, count));
+        }
+        Cow::Owned((0..count).map(|index| first.add(index).read_unaligned()).collect())
+    }
 }
 
 /// The elements of an array of the application's.

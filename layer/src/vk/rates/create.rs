@@ -2,8 +2,11 @@
 
 use super::copies::{Copies, find, slice};
 use super::offer::{NoRates, Offer, Questions, extensions_of};
+use crate::vk::device::properties;
 use crate::vk::instance::Instance;
+use crate::vk::quirks;
 use ash::vk;
+use parafovea_manifest::quirks::Quirks;
 use std::ffi::CStr;
 
 /// The creation of an instance, with `VK_KHR_get_physical_device_properties2` added where the application asked for a
@@ -36,6 +39,8 @@ pub unsafe fn instance<'c>(
 pub struct Enabled {
     /// What its rate attachments can do.
     pub offer: Offer,
+    /// Its quirks.
+    pub quirks: Quirks,
     /// Families of its queues, each once.
     pub families: Vec<u32>,
     /// Whether `VK_KHR_image_format_list` is there.
@@ -80,7 +85,11 @@ pub unsafe fn device<'c>(
         if let Some(missing) = needed.iter().find(|name| !is_offered(name)) {
             return Err(NoRates::Extension(missing));
         }
-        let offer = Questions::new(instance)?.ask(physical_device)?;
+        let questions = Questions::new(instance)?;
+        let has_driver_id = api_version >= vk::API_VERSION_1_2 || is_offered(vk::KHR_DRIVER_PROPERTIES_NAME);
+        let driver_id = has_driver_id.then(|| questions.driver_id(physical_device));
+        let quirks = quirks::of_device(&properties(instance, physical_device), driver_id);
+        let offer = questions.ask(physical_device)?.limited(&quirks);
         let (first, count) = names.with(&needed, copies);
         let has_format_lists =
             api_version >= vk::API_VERSION_1_2 || names.has(vk::KHR_IMAGE_FORMAT_LIST_NAME);
@@ -101,7 +110,9 @@ pub unsafe fn device<'c>(
             enabled_extension_count: count,
             ..*info
         };
-        Ok((amended, Enabled { offer, families, has_format_lists, application_sets_rates, links_pipelines }))
+        let enabled =
+            Enabled { offer, quirks, families, has_format_lists, application_sets_rates, links_pipelines };
+        Ok((amended, enabled))
     }
 }
 

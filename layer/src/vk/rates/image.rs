@@ -12,7 +12,7 @@ use crate::gpu::GpuError;
 use crate::gpu::functions::Functions;
 use crate::gpu::memory::memory_type;
 use crate::link::DeviceRecord;
-use crate::scene::{ImageDescription, ImageKey, Target};
+use crate::scene::{How, ImageDescription, ImageKey, Target};
 use crate::vk::backend::{Laying, MapSize, RateMap, Upload};
 use ash::vk;
 use std::collections::HashMap;
@@ -61,6 +61,8 @@ pub struct RateImage {
     image: vk::Image,
     place: Place,
     maker: Arc<Maker>,
+    /// Whether the pass that was submitted last for its target was the scene.
+    is_matched: AtomicBool,
 }
 
 /// The stage and the access of passes that read rates.
@@ -70,6 +72,11 @@ const READ: (vk::PipelineStageFlags, vk::AccessFlags) = (
 );
 
 impl RateImage {
+    /// Whether the pass that was submitted last for its target was recognised as the scene.
+    pub fn is_matched(&self) -> bool {
+        self.is_matched.load(Ordering::Relaxed)
+    }
+
     /// Records that it becomes the map at `offset` of a buffer, a texel a byte, row by row, layer by layer, and readable
     /// as a rate attachment. Passes on this queue that read it before are waited for.
     ///
@@ -173,6 +180,10 @@ impl RateMap for Arc<RateImage> {
         MapSize { texel: self.maker.texel, tiles: self.key.texels, layers: self.key.layers }
     }
 
+    fn noted(&self, scene: Option<How>) {
+        self.is_matched.store(scene.is_some(), Ordering::Relaxed);
+    }
+
     fn laying(&self) -> Option<Laying> {
         Some(Laying::Texels)
     }
@@ -196,14 +207,13 @@ pub struct RateImages {
 /// After so many failures no image is tried to be made any more.
 const MOST_FAILURES: u32 = 4;
 
-/// Framebuffers that the stand-in goes with have at most this width and height, pixels: more than the pictures of any headset.
-const STAND_IN_SIDE: u32 = 8192;
-
 /// What makes rate images.
 struct Maker {
     functions: Functions,
     /// Size of a texel, pixels.
     texel: [u32; 2],
+    /// Width and height of the largest framebuffer, pixels (`maxFramebufferWidth`, `maxFramebufferHeight`).
+    largest: [u32; 2],
     /// Types of the device's memory.
     memory_types: vk::PhysicalDeviceMemoryProperties,
     /// Families of the queues that the application has: where there are several, all may use an image at once.
@@ -227,14 +237,16 @@ impl RateImages {
     /// The record is of a live device, which has what is enabled.
     pub unsafe fn of_device(record: &DeviceRecord, enabled: &Enabled) -> Result<Self, GpuError> {
         // SAFETY: the caller vouches for the record.
-        let (functions, memory_types) = unsafe {
+        let (functions, memory_types, limits) = unsafe {
             let functions = Functions::load(record)?;
             let types = functions.instance.get_physical_device_memory_properties(record.physical_device);
-            (functions, types)
+            let limits = functions.instance.get_physical_device_properties(record.physical_device).limits;
+            (functions, types, limits)
         };
         let maker = Maker {
             functions,
             texel: enabled.offer.texel,
+            largest: [limits.max_framebuffer_width, limits.max_framebuffer_height],
             memory_types,
             families: enabled.families.clone(),
             has_format_lists: enabled.has_format_lists,
@@ -249,10 +261,10 @@ impl RateImages {
         })
     }
 
-    /// The image that goes with all framebuffers of up to [`STAND_IN_SIDE`], made the first time; nothing where that fails. A render
-    /// pass may get a rate attachment only where there is one: its framebuffers cannot do without.
+    /// The image that goes with every framebuffer that the device can have, made the first time; `None` where that fails. A
+    /// render pass may get a rate attachment only where there is one: its framebuffers cannot do without.
     pub fn stand_in(&self) -> Option<&Arc<RateImage>> {
-        let texels = self.maker.texel.map(|side| STAND_IN_SIDE.div_ceil(side));
+        let texels = [0, 1].map(|axis| self.maker.largest[axis].div_ceil(self.maker.texel[axis]).max(1));
         self.stand_in.get_or_init(|| self.of(RateImageKey::shared(texels, 1))).as_ref()
     }
 
@@ -359,7 +371,8 @@ impl Maker {
                 })
             });
             let (place, view) = made.inspect_err(|_| device.destroy_image(image, None))?;
-            Ok(RateImage { key, view, image, place, maker: Arc::clone(self) })
+            let maker = Arc::clone(self);
+            Ok(RateImage { key, view, image, place, maker, is_matched: AtomicBool::new(false) })
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::vk::instance::Instance;
 use ash::vk;
 use parafovea_core::rate::ShadingRate;
+use parafovea_manifest::quirks::{Effect, Quirks};
 use smallvec::SmallVec;
 use std::ffi::CStr;
 
@@ -133,6 +134,19 @@ impl Questions {
         Offer::new(&properties, &rates)
     }
 
+    /// `VkDriverId` of the device's driver.
+    ///
+    /// # Safety
+    ///
+    /// `physical_device` is a live one of the instance, and has Vulkan 1.2 or `VK_KHR_driver_properties`.
+    pub unsafe fn driver_id(&self, physical_device: vk::PhysicalDevice) -> vk::DriverId {
+        let mut driver = vk::PhysicalDeviceDriverProperties::default();
+        let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+        // SAFETY: the caller vouches for the handle; the chain is of structures to write to.
+        unsafe { (self.properties2)(physical_device, &mut all) };
+        driver.driver_id
+    }
+
     /// # Safety
     ///
     /// As for [`Self::ask`].
@@ -198,6 +212,15 @@ impl Offer {
             rates,
             limits: Limits::new(properties),
         })
+    }
+
+    /// As quirks of the device limit it.
+    pub fn limited(mut self, quirks: &Quirks) -> Self {
+        self.layered &= !quirks.has(Effect::FirstLayerOnly);
+        if let Some(most) = quirks.max_samples() {
+            self.limits.samples = self.limits.samples.min(vk::SampleCountFlags::from_raw(most));
+        }
+        self
     }
 
     /// How many texels it takes to cover a picture, columns and rows.

@@ -4,6 +4,7 @@ use super::attach::Rates;
 use super::copies::{Copies, room, slice};
 use super::pipeline::{PipelineRate, with_rates};
 use crate::abi::guard;
+use crate::gpu::GpuError;
 use crate::vk::device;
 use ash::vk;
 
@@ -21,11 +22,13 @@ impl Rates {
         self.pipelines.get(pipeline)
     }
 
-    /// `vkCreateGraphicsPipelines`: with what it takes to obey rate attachments.
+    /// `vkCreateGraphicsPipelines`: with what it takes to obey rate attachments. Where that fails, the call is repeated as
+    /// the application made it, for all of its pipelines: that keeps what the specification says of early returns and of
+    /// pipelines derived from others in the same call.
     ///
     /// # Safety
     ///
-    /// The arguments of the call; the function is that of the device's next layer.
+    /// The arguments of the call; the functions are those of the device's next layer.
     #[allow(clippy::too_many_arguments, reason = "those of the call")]
     pub unsafe fn create_pipelines(
         &self,
@@ -35,7 +38,7 @@ impl Rates {
         infos: *const vk::GraphicsPipelineCreateInfo<'_>,
         allocator: *const vk::AllocationCallbacks<'_>,
         made: *mut vk::Pipeline,
-        next: vk::PFN_vkCreateGraphicsPipelines,
+        (next, destroy): (vk::PFN_vkCreateGraphicsPipelines, Option<vk::PFN_vkDestroyPipeline>),
     ) -> vk::Result {
         // SAFETY: the caller vouches for the arguments; handles are written also where some are null.
         unsafe {
@@ -54,16 +57,35 @@ impl Rates {
                 })
                 .unzip();
             let result = next(device, cache, count, amended.as_ptr(), allocator, made);
-            if result.as_raw() >= 0 || result == vk::Result::ERROR_OUT_OF_DEVICE_MEMORY {
-                for (&pipeline, rate) in slice(made.cast_const(), count).iter().zip(rates) {
-                    if pipeline != vk::Pipeline::null() && rate != PipelineRate::Fixed {
-                        self.pipelines.insert(pipeline, rate);
+            if may_be_ours(result) {
+                // Structures of the application that were amended in place become its own again.
+                drop((amended, copies));
+                GpuError::Call { call: "vkCreateGraphicsPipelines", result }
+                    .tell("pipelines stay at 1x1, as the application describes them");
+                for &pipeline in slice(made.cast_const(), count) {
+                    if let (Some(destroy), true) = (destroy, pipeline != vk::Pipeline::null()) {
+                        destroy(device, pipeline, allocator);
                     }
+                }
+                if slice(infos, count).iter().any(|info| info.render_pass == vk::RenderPass::null()) {
+                    self.leave_rendering_alone();
+                }
+                return next(device, cache, count, infos, allocator, made);
+            }
+            for (&pipeline, rate) in slice(made.cast_const(), count).iter().zip(rates) {
+                if pipeline != vk::Pipeline::null() && rate != PipelineRate::Fixed {
+                    self.pipelines.insert(pipeline, rate);
                 }
             }
             result
         }
     }
+}
+
+/// Whether a creation may have failed because of what was added to it, so that it is worth repeating without. Positive
+/// codes are no failures: `PIPELINE_COMPILE_REQUIRED` is the answer to a question of the application's.
+pub(super) fn may_be_ours(result: vk::Result) -> bool {
+    result.as_raw() < 0 && result != vk::Result::ERROR_DEVICE_LOST
 }
 
 /// `vkCreateShaderModule`.
@@ -155,7 +177,10 @@ pub unsafe extern "system" fn create_pipelines(
                     return FAILED;
                 };
                 let result = answer.record(match known.rates() {
-                    Some(rates) => rates.create_pipelines(device, cache, count, infos, allocator, made, next),
+                    Some(rates) => {
+                        let functions = (next, known.hooked.destroy_pipeline);
+                        rates.create_pipelines(device, cache, count, infos, allocator, made, functions)
+                    }
                     None => next(device, cache, count, infos, allocator, made),
                 });
                 // Where some failed, those are null.

@@ -35,6 +35,11 @@ pub unsafe fn wants_rates(info: &vk::RenderingInfo<'_>) -> Result<(), LeftAlone>
     Ok(())
 }
 
+/// Whether a pass is a part of one that goes on in several command buffers.
+pub fn is_suspended(info: &vk::RenderingInfo<'_>) -> bool {
+    info.flags.intersects(vk::RenderingFlags::SUSPENDING | vk::RenderingFlags::RESUMING)
+}
+
 /// The pass with a view of a rate image attached.
 ///
 /// # Safety

@@ -340,4 +340,4 @@ fn text(words: &[u32]) -> Option<(Box<str>, usize)> {
 }
 
 #[cfg(test)]
-mod tests;
+pub mod tests;

@@ -6,9 +6,11 @@
 
 use super::attach::Rates;
 use super::commands::SetRate;
-use super::copies::slice;
+use super::copies::{slice, words};
+use super::pipelines::may_be_ours;
 use super::shader::{Effects, FragmentShaders};
 use crate::abi::guard;
+use crate::gpu::GpuError;
 use crate::mask::PipelineFacts;
 use crate::vk::{device, recording};
 use ash::vk;
@@ -17,9 +19,12 @@ use std::ffi::CStr;
 const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
 
 impl Rates {
+    /// `vkCreateShadersEXT`, with the flag that the shaders may be used with a rate attachment. Where that fails, the call
+    /// is repeated as the application made it.
+    ///
     /// # Safety
     ///
-    /// The arguments of vkCreateShadersEXT; the function is that of the device's next layer.
+    /// The arguments of the call; the functions are those of the device's next layer.
     unsafe fn create_shaders(
         &self,
         device: vk::Device,
@@ -27,14 +32,25 @@ impl Rates {
         infos: *const vk::ShaderCreateInfoEXT<'_>,
         allocator: *const vk::AllocationCallbacks<'_>,
         made: *mut vk::ShaderEXT,
-        next: vk::PFN_vkCreateShadersEXT,
+        (next, destroy): (vk::PFN_vkCreateShadersEXT, Option<vk::PFN_vkDestroyShaderEXT>),
     ) -> vk::Result {
         // SAFETY: the caller vouches for the arguments; what could not be made is null.
         unsafe {
-            let infos = slice(infos, count);
-            let amended: Vec<_> = infos.iter().map(flagged).collect();
+            let asked = slice(infos, count);
+            let amended: Vec<_> = asked.iter().map(flagged).collect();
             let result = next(device, count, amended.as_ptr(), allocator, made);
-            for (info, &shader) in infos.iter().zip(slice(made.cast_const(), count)) {
+            if may_be_ours(result) {
+                GpuError::Call { call: "vkCreateShadersEXT", result }
+                    .tell("shaders stay at 1x1, as the application describes them");
+                for &shader in slice(made.cast_const(), count) {
+                    if let (Some(destroy), true) = (destroy, shader != vk::ShaderEXT::null()) {
+                        destroy(device, shader, allocator);
+                    }
+                }
+                self.leave_rendering_alone();
+                return next(device, count, infos, allocator, made);
+            }
+            for (info, &shader) in asked.iter().zip(slice(made.cast_const(), count)) {
                 if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {
                     let every_pixel = effects(info).need_every_pixel(&self.offer.limits);
                     self.shader_objects.insert(shader, every_pixel);
@@ -84,9 +100,9 @@ unsafe fn effects(info: &vk::ShaderCreateInfoEXT<'_>) -> Effects {
     }
     // SAFETY: the caller vouches for the code, which is SPIR-V of `code_size` bytes, and the name.
     unsafe {
-        let words = slice(info.p_code.cast::<u32>(), (info.code_size / size_of::<u32>()) as u32);
+        let words = words(info.p_code, info.code_size);
         let name = CStr::from_ptr(info.p_name).to_str();
-        let shaders = FragmentShaders::read(words).zip(name.ok());
+        let shaders = FragmentShaders::read(&words).zip(name.ok());
         shaders.map_or(Effects::UNKNOWN, |(shaders, name)| shaders.effects(name))
     }
 }
@@ -112,7 +128,10 @@ pub unsafe extern "system" fn create(
                     return FAILED;
                 };
                 answer.record(match known.rates() {
-                    Some(rates) => rates.create_shaders(device, count, infos, allocator, made, next),
+                    Some(rates) => {
+                        let functions = (next, known.hooked.destroy_shader);
+                        rates.create_shaders(device, count, infos, allocator, made, functions)
+                    }
                     None => next(device, count, infos, allocator, made),
                 })
             }
@@ -186,7 +205,27 @@ pub unsafe extern "system" fn bind(
 
 #[cfg(test)]
 mod tests {
+    use super::super::shader::tests::plain_shader;
     use super::*;
+
+    /// Applications include compiled shaders as bytes, at any address.
+    #[test]
+    fn code_at_an_odd_address_is_read() {
+        let code: Vec<u8> = plain_shader().iter().flat_map(|word| word.to_ne_bytes()).collect();
+        for offset in 0..4 {
+            let mut aligned = vec![0u32; code.len() / 4 + 1];
+            let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut aligned);
+            bytes[offset..offset + code.len()].copy_from_slice(&code);
+            let info = vk::ShaderCreateInfoEXT::default()
+                .stage(vk::ShaderStageFlags::FRAGMENT)
+                .code_type(vk::ShaderCodeTypeEXT::SPIRV)
+                .code(&bytes[offset..offset + code.len()])
+                .name(c"main");
+            // SAFETY: the structure is valid but for the alignment of its code.
+            let effects = unsafe { effects(&info) };
+            assert_eq!(effects, Effects::default(), "at an offset of {offset} bytes");
+        }
+    }
 
     #[test]
     fn only_fragment_shaders_get_the_flag() {

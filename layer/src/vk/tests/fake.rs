@@ -9,6 +9,7 @@ use std::cell::RefCell;
 use std::ffi::{CStr, c_char, c_void};
 use std::ptr::{null, null_mut};
 
+pub mod pipelines;
 pub mod rates;
 
 thread_local! {
@@ -161,7 +162,9 @@ unsafe extern "system" fn physical_device_properties(
     properties: *mut vk::PhysicalDeviceProperties,
 ) {
     // SAFETY: the caller passes a structure to write to.
-    unsafe { (*properties).api_version = DEVICE_VERSION };
+    let properties = unsafe { &mut *properties };
+    properties.api_version = DEVICE_VERSION;
+    rates::describe(properties);
 }
 
 /// What the stand-in answers for `vkCmdDraw`, which this layer does not hook.
@@ -196,6 +199,9 @@ fn function(name: &CStr) -> vk::PFN_vkVoidFunction {
         c"vkGetPhysicalDeviceFragmentShadingRatesKHR":
             PFN_vkGetPhysicalDeviceFragmentShadingRatesKHR = rates::shading_rates;
         c"vkGetDeviceProcAddr": PFN_vkGetDeviceProcAddr = get_device_proc_addr;
+    }
+    if let Some(function) = pipelines::function(name).filter(|_| rates::is_offered()) {
+        return Some(function);
     }
     let is_there = name == c"vkCmdDraw" || rates::is_offered();
     is_there.then_some(draw)

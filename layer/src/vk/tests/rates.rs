@@ -115,6 +115,93 @@ fn a_device_that_stays_inert_is_created_as_the_application_asks() {
     rates::offer(false, false);
 }
 
+/// Layers and samples, as the device offers them.
+fn limits(driver: vk::DriverId, name: &'static [u8]) -> (bool, vk::SampleCountFlags) {
+    rates::offer(true, false);
+    rates::drive(driver, name);
+    let instance = new_instance(Some(vk::API_VERSION_1_2));
+    let device = new_device(instance);
+    // SAFETY: the device is live.
+    let known = unsafe { device::of(device) }.unwrap();
+    let offer = known.rates().unwrap().offer.clone();
+    destroy_device(device);
+    destroy_instance(instance);
+    rates::drive(vk::DriverId::default(), b"");
+    rates::offer(false, false);
+    (offer.layered, offer.limits.samples)
+}
+
+#[test]
+fn quirks_of_a_device_limit_what_it_offers() {
+    let radv = vk::DriverId::MESA_RADV;
+    assert_eq!(limits(radv, b"AMD Radeon RX 6800 (RADV NAVI21)"), (false, vk::SampleCountFlags::TYPE_4));
+    assert_eq!(limits(radv, b"AMD Radeon (RADV NAVI31)"), (true, vk::SampleCountFlags::TYPE_4));
+    for other in [vk::DriverId::MESA_NVK, vk::DriverId::AMD_PROPRIETARY] {
+        let found = limits(other, b"AMD Radeon RX 6800 (RADV NAVI21)");
+        assert_eq!(found, (true, vk::SampleCountFlags::TYPE_8));
+    }
+}
+
+#[test]
+fn what_the_configuration_does_not_ask_for_is_not_created() {
+    rates::offer(true, false);
+    for arming in [Arming::Inert, Arming::Pictures, Arming::Masks] {
+        ARMING.set(arming);
+        let instance = new_instance(Some(vk::API_VERSION_1_0));
+        assert_eq!(rates::enabled(), [""; 0], "{arming:?}");
+        destroy_instance(instance);
+        let instance = new_instance(Some(vk::API_VERSION_1_1));
+        let device = new_device(instance);
+        assert_eq!(rates::enabled(), [""; 0], "{arming:?}");
+        assert_eq!(rates::features(), [0; 3], "{arming:?}");
+        // SAFETY: the device is live.
+        let known = unsafe { device::of(device) }.unwrap();
+        let has = (known.armed.is_some(), known.rates().is_some(), known.masks().is_some());
+        let expected = match arming {
+            Arming::Inert => (false, false, false),
+            Arming::Pictures => (true, false, false),
+            Arming::Masks | Arming::Rates => (true, false, true),
+        };
+        assert_eq!(has, expected, "{arming:?}");
+        destroy_device(device);
+        destroy_instance(instance);
+    }
+    ARMING.set(Arming::Rates);
+    rates::offer(false, false);
+}
+
+/// An inert device's functions are the next layer's, but for creation and destruction, and the OpenXR half learns that
+/// the device is inert.
+#[test]
+fn a_device_without_work_has_no_hooks() {
+    rates::offer(true, false);
+    ARMING.set(Arming::Inert);
+    let instance = new_instance(Some(vk::API_VERSION_1_1));
+    let device = new_device(instance);
+    let names = [
+        c"vkCreateRenderPass",
+        c"vkCreateGraphicsPipelines",
+        c"vkCreateFramebuffer",
+        c"vkCreateImage",
+        c"vkQueueSubmit",
+        c"vkCmdBeginRenderPass",
+        c"vkCmdBindPipeline",
+        c"vkBeginCommandBuffer",
+    ];
+    for name in names {
+        let address = |function: vk::PFN_vkVoidFunction| function.map(|function| function as usize);
+        // SAFETY: a live device and a name.
+        let below = address(unsafe { fake::get_device_proc_addr(device, name.as_ptr()) });
+        assert!(below.is_some());
+        assert_eq!(address(device_function(device, name)), below, "{name:?} is hooked");
+    }
+    assert!(link(device).is_some() && record(device).is_none());
+    destroy_device(device);
+    destroy_instance(instance);
+    ARMING.set(Arming::Rates);
+    rates::offer(false, false);
+}
+
 #[test]
 fn no_device_function_is_looked_up_through_the_instance() {
     rates::offer(true, false);

@@ -21,14 +21,25 @@ const PATIENCE: Duration = Duration::from_secs(10);
 pub fn probe() -> Probed {
     let Some(program) = program() else {
         let missing = || format!("{PROGRAM} is not beside this program");
-        return Probed { layers: Err(missing()), vulkan: Err(missing()), openxr: Err(missing()) };
+        return Probed {
+            layers: Err(missing()),
+            vulkan: Err(missing()),
+            created: Err(missing()),
+            openxr: Err(missing()),
+        };
     };
-    let (layers, vulkan, openxr) = (
+    let (layers, vulkan, created, openxr) = (
         Asked::new(&program, "layers", true),
         Asked::new(&program, "vulkan", false),
+        Asked::new(&program, "devices", true),
         Asked::new(&program, "openxr", false),
     );
-    Probed { layers: layers.answer(), vulkan: vulkan.answer(), openxr: openxr.answer() }
+    Probed {
+        layers: layers.answer(),
+        vulkan: vulkan.answer(),
+        created: created.answer(),
+        openxr: openxr.answer(),
+    }
 }
 
 /// Beside this program, as a build or an archive puts it, or where a package does.
@@ -45,12 +56,12 @@ fn program() -> Option<PathBuf> {
 struct Asked(Result<(Child, mpsc::Receiver<String>), String>);
 
 impl Asked {
-    /// Asks; the layer is enabled only where it is to be listed, so that it writes no log for this.
+    /// Asks, with the layer enabled or not. It finds no place for a log, which belongs to games.
     fn new(program: &Path, question: &str, with_layer: bool) -> Self {
         let mut command = Command::new(program);
         command.arg(question).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         if with_layer {
-            command.env(ENABLE_VARIABLE, "1").env_remove(DISABLE_VARIABLE);
+            command.env(ENABLE_VARIABLE, "1").env_remove(DISABLE_VARIABLE).env("XDG_STATE_HOME", "/dev/null");
         } else {
             command.env(DISABLE_VARIABLE, "1");
         }

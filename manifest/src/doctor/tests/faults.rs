@@ -191,6 +191,21 @@ const FAULTS: &[Fault] = &[
     ("no GPU", |machine| device(machine).is_cpu = true, &["no-gpu"], false),
     ("no driver", |machine| machine.probed.vulkan = Ok(VulkanAnswer::default()), &["no-device"], false),
     (
+        "a crash with the layer",
+        |machine| machine.probed.created = Err("signal: 11 (SIGSEGV)".to_owned()),
+        &["crashes"],
+        false,
+    ),
+    (
+        "no device with the layer",
+        |machine| {
+            created(machine).failure = Some("ERROR_INITIALIZATION_FAILED".to_owned());
+        },
+        &["no-device-with-layer"],
+        false,
+    ),
+    ("a device without the layer", |machine| created(machine).has_layer = false, &["not-on-device"], false),
+    (
         "a loader that does not list the layer",
         |machine| machine.probed.layers = Ok(LoaderLayers { openxr: Some(Vec::new()), vulkan: None }),
         &["not-listed"],
@@ -359,6 +374,10 @@ fn allow_everybody(path: &Path) {
 
 fn answer(machine: &mut Machine) -> &mut RuntimeAnswer {
     machine.probed.openxr.as_mut().unwrap()
+}
+
+fn created(machine: &mut Machine) -> &mut CreatedDevice {
+    &mut machine.probed.created.as_mut().unwrap()[0]
 }
 
 fn device(machine: &mut Machine) -> &mut Device {

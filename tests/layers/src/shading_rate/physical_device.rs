@@ -116,9 +116,10 @@ unsafe extern "system" fn features2(
         next(physical_device, features);
         drop(left_out);
         if let Some(own) = own {
-            (*own).pipeline_fragment_shading_rate = vk::TRUE;
-            (*own).primitive_fragment_shading_rate = vk::TRUE;
-            (*own).attachment_fragment_shading_rate = vk::TRUE;
+            let device = ShadingRateProfile::of_environment().device();
+            (*own).pipeline_fragment_shading_rate = device.pipeline.into();
+            (*own).primitive_fragment_shading_rate = device.primitive.into();
+            (*own).attachment_fragment_shading_rate = device.attachment.into();
         }
     }
 }
@@ -174,9 +175,10 @@ pub(super) unsafe extern "system" fn rates(
     let own: Vec<_> = profile
         .rates()
         .iter()
-        .map(|&([width, height], samples)| {
+        .map(|rate| {
+            let [width, height] = rate.size;
             vk::PhysicalDeviceFragmentShadingRateKHR::default()
-                .sample_counts(samples)
+                .sample_counts(vk::SampleCountFlags::from_raw(rate.samples))
                 .fragment_size(vk::Extent2D { width, height })
         })
         .collect();

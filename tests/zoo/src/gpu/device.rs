@@ -25,7 +25,8 @@ pub struct Device {
     pub timestamp_period_ns: f32,
 }
 
-const RATES: &CStr = c"VK_KHR_fragment_shading_rate";
+/// The extension.
+pub(super) const RATES: &CStr = c"VK_KHR_fragment_shading_rate";
 
 impl Gpu {
     /// All devices of the instance.

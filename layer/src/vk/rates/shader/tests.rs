@@ -46,6 +46,11 @@ fn shader(
     assemble(&code)
 }
 
+/// A fragment shader without effects, named `main`.
+pub fn plain_shader() -> Vec<u32> {
+    shader(&[], &[], &[], &[])
+}
+
 fn effects(words: &[u32]) -> Effects {
     FragmentShaders::read(words).unwrap().effects("main")
 }

@@ -12,6 +12,8 @@ thread_local! {
     static OFFERED: Cell<bool> = const { Cell::new(false) };
     static REFUSED: Cell<bool> = const { Cell::new(false) };
     static ENABLED: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+    static DRIVER: Cell<vk::DriverId> = const { Cell::new(vk::DriverId::from_raw(0)) };
+    static NAME: Cell<&'static [u8]> = const { Cell::new(b"") };
     static FEATURES: Cell<[u32; 3]> = const { Cell::new([0; 3]) };
 }
 
@@ -19,6 +21,20 @@ thread_local! {
 pub fn offer(offered: bool, refused: bool) {
     OFFERED.set(offered);
     REFUSED.set(refused);
+}
+
+/// From now on, devices on this thread are of this driver, of version 25.0.7, and have this name.
+pub fn drive(driver: vk::DriverId, name: &'static [u8]) {
+    DRIVER.set(driver);
+    NAME.set(name);
+}
+
+/// Writes the name and the driver's version.
+pub fn describe(properties: &mut vk::PhysicalDeviceProperties) {
+    properties.driver_version = vk::make_api_version(0, 25, 0, 7);
+    for (to, from) in properties.device_name.iter_mut().zip(NAME.get()) {
+        *to = from.cast_signed();
+    }
 }
 
 /// Whether devices have rate attachments, and with them all functions.
@@ -120,10 +136,17 @@ pub unsafe extern "system" fn properties2(
     let texel = vk::Extent2D { width: 16, height: 16 };
     // SAFETY: as above.
     unsafe {
+        let driver = (*properties).p_next.cast::<vk::PhysicalDeviceDriverProperties<'_>>();
+        if (*driver).s_type == vk::PhysicalDeviceDriverProperties::STRUCTURE_TYPE {
+            (*driver).driver_id = DRIVER.get();
+            return;
+        }
         let own = (*properties).p_next.cast::<vk::PhysicalDeviceFragmentShadingRatePropertiesKHR<'_>>();
         (*own).min_fragment_shading_rate_attachment_texel_size = texel;
         (*own).max_fragment_shading_rate_attachment_texel_size = texel;
         (*own).max_fragment_shading_rate_attachment_texel_size_aspect_ratio = 1;
+        (*own).layered_shading_rate_attachments = vk::TRUE;
+        (*own).max_fragment_shading_rate_rasterization_samples = vk::SampleCountFlags::TYPE_8;
     }
 }
 

@@ -4,8 +4,8 @@
 use super::{lines, program};
 use parafovea_test_layers::ShadingRateProfile;
 
-const LAYERED: ShadingRateProfile = ShadingRateProfile::Layered16;
-const RDNA: ShadingRateProfile = ShadingRateProfile::Rdna;
+const LAYERED: ShadingRateProfile = ShadingRateProfile::NvkTuring;
+const RDNA: ShadingRateProfile = ShadingRateProfile::Navi21;
 const UNLAYERED: ShadingRateProfile = ShadingRateProfile::Unlayered;
 
 /// What is broken, and the rule. With nothing broken, the form has no finding of that rule.

@@ -1,0 +1,138 @@
+//! What the configuration can ask of a Vulkan device that is being created.
+
+use super::{Config, Environment, RatesBackend, executable, wants_maps};
+use parafovea_manifest::config::Watch;
+use parafovea_manifest::options::{ChromaMode, DebugView, FilePath};
+use std::fmt;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// What the Vulkan half must be able to do on a device. It is decided at vkCreateDevice: a device gets its extensions
+/// there, and passes and pipelines are amended from then on or never.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Arming {
+    /// Nothing: every call passes through.
+    Inert,
+    /// Work on finished pictures and following the gaze; passes stay as the application makes them.
+    Pictures,
+    /// Also passes with masks, on every device.
+    Masks,
+    /// Also passes with rate attachments, and with masks on a device without them.
+    Rates,
+}
+
+impl Arming {
+    /// What a configuration asks for.
+    pub fn of(config: &Config) -> Self {
+        let has_pictures = config.chroma.mode != ChromaMode::Off
+            || config.debug.view != DebugView::None
+            || config.gaze.record != FilePath::NONE;
+        match config.rates.backend {
+            RatesBackend::Mask if wants_maps(config) => Self::Masks,
+            _ if wants_maps(config) => Self::Rates,
+            _ if config.enabled && has_pictures => Self::Pictures,
+            _ => Self::Inert,
+        }
+    }
+
+    /// What the configuration of this process asks for at this moment. A file with an error asks for the defaults; the
+    /// OpenXR half logs the error.
+    pub fn of_process(environment: &Environment) -> Self {
+        let application = application().clone();
+        let read = Watch::new(environment, application.as_deref(), &executable()).poll();
+        Self::of(&read.and_then(Result::ok).unwrap_or_default())
+    }
+
+    /// Whether a device that was armed for this can do what `wanted` asks.
+    pub fn covers(self, wanted: Self) -> bool {
+        match wanted {
+            Self::Inert => true,
+            Self::Pictures => self != Self::Inert,
+            Self::Masks | Self::Rates => self == wanted,
+        }
+    }
+}
+
+impl fmt::Display for Arming {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Inert => "nothing",
+            Self::Pictures => "work on finished pictures",
+            Self::Masks => "masks",
+            Self::Rates => "shading rates",
+        })
+    }
+}
+
+/// The name that the application gave to OpenXR last, which may choose its configuration. Vulkan applications give
+/// another name, or none.
+static APPLICATION: Mutex<Option<String>> = Mutex::new(None);
+
+fn application() -> std::sync::MutexGuard<'static, Option<String>> {
+    APPLICATION.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Keeps the name that the application gives to OpenXR.
+pub(super) fn name_application(name: Option<&str>) {
+    *application() = name.map(str::to_owned);
+}
+
+/// [`Arming`] of the newest device as a number, or [`NO_DEVICE`].
+static NEWEST: AtomicU8 = AtomicU8::new(NO_DEVICE);
+
+const NO_DEVICE: u8 = u8::MAX;
+
+/// Keeps for what the newest device of this process was armed.
+pub fn device_armed(arming: Arming) {
+    NEWEST.store(arming as u8, Ordering::Relaxed);
+}
+
+/// What an edited configuration asks for in vain, as the device was not armed for it; `None` where it is, or where no
+/// device is known (the Vulkan half may be another copy of this library).
+pub(super) fn out_of_reach(config: &Config) -> Option<Arming> {
+    let newest = NEWEST.load(Ordering::Relaxed);
+    let known = [Arming::Inert, Arming::Pictures, Arming::Masks, Arming::Rates];
+    let armed = known.into_iter().find(|arming| *arming as u8 == newest)?;
+    let wanted = Arming::of(config);
+    (!armed.covers(wanted)).then_some(wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{Preset, RatesMode, ReuseMode};
+
+    #[test]
+    fn a_configuration_without_work_leaves_devices_inert() {
+        let mut config = Config::of_preset(Preset::None);
+        assert_eq!(Arming::of(&config), Arming::Inert);
+        config.chroma.mode = ChromaMode::Default;
+        assert_eq!(Arming::of(&config), Arming::Pictures);
+        config.reuse.mode = ReuseMode::On;
+        assert_eq!(Arming::of(&config), Arming::Rates);
+        config.rates.backend = RatesBackend::Mask;
+        assert_eq!(Arming::of(&config), Arming::Masks);
+        config.rates.backend = RatesBackend::Off;
+        assert_eq!(Arming::of(&config), Arming::Pictures);
+        config.enabled = false;
+        assert_eq!(Arming::of(&config), Arming::Inert);
+        let mut viewed = Config::of_preset(Preset::None);
+        viewed.debug.view = DebugView::Gaze;
+        assert_eq!(Arming::of(&viewed), Arming::Pictures);
+        assert_eq!(Arming::of(&Config::default()), Arming::Rates);
+        let mut without = Config { enabled: false, ..Config::default() };
+        without.rates.mode = RatesMode::Fixed;
+        assert_eq!(Arming::of(&without), Arming::Inert);
+    }
+
+    #[test]
+    fn a_device_covers_what_it_was_armed_for_and_less() {
+        use Arming::{Inert, Masks, Pictures, Rates};
+        let covered = |armed: Arming| [Inert, Pictures, Masks, Rates].map(|wanted| armed.covers(wanted));
+        assert_eq!(covered(Inert), [true, false, false, false]);
+        assert_eq!(covered(Pictures), [true, true, false, false]);
+        assert_eq!(covered(Masks), [true, true, true, false]);
+        assert_eq!(covered(Rates), [true, true, false, true]);
+    }
+}

@@ -1,0 +1,48 @@
+//! The quirks of a device, from the table that `parafovea doctor` prints too.
+
+use super::Enablement;
+use crate::status::decided;
+use ash::vk;
+use parafovea_manifest::paths::Environment;
+use parafovea_manifest::quirks::{Driver, Effect, Quirks};
+
+/// Those of a device, as `PARAFOVEA_QUIRKS` adds and removes them.
+pub fn of_device(properties: &vk::PhysicalDeviceProperties, driver_id: Option<vk::DriverId>) -> Quirks {
+    let environment = Environment::of_process(Enablement::of_process() == Enablement::Elevated);
+    let version = properties.driver_version;
+    let driver = Driver {
+        id: driver_id.map_or(0, |id| id.as_raw().cast_unsigned()),
+        device: &properties.device_name_as_c_str().unwrap_or_default().to_string_lossy(),
+        version: [
+            vk::api_version_major(version),
+            vk::api_version_minor(version),
+            vk::api_version_patch(version),
+        ],
+    };
+    Quirks::of(&driver, &environment.quirks())
+}
+
+/// Logs the quirks of a device that was created for an application with this engine.
+pub fn tell(quirks: &Quirks, engine: &str) {
+    if let Some(complaint) = quirks.complaint() {
+        tracing::warn!("{complaint}");
+    }
+    for quirk in &quirks.rows {
+        match quirk.effect {
+            Effect::WarnVkd3d if !is_vkd3d(engine) => {}
+            Effect::WarnVkd3d => {
+                decided(&format_args!("quirk {}: {}", quirk.name, quirk.source));
+                tracing::warn!(
+                    "with vkd3d-proton on this GPU pictures may flicker ({}); if they do, set rates.backend = \"off\"",
+                    quirk.source
+                );
+            }
+            _ => decided(&format_args!("quirk {}: {} ({})", quirk.name, quirk.doc, quirk.source)),
+        }
+    }
+}
+
+/// vkd3d and vkd3d-proton name themselves so (libs/vkd3d/device.c, vkd3d_init_instance).
+fn is_vkd3d(engine: &str) -> bool {
+    engine.contains("vkd3d")
+}

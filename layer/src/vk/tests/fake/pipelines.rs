@@ -1,0 +1,104 @@
+//! A driver that refuses pipelines and shaders with what rate attachments need.
+
+use ash::vk::{self, Handle};
+use std::cell::{Cell, RefCell};
+use std::ffi::CStr;
+
+thread_local! {
+    static ANSWERS: Cell<[vk::Result; 2]> = const { Cell::new([vk::Result::SUCCESS; 2]) };
+    static SEEN: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+}
+
+/// From now on, creation on this thread answers so with what rate attachments need, and without.
+pub fn answer(amended: vk::Result, plain: vk::Result) {
+    ANSWERS.set([amended, plain]);
+}
+
+/// What was created and destroyed on this thread since the last time.
+pub fn seen() -> Vec<String> {
+    SEEN.take()
+}
+
+/// The stand-in's function of that name, if it is one of these.
+pub fn function(name: &CStr) -> Option<unsafe extern "system" fn()> {
+    type Function = unsafe extern "system" fn();
+    // SAFETY: carried as PFN_vkVoidFunction, cast back by its name.
+    unsafe {
+        Some(match name.to_bytes() {
+            b"vkCreateGraphicsPipelines" => {
+                std::mem::transmute::<vk::PFN_vkCreateGraphicsPipelines, Function>(create_pipelines)
+            }
+            b"vkDestroyPipeline" => {
+                std::mem::transmute::<vk::PFN_vkDestroyPipeline, Function>(destroy_pipeline)
+            }
+            b"vkCreateShadersEXT" => {
+                std::mem::transmute::<vk::PFN_vkCreateShadersEXT, Function>(create_shaders)
+            }
+            b"vkDestroyShaderEXT" => {
+                std::mem::transmute::<vk::PFN_vkDestroyShaderEXT, Function>(destroy_shader)
+            }
+            _ => return None,
+        })
+    }
+}
+
+/// Writes handles: all but the last where the answer is no success.
+unsafe fn create<H: Handle>(is_amended: bool, count: u32, made: *mut H) -> vk::Result {
+    let [amended, plain] = ANSWERS.get();
+    let answer = if is_amended { amended } else { plain };
+    SEEN.with_borrow_mut(|seen| {
+        seen.push(format!("{} {count}", if is_amended { "amended" } else { "plain" }));
+    });
+    for index in 0..count {
+        let is_made = answer == vk::Result::SUCCESS || index + 1 < count;
+        let handle = if is_made { u64::from(index) + 1 } else { 0 };
+        // SAFETY: the caller has room for so many handles.
+        unsafe { made.add(index as usize).write(H::from_raw(handle)) };
+    }
+    answer
+}
+
+fn destroy<H: Handle>(handle: H) {
+    SEEN.with_borrow_mut(|seen| seen.push(format!("destroy {}", handle.as_raw())));
+}
+
+unsafe extern "system" fn create_pipelines(
+    _: vk::Device,
+    _: vk::PipelineCache,
+    count: u32,
+    infos: *const vk::GraphicsPipelineCreateInfo<'_>,
+    _: *const vk::AllocationCallbacks<'_>,
+    made: *mut vk::Pipeline,
+) -> vk::Result {
+    let flag = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
+    // SAFETY: valid usage, with at least one structure.
+    unsafe { create((*infos).flags.contains(flag), count, made) }
+}
+
+unsafe extern "system" fn destroy_pipeline(
+    _: vk::Device,
+    pipeline: vk::Pipeline,
+    _: *const vk::AllocationCallbacks<'_>,
+) {
+    destroy(pipeline);
+}
+
+unsafe extern "system" fn create_shaders(
+    _: vk::Device,
+    count: u32,
+    infos: *const vk::ShaderCreateInfoEXT<'_>,
+    _: *const vk::AllocationCallbacks<'_>,
+    made: *mut vk::ShaderEXT,
+) -> vk::Result {
+    let flag = vk::ShaderCreateFlagsEXT::FRAGMENT_SHADING_RATE_ATTACHMENT;
+    // SAFETY: valid usage, with at least one structure.
+    unsafe { create((*infos).flags.contains(flag), count, made) }
+}
+
+unsafe extern "system" fn destroy_shader(
+    _: vk::Device,
+    shader: vk::ShaderEXT,
+    _: *const vk::AllocationCallbacks<'_>,
+) {
+    destroy(shader);
+}

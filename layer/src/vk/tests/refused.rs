@@ -1,0 +1,105 @@
+//! A driver refuses pipelines or shaders with what rate attachments need.
+
+use super::fake::{pipelines, rates};
+use super::*;
+
+/// What two pipelines become, what reached the driver, and whether dynamic rendering still gets attachments.
+fn created(amended: vk::Result, plain: vk::Result) -> (vk::Result, [u64; 2], Vec<String>, bool) {
+    with_device(|device| {
+        pipelines::answer(amended, plain);
+        let infos = [vk::GraphicsPipelineCreateInfo::default(); 2];
+        let mut made = [vk::Pipeline::null(); 2];
+        let function = device_function(device, c"vkCreateGraphicsPipelines");
+        // SAFETY: the name gives the type, and the stand-in looks at the flags alone.
+        let result = unsafe {
+            transmute::<vk::PFN_vkVoidFunction, vk::PFN_vkCreateGraphicsPipelines>(function)(
+                device,
+                vk::PipelineCache::null(),
+                2,
+                infos.as_ptr(),
+                null(),
+                made.as_mut_ptr(),
+            )
+        };
+        (result, made.map(Handle::as_raw), pipelines::seen(), attaches(device))
+    })
+}
+
+fn with_device<T>(act: impl FnOnce(vk::Device) -> T) -> T {
+    rates::offer(true, false);
+    let instance = new_instance(Some(vk::API_VERSION_1_1));
+    let device = new_device(instance);
+    pipelines::seen();
+    let done = act(device);
+    destroy_device(device);
+    destroy_instance(instance);
+    rates::offer(false, false);
+    done
+}
+
+fn attaches(device: vk::Device) -> bool {
+    // SAFETY: the device is live.
+    unsafe { device::of(device) }.unwrap().rates().unwrap().attaches_to_rendering()
+}
+
+const SUCCESS: vk::Result = vk::Result::SUCCESS;
+
+#[test]
+fn pipelines_that_are_taken_are_made_once() {
+    let (result, made, seen, attaches) = created(SUCCESS, SUCCESS);
+    assert_eq!((result, made, attaches), (SUCCESS, [1, 2], true));
+    assert_eq!(seen, ["amended 2"]);
+}
+
+#[test]
+fn pipelines_that_are_refused_are_made_as_the_application_asks() {
+    for refused in [vk::Result::ERROR_UNKNOWN, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY] {
+        let (result, made, seen, attaches) = created(refused, SUCCESS);
+        assert_eq!((result, made), (SUCCESS, [1, 2]));
+        assert_eq!(seen, ["amended 2", "destroy 1", "plain 2"], "nothing is leaked");
+        assert!(!attaches, "such pipelines may not be used with an attachment");
+    }
+}
+
+#[test]
+fn the_driver_has_the_last_word() {
+    let error = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+    let (result, made, seen, _) = created(vk::Result::ERROR_UNKNOWN, error);
+    assert_eq!((result, made), (error, [1, 0]));
+    assert_eq!(seen, ["amended 2", "destroy 1", "plain 2"]);
+}
+
+#[test]
+fn what_is_no_refusal_is_not_tried_again() {
+    for answer in [vk::Result::PIPELINE_COMPILE_REQUIRED_EXT, vk::Result::ERROR_DEVICE_LOST] {
+        let (result, made, seen, attaches) = created(answer, SUCCESS);
+        assert_eq!((result, made, attaches), (answer, [1, 0], true));
+        assert_eq!(seen, ["amended 2"]);
+    }
+}
+
+#[test]
+fn shaders_that_are_refused_are_made_as_the_application_asks() {
+    with_device(|device| {
+        pipelines::answer(vk::Result::ERROR_INITIALIZATION_FAILED, SUCCESS);
+        let info = vk::ShaderCreateInfoEXT::default()
+            .stage(vk::ShaderStageFlags::FRAGMENT)
+            .code_type(vk::ShaderCodeTypeEXT::BINARY);
+        let infos = [info; 2];
+        let mut made = [vk::ShaderEXT::null(); 2];
+        let function = device_function(device, c"vkCreateShadersEXT");
+        // SAFETY: the name gives the type, and the stand-in looks at the flags alone.
+        let result = unsafe {
+            transmute::<vk::PFN_vkVoidFunction, vk::PFN_vkCreateShadersEXT>(function)(
+                device,
+                2,
+                infos.as_ptr(),
+                null(),
+                made.as_mut_ptr(),
+            )
+        };
+        assert_eq!((result, made.map(Handle::as_raw)), (SUCCESS, [1, 2]));
+        assert_eq!(pipelines::seen(), ["amended 2", "destroy 1", "plain 2"]);
+        assert!(!attaches(device));
+    });
+}

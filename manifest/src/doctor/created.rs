@@ -1,0 +1,48 @@
+//! What becomes of Vulkan devices that are created with the layer, in a program of ours.
+
+use super::layers::Layers;
+use super::{CreatedDevice, Finding, Surroundings};
+use crate::json::Half;
+
+pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
+    let probed = &surroundings.probed;
+    // Where Vulkan fails without the layer too, or our half is not installed, another finding tells.
+    let (Ok(_), true) = (&probed.vulkan, layers.ours(Half::Vulkan).next().is_some()) else {
+        return Vec::new();
+    };
+    match &probed.created {
+        Err(reason) => vec![crashes(reason)],
+        Ok(devices) => devices.iter().map(of_device).collect(),
+    }
+}
+
+/// The program that creates devices ended otherwise than by an answer.
+fn crashes(reason: &str) -> Finding {
+    Finding::problem(
+        "crashes",
+        format!("a program that creates Vulkan devices with the layer fails: {reason}"),
+        "Without the layer it works. Games would end in the same way.",
+    )
+    .advise("play without PARAFOVEA=1, and report this with the output of parafovea doctor --json")
+}
+
+fn of_device(device: &CreatedDevice) -> Finding {
+    let CreatedDevice { name, failure, has_layer } = device;
+    match failure {
+        Some(failure) => Finding::problem(
+            "no-device-with-layer",
+            format!("{name}: no device can be created with the layer: {failure}"),
+            "Games that use this GPU do not start with Parafovea.",
+        )
+        .advise("play without PARAFOVEA=1, and report this with the output of parafovea doctor --json"),
+        None if *has_layer => {
+            Finding::good("device-created", format!("{name}: a device was created with the layer"))
+        }
+        None => Finding::problem(
+            "not-on-device",
+            format!("{name}: the layer is not on a device that was created with it enabled"),
+            "Games get only the other half, which does nothing alone.",
+        )
+        .advise("run with VK_LOADER_DEBUG=layer, which says why; then: parafovea install"),
+    }
+}

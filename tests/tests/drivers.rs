@@ -1,0 +1,90 @@
+//! Programs with the layer as the only layer above Mesa's real drivers: any layer below ours hides how the loader ends a
+//! chain of calls. A share of `cargo dev drivers`.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use parafovea_test_layers::{ShadingRateDevice, ShadingRateProfile};
+use parafovea_tests::drivers::profiles::{QUERIED, shading_rates};
+use parafovea_tests::drivers::{Cell, Folder, Mode, Program, Row, ShimDevice, Stack, Target, judge};
+use std::process::ExitCode;
+
+/// RDNA 1, without rates; RDNA 2; RDNA 3.
+const DEVICES: [ShimDevice; 3] = [ShimDevice::Navi10, ShimDevice::Navi21, ShimDevice::Navi31];
+
+/// Styles that begin passes, make pipelines and record draws in different ways.
+const STYLES: [&str; 9] = [
+    "render-pass",
+    "dynamic-rendering",
+    "multiview",
+    "imageless",
+    "msaa-resolve",
+    "proton",
+    "secondaries",
+    "shader-objects",
+    "subpasses",
+];
+
+const MODES: [Mode; 4] = [Mode::Off, Mode::Inert, Mode::Rates, Mode::Everything];
+
+fn main() -> ExitCode {
+    let missing = Folder::Release.path().err().map(|error| error.to_string());
+    // Only there are the drivers sure to be: elsewhere a reason to do without is no mistake.
+    let is_ignored = missing.is_some() && !is_bookworm();
+    if let (Some(reason), true) = (&missing, is_ignored) {
+        eprintln!("ignored: {reason}");
+    }
+    let trial = |device: ShimDevice, program: Program| {
+        let name = format!("{} on {}", program.name(), device.name());
+        Trial::test(name, move || check(device, program)).with_ignored_flag(is_ignored)
+    };
+    let trials = DEVICES.into_iter().flat_map(|device| {
+        programs().into_iter().map(move |program| trial(device, program)).collect::<Vec<_>>()
+    });
+    let profiles = QUERIED.into_iter().filter(|(_, device)| device.folder() == Folder::Release);
+    let profiles = profiles.map(|(profile, device)| {
+        let name = format!("the profile {} is of the driver", profile.name());
+        Trial::test(name, move || check_profile(profile, device)).with_ignored_flag(is_ignored)
+    });
+    libtest_mimic::run(&Arguments::from_args(), trials.chain(profiles).collect()).exit_code()
+}
+
+fn is_bookworm() -> bool {
+    let text = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
+    text.lines().any(|line| line == "ID=debian") && text.contains("VERSION_CODENAME=bookworm")
+}
+
+fn programs() -> Vec<Program> {
+    let is_wanted = |program: &Program| match program {
+        Program::Style(style) => STYLES.contains(&style.name),
+        Program::VulkanInfo | Program::HelloXr(_) | Program::Scene => true,
+        Program::Doctor => false,
+    };
+    Program::all().into_iter().filter(is_wanted).collect()
+}
+
+fn check(device: ShimDevice, program: Program) -> Result<(), Failed> {
+    let cells = MODES.map(|mode| Cell { stack: Stack::Alone, mode });
+    let row = judge(&Target::Shim(device), program, &cells)?;
+    assert_eq!((&row.refusal, row.left_out.as_slice()), (&None, &[][..]));
+    assert_eq!(row.runs.len(), cells.len());
+    let faults: Vec<_> = row.runs.iter().filter(|run| run.is_fault()).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+    if device.has_rates() && program.has_frames() {
+        assert_eq!(engaged(&row), Some("rates"));
+    }
+    Ok(())
+}
+
+/// The layer that stands in for shading rates says what the driver says. Versions of one release differ in fixes only.
+fn check_profile(profile: ShadingRateProfile, device: ShimDevice) -> Result<(), Failed> {
+    let found = shading_rates(device)?;
+    let kept = ShadingRateDevice { driver: found.driver.clone(), ..profile.device().clone() };
+    assert_eq!(found, kept, "`cargo dev drivers --profiles` writes it anew");
+    Ok(())
+}
+
+/// What the layer did where it was to set rates.
+fn engaged(row: &Row) -> Option<&'static str> {
+    row.runs.iter().find(|run| run.mode == Mode::Rates.name())?.engaged
+}
