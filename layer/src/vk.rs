@@ -30,6 +30,7 @@ mod dispatch_key;
 mod enablement;
 mod frame;
 mod instance;
+mod known_shaders;
 mod link_table;
 mod masks;
 mod negotiate;

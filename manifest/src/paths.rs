@@ -14,6 +14,7 @@ pub struct Environment {
     config_home: Option<PathBuf>,
     data_home: Option<PathBuf>,
     state_home: Option<PathBuf>,
+    cache_home: Option<PathBuf>,
     runtime_dir: Option<PathBuf>,
     quirks: Option<OsString>,
 }
@@ -37,6 +38,7 @@ impl Environment {
             config_home: base("XDG_CONFIG_HOME", ".config"),
             data_home: base("XDG_DATA_HOME", ".local/share"),
             state_home: base("XDG_STATE_HOME", ".local/state"),
+            cache_home: base("XDG_CACHE_HOME", ".cache"),
             runtime_dir: absolute("XDG_RUNTIME_DIR"),
             quirks: variable(QUIRKS_VARIABLE),
         }
@@ -65,6 +67,11 @@ impl Environment {
     /// `$XDG_STATE_HOME`, or `~/.local/state`.
     pub fn state_home(&self) -> Option<&Path> {
         self.state_home.as_deref()
+    }
+
+    /// `$XDG_CACHE_HOME`, or `~/.cache`.
+    pub fn cache_home(&self) -> Option<&Path> {
+        self.cache_home.as_deref()
     }
 
     /// `$XDG_RUNTIME_DIR`: for what is there as long as the user is logged in.

@@ -9,6 +9,7 @@ pub mod commands;
 pub mod copies;
 pub mod create;
 pub mod framebuffer;
+pub mod identifiers;
 pub mod image;
 pub mod memory;
 pub mod offer;

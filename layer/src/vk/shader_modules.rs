@@ -1,7 +1,8 @@
 //! What the fragment shaders of live shader modules do.
 
 use super::chain::extension;
-use super::rates::copies::words;
+use super::known_shaders::KnownShaders;
+use super::rates::copies::{slice, words};
 use super::rates::shader::{Effects, FragmentShaders};
 use super::table::Table;
 use ash::vk;
@@ -30,7 +31,12 @@ impl ShaderModules {
         self.0.remove(module);
     }
 
-    /// What the fragment shader of a stage does; nothing is known where its code is not at hand.
+    /// What the shaders of a live module do; `None` where it is not understood.
+    pub fn get(&self, module: vk::ShaderModule) -> Option<Arc<FragmentShaders>> {
+        self.0.get(module)
+    }
+
+    /// What the fragment shader of a stage does; nothing is known where its code is not at hand, and no launch has seen it.
     ///
     /// # Safety
     ///
@@ -43,15 +49,27 @@ impl ShaderModules {
                 return shaders.effects(name);
             }
             let code = extension::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next);
-            code.and_then(|code| read(code)).map_or(Effects::UNKNOWN, |shaders| shaders.effects(name))
+            if let Some(shaders) = code.and_then(|code| read(code)) {
+                return shaders.effects(name);
+            }
+            let identified = extension::<ByIdentifier<'_>>(stage.p_next).and_then(|by| {
+                let size = if by.p_identifier.is_null() { 0 } else { by.identifier_size };
+                KnownShaders::of_process().get(slice(by.p_identifier, size))
+            });
+            identified.map_or(Effects::UNKNOWN, |shaders| shaders.effects(name))
         }
     }
 }
 
+/// A stage without code, by an identifier that an earlier launch got.
+type ByIdentifier<'a> = vk::PipelineShaderStageModuleIdentifierCreateInfoEXT<'a>;
+
+/// What the shaders of a module do; `None` where its code is not understood.
+///
 /// # Safety
 ///
 /// The structure is valid.
-unsafe fn read(info: &vk::ShaderModuleCreateInfo<'_>) -> Option<FragmentShaders> {
+pub unsafe fn read(info: &vk::ShaderModuleCreateInfo<'_>) -> Option<FragmentShaders> {
     // SAFETY: the caller vouches for the code, of `code_size` bytes.
     FragmentShaders::read(&unsafe { words(info.p_code.cast(), info.code_size) })
 }
@@ -60,6 +78,22 @@ unsafe fn read(info: &vk::ShaderModuleCreateInfo<'_>) -> Option<FragmentShaders>
 mod tests {
     use super::super::rates::shader::tests::plain_shader;
     use super::*;
+
+    /// As in the second launch of a game of DXVK.
+    #[test]
+    fn a_stage_by_identifier_is_known_once_its_code_was_seen() {
+        let effects = |identifier: &[u8]| {
+            let mut by = ByIdentifier::default().identifier(identifier);
+            let stage = vk::PipelineShaderStageCreateInfo::default().name(c"main").push_next(&mut by);
+            // SAFETY: a valid stage without a module.
+            unsafe { ShaderModules::default().effects(&stage) }
+        };
+        assert_eq!(effects(b"of shader_modules.rs"), Effects::UNKNOWN);
+        let shaders = Arc::new(FragmentShaders::read(&plain_shader()).unwrap());
+        KnownShaders::of_process().note(b"of shader_modules.rs", &shaders);
+        assert_eq!(effects(b"of shader_modules.rs"), Effects::default());
+        assert_eq!((effects(b""), effects(b"another")), (Effects::UNKNOWN, Effects::UNKNOWN));
+    }
 
     #[test]
     fn code_at_an_odd_address_is_read() {

@@ -2,8 +2,8 @@
 
 mod ends;
 mod fake;
+mod pipelines;
 mod rates;
-mod refused;
 
 use super::chain::NegotiateLayerInterface;
 use super::{LAYER_NAME, device, negotiate, proc_addr};

@@ -4,7 +4,7 @@
 //! and the extension's name for it, and our hook.
 
 use crate::vk::objects::{framebuffers, images, queues, render_passes, views};
-use crate::vk::rates::{commands, pipelines, shader_objects};
+use crate::vk::rates::{commands, identifiers, pipelines, shader_objects};
 use crate::vk::recording::{buffers, compute, passes, queries, rendering, transfers};
 use crate::vk::submit;
 use ash::vk;
@@ -104,6 +104,10 @@ armed_functions! {
     create_shader_module: PFN_vkCreateShaderModule = c"vkCreateShaderModule" => pipelines::create_shader_module;
     destroy_shader_module: PFN_vkDestroyShaderModule = c"vkDestroyShaderModule"
         => pipelines::destroy_shader_module;
+    get_shader_module_identifier: PFN_vkGetShaderModuleIdentifierEXT = c"vkGetShaderModuleIdentifierEXT"
+        => identifiers::of_module;
+    get_shader_module_create_info_identifier: PFN_vkGetShaderModuleCreateInfoIdentifierEXT =
+        c"vkGetShaderModuleCreateInfoIdentifierEXT" => identifiers::of_create_info;
     create_graphics_pipelines: PFN_vkCreateGraphicsPipelines = c"vkCreateGraphicsPipelines"
         => pipelines::create_pipelines;
     destroy_pipeline: PFN_vkDestroyPipeline = c"vkDestroyPipeline" => pipelines::destroy_pipeline;

@@ -3,6 +3,7 @@
 use super::Masks;
 use crate::mask::PipelineFacts;
 use crate::vk::rates::pipeline::{Parts, is_discarded, libraries, own_parts};
+use crate::vk::shader_modules::ShaderModules;
 use ash::vk;
 use std::slice;
 
@@ -20,6 +21,11 @@ impl Masks {
     /// A shader module is about to be destroyed.
     pub fn forget_shader_module(&self, module: vk::ShaderModule) {
         self.modules.forget(module);
+    }
+
+    /// What the fragment shaders of modules do.
+    pub fn shader_modules(&self) -> &ShaderModules {
+        &self.modules
     }
 
     /// Pipelines are made of `infos`.

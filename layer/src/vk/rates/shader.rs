@@ -49,6 +49,30 @@ impl Effects {
     }
 }
 
+impl Effects {
+    /// A bit for each.
+    pub fn to_bits(self) -> u8 {
+        let Self { stores, interlocks, per_sample, writes_integers, writes_depth_stencil, uses_sample_mask } =
+            self;
+        let all = [stores, interlocks, per_sample, writes_integers, writes_depth_stencil, uses_sample_mask];
+        all.into_iter().zip(0..).fold(0, |bits, (has, index)| bits | u8::from(has) << index)
+    }
+
+    /// From [`Self::to_bits`]; `None` for other bits.
+    pub fn from_bits(bits: u8) -> Option<Self> {
+        let has = |index: u8| bits & 1 << index != 0;
+        let effects = Self {
+            stores: has(0),
+            interlocks: has(1),
+            per_sample: has(2),
+            writes_integers: has(3),
+            writes_depth_stencil: has(4),
+            uses_sample_mask: has(5),
+        };
+        (effects.to_bits() == bits).then_some(effects)
+    }
+}
+
 /// The fragment shaders of a module, by their entry points' names.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FragmentShaders(SmallVec<[(Box<str>, Effects); 1]>);
@@ -61,10 +85,26 @@ impl FragmentShaders {
         Some(Self(shaders.collect()))
     }
 
+    /// Whether it has none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Names and effects.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, Effects)> {
+        self.0.iter().map(|(name, effects)| (&**name, *effects))
+    }
+
     /// What the fragment shader of that name does; nothing is known where there is none.
     pub fn effects(&self, name: &str) -> Effects {
         let found = self.0.iter().find(|(known, _)| **known == *name);
         found.map_or(Effects::UNKNOWN, |(_, effects)| *effects)
+    }
+}
+
+impl FromIterator<(Box<str>, Effects)> for FragmentShaders {
+    fn from_iter<I: IntoIterator<Item = (Box<str>, Effects)>>(shaders: I) -> Self {
+        Self(shaders.into_iter().collect())
     }
 }
 

@@ -37,6 +37,9 @@ pub fn function(name: &CStr) -> Option<unsafe extern "system" fn()> {
             b"vkDestroyShaderEXT" => {
                 std::mem::transmute::<vk::PFN_vkDestroyShaderEXT, Function>(destroy_shader)
             }
+            b"vkGetShaderModuleCreateInfoIdentifierEXT" => {
+                std::mem::transmute::<vk::PFN_vkGetShaderModuleCreateInfoIdentifierEXT, Function>(identify)
+            }
             _ => return None,
         })
     }
@@ -93,6 +96,20 @@ unsafe extern "system" fn create_shaders(
     let flag = vk::ShaderCreateFlagsEXT::FRAGMENT_SHADING_RATE_ATTACHMENT;
     // SAFETY: valid usage, with at least one structure.
     unsafe { create((*infos).flags.contains(flag), count, made) }
+}
+
+/// The identifier of every module of the stand-in's.
+pub const IDENTIFIER: &[u8] = b"of the stand-in";
+
+unsafe extern "system" fn identify(
+    _: vk::Device,
+    _: *const vk::ShaderModuleCreateInfo<'_>,
+    identifier: *mut vk::ShaderModuleIdentifierEXT<'_>,
+) {
+    // SAFETY: valid usage.
+    let identifier = unsafe { &mut *identifier };
+    identifier.identifier_size = IDENTIFIER.len() as u32;
+    identifier.identifier[..IDENTIFIER.len()].copy_from_slice(IDENTIFIER);
 }
 
 unsafe extern "system" fn destroy_shader(

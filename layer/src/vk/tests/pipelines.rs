@@ -1,4 +1,4 @@
-//! A driver refuses pipelines or shaders with what rate attachments need.
+//! Pipelines, shaders and modules: what a driver refuses with rate attachments, and what is kept of code.
 
 use super::fake::{pipelines, rates};
 use super::*;
@@ -76,6 +76,27 @@ fn what_is_no_refusal_is_not_tried_again() {
         assert_eq!((result, made, attaches), (answer, [1, 0], true));
         assert_eq!(seen, ["amended 2"]);
     }
+}
+
+#[test]
+fn what_a_module_does_is_kept_by_its_identifier() {
+    with_device(|device| {
+        let code = crate::vk::rates::shader::tests::plain_shader();
+        let info = vk::ShaderModuleCreateInfo::default().code(&code);
+        let mut identifier = vk::ShaderModuleIdentifierEXT::default();
+        let function = device_function(device, c"vkGetShaderModuleCreateInfoIdentifierEXT");
+        // SAFETY: the name gives the type; the arguments are valid.
+        unsafe {
+            transmute::<vk::PFN_vkVoidFunction, vk::PFN_vkGetShaderModuleCreateInfoIdentifierEXT>(function)(
+                device,
+                &info,
+                &mut identifier,
+            );
+        }
+        assert_eq!(identifier.identifier_size as usize, pipelines::IDENTIFIER.len());
+        let known = crate::vk::known_shaders::KnownShaders::of_process().get(pipelines::IDENTIFIER);
+        assert!(!known.unwrap().effects("main").stores);
+    });
 }
 
 #[test]

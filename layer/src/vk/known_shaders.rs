@@ -1,0 +1,137 @@
+//! What fragment shaders do, by the identifiers of their modules (VK_EXT_shader_module_identifier), kept from one launch
+//! to the next.
+//!
+//! From its second launch on, a game of DXVK or vkd3d-proton makes pipelines by identifiers, without code. Identifiers
+//! are hashes of the code, so two drivers give the same one only to the same code.
+
+mod file;
+
+use super::Enablement;
+use super::rates::shader::FragmentShaders;
+use parafovea_manifest::paths::Environment;
+use smallvec::SmallVec;
+use std::collections::{HashMap, VecDeque};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread::{Builder, sleep};
+use std::time::Duration;
+
+/// An identifier, of up to 32 bytes (`VK_MAX_SHADER_MODULE_IDENTIFIER_SIZE_EXT`).
+pub type Identifier = SmallVec<[u8; 32]>;
+
+/// So many modules are kept, the newest: the largest games have some ten thousand, with some hundred bytes each.
+const MOST_MODULES: usize = 16_384;
+
+/// How long new facts are collected before they are written.
+const WRITTEN_AFTER: Duration = Duration::from_secs(2);
+
+/// The facts of a process.
+pub struct KnownShaders {
+    /// Where they are kept; `None`: nowhere.
+    file: Option<PathBuf>,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    facts: Facts,
+    /// Whether a thread is going to write.
+    is_to_be_written: bool,
+}
+
+/// Facts by identifier, the oldest first.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Facts {
+    by_identifier: HashMap<Identifier, Arc<FragmentShaders>>,
+    order: VecDeque<Identifier>,
+}
+
+impl Facts {
+    /// Adds or replaces those of a module, and says whether that is news. The oldest go where there are too many.
+    fn insert(&mut self, identifier: Identifier, shaders: Arc<FragmentShaders>) -> bool {
+        match self.by_identifier.insert(identifier.clone(), shaders.clone()) {
+            Some(before) => before != shaders,
+            None => {
+                self.order.push_back(identifier);
+                if self.order.len() > MOST_MODULES
+                    && let Some(oldest) = self.order.pop_front()
+                {
+                    self.by_identifier.remove(&oldest);
+                }
+                true
+            }
+        }
+    }
+
+    /// In their order.
+    fn iter(&self) -> impl Iterator<Item = (&Identifier, &Arc<FragmentShaders>)> {
+        self.order.iter().filter_map(|identifier| self.by_identifier.get_key_value(identifier))
+    }
+}
+
+impl KnownShaders {
+    /// Those of this process, with what the file in `$XDG_CACHE_HOME/parafovea` has.
+    pub fn of_process() -> &'static Arc<Self> {
+        static KNOWN: OnceLock<Arc<KnownShaders>> = OnceLock::new();
+        KNOWN.get_or_init(|| {
+            let environment = Environment::of_process(Enablement::of_process() == Enablement::Elevated);
+            let folder = environment.cache_home().filter(|_| !cfg!(test));
+            Arc::new(Self::at(folder.map(|folder| folder.join("parafovea/shaders"))))
+        })
+    }
+
+    /// What a file has, where it can be read; a damaged one has nothing.
+    fn at(file: Option<PathBuf>) -> Self {
+        let facts = file.as_deref().and_then(file::read).unwrap_or_default();
+        Self { file, state: Mutex::new(State { facts, is_to_be_written: false }) }
+    }
+
+    /// What the shaders of a module do; `None` where no launch has seen it.
+    pub fn get(&self, identifier: &[u8]) -> Option<Arc<FragmentShaders>> {
+        self.state().facts.by_identifier.get(identifier).cloned()
+    }
+
+    /// Keeps what the shaders of a module do. A thread writes it a little later.
+    pub fn note(self: &Arc<Self>, identifier: &[u8], shaders: &Arc<FragmentShaders>) {
+        if identifier.is_empty() || shaders.is_empty() {
+            return;
+        }
+        let mut state = self.state();
+        let is_news = state.facts.insert(identifier.into(), Arc::clone(shaders));
+        if !is_news || state.is_to_be_written || self.file.is_none() {
+            return;
+        }
+        state.is_to_be_written = true;
+        drop(state);
+        let known = Arc::clone(self);
+        let write = move || {
+            sleep(WRITTEN_AFTER);
+            known.write();
+        };
+        if let Err(error) = Builder::new().name("parafovea-facts".to_owned()).spawn(write) {
+            tracing::debug!("facts of shaders are not written: no thread: {error}");
+        }
+    }
+
+    /// Writes what is known, with what other processes have written since.
+    fn write(&self) {
+        let Some(path) = &self.file else { return };
+        let mut facts = file::read(path).unwrap_or_default();
+        let mut state = self.state();
+        state.is_to_be_written = false;
+        for (identifier, shaders) in state.facts.iter() {
+            facts.insert(identifier.clone(), Arc::clone(shaders));
+        }
+        drop(state);
+        if let Err(error) = file::write(path, &facts) {
+            tracing::debug!("facts of shaders are not written: {error}");
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests;
