@@ -1,19 +1,23 @@
 //! `cargo dev bench overhead [--json] [--instructions]`. The last counts instructions alone, which the machine's other work does
-//! not change.
+//! not change. `--driver NAME [CASE...]` measures what planning adds to a frame on a real driver over a no-op kernel shim, with the
+//! layer's library of `--library PATH`; `cargo dev bench` passes a release build.
 
 use parafovea_tests::HarnessError;
-use parafovea_tests::overhead::{Effort, Figure, hello_xr, recording, recording_instructions};
+use parafovea_tests::drivers::ShimDevice;
+use parafovea_tests::installation::Driver;
+use parafovea_tests::overhead::{
+    Added, Effort, Figure, hello_xr, planning, recording, recording_instructions,
+};
+use parafovea_tests::run::Run;
+use serde::Serialize;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     // `cargo bench` adds `--bench`.
-    let is_given = |name: &str| std::env::args().any(|argument| argument == name);
-    let json = is_given("--json");
-    match measure(is_given("--instructions")) {
-        Ok(figures) => {
-            figures.iter().for_each(if json { print_json } else { print_row });
-            ExitCode::SUCCESS
-        }
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    match measure(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");
             ExitCode::FAILURE
@@ -21,18 +25,60 @@ fn main() -> ExitCode {
     }
 }
 
-fn measure(instructions_alone: bool) -> Result<Vec<Figure>, HarnessError> {
-    if instructions_alone {
-        return recording_instructions();
+fn measure(arguments: &[String]) -> Result<(), String> {
+    let failed = |error: HarnessError| error.to_string();
+    let is_given = |name: &str| arguments.iter().any(|argument| argument == name);
+    let value = |name: &str| {
+        let place = arguments.iter().position(|argument| argument == name)?;
+        arguments.get(place + 1)
+    };
+    let json = is_given("--json");
+    if let Some(device) = value("--driver") {
+        let library = value("--library").map(PathBuf::from);
+        let options = [value("--driver"), value("--library")];
+        let cases: Vec<String> = arguments
+            .iter()
+            .filter(|argument| !argument.starts_with("--") && !options.contains(&Some(argument)))
+            .cloned()
+            .collect();
+        let driver = ShimDevice::of_name(device).map(Driver::Shim).ok_or_else(|| {
+            let known: Vec<&str> = ShimDevice::ALL.iter().map(|device| device.name()).collect();
+            format!("--driver {device}: not one of {}", known.join(", "))
+        })?;
+        let prepare = |run: Run| {
+            let run = run.driver(driver);
+            match &library {
+                Some(library) => run.library(library),
+                None => run,
+            }
+        };
+        let added = planning(device, &cases, Effort::PLANNING, prepare).map_err(failed)?;
+        added.iter().for_each(if json { print_json } else { print_added });
+        return Ok(());
     }
-    Ok([hello_xr(Effort::FULL)?, recording(Effort::FULL)?, recording_instructions()?].concat())
+    let figures = if is_given("--instructions") {
+        recording_instructions().map_err(failed)?
+    } else {
+        let all = [hello_xr(Effort::FULL), recording(Effort::FULL), recording_instructions()];
+        all.into_iter().collect::<Result<Vec<_>, _>>().map_err(failed)?.concat()
+    };
+    figures.iter().for_each(if json { print_json } else { print_row });
+    Ok(())
 }
 
-fn print_json(figure: &Figure) {
+fn print_json<T: Serialize>(figure: &T) {
     match serde_json::to_string(figure) {
         Ok(line) => println!("{line}"),
         Err(error) => eprintln!("{error}"),
     }
+}
+
+fn print_added(added: &Added) {
+    let budget = added.budget.map_or_else(String::new, |budget| format!("  budget {budget:.2} ms"));
+    println!(
+        "{:<10} {:<14} {:>+8.4} ms  p99 {:>+8.4} ms  (without the layer {:.4} ms){budget}",
+        added.app, added.case, added.value, added.p99, added.baseline
+    );
 }
 
 fn print_row(figure: &Figure) {

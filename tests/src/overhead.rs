@@ -5,6 +5,10 @@
 //! Parafovea told to be inert; Parafovea on: for a frame with every technique off, for recording with shading rates, so that
 //! its Vulkan half is armed, and active in an OpenXR application.
 
+mod planning;
+
+pub use planning::{Added, planning};
+
 use crate::HarnessError;
 use crate::break_even::WITH_RATES;
 use crate::measure::Samples;
@@ -62,6 +66,8 @@ pub struct Effort {
 impl Effort {
     /// For figures.
     pub const FULL: Self = Self { turns: 15, frames: 200, rounds: 10 };
+    /// For figures of planning.
+    pub const PLANNING: Self = Self { turns: 3, frames: 600, rounds: 1 };
     /// To see that it works.
     pub const LEAST: Self = Self { turns: 1, frames: 20, rounds: 1 };
 }
@@ -89,6 +95,9 @@ pub struct Figure {
     pub spread: f64,
 }
 
+/// The layer is armed, and every technique is off.
+const ARMED: &str = "preset = \"none\"\n[rates]\nmode = \"fixed\"\ngate = \"off\"\n";
+
 /// CPU time of the whole process for one frame of hello_xr.
 ///
 /// # Errors
@@ -98,7 +107,7 @@ pub fn hello_xr(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
     // Small pictures: what the layer adds is the same, and less of the driver's own work hides it.
     let scenario = Scenario::new(effort.frames).sized(64, 64);
     let [frame] = by_turns(effort, |case| {
-        let outcome = case.set_up(Run::new(&application, &scenario), "preset = \"none\"\n").finish()?;
+        let outcome = case.set_up(Run::new(&application, &scenario), ARMED).finish()?;
         let outcome = outcome.expect_frames(effort.frames)?;
         Ok([outcome.record.cpu_ms_of_frames(effort.frames / 10)])
     })?;

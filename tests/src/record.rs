@@ -33,6 +33,9 @@ pub struct Frame {
     pub display_time_ns: i64,
     /// CPU time of the whole process until then, in nanoseconds.
     pub process_cpu_ns: u64,
+    /// CPU time of the thread that called `xrEndFrame`, in nanoseconds.
+    #[serde(default)]
+    pub thread_cpu_ns: u64,
     /// What of it was spent while frames waited for their turn, and others had theirs.
     #[serde(default)]
     pub held_cpu_ns: u64,
@@ -129,6 +132,13 @@ impl Record {
     pub fn cpu_ms_of_frames(&self, run_up: u64) -> Vec<f64> {
         let own_ns = |frame: &Frame| frame.process_cpu_ns.saturating_sub(frame.held_cpu_ns);
         let spent = |pair: &[Frame]| own_ns(&pair[1]).saturating_sub(own_ns(&pair[0])) as f64 / 1e6;
+        self.after(run_up).windows(2).map(spent).collect()
+    }
+
+    /// CPU time that the thread of `xrEndFrame` spent from one call to the next, in milliseconds, without the first `run_up`
+    /// frames. Meaningless where the application calls it from several threads.
+    pub fn thread_cpu_ms_of_frames(&self, run_up: u64) -> Vec<f64> {
+        let spent = |pair: &[Frame]| pair[1].thread_cpu_ns.saturating_sub(pair[0].thread_cpu_ns) as f64 / 1e6;
         self.after(run_up).windows(2).map(spent).collect()
     }
 

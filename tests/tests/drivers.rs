@@ -7,6 +7,8 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use parafovea_test_layers::{ShadingRateDevice, ShadingRateProfile};
 use parafovea_tests::drivers::profiles::{QUERIED, shading_rates};
 use parafovea_tests::drivers::{Cell, Folder, Mode, Program, Row, ShimDevice, Stack, Target, judge};
+use parafovea_tests::installation::Driver;
+use parafovea_tests::overhead::{Effort, planning};
 use std::process::ExitCode;
 
 /// RDNA 1, without rates; RDNA 2; RDNA 3.
@@ -46,6 +48,8 @@ fn main() -> ExitCode {
         let name = format!("the profile {} is of the driver", profile.name());
         Trial::test(name, move || check_profile(profile, device)).with_ignored_flag(is_ignored)
     });
+    let bench = Trial::test("the bench of planning runs", check_bench).with_ignored_flag(is_ignored);
+    let profiles = profiles.chain([bench]);
     libtest_mimic::run(&Arguments::from_args(), trials.chain(profiles).collect()).exit_code()
 }
 
@@ -73,6 +77,17 @@ fn check(device: ShimDevice, program: Program) -> Result<(), Failed> {
     if device.has_rates() && program.has_frames() {
         assert_eq!(engaged(&row), Some("rates"));
     }
+    Ok(())
+}
+
+/// `cargo dev bench overhead --driver`, as short as can be.
+fn check_bench() -> Result<(), Failed> {
+    let driver = Driver::Shim(ShimDevice::Navi31);
+    let cases = ["rates", "everything"].map(str::to_owned);
+    let added = planning("navi31", &cases, Effort::LEAST, |run| run.driver(driver))?;
+    let found: Vec<&str> = added.iter().map(|added| added.case).collect();
+    assert_eq!(found, ["rates", "everything"]);
+    assert!(added.iter().all(|added| added.value.is_finite() && added.p99 >= added.value), "{added:?}");
     Ok(())
 }
 

@@ -284,7 +284,7 @@ impl Place {
     fn reach(low: f32, high: f32, across: f32) -> u32 {
         let is_beside = (high <= 0.0) | (low >= across);
         let is_beyond = (low < 0.0) | (high > across);
-        u32::from(is_beside) * Self::BESIDE | u32::from(is_beyond) * Self::BEYOND
+        (u32::from(is_beside) * Self::BESIDE) | (u32::from(is_beyond) * Self::BEYOND)
     }
 
     #[inline]

@@ -84,6 +84,11 @@ pub(crate) fn process_cpu_ns() -> i64 {
     read(libc::CLOCK_PROCESS_CPUTIME_ID)
 }
 
+/// CPU time of the calling thread in nanoseconds.
+pub(crate) fn thread_cpu_ns() -> i64 {
+    read(libc::CLOCK_THREAD_CPUTIME_ID)
+}
+
 /// Most memory that the process has had resident so far, KiB.
 pub(crate) fn peak_memory_kib() -> i64 {
     // SAFETY: all zeros are a value of this structure of integers.
@@ -95,7 +100,7 @@ pub(crate) fn peak_memory_kib() -> i64 {
 
 fn read(clock: libc::clockid_t) -> i64 {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: the pointer is valid; both clocks exist on Linux, so that the call cannot fail.
+    // SAFETY: the pointer is valid; these clocks exist on Linux, so that the call cannot fail.
     unsafe { libc::clock_gettime(clock, &mut time) };
     time.tv_sec * 1_000_000_000 + time.tv_nsec
 }

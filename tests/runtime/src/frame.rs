@@ -149,6 +149,7 @@ pub(crate) extern "system" fn begin(session: xr::Session, info: In<xr::FrameBegi
 /// `xrEndFrame`.
 pub(crate) extern "system" fn end(session: xr::Session, info: In<xr::FrameEndInfo>) -> xr::Result {
     let process_cpu_ns = clock::process_cpu_ns();
+    let thread_cpu_ns = clock::thread_cpu_ns();
     call("xrEndFrame", |runtime| {
         let info = runtime.read(&info)?;
         let ending = runtime.sessions.get(session)?;
@@ -161,7 +162,7 @@ pub(crate) extern "system" fn end(session: xr::Session, info: In<xr::FrameEndInf
         let begun = begun.ok_or_else(|| Fault::order(section::SUBMISSION, "no xrBeginFrame came before"))?;
         check_end_info(&info, begun)?;
         let layers = layers::read(runtime, session, &info.layers()?)?;
-        let frame = describe(runtime, session, begun, &layers, process_cpu_ns)?;
+        let frame = describe(runtime, session, begun, &layers, [process_cpu_ns, thread_cpu_ns])?;
         compositor::show(runtime, session, begun.display_time, &layers)?;
         runtime.recorder.line(&record::Line::Frame(frame));
         runtime.frames += 1;
@@ -202,7 +203,7 @@ fn describe(
     session: xr::Session,
     begun: Frame,
     layers: &[layers::Layer],
-    process_cpu_ns: i64,
+    [process_cpu_ns, thread_cpu_ns]: [i64; 2],
 ) -> Result<record::Frame, Fault> {
     let seconds = runtime.clock.scenario_seconds(begun.display_time);
     let gaze = script::gaze_at(&runtime.scenario.gaze, seconds).filter(|_| runtime.scenario.system.eye_gaze);
@@ -211,6 +212,7 @@ fn describe(
         session: session.into_raw(),
         display_time_ns: begun.display_time,
         process_cpu_ns,
+        thread_cpu_ns,
         held_cpu_ns: runtime.turns.as_ref().map_or(0, |turns| turns.held_cpu_ns()),
         peak_memory_kib: clock::peak_memory_kib(),
         should_render: begun.should_render,

@@ -127,6 +127,9 @@ pub struct Frame {
     pub display_time_ns: i64,
     /// CPU time of the whole process at `xrEndFrame`, in nanoseconds.
     pub process_cpu_ns: i64,
+    /// CPU time of the thread that called `xrEndFrame`, in nanoseconds.
+    #[serde(default)]
+    pub thread_cpu_ns: i64,
     /// What of it was spent while frames waited for their turn (`clock.turns`).
     #[serde(default)]
     pub held_cpu_ns: i64,

@@ -1,0 +1,154 @@
+//! `cargo dev bench overhead --driver NAME`: the CPU time that the layer adds to the application's thread on a real driver over a
+//! no-op kernel shim, where nothing is rendered, so that planning and recording are all there is to see.
+//!
+//! The headset is that of the design's budget: 2 x 2160 x 2160 pixels at 90 Hz. The head turns and moves all the time, and the eyes make
+//! three saccades a second.
+
+use super::Effort;
+use crate::HarnessError;
+use crate::record::median;
+use crate::run::{Application, Run};
+use crate::scenario::{Head, Scenario, ScenarioExt};
+use serde::Serialize;
+
+/// Width and height of an eye's picture, pixels.
+const SIDE: u32 = 2160;
+
+/// Frames before the first that counts: maps are made, passes recognised and rates coarsened by then.
+const RUN_UP: u64 = 120;
+
+/// Techniques, their configuration, and the budget of the design, milliseconds; none where the design has none.
+const CASES: [(&str, &str, Option<f64>); 7] = [
+    ("inert", "enabled = false\n", None),
+    ("armed", "preset = \"none\"\n[rates]\nmode = \"fixed\"\ngate = \"off\"\n", None),
+    ("rates", "preset = \"none\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n", Some(0.10)),
+    ("chroma", "preset = \"none\"\n[chroma]\nmode = \"default\"\n", Some(0.05)),
+    (
+        "audio-visual",
+        "preset = \"none\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n",
+        None,
+    ),
+    ("re-use", "preset = \"none\"\n[rates]\ngate = \"on\"\n[reuse]\nmode = \"on\"\n", None),
+    (
+        "everything",
+        "preset = \"none\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
+         [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n",
+        Some(0.30),
+    ),
+];
+
+/// One case: CPU time of the application's thread for a frame, beyond that without the layer.
+#[derive(Clone, Debug, Serialize)]
+pub struct Added {
+    /// `overhead`.
+    pub bench: &'static str,
+    /// The driver's device.
+    pub app: String,
+    /// What is on.
+    pub case: &'static str,
+    /// `added_cpu_per_frame`.
+    pub metric: &'static str,
+    /// Median over all frames of all turns, milliseconds.
+    pub value: f64,
+    /// `ms`.
+    pub unit: &'static str,
+    /// The 99th percentile, milliseconds.
+    pub p99: f64,
+    /// Median of a frame without the layer, milliseconds.
+    pub baseline: f64,
+    /// `(baseline + value) / baseline`.
+    pub ratio: f64,
+    /// The most that the design allows for `value`, milliseconds.
+    pub budget: Option<f64>,
+}
+
+/// What the layer adds to a frame, case by case, by turns; `prepare` chooses driver and library.
+///
+/// # Errors
+/// Those of the harness, and an application that does not come to its end.
+pub fn planning(
+    device: &str,
+    wanted: &[String],
+    effort: Effort,
+    prepare: impl Fn(Run) -> Run,
+) -> Result<Vec<Added>, HarnessError> {
+    let frames = RUN_UP + effort.frames;
+    let (size, count) = (SIDE.to_string(), frames.to_string());
+    let application =
+        Application::ours("parafovea-zoo", &["--style", "render-pass", "--size", &size, "--frames", &count])?;
+    let scenario = moving(frames);
+    let folder = tempfile::tempdir().map_err(HarnessError::file(&std::env::temp_dir()))?;
+    let gaze_file = folder.path().join("gaze.txt");
+    std::fs::write(&gaze_file, saccades(frames)).map_err(HarnessError::file(&gaze_file))?;
+    let gaze = format!("[gaze]\nsource = \"file\"\nfile = {gaze_file:?}\n");
+    let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|wanted| wanted == name);
+    let cases: Vec<_> = CASES.into_iter().filter(|(name, ..)| is_wanted(name)).collect();
+    let mut off = Vec::new();
+    let mut on = vec![Vec::new(); cases.len()];
+    for _ in 0..effort.turns {
+        off.extend(times(prepare(Run::new(&application, &scenario)), frames)?);
+        for ((_, config, _), on) in cases.iter().zip(&mut on) {
+            let run = prepare(Run::new(&application, &scenario));
+            on.extend(times(run.on(&format!("{config}{gaze}")), frames)?);
+        }
+    }
+    let baseline = median(off).unwrap_or(f64::NAN);
+    let added = |((case, _, budget), times): ((&'static str, &str, Option<f64>), Vec<f64>)| {
+        let value = median(times.clone()).unwrap_or(f64::NAN) - baseline;
+        Added {
+            bench: "overhead",
+            app: device.to_owned(),
+            case,
+            metric: "added_cpu_per_frame",
+            value,
+            unit: "ms",
+            p99: percentile_99(times) - baseline,
+            baseline,
+            ratio: (baseline + value) / baseline,
+            budget,
+        }
+    };
+    Ok(cases.into_iter().zip(on).map(added).collect())
+}
+
+fn times(run: Run, frames: u64) -> Result<Vec<f64>, HarnessError> {
+    Ok(run.finish()?.expect_frames(frames)?.record.thread_cpu_ms_of_frames(RUN_UP))
+}
+
+fn percentile_99(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let place = (values.len() * 99 / 100).min(values.len().saturating_sub(1));
+    values.get(place).copied().unwrap_or(f64::NAN)
+}
+
+/// A head that turns all the time, for so many frames.
+fn moving(frames: u64) -> Scenario {
+    let mut scenario = Scenario::new(frames).sized(SIDE, SIDE);
+    scenario.clock.refresh_hz = 90.0;
+    let seconds = frames as f64 / scenario.clock.refresh_hz;
+    let times =
+        |step_s: f64| (0..).map(move |i| f64::from(i) * step_s).take_while(move |t| *t < seconds + 1.0);
+    // Up to 40 degrees a second, as when someone looks around, on the spot: faster translation switches re-use off.
+    scenario.head = times(0.1)
+        .map(|t| Head {
+            t,
+            position: [0.002 * (1.7 * t as f32).sin(), 0.0, 0.002 * (2.3 * t as f32).cos()],
+            yaw_deg: 25.0 * (1.5 * t as f32).sin(),
+            pitch_deg: 8.0 * (1.1 * t as f32).cos(),
+            roll_deg: 0.0,
+        })
+        .collect();
+    scenario
+}
+
+/// A gaze file: fixations of 0.3 s, and saccades of 33 ms between them, in directions that the golden angle spreads. The eye tracker is
+/// not asked before half a minute in an application without input.
+fn saccades(frames: u64) -> String {
+    let count = frames.div_ceil(30) + 1;
+    let fixation = |number: u64| {
+        let (t, angle) = (number as f64 / 3.0, 2.4 * number as f32);
+        let (left, up) = (12.0 * angle.cos(), 8.0 * angle.sin());
+        format!("{t},{left},{up}\n{},{left},{up}\n", t + 0.3)
+    };
+    (0..count).map(fixation).collect()
+}
