@@ -15,6 +15,10 @@ const LAST: u64 = FRAMES - 1;
 /// How far the middle of what both eyes look at may be from the ray.
 const BETWEEN_EYES_DEG: f32 = 0.15;
 const NONE: &str = "preset = \"none\"\n";
+/// Nothing is done, and a live edit may change that: a device without work for the layer is inert until the next start.
+const ARMED: &str = "preset = \"none\"\n[rates]\nmode = \"fixed\"\ngate = \"off\"\n";
+const COLOURED: &str =
+    "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 
 fn scenario() -> Scenario {
     Scenario::new(FRAMES).sized(320, 288).gazing(14.0, -6.0).saving(&[LAST])
@@ -208,8 +212,7 @@ fn parafovea_status_shows_it_in_an_application_that_runs_and_takes_it_away() {
     const EVERY: u64 = 30;
     let saved: Vec<u64> = (1..200).map(|index| index * EVERY).collect();
     let scenario = Scenario::new(100_000).sized(96, 96).gazing(-10.0, 0.0).in_real_time().saving(&saved);
-    let coloured = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
-    for config in [NONE, coloured] {
+    for config in [ARMED, COLOURED] {
         let running = Run::new(&hello_xr(), &scenario).on(config).validated().start().unwrap();
         let newest = || saved.iter().rev().find(|frame| running.has_submitted(1, **frame)).copied();
         let wait_for = |frame| wait_until(&running, || newest() >= Some(frame));
@@ -254,7 +257,7 @@ fn parafovea_status_shows_it_in_an_application_that_runs_and_takes_it_away() {
             outcome.log
         );
         assert_eq!(max_difference(&before, &after, |_, _| true), 0, "it is gone again");
-        assert_eq!(outcome.log.contains("is virtual"), config == coloured, "{}", outcome.log);
+        assert_eq!(outcome.log.contains("is virtual"), config == COLOURED, "{}", outcome.log);
         let reference = Run::new(&hello_xr(), &Scenario::new(10).sized(96, 96)).validated().finish().unwrap();
         assert_valid(&outcome, &reference);
     }
@@ -263,7 +266,7 @@ fn parafovea_status_shows_it_in_an_application_that_runs_and_takes_it_away() {
 /// Who asks for what cannot be seen is told why.
 #[test]
 fn parafovea_status_says_why_a_view_is_not_drawn() {
-    let running = Run::new(&hello_xr(), &Scenario::new(100_000).sized(96, 96)).on(NONE).start().unwrap();
+    let running = Run::new(&hello_xr(), &Scenario::new(100_000).sized(96, 96)).on(COLOURED).start().unwrap();
     wait_until(&running, || running.log().contains("session active"));
     let ask = |arguments: &[&str]| {
         let mut command = Command::new(program("parafovea").unwrap());
@@ -290,10 +293,10 @@ fn wait_until(running: &Running, mut is_so: impl FnMut() -> bool) {
 fn an_edit_shows_it_in_images_of_the_runtime() {
     let saved: Vec<u64> = (1..100).map(|index| index * 30).collect();
     let scenario = Scenario::new(100_000).sized(96, 96).gazing(14.0, -6.0).in_real_time().saving(&saved);
-    let running = Run::new(&hello_xr(), &scenario).on(NONE).start().unwrap();
+    let running = Run::new(&hello_xr(), &scenario).on(ARMED).start().unwrap();
     let newest = || saved.iter().rev().find(|frame| running.has_submitted(1, **frame)).copied();
     wait_until(&running, || newest() >= Some(30));
-    std::fs::write(running.config_file(), with_view(NONE, "gaze")).unwrap();
+    std::fs::write(running.config_file(), with_view(ARMED, "gaze")).unwrap();
     // Half a second until it is seen, and as much for a machine that does much else.
     let with = newest().unwrap() + 90;
     wait_until(&running, || newest() >= Some(with));

@@ -14,12 +14,13 @@ fn read(path: &str) -> String {
     fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-const TEXTS: [&str; 10] = [
+const TEXTS: [&str; 11] = [
     "README.md",
     "CONTRIBUTING.md",
     "manifest/GUIDE.md",
     "manifest/HOW-IT-WORKS.md",
     "core/README.md",
+    "tests/baselines/drivers.md",
     "tests/baselines/figures.md",
     "tests/errors/README.md",
     "tests/report/README.md",

@@ -159,7 +159,7 @@ fn what_is_saved_is_measured_and_shown_anew_every_second() {
 fn what_ends_is_told_of_no_more() {
     let scenario = Scenario::new(30).sized(256, 256);
     let application = Application::hello_xr("Vulkan2").unwrap();
-    let running = Run::new(&application, &scenario).on("preset = \"none\"\n").start().unwrap();
+    let running = Run::new(&application, &scenario).on("[rates]\ngate = \"off\"\n").start().unwrap();
     let folder = running.runtime_folder().join("parafovea");
     let outcome = running.finish().unwrap().expect_frames(30).unwrap();
     assert!(outcome.log.contains("session active"), "{}", outcome.log);

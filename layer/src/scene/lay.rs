@@ -122,12 +122,14 @@ fn lay_layer(
         }
         last = key;
         let texels = &mut texels[begin..begin + width];
-        texels.fill(COARSEST);
-        limits.apply(image, row, columns, finest, texels);
-        uncover(places, image, row, texels);
-        for texel in texels {
-            *texel = rates.of_unary(*texel);
+        if !limits.apply_only(image, row, columns, rates, finest, texels) {
+            texels.fill(COARSEST);
+            limits.apply(image, row, columns, finest, texels);
+            for texel in texels.iter_mut() {
+                *texel = rates.of_unary(*texel);
+            }
         }
+        uncover(places, image, row, texels);
     }
 }
 
@@ -286,6 +288,31 @@ impl<'a> Limits<'a> {
         Some(RowKey { met, covers })
     }
 
+    /// As [`Self::apply`], in rates of the device, where there is one limit whose tiles are at least as large as texels: tiles become rates
+    /// before they are spread over texels. Returns whether that is so.
+    fn apply_only(
+        &self,
+        image: &RateImage,
+        row: u32,
+        spans: &[Span],
+        rates: &DeviceRates,
+        finest_of: &mut Vec<u8>,
+        texels: &mut [u8],
+    ) -> bool {
+        let [limit @ Limit { columns: Columns::Single, .. }] = &self.0[..] else { return false };
+        let rows = limit.rows(image, row);
+        if rows.is_empty() {
+            return false;
+        }
+        finest_row(limit.map, rows, finest_of);
+        finest_of.iter_mut().for_each(|tile| *tile = rates.of_unary(*tile));
+        let beside = rates.of_unary(COARSEST);
+        for (texel, span) in texels.iter_mut().zip(spans) {
+            *texel = if span.is_empty() { beside } else { finest_of[span.range().start] };
+        }
+        true
+    }
+
     /// Limits the texels of a row to the finest tile under each.
     fn apply(&self, image: &RateImage, row: u32, spans: &[Span], finest_of: &mut Vec<u8>, texels: &mut [u8]) {
         let width = image.tiles[0] as usize;
@@ -352,7 +379,7 @@ fn finest_row(map: &EyeMap, rows: Span, out: &mut Vec<u8>) {
     }
 }
 
-/// Makes those texels of a row 1x1 that have a pixel of the render area in no part, and those outside of it.
+/// Makes texels of a row 1x1 that have a pixel of the render area in no part or lie outside of it. 1x1 is [`FULL`], in unary and as a rate.
 fn uncover(places: &Places, image: &RateImage, row: u32, texels: &mut [u8]) {
     let inner = |place: &Place| [place.inner(0, image), place.inner(1, image)];
     let inner: SmallVec<[[Span; 2]; 8]> = places.iter().map(inner).collect();
