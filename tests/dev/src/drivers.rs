@@ -1,15 +1,13 @@
 //! Mesa's real drivers with no-op kernel shims, unpacked below the target folder by apt: nothing is installed, and no
 //! root's rights are needed.
 
+use crate::archive::archive;
 use crate::setup::{Voice, setup};
 use crate::steps::{Steps, profile_folder};
 use crate::tasks;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-
-/// Debian's archive.
-pub const DEBIAN: &str = "http://deb.debian.org/debian";
 
 /// Debian's keys, from the package debian-archive-keyring.
 const KEYS: &str = "/usr/share/keyrings/debian-archive-keyring.gpg";
@@ -136,7 +134,7 @@ impl Apt {
         // apt makes neither by itself in all its versions.
         make(&lists.join("partial"))?;
         make(&cache.join("archives/partial"))?;
-        write(&sources, &format!("deb [signed-by={KEYS}] {DEBIAN} {} main\n", set.suite))?;
+        write(&sources, &format!("deb [signed-by={KEYS}] {} {} main\n", archive()?, set.suite))?;
         write(&status, "")?;
         let folders = [
             ("Dir::Etc::sourcelist", &sources),

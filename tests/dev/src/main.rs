@@ -4,6 +4,7 @@
 //! needs more (the demo, the benches) is a program of the `parafovea-tests` package that a task builds and
 //! runs. Everything is written below the target folder.
 
+mod archive;
 mod compare;
 mod drivers;
 mod monado;

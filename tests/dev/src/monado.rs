@@ -1,7 +1,7 @@
 //! A second opinion on the mock runtime: applications on Monado, with a simulated headset and nothing to show pictures on, in a Debian trixie
 //! of their own, with newer loaders, drivers and validation than the tests have elsewhere. Takes root's rights.
 
-use crate::drivers::DEBIAN;
+use crate::archive::archive;
 use crate::setup::{Voice, setup};
 use crate::steps::{Steps, cargo, profile_folder};
 use crate::tasks;
@@ -141,7 +141,7 @@ fn prepared(steps: &mut Steps) -> Result<Option<PathBuf>, String> {
         let failed = |error| format!("{}: {error}", root.display());
         fs::create_dir_all(&root).map_err(failed)?;
         let mut command = Command::new("debootstrap");
-        command.args(["--variant=minbase", "trixie"]).arg(&root).arg(DEBIAN);
+        command.args(["--variant=minbase", "trixie"]).arg(&root).arg(archive()?);
         steps.run("debootstrap", &mut command)?;
         let mut install = inside(&root);
         install.args(["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "--quiet", "install", "--yes"]);
