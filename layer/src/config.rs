@@ -47,7 +47,7 @@ struct Watched {
     asked: AskedView,
     /// What was asked for at the last look.
     view: Option<DebugView>,
-    /// What was asked for in vain at the last look, as the device was not armed for it.
+    /// The last request that the device was not armed for.
     out_of_reach: Option<Arming>,
     looked: Instant,
 }

@@ -15,21 +15,21 @@ pub const QUIRKS_VARIABLE: &str = "PARAFOVEA_QUIRKS";
 pub struct Quirk {
     /// Its name, in kebab-case.
     pub name: &'static str,
-    /// What the driver does, and what the layer does about it: one line.
+    /// The driver's behaviour and the layer's answer, in one line.
     pub doc: &'static str,
     /// `VkDriverId` of the drivers that have it.
     pub driver: u32,
-    /// Words of which a device's name has one, such as `NAVI21`.
+    /// Words, one of them in the device's name, such as `NAVI21`.
     pub devices: &'static [&'static str],
     /// The first version of the driver without it (major, minor, patch); `None`: there is none yet.
     pub fixed_in: Option<[u32; 3]>,
-    /// What the layer does.
+    /// The layer's answer.
     pub effect: Effect,
     /// Where this is known from.
     pub source: &'static str,
 }
 
-/// What the layer does about a quirk.
+/// The layer's answer to a quirk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// Only passes that were recognised as the scene get a rate attachment.
@@ -75,7 +75,7 @@ pub struct Quirks {
 }
 
 impl Quirks {
-    /// Those of a driver, as `changes` adds and removes them: the value of [`QUIRKS_VARIABLE`], or empty.
+    /// The quirks of a driver, as `changes` adds and removes them: the value of [`QUIRKS_VARIABLE`], or empty.
     pub fn of(driver: &Driver<'_>, changes: &str) -> Self {
         let mut holds = QUIRKS.map(|quirk| quirk.is_of(driver));
         let mut unknown = Vec::new();
@@ -107,7 +107,7 @@ impl Quirks {
         self.rows.iter().filter_map(of).min()
     }
 
-    /// What is wrong with the variable; `None` where every word names a row.
+    /// The variable's mistake; `None` if every word names a row.
     pub fn complaint(&self) -> Option<String> {
         let allowed = || QUIRKS.map(|quirk| quirk.name).join(", ");
         let unknown = self.unknown.join(", ");

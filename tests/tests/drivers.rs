@@ -91,7 +91,7 @@ fn check_bench() -> Result<(), Failed> {
     Ok(())
 }
 
-/// The layer that stands in for shading rates says what the driver says. Versions of one release differ in fixes only.
+/// The emulating layer has the driver's limits. Versions of one release differ in fixes only.
 fn check_profile(profile: ShadingRateProfile, device: ShimDevice) -> Result<(), Failed> {
     let found = shading_rates(device)?;
     let kept = ShadingRateDevice { driver: found.driver.clone(), ..profile.device().clone() };
@@ -99,7 +99,7 @@ fn check_profile(profile: ShadingRateProfile, device: ShimDevice) -> Result<(), 
     Ok(())
 }
 
-/// What the layer did where it was to set rates.
+/// The layer's effect in cells with rates.
 fn engaged(row: &Row) -> Option<&'static str> {
     row.runs.iter().find(|run| run.mode == Mode::Rates.name())?.engaged
 }

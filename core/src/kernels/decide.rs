@@ -239,7 +239,7 @@ fn coarsen(params: &DecideParams, is_judged: bool, memory: &mut TileMemory) {
     }
 }
 
-/// Lowers what is permitted to tiles at these squared chords to the level of the last ring that each has reached; 0 before them all.
+/// Lowers the permitted levels of tiles at these squared chords to the level of the last ring that each has reached; 0 before all rings.
 fn limit_by_rings(permitted: &mut [u8], chords: &[f32], rings: &[f32; 4], levels: &[u32; 4]) {
     // So many at once that vectors hold them as numbers of 32 bits and of 8.
     const LANES: usize = 16;

@@ -26,7 +26,7 @@ impl Changes {
         let compared = tiles.len();
         // A part of a tile is half as wide.
         let visible = VisibleChange::new((view.plane.step.abs().min_element() / 2.0).atan().to_degrees());
-        // Nowhere is less seen than this, and of most tiles nothing is to be seen.
+        // The smallest change that is visible at any eccentricity: most tiles change less.
         let least_change = self.settings.least_change(&visible);
         let mut changed = 0;
         for (word, change) in tiles {

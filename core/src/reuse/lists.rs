@@ -167,7 +167,7 @@ impl Neighbours {
             .extend(of_three.zip(here).map(|(((left, own), right), here)| left | own | right | here << 1));
     }
 
-    /// What the tile of a column is, and how many from there on are the same.
+    /// The kind of a column's tile, and the length of the run of that kind from there on.
     fn run(&self, column: u32) -> (Kind, u32) {
         let kinds = &self.kinds[column as usize..];
         let first = kinds.first().copied().unwrap_or_default();

@@ -14,7 +14,7 @@ pub struct StaleTiles {
     tiles: [u32; 2],
     /// Whether each tile is stale, row by row, 32 in a word from its lowest bit on.
     words: Vec<u32>,
-    /// See [`Self::sum`]; empty where that was not called.
+    /// See [`Self::sum`]; empty before its call.
     sums: Vec<u16>,
 }
 

@@ -5,7 +5,7 @@ use ash::{Instance, vk};
 use parafovea_manifest::doctor::CreatedDevice;
 use std::ffi::CStr;
 
-/// What the Vulkan half answers with its link to the OpenXR half (layer/src/link.rs).
+/// The Vulkan half's answer with its link to the OpenXR half (layer/src/link.rs).
 const LINK_NAME: &CStr = c"vkGetParafoveaLink";
 
 /// Creates a device of each physical device and destroys it, and the instance at last.

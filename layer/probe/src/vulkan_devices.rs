@@ -42,7 +42,7 @@ pub(crate) fn instance(entry: &Entry) -> Result<(Instance, u32), String> {
         .application_name(c"parafovea-probe")
         .api_version(version.min(vk::API_VERSION_1_3));
     let info = vk::InstanceCreateInfo::default().application_info(&application);
-    // SAFETY: valid usage: neither layers nor extensions, and what is pointed to outlives the call.
+    // SAFETY: valid usage: neither layers nor extensions; all pointers outlive the call.
     let instance = unsafe { entry.create_instance(&info, None) };
     Ok((instance.map_err(|error| format!("vkCreateInstance: {error}"))?, version))
 }

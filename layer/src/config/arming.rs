@@ -1,4 +1,4 @@
-//! What the configuration can ask of a Vulkan device that is being created.
+//! The configuration's demands on a new Vulkan device.
 
 use super::{Config, Environment, RatesBackend, executable, wants_maps};
 use parafovea_manifest::config::Watch;
@@ -7,7 +7,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// What the Vulkan half must be able to do on a device. It is decided at vkCreateDevice: a device gets its extensions
+/// The Vulkan half's abilities on a device. They are decided at vkCreateDevice: a device gets its extensions
 /// there, and passes and pipelines are amended from then on or never.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
@@ -23,7 +23,7 @@ pub enum Arming {
 }
 
 impl Arming {
-    /// What a configuration asks for.
+    /// The demands of a configuration.
     pub fn of(config: &Config) -> Self {
         let has_pictures = config.chroma.mode != ChromaMode::Off
             || config.debug.view != DebugView::None
@@ -36,7 +36,7 @@ impl Arming {
         }
     }
 
-    /// What the configuration of this process asks for at this moment. A file with an error asks for the defaults; the
+    /// The demands of this process's configuration at this moment. A file with an error asks for the defaults; the
     /// OpenXR half logs the error.
     pub fn of_process(environment: &Environment) -> Self {
         let application = application().clone();

@@ -240,7 +240,7 @@ struct Limit<'a> {
     columns: Columns,
 }
 
-/// How columns of the rate image meet those of the plan.
+/// How columns of the rate image meet columns of the plan.
 #[derive(Clone, Copy)]
 enum Columns {
     /// One each, in turn: first and end column, first of the plan.
@@ -281,15 +281,15 @@ impl<'a> Limits<'a> {
         Self(limits)
     }
 
-    /// What decides a row; `None` where that is more than a key says.
+    /// The key of a row; `None` for a row that a part covers partly, as keys do not tell such rows apart.
     fn row_key(&self, places: &Places, image: &RateImage, row: u32) -> Option<RowKey> {
         let covers = places.iter().map(|place| place.covers_row(image, row)).collect::<Option<_>>()?;
         let met = self.0.iter().map(|limit| limit.rows(image, row)).collect();
         Some(RowKey { met, covers })
     }
 
-    /// As [`Self::apply`], in rates of the device, where there is one limit whose tiles are at least as large as texels: tiles become rates
-    /// before they are spread over texels. Returns whether that is so.
+    /// As [`Self::apply`], in rates of the device, for a single limit with tiles at least as large as texels: tiles become rates
+    /// before they are spread over texels. Returns false, and does nothing, for other limits.
     fn apply_only(
         &self,
         image: &RateImage,

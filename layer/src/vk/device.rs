@@ -175,7 +175,7 @@ struct Below<'a> {
 
 impl Below<'_> {
     /// Creates the device, with rate attachments where the configuration asks for rates and they are possible, or else
-    /// exactly as the application asks. Returns what it has of them.
+    /// exactly as the application asks. Returns the enabled parts of rate attachments.
     ///
     /// # Safety
     ///
@@ -225,7 +225,7 @@ impl Below<'_> {
     }
 }
 
-/// What the next layer says of a physical device.
+/// The properties of a physical device, from the next layer.
 ///
 /// # Safety
 ///

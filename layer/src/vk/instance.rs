@@ -146,7 +146,7 @@ unsafe fn create_below(
     }
 }
 
-/// What the configuration of this process asks of a device that is created now.
+/// The demands of this process's configuration on a new device.
 #[cfg(not(test))]
 pub fn arming() -> Arming {
     Arming::of_process(&Environment::of_process(Enablement::of_process() == Enablement::Elevated))

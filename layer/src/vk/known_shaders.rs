@@ -47,7 +47,7 @@ struct Facts {
 }
 
 impl Facts {
-    /// Adds or replaces those of a module, and says whether that is news. The oldest go where there are too many.
+    /// Adds or replaces a module's facts, and returns whether they are news. Beyond the limit the oldest go.
     fn insert(&mut self, identifier: Identifier, shaders: Arc<FragmentShaders>) -> bool {
         match self.by_identifier.insert(identifier.clone(), shaders.clone()) {
             Some(before) => before != shaders,
@@ -70,7 +70,7 @@ impl Facts {
 }
 
 impl KnownShaders {
-    /// Those of this process, with what the file in `$XDG_CACHE_HOME/parafovea` has.
+    /// The facts of this process, with the file's in `$XDG_CACHE_HOME/parafovea`.
     pub fn of_process() -> &'static Arc<Self> {
         static KNOWN: OnceLock<Arc<KnownShaders>> = OnceLock::new();
         KNOWN.get_or_init(|| {
@@ -80,18 +80,18 @@ impl KnownShaders {
         })
     }
 
-    /// What a file has, where it can be read; a damaged one has nothing.
+    /// The facts of a file; none of a damaged or unreadable one.
     fn at(file: Option<PathBuf>) -> Self {
         let facts = file.as_deref().and_then(file::read).unwrap_or_default();
         Self { file, state: Mutex::new(State { facts, is_to_be_written: false }) }
     }
 
-    /// What the shaders of a module do; `None` where no launch has seen it.
+    /// The facts of a module's shaders; `None` if no launch has seen it.
     pub fn get(&self, identifier: &[u8]) -> Option<Arc<FragmentShaders>> {
         self.state().facts.by_identifier.get(identifier).cloned()
     }
 
-    /// Keeps what the shaders of a module do. A thread writes it a little later.
+    /// Keeps the facts of a module's shaders. A thread writes them a little later.
     pub fn note(self: &Arc<Self>, identifier: &[u8], shaders: &Arc<FragmentShaders>) {
         if identifier.is_empty() || shaders.is_empty() {
             return;
@@ -113,7 +113,7 @@ impl KnownShaders {
         }
     }
 
-    /// Writes what is known, with what other processes have written since.
+    /// Writes the known facts, merged with those that other processes have written since.
     fn write(&self) {
         let Some(path) = &self.file else { return };
         let mut facts = file::read(path).unwrap_or_default();

@@ -6,7 +6,7 @@ use ash::vk;
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::quirks::{Driver, Effect, Quirks};
 
-/// Those of a device, as `PARAFOVEA_QUIRKS` adds and removes them.
+/// The quirks of a device, as `PARAFOVEA_QUIRKS` adds and removes them.
 pub fn of_device(properties: &vk::PhysicalDeviceProperties, driver_id: Option<vk::DriverId>) -> Quirks {
     let environment = Environment::of_process(Enablement::of_process() == Enablement::Elevated);
     let version = properties.driver_version;

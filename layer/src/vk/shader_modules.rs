@@ -31,12 +31,12 @@ impl ShaderModules {
         self.0.remove(module);
     }
 
-    /// What the shaders of a live module do; `None` where it is not understood.
+    /// The facts of a live module's shaders; `None` if its code is not understood.
     pub fn get(&self, module: vk::ShaderModule) -> Option<Arc<FragmentShaders>> {
         self.0.get(module)
     }
 
-    /// What the fragment shader of a stage does; nothing is known where its code is not at hand, and no launch has seen it.
+    /// The facts of a stage's fragment shader; unknown for code that neither this call nor an earlier launch has shown.
     ///
     /// # Safety
     ///
@@ -64,7 +64,7 @@ impl ShaderModules {
 /// A stage without code, by an identifier that an earlier launch got.
 type ByIdentifier<'a> = vk::PipelineShaderStageModuleIdentifierCreateInfoEXT<'a>;
 
-/// What the shaders of a module do; `None` where its code is not understood.
+/// The facts of a module's shaders; `None` if its code is not understood.
 ///
 /// # Safety
 ///

@@ -19,7 +19,7 @@ thread_local! {
     static ARMING: Cell<Arming> = const { Cell::new(Arming::Rates) };
 }
 
-/// What the configuration asks of devices that are created on this thread.
+/// The configuration's demands on devices of this thread.
 pub fn arming() -> Arming {
     ARMING.get()
 }

@@ -247,7 +247,7 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     state.begun.store(time.as_nanos(), Ordering::Relaxed);
     let was_located = state.is_located.swap(false, Ordering::Relaxed);
     state.planning().frame_begins(time.as_nanos());
-    // Where the views of the last frame were located, those of this one will be, and the gaze is newer then.
+    // An application that located the last frame's views will locate this frame's too, and the gaze is newer then.
     if !was_located {
         plan(session, active, time);
     }

@@ -128,7 +128,7 @@ fn quirks_of(device: &Device, changes: &str) -> Quirks {
     Quirks::of(&driver, changes)
 }
 
-/// What the layer does otherwise on a device with shading rates.
+/// The layer's special treatment of a device with shading rates.
 fn quirks(device: &Device, changes: &str) -> Vec<Finding> {
     if device.rates.is_empty() {
         return Vec::new();

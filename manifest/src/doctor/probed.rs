@@ -45,7 +45,7 @@ pub struct VulkanAnswer {
 /// A device of Vulkan.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Device {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// The driver and its version, as text; empty where it does not say.
     pub driver: String,
@@ -75,7 +75,7 @@ pub struct Device {
 /// A device that was created, and destroyed again, with the layer enabled.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CreatedDevice {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// Why it could not be created; `None` where it was.
     pub failure: Option<String>,

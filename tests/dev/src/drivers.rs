@@ -27,7 +27,7 @@ struct Set {
 const PACKAGES_FILE: &str = "packages";
 
 /// Unpacks the drivers of this Debian release, or of its backports where those are the first with the shims, to
-/// `target/drivers/release`; says so where that cannot be, which is no error: tasks go on with what there is.
+/// `target/drivers/release`. Elsewhere it prints the reason, which is no error: tasks go on without.
 pub fn unpack_release() {
     let text = fs::read_to_string("/etc/os-release").unwrap_or_default();
     let Some(suite) = suite_with_shims(&text) else {
@@ -42,7 +42,7 @@ pub fn unpack_release() {
 }
 
 /// Unpacks sid's drivers to `target/drivers/sid`, with its loaders, validation and C library: the newest Mesa, and drivers that releases
-/// leave out. Says so where that cannot be, which is no error.
+/// leave out. A failure is printed, and is no error.
 fn unpack_sid() {
     let packages = &[
         "libopenxr-loader1",
@@ -187,7 +187,7 @@ fn installed(plan: &str) -> Vec<String> {
     plan.lines().filter_map(name).collect()
 }
 
-/// What a command prints; an error with its complaints.
+/// The output of a command; an error with its complaints.
 fn output(command: &mut Command) -> Result<String, String> {
     let name = format!("{:?}", command.get_program());
     let output = command.stdin(Stdio::null()).output().map_err(|error| format!("{name}: {error}"))?;

@@ -113,7 +113,7 @@ fn check(request: &Request) -> Result<(), String> {
     if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
 }
 
-/// The matrix of `cargo dev drivers` on the GPU: what is wrong.
+/// The matrix of `cargo dev drivers` on the GPU: its faults.
 fn run_matrix(machine: Machine, json: bool) -> Result<Vec<String>, String> {
     let print = |row: &Row| row.runs.iter().filter(|_| json).for_each(|run| println!("{}", run.json()));
     let matrix = Matrix::new(vec![Target::Gpu(machine)], "", print).map_err(|error| error.to_string())?;

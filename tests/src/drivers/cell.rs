@@ -146,13 +146,13 @@ pub struct Engaged {
 pub struct Seen {
     /// How the program ended.
     pub end: End,
-    /// What the layer did.
+    /// The layer's effect.
     pub engaged: Engaged,
     /// The whole outcome.
     pub outcome: Outcome,
 }
 
-/// A line of the file that the layer writes of passes, as far as it is needed here.
+/// The parts of a line of the layer's passes file that the matrix needs.
 #[derive(Deserialize)]
 struct Noted {
     eyes: String,
@@ -172,7 +172,7 @@ impl Cell {
     /// Runs `program` so. `set_up` chooses the device. None where the validation layer is too old to know the program's calls.
     ///
     /// # Errors
-    /// Those of the harness, and a validation layer that was not there.
+    /// Errors of the harness, and a missing validation layer.
     pub fn run(self, program: Program, set_up: impl Fn(Run) -> Run) -> Result<Option<Seen>, HarnessError> {
         let folder = tempfile::tempdir().map_err(HarnessError::file(&std::env::temp_dir()))?;
         let passes = folder.path().join("passes.jsonl");
@@ -198,7 +198,7 @@ impl Cell {
     }
 }
 
-/// What a file of passes says; nothing where it is not there, because the layer was not.
+/// The summary of a passes file; none without the file, as without the layer.
 fn engaged(passes: &Path) -> Result<Engaged, HarnessError> {
     let text = std::fs::read_to_string(passes).unwrap_or_default();
     let mut engaged = Engaged::default();

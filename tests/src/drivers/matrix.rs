@@ -16,7 +16,7 @@ impl Matrix {
     /// when it is there.
     ///
     /// # Errors
-    /// Those of the harness only.
+    /// Errors of the harness only.
     pub fn new(targets: Vec<Target>, part: &str, done: impl Fn(&Row) + Sync) -> Result<Self, HarnessError> {
         let jobs: Vec<(usize, Program)> = Program::all()
             .into_iter()

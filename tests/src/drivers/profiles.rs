@@ -1,4 +1,4 @@
-//! What the drivers say of shading rates, for the layer that stands in for them.
+//! The drivers' limits of shading rates, for the emulating test layer.
 
 use super::ShimDevice;
 use crate::HarnessError;
@@ -17,10 +17,10 @@ pub const QUERIED: [(ShadingRateProfile, ShimDevice); 4] = [
     (ShadingRateProfile::Turnip750, ShimDevice::Turnip750),
 ];
 
-/// What a device says of shading rates.
+/// The limits of a device's shading rates.
 ///
 /// # Errors
-/// Those of the harness; [`HarnessError::Application`] where the device has none.
+/// Errors of the harness; [`HarnessError::Application`] for a device without rates.
 pub fn shading_rates(device: ShimDevice) -> Result<ShadingRateDevice, HarnessError> {
     let application = Application::ours("parafovea-zoo", &["--shading-rates"])?;
     let run = Run::new(&application, &Scenario::new(1)).driver(Driver::Shim(device));
@@ -29,7 +29,7 @@ pub fn shading_rates(device: ShimDevice) -> Result<ShadingRateDevice, HarnessErr
     found.ok_or_else(|| outcome.failed("no device with shading rates"))
 }
 
-/// Writes what a device says to the file of a profile among the sources.
+/// Writes a device's limits to a profile's file among the sources.
 ///
 /// # Errors
 /// As for [`shading_rates`], and [`HarnessError::File`].

@@ -31,7 +31,7 @@ const SIZE: u32 = 96;
 const LIMIT: Duration = Duration::from_secs(30);
 
 impl Program {
-    /// All of them: those of no style first.
+    /// All of them, programs before styles.
     pub fn all() -> Vec<Self> {
         let others =
             [Self::VulkanInfo, Self::Doctor, Self::HelloXr("Vulkan"), Self::HelloXr("Vulkan2"), Self::Scene];

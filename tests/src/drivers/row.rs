@@ -1,4 +1,4 @@
-//! A program on one device: all its runs, and what the layer changed for the worse.
+//! A program on one device: all its runs, and the layer's faults in them.
 
 use super::{Cell, End, Engaged, Mode, Program, Seen, Stack, Target};
 use crate::HarnessError;
@@ -94,10 +94,10 @@ pub fn cells(program: Program) -> Vec<Cell> {
     }
 }
 
-/// Runs a program in all `cells`, of which those without the layer come first in each stack.
+/// Runs a program in all `cells`; cells without the layer come first in each stack.
 ///
 /// # Errors
-/// Those of the harness only.
+/// Errors of the harness only.
 pub fn judge(target: &Target, program: Program, cells: &[Cell]) -> Result<Row, HarnessError> {
     let mut row = Row { device: target.name().to_owned(), program: program.name(), ..Row::default() };
     if let Some(refusal) = target.refusal(program) {
@@ -118,7 +118,7 @@ pub fn judge(target: &Target, program: Program, cells: &[Cell]) -> Result<Row, H
                 row.refusal = Some(format!("no device with {reason}"));
                 return Ok(row);
             }
-            // Its exit code says what the doctor found out.
+            // Its exit code is the doctor's verdict.
             let is_failure = seen.end != End::Whole && !matches!(program, Program::Doctor);
             if is_failure {
                 row.left_out.push(format!("{}, {} without the layer", cell.stack.name(), seen.end));
@@ -157,7 +157,7 @@ fn engaged(mode: Mode, engaged: Engaged) -> Option<&'static str> {
 fn is_worse(program: Program, mode: Mode, seen: &Seen, without: Option<&End>) -> bool {
     let is_violent = matches!(seen.end, End::Signal(_) | End::Hung);
     let is_other = match program {
-        // Its exit code says what it found out.
+        // Its exit code is its verdict.
         Program::Doctor => false,
         _ => seen.end != End::Whole && without.is_none_or(|without| *without != seen.end),
     };

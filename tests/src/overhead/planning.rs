@@ -1,5 +1,5 @@
 //! `cargo dev bench overhead --driver NAME`: the CPU time that the layer adds to the application's thread on a real driver over a
-//! no-op kernel shim, where nothing is rendered, so that planning and recording are all there is to see.
+//! no-op kernel shim, which renders nothing: only planning and recording are left.
 //!
 //! The headset is that of the design's budget: 2 x 2160 x 2160 pixels at 90 Hz. The head turns and moves all the time, and the eyes make
 //! three saccades a second.
@@ -44,7 +44,7 @@ pub struct Added {
     pub bench: &'static str,
     /// The driver's device.
     pub app: String,
-    /// What is on.
+    /// The techniques that are on.
     pub case: &'static str,
     /// `added_cpu_per_frame`.
     pub metric: &'static str,
@@ -62,10 +62,10 @@ pub struct Added {
     pub budget: Option<f64>,
 }
 
-/// What the layer adds to a frame, case by case, by turns; `prepare` chooses driver and library.
+/// The layer's added time of a frame, case by case, by turns; `prepare` chooses driver and library.
 ///
 /// # Errors
-/// Those of the harness, and an application that does not come to its end.
+/// Errors of the harness, and an application that does not come to its end.
 pub fn planning(
     device: &str,
     wanted: &[String],

@@ -62,7 +62,7 @@ pub fn devices() -> Result<Vec<Device>> {
     with_gpu(Gpu::devices)
 }
 
-/// What the devices with VK_KHR_fragment_shading_rate say of it.
+/// The limits of devices with VK_KHR_fragment_shading_rate.
 ///
 /// # Errors
 /// As for [`devices`].

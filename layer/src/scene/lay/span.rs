@@ -59,7 +59,7 @@ pub(super) fn met(
         return Span { first: 0, end: 1 };
     }
     let (from, to) = if flipped { (end - to, end - from) } else { (from - first, to - first) };
-    // Sides are below 2^31, so that all products fit: those of Vulkan's images, and of parts within 64 render areas.
+    // Vulkan's images, and parts within 64 render areas, have sides below 2^31: all products fit.
     let whole = (end - first).saturating_mul(tile);
     let begin = from.saturating_mul(extent) / whole;
     let past = to.saturating_mul(extent).saturating_add(whole - 1) / whole;

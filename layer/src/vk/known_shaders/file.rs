@@ -9,13 +9,13 @@ use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
 use std::path::Path;
 use std::sync::Arc;
 
-/// What the first line begins with. The number changes with the format and with what is read from shaders.
+/// Beginning of the first line. The number changes with the format and with the facts read from shaders.
 const HEADER: &str = "parafovea shaders 1 ";
 
 /// A larger file is none of ours.
 const MAX_BYTES: u64 = 8 << 20;
 
-/// The facts of a file; `None` where there is none, or it is damaged or of another version.
+/// The facts of a file; `None` for a missing, damaged or differently versioned one.
 pub(super) fn read(path: &Path) -> Option<Facts> {
     let flags = libc::O_NOFOLLOW | libc::O_NONBLOCK;
     let file = OpenOptions::new().read(true).custom_flags(flags).open(path).ok()?;

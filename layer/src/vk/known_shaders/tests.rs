@@ -27,7 +27,7 @@ fn a_second_launch_knows_what_the_first_has_seen() {
     assert_eq!(second.get(b"one"), Some(shaders(false)));
     assert_eq!(second.get(b"two"), Some(shaders(true)));
     assert_eq!((second.get(b"three"), second.get(b"")), (None, None));
-    // Two processes at once: neither takes from the other what it has seen.
+    // Two processes at once: neither loses the other's facts.
     let other = launch(&file);
     other.note(b"three", &shaders(true));
     other.write();

@@ -23,7 +23,7 @@ impl Masks {
         self.modules.forget(module);
     }
 
-    /// What the fragment shaders of modules do.
+    /// Facts of modules' fragment shaders.
     pub fn shader_modules(&self) -> &ShaderModules {
         &self.modules
     }

@@ -295,7 +295,7 @@ impl Rates {
         }
     }
 
-    /// Calls `begin` with the dynamic rendering as it is to begin, and returns the rate image that it reads, or would read
+    /// Calls `begin` with the amended dynamic rendering, and returns the rate image that it reads, or would read
     /// once its target is recognised. `target` is the first colour target; passes without one that is known are left alone.
     ///
     /// # Safety

@@ -1,5 +1,5 @@
-//! Identifiers of shader modules: what is known of a module's code is kept by its identifier, so that pipelines that are
-//! made by it alone in a later launch are as those of this one.
+//! Identifiers of shader modules: facts of a module's code are kept by its identifier, so that pipelines
+//! made by identifier alone in a later launch get the same treatment.
 
 use crate::abi::guard;
 use crate::vk::device::{self, Device};
@@ -13,7 +13,7 @@ fn modules(device: &Device) -> Option<&ShaderModules> {
     device.rates().map(|rates| &rates.modules).or_else(|| Some(device.masks()?.shader_modules()))
 }
 
-/// Keeps what is known of a module by its identifier.
+/// Keeps the facts of a module by its identifier.
 fn note(identifier: &vk::ShaderModuleIdentifierEXT<'_>, shaders: Option<Arc<FragmentShaders>>) {
     let bytes = identifier.identifier.get(..identifier.identifier_size as usize);
     if let (Some(bytes), Some(shaders)) = (bytes, shaders) {

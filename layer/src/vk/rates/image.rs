@@ -261,8 +261,8 @@ impl RateImages {
         })
     }
 
-    /// The image that goes with every framebuffer that the device can have, made the first time; `None` where that fails. A
-    /// render pass may get a rate attachment only where there is one: its framebuffers cannot do without.
+    /// The image that fits every framebuffer of the device, made at the first call; `None` if that fails. A
+    /// render pass gets a rate attachment only with this image at hand, as its framebuffers need one.
     pub fn stand_in(&self) -> Option<&Arc<RateImage>> {
         let texels = [0, 1].map(|axis| self.maker.largest[axis].div_ceil(self.maker.texel[axis]).max(1));
         self.stand_in.get_or_init(|| self.of(RateImageKey::shared(texels, 1))).as_ref()

@@ -22,13 +22,13 @@ impl Rates {
         self.pipelines.get(pipeline)
     }
 
-    /// `vkCreateGraphicsPipelines`: with what it takes to obey rate attachments. Where that fails, the call is repeated as
-    /// the application made it, for all of its pipelines: that keeps what the specification says of early returns and of
+    /// `vkCreateGraphicsPipelines`, amended for rate attachments. If that fails, the call is repeated as
+    /// the application made it, for all of its pipelines: that keeps the specification's rules on early returns and
     /// pipelines derived from others in the same call.
     ///
     /// # Safety
     ///
-    /// The arguments of the call; the functions are those of the device's next layer.
+    /// The arguments of the call; functions of the device's next layer.
     #[allow(clippy::too_many_arguments, reason = "those of the call")]
     pub unsafe fn create_pipelines(
         &self,
@@ -82,7 +82,7 @@ impl Rates {
     }
 }
 
-/// Whether a creation may have failed because of what was added to it, so that it is worth repeating without. Positive
+/// Whether a creation may have failed because of our additions, so that it is worth repeating without them. Positive
 /// codes are no failures: `PIPELINE_COMPILE_REQUIRED` is the answer to a question of the application's.
 pub(super) fn may_be_ours(result: vk::Result) -> bool {
     result.as_raw() < 0 && result != vk::Result::ERROR_DEVICE_LOST

@@ -19,12 +19,12 @@ use std::ffi::CStr;
 const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
 
 impl Rates {
-    /// `vkCreateShadersEXT`, with the flag that the shaders may be used with a rate attachment. Where that fails, the call
+    /// `vkCreateShadersEXT`, with the flag that the shaders may be used with a rate attachment. If that fails, the call
     /// is repeated as the application made it.
     ///
     /// # Safety
     ///
-    /// The arguments of the call; the functions are those of the device's next layer.
+    /// The arguments of the call; functions of the device's next layer.
     unsafe fn create_shaders(
         &self,
         device: vk::Device,

@@ -1,4 +1,4 @@
-//! Pipelines, shaders and modules: what a driver refuses with rate attachments, and what is kept of code.
+//! Pipelines, shaders and modules: refusals of a driver with rate attachments, and kept facts of code.
 
 use super::fake::{pipelines, rates};
 use super::*;

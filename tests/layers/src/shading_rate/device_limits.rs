@@ -3,7 +3,7 @@
 use ash::vk;
 use serde::{Deserialize, Serialize};
 
-/// What a device says of `VK_KHR_fragment_shading_rate`.
+/// A device's features, properties and rates of `VK_KHR_fragment_shading_rate`.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct ShadingRateDevice {
     /// Its name.

@@ -11,7 +11,7 @@ impl Gpu {
     /// What each device of the instance with VK_KHR_fragment_shading_rate says of it.
     ///
     /// # Errors
-    /// Those of the queries.
+    /// Errors of the queries.
     pub fn shading_rates(&self) -> Result<Vec<ShadingRateDevice>> {
         // SAFETY: the instance is live.
         let devices = unsafe { self.instance.enumerate_physical_devices() }?;

@@ -14,7 +14,7 @@ pub fn answer(amended: vk::Result, plain: vk::Result) {
     ANSWERS.set([amended, plain]);
 }
 
-/// What was created and destroyed on this thread since the last time.
+/// Creations and destructions on this thread since the last call.
 pub fn seen() -> Vec<String> {
     SEEN.take()
 }
