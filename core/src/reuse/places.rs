@@ -122,7 +122,7 @@ impl Row {
         sum(&self.upper[0], &self.lower[0], &mut self.shown);
     }
 
-    /// Widens the rectangles to those of other places of the same tiles.
+    /// Widens the rectangles to include other places of the same tiles.
     fn enclose(&mut self, other: &Self) {
         for axis in 0..2 {
             for (low, other) in self.low[axis].iter_mut().zip(&other.low[axis]) {

@@ -83,7 +83,7 @@ static NEWEST: AtomicU8 = AtomicU8::new(NO_DEVICE);
 
 const NO_DEVICE: u8 = u8::MAX;
 
-/// Keeps for what the newest device of this process was armed.
+/// Keeps the arming of this process's newest device.
 pub fn device_armed(arming: Arming) {
     NEWEST.store(arming as u8, Ordering::Relaxed);
 }

@@ -113,7 +113,7 @@ impl KnownShaders {
         }
     }
 
-    /// Writes the known facts, merged with those that other processes have written since.
+    /// Writes the known facts, merged with newer facts of other processes.
     fn write(&self) {
         let Some(path) = &self.file else { return };
         let mut facts = file::read(path).unwrap_or_default();

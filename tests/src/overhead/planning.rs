@@ -17,9 +17,12 @@ const SIDE: u32 = 2160;
 /// Frames before the first that counts: maps are made, passes recognised and rates coarsened by then.
 const RUN_UP: u64 = 120;
 
+/// The case without work for the layer.
+const INERT: &str = "inert";
+
 /// Techniques, their configuration, and the budget of the design, milliseconds; none where the design has none.
 const CASES: [(&str, &str, Option<f64>); 7] = [
-    ("inert", "enabled = false\n", None),
+    (INERT, "enabled = false\n", None),
     ("armed", "preset = \"none\"\n[rates]\nmode = \"fixed\"\ngate = \"off\"\n", None),
     ("rates", "preset = \"none\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n", Some(0.10)),
     ("chroma", "preset = \"none\"\n[chroma]\nmode = \"default\"\n", Some(0.05)),
@@ -86,10 +89,10 @@ pub fn planning(
     let mut off = Vec::new();
     let mut on = vec![Vec::new(); cases.len()];
     for _ in 0..effort.turns {
-        off.extend(times(prepare(Run::new(&application, &scenario)), frames)?);
-        for ((_, config, _), on) in cases.iter().zip(&mut on) {
+        off.extend(times(prepare(Run::new(&application, &scenario)), frames, false)?);
+        for ((case, config, _), on) in cases.iter().zip(&mut on) {
             let run = prepare(Run::new(&application, &scenario));
-            on.extend(times(run.on(&format!("{config}{gaze}")), frames)?);
+            on.extend(times(run.on(&format!("{config}{gaze}")), frames, *case != INERT)?);
         }
     }
     let baseline = median(off).unwrap_or(f64::NAN);
@@ -111,8 +114,13 @@ pub fn planning(
     Ok(cases.into_iter().zip(on).map(added).collect())
 }
 
-fn times(run: Run, frames: u64) -> Result<Vec<f64>, HarnessError> {
-    Ok(run.finish()?.expect_frames(frames)?.record.thread_cpu_ms_of_frames(RUN_UP))
+/// Times of frames after the run-up; an error where the layer is not active and `is_active` wants it to be.
+fn times(run: Run, frames: u64, is_active: bool) -> Result<Vec<f64>, HarnessError> {
+    let outcome = run.finish()?.expect_frames(frames)?;
+    if is_active && !outcome.log.contains("session active") {
+        return Err(outcome.failed("the layer is not active, so its time cannot be measured"));
+    }
+    Ok(outcome.record.thread_cpu_ms_of_frames(RUN_UP))
 }
 
 fn percentile_99(mut values: Vec<f64>) -> f64 {
