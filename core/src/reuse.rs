@@ -4,10 +4,12 @@
 //! was rendered ([`Reuse`]), so that nothing is ever sampled from what was itself re-used. [`TileLists`] sorts tiles by where
 //! they are taken from.
 
+mod bits;
 mod compared;
 mod history;
 mod lists;
 mod places;
+mod reach;
 mod rects;
 mod stale_tiles;
 

@@ -6,7 +6,6 @@ use super::lattice::{LatticeShape, TileLattice};
 use super::renewal::Renewal;
 use super::rules::{FrameRules, Permit};
 use super::settings::PlanSettings;
-use super::statistics::Statistics;
 use crate::chroma::Trail;
 use crate::geometry::{Fov, rotation};
 use crate::image::Plane;
@@ -70,7 +69,6 @@ impl EyeMemory {
         self.is_full = true;
         self.renewal.renew_all();
         decide(&params, &mut self.lattice, self.renewal.due(), None, &mut self.tiles, out);
-        out.statistics = Statistics::new(&self.lattice, &out.rates, &out.ages);
     }
 }
 

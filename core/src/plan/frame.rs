@@ -62,8 +62,6 @@ pub struct EyePlan {
     pub decision: DecideParams,
     /// What they are to be decided by where the GPU knows contrast; nothing where contrast does not count in this frame.
     pub judged: Option<DecideParams>,
-    /// Sums over the tiles.
-    pub statistics: Statistics,
 }
 
 impl Default for EyePlan {
@@ -81,7 +79,6 @@ impl Default for EyePlan {
             rings: Rings::FULL,
             decision: bytemuck::Zeroable::zeroed(),
             judged: None,
-            statistics: Statistics::default(),
         }
     }
 }
@@ -96,6 +93,11 @@ impl EyePlan {
     /// Whether the tile in column `x`, row `y` is rendered in this frame; true outside of the plan.
     pub fn is_due(&self, x: u32, y: u32) -> bool {
         x >= self.ages.width() || y >= self.ages.height() || self.ages.at(x, y) == 0
+    }
+
+    /// Sums over the tiles.
+    pub fn statistics(&self) -> Statistics {
+        Statistics::new(self)
     }
 
     /// Appends the map of the tiles to `out`, row by row: a byte for each, its rate, with [`STALE`] where it is not rendered.

@@ -10,7 +10,6 @@ use super::reasons::{Reason, Reasons};
 use super::rules::{AgeLimits, FrameRules, Permit};
 use super::sensitivity::Sensitivity;
 use super::settings::{PlanSettings, RateSettings, Turns};
-use super::statistics::Statistics;
 use crate::chroma::Focus;
 use crate::gaze::GazePhase;
 use crate::geometry::{View, rotation, unit_direction};
@@ -183,7 +182,6 @@ impl Planner {
         out.decision = params;
         let contrast = contrast.filter(|_| permit.budget.is_some());
         decide(&params, &mut memory.lattice, memory.renewal.due(), contrast, &mut memory.tiles, out);
-        out.statistics = Statistics::new(&memory.lattice, &out.rates, &out.ages);
     }
 
     /// Chroma of one eye. Colour follows the gaze in the world, so that the limit on its change holds for what is there.

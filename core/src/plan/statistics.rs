@@ -1,7 +1,7 @@
 //! Sums over the tiles of a plan.
 
-use super::lattice::TileLattice;
-use crate::image::Plane;
+use super::frame::EyePlan;
+use super::lattice::MAX_SIDE;
 use crate::rate::ShadingRate;
 
 /// What a plan costs, against shading every pixel of every frame.
@@ -24,10 +24,18 @@ impl Default for Statistics {
 }
 
 impl Statistics {
-    /// Sums up `rates` and `ages`, which have a texel for each tile of `lattice`. A tile that the border of the view
-    /// cuts counts with the pixels that are in it.
-    pub(super) fn new(lattice: &TileLattice, rates: &Plane<u8>, ages: &Plane<u8>) -> Self {
-        let [columns, rows] = lattice.tiles();
+    /// Sums up the tiles of a plan. A tile that the border of the view cuts counts with the pixels that are in it.
+    pub(super) fn new(plan: &EyePlan) -> Self {
+        let EyePlan { rates, ages, .. } = plan;
+        let [columns, rows] = [rates.width(), rates.height()];
+        // Pixels of the view that a column (axis 0) or row (1) of tiles covers.
+        let covered = |axis: usize, index: u32| {
+            let texel = plan.texel[axis];
+            let line = |index: u32| {
+                (index * texel).saturating_sub(plan.offset[axis] % texel).min(plan.extent[axis].min(MAX_SIDE))
+            };
+            line(index + 1) - line(index)
+        };
         if columns == 0 || rows == 0 {
             return Self::default();
         }
@@ -38,7 +46,7 @@ impl Statistics {
         for row in 0..rows {
             let (rates, ages) = (rates.row(row), ages.row(row));
             for part in parts.clone().into_iter().filter(|part| !part.is_empty()) {
-                let area = u64::from(lattice.covered(0, part.start as u32) * lattice.covered(1, row));
+                let area = u64::from(covered(0, part.start as u32) * covered(1, row));
                 let sums = Sums::of(&rates[part.clone()], &ages[part.clone()]);
                 pixels += area * part.len() as u64;
                 due += sums.due;

@@ -83,7 +83,7 @@ fn off_is_full_rate() {
     let mut planner = Planner::new(PlanSettings::default());
     for eye in &settled(&mut planner, input()).eyes {
         assert!(is_full(eye));
-        assert_eq!((eye.statistics.mean_rate, eye.statistics.pixel_share), (1.0, 1.0));
+        assert_eq!((eye.statistics().mean_rate, eye.statistics().pixel_share), (1.0, 1.0));
         assert_eq!(eye.focus, None);
     }
 }
@@ -98,7 +98,7 @@ fn first_frame_is_full_and_coarsens_within_the_limit() {
             // 8 octaves a second: 4x4 after half a second, the corner is far outside of all rings.
             let octaves = plan.eyes[0].rate(0, 0).octaves();
             assert!(octaves <= 8.0 * 0.01 * frame as f32 + 1e-4, "frame {frame}: {octaves} octaves");
-            plan.eyes[0].statistics.pixel_share
+            plan.eyes[0].statistics().pixel_share
         })
         .collect();
     assert!(share.is_sorted_by(|a, b| a >= b), "{share:?}");
@@ -129,10 +129,10 @@ fn statistics_are_sums_over_pixels() {
     }
     due += eye.ages.texels().iter().filter(|age| **age == 0).count();
     let pixels = 601.0 * 333.0;
-    assert!((f64::from(eye.statistics.mean_rate) - rate / pixels).abs() < 1e-6);
-    assert!((f64::from(eye.statistics.pixel_share) - share / pixels).abs() < 1e-6);
-    assert_eq!(eye.statistics.tiles_due as usize, due);
-    assert!(eye.statistics.pixel_share < eye.statistics.mean_rate, "something is re-used");
+    assert!((f64::from(eye.statistics().mean_rate) - rate / pixels).abs() < 1e-6);
+    assert!((f64::from(eye.statistics().pixel_share) - share / pixels).abs() < 1e-6);
+    assert_eq!(eye.statistics().tiles_due as usize, due);
+    assert!(eye.statistics().pixel_share < eye.statistics().mean_rate, "something is re-used");
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn schedule_leaves_out_its_share_in_every_frame() {
     settled(&mut planner, input());
     for frame in 101..107 {
         let plan = planner.plan(&PlanInput { frame, time_ns: frame as i64 * FRAME_NS, ..input() });
-        let Statistics { tiles, tiles_due, .. } = plan.eyes[0].statistics;
+        let Statistics { tiles, tiles_due, .. } = plan.eyes[0].statistics();
         // About 7 % of the tiles within 10 degrees, 0.23 to 19, the rest beyond; and half a patch more at its edges.
         let share = tiles_due as f32 / tiles as f32;
         assert!((0.40..0.60).contains(&share), "{share} in frame {frame}");
@@ -162,7 +162,9 @@ fn a_view_whose_orientation_trembles_keeps_its_tiles() {
         planners[1].plan(&trembling);
     }
     let [still, trembling] = planners.map(|mut planner| {
-        planner.plan(&PlanInput { frame: 60, time_ns: 60 * FRAME_NS, ..input() }).eyes[0].statistics.mean_rate
+        planner.plan(&PlanInput { frame: 60, time_ns: 60 * FRAME_NS, ..input() }).eyes[0]
+            .statistics()
+            .mean_rate
     });
     assert!((still - trembling).abs() < 1e-3 && still < 0.5, "{still} and {trembling}");
 }
@@ -210,7 +212,7 @@ fn contrast_and_sound_lead_to_coarser_rates_down_to_the_cap() {
         input.eyes.iter_mut().for_each(|eye| eye.contrast = map);
         settled(&mut planner, input).clone()
     };
-    let mean = |plan: &FramePlan| plan.eyes[0].statistics.mean_rate;
+    let mean = |plan: &FramePlan| plan.eyes[0].statistics().mean_rate;
     let judged = RateSettings::AudioVisual(model);
     let cap = share(RateSettings::Fixed(model.cap.expect("a cap")), None, None);
     let of_plain = share(judged, Some(&plain), Some(loud()));
@@ -257,7 +259,7 @@ fn presets_shade_less_from_quality_to_performance() {
     let settings = |preset, by_sound| PlanSettings::of(preset, by_sound, &VULKAN_RATES, [16, 16]);
     let shares = [Preset::Quality, Preset::Balanced, Preset::Performance].map(|preset| {
         let mut planner = Planner::new(settings(preset, false));
-        settled(&mut planner, input()).eyes[0].statistics.pixel_share
+        settled(&mut planner, input()).eyes[0].statistics().pixel_share
     });
     assert!(shares.is_sorted_by(|a, b| a > b), "{shares:?}");
     let paper = settings(Preset::Paper, true);

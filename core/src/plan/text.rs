@@ -18,7 +18,7 @@ impl fmt::Display for FramePlan {
         }
         writeln!(f, "{LEGEND}")?;
         for (name, eye) in ["left", "right"].into_iter().zip(&self.eyes) {
-            let ([width, height], sums) = (eye.extent, &eye.statistics);
+            let ([width, height], sums) = (eye.extent, eye.statistics());
             writeln!(
                 f,
                 "{name:<8} {width} x {height}, {} of {} tiles due, mean rate {:.3}, invocations per pixel {:.3}",

@@ -1,7 +1,7 @@
 //! Which tiles of a picture are compared with earlier pictures, to see whether what they show has changed.
 
-use super::places::{Has, TilePlaces};
-use super::{MAX_AGES, Reuse};
+use super::places::{Found, TilePlaces};
+use super::{MAX_AGES, Reuse, bits};
 
 /// Tiles that were rendered, by the earlier picture that they are compared with. Memory is only asked for beyond the longest
 /// lists so far.
@@ -9,6 +9,9 @@ use super::{MAX_AGES, Reuse};
 pub struct ComparedTiles {
     by_age: [Vec<u32>; MAX_AGES],
     places: TilePlaces,
+    /// Tiles of a row that have no earlier picture yet.
+    left: Vec<u64>,
+    found: Found,
 }
 
 impl ComparedTiles {
@@ -17,24 +20,22 @@ impl ComparedTiles {
     /// So what is rendered in each frame because it changes is judged as what is not.
     pub fn update(&mut self, reuse: &Reuse, oldest: usize, is_wanted: impl Fn([u32; 2]) -> bool) {
         self.clear();
-        self.places.begin(reuse);
-        let now = reuse.now();
-        let [columns, rows] = now.stale.tiles();
+        self.places.begin(reuse, 0.0);
+        let stale = reuse.now().stale;
         let ages = reuse.ages().min(oldest);
-        for row in 0..rows {
-            for column in 0..columns {
-                let tile = [column, row];
-                if now.stale.is_stale(tile) || !is_wanted(tile) {
-                    continue;
+        for row in 0..stale.tiles()[1] {
+            self.left.clear();
+            self.left.extend_from_slice(stale.fresh_row(row as i32));
+            for index in (0..ages).rev() {
+                let Some(earlier) = reuse.at_age(index + 1) else { continue };
+                if self.left.iter().all(|left| *left == 0) {
+                    break;
                 }
-                let is_all = |age: &usize| {
-                    let earlier = reuse.at_age(*age);
-                    earlier.is_some_and(|earlier| {
-                        self.places.tile_in(reuse, *age - 1, earlier, tile) == Has::All
-                    })
-                };
-                if let Some(age) = (1..=ages).rev().find(is_all) {
-                    self.by_age[age - 1].push(column | row << 16);
+                self.places.find(reuse, (index, earlier), row, &self.left, &mut self.found);
+                let wanted = bits::columns(&self.found.all).filter(|column| is_wanted([*column, row]));
+                self.by_age[index].extend(wanted.map(|column| column | row << 16));
+                for (left, all) in self.left.iter_mut().zip(&self.found.all) {
+                    *left &= !all;
                 }
             }
         }

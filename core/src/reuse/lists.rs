@@ -1,8 +1,9 @@
 //! Tiles, sorted by what drawing them takes.
 
-use super::places::{Has, TilePlaces};
+use super::history::Earlier;
+use super::places::{Found, TilePlaces};
 use super::rects::{Edge, TileRects};
-use super::{MAX_AGES, Reuse};
+use super::{MAX_AGES, Reuse, bits};
 
 /// The tiles of a picture in lists. Memory is only asked for beyond the longest lists so far.
 #[derive(Clone, Debug, Default)]
@@ -19,39 +20,62 @@ pub struct TileLists {
     /// Edges of fresh tiles beside stale ones that are blended with the picture of that age, by place in [`Edge::ALL`].
     pub border: [[TileRects; Edge::ALL.len()]; MAX_AGES],
     places: TilePlaces,
-    neighbours: Neighbours,
+    row: Row,
     /// Ages whose lists have been filled since [`Self::clear`].
     ages: usize,
+}
+
+/// Sets of tiles of a row, as bits.
+#[derive(Clone, Debug, Default)]
+struct Row {
+    stale: Vec<u64>,
+    above: Vec<u64>,
+    below: Vec<u64>,
+    /// Fresh tiles of which an edge is a border that has no earlier picture yet, by place in [`Edge::ALL`].
+    borders: [Vec<u64>; Edge::ALL.len()],
+    /// Which of these have any tile, a bit each.
+    open_borders: u32,
+    /// Stale tiles that no picture so far has all of.
+    left: Vec<u64>,
+    /// What each earlier picture has of those.
+    found: [Found; MAX_AGES],
+    /// Tiles of which an earlier picture has an edge.
+    found_edges: Vec<u64>,
+    /// Tiles for [`TileLists::fresh`].
+    fresh: Vec<u64>,
+    /// Tiles of which parts are taken.
+    parts: Vec<u64>,
+    /// Tiles for the list that is being filled.
+    listed: Vec<u64>,
 }
 
 impl TileLists {
     /// Sorts the tiles of the newest picture. Those beside stale ones are blended up to `border` pixels away from them.
     ///
     /// A stale tile is taken from the newest picture that has all of it: of a part that a newer one has only where it would
-    /// else be older than `oldest`, since one picture for all of a tile is much cheaper.
+    /// else be older than `oldest`, since one picture for all of a tile is much cheaper. Nothing is blended with pictures that are older.
     pub fn update(&mut self, reuse: &Reuse, border: f32, oldest: usize) {
         self.clear();
-        self.places.begin(reuse);
-        let [columns, rows] = reuse.now().stale.tiles();
-        for row in 0..rows {
-            self.neighbours.set_row(reuse, row);
-            let mut column = 0;
-            while column < columns {
-                let (kind, count) = self.neighbours.run(column);
-                match kind {
-                    Kind::Fresh => self.fresh.push_run([column, row], count),
-                    Kind::BesideStale => {
-                        self.fresh.push_run([column, row], count);
-                        if border > 0.0 {
-                            (column..column + count)
-                                .for_each(|column| self.add_borders(reuse, [column, row], border));
-                        }
-                    }
-                    Kind::Stale => (column..column + count)
-                        .for_each(|column| self.add_stale(reuse, [column, row], oldest)),
+        self.places.begin(reuse, border);
+        for row in 0..reuse.now().stale.tiles()[1] {
+            self.row.begin(reuse, row, border > 0.0);
+            let mut looked_into = 0;
+            for (index, earlier) in reuse.earlier().enumerate() {
+                if index < oldest && self.row.open_borders != 0 {
+                    self.add_borders(reuse, (index, earlier), row);
                 }
-                column += count;
+                if self.row.left.iter().any(|tiles| *tiles != 0) {
+                    looked_into = index + 1;
+                    let Row { left, found, .. } = &mut self.row;
+                    self.places.find(reuse, (index, earlier), row, left, &mut found[index]);
+                    self.add_whole(row, index, reuse.has_moved_since(index + 1), index >= oldest);
+                } else if self.row.open_borders == 0 {
+                    break;
+                }
             }
+            self.row.add_rest();
+            push_all(&mut self.fresh, &self.row.fresh, row, None);
+            self.add_parts(reuse, row, looked_into);
             self.each(TileRects::end_row);
         }
     }
@@ -75,124 +99,134 @@ impl TileLists {
         std::iter::once(&self.fresh).chain(of_ages).map(|list| list.words().len()).sum()
     }
 
-    fn add_stale(&mut self, reuse: &Reuse, tile: [u32; 2], oldest: usize) {
-        let mut has = [Has::Nothing; MAX_AGES];
-        let mut all = None;
-        for (index, earlier) in reuse.earlier().enumerate() {
-            has[index] = self.places.tile_in(reuse, index, earlier, tile);
-            if has[index] == Has::All {
-                all = Some(index);
-                break;
-            }
+    /// Adds the stale tiles that the picture at place `index` is the first to have all of; parts of them are taken where it `is_old`.
+    fn add_whole(&mut self, row: u32, index: usize, has_moved: bool, is_old: bool) {
+        let Row { left, found, fresh, parts, listed, .. } = &mut self.row;
+        listed.clear();
+        for (word, left) in left.iter_mut().enumerate() {
+            let whole = *left & found[index].all[word];
+            *left &= !whole;
+            listed.push(if has_moved { 0 } else { whole });
+            fresh[word] |= if has_moved { whole } else { 0 };
+            parts[word] |= if has_moved || is_old { whole } else { 0 };
         }
-        match all.filter(|index| !reuse.has_moved_since(index + 1)) {
-            Some(index) => {
+        if listed.iter().any(|tiles| *tiles != 0) {
+            self.ages = self.ages.max(index + 1);
+            push_all(&mut self.whole[index], listed, row, None);
+        }
+    }
+
+    /// Adds the edges of fresh tiles that are borders, as [`Reuse::is_border`] says, and that the picture at place `index` is the first
+    /// to have.
+    fn add_borders(&mut self, reuse: &Reuse, picture: (usize, &Earlier), row: u32) {
+        let Row { borders, open_borders, found_edges, .. } = &mut self.row;
+        let (index, _) = picture;
+        for (kind, edge) in Edge::ALL.into_iter().enumerate() {
+            if *open_borders >> kind & 1 == 0 {
+                continue;
+            }
+            let open = &mut borders[kind];
+            self.places.find_edges(reuse, picture, edge, row, open, found_edges);
+            let mut is_open = false;
+            let mut is_found = false;
+            for (open, found) in open.iter_mut().zip(&*found_edges) {
+                *open &= !found;
+                is_open |= *open != 0;
+                is_found |= *found != 0;
+            }
+            *open_borders &= !(u32::from(!is_open) << kind);
+            if is_found {
                 self.ages = self.ages.max(index + 1);
-                self.whole[index].push(tile, None);
+                push_all(&mut self.border[index][kind], found_edges, row, Some(edge));
             }
-            None => self.fresh.push(tile, None),
         }
-        let takes_parts = all.is_none_or(|index| index >= oldest || reuse.has_moved_since(index + 1));
-        if !takes_parts {
-            return;
-        }
-        for (index, has) in has.into_iter().enumerate() {
-            if has == Has::Part || (has == Has::All && reuse.has_moved_since(index + 1)) {
+    }
+
+    /// Adds tiles of which parts are taken to the list of each picture that has any, up to the first one that has all.
+    fn add_parts(&mut self, reuse: &Reuse, row: u32, looked_into: usize) {
+        let Row { parts, found, listed, .. } = &mut self.row;
+        for (index, Found { all, any }) in found[..looked_into].iter().enumerate() {
+            if parts.iter().all(|tiles| *tiles == 0) {
+                return;
+            }
+            let has_moved = reuse.has_moved_since(index + 1);
+            listed.clear();
+            for ((parts, all), any) in parts.iter_mut().zip(all).zip(any) {
+                listed.push(*parts & any & if has_moved { u64::MAX } else { !all });
+                *parts &= !all;
+            }
+            if listed.iter().any(|tiles| *tiles != 0) {
                 self.ages = self.ages.max(index + 1);
-                self.mixed[index].push(tile, None);
-            }
-        }
-    }
-
-    /// Adds the edges of a fresh tile that are borders, as [`Reuse::is_border`] says.
-    fn add_borders(&mut self, reuse: &Reuse, tile: [u32; 2], border: f32) {
-        let edges = self.neighbours.edges(tile[0]);
-        let mut has_tile = [None; MAX_AGES];
-        for (kind, edge) in Edge::ALL.into_iter().enumerate().filter(|(kind, _)| edges >> kind & 1 == 1) {
-            for (index, earlier) in reuse.earlier().enumerate() {
-                let has =
-                    *has_tile[index].get_or_insert_with(|| self.places.tile_in(reuse, index, earlier, tile));
-                let has_edge = || earlier.has_rect(&reuse.edge(tile, edge, border)) == Has::All;
-                // A picture that has all of the tile has all of its edge, and one that has nothing of it nothing.
-                if has == Has::All || (has == Has::Part && has_edge()) {
-                    self.ages = self.ages.max(index + 1);
-                    self.border[index][kind].push(tile, Some(edge));
-                    break;
-                }
+                push_all(&mut self.mixed[index], listed, row, None);
             }
         }
     }
 }
 
-/// A tile, by itself and the eight around it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Fresh,
-    BesideStale,
-    Stale,
+fn push_all(list: &mut TileRects, tiles: &[u64], row: u32, edge: Option<Edge>) {
+    bits::runs(tiles).for_each(|(column, count)| list.push([column, row], count, edge));
 }
 
-/// Which tiles of three rows are stale, a byte each, with one more on either side.
-#[derive(Clone, Debug, Default)]
-struct Neighbours {
-    rows: [Vec<u8>; 3],
-    /// Whether any tile of a column is stale in one of the three rows.
-    columns: Vec<u8>,
-    /// Of each tile of the middle row: bit 0, whether it or a neighbour is stale; bit 1, whether it is.
-    kinds: Vec<u8>,
-}
-
-impl Neighbours {
-    /// Goes on to a row of the newest picture; rows are taken in their order, from the first on.
-    fn set_row(&mut self, reuse: &Reuse, row: u32) {
-        let stale = reuse.now().stale;
-        if row == 0 {
-            let [above, here, below] = &mut self.rows;
-            above.clear();
-            above.resize(stale.tiles()[0] as usize + 2, 0);
-            stale.unpack_row(0, here);
-            stale.unpack_row(1, below);
-        } else {
-            self.rows.rotate_left(1);
-            stale.unpack_row(row + 1, &mut self.rows[2]);
-        }
-        let [above, here, below] = &self.rows;
-        self.columns.clear();
-        self.columns
-            .extend(above.iter().zip(here).zip(below).map(|((above, here), below)| above | here | below));
-        let (columns, here) = (&self.columns[..], &here[1..]);
-        let of_three = columns.iter().zip(&columns[1..]).zip(&columns[2..]);
-        self.kinds.clear();
-        self.kinds
-            .extend(of_three.zip(here).map(|(((left, own), right), here)| left | own | right | here << 1));
-    }
-
-    /// The kind of a column's tile, and the length of the run of that kind from there on.
-    fn run(&self, column: u32) -> (Kind, u32) {
-        let kinds = &self.kinds[column as usize..];
-        let first = kinds.first().copied().unwrap_or_default();
-        let count = kinds.iter().take_while(|kind| **kind == first).count() as u32;
-        let kind = match first {
-            0 => Kind::Fresh,
-            1 => Kind::BesideStale,
-            _ => Kind::Stale,
+impl Row {
+    /// Goes on to a row of the newest picture; nothing was looked for yet.
+    fn begin(&mut self, reuse: &Reuse, row: u32, has_borders: bool) {
+        let tiles = reuse.now().stale;
+        let [columns, _] = tiles.tiles();
+        let set = |into: &mut Vec<u64>, row: i32| {
+            into.clear();
+            let fresh = tiles.fresh_row(row);
+            into.extend(
+                fresh.iter().enumerate().map(|(word, fresh)| !fresh & bits::range(word, [0, columns])),
+            );
+            into.resize(bits::words(columns), 0);
         };
-        (kind, count.max(1))
+        let row = row as i32;
+        set(&mut self.stale, row);
+        set(&mut self.above, row - 1);
+        set(&mut self.below, row + 1);
+        self.left.clone_from(&self.stale);
+        self.fresh.clear();
+        self.fresh.extend_from_slice(tiles.fresh_row(row));
+        for bits in std::iter::once(&mut self.parts).chain(&mut self.borders) {
+            bits.clear();
+            bits.resize(self.stale.len(), 0);
+        }
+        self.open_borders = 0;
+        if has_borders {
+            self.set_borders();
+        }
     }
 
-    /// The edges and corners of a fresh tile that are borders, a bit for each of [`Edge::ALL`].
-    fn edges(&self, column: u32) -> u8 {
-        let place = column as usize;
-        let [above, here, below] = self.rows.each_ref().map(|row| &row[place..place + 3]);
-        let (up, down, left, right) = (above[1], below[1], here[0], here[2]);
-        let corner = |corner: u8, beside: u8, along: u8| corner & !(beside | along);
-        let corners = [
-            corner(above[0], up, left),
-            corner(above[2], up, right),
-            corner(below[0], down, left),
-            corner(below[2], down, right),
-        ];
-        let sides = [up, down, left, right].into_iter().chain(corners);
-        (0..).zip(sides).fold(0, |edges, (kind, is_border)| edges | is_border << kind)
+    fn set_borders(&mut self) {
+        for word in 0..self.stale.len() {
+            let column = (word * bits::WORD) as i32;
+            let [above, here, below] = [&self.above, &self.stale, &self.below]
+                .map(|row| [-1, 0, 1].map(|across| bits::read(row, column + across)));
+            let fresh = self.fresh[word];
+            let (up, down, left, right) = (above[1], below[1], here[0], here[2]);
+            let corner = |corner: u64, beside: u64, along: u64| corner & !(beside | along);
+            let edges = [
+                up,
+                down,
+                left,
+                right,
+                corner(above[0], up, left),
+                corner(above[2], up, right),
+                corner(below[0], down, left),
+                corner(below[2], down, right),
+            ];
+            for (kind, (borders, edge)) in self.borders.iter_mut().zip(edges).enumerate() {
+                borders[word] = edge & fresh;
+                self.open_borders |= u32::from(edge & fresh != 0) << kind;
+            }
+        }
+    }
+
+    /// Shows stale tiles that no picture has all of as they are, under the parts that there are.
+    fn add_rest(&mut self) {
+        for ((left, fresh), parts) in self.left.iter().zip(&mut self.fresh).zip(&mut self.parts) {
+            *fresh |= left;
+            *parts |= left;
+        }
     }
 }

@@ -1,17 +1,20 @@
-//! Where the tiles of a picture lie in earlier pictures, and how much of a tile those have.
+//! Where the tiles of a picture lie in earlier pictures, and how much of each those have.
 //!
-//! Earlier pictures are measured in their own tiles, row by row of the newest picture: all tiles of a row are worked out together.
+//! From one tile to the next that hardly changes: tiles are placed in blocks, by the corners of a block and a bound for the inside of it. Blocks
+//! side by side that reach equally far from their own place are one stretch, and a stretch of a row is answered with bits of the earlier
+//! picture's rows. A block gives each of its tiles a little more than the tile takes, so a picture that has all of a tile may count as having
+//! a part of it, and never the other way round.
 
 use super::history::Earlier;
-use super::{MAX_AGES, Reuse};
+use super::reach::{Frame, Placed, ROUNDING, Reach};
+use super::rects::Edge;
+use super::{MAX_AGES, Reuse, bits};
 use crate::geometry::PixelRect;
-use glam::{Mat3, Vec2};
+use glam::{Mat3, Vec2, Vec3};
+use std::array;
 
-/// Pixels around a tile that its re-used pixels may be interpolated from, with room for rounding.
-const MARGIN: f32 = 1.0;
-
-/// A rectangle that ends where a tile begins does not reach into it, pixels.
-const END: f32 = 0.5;
+/// Columns and rows of a block: with more, tiles of a turning head are given more than they take, with fewer, there are more blocks.
+const BLOCK: u32 = 4;
 
 /// How much of a tile a picture has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,158 +24,315 @@ pub(super) enum Has {
     All,
 }
 
-/// The places of one row of the newest picture's tiles in each earlier picture, worked out for an age when it is first asked for. Memory is
-/// only asked for beyond the longest row so far.
+/// Which tiles of a row a picture has, as bits.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Found {
+    /// All of them.
+    pub(super) all: Vec<u64>,
+    /// Any of them, or, at times, nothing.
+    pub(super) any: Vec<u64>,
+}
+
+/// The places of the newest picture's tiles in each earlier picture, worked out for a row of blocks when that is first asked for. Memory is
+/// only asked for beyond the largest picture so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TilePlaces {
     ages: [AgePlaces; MAX_AGES],
-    /// x of the corners in a row of the newest picture, pixels.
-    corners: Vec<f32>,
+    /// x of the edges between blocks, tiles.
+    edges: Vec<f32>,
+    /// Width of edges of tiles, pixels.
+    border: f32,
 }
 
 /// The places in one earlier picture.
 #[derive(Clone, Debug, Default)]
 struct AgePlaces {
-    /// The row that is worked out.
-    row: Option<u32>,
-    far: Row,
+    /// Row of blocks after row of blocks.
+    stretches: Vec<Stretch>,
+    /// The end of each row of blocks that is worked out in `stretches`.
+    ends: Vec<usize>,
+    /// Of each block of these rows: how it lies; `None` where its tiles are looked at one by one.
+    blocks: Vec<Option<Placed>>,
+    far: Bounds,
     /// Of content as near as can be, where the head has moved.
-    near: Row,
-    places: Places,
+    near: Bounds,
+}
+
+/// Tiles of a row, from the end of the stretch before.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    end: u32,
+    /// `None` where each tile has its own.
+    reach: Option<Reach>,
 }
 
 impl TilePlaces {
-    /// Begins with another newest picture.
-    pub(super) fn begin(&mut self, reuse: &Reuse) {
-        for age in &mut self.ages {
-            age.row = None;
-            age.far.row = None;
-            age.near.row = None;
-        }
+    /// Begins with another newest picture, whose tiles have edges of `border` pixels, or half of a tile where that is less.
+    pub(super) fn begin(&mut self, reuse: &Reuse, border: f32) {
         let now = reuse.now();
-        let (size, extent) = (1.0 / now.tiles_per_pixel().x, now.size().x);
-        self.corners.clear();
-        self.corners.extend((0..=now.stale.tiles()[0]).map(|column| least(column as f32 * size, extent)));
+        let across = now.stale.tiles_across().x;
+        self.border = border;
+        self.edges.clear();
+        let blocks = now.stale.tiles()[0].div_ceil(BLOCK);
+        self.edges.extend((0..=blocks).map(|block| least((block * BLOCK) as f32, across)));
+        for (age, earlier) in self.ages.iter_mut().zip(reuse.earlier()) {
+            age.begin(reuse, earlier);
+        }
     }
 
-    /// How much the earlier picture at place `index`, the newest first, has of a tile.
-    #[inline]
-    pub(super) fn tile_in(
+    /// Which of the `wanted` tiles of a row the earlier picture at place `index`, the newest first, has.
+    pub(super) fn find(
         &mut self,
         reuse: &Reuse,
-        index: usize,
-        earlier: &Earlier,
-        [column, row]: [u32; 2],
-    ) -> Has {
-        let age = &mut self.ages[index];
-        if age.row != Some(row) {
-            age.set_row(reuse, earlier, &self.corners, row);
+        (index, earlier): (usize, &Earlier),
+        row: u32,
+        wanted: &[u64],
+        found: &mut Found,
+    ) {
+        let Found { all, any } = found;
+        for bits in [&mut *all, &mut *any] {
+            bits.clear();
+            bits.resize(wanted.len(), 0);
         }
-        age.places.at(column as usize).has(earlier)
+        let stale = earlier.picture.stale;
+        let mut begin = 0;
+        for stretch in self.ages[index].row(reuse, earlier, &self.edges, row) {
+            let ends = [begin, stretch.end];
+            begin = stretch.end;
+            for word in ends[0] as usize / bits::WORD..bits::words(ends[1]) {
+                let of_word = wanted[word] & bits::range(word, ends);
+                if of_word == 0 {
+                    continue;
+                }
+                let column = (word * bits::WORD) as u32;
+                match stretch.reach {
+                    Some(reach) => {
+                        let at = [column as i32, row as i32];
+                        let (is_all, is_any) = reach.fresh(at, |row| stale.fresh_row(row));
+                        all[word] |= is_all & of_word;
+                        any[word] |= is_any & of_word;
+                    }
+                    None => {
+                        for bit in bits::columns(&[of_word]) {
+                            let has = earlier.has_rect(&reuse.tiles([column + bit, row], [1, 1]));
+                            all[word] |= u64::from(has == Has::All) << bit;
+                            any[word] |= u64::from(has != Has::Nothing) << bit;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Of which of the `wanted` tiles of a row the earlier picture at place `index` has all of an edge.
+    pub(super) fn find_edges(
+        &mut self,
+        reuse: &Reuse,
+        (index, earlier): (usize, &Earlier),
+        edge: Edge,
+        row: u32,
+        wanted: &[u64],
+        found: &mut Vec<u64>,
+    ) {
+        found.clear();
+        found.resize(wanted.len(), 0);
+        let age = &mut self.ages[index];
+        age.row(reuse, earlier, &self.edges, row);
+        let blocks = &age.blocks[(row / BLOCK) as usize * (self.edges.len() - 1)..];
+        let (frame, stale) = (Frame::of(earlier), earlier.picture.stale);
+        let strip = (reuse.now().tiles_per_pixel() * self.border).min(Vec2::splat(0.5));
+        for column in bits::columns(wanted) {
+            let has_edge = match blocks.get((column / BLOCK) as usize).copied().flatten() {
+                Some(placed) => {
+                    let reach = placed.edge_reach(&frame, edge, strip);
+                    reach.is_fresh([column as i32, row as i32], |row| stale.fresh_row(row))
+                }
+                None => earlier.has_rect(&reuse.edge([column, row], edge, self.border)) == Has::All,
+            };
+            found[column as usize / bits::WORD] |= u64::from(has_edge) << (column as usize % bits::WORD);
+        }
     }
 }
 
 impl AgePlaces {
-    #[cold]
-    fn set_row(&mut self, reuse: &Reuse, earlier: &Earlier, corners: &[f32], row: u32) {
-        self.row = Some(row);
-        self.far.set(reuse, &earlier.matrix, earlier.tiles_per_pixel, corners, row);
-        if let Some(matrix) = earlier.near_matrix() {
-            self.near.set(reuse, &matrix, earlier.tiles_per_pixel, corners, row);
-            self.far.enclose(&self.near);
+    fn begin(&mut self, reuse: &Reuse, earlier: &Earlier) {
+        self.stretches.clear();
+        self.ends.clear();
+        self.blocks.clear();
+        // A picture without tiles counts as one tile, which no block has a share in.
+        let has_tiles = earlier.picture.stale.tiles() != [0; 2];
+        self.far.begin(has_tiles.then_some(earlier.matrix), reuse, earlier);
+        self.near.begin(earlier.near_matrix().filter(|_| has_tiles), reuse, earlier);
+    }
+
+    /// The stretches of a row of tiles.
+    fn row(&mut self, reuse: &Reuse, earlier: &Earlier, edges: &[f32], row: u32) -> &[Stretch] {
+        let block = (row / BLOCK) as usize;
+        while self.ends.len() <= block {
+            self.add_row(reuse, earlier, edges);
         }
-        self.places.set(&self.far, &Frame::of(earlier));
+        let begin = block.checked_sub(1).map_or(0, |above| self.ends[above]);
+        &self.stretches[begin..self.ends[block]]
+    }
+
+    /// Works out the next row of blocks.
+    #[cold]
+    fn add_row(&mut self, reuse: &Reuse, earlier: &Earlier, edges: &[f32]) {
+        let now = reuse.now();
+        let [columns, _] = now.stale.tiles();
+        let block = self.ends.len() as u32;
+        let lines = [block, block + 1].map(|line| least((line * BLOCK) as f32, now.stale.tiles_across().y));
+        if self.far.set(edges, lines) {
+            if self.near.map.is_some() {
+                self.near.set(edges, lines);
+                self.far.enclose(&self.near);
+            }
+            let frame = Frame::of(earlier);
+            let Bounds { low: [low_x, low_y], high: [high_x, high_y], .. } = &self.far;
+            let places = low_x.iter().zip(low_y).zip(high_x.iter().zip(high_y));
+            let mut last = None;
+            for (index, (edges, ((low_x, low_y), (high_x, high_y)))) in
+                edges.windows(2).zip(places).enumerate()
+            {
+                let placed = Placed { low: Vec2::new(*low_x, *low_y), high: Vec2::new(*high_x, *high_y) };
+                let reach = placed.reach(&frame, [[edges[0], lines[0]], [edges[1], lines[1]]]);
+                let end = ((index as u32 + 1) * BLOCK).min(columns);
+                self.blocks.push(reach.map(|_| placed));
+                match self.stretches.last_mut().filter(|_| last == Some(reach)) {
+                    Some(stretch) => stretch.end = end,
+                    None => self.stretches.push(Stretch { end, reach }),
+                }
+                last = Some(reach);
+            }
+        } else {
+            self.stretches.push(Stretch { end: columns, reach: None });
+            self.blocks.resize(self.blocks.len() + edges.len() - 1, None);
+        }
+        self.ends.push(self.stretches.len());
     }
 }
 
-/// A row of tiles in an earlier picture, in its tiles. NaN for corners that it does not show.
+/// How far each block of a row lies from its own place in an earlier picture, tiles of that.
 #[derive(Clone, Debug, Default)]
-struct Row {
-    row: Option<u32>,
+struct Bounds {
+    map: Option<Map>,
+    /// The least, x and y; NaN for blocks that the picture does not show all of.
+    low: [Vec<f32>; 2],
+    /// The greatest, x and y.
+    high: [Vec<f32>; 2],
     /// x and y of the corners along the upper and the lower edge.
     upper: [Vec<f32>; 2],
     lower: [Vec<f32>; 2],
-    /// The smallest upright rectangle around each tile, x and y.
-    low: [Vec<f32>; 2],
-    high: [Vec<f32>; 2],
-    /// NaN for tiles that the picture does not show all of.
-    shown: Vec<f32>,
+    /// y of the lower edge, tiles of the newest picture.
+    line: Option<f32>,
 }
 
-impl Row {
-    fn set(&mut self, reuse: &Reuse, matrix: &Mat3, tiles_per_pixel: Vec2, corners: &[f32], row: u32) {
-        let now = reuse.now();
-        let (size, extent) = (1.0 / now.tiles_per_pixel().y, now.size().y);
-        let line = |row: u32| least(row as f32 * size, extent);
-        let matrix = Mat3::from_diagonal(tiles_per_pixel.extend(1.0)) * *matrix;
+/// From tiles of the newest picture to those of an earlier one.
+#[derive(Clone, Copy, Debug)]
+struct Map {
+    matrix: Mat3,
+    /// How far the inside of a block may lie beyond the range of its corners, x and y, tiles.
+    bend: Vec2,
+}
+
+impl Bounds {
+    fn begin(&mut self, matrix: Option<Mat3>, reuse: &Reuse, earlier: &Earlier) {
+        self.line = None;
+        self.map = matrix.map(|matrix| {
+            let size = 1.0 / reuse.now().tiles_per_pixel();
+            let matrix = Mat3::from_diagonal(earlier.tiles_per_pixel.extend(1.0))
+                * matrix
+                * Mat3::from_diagonal(size.extend(1.0));
+            Map { matrix, bend: bend(&matrix, reuse.now().stale.tiles_across()) }
+        });
+    }
+
+    /// Goes on to the row of blocks between two lines; false where there is nothing to go by.
+    fn set(&mut self, edges: &[f32], [top, bottom]: [f32; 2]) -> bool {
+        let Some(Map { matrix, bend }) = &self.map else { return false };
         std::mem::swap(&mut self.upper, &mut self.lower);
-        if row == 0 || self.row != Some(row - 1) {
-            fill_line(&mut self.upper, &matrix, corners, line(row));
+        if self.line != Some(top) {
+            fill_line(&mut self.upper, matrix, edges, top);
         }
-        fill_line(&mut self.lower, &matrix, corners, line(row + 1));
-        self.row = Some(row);
-        let count = corners.len().saturating_sub(1);
+        fill_line(&mut self.lower, matrix, edges, bottom);
+        self.line = Some(bottom);
         for axis in 0..2 {
             let (low, high) = (&mut self.low[axis], &mut self.high[axis]);
-            low.resize(count, 0.0);
-            high.resize(count, 0.0);
-            bound(&self.upper[axis], &self.lower[axis], low, high);
+            low.resize(edges.len() - 1, 0.0);
+            high.resize(edges.len() - 1, 0.0);
+            bound(&self.upper[axis], &self.lower[axis], bend[axis], low, high);
         }
-        self.shown.resize(count, 0.0);
-        sum(&self.upper[0], &self.lower[0], &mut self.shown);
+        true
     }
 
-    /// Widens the rectangles to include other places of the same tiles.
+    /// Widens the ranges to include others of the same blocks.
     fn enclose(&mut self, other: &Self) {
         for axis in 0..2 {
-            for (low, other) in self.low[axis].iter_mut().zip(&other.low[axis]) {
-                *low = least(*low, *other);
+            let ranges = self.low[axis].iter_mut().zip(&mut self.high[axis]);
+            for ((low, high), (least_of, most_of)) in
+                ranges.zip(other.low[axis].iter().zip(&other.high[axis]))
+            {
+                // NaN in either stays.
+                *low = if *least_of >= *low { *low } else { *least_of };
+                *high = greatest(*high, *most_of);
             }
-            for (high, other) in self.high[axis].iter_mut().zip(&other.high[axis]) {
-                *high = greatest(*high, *other);
-            }
-        }
-        for (shown, other) in self.shown.iter_mut().zip(&other.shown) {
-            *shown += other;
         }
     }
 }
 
-/// Takes the corners of one line, at `y` pixels, to where a matrix leads.
-fn fill_line([xs, ys]: &mut [Vec<f32>; 2], matrix: &Mat3, corners: &[f32], y: f32) {
-    let start = matrix.y_axis * y + matrix.z_axis;
+/// Takes the corners of one line of blocks to where a matrix leads, from where they are: both in tiles. NaN for corners that are not shown.
+fn fill_line([xs, ys]: &mut [Vec<f32>; 2], matrix: &Mat3, edges: &[f32], line: f32) {
+    let start = matrix.y_axis * line + matrix.z_axis;
     let along = matrix.x_axis;
-    xs.resize(corners.len(), 0.0);
-    ys.resize(corners.len(), 0.0);
-    for ((corner, x), y) in corners.iter().zip(xs).zip(ys) {
-        let depth = along.z * corner + start.z;
+    xs.resize(edges.len(), 0.0);
+    ys.resize(edges.len(), 0.0);
+    for ((edge, x), y) in edges.iter().zip(xs).zip(ys) {
+        let depth = along.z * edge + start.z;
         let scale = if depth > 0.0 { 1.0 / depth } else { f32::NAN };
-        *x = (along.x * corner + start.x) * scale;
-        *y = (along.y * corner + start.y) * scale;
+        *x = (along.x * edge + start.x) * scale - edge;
+        *y = (along.y * edge + start.y) * scale - line;
     }
 }
 
-/// The least and the greatest of the four corners of each tile between two lines.
-fn bound(upper: &[f32], lower: &[f32], low: &mut [f32], high: &mut [f32]) {
-    let [a, b, c, d] = four(upper, lower, low.len());
-    let high = &mut high[..low.len()];
-    for i in 0..low.len() {
-        low[i] = least(least(a[i], b[i]), least(c[i], d[i]));
-        high[i] = greatest(greatest(a[i], b[i]), greatest(c[i], d[i]));
+/// The least and the greatest of the four corners of each block between two lines, with what its inside may lie beyond them. NaN stays in
+/// the least.
+fn bound(upper: &[f32], lower: &[f32], bend: f32, low: &mut [f32], high: &mut [f32]) {
+    let count = low.len();
+    let [a, b, c, d] = [&upper[..count], &upper[1..=count], &lower[..count], &lower[1..=count]];
+    let high = &mut high[..count];
+    for i in 0..count {
+        // 0 or NaN.
+        let nothing = ((a[i] + b[i]) + (c[i] + d[i])) * 0.0;
+        low[i] = least(least(a[i], b[i]), least(c[i], d[i])) - bend + nothing;
+        high[i] = greatest(greatest(a[i], b[i]), greatest(c[i], d[i])) + bend;
     }
 }
 
-/// The sum of the four corners of each tile: NaN stays NaN in it, and both coordinates of a corner are where one is.
-fn sum(upper: &[f32], lower: &[f32], sums: &mut [f32]) {
-    let [a, b, c, d] = four(upper, lower, sums.len());
-    for i in 0..sums.len() {
-        sums[i] = (a[i] + b[i]) + (c[i] + d[i]);
+/// The most by which the inside of a block may lie beyond the range of its corners: what a matrix does to points of a picture of that size
+/// differs from what is interpolated between four of them by at most an eighth of the square of their distance times the second
+/// derivative, on each axis. NaN or infinite where some point of the picture is not shown.
+fn bend(matrix: &Mat3, across: Vec2) -> Vec2 {
+    let rows = matrix.transpose();
+    let depth = |x: f32, y: f32| rows.z_axis.dot(Vec3::new(x, y, 1.0));
+    let corners = [depth(0.0, 0.0), depth(across.x, 0.0), depth(0.0, across.y), depth(across.x, across.y)];
+    let nearest = corners.into_iter().fold(f32::INFINITY, least);
+    if nearest <= 0.0 {
+        return Vec2::INFINITY;
     }
-}
-
-/// The values at the corners of `count` tiles between two lines: slices of one length, so that no bounds are checked.
-fn four<'a>(upper: &'a [f32], lower: &'a [f32], count: usize) -> [&'a [f32]; 4] {
-    [&upper[..count], &upper[1..=count], &lower[..count], &lower[1..=count]]
+    let side = BLOCK as f32;
+    let of = |row: Vec3| {
+        let steepest = |axis: usize| {
+            // The first derivative along an axis is this by the square of the depth, and linear along the other axis.
+            let other = 1 - axis;
+            let slope = |at: f32| {
+                let (point, depth) = (row[other] * at + row.z, rows.z_axis[other] * at + rows.z_axis.z);
+                row[axis] * depth - rows.z_axis[axis] * point
+            };
+            greatest(slope(0.0).abs(), slope(across[other]).abs()) * rows.z_axis[axis].abs() * 2.0
+        };
+        (steepest(0) + steepest(1)) / (nearest * nearest * nearest) * (side * side / 8.0)
+    };
+    Vec2::new(of(rows.x_axis), of(rows.y_axis))
 }
 
 /// The smaller one, as one instruction: `f32::min` has to look for NaN.
@@ -185,154 +345,34 @@ fn greatest(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// An earlier picture, in its tiles.
-struct Frame {
-    margin: [f32; 2],
-    end: [f32; 2],
-    /// Width and height.
-    across: [f32; 2],
-    /// The last column and row.
-    last: [f32; 2],
-}
-
-impl Frame {
-    fn of(earlier: &Earlier) -> Self {
-        let tiles = earlier.tiles_per_pixel;
-        let pixels = if earlier.is_still { [0.0, END] } else { [MARGIN, 0.0] };
-        let [margin, end] = pixels.map(|pixels| (tiles * pixels).to_array());
-        let stale = earlier.picture.stale;
-        Self {
-            margin,
-            end,
-            across: (tiles * earlier.picture.size()).to_array(),
-            last: stale.tiles().map(|count| count.saturating_sub(1) as f32),
-        }
-    }
-}
-
-/// [`Place`]s by field.
-#[derive(Clone, Debug, Default)]
-struct Places {
-    first: [Vec<u32>; 2],
-    last: [Vec<u32>; 2],
-    reach: [Vec<u32>; 2],
-    shown: Vec<f32>,
-}
-
-/// The whole part of a number from 0 to 2^22, and up to 2^-10 of it is given away: [`MARGIN`] is more. Rounds as the sum leaves no bits
-/// for a fraction, which vector instructions do without the checks of a conversion.
-#[inline]
-fn whole(number: f32) -> u32 {
-    const SHIFT: f32 = (3 << 22) as f32;
-    (number + (1.0 / 1024.0 - 0.5) + SHIFT).to_bits().wrapping_sub(SHIFT.to_bits())
-}
-
-impl Places {
-    fn set(&mut self, row: &Row, frame: &Frame) {
-        for axis in 0..2 {
-            let count = row.low[axis].len();
-            let (first, last) = (&mut self.first[axis], &mut self.last[axis]);
-            first.resize(count, 0);
-            last.resize(count, 0);
-            let reach = &mut self.reach[axis];
-            reach.resize(count, 0);
-            let (margin, end, limit) = (frame.margin[axis], frame.end[axis], frame.last[axis]);
-            let tile = |at: f32| whole(greatest(least(at, limit), 0.0));
-            for (first, low) in first.iter_mut().zip(&row.low[axis]) {
-                *first = tile(low - margin);
-            }
-            for (last, high) in last.iter_mut().zip(&row.high[axis]) {
-                *last = tile(high + margin - end);
-            }
-            for ((reach, low), high) in reach.iter_mut().zip(&row.low[axis]).zip(&row.high[axis]) {
-                *reach = Place::reach(low - margin, high + margin, frame.across[axis]);
-            }
-        }
-        self.shown.clone_from(&row.shown);
-    }
-
-    #[inline]
-    fn at(&self, column: usize) -> Place {
-        Place {
-            first: [0, 1].map(|axis: usize| self.first[axis][column]),
-            last: [0, 1].map(|axis: usize| self.last[axis][column]),
-            reach: self.reach[0][column] | self.reach[1][column],
-            is_shown: !self.shown[column].is_nan(),
-        }
-    }
-}
-
-/// The tiles of an earlier picture that a rectangle of the newest one meets.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    /// Column and row.
-    first: [u32; 2],
-    last: [u32; 2],
-    reach: u32,
-    /// Whether the picture could show all of it.
-    is_shown: bool,
-}
-
-impl Place {
-    /// The rectangle lies beside the picture.
-    const BESIDE: u32 = 1;
-    /// The rectangle reaches beyond the picture.
-    const BEYOND: u32 = 2;
-
-    /// How a range lies in a picture that is so wide or high.
-    #[inline]
-    fn reach(low: f32, high: f32, across: f32) -> u32 {
-        let is_beside = (high <= 0.0) | (low >= across);
-        let is_beyond = (low < 0.0) | (high > across);
-        (u32::from(is_beside) * Self::BESIDE) | (u32::from(is_beyond) * Self::BEYOND)
-    }
-
-    #[inline]
-    fn has(&self, earlier: &Earlier) -> Has {
-        if !self.is_shown {
-            return Has::Part;
-        }
-        if self.reach & Self::BESIDE != 0 {
-            return Has::Nothing;
-        }
-        match earlier.picture.stale.kinds(self.first, self.last) {
-            (false, _) => Has::Nothing,
-            (true, false) if self.reach == 0 => Has::All,
-            (true, _) => Has::Part,
-        }
-    }
-}
-
 impl Earlier<'_> {
     /// How much this picture has of a rectangle of the newest one.
     pub(super) fn has_rect(&self, rect: &PixelRect) -> Has {
-        place_of(self, rect).map_or(Has::Part, |place| place.has(self))
-    }
-}
-
-/// The tiles of an earlier picture that a rectangle of the newest one meets; `None` where the picture does not show all of it.
-fn place_of(earlier: &Earlier, rect: &PixelRect) -> Option<Place> {
-    let PixelRect { min, max } = *rect;
-    let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
-    for matrix in std::iter::once(earlier.matrix).chain(earlier.near_matrix()) {
-        for corner in [min, Vec2::new(max.x, min.y), Vec2::new(min.x, max.y), max] {
-            let found = matrix * corner.extend(1.0);
-            if found.z <= 0.0 || found.z.is_nan() {
-                return None;
+        let PixelRect { min, max } = *rect;
+        let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        for matrix in std::iter::once(self.matrix).chain(self.near_matrix()) {
+            for corner in [min, Vec2::new(max.x, min.y), Vec2::new(min.x, max.y), max] {
+                let found = matrix * corner.extend(1.0);
+                if found.z <= 0.0 || found.z.is_nan() {
+                    return Has::Part;
+                }
+                let at = found.truncate() / found.z * self.tiles_per_pixel;
+                low = Vec2::new(least(low.x, at.x), least(low.y, at.y));
+                high = Vec2::new(greatest(high.x, at.x), greatest(high.y, at.y));
             }
-            let at = found.truncate() / found.z * earlier.tiles_per_pixel;
-            low = Vec2::new(least(low.x, at.x), least(low.y, at.y));
-            high = Vec2::new(greatest(high.x, at.x), greatest(high.y, at.y));
+        }
+        let frame = Frame::of(self);
+        let (low, high) = (low - Vec2::from(frame.margin), high + Vec2::from(frame.margin));
+        let is_beside = |axis: usize| high[axis] <= 0.0 || low[axis] >= frame.across[axis];
+        let is_beyond = |axis: usize| low[axis] < 0.0 || high[axis] > frame.across[axis];
+        if (0..2).any(is_beside) {
+            return Has::Nothing;
+        }
+        let tile = |at: Vec2| array::from_fn(|axis| greatest(least(at[axis], frame.last[axis]), 0.0) as u32);
+        match self.picture.stale.kinds(tile(low + ROUNDING), tile(high - Vec2::from(frame.end) + ROUNDING)) {
+            (false, _) => Has::Nothing,
+            (true, false) if !(0..2).any(is_beyond) => Has::All,
+            (true, _) => Has::Part,
         }
     }
-    let frame = Frame::of(earlier);
-    let (low, high) = (low - Vec2::from(frame.margin), high + Vec2::from(frame.margin));
-    let tile = |at: f32, axis: usize| greatest(least(at, frame.last[axis]), 0.0) as u32;
-    let reach = |axis: usize| Place::reach(low[axis], high[axis], frame.across[axis]);
-    Some(Place {
-        first: [0, 1].map(|axis| tile(low[axis], axis)),
-        last: [0, 1].map(|axis| tile(high[axis] - frame.end[axis], axis)),
-        reach: reach(0) | reach(1),
-        is_shown: true,
-    })
 }

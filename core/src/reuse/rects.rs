@@ -63,9 +63,9 @@ impl Edge {
 pub struct TileRect([u32; 2]);
 
 impl TileRect {
-    /// One tile.
-    fn tile([column, row]: [u32; 2], edge: u32) -> Self {
-        Self([column | row << 16, 1 | 1 << SIDE_BITS | edge << (2 * SIDE_BITS)])
+    /// Tiles of one row.
+    fn run([column, row]: [u32; 2], columns: u32, edge: u32) -> Self {
+        Self([column | row << 16, columns | 1 << SIDE_BITS | edge << (2 * SIDE_BITS)])
     }
 
     /// Column and row of the first tile.
@@ -84,9 +84,9 @@ impl TileRect {
         (row..row + rows).flat_map(move |row| (column..column + columns).map(move |column| [column, row]))
     }
 
-    /// Whether what begins in column `column` of the same row goes on from here.
-    fn goes_on_at(self, column: u32) -> bool {
-        self.first()[0] + self.size()[0] == column && self.size()[0] < MOST
+    /// The column after the last one.
+    fn end(self) -> u32 {
+        self.first()[0] + self.size()[0]
     }
 
     fn is_above(self, below: Self) -> bool {
@@ -97,7 +97,7 @@ impl TileRect {
     }
 }
 
-/// A list of rectangles that do not overlap, filled tile by tile. Memory is only asked for beyond the longest list so far.
+/// A list of rectangles that do not overlap, filled run by run. Memory is only asked for beyond the longest list so far.
 #[derive(Clone, Debug, Default)]
 pub struct TileRects {
     rects: Vec<TileRect>,
@@ -110,30 +110,19 @@ pub struct TileRects {
 }
 
 impl TileRects {
-    /// Adds a tile to the right of all others of its row, or an edge of it.
-    pub(super) fn push(&mut self, tile: [u32; 2], edge: Option<Edge>) {
-        match self.row.last_mut() {
-            Some(last) if last.goes_on_at(tile[0]) => last.0[1] += 1,
-            _ => self.row.push(TileRect::tile(tile, edge.map_or(0, Edge::bits))),
+    /// Adds so many tiles, at least one, to the right of all others of their row, or an edge of each; this is the first of them.
+    pub(super) fn push(&mut self, tile: [u32; 2], count: u32, edge: Option<Edge>) {
+        let [mut column, row] = tile;
+        let end = column + count;
+        if let Some(last) = self.row.last_mut().filter(|last| last.end() == column) {
+            let more = (end - column).min(MOST - last.size()[0]);
+            last.0[1] += more;
+            column += more;
         }
-    }
-
-    /// Adds so many tiles, at least one, that begin with this one.
-    pub(super) fn push_run(&mut self, tile: [u32; 2], count: u32) {
-        let end = tile[0] + count;
-        let mut column = tile[0];
         while column < end {
-            match self.row.last_mut() {
-                Some(last) if last.goes_on_at(column) => {
-                    let more = (end - column).min(MOST - last.size()[0]);
-                    last.0[1] += more;
-                    column += more;
-                }
-                _ => {
-                    self.row.push(TileRect::tile([column, tile[1]], 0));
-                    column += 1;
-                }
-            }
+            let more = (end - column).min(MOST);
+            self.row.push(TileRect::run([column, row], more, edge.map_or(0, Edge::bits)));
+            column += more;
         }
     }
 
@@ -202,7 +191,7 @@ mod tests {
                 expected.clear();
                 for (row, line) in (0u32..).zip(tiles.chunks(columns)) {
                     for (column, _) in (0u32..).zip(line).filter(|(_, is_added)| **is_added) {
-                        rects.push([column, row], edge);
+                        rects.push([column, row], 1, edge);
                         expected.push([row, column]);
                     }
                     rects.end_row();
@@ -221,7 +210,7 @@ mod tests {
         for row in 0..5 {
             for column in 0..6 {
                 if column != 3 && row != 2 {
-                    rects.push([column, row], Some(Edge { across: 1, down: -1 }));
+                    rects.push([column, row], 1, Some(Edge { across: 1, down: -1 }));
                 }
             }
             rects.end_row();

@@ -1,6 +1,6 @@
 //! A set of tiles.
 
-use super::STALE;
+use super::{STALE, bits};
 use glam::Vec2;
 use std::ops::Range;
 
@@ -14,8 +14,8 @@ pub struct StaleTiles {
     tiles: [u32; 2],
     /// Whether each tile is stale, row by row, 32 in a word from its lowest bit on.
     words: Vec<u32>,
-    /// See [`Self::sum`]; empty before its call.
-    sums: Vec<u16>,
+    /// Whether each tile is fresh, each row from a word on, 64 in a word from its lowest bit on; 0 beyond the last column.
+    fresh: Vec<u64>,
 }
 
 impl PartialEq for StaleTiles {
@@ -29,15 +29,15 @@ impl Eq for StaleTiles {}
 
 impl Clone for StaleTiles {
     fn clone(&self) -> Self {
-        let Self { extent, texel, tiles, ref words, ref sums } = *self;
-        Self { extent, texel, tiles, words: words.clone(), sums: sums.clone() }
+        let Self { extent, texel, tiles, ref words, ref fresh } = *self;
+        Self { extent, texel, tiles, words: words.clone(), fresh: fresh.clone() }
     }
 
     /// Keeps the memory that there is.
     fn clone_from(&mut self, source: &Self) {
         (self.extent, self.texel, self.tiles) = (source.extent, source.texel, source.tiles);
         self.words.clone_from(&source.words);
-        self.sums.clone_from(&source.sums);
+        self.fresh.clone_from(&source.fresh);
     }
 }
 
@@ -51,6 +51,7 @@ impl StaleTiles {
             |tiles: &[u8]| tiles.iter().rev().fold(0, |word, tile| word << 1 | u32::from(tile & STALE != 0));
         if self.shape(extent, texel, |tiles| tiles == map.len() as u64) {
             self.words.extend(map.chunks(u32::BITS as usize).map(word));
+            self.set_fresh();
         }
     }
 
@@ -58,6 +59,22 @@ impl StaleTiles {
     pub fn set_words(&mut self, extent: [u32; 2], texel: [u32; 2], words: &[u32]) {
         if self.shape(extent, texel, |tiles| tiles.div_ceil(u32::BITS.into()) == words.len() as u64) {
             self.words.extend_from_slice(words);
+            self.set_fresh();
+        }
+    }
+
+    /// Works out [`Self::fresh`] from [`Self::words`].
+    fn set_fresh(&mut self) {
+        let [columns, rows] = self.tiles.map(|count| count as usize);
+        self.fresh.clear();
+        for row in 0..rows {
+            for column in (0..columns).step_by(bits::WORD) {
+                let index = row * columns + column;
+                let word = |next: usize| u64::from(self.words.get(index / 32 + next).copied().unwrap_or(0));
+                // Three words hold any 64 bits in a row.
+                let stale = (u128::from(word(0) | word(1) << 32) | u128::from(word(2)) << 64) >> (index % 32);
+                self.fresh.push(!(stale as u64) & bits::first((columns - column) as u32));
+            }
         }
     }
 
@@ -79,7 +96,7 @@ impl StaleTiles {
     pub fn clear(&mut self) {
         (self.extent, self.texel, self.tiles) = ([0; 2], [0; 2], [0; 2]);
         self.words.clear();
-        self.sums.clear();
+        self.fresh.clear();
     }
 
     /// Whether nothing is stale.
@@ -90,16 +107,17 @@ impl StaleTiles {
     /// Adds what is stale in `other`: after that, each point of the picture is stale that was so in either. With tiles of
     /// another size, those are added that meet a stale one.
     pub fn unite(&mut self, other: &Self) {
-        self.sums.clear();
         if self.tiles == [0; 2] {
-            self.clone_from(other);
-        } else if (self.extent, self.texel) == (other.extent, other.texel) {
+            return self.clone_from(other);
+        }
+        if (self.extent, self.texel) == (other.extent, other.texel) {
             for (word, more) in self.words.iter_mut().zip(&other.words) {
                 *word |= more;
             }
         } else {
             self.unite_proportionally(other);
         }
+        self.set_fresh();
     }
 
     fn unite_proportionally(&mut self, other: &Self) {
@@ -134,63 +152,32 @@ impl StaleTiles {
         }
     }
 
-    /// Prepares for many questions about rectangles of tiles, which take four look-ups each then. Changes nothing else.
-    pub fn sum(&mut self) {
-        let Self { tiles: [columns, rows], words, sums, .. } = self;
-        let line = *columns as usize + 1;
-        sums.clear();
-        sums.resize(line * (*rows as usize + 1), 0);
-        let mut bits = Bits::at(words, 0);
-        for row in 0..*rows as usize {
-            let (above, below) = sums.split_at_mut(line * (row + 1));
-            let mut sum = 0u16;
-            for (below, above) in below[1..line].iter_mut().zip(&above[line * row + 1..]) {
-                sum = sum.wrapping_add(bits.take().into());
-                *below = above.wrapping_add(sum);
-            }
-        }
+    /// The fresh tiles of a row, as bits; nothing of a row beyond the picture.
+    #[inline]
+    pub(super) fn fresh_row(&self, row: i32) -> &[u64] {
+        let words = bits::words(self.tiles[0]);
+        let row = usize::try_from(row).unwrap_or(usize::MAX);
+        let begin = row.saturating_mul(words);
+        self.fresh.get(begin..begin.saturating_add(words)).unwrap_or_default()
     }
 
     /// Whether any tile of a rectangle is fresh, and whether any is stale: of columns and rows from `first` to `last`, both within
     /// the picture. Without tiles everything is fresh.
-    #[inline]
     pub(super) fn kinds(&self, first: [u32; 2], last: [u32; 2]) -> (bool, bool) {
-        let ([left, top], [right, bottom]) = (first, last.map(|last| last + 1));
-        if self.sums.is_empty() {
-            return self.kinds_one_by_one(first, last);
+        if self.tiles == [0; 2] {
+            return (true, false);
         }
-        let line = self.tiles[0] as usize + 1;
-        // Modulo 2^16, which no rectangle of a plan's tiles has.
-        let sum = |column: u32, row: u32| {
-            self.sums.get(row as usize * line + column as usize).copied().unwrap_or(0)
-        };
-        let stale = sum(right, bottom)
-            .wrapping_sub(sum(left, bottom))
-            .wrapping_sub(sum(right, top))
-            .wrapping_add(sum(left, top));
-        let all = right.wrapping_sub(left).wrapping_mul(bottom.wrapping_sub(top)) as u16;
-        (stale != all, stale != 0)
-    }
-
-    #[cold]
-    fn kinds_one_by_one(&self, first: [u32; 2], last: [u32; 2]) -> (bool, bool) {
-        let mut tiles = (first[1]..=last[1])
-            .flat_map(|row| (first[0]..=last[0]).map(move |column| self.is_stale([column, row])));
-        let begin = tiles.next().unwrap_or_default();
-        let is_mixed = tiles.any(|is_stale| is_stale != begin);
-        (!begin || is_mixed, begin || is_mixed)
-    }
-
-    /// Which tiles of a row are stale, 1 each, with a 0 before and after them; zeros for rows beyond the picture.
-    pub(super) fn unpack_row(&self, row: u32, into: &mut Vec<u8>) {
-        let columns = self.tiles[0] as usize;
-        into.clear();
-        into.push(0);
-        if row < self.tiles[1] {
-            let mut bits = Bits::at(&self.words, row as usize * columns);
-            into.extend((0..columns).map(|_| bits.take()));
+        let mut found = (false, false);
+        for row in first[1]..=last[1] {
+            let line = self.fresh_row(row as i32);
+            for column in (first[0]..=last[0]).step_by(bits::WORD) {
+                let of_range = bits::first(last[0] + 1 - column);
+                let fresh = bits::read(line, column as i32) & of_range;
+                found.0 |= fresh != 0;
+                found.1 |= fresh != of_range;
+            }
         }
-        into.resize(columns + 2, 0);
+        found
     }
 
     fn index(&self, [column, row]: [u32; 2]) -> usize {
@@ -231,33 +218,5 @@ impl StaleTiles {
     /// Whether each tile is stale: bit `i % 32`, counted from the lowest, of word `i / 32` for tile `i`, row by row.
     pub fn words(&self) -> &[u32] {
         &self.words
-    }
-}
-
-/// The bits of words one after the other, from the lowest of each on.
-struct Bits<'a> {
-    words: std::slice::Iter<'a, u32>,
-    word: u32,
-    left: u32,
-}
-
-impl<'a> Bits<'a> {
-    /// From a bit on.
-    fn at(words: &'a [u32], index: usize) -> Self {
-        let mut words = words.get(index / 32..).unwrap_or_default().iter();
-        let (word, skipped) = (words.next().copied().unwrap_or(0), index as u32 % 32);
-        Self { words, word: word >> skipped, left: u32::BITS - skipped }
-    }
-
-    /// The next one; 0 after the last.
-    #[inline]
-    fn take(&mut self) -> u8 {
-        if self.left == 0 {
-            (self.word, self.left) = (self.words.next().copied().unwrap_or(0), u32::BITS);
-        }
-        let bit = (self.word & 1) as u8;
-        self.word >>= 1;
-        self.left -= 1;
-        bit
     }
 }

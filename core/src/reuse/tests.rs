@@ -2,6 +2,7 @@ use super::{STALE, StaleTiles};
 
 mod compared;
 mod history;
+mod places;
 mod stale_tiles;
 
 /// A picture of that size in tiles of `texel` pixels, of which some are stale.

@@ -6,7 +6,7 @@ use super::cells::{CELLS, Cell, PATCH_SIDE, PATCHES, SIDE, centre, patch_phase};
 use super::tiles::{Cells, TileCells, Touched};
 use super::{Phase, REGIONS, Schedule};
 use crate::geometry::unit_direction;
-use due::reach;
+use due::DueLines;
 use glam::Vec3;
 
 /// Largest angle between the centre of a cell and a point of it, degrees (1.53 by a test, and rounding).
@@ -36,8 +36,8 @@ pub struct CellAges {
     ages: [Vec<u8>; 2],
     /// Bit 0: left, bit 1: right.
     due: Vec<u8>,
-    /// [`reach`] of `due`.
-    reach: Vec<u8>,
+    /// The same by lines, by eye.
+    lines: [DueLines; 2],
     /// How urgent a refresh is, 0 where none is wanted.
     needs: Vec<f32>,
     /// Cells with a need above 0.
@@ -60,7 +60,7 @@ impl CellAges {
             periods: vec![1; CELLS],
             ages: [vec![u8::MAX; CELLS], vec![u8::MAX; CELLS]],
             due: vec![BOTH; CELLS],
-            reach: vec![u8::MAX; CELLS],
+            lines: [DueLines::all(), DueLines::all()],
             needs: vec![0.0; CELLS],
             wanted: Vec::with_capacity(CELLS),
             frame: None,
@@ -209,7 +209,9 @@ impl CellAges {
         }
         wanted.clear();
         self.wanted = wanted;
-        reach(&self.due, &mut self.reach);
+        for (eye, lines) in self.lines.iter_mut().enumerate() {
+            lines.set(&self.due, eye);
+        }
         granted
     }
 
@@ -227,7 +229,7 @@ impl CellAges {
     #[inline]
     pub fn any_due(&self, touched: &Touched, eye: usize) -> bool {
         match &touched.0 {
-            &Cells::Block { first, block } => due::reaches(self.reach[usize::from(first)], block, eye),
+            &Cells::Block { first, block } => self.lines[eye & 1].any(first, block),
             Cells::Ranges(ranges) => ranges
                 .iter()
                 .enumerate()
@@ -238,9 +240,10 @@ impl CellAges {
     /// [`Self::any_due`] of all tiles of an image at once, row by row. A slice that is shorter gets the first ones.
     pub fn due_tiles(&self, tiles: &TileCells, eye: usize, due: &mut [bool]) {
         let (first, blocks) = tiles.blocks();
+        let lines = &self.lines[eye & 1];
         for ((due, &first), &block) in due.iter_mut().zip(first).zip(blocks) {
             // Where the block is none the answer has no meaning, and is replaced below.
-            *due = self.reach.get(usize::from(first)).is_some_and(|&reach| due::reaches(reach, block, eye));
+            *due = lines.any(first, block);
         }
         for (index, touched) in tiles.large() {
             if let Some(due) = due.get_mut(index) {

@@ -17,7 +17,7 @@ pub struct TileCells {
     columns: usize,
     rows: usize,
     /// The first cell of each tile, row by row; of no meaning for [`Block::LARGE`].
-    first: Vec<u16>,
+    first: Vec<First>,
     /// Which cells from there on.
     blocks: Vec<Block>,
     /// Those without a block.
@@ -93,7 +93,7 @@ impl TileCells {
             extent: Vec2::new(extent[0] as f32, extent[1] as f32),
         };
         [self.columns, self.rows] = extent.map(|side| side.div_ceil(tile_size) as usize);
-        self.first.resize(self.columns * self.rows, 0);
+        self.first.resize(self.columns * self.rows, First(0));
         self.blocks.resize(self.columns * self.rows, Block::LARGE);
         self.large.clear();
         if self.first.is_empty() {
@@ -143,7 +143,7 @@ impl TileCells {
     }
 
     /// The first cell and the block of each tile, row by row.
-    pub(super) fn blocks(&self) -> (&[u16], &[Block]) {
+    pub(super) fn blocks(&self) -> (&[First], &[Block]) {
         (&self.first, &self.blocks)
     }
 
@@ -152,7 +152,7 @@ impl TileCells {
         self.large.iter().map(|&index| (index as usize, self.at(index as usize)))
     }
 
-    /// The cells of a tile that reaches over the edge of a face or is larger than two cells.
+    /// The cells of a tile that reaches over the edge of a face or is larger than three cells.
     #[cold]
     fn ranges(&self, column: usize, row: usize) -> Cells {
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| {
@@ -176,7 +176,7 @@ impl TileCells {
 }
 
 /// Finds the block of each tile between two edges.
-fn find_blocks(upper: &Edge, lower: &Edge, first: &mut [u16], blocks: &mut [Block]) {
+fn find_blocks(upper: &Edge, lower: &Edge, first: &mut [First], blocks: &mut [Block]) {
     let count = first.len();
     // Slices of one length, and sums that wrap (they never do, but for tiles without a block): neither bounds nor
     // overflow are checked, so that vector instructions do all of it.
@@ -197,9 +197,9 @@ fn find_blocks(upper: &Edge, lower: &Edge, first: &mut [u16], blocks: &mut [Bloc
         let wide = (right >> SHIFT).wrapping_sub(column);
         let high = (bottom >> SHIFT).wrapping_sub(row);
         let line = (u16::from(f0[i]).wrapping_mul(SIDE as u16)).wrapping_add(row as u16);
-        first[i] = line.wrapping_mul(SIDE as u16).wrapping_add(column as u16);
-        let block = (wide as u8) | (high as u8) << 1;
-        blocks[i] = if one_face & inside & (wide <= 1) & (high <= 1) { Block(block) } else { Block::LARGE };
+        first[i] = First((line << First::COLUMN_BITS) | column as u16);
+        let block = (wide as u8) | (high as u8) << 2;
+        blocks[i] = if one_face & inside & (wide <= 2) & (high <= 2) { Block(block) } else { Block::LARGE };
     }
 }
 
@@ -208,17 +208,48 @@ fn four<'a, T>(upper: &'a [T], lower: &'a [T], count: usize) -> [&'a [T]; 4] {
     [&upper[..count], &upper[1..=count], &lower[..count], &lower[1..=count]]
 }
 
-/// A block of 1 or 2 cells in each direction: bit 0 is set if two cells wide, bit 1 if two cells high.
+/// A cell: its column in the lowest bits, and above them its line, counted through all faces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct First(u16);
+
+impl First {
+    const COLUMN_BITS: u32 = 6;
+
+    /// The line, counted through all faces.
+    #[inline]
+    pub(super) fn line(self) -> usize {
+        usize::from(self.0 >> Self::COLUMN_BITS)
+    }
+
+    /// The column in its face.
+    #[inline]
+    pub(super) fn column(self) -> u32 {
+        u32::from(self.0) % (1 << Self::COLUMN_BITS)
+    }
+}
+
+const _: () = assert!(SIDE <= 1 << First::COLUMN_BITS && 6 * SIDE <= 1 << (u16::BITS - First::COLUMN_BITS));
+
+/// A block of 1 to 3 cells in each direction: by how many it is more than one cell wide, 2 bits, and high, 2 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Block(u8);
 
 impl Block {
     /// No such block.
-    const LARGE: Self = Self(4);
+    const LARGE: Self = Self(16);
+    /// Heights that a block may have.
+    pub(super) const HEIGHTS: usize = 3;
 
-    /// Which of the four, 0..4.
-    pub(super) fn kind(self) -> u8 {
-        self.0
+    /// How many cells more than one it is wide.
+    #[inline]
+    pub(super) fn wider(self) -> u32 {
+        u32::from(self.0) & 3
+    }
+
+    /// How many cells more than one it is high.
+    #[inline]
+    pub(super) fn higher(self) -> usize {
+        usize::from(self.0 >> 2) & 3
     }
 }
 
@@ -230,7 +261,7 @@ pub struct Touched(pub(super) Cells);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Cells {
     /// Nearly always: within one face.
-    Block { first: u16, block: Block },
+    Block { first: First, block: Block },
     /// On each face.
     Ranges([Range; 6]),
 }
@@ -240,9 +271,9 @@ impl Touched {
     pub fn for_each(&self, mut each: impl FnMut(Cell)) {
         match &self.0 {
             &Cells::Block { first, block } => {
-                for down in 0..=usize::from(block.0 >> 1) {
-                    for across in 0..=usize::from(block.0 & 1) {
-                        each(Cell::from_index(usize::from(first) + down * SIDE + across));
+                for line in first.line()..=first.line() + block.higher() {
+                    for column in first.column()..=first.column() + block.wider() {
+                        each(Cell::from_index(line * SIDE + column as usize));
                     }
                 }
             }

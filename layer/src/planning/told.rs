@@ -43,9 +43,9 @@ impl Planning {
         moment.gpu_decides = self.gpu_decides();
         for eye in &plan.eyes {
             (0..eye.rates.height()).for_each(|row| moment.count(eye.rates.row(row)));
-            moment.tiles_due += eye.statistics.tiles_due;
+            moment.tiles_due += eye.statistics().tiles_due;
         }
         let [left, right] = &plan.eyes;
-        moment.shaded = (left.statistics.pixel_share + right.statistics.pixel_share) / 2.0;
+        moment.shaded = (left.statistics().pixel_share + right.statistics().pixel_share) / 2.0;
     }
 }

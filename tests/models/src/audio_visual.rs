@@ -106,7 +106,7 @@ impl Map {
         let rate = |index: usize| plan.rate((index % TILES) as u32, (index / TILES) as u32);
         Self {
             rates: (0..TILES * TILES).map(rate).collect(),
-            mean_rate: f64::from(plan.statistics.mean_rate),
+            mean_rate: f64::from(plan.statistics().mean_rate),
         }
     }
 

@@ -131,7 +131,7 @@ fn the_tile_that_either_eye_looks_at_is_1x1_in_the_plan() {
             let [x, y] = plan.eyes[index].tile_of(pixel.map(|pixel| pixel as u32));
             looked += 1;
             missed += u32::from(plan.eyes[index].rate(x, y) != ShadingRate::R1X1);
-            coarse += f64::from(1.0 - plan.eyes[index].statistics.mean_rate);
+            coarse += f64::from(1.0 - plan.eyes[index].statistics().mean_rate);
         }
     }
     assert!(looked > 2000 && f64::from(missed) < 0.005 * f64::from(looked), "{missed} of {looked}");

@@ -33,7 +33,7 @@ fn lost_gaze_ramps_to_full_rate_and_then_to_wide_fixed_rates() {
         let gaze = GazeState { phase: GazePhase::Lost, trust, ..to_the_side };
         planner.plan(&PlanInput { frame, time_ns: frame as i64 * FRAME_NS, gaze, ..input() }).clone()
     };
-    let shares = [0.95, 0.9, 0.8, 0.5].map(|trust| lost(101, trust).eyes[0].statistics.mean_rate);
+    let shares = [0.95, 0.9, 0.8, 0.5].map(|trust| lost(101, trust).eyes[0].statistics().mean_rate);
     assert!(shares.is_sorted() && shares[0] < shares[3] && shares[3] == 1.0, "{shares:?}");
     let plan = lost(102, 0.0);
     assert!(plan.reasons.contains(Reason::GazeLost));

@@ -35,7 +35,7 @@ fn tiles_cost_half_a_point_more_than_pixels() {
         // A multiple of all periods.
         let mut share = 0.0;
         for frame in 0..60 {
-            share += planner.plan(&PlanInput { frame, ..paper }).eyes[0].statistics.pixel_share / 60.0;
+            share += planner.plan(&PlanInput { frame, ..paper }).eyes[0].statistics().pixel_share / 60.0;
         }
         let more = 100.0 * (share - pixel_rate(areas, configuration));
         println!("{configuration}: {:.2} %, {more:.2} points more than by pixels", 100.0 * share);

@@ -21,6 +21,8 @@ pub(super) struct Draw<'a> {
     pub(super) tiles: u32,
     /// What is done.
     pub(super) params: ComposeParams,
+    /// Whether `params` attenuates any colour.
+    pub(super) attenuates: bool,
     /// Where the uniforms of `params` were written.
     pub(super) offset: Cell<u32>,
     /// What is taken from earlier pictures.
@@ -84,7 +86,7 @@ impl<'a> Draw<'a> {
     /// Whether all that is taken as a whole from the picture of index `age` is copied, and not drawn: nothing has moved, and
     /// colour stays as it is.
     pub(super) fn is_copied(&self, region: &ReuseRegion, age: usize) -> bool {
-        !self.params.has_work() && region.reuse.is_still_since(age + 1)
+        !self.attenuates && region.reuse.is_still_since(age + 1)
     }
 
     /// From which earlier pictures tiles are copied: their index, and where they are.
@@ -111,7 +113,7 @@ impl<'a> Draw<'a> {
 
     /// Whether anything is drawn.
     pub(super) fn draws(&self) -> bool {
-        self.params.has_work() || self.sampled().next().is_some()
+        self.attenuates || self.sampled().next().is_some()
     }
 }
 
@@ -179,13 +181,15 @@ fn reuse_draw<'a>(job: usize, of: &ComposeJob<'a>, reuse: &'a ReuseRegion<'a>) -
     let params = of.regions.iter().find(|region| is_same(reuse, region)).map(|region| region.params);
     let params = params
         .filter(|params| (params.rect_offset, params.rect_extent) == (offset, reuse.reuse.now().extent));
+    let params = params.unwrap_or_else(|| ComposeParams::neutral(offset, reuse.reuse.now().extent));
     Ok(Draw {
         job,
         layer: reuse.array_layer,
         viewport: reuse.rect,
         scissor: reuse.rect,
         tiles: 0,
-        params: params.unwrap_or_else(|| ComposeParams::neutral(offset, reuse.reuse.now().extent)),
+        attenuates: params.has_work(),
+        params,
         offset: Cell::new(0),
         reuse: Some(reuse),
         placed: RefCell::default(),
@@ -216,6 +220,7 @@ fn draw<'a>(
         scissor,
         tiles: columns * rows,
         params,
+        attenuates: true,
         offset: Cell::new(0),
         reuse: None,
         placed: RefCell::default(),

@@ -121,7 +121,7 @@ impl Completion<'_> {
     /// attenuated already.
     fn draw(&self) {
         let placed = self.draw.placed.borrow();
-        let attenuates = self.draw.params.has_work();
+        let attenuates = self.draw.attenuates;
         let variant = usize::from(attenuates);
         if attenuates {
             self.tiles(&self.pipelines.fresh, placed.offset, (self.texture, None), &placed.fresh);

@@ -151,7 +151,7 @@ impl ReuseBuffers {
             this.params.write(recorder, (number * (MAX_AGES + 1) + age) as u32, params)
         };
         let mut placed = Placed { offset: params(self, 0, &plain)?, ..Placed::default() };
-        if draw.params.has_work() {
+        if draw.attenuates {
             placed.fresh = self.list(recorder, &[&region.lists.fresh], at)?;
         }
         for (index, image) in draw.sampled() {

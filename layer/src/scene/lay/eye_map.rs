@@ -33,10 +33,11 @@ impl EyeMap {
         }
         (self.extent, self.texel, self.tiles) = (extent, texel, tiles);
         let bytes = &*TILE_BYTES;
-        self.texels.extend(texels.iter().map(|texel| bytes[usize::from(*texel)].texel));
-        self.unary.extend(texels.iter().map(|texel| bytes[usize::from(*texel)].unary));
-        for texel in texels {
-            let byte = &bytes[usize::from(*texel)];
+        self.texels.resize(texels.len(), 0);
+        self.unary.resize(texels.len(), 0);
+        for ((texel, unary), byte) in self.texels.iter_mut().zip(&mut self.unary).zip(texels) {
+            let byte = &bytes[usize::from(*byte)];
+            (*texel, *unary) = (byte.texel, byte.unary);
             self.used = self.used.union(byte.used);
             self.coarsens |= byte.coarsens;
         }

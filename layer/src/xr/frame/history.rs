@@ -278,7 +278,6 @@ impl EyeHistory {
             false => StaleTiles::default(),
         };
         stale(&mut tiles);
-        tiles.sum();
         self.pictures.insert(0, Kept::new(shown, tiles));
         self.len = (self.len + 1).min(self.pictures.len());
     }

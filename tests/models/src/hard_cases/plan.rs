@@ -101,7 +101,7 @@ fn images() -> Vec<Case> {
     let cases = sizes.map(|(name, offset, extent)| {
         let eye = EyeInput { offset, ..eye(extent) };
         let input = input(eye);
-        let mean = f64::from(plan(&input).eyes[0].statistics.mean_rate);
+        let mean = f64::from(plan(&input).eyes[0].statistics().mean_rate);
         let expected = reference_mean(&eye, input.gaze.directions[0]);
         let error = (mean - expected).abs();
         Case {
@@ -116,11 +116,11 @@ fn images() -> Vec<Case> {
     let extremes = vec![
         told("image without pixels", "no tiles, mean rate 1", || {
             let plan = plan(&input(eye([0, 500])));
-            (plan.eyes[0].statistics.tiles, plan.eyes[0].statistics.mean_rate) == (0, 1.0)
+            (plan.eyes[0].statistics().tiles, plan.eyes[0].statistics().mean_rate) == (0, 1.0)
         }),
         told("image of 2^32 - 1 pixels a side at that offset", "finite, no panic", || {
             let eye = EyeInput { offset: [u32::MAX; 2], ..eye([u32::MAX, 3]) };
-            plan(&input(eye)).eyes[0].statistics.mean_rate.is_finite()
+            plan(&input(eye)).eyes[0].statistics().mean_rate.is_finite()
         }),
     ];
     [cases.to_vec(), extremes].concat()
@@ -182,9 +182,9 @@ fn gazes() -> Vec<Case> {
         }),
         told("gaze at 90 degrees", "coarse, finer on that side", || {
             let eye = of(Vec3::X);
-            eye.rate(0, 17).octaves() == 2.0 && eye.statistics.mean_rate < 0.07
+            eye.rate(0, 17).octaves() == 2.0 && eye.statistics().mean_rate < 0.07
         }),
-        told("gaze at 180 degrees", "1/16 everywhere", || of(Vec3::Z).statistics.mean_rate == 0.0625),
+        told("gaze at 180 degrees", "1/16 everywhere", || of(Vec3::Z).statistics().mean_rate == 0.0625),
         told("one eye's gaze NaN", "that of the other for both", || {
             let gaze = GazeState { directions: [Vec3::NAN, Vec3::NEG_Z], ..looking(Vec3::NEG_Z) };
             plan(&PlanInput { gaze, ..input(eye([640, 560])) }).eyes[0].rates == ahead.rates
@@ -219,7 +219,7 @@ fn clocks() -> Vec<Case> {
             .map(|frame| {
                 let frame =
                     PlanInput { frame: first.wrapping_add(frame), frame_rate_hz, ..input(eye([640, 560])) };
-                planner.plan(&frame).eyes[0].statistics.pixel_share
+                planner.plan(&frame).eyes[0].statistics().pixel_share
             })
             .collect();
         shares[1..].iter().all(|share| *share < 0.8)
