@@ -1,7 +1,7 @@
 //! What Mesa's compilers say of the layer's kernels, and what follows from it for GPUs that nobody measured: estimates.
 //!
-//! The compilers' words are queried on the shims' devices ([`query`]) and kept among the sources ([`KEPT`]); all figures are made of
-//! those ([`estimate`], [`gpu`], [`work`]): in the table of `tests/baselines/drivers.md` ([`table`]) and in the report.
+//! The compilers' words are queried on the shims' devices ([`query`]) and kept among the sources ([`kept`]); all figures are made of
+//! those ([`estimate()`], [`GPUS`], [`TASKS`]): in the table of `tests/baselines/drivers.md` ([`table()`]) and in the report.
 
 pub mod estimate;
 pub mod gpu;
