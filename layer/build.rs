@@ -51,15 +51,24 @@ fn build(uniforms: &[Declared]) -> Result<(), String> {
     let layer = PathBuf::from(env::var("CARGO_MANIFEST_DIR").map_err(|error| error.to_string())?);
     let out = PathBuf::from(env::var("OUT_DIR").map_err(|error| error.to_string())?);
     let repository = layer.parent().ok_or("the package has no parent folder")?;
+    let mut checksum = FNV_BASIS;
     for stem in complete_kernels(repository)? {
         let path = layer.join("shaders").join(format!("{stem}.wgsl"));
         let words = compile(&path, uniforms).map_err(|error| format!("{}: {error}", path.display()))?;
         let bytes: Vec<u8> = without_storage_class(&words).into_iter().flat_map(u32::to_ne_bytes).collect();
+        checksum =
+            bytes.iter().fold(checksum, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(FNV_PRIME));
         let target = out.join(format!("{stem}.spv"));
         fs::write(&target, bytes).map_err(|error| format!("{}: {error}", target.display()))?;
     }
+    // Of the pipelines that are kept on disk.
+    println!("cargo::rustc-env=SHADERS_CHECKSUM={checksum:016x}");
     Ok(())
 }
+
+/// FNV-1a, 64 bits.
+const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+const FNV_PRIME: u64 = 0x0000_0100_0000_01b3;
 
 /// Where a kernel's three files are.
 const PLACES: [(&str, &str); 3] =

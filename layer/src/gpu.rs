@@ -9,6 +9,7 @@ pub mod barrier;
 mod buffer;
 mod commands;
 mod compare;
+mod compiler;
 mod compute;
 mod descriptor;
 mod device_buffer;
@@ -27,7 +28,8 @@ pub use app_commands::{AppCommands, ImagePart, Scope};
 pub(crate) use app_commands::{COMPUTES, READS_OF_RESULTS};
 pub(crate) use buffer::{ResultRing, UniformRing, WordRing};
 pub(crate) use commands::{Uses, wait_device, wait_fence};
-pub(crate) use compare::{Comparison, comparison};
+pub(crate) use compare::Comparison;
+pub(crate) use compiler::{Compilation, Compiler, Later};
 pub(crate) use compute::{Bound, ComputeLayout, ComputeSet};
 pub(crate) use descriptor::{CompareSet, ListSet, TextureSets, UniformSet};
 pub(crate) use device_buffer::DeviceBuffer;
@@ -35,7 +37,7 @@ pub(crate) use draw::{ColorTarget, color_pass};
 pub use error::GpuError;
 pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view, depth_view};
 pub(crate) use owned::Owned;
-pub(crate) use pipeline::{Output, TilePipeline, TileShader, tile_pipeline};
+pub(crate) use pipeline::{Output, TilePipeline, TileShader};
 pub(crate) use recorder::{Compare, DrawRecorder, Recorder, TileDraw};
 pub use shared::Shared;
 
@@ -45,7 +47,7 @@ use commands::CommandRing;
 use functions::Functions;
 use shared::Left;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// How many submits of ours may be under way before the next one waits.
 pub(crate) const SUBMITS_IN_FLIGHT: usize = 3;
@@ -63,11 +65,14 @@ pub struct Gpu {
     commands: Mutex<Option<CommandRing>>,
     /// Nothing where there is no queue to submit to.
     shared: Option<Arc<Shared>>,
+    /// What its pipelines are compiled with; nothing for those that are made without a cache.
+    compilation: OnceLock<Arc<Compilation>>,
     abandoned: AtomicBool,
 }
 
 impl Gpu {
-    /// Prepares work on queue `queue_index` of family `queue_family`, with objects that nobody else has.
+    /// Prepares work on queue `queue_index` of family `queue_family`, with objects that nobody else has, pipelines made by the thread
+    /// that asks for them: for tools and tests.
     ///
     /// # Safety
     /// As for [`Gpu::sharing`].
@@ -80,7 +85,7 @@ impl Gpu {
         queue_index: u32,
     ) -> Result<Arc<Self>, GpuError> {
         // SAFETY: the caller vouches for all.
-        unsafe { Self::sharing(record, (queue_family, queue_index), Shared::new(record)?) }
+        unsafe { Self::sharing(record, (queue_family, queue_index), Shared::at_once(record)?) }
     }
 
     /// Prepares work on a queue, by family and index, with objects that others on the device use too.
@@ -159,6 +164,7 @@ impl Gpu {
             queue: vk::Queue::null(),
             commands: Mutex::default(),
             shared: None,
+            compilation: OnceLock::new(),
             abandoned: AtomicBool::new(false),
         })
     }
@@ -179,8 +185,19 @@ impl Gpu {
         }
     }
 
-    fn shared(&self) -> Result<&Shared, GpuError> {
-        self.shared.as_deref().ok_or(GpuError::Invalid("pipelines without a queue"))
+    /// What is shared on the device.
+    pub(crate) fn shared(&self) -> Result<&Arc<Shared>, GpuError> {
+        self.shared.as_ref().ok_or(GpuError::Invalid("pipelines without a queue"))
+    }
+
+    /// Says what its pipelines are compiled with.
+    pub(crate) fn compile_with(&self, compilation: &Arc<Compilation>) {
+        let _ = self.compilation.set(Arc::clone(compilation));
+    }
+
+    /// The cache that pipelines are made with, or none.
+    fn pipeline_cache(&self) -> Result<vk::PipelineCache, GpuError> {
+        self.compilation.get().map_or(Ok(vk::PipelineCache::null()), |compilation| compilation.cache())
     }
 
     /// Leaves something to be destroyed when the device ends, or never where nobody tells.

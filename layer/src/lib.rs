@@ -8,6 +8,7 @@
 
 #[allow(unsafe_code)]
 pub mod abi;
+mod cache_file;
 pub mod config;
 #[allow(unsafe_code)]
 pub mod gpu;

@@ -9,12 +9,14 @@
 //! it without the layer and then in each of its [`Cell`]s, and compares; [`Matrix`] makes many rows, and a table of them.
 
 mod cell;
+pub mod kernels;
 mod matrix;
 pub mod profiles;
 mod program;
 mod row;
 mod shim;
 mod target;
+mod warm;
 
 pub use cell::{Cell, End, Engaged, Mode, Seen, Stack};
 pub use matrix::Matrix;
@@ -22,3 +24,4 @@ pub use program::Program;
 pub use row::{JsonCell, Row, cells, judge};
 pub use shim::{Folder, ShimDevice};
 pub use target::Target;
+pub use warm::{Warmth, warmth};

@@ -119,6 +119,7 @@ pub struct Run {
     validation: bool,
     test_layers: Vec<TestLayer>,
     two_queues: bool,
+    compiles_at_once: bool,
     driver: Driver,
     environment: Vec<(String, OsString)>,
     timeout: Duration,
@@ -138,6 +139,7 @@ impl Run {
             validation: false,
             test_layers: Vec::new(),
             two_queues: false,
+            compiles_at_once: true,
             driver: Driver::default(),
             environment: Vec::new(),
             timeout: Duration::from_secs(240),
@@ -260,6 +262,13 @@ impl Run {
         self
     }
 
+    /// Compiles the layer's pipelines on its thread, as for users. Otherwise a layer with debug assertions has each at once, so that what
+    /// it does shows from the first frame on.
+    pub fn compiling_in_background(mut self) -> Self {
+        self.compiles_at_once = false;
+        self
+    }
+
     /// Sets a variable of the application's environment.
     pub fn env(mut self, name: &str, value: impl Into<OsString>) -> Self {
         self.environment.push((name.to_owned(), value.into()));
@@ -317,6 +326,7 @@ impl Run {
         command.env(FAULT_FILE_VARIABLE, folder.path().join(FAULT_FILE));
         command.env(TIMES_FILE_VARIABLE, folder.path().join(TIMES_FILE));
         command.env(SHADING_RATE_FILE_VARIABLE, folder.path().join(SHADING_RATE_FILE));
+        command.envs(self.compiles_at_once.then_some((COMPILE_AT_ONCE_VARIABLE, "1")));
         command.envs(self.environment.iter().map(|(name, value)| (name, value)));
         let child = Child::start(command, folder.path(), self.timeout)?;
         Ok(Running { run: self, folder, installation, child })
@@ -357,6 +367,9 @@ fn link_with_ears(folder: &Path) -> Result<PathBuf, HarnessError> {
     link(Library::Audio.path()?, AUDIO_LIBRARY_NAME)?;
     link(Library::Parafovea.path()?, LIBRARY_NAME)
 }
+
+/// Read by a layer with debug assertions: its pipelines are compiled where they are asked for.
+const COMPILE_AT_ONCE_VARIABLE: &str = "PARAFOVEA_COMPILE_AT_ONCE";
 
 /// Where the counting layer writes.
 const COUNT_FILE: &str = "count.jsonl";

@@ -7,6 +7,7 @@ mod runs;
 mod technique;
 mod vulkan;
 
+use parafovea_test_layers::{VulkanFault, Whose};
 use runs::Cell;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -51,6 +52,30 @@ fn a_share_of_the_matrix_holds() {
     let cells = matrix();
     assert!(cells.len() >= 150, "{} cells", cells.len());
     run(&cells.into_iter().step_by(SHARE).collect::<Vec<_>>());
+}
+
+/// A render pass with a rate attachment of ours needs an image of ours in each framebuffer. Where one cannot be made, the one that was made
+/// with the render pass stands in.
+#[test]
+fn no_framebuffer_of_the_application_fails_for_an_allocation_of_ours() {
+    let technique = Technique::ALL.iter().find(|technique| technique.name == "attachment").unwrap();
+    for call in ["vkCreateImage", "vkCreateImageView"] {
+        let fault = VulkanFault {
+            call: call.to_owned(),
+            result: vulkan::OUT_OF_DEVICE_MEMORY,
+            whose: Whose::Own,
+            // The image that stands in.
+            skip: 1,
+            count: u64::MAX,
+        };
+        let run =
+            technique.run(&Technique::scenario()).on(technique.config).faulted(Some(&fault)).validated();
+        let outcome = run.finish().unwrap().expect_frames(runs::FRAMES).unwrap();
+        let reports = outcome.faults().unwrap();
+        assert!(reports.iter().any(|report| report.failed > 0), "{call}: nothing failed\n{}", outcome.log);
+        let framebuffers = reports.iter().filter_map(|report| report.application.get("vkCreateFramebuffer"));
+        assert!(framebuffers.sum::<u64>() > 0, "{call}: {reports:?}");
+    }
 }
 
 #[test]

@@ -25,6 +25,7 @@ mod native;
 mod overhead;
 mod panics;
 mod pictures;
+mod pipelines;
 mod rates;
 mod readme;
 mod reuse;

@@ -14,16 +14,6 @@ pub(crate) struct Comparison {
     layout: PipelineLayout,
 }
 
-/// A pipeline of an entry point of a module of SPIR-V, as [`Comparison::make`] makes it.
-pub(crate) fn comparison(
-    gpu: &Gpu,
-    spirv: &'static [u8],
-    entry: &'static CStr,
-    has_depth: bool,
-) -> Result<Arc<Comparison>, GpuError> {
-    gpu.shared()?.comparison(spirv, entry, has_depth)
-}
-
 impl Comparison {
     /// Of an entry point of a module of SPIR-V: set 0 is a [`CompareSet`], sets 1 and 2 are of [`super::TextureSets`], and, with
     /// depth, set 3.
@@ -41,11 +31,12 @@ impl Comparison {
             .module(module.handle())
             .name(entry);
         let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.handle());
+        let cache = gpu.pipeline_cache()?;
         // SAFETY: everything named is live; the build has validated the module and the entry points' interface.
         let pipeline = unsafe {
             let handles = gpu
                 .device
-                .create_compute_pipelines(vk::PipelineCache::null(), &[info], None)
+                .create_compute_pipelines(cache, &[info], None)
                 .map_err(|(_, result)| GpuError::Call { call: "vkCreateComputePipelines", result })?;
             Owned::new(gpu, handles[0], |device, handle| device.destroy_pipeline(handle, None))
         };

@@ -55,11 +55,12 @@ impl ComputeLayout {
             .module(module.handle())
             .name(entry);
         let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.pipeline.handle());
+        let cache = gpu.pipeline_cache()?;
         // SAFETY: everything named is live; the build has validated the module and the entry points' interface.
         unsafe {
             let handles = gpu
                 .device
-                .create_compute_pipelines(vk::PipelineCache::null(), &[info], None)
+                .create_compute_pipelines(cache, &[info], None)
                 .map_err(|(_, result)| GpuError::Call { call: "vkCreateComputePipelines", result })?;
             Ok(Owned::new(gpu, handles[0], |device, handle| device.destroy_pipeline(handle, None)))
         }

@@ -48,16 +48,6 @@ pub(crate) struct TileShader {
     pub(crate) output: Output,
 }
 
-/// A pipeline that draws to attachments of `format` with entry points of a module of SPIR-V.
-pub(crate) fn tile_pipeline(
-    gpu: &Gpu,
-    format: vk::Format,
-    spirv: &'static [u8],
-    shader: &TileShader,
-) -> Result<Arc<TilePipeline>, GpuError> {
-    gpu.shared()?.tile_pipeline(format, spirv, shader)
-}
-
 /// Makes a pipeline for `pass`.
 pub(super) fn make_tile_pipeline(
     gpu: &Arc<Gpu>,
@@ -100,11 +90,12 @@ pub(super) fn make_tile_pipeline(
         .layout(layout.handle())
         .render_pass(pass.handle())
         .subpass(0);
+    let cache = gpu.pipeline_cache()?;
     // SAFETY: everything named is live; the build has validated the module and the entry points' interface.
     let pipeline = unsafe {
         let handles = gpu
             .device
-            .create_graphics_pipelines(vk::PipelineCache::null(), &[info], None)
+            .create_graphics_pipelines(cache, &[info], None)
             .map_err(|(_, result)| GpuError::Call { call: "vkCreateGraphicsPipelines", result })?;
         Owned::new(gpu, handles[0], |device, handle| device.destroy_pipeline(handle, None))
     };

@@ -7,7 +7,7 @@ use super::compare::Comparison;
 use super::descriptor::interpolating;
 use super::draw::make_color_pass;
 use super::pipeline::{TilePipeline, TileShader, make_tile_pipeline};
-use super::{Gpu, GpuError, Owned};
+use super::{Compiler, Gpu, GpuError, Later, Owned};
 use crate::link::DeviceRecord;
 use ash::vk;
 use std::ffi::CStr;
@@ -17,6 +17,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 /// Objects of one device, each made when it is first needed, and kept until [`Shared::end`].
 pub struct Shared {
     gpu: Arc<Gpu>,
+    compiler: Arc<Compiler>,
     tile_pipelines: Made<TileKey, TilePipeline>,
     comparisons: Made<(&'static [u8], &'static CStr), Comparison>,
     color_passes: Made<vk::Format, Owned<vk::RenderPass>>,
@@ -49,10 +50,30 @@ impl Shared {
     /// # Errors
     /// [`GpuError::Missing`].
     pub unsafe fn new(record: &DeviceRecord) -> Result<Arc<Self>, GpuError> {
+        // SAFETY: the caller vouches for the record; `end` ends the compiler, too.
+        unsafe { Self::made_by(record, Compiler::of(record)) }
+    }
+
+    /// As [`Self::new`], with pipelines made by the thread that asks for them.
+    ///
+    /// # Safety
+    /// As there.
+    ///
+    /// # Errors
+    /// As there.
+    pub(super) unsafe fn at_once(record: &DeviceRecord) -> Result<Arc<Self>, GpuError> {
+        // SAFETY: as above.
+        unsafe { Self::made_by(record, Compiler::at_once(record)) }
+    }
+
+    /// # Safety
+    /// As for [`Self::new`].
+    unsafe fn made_by(record: &DeviceRecord, compiler: Arc<Compiler>) -> Result<Arc<Self>, GpuError> {
         // SAFETY: the caller vouches for the record.
         let gpu = unsafe { Gpu::without_queue(record) }?;
         Ok(Arc::new(Self {
             gpu,
+            compiler,
             tile_pipelines: Made::default(),
             comparisons: Made::default(),
             color_passes: Made::default(),
@@ -68,6 +89,7 @@ impl Shared {
     /// shared, and what was left. Where somebody still works with it, nothing is destroyed, and nothing is done for them any more.
     pub fn end(&self) {
         self.has_ended.store(true, Ordering::Relaxed);
+        self.compiler.end();
         let users = std::mem::take(&mut *self.users());
         let users: Vec<_> = users.iter().filter_map(Weak::upgrade).collect();
         users.iter().for_each(|user| user.abandon());
@@ -112,7 +134,26 @@ impl Shared {
         self.gpu.abandon();
     }
 
-    pub(super) fn tile_pipeline(
+    /// Has something made of what is shared. If that fails, the log says that `otherwise` holds.
+    pub(crate) fn ask<T: Send + Sync + 'static>(
+        self: &Arc<Self>,
+        otherwise: &'static str,
+        make: impl FnOnce(&Self) -> Result<T, GpuError> + Send + 'static,
+    ) -> Later<T> {
+        let shared = Arc::clone(self);
+        self.compiler.ask(otherwise, move |compilation| {
+            shared.gpu.compile_with(compilation);
+            make(&shared)
+        })
+    }
+
+    /// Whether what is drawn to images of this format can be blended with what is there.
+    pub(crate) fn can_blend(&self, format: vk::Format) -> bool {
+        self.gpu.can_blend(format)
+    }
+
+    /// A pipeline that draws to attachments of `format` with entry points of a module of SPIR-V. Compiles, where it is the first.
+    pub(crate) fn tile_pipeline(
         &self,
         format: vk::Format,
         spirv: &'static [u8],
@@ -123,7 +164,8 @@ impl Shared {
             .get_or_make(key, || make_tile_pipeline(&self.gpu, &*self.color_pass(format)?, spirv, shader))
     }
 
-    pub(super) fn comparison(
+    /// A pipeline of an entry point of a module of SPIR-V, as [`Comparison::make`] makes it. Compiles, where it is the first.
+    pub(crate) fn comparison(
         &self,
         spirv: &'static [u8],
         entry: &'static CStr,

@@ -8,8 +8,8 @@ pub use parafovea_core::kernels::change::ChangeParams;
 use super::compose::{ComposeJob, EarlierImage, PictureDepth};
 use crate::gpu::barrier::{APP_COMPARED_TO_RENDERED, APP_RENDERED_TO_COMPARED};
 use crate::gpu::{
-    Compare, CompareSet, Comparison, Gpu, GpuError, Recorder, ResultRing, SUBMITS_IN_FLIGHT, UniformRing,
-    Uses, WordRing, comparison,
+    Compare, CompareSet, Comparison, Gpu, GpuError, Recorder, ResultRing, SUBMITS_IN_FLIGHT, Shared,
+    UniformRing, Uses, WordRing,
 };
 use parafovea_core::geometry::View;
 use parafovea_core::reuse::{ComparedTiles, MAX_AGES, Reuse};
@@ -43,11 +43,29 @@ pub struct ChangeRegion<'a> {
     pub depth: Option<PictureDepth<'a>>,
 }
 
-/// The pass.
-pub(super) struct Change {
-    comparison: Arc<Comparison>,
+/// The pipelines.
+pub(super) struct Comparisons {
+    unmoved: Arc<Comparison>,
     /// Where the head has moved.
     moved: Arc<Comparison>,
+}
+
+impl Comparisons {
+    /// Compiles them.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(super) fn new(shared: &Shared) -> Result<Self, GpuError> {
+        Ok(Self {
+            unmoved: shared.comparison(SPIRV, c"change", false)?,
+            moved: shared.comparison(SPIRV, c"moved_change", true)?,
+        })
+    }
+}
+
+/// The pass.
+pub(super) struct Change {
+    comparisons: Arc<Comparisons>,
     room: Option<Room>,
     /// What is under way, by slot.
     pending: [Pending; SUBMITS_IN_FLIGHT],
@@ -80,18 +98,14 @@ struct Pending {
 
 impl Change {
     /// Prepares the pass.
-    ///
-    /// # Errors
-    /// A failed call.
-    pub(super) fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
-        Ok(Self {
-            comparison: comparison(gpu, SPIRV, c"change", false)?,
-            moved: comparison(gpu, SPIRV, c"moved_change", true)?,
+    pub(super) fn new(gpu: &Arc<Gpu>, comparisons: &Arc<Comparisons>) -> Self {
+        Self {
+            comparisons: Arc::clone(comparisons),
             room: None,
             pending: Default::default(),
             results: Vec::new(),
             gpu: Arc::clone(gpu),
-        })
+        }
     }
 
     /// Room for what jobs compare. What is not enough is replaced, after its last use was waited for, and what it held is lost.
@@ -128,7 +142,8 @@ impl Change {
     /// # Errors
     /// [`GpuError::Invalid`] where [`Self::make_room`] has not made enough.
     pub(super) fn record(&mut self, recorder: &Recorder, jobs: &[ComposeJob]) -> Result<(), GpuError> {
-        let Self { comparison, moved, room, pending, .. } = self;
+        let Self { comparisons, room, pending, .. } = self;
+        let Comparisons { unmoved, moved } = &**comparisons;
         let pending = &mut pending[recorder.slot()];
         pending.submit = 0;
         pending.views.clear();
@@ -161,7 +176,7 @@ impl Change {
                 let params = depth.map_or(params, |depth| params.with_depth(depth.rect));
                 let depth = depth.and_then(|depth| depth.texture());
                 recorder.compare(&Compare {
-                    comparison: if depth.is_some() { moved } else { comparison },
+                    comparison: if depth.is_some() { moved } else { unmoved },
                     parameters: room.set.handle(),
                     offset: room.params.write(recorder, number, &params)?,
                     textures: [newest, earlier],

@@ -20,14 +20,14 @@ pub use reuse::{EarlierImage, ReuseRegion};
 pub use runtime_images::{RUNTIME_USAGE, RuntimeImages};
 pub use shape::{SwapchainShape, stores_unit_range};
 
-use super::change::{Change, ChangeRegion, MAX_COMPARED};
-use crate::gpu::{Gpu, GpuError, UniformRing, UniformSet, Uses};
+use super::change::{Change, ChangeRegion, Comparisons, MAX_COMPARED};
+use crate::gpu::{Gpu, GpuError, Later, UniformRing, UniformSet, Uses};
 use ash::vk;
 use draws::{Draws, EarlierImages};
 use parafovea_core::geometry::View;
 use parafovea_core::reuse::MAX_AGES;
 use parafovea_core::reuse::Reuse;
-use pipelines::{Pipelines, ReusePipelines};
+use pipelines::Pipelines;
 use record::{Sets, record};
 use reuse::ReuseBuffers;
 use std::sync::Arc;
@@ -74,6 +74,7 @@ pub struct Compose {
     uses: Uses,
     pipelines: Vec<(vk::Format, Pipelines)>,
     reuse: Option<ReuseBuffers>,
+    comparisons: Option<Later<Comparisons>>,
     change: Changing,
     uniforms: UniformRing<ComposeParams>,
     uniform_set: UniformSet,
@@ -82,10 +83,10 @@ pub struct Compose {
 
 /// What compares pictures.
 enum Changing {
-    /// Nothing was to be compared yet.
+    /// Nothing was to be compared yet, or the pipelines are not there yet.
     NotYet,
     There(Box<Change>),
-    /// It could not be made.
+    /// There is no room.
     Never,
 }
 
@@ -101,6 +102,7 @@ impl Compose {
             uses: Uses::new(&gpu),
             pipelines: Vec::new(),
             reuse: None,
+            comparisons: None,
             change: Changing::NotYet,
             uniforms,
             uniform_set,
@@ -113,37 +115,62 @@ impl Compose {
         shape::is_color_format(format) && self.gpu.can_compose(format)
     }
 
-    /// Makes what drawing to this format needs. Otherwise the first frame does, which takes longer then.
+    /// Asks for what drawing to this format needs, of which [`Self::attenuates`] says whether it is there.
     ///
     /// # Errors
-    /// [`GpuError::Call`] when the pipeline cannot be made.
+    /// [`GpuError::Invalid`] without a queue.
     pub fn prepare(&mut self, format: vk::Format) -> Result<(), GpuError> {
-        if !self.pipelines.iter().any(|(existing, _)| *existing == format) {
-            self.pipelines.push((format, Pipelines::new(&self.gpu, format)?));
-        }
-        Ok(())
+        self.prepared(format).map(drop)
     }
 
-    /// As [`Self::prepare`], where pictures may be completed from earlier ones too.
+    fn prepared(&mut self, format: vk::Format) -> Result<&mut Pipelines, GpuError> {
+        let known = self.pipelines.iter().position(|(existing, _)| *existing == format);
+        let index = match known {
+            Some(index) => index,
+            None => {
+                self.pipelines.push((format, Pipelines::new(&self.gpu, format)?));
+                self.pipelines.len() - 1
+            }
+        };
+        Ok(&mut self.pipelines[index].1)
+    }
+
+    /// As [`Self::prepare`], where pictures may be completed from earlier ones too: [`Self::completes`].
     ///
     /// # Errors
     /// As there.
     pub fn prepare_reuse(&mut self, format: vk::Format) -> Result<(), GpuError> {
-        self.prepare(format)?;
-        let found = self.pipelines.iter_mut().find(|(existing, _)| *existing == format);
-        if let Some((_, Pipelines { reuse: reuse @ None, .. })) = found {
-            *reuse = Some(ReusePipelines::new(&self.gpu, format)?);
-        }
-        self.prepare_change();
-        Ok(())
+        let gpu = Arc::clone(&self.gpu);
+        self.prepared(format)?.ask_for_reuse(&gpu, format)?;
+        self.prepare_change()
     }
 
-    /// Makes what compares pictures, if that can be.
-    fn prepare_change(&mut self) {
+    /// Whether colour of pictures in this format can be attenuated; asks for what that needs. Waits for nothing.
+    pub fn attenuates(&mut self, format: vk::Format) -> bool {
+        self.prepared(format).is_ok_and(|pipelines| pipelines.attenuates())
+    }
+
+    /// Whether pictures in this format can be completed from earlier ones; asks for what that needs. Waits for nothing.
+    pub fn completes(&mut self, format: vk::Format) -> bool {
+        self.prepare_reuse(format).is_ok()
+            && self.prepared(format).is_ok_and(|pipelines| pipelines.completes())
+    }
+
+    /// Takes what compares pictures, once it is there; asks for it the first time.
+    fn prepare_change(&mut self) -> Result<(), GpuError> {
         if matches!(self.change, Changing::NotYet) {
-            let made = Change::new(&self.gpu);
-            self.change = made.map_or_else(not_compared, |change| Changing::There(Box::new(change)));
+            let asked = match &self.comparisons {
+                Some(asked) => asked,
+                None => {
+                    let otherwise = "what changes in the periphery is not looked for";
+                    self.comparisons.insert(self.gpu.shared()?.ask(otherwise, Comparisons::new))
+                }
+            };
+            if let Some(made) = asked.get() {
+                self.change = Changing::There(Box::new(Change::new(&self.gpu, made)));
+            }
         }
+        Ok(())
     }
 
     /// Hands out what comparisons have found since the last call, of submits that have finished: of each picture its
@@ -162,13 +189,20 @@ impl Compose {
     ///
     /// # Errors
     /// [`GpuError::Invalid`] when an index, a layer or a shape does not fit, an image is in two jobs, or there
-    /// are more than [`MAX_REGIONS`]; [`GpuError::Timeout`] when earlier submits hang; a failed call. Then
+    /// are more than [`MAX_REGIONS`], or something is to be done for which the pipelines are not there; [`GpuError::Timeout`] when earlier submits hang; a failed call. Then
     /// nothing was submitted.
     pub fn submit(&mut self, jobs: &[ComposeJob]) -> Result<(), GpuError> {
         check(jobs)?;
         for job in jobs {
             let format = job.app.shape().format;
-            if job.reuse.is_empty() { self.prepare(format) } else { self.prepare_reuse(format) }?;
+            let is_there = match (job.regions, job.reuse) {
+                ([], []) => true,
+                (_, []) => self.attenuates(format),
+                _ => self.completes(format),
+            };
+            if !is_there {
+                return Err(GpuError::Invalid("pipelines that are not there yet"));
+            }
         }
         let draws = Draws::new(jobs)?;
         self.make_room(&draws)?;
@@ -216,7 +250,9 @@ impl Compose {
         if jobs.iter().all(|job| job.changes.is_empty()) {
             return;
         }
-        self.prepare_change();
+        if let Err(error) = self.prepare_change() {
+            self.change = not_compared(error);
+        }
         if let Changing::There(change) = &mut self.change
             && let Err(error) = change.make_room(jobs)
         {

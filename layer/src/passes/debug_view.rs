@@ -8,8 +8,8 @@ pub use parafovea_core::kernels::debug_view::{DebugView, DebugViewParams, MapSha
 use super::compose::RuntimeImages;
 use crate::gpu::barrier::RUNTIME_DRAWN_TO_BLENDED;
 use crate::gpu::{
-    DeviceBuffer, Gpu, GpuError, ListSet, Output, TileDraw, TilePipeline, TileShader, UniformRing, Uses,
-    tile_pipeline,
+    DeviceBuffer, Gpu, GpuError, Later, ListSet, Output, Shared, TileDraw, TilePipeline, TileShader,
+    UniformRing, Uses,
 };
 use ash::vk;
 use smallvec::SmallVec;
@@ -41,12 +41,19 @@ pub struct DebugViewJob<'a> {
 pub struct DebugViewPass {
     // First: waits before the rest is destroyed.
     uses: Uses,
-    pipelines: Vec<(vk::Format, DebugView, Arc<TilePipeline>)>,
+    pipelines: Vec<Drawn>,
     maps: Option<Maps>,
     /// Whether copies to the maps are under way that no submit of ours comes behind.
     has_copies: bool,
     uniforms: UniformRing<DebugViewParams>,
     gpu: Arc<Gpu>,
+}
+
+/// What draws a view to images of one format, some time after it was asked for.
+struct Drawn {
+    format: vk::Format,
+    view: DebugView,
+    pipeline: Later<Arc<TilePipeline>>,
 }
 
 /// Maps of both pictures, one behind the other.
@@ -109,14 +116,15 @@ impl DebugViewPass {
         }
     }
 
-    /// Draws over the pictures, at most [`MOST_PICTURES`], without waiting. A steady frame allocates nothing on the heap.
+    /// Draws over the pictures, at most [`MOST_PICTURES`], without waiting; false where what draws them is not there yet. A steady frame
+    /// allocates nothing on the heap.
     ///
     /// All images are COLOR_ATTACHMENT_OPTIMAL before and after.
     ///
     /// # Errors
     /// [`GpuError::Unsupported`] where the format cannot be blended; [`GpuError::Invalid`] when something is not there or too
     /// large; [`GpuError::Timeout`] when earlier submits hang; a failed call. Then nothing was submitted.
-    pub fn submit(&mut self, jobs: &[DebugViewJob]) -> Result<(), GpuError> {
+    pub fn submit(&mut self, jobs: &[DebugViewJob]) -> Result<bool, GpuError> {
         let mut jobs: SmallVec<[&DebugViewJob; MOST_PICTURES]> = jobs.iter().collect();
         if let Some(error) = jobs.iter().find_map(|job| rect_of(job).err()) {
             return Err(error);
@@ -127,10 +135,14 @@ impl DebugViewPass {
         }
         jobs.retain(|job| job.params.drawn().is_some());
         if jobs.is_empty() {
-            return Ok(());
+            return Ok(true);
         }
+        let mut is_there = true;
         for job in &jobs {
-            self.prepare(job)?;
+            is_there &= self.prepare(job)?;
+        }
+        if !is_there {
+            return Ok(false);
         }
         let bytes = jobs.iter().filter_map(|job| Some(job.map?.len())).max().unwrap_or(0);
         // Also where there are none: the set has to be there.
@@ -162,12 +174,11 @@ impl DebugViewPass {
             }
             for (job, offset) in &draws {
                 let format = job.runtime.shape().format;
-                let is_its = |(existing, view, _): &&(vk::Format, DebugView, Arc<TilePipeline>)| {
-                    *existing == format && Some(*view) == job.params.drawn()
-                };
-                let pipeline = pipelines.iter().find(is_its);
+                let is_its =
+                    |drawn: &&Drawn| drawn.format == format && Some(drawn.view) == job.params.drawn();
+                let pipeline = pipelines.iter().find(is_its).and_then(|drawn| drawn.pipeline.get());
                 let target = job.runtime.target(job.runtime_index, job.array_layer);
-                let (Some((_, _, pipeline)), Some(target)) = (pipeline, target) else {
+                let (Some(pipeline), Some(target)) = (pipeline, target) else {
                     return Err(GpuError::Invalid("an array layer out of range"));
                 };
                 let rect = rect_of(job)?;
@@ -192,14 +203,16 @@ impl DebugViewPass {
         for job in &jobs {
             job.runtime.uses().mark(submit);
         }
-        Ok(())
+        Ok(true)
     }
 
-    fn prepare(&mut self, job: &DebugViewJob) -> Result<(), GpuError> {
+    /// Whether what draws a picture is there; asks for it the first time.
+    fn prepare(&mut self, job: &DebugViewJob) -> Result<bool, GpuError> {
         let format = job.runtime.shape().format;
-        let Some(view) = job.params.drawn() else { return Ok(()) };
-        if self.pipelines.iter().any(|(existing, of, _)| (*existing, *of) == (format, view)) {
-            return Ok(());
+        let Some(view) = job.params.drawn() else { return Ok(true) };
+        let known = self.pipelines.iter().find(|drawn| (drawn.format, drawn.view) == (format, view));
+        if let Some(known) = known {
+            return Ok(known.pipeline.get().is_some());
         }
         if !self.gpu.can_blend(format) {
             return Err(GpuError::Unsupported("blending in this format"));
@@ -217,8 +230,11 @@ impl DebugViewPass {
             has_depth: false,
             output: Output::Blended,
         };
-        self.pipelines.push((format, view, tile_pipeline(&self.gpu, format, SPIRV, &shader)?));
-        Ok(())
+        let make = move |shared: &Shared| shared.tile_pipeline(format, SPIRV, &shader);
+        let pipeline = self.gpu.shared()?.ask("debug views are off", make);
+        let is_there = pipeline.get().is_some();
+        self.pipelines.push(Drawn { format, view, pipeline });
+        Ok(is_there)
     }
 }
 

@@ -11,6 +11,7 @@ use super::rates::Rates;
 use super::submit::Prologues;
 use super::table::Table;
 use super::timing::Timing;
+use crate::gpu::Compiler;
 use crate::gpu::functions::Functions;
 use crate::link::{
     BACKEND_ANY, BACKEND_NONE, DeviceEnds, DeviceRecord, OfferRecord, SettingsRecord, SwapchainRecord,
@@ -148,6 +149,7 @@ impl Armed {
     /// Waits for work of ours, and destroys what is ours, before the device is destroyed.
     pub fn destroy_own(&self) {
         let told = std::mem::take(&mut *self.told_of_end.lock().unwrap_or_else(PoisonError::into_inner));
+        Compiler::end_on(self.record.device);
         for ends in told {
             // SAFETY: a function of the other half, which is never unloaded; the device is live.
             unsafe { ends(self.record.device) };

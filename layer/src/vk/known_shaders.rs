@@ -6,9 +6,8 @@
 
 mod file;
 
-use super::Enablement;
 use super::rates::shader::FragmentShaders;
-use parafovea_manifest::paths::Environment;
+use crate::cache_file;
 use smallvec::SmallVec;
 use std::collections::{HashMap, VecDeque};
 use std::path::PathBuf;
@@ -73,11 +72,7 @@ impl KnownShaders {
     /// The facts of this process, with the file's in `$XDG_CACHE_HOME/parafovea`.
     pub fn of_process() -> &'static Arc<Self> {
         static KNOWN: OnceLock<Arc<KnownShaders>> = OnceLock::new();
-        KNOWN.get_or_init(|| {
-            let environment = Environment::of_process(Enablement::of_process() == Enablement::Elevated);
-            let folder = environment.cache_home().filter(|_| !cfg!(test));
-            Arc::new(Self::at(folder.map(|folder| folder.join("parafovea/shaders"))))
-        })
+        KNOWN.get_or_init(|| Arc::new(Self::at(cache_file::folder().map(|folder| folder.join("shaders")))))
     }
 
     /// The facts of a file; none of a damaged or unreadable one.

@@ -20,7 +20,7 @@ use super::backend::{Backend, RateMap};
 use super::objects::Image;
 use super::shader_modules::ShaderModules;
 use super::table::Table;
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::{Compilation, Compiler, Gpu, GpuError, Later};
 use crate::link::{BACKEND_MASK, DeviceRecord, OfferRecord};
 use crate::mask::PipelineFacts;
 use crate::passes::fill::Fill;
@@ -38,8 +38,8 @@ pub struct Masks {
     /// Made when it is first needed: while a device is being created, the Vulkan loader answers no questions.
     gpu: OnceLock<Option<Arc<Gpu>>>,
     is_cpu: bool,
-    /// Made with the first mask: it compiles pipelines.
-    fill: Mutex<Option<Arc<Fill>>>,
+    /// Asked for with the first mask; nothing where there is no device to compile on.
+    fill: Mutex<Option<Later<Fill>>>,
     /// Render passes that load depth where the application's clear it, by those.
     loading: Table<vk::RenderPass, vk::RenderPass>,
     modules: ShaderModules,
@@ -81,17 +81,23 @@ impl Masks {
         self.gpu.get_or_init(make_or_log).as_ref()
     }
 
-    /// The pass that fills, made the first time.
-    fn fill(&self, gpu: &Arc<Gpu>) -> Result<Arc<Fill>, GpuError> {
+    /// The pass that fills, once it was compiled; asks for it the first time.
+    fn fill(&self, gpu: &Arc<Gpu>) -> Option<Arc<Fill>> {
         if let Some(fill) = &*self.kept_fill() {
-            return Ok(Arc::clone(fill));
+            return fill.get().cloned();
         }
-        // Made without the lock, which is not held across calls down: another thread may have been faster.
-        let new = Arc::new(Fill::new(gpu)?);
-        Ok(Arc::clone(self.kept_fill().get_or_insert(new)))
+        let gpu = Arc::clone(gpu);
+        let make = move |compilation: &Arc<Compilation>| {
+            gpu.compile_with(compilation);
+            Fill::new(&gpu)
+        };
+        // Asked for without the lock, which is not held across calls down: another thread may have been faster.
+        // SAFETY: `on`'s caller vouched for the record; the compiler ends before the device.
+        let new = unsafe { Compiler::of(&self.record) }.ask("no masks", make);
+        self.kept_fill().get_or_insert(new).get().cloned()
     }
 
-    fn kept_fill(&self) -> MutexGuard<'_, Option<Arc<Fill>>> {
+    fn kept_fill(&self) -> MutexGuard<'_, Option<Later<Fill>>> {
         self.fill.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -14,7 +14,7 @@ pub use laid::{Laid, Place, Written};
 
 use super::armed::Armed;
 use super::submit::Prologues;
-use crate::gpu::AppCommands;
+use crate::gpu::{AppCommands, Later};
 use crate::link::PictureRecord;
 use ash::vk;
 use eye::{Eye, EyeTiles, Measured};
@@ -38,14 +38,15 @@ const LONGEST_PLANS: u64 = 60;
 /// What has to live until the GPU is done with it.
 pub type Kept = SmallVec<[Arc<dyn Any + Send + Sync>; 12]>;
 
-/// The kernels, once they are needed.
+/// The kernels, compiled once they are needed.
 #[derive(Default)]
 enum Made {
     #[default]
     NotYet,
-    /// They could not be made, or the device is about to be destroyed.
+    /// They are there once they were compiled.
+    Asked(Later<Tools>),
+    /// The device is about to be destroyed.
     Never,
-    There(Arc<Tools>),
 }
 
 #[derive(Default)]
@@ -218,20 +219,20 @@ impl Perception {
         drop(tools);
     }
 
-    /// The kernels, made the first time.
+    /// The kernels, once they were compiled; asks for them the first time.
     fn tools(&self, armed: &Armed) -> Option<Arc<Tools>> {
         let is_new = matches!(*self.kept_tools(), Made::NotYet);
         if is_new {
-            // Made without the lock, which is not held across calls down.
-            let new = Tools::new(armed).map_or(Made::Never, |tools| Made::There(Arc::new(tools)));
-            *self.kept_tools() = new;
+            // Asked for without the lock, which is not held across calls down.
+            let asked = Made::Asked(Tools::ask(armed));
+            *self.kept_tools() = asked;
         }
         self.made()
     }
 
     fn made(&self) -> Option<Arc<Tools>> {
         match &*self.kept_tools() {
-            Made::There(tools) => Some(Arc::clone(tools)),
+            Made::Asked(tools) => tools.get().cloned(),
             Made::NotYet | Made::Never => None,
         }
     }

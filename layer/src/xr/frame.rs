@@ -194,8 +194,8 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) -
     let mut works: Works = swapchains.iter().filter_map(|swapchain| Work::begin(swapchain)).collect();
     // SAFETY: the caller vouches for `info`.
     unsafe {
-        process(session, active, info, &mut works);
-        complete::complete(session, active, info, &mut works, &mut history);
+        process(session, active, tools, info, &mut works);
+        complete::complete(session, active, tools, info, &mut works, &mut history);
     }
     works.retain(|work| work.is_due(is_drawn_over));
     works.retain(|work| work.take_image(next));
@@ -237,7 +237,13 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) -
 /// # Safety
 ///
 /// As for [`deliver`].
-unsafe fn process(session: &Session, active: &Active, info: &xr::FrameEndInfo, works: &mut Works) {
+unsafe fn process(
+    session: &Session,
+    active: &Active,
+    tools: &Tools,
+    info: &xr::FrameEndInfo,
+    works: &mut Works,
+) {
     let mut flat: SmallVec<[&xr::SwapchainSubImage; 16]> = SmallVec::new();
     // SAFETY: the caller vouches for `info`.
     for shown in unsafe { layers::of(info) } {
@@ -251,7 +257,7 @@ unsafe fn process(session: &Session, active: &Active, info: &xr::FrameEndInfo, w
                     is_virtual = true;
                 }
                 if is_virtual && active.health() == Health::Works {
-                    process_layer(session, active, &layer, info.display_time, works);
+                    process_layer(session, (active, tools), &layer, info.display_time, works);
                 }
             }
         }
@@ -265,7 +271,7 @@ unsafe fn process(session: &Session, active: &Active, info: &xr::FrameEndInfo, w
 /// Adds the rectangles of a projection layer in which colour is attenuated.
 fn process_layer(
     session: &Session,
-    active: &Active,
+    (active, tools): (&Active, &Tools),
     layer: &Projection<'_>,
     time: xr::Time,
     works: &mut Works,
@@ -280,7 +286,9 @@ fn process_layer(
         let shows = |work: &&mut Work| work.swapchain.handle == view.sub_image.swapchain;
         // Of quad views, the third and fourth are insets of the first two.
         let Some((focus, chroma)) = &focuses[index % 2] else { continue };
-        if let Some(work) = works.iter_mut().find(shows) {
+        if let Some(work) = works.iter_mut().find(shows)
+            && tools.compose().attenuates(work.format())
+        {
             work.process(view, Focus { direction: head * focus.direction, ..*focus }, chroma);
         }
     }

@@ -9,6 +9,8 @@ use std::ffi::{CStr, c_char};
 use std::mem::transmute;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::thread::sleep;
+use std::time::Duration;
 
 static NEXT: OnceLock<vk::PFN_vkGetDeviceProcAddr> = OnceLock::new();
 static CREATE: OnceLock<vk::PFN_vkCreateGraphicsPipelines> = OnceLock::new();
@@ -40,7 +42,9 @@ fn session(record: &DeviceRecord, shared: &Arc<Shared>) -> Compose {
     // SAFETY: the record is of a live device with this queue, which nobody else uses now.
     let gpu = unsafe { Gpu::sharing(record, (0, 0), Arc::clone(shared)) }.unwrap();
     let mut compose = Compose::new(gpu).unwrap();
-    compose.prepare(vk::Format::R8G8B8A8_SRGB).unwrap();
+    while !compose.attenuates(vk::Format::R8G8B8A8_SRGB) {
+        sleep(Duration::from_millis(1));
+    }
     compose
 }
 

@@ -50,6 +50,8 @@ pub struct VulkanFault {
 pub struct FaultReport {
     /// Parafovea's own calls of functions that can fail, by name.
     pub own: BTreeMap<String, u64>,
+    /// Of those, the calls on threads of Parafovea: where neither application nor runtime has called.
+    pub own_on_threads: BTreeMap<String, u64>,
     /// Those of the application and of the runtime.
     pub application: BTreeMap<String, u64>,
     /// Calls that were made to fail, without those of a device that is lost.
@@ -67,6 +69,8 @@ struct Call {
 thread_local! {
     /// The application's call that goes through Parafovea on this thread.
     static PASSING: Cell<Option<Call>> = const { Cell::new(None) };
+    /// Whether this thread is the application's, or the runtime's.
+    static IS_OTHERS: Cell<bool> = const { Cell::new(false) };
 }
 
 /// The layer above Parafovea.
@@ -107,6 +111,7 @@ trait Side: Layer {
 impl Side for Calls {
     fn made(&self, call: Call, next: impl FnOnce() -> vk::Result, _: impl FnOnce()) -> vk::Result {
         let outer = PASSING.replace(Some(call));
+        IS_OTHERS.set(true);
         let result = next();
         PASSING.set(outer);
         result
@@ -195,6 +200,9 @@ impl Faults {
         };
         let name = call.name.to_str().unwrap_or_default();
         let mut state = self.state();
+        if whose == Whose::Own && !IS_OTHERS.get() {
+            *state.report.own_on_threads.entry(name.to_owned()).or_default() += 1;
+        }
         let counts = match whose {
             Whose::Own => &mut state.report.own,
             Whose::Application => &mut state.report.application,

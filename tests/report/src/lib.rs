@@ -8,6 +8,7 @@
 
 pub mod advice;
 mod bits;
+mod estimates;
 pub mod gpu;
 mod measure;
 pub mod page;

@@ -1,6 +1,7 @@
 //! The page: one file, which needs nothing else.
 
 use crate::advice::advice;
+use crate::estimates;
 use crate::pictures::Pictures;
 use crate::plot;
 use crate::points::Sweep;
@@ -98,6 +99,10 @@ fn first_screen(results: &Results, gpus: &[Results], contests: &[(&SceneResults,
                 "This device is a CPU that draws in software. Its times are those of the fallback, the mask, on such a device: "
                 b { "they are not the speed that a user with a GPU sees." } " Errors are those of any device."
             }
+        }
+        p.note {
+            "Estimates, of 2 x 2160 x 2160 pixels: nobody measured them. By instructions that Mesa's compilers make, and data sheets, the least and the \
+             greatest of " (estimates::gpus()) " (tests/baselines/drivers.md)."
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The tables, as Markdown, CSV and lines of JSON; the page has the same cells.
 
+use crate::estimates;
 use crate::results::Results;
 use crate::summary::{Row, mean_rows, scene_rows};
 use parafovea_errors::RING_NAMES;
@@ -15,6 +16,7 @@ pub fn titles(results: &Results) -> Vec<String> {
         "p99 ms".to_owned(),
     ]);
     titles.push("GPU ms x off".to_owned());
+    titles.push("own kernels, GPU ms (estimate)".to_owned());
     titles.extend(RING_NAMES.map(|ring| format!("JND {ring}°")));
     titles.extend(["contrast loss, JND", "detected, JND", "flicker", "chroma JND"].map(str::to_owned));
     titles
@@ -31,6 +33,7 @@ pub fn cells(row: &Row, gpu: &[Row]) -> Vec<String> {
         Some(row) => format!("{} ({})", number(row.ms, 2), number(row.ratio, 2)),
         None => "none yet".to_owned(),
     });
+    cells.push(estimates::cell(row.sweep));
     cells.extend(row.sustained.map(|value| number(value, 2)));
     cells.extend([
         number(Some(row.loss), 3),

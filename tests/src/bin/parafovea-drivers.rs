@@ -1,7 +1,8 @@
-//! `cargo dev drivers [--json] [PART] | --profiles`: the layer on Mesa's real drivers over no-op kernel shims.
+//! `cargo dev drivers [--json] [PART] | --profiles | --kernels | --cache`: the layer on Mesa's real drivers over no-op kernel shims.
 
+use parafovea_tests::drivers::kernels;
 use parafovea_tests::drivers::profiles::{self, QUERIED};
-use parafovea_tests::drivers::{Folder, JsonCell, Matrix, Row, ShimDevice, Target};
+use parafovea_tests::drivers::{Folder, JsonCell, Matrix, Program, Row, ShimDevice, Target, warmth};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -18,6 +19,8 @@ fn main() -> ExitCode {
 struct Request {
     json: bool,
     profiles: bool,
+    kernels: bool,
+    cache: bool,
     part: String,
 }
 
@@ -28,9 +31,13 @@ impl Request {
             match argument.as_str() {
                 "--json" => request.json = true,
                 "--profiles" => request.profiles = true,
+                "--kernels" => request.kernels = true,
+                "--cache" => request.cache = true,
                 part if !part.starts_with('-') && request.part.is_empty() => request.part = argument,
                 other => {
-                    return Err(format!("`{other}`: usage: cargo dev drivers [--json] [PART] | --profiles"));
+                    return Err(format!(
+                        "`{other}`: usage: cargo dev drivers [--json] [PART] | --profiles | --kernels | --cache"
+                    ));
                 }
             }
         }
@@ -42,6 +49,15 @@ fn check(request: &Request) -> Result<(), String> {
     if request.profiles {
         let written = QUERIED.into_iter().try_for_each(|(profile, device)| profiles::write(profile, device));
         return written.map_err(|error| error.to_string());
+    }
+    if request.kernels {
+        let all = kernels::keep().map_err(|error| error.to_string())?;
+        println!("{}", kernels::table(&all));
+        return Ok(());
+    }
+    if request.cache {
+        print_warmth(ShimDevice::Navi21);
+        return Ok(());
     }
     let targets = targets();
     for target in &targets {
@@ -57,6 +73,18 @@ fn check(request: &Request) -> Result<(), String> {
         (0, _) => Err(format!("no device and program have `{}` in their names", request.part)),
         (_, 0) => Ok(()),
         (runs, faults) => Err(format!("something was wrong in {faults} of {runs} runs")),
+    }
+}
+
+/// Prints what a warm driver cache lacks for each style.
+fn print_warmth(device: ShimDevice) {
+    println!("| program | without, cold | without, again | rates | rates, again | everything |");
+    println!("|---|---:|---:|---:|---:|---:|");
+    for program in Program::all().into_iter().filter(|program| matches!(program, Program::Style(_))) {
+        match warmth(program, device) {
+            Ok(warmth) => println!("{warmth}"),
+            Err(error) => eprintln!("skipped: {}: {error}", program.name()),
+        }
     }
 }
 

@@ -62,7 +62,8 @@ impl Mode {
         }
     }
 
-    fn layer(self) -> LayerMode {
+    /// The layer with that configuration.
+    pub(super) fn layer(self) -> LayerMode {
         let config = match self {
             Self::Off => return LayerMode::Absent,
             Self::Inert => "enabled = false\n",

@@ -6,7 +6,7 @@ use parafovea_test_layers::{VulkanFault, Whose};
 use std::collections::BTreeMap;
 
 const OUT_OF_HOST_MEMORY: i32 = -1;
-const OUT_OF_DEVICE_MEMORY: i32 = -2;
+pub const OUT_OF_DEVICE_MEMORY: i32 = -2;
 const DEVICE_LOST: i32 = -4;
 const MEMORY_MAP_FAILED: i32 = -5;
 /// No error: what was waited for takes longer.

@@ -1,18 +1,18 @@
 //! The pipelines for one format.
 
-use crate::gpu::{Gpu, GpuError, Output, TilePipeline, TileShader, tile_pipeline};
+use crate::gpu::{Gpu, GpuError, Later, Output, Shared, TilePipeline, TileShader};
 use ash::vk;
 use std::ffi::CStr;
 use std::sync::Arc;
 
 const SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/compose.spv"));
 
-/// Pipelines that draw to images of one format.
+/// Pipelines that draw to images of one format, each there some time after it was asked for.
 pub(super) struct Pipelines {
     /// Attenuates the colour of all tiles.
-    pub(super) chroma: Arc<TilePipeline>,
-    /// What completes pictures, once that is prepared.
-    pub(super) reuse: Option<ReusePipelines>,
+    pub(super) chroma: Later<Arc<TilePipeline>>,
+    /// What completes pictures, once that was asked for.
+    pub(super) reuse: Option<Later<ReusePipelines>>,
 }
 
 /// Pipelines that draw listed tiles. Of two the second attenuates colour too.
@@ -41,7 +41,7 @@ pub(super) struct Borders {
 }
 
 impl Pipelines {
-    pub(super) fn new(gpu: &Arc<Gpu>, format: vk::Format) -> Result<Self, GpuError> {
+    pub(super) fn new(gpu: &Gpu, format: vk::Format) -> Result<Self, GpuError> {
         let shader = TileShader {
             vertex: c"tile",
             fragment: c"pixel",
@@ -49,15 +49,35 @@ impl Pipelines {
             has_depth: false,
             output: Output::Color,
         };
-        Ok(Self { chroma: tile_pipeline(gpu, format, SPIRV, &shader)?, reuse: None })
+        let make = move |shared: &Shared| shared.tile_pipeline(format, SPIRV, &shader);
+        Ok(Self { chroma: gpu.shared()?.ask("chroma is off", make), reuse: None })
+    }
+
+    /// Asks for what completes pictures.
+    pub(super) fn ask_for_reuse(&mut self, gpu: &Gpu, format: vk::Format) -> Result<(), GpuError> {
+        if self.reuse.is_none() {
+            let make = move |shared: &Shared| ReusePipelines::new(shared, format);
+            self.reuse = Some(gpu.shared()?.ask("re-use is off", make));
+        }
+        Ok(())
+    }
+
+    /// Whether colour can be attenuated.
+    pub(super) fn attenuates(&self) -> bool {
+        self.chroma.get().is_some()
+    }
+
+    /// Whether pictures can be completed.
+    pub(super) fn completes(&self) -> bool {
+        self.attenuates() && self.reuse.as_ref().is_some_and(|reuse| reuse.get().is_some())
     }
 }
 
 impl ReusePipelines {
-    pub(super) fn new(gpu: &Arc<Gpu>, format: vk::Format) -> Result<Self, GpuError> {
+    fn new(shared: &Shared, format: vk::Format) -> Result<Self, GpuError> {
         let pipeline = |vertex: &'static CStr, fragment: &'static CStr, has_depth: bool, output: Output| {
             let shader = TileShader { vertex, fragment, has_lists: true, has_depth, output };
-            tile_pipeline(gpu, format, SPIRV, &shader)
+            shared.tile_pipeline(format, SPIRV, &shader)
         };
         let both = |vertex, [plain, attenuated]: [&'static CStr; 2], has_depth, output| {
             let pipeline = |fragment| pipeline(vertex, fragment, has_depth, output);
@@ -77,7 +97,7 @@ impl ReusePipelines {
             whole: both(c"listed_found", [c"whole", c"whole_attenuated"], false, all)?,
             mixed: both(c"listed", [c"mixed", c"mixed_attenuated"], false, all)?,
             moved: both(c"listed", [c"moved", c"moved_attenuated"], true, all)?,
-            borders: if gpu.can_blend(format) { Some(borders()?) } else { None },
+            borders: if shared.can_blend(format) { Some(borders()?) } else { None },
         })
     }
 }

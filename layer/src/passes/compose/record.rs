@@ -9,7 +9,7 @@ use crate::gpu::barrier::{
     APP_COPIED_TO_RENDERED, APP_COPIED_TO_SAMPLED, APP_RENDERED_TO_COPIED, APP_RENDERED_TO_SAMPLED,
     APP_SAMPLED_TO_RENDERED, RUNTIME_ACQUIRED_TO_COPIED, RUNTIME_COPIED_TO_DRAWN,
 };
-use crate::gpu::{DrawRecorder, ListSet, Recorder, TileDraw, TilePipeline, UniformSet};
+use crate::gpu::{DrawRecorder, Later, ListSet, Recorder, TileDraw, TilePipeline, UniformSet};
 use ash::vk;
 use parafovea_core::reuse::MAX_AGES;
 use smallvec::SmallVec;
@@ -77,6 +77,8 @@ fn draw(
 ) {
     let format = job.app.shape().format;
     let Some((_, pipelines)) = pipelines.iter().find(|(existing, _)| *existing == format) else { return };
+    let Some(chroma) = pipelines.chroma.get() else { return };
+    let reuse = pipelines.reuse.as_ref().and_then(Later::get);
     for layer in 0..job.layers() {
         let of_layer = |draw: &&Draw| draw.job == number && draw.layer == layer && draw.draws();
         let mut of_layer = draws.iter().filter(of_layer).peekable();
@@ -85,9 +87,9 @@ fn draw(
         let (Some(_), Some(target), Some(texture)) = (of_layer.peek(), target, texture) else { continue };
         recorder.draw_to(target, |pass| {
             for draw in of_layer {
-                match (draw.reuse, &pipelines.reuse, sets.lists) {
+                match (draw.reuse, &reuse, sets.lists) {
                     (None, ..) => pass.draw_tiles(&TileDraw {
-                        pipeline: &pipelines.chroma,
+                        pipeline: chroma,
                         parameters: sets.plain.handle(),
                         offsets: &[draw.offset.get()],
                         texture: Some(texture),

@@ -1,11 +1,10 @@
 //! The file of facts: a line with version and checksum, then a line for each shader: identifier, effects, name.
 
 use super::{Facts, Identifier};
+use crate::cache_file::{self, checksum};
 use crate::vk::rates::shader::{Effects, FragmentShaders};
 use std::fmt::Write as _;
-use std::fs::{self, DirBuilder, OpenOptions};
-use std::io::{self, Read, Write as _};
-use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
+use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -17,30 +16,12 @@ const MAX_BYTES: u64 = 8 << 20;
 
 /// The facts of a file; `None` for a missing, damaged or differently versioned one.
 pub(super) fn read(path: &Path) -> Option<Facts> {
-    let flags = libc::O_NOFOLLOW | libc::O_NONBLOCK;
-    let file = OpenOptions::new().read(true).custom_flags(flags).open(path).ok()?;
-    if !file.metadata().ok()?.is_file() {
-        return None;
-    }
-    let mut text = String::new();
-    file.take(MAX_BYTES).read_to_string(&mut text).ok()?;
-    parse(&text)
+    parse(str::from_utf8(&cache_file::read(path, MAX_BYTES)?).ok()?)
 }
 
 /// Writes facts to another file, which then takes the place of the one at `path`.
 pub(super) fn write(path: &Path, facts: &Facts) -> io::Result<()> {
-    let folder = path.parent().ok_or(io::ErrorKind::InvalidInput)?;
-    DirBuilder::new().recursive(true).mode(0o700).create(folder)?;
-    let next = folder.join(format!(".shaders.{}", std::process::id()));
-    let mut file = OpenOptions::new()
-        .write(true)
-        .create(true)
-        .truncate(true)
-        .mode(0o600)
-        .custom_flags(libc::O_NOFOLLOW)
-        .open(&next)?;
-    let written = file.write_all(print(facts).as_bytes()).and_then(|()| fs::rename(&next, path));
-    written.inspect_err(|_| drop(fs::remove_file(&next)))
+    cache_file::write(path, print(facts).as_bytes())
 }
 
 pub(super) fn print(facts: &Facts) -> String {
@@ -55,12 +36,12 @@ pub(super) fn print(facts: &Facts) -> String {
             let _ = writeln!(lines, " {:02x} {name}", effects.to_bits());
         }
     }
-    format!("{HEADER}{:016x}\n{lines}", checksum(&lines))
+    format!("{HEADER}{:016x}\n{lines}", checksum(lines.as_bytes()))
 }
 
 pub(super) fn parse(text: &str) -> Option<Facts> {
     let (first, lines) = text.split_once('\n')?;
-    if u64::from_str_radix(first.strip_prefix(HEADER)?, 16) != Ok(checksum(lines)) {
+    if u64::from_str_radix(first.strip_prefix(HEADER)?, 16) != Ok(checksum(lines.as_bytes())) {
         return None;
     }
     let mut facts = Facts::default();
@@ -91,11 +72,4 @@ fn bytes(hexadecimal: &str) -> Option<Identifier> {
     let is_whole = digits.len().is_multiple_of(2) && !digits.is_empty() && digits.len() <= 64;
     let byte = |pair: &[u8]| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok();
     if is_whole { digits.chunks_exact(2).map(byte).collect() } else { None }
-}
-
-/// FNV-1a, 64 bits: against damage, not against somebody.
-fn checksum(text: &str) -> u64 {
-    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
 }

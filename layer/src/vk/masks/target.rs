@@ -83,14 +83,16 @@ impl TargetMask {
     ///
     /// It is for others, or cannot be made.
     pub(super) fn map(&self, eligible: Eligible) -> Result<Arc<MaskMap>, Reason> {
-        let make = || {
-            let gpu = self.masks.gpu()?;
-            let fill = self.masks.fill(gpu);
-            let map =
-                fill.and_then(|fill| MaskMap::new(gpu, &fill, eligible, self.extent, self.target.layers));
-            map.inspect_err(|error| error.tell("no mask")).ok().map(Arc::new)
-        };
-        let map = self.map.get_or_init(make).as_ref().ok_or(Reason::Failed)?;
+        if self.map.get().is_none() {
+            let gpu = self.masks.gpu().ok_or(Reason::Failed)?;
+            let fill = self.masks.fill(gpu).ok_or(Reason::New)?;
+            let make = || {
+                let map = MaskMap::new(gpu, &fill, eligible, self.extent, self.target.layers);
+                map.inspect_err(|error| error.tell("no mask")).ok().map(Arc::new)
+            };
+            self.map.get_or_init(make);
+        }
+        let map = self.map.get().and_then(Option::as_ref).ok_or(Reason::Failed)?;
         if map.eligible() == eligible { Ok(Arc::clone(map)) } else { Err(Reason::Changes) }
     }
 

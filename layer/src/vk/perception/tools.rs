@@ -1,6 +1,6 @@
 //! The kernels, on one device.
 
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::{Compilation, Compiler, Gpu, GpuError, Later};
 use crate::passes::analyze::Analyze;
 use crate::passes::decide::Decide;
 use crate::passes::lay::Lay;
@@ -18,18 +18,25 @@ pub struct Tools {
 }
 
 impl Tools {
-    /// Compiles the kernels; nothing, with one line in the log, where that fails.
-    pub(super) fn new(armed: &Armed) -> Option<Self> {
-        let make = || {
-            // SAFETY: the record is of this device, which is live; all that is made of it is dropped before it is destroyed.
-            let gpu = unsafe { Gpu::without_queue(&armed.record) }?;
-            if !gpu.computes_where_it_draws() {
-                return Err(GpuError::Unsupported("a queue that can draw and not compute"));
-            }
-            let (analyze, decide) = (Analyze::new(&gpu)?, Decide::new(&gpu)?);
-            let (lay, mask) = (Lay::new(&gpu)?, MaskPass::new(&gpu)?);
-            Ok(Self { gpu, analyze, decide, lay, mask })
-        };
-        make().inspect_err(|error| error.tell("rates are rings, whatever the pictures show")).ok()
+    /// Has the kernels compiled.
+    pub(super) fn ask(armed: &Armed) -> Later<Self> {
+        let record = armed.record;
+        // SAFETY: the record is of this device, which is live; its compiler ends before it is destroyed, and all that is made of the
+        // record is dropped.
+        unsafe {
+            let make =
+                move |compilation: &Arc<Compilation>| Self::new(Gpu::without_queue(&record)?, compilation);
+            Compiler::of(&record).ask("rates are rings, whatever the pictures show", make)
+        }
+    }
+
+    fn new(gpu: Arc<Gpu>, compilation: &Arc<Compilation>) -> Result<Self, GpuError> {
+        gpu.compile_with(compilation);
+        if !gpu.computes_where_it_draws() {
+            return Err(GpuError::Unsupported("a queue that can draw and not compute"));
+        }
+        let (analyze, decide) = (Analyze::new(&gpu)?, Decide::new(&gpu)?);
+        let (lay, mask) = (Lay::new(&gpu)?, MaskPass::new(&gpu)?);
+        Ok(Self { gpu, analyze, decide, lay, mask })
     }
 }

@@ -6,7 +6,7 @@ use super::history::{Completing, History, ShownPicture};
 use super::layers::{self, Projection, Shown};
 use super::work::Work;
 use crate::config::{ReuseMode, longest_period, wants_reuse};
-use crate::xr::session::{Active, Health, Session};
+use crate::xr::session::{Active, Health, Session, Tools};
 use openxr_sys as xr;
 
 /// Notes the pictures that a frame shows, completes those of which not all was rendered, and tells the planner which ones
@@ -18,6 +18,7 @@ use openxr_sys as xr;
 pub unsafe fn complete<'a>(
     session: &Session,
     active: &Active,
+    tools: &Tools,
     info: &xr::FrameEndInfo,
     works: &mut Works<'a>,
     history: &'a mut History,
@@ -61,7 +62,10 @@ pub unsafe fn complete<'a>(
             let depth = view.and_then(|view| unsafe { depth::of(view) });
             let picture = shown.as_ref().map(|(picture, _)| (picture, depth));
             history.show(eye, picture, is_intact, |words, stale| active.device.stale(eye, words, stale));
-            shown.is_some_and(|(_, work)| work.keeps(longest_period(&config)))
+            shown.is_some_and(|(_, work)| {
+                work.keeps(longest_period(&config))
+                    && (!wants_reuse || tools.compose().completes(work.format()))
+            })
         };
         if !wants_reuse && history.region(eye, how).is_none() {
             history.show(eye, None, |_| false, |_, _| {});
@@ -82,7 +86,9 @@ pub unsafe fn complete<'a>(
         let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
         let work = view
             .and_then(|view| works.iter_mut().find(|work| work.swapchain.handle == view.sub_image.swapchain));
-        if let Some(work) = work {
+        if let Some(work) = work
+            && tools.compose().completes(work.format())
+        {
             work.reuse.extend(history.region(eye, how));
             let changes =
                 watched[eye].as_ref().map(|watched| history.changes(eye, how, watched.orientation()));

@@ -230,10 +230,7 @@ unsafe fn draw_eyes(
         let array_layer = shown.sub_image.image_array_index;
         jobs.push(DebugViewJob { eye, runtime, runtime_index, array_layer, params, map });
     }
-    if !jobs.is_empty() {
-        pass.submit(&jobs)?;
-    }
-    Ok(!jobs.is_empty())
+    Ok(!jobs.is_empty() && pass.submit(&jobs)?)
 }
 
 /// Where the pictures of the eyes are.

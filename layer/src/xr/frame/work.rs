@@ -49,6 +49,11 @@ impl<'a> Work<'a> {
         })
     }
 
+    /// What its images are drawn to as.
+    pub fn format(&self) -> vk::Format {
+        self.substitute.format
+    }
+
     /// Adds the rectangle that `view` shows.
     pub fn process(
         &mut self,
