@@ -102,7 +102,10 @@ impl PipeWire {
             let ended = ended.unwrap_or_default();
             if start.elapsed() > PATIENCE || !ended.is_empty() {
                 let log = std::fs::read_to_string(self.path("log.txt")).unwrap_or_default();
-                bail!("PipeWire does not have {what} after {:.0} s{ended}:\n{log}", start.elapsed().as_secs_f64());
+                bail!(
+                    "PipeWire does not have {what} after {:.0} s{ended}:\n{log}",
+                    start.elapsed().as_secs_f64()
+                );
             }
             std::thread::sleep(POLL);
         }

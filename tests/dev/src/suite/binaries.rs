@@ -14,7 +14,7 @@ pub struct Binary {
     pub has_harness: bool,
 }
 
-/// The test binaries in the messages of `cargo test --no-run --message-format=json`, one JSON object a line.
+/// The test binaries in the messages of `cargo test --no-run --message-format=json-render-diagnostics`, one JSON object a line.
 pub fn binaries(messages: &str, root: &Path) -> Vec<Binary> {
     messages.lines().filter_map(|line| binary(line, root)).collect()
 }
