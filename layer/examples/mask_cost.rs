@@ -66,7 +66,7 @@ fn rings() -> Vec<u8> {
 }
 
 fn main() {
-    let Some(vulkan) = Vulkan::at(vk::API_VERSION_1_1) else { return };
+    let vulkan = Vulkan::at(vk::API_VERSION_1_1);
     let area = vk::Rect2D { extent: vk::Extent2D { width: SIDE, height: SIDE }, ..Default::default() };
     let setup = Setup { depth: vk::Format::D32_SFLOAT, compare: vk::CompareOp::LESS, clear: 1.0, area };
     let application = Application::new(&vulkan, setup, [SIDE; 2]);

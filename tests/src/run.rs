@@ -411,6 +411,11 @@ impl Running {
         self.installation.runtime_folder()
     }
 
+    /// The number of the application's process.
+    pub fn process_id(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Whether it has ended, by itself or otherwise.
     pub fn has_ended(&mut self) -> bool {
         self.child.has_ended()

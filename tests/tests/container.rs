@@ -4,6 +4,7 @@
 use parafovea_tests::artifacts::{Library, program, system_program};
 use parafovea_tests::installation::{Driver, Halves, Installation};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_trial::{Lack, skip};
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -97,8 +98,7 @@ impl Container {
 #[test]
 fn a_game_in_a_container_has_the_layer_and_without_one_half_it_runs_as_it_is() {
     if system_program("hello_xr").is_err() {
-        println!("skipped: hello_xr is not installed");
-        return;
+        skip(&Lack::setup("hello_xr"));
     }
     let container = Container::new();
     let (output, log) = container.play();

@@ -4,6 +4,7 @@ use parafovea_dist::{Parts, archive, package};
 use parafovea_tests::artifacts::{program, system_program};
 use parafovea_tests::installation::{Driver, Halves, Installation};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use parafovea_trial::{Lack, skip};
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -31,8 +32,7 @@ fn said(output: &Output) -> String {
 #[test]
 fn hello_xr_runs_with_the_content_of_the_package() {
     let Ok(dpkg) = system_program("dpkg-deb") else {
-        println!("not checked: there is no dpkg-deb here");
-        return;
+        skip(&Lack::machine("dpkg-deb"));
     };
     let folder = TempDir::new().unwrap();
     let (root, deb) = (folder.path().join("root"), folder.path().join("parafovea.deb"));

@@ -3,12 +3,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::{Arguments, Completion, Failed, Trial};
 use parafovea_test_layers::{ShadingRateDevice, ShadingRateProfile};
 use parafovea_tests::drivers::profiles::{QUERIED, shading_rates};
 use parafovea_tests::drivers::{Cell, Folder, Mode, Program, Row, ShimDevice, Stack, Target, judge};
 use parafovea_tests::installation::Driver;
 use parafovea_tests::overhead::{Effort, planning};
+use parafovea_trial::Lack;
 use std::process::ExitCode;
 
 /// RDNA 1, without rates; RDNA 2; RDNA 3.
@@ -30,27 +31,30 @@ const STYLES: [&str; 9] = [
 const MODES: [Mode; 4] = [Mode::Off, Mode::Inert, Mode::Rates, Mode::Everything];
 
 fn main() -> ExitCode {
-    let missing = Folder::Release.path().err().map(|error| error.to_string());
-    // Only there are the drivers sure to be: elsewhere a reason to do without is no mistake.
-    let is_ignored = missing.is_some() && !is_bookworm();
-    if let (Some(reason), true) = (&missing, is_ignored) {
-        eprintln!("ignored: {reason}");
-    }
-    let trial = |device: ShimDevice, program: Program| {
-        let name = format!("{} on {}", program.name(), device.name());
-        Trial::test(name, move || check(device, program)).with_ignored_flag(is_ignored)
-    };
     let trials = DEVICES.into_iter().flat_map(|device| {
-        programs().into_iter().map(move |program| trial(device, program)).collect::<Vec<_>>()
+        let of = move |program: Program| {
+            trial(format!("{} on {}", program.name(), device.name()), move || check(device, program))
+        };
+        programs().into_iter().map(of).collect::<Vec<_>>()
     });
     let profiles = QUERIED.into_iter().filter(|(_, device)| device.folder() == Folder::Release);
     let profiles = profiles.map(|(profile, device)| {
-        let name = format!("the profile {} is of the driver", profile.name());
-        Trial::test(name, move || check_profile(profile, device)).with_ignored_flag(is_ignored)
+        trial(format!("the profile {} is of the driver", profile.name()), move || {
+            check_profile(profile, device)
+        })
     });
-    let bench = Trial::test("the bench of planning runs", check_bench).with_ignored_flag(is_ignored);
-    let profiles = profiles.chain([bench]);
+    let profiles = profiles.chain([trial("the bench of planning runs".to_owned(), check_bench)]);
     libtest_mimic::run(&Arguments::from_args(), trials.chain(profiles).collect()).exit_code()
+}
+
+/// A trial that is ignored without the drivers.
+fn trial(name: String, check: impl FnOnce() -> Result<(), Failed> + Send + 'static) -> Trial {
+    Trial::ignorable_test(name, || match Folder::Release.path() {
+        Ok(_) => check().map(|()| Completion::Completed),
+        // `cargo dev` unpacks them on this release alone.
+        Err(error) if is_bookworm() => Ok(Completion::ignored_with(Lack::setup(error))),
+        Err(error) => Ok(Completion::ignored_with(Lack::machine(error))),
+    })
 }
 
 fn is_bookworm() -> bool {

@@ -1,6 +1,7 @@
 //! What the mock runtime's README tells others to do in their CI works.
 
 use parafovea_tests::artifacts::{Library, program, system_program};
+use parafovea_trial::{Lack, skip};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -42,8 +43,7 @@ fn run(other: Option<&[&str]>) -> (Output, tempfile::TempDir) {
 #[test]
 fn the_quick_start_works_as_it_stands() {
     if system_program("hello_xr").is_err() {
-        println!("skipped: hello_xr is not installed");
-        return;
+        skip(&Lack::setup("hello_xr"));
     }
     let commands = README.split("```sh\n").nth(1).unwrap().split("```").next().unwrap();
     let library = Library::MockRuntime.path().unwrap();
@@ -64,8 +64,7 @@ fn the_quick_start_works_as_it_stands() {
 #[test]
 fn an_application_that_keeps_the_rules_passes() {
     if system_program("hello_xr").is_err() {
-        println!("skipped: hello_xr is not installed");
-        return;
+        skip(&Lack::setup("hello_xr"));
     }
     let (output, folder) = run(None);
     let said =

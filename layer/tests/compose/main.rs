@@ -1,5 +1,5 @@
 //! The pass `compose` on a Vulkan device, under the validation layers where they are installed, compared with
-//! its CPU reference. Where there is no Vulkan device the tests print so and pass.
+//! its CPU reference. Without a Vulkan device the tests are skipped.
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
@@ -24,6 +24,7 @@ use parafovea::gpu::GpuError;
 use parafovea::passes::compose::{Compose, ComposeRegion, MAX_REGIONS};
 use parafovea_core::chroma::{ChromaSettings, Focus, Mode};
 use parafovea_core::geometry::{ImagePlane, eccentricity};
+use parafovea_trial::{Lack, skip};
 use pictures::{assert_matches, luminance_change, picture, reference, region};
 use swapchain::{Swapchain, shape};
 use vulkan::Vulkan;
@@ -55,7 +56,7 @@ fn is_untouched(index: usize, width: u32, layer: u32, regions: &[ComposeRegion])
 
 #[test]
 fn matches_the_reference() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let paper = ChromaSettings { mode: Mode::Paper, ..ChromaSettings::default() };
     for format in FORMATS {
@@ -89,7 +90,7 @@ fn matches_the_reference() {
 /// What is looked at is wide, far aside or nearly all around, and attenuated in part.
 #[test]
 fn a_focus_matches_the_reference() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let (width, height, format) = (256, 192, vk::Format::R8G8B8A8_SRGB);
     let swapchain = Swapchain::new(&vulkan, &shape(format, width, height, 1));
@@ -119,7 +120,7 @@ fn a_focus_matches_the_reference() {
 
 #[test]
 fn luminance_is_kept_to_one_code_value() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let (width, height) = (256, 192);
     for format in FORMATS {
@@ -136,7 +137,7 @@ fn luminance_is_kept_to_one_code_value() {
 /// Gains of 1, drawn on every pixel, and regions without work: neither may change a bit.
 #[test]
 fn full_gain_and_no_work_change_nothing() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let (width, height) = (64, 48);
     for format in FORMATS {
@@ -159,7 +160,7 @@ fn full_gain_and_no_work_change_nothing() {
 /// Formats without an 8-bit reference: the picture changes, alpha and the plateau do not.
 #[test]
 fn deep_formats_keep_alpha_and_plateau() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let (width, height) = (64, 48);
     // Texels of the same saturated orange, alpha 1/3 and 0.5.
@@ -199,12 +200,11 @@ fn deep_formats_keep_alpha_and_plateau() {
 /// Only half floats can say so.
 #[test]
 fn a_pixel_that_is_no_number_stays_as_it_is() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let (width, height, format) = (64, 48, vk::Format::R16G16B16A16_SFLOAT);
     if !compose.supports(format) {
-        println!("skipped: the device cannot draw to {format:?}");
-        return;
+        skip(&Lack::machine(format_args!("a device that draws to {format:?}")));
     }
     let swapchain = Swapchain::new(&vulkan, &shape(format, width, height, 1));
     // In turn: infinite green, a NaN as blue, and an orange as both should leave it alone.
@@ -237,7 +237,7 @@ fn a_pixel_that_is_no_number_stays_as_it_is() {
 /// More frames than command buffers, both images in turn, nothing waited for in between, nothing allocated.
 #[test]
 fn steady_frames_do_not_allocate() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let format = vk::Format::R8G8B8A8_SRGB;
     let (left, right) = (
@@ -257,7 +257,7 @@ fn steady_frames_do_not_allocate() {
 
 #[test]
 fn senseless_jobs_are_refused() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let format = vk::Format::R8G8B8A8_SRGB;
     let swapchain = Swapchain::new(&vulkan, &shape(format, 64, 64, 1));
@@ -286,7 +286,7 @@ fn senseless_jobs_are_refused() {
 
 #[test]
 fn unsupported_images_are_refused_without_a_call() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let compose = Compose::new(vulkan.gpu.clone()).unwrap();
     assert!(!compose.supports(vk::Format::D32_SFLOAT));
     assert!(!compose.supports(vk::Format::R8G8B8A8_UINT));

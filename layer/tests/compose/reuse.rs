@@ -124,7 +124,7 @@ fn reference(
 
 #[test]
 fn earlier_pictures_match_the_reference() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let extent = [150, 93];
     for format in FORMATS {
         let swapchain = Swapchain::with_images(&vulkan, &shape(format, extent[0], extent[1], 1), IMAGES);
@@ -167,7 +167,7 @@ fn earlier_pictures_match_the_reference() {
 /// Whole pictures that were stale in every tile for all frames but the last: the result is that one.
 #[test]
 fn what_stands_still_is_the_very_picture() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let extent = [64, 48];
     let swapchain = Swapchain::with_images(&vulkan, &shape(vk::Format::R8G8B8A8_SRGB, 64, 48, 1), IMAGES);
     let mut frames = frames(extent, 8, 0.0);
@@ -185,7 +185,7 @@ fn what_stands_still_is_the_very_picture() {
 /// A region that is completed on the right half of the second layer leaves everything else alone.
 #[test]
 fn only_the_region_changes() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let (format, width, height) = (vk::Format::R8G8B8A8_UNORM, 128u32, 48u32);
     let swapchain = Swapchain::with_images(&vulkan, &shape(format, width, height, 2), IMAGES);
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
@@ -224,7 +224,7 @@ fn only_the_region_changes() {
 
 #[test]
 fn steady_frames_with_earlier_pictures_do_not_allocate() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let format = vk::Format::R8G8B8A8_SRGB;
     let swapchain = Swapchain::with_images(&vulkan, &shape(format, 96, 96, 1), IMAGES);
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
@@ -271,7 +271,7 @@ pub fn earlier_than(index: u32) -> [EarlierImage; MAX_AGES] {
 
 #[test]
 fn earlier_pictures_that_are_not_there_are_refused() {
-    let Some(vulkan) = Vulkan::new() else { return };
+    let vulkan = Vulkan::new();
     let swapchain = Swapchain::with_images(&vulkan, &shape(vk::Format::R8G8B8A8_SRGB, 64, 48, 1), IMAGES);
     let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     let frames = frames([64, 48], 16, 0.0);

@@ -3,6 +3,7 @@
 use ash::{ext, vk};
 use parafovea::gpu::Gpu;
 use parafovea::link::DeviceRecord;
+use parafovea_trial::{Lack, skip};
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
 
@@ -36,35 +37,31 @@ thread_local! {
 }
 
 impl Vulkan {
-    /// The first device; none, with a printed reason, where there is none.
-    pub fn new() -> Option<Self> {
+    /// The first device. Without one, the test is skipped.
+    pub fn new() -> Self {
         Self::with(|record| record)
     }
 
     /// As [`Vulkan::new`], with a later version of Vulkan.
-    pub fn at(api_version: u32) -> Option<Self> {
+    pub fn at(api_version: u32) -> Self {
         Self::made(api_version, |record| record)
     }
 
     /// As [`Vulkan::new`], with what our half of the library is told of the device changed by `edit`.
-    pub fn with(edit: impl FnOnce(DeviceRecord) -> DeviceRecord) -> Option<Self> {
+    pub fn with(edit: impl FnOnce(DeviceRecord) -> DeviceRecord) -> Self {
         Self::made(vk::API_VERSION_1_0, edit)
     }
 
     /// As [`Vulkan::at`], without validation, for what is measured.
-    pub fn unchecked(api_version: u32) -> Option<Self> {
+    pub fn unchecked(api_version: u32) -> Self {
         Self::of(api_version, false, |record| record)
     }
 
-    fn made(api_version: u32, edit: impl FnOnce(DeviceRecord) -> DeviceRecord) -> Option<Self> {
+    fn made(api_version: u32, edit: impl FnOnce(DeviceRecord) -> DeviceRecord) -> Self {
         Self::of(api_version, true, edit)
     }
 
-    fn of(
-        api_version: u32,
-        validates: bool,
-        edit: impl FnOnce(DeviceRecord) -> DeviceRecord,
-    ) -> Option<Self> {
+    fn of(api_version: u32, validates: bool, edit: impl FnOnce(DeviceRecord) -> DeviceRecord) -> Self {
         MY_TURN.with(|_| ());
         static QUEUE_SUBMIT_CHECKS: Once = Once::new();
         QUEUE_SUBMIT_CHECKS.call_once(|| {
@@ -81,12 +78,12 @@ impl Vulkan {
         unsafe {
             let entry = match ash::Entry::load() {
                 Ok(entry) => entry,
-                Err(error) => return skip(&format!("no Vulkan loader: {error}")),
+                Err(error) => skip(&Lack::setup(format_args!("the Vulkan loader: {error}"))),
             };
             let messages: &'static Messages = Box::leak(Box::default());
             let (instance, validated) = instance(&entry, api_version, validates.then_some(messages));
             let devices = instance.enumerate_physical_devices().unwrap_or_default();
-            let Some(&physical_device) = devices.first() else { return skip("no Vulkan device") };
+            let Some(&physical_device) = devices.first() else { skip(&Lack::setup("a Vulkan device")) };
             let priorities = [1.0];
             let queues = [vk::DeviceQueueCreateInfo::default().queue_priorities(&priorities)];
             // What later versions are asked for may also count what is shaded.
@@ -119,7 +116,7 @@ impl Vulkan {
             };
             // The loader library must outlive the device.
             std::mem::forget(entry);
-            Some(vulkan)
+            vulkan
         }
     }
 }
@@ -144,11 +141,6 @@ impl Vulkan {
         let messages = self.messages();
         assert!(messages.is_empty(), "validation says:\n{}", messages.join("\n"));
     }
-}
-
-fn skip(reason: &str) -> Option<Vulkan> {
-    println!("skipped: {reason}");
-    None
 }
 
 unsafe fn instance(

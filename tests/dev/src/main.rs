@@ -1,6 +1,6 @@
 //! `cargo dev <task>`: the one tool for everyone who works on Parafovea. `cargo dev help` lists the tasks.
 //!
-//! Only the standard library is used here, so that the tool itself is built within a second or two; whatever
+//! Only the standard library is used here and in `parafovea-trial`, so that the tool itself is built within a second or two; whatever
 //! needs more (the demo, the benches) is a program of the `parafovea-tests` package that a task builds and
 //! runs. Everything is written below the target folder.
 
@@ -12,6 +12,7 @@ mod packages;
 mod sanitize;
 mod setup;
 mod steps;
+mod suite;
 mod tasks;
 
 use std::process::ExitCode;
@@ -22,7 +23,11 @@ cargo dev <task>, run anywhere in the repository:
   setup                 install what is missing (Debian and Ubuntu; elsewhere: name it). Implied by every task
                         but for the drivers over kernel shims, which it unpacks to target/drivers/release and `test` needs
   demo [--json]         hello_xr and our scene through the layer, off and on; pictures in target/demo/
-  test                  formatting, clippy, build, all tests, docs: what CI runs
+  test [--strict] [PART]
+                        formatting, clippy, build, docs, all tests: what CI runs; with PART, only the build and the tests with this in their
+                        names. Each test is a process of its own, which is killed after 10 minutes. A test that needs something that is not
+                        here is skipped, and listed with its reason; with --strict, or the variable CI, it fails if `setup` should have
+                        installed that
   drivers [--json] [PART] | --profiles
                         the layer on Mesa's real drivers over no-op kernel shims, without a GPU (RADV, NVK, Turnip; Debian's packages, unpacked
                         in target/drivers/): programs x other layers (none, validation, one above and one below) x configurations (off,

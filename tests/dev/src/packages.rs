@@ -188,7 +188,7 @@ pub const NEEDS: [Need; 18] = [
     Need {
         what: "a message bus, which that needs",
         without: "the test that listens to PipeWire fails",
-        proof: Proof::Program("dbus-run-session"),
+        proof: Proof::Program("dbus-daemon"),
         packages: ["dbus", "dbus-daemon", "dbus"],
     },
 ];

@@ -25,11 +25,18 @@ pub struct Steps {
 impl Steps {
     /// Runs one command, its output going where ours goes; an error names the step and how it ended.
     pub fn run(&mut self, name: &str, command: &mut Command) -> Result<(), String> {
+        let status = self.time(name, || command.status());
+        let status = status.map_err(|error| format!("{name}: cannot start: {error}"))?;
+        if status.success() { Ok(()) } else { Err(format!("{name} ({status})")) }
+    }
+
+    /// Does one step that is no command.
+    pub fn time<T>(&mut self, name: &str, step: impl FnOnce() -> T) -> T {
         eprintln!("cargo dev: {name}");
         let start = Instant::now();
-        let status = command.status().map_err(|error| format!("{name}: cannot start: {error}"))?;
+        let result = step();
         self.done.push((name.to_owned(), start.elapsed()));
-        if status.success() { Ok(()) } else { Err(format!("{name} ({status})")) }
+        result
     }
 
     /// Prints what each step took.

@@ -2,6 +2,7 @@
 //! ([`server`], [`pipewire`]), and what the plans of an application make of them ([`heard`], [`stage`]).
 
 pub mod heard;
+pub mod lateness;
 pub mod measure;
 pub mod pipewire;
 pub mod player;

@@ -2,47 +2,51 @@
 //! no sound card.
 
 use anyhow::{Context, Result, bail};
+use parafovea_trial::watch;
+use std::fs::File;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// How long it may take to start.
-const PATIENCE: Duration = Duration::from_secs(20);
+/// The longest that each program may take to be ready.
+const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The server, the manager of its sessions, and what speaks PulseAudio's protocol for it.
-const PROGRAMS: &str = "pipewire & sleep 0.5; wireplumber & sleep 0.5; exec pipewire-pulse";
+/// How often it is asked whether it is.
+const POLL: Duration = Duration::from_millis(20);
 
-/// All of its processes. They end when it is dropped.
+/// The longest that a question to PipeWire may take; it is asked again.
+const ANSWER_LIMIT: Duration = Duration::from_secs(10);
+
+/// The key under which WirePlumber names the default output.
+const OUTPUT_KEY: &str = "default.audio.sink";
+
+/// The server, the manager of its sessions, and the server for PulseAudio's protocol. They end when it is dropped.
 pub struct PipeWire {
+    /// Ended in this order.
+    processes: Vec<(&'static str, Child)>,
     folder: tempfile::TempDir,
-    processes: Child,
 }
 
 impl PipeWire {
-    /// Starts it.
+    /// Starts the programs, each once the one before it is ready.
     ///
     /// # Errors
-    /// It is not installed, or does not start.
+    /// One of them is not installed, or is not ready in time.
     pub fn start() -> Result<Self> {
         let folder = tempfile::Builder::new().prefix("parafovea-ears-").tempdir()?;
-        let log = std::fs::File::create(folder.path().join("log.txt"))?;
-        let mut command = Command::new("dbus-run-session");
-        command.args(["--", "sh", "-c", PROGRAMS]).env_clear();
-        command.env("PATH", std::env::var_os("PATH").unwrap_or_default());
-        command.env("HOME", folder.path()).env("XDG_RUNTIME_DIR", folder.path());
-        command.stdin(Stdio::null()).stdout(log.try_clone()?).stderr(log).process_group(0);
-        let processes = command.spawn().context("dbus-run-session (cargo dev setup brings it)")?;
-        let server = Self { folder, processes };
-        let start = Instant::now();
-        while UnixStream::connect(server.socket()).is_err() {
-            if start.elapsed() > PATIENCE {
-                let log = std::fs::read_to_string(server.folder.path().join("log.txt")).unwrap_or_default();
-                bail!("PipeWire does not start: {log}");
-            }
-            std::thread::sleep(Duration::from_millis(20));
-        }
+        let mut server = Self { processes: Vec::new(), folder };
+        let address = format!("--address={}", server.bus_address());
+        server.launch("dbus-daemon", &["--session", "--nofork", &address])?;
+        server.wait("a message bus", |server| UnixStream::connect(server.path("bus")).is_ok())?;
+        server.launch("pipewire", &[])?;
+        server.wait("PipeWire's socket", |server| UnixStream::connect(server.path("pipewire-0")).is_ok())?;
+        server.launch("wireplumber", &[])?;
+        server.launch("pipewire-pulse", &[])?;
+        server.wait("the socket for PulseAudio", |server| UnixStream::connect(server.socket()).is_ok())?;
+        // Until WirePlumber has chosen it, a client that wants to play waits.
+        server.wait("a default output", PipeWire::has_output)?;
         Ok(server)
     }
 
@@ -53,14 +57,82 @@ impl PipeWire {
 
     /// Where clients connect to.
     pub fn socket(&self) -> PathBuf {
-        self.folder.path().join("pulse/native")
+        self.path("pulse/native")
     }
+
+    /// Kills one of the programs; none that does not run.
+    pub fn kill(&mut self, program: &str) {
+        for (_, process) in self.processes.iter_mut().filter(|(name, _)| *name == program) {
+            kill(process);
+        }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn bus_address(&self) -> String {
+        format!("unix:path={}", self.path("bus").display())
+    }
+
+    fn command(&self, program: &str) -> Command {
+        let mut command = Command::new(program);
+        command.env_clear().env("PATH", std::env::var_os("PATH").unwrap_or_default());
+        command.env("HOME", self.folder.path()).env("XDG_RUNTIME_DIR", self.folder.path());
+        command.env("DBUS_SESSION_BUS_ADDRESS", self.bus_address());
+        command
+    }
+
+    fn launch(&mut self, program: &'static str, arguments: &[&str]) -> Result<()> {
+        let log = File::options().create(true).append(true).open(self.path("log.txt"))?;
+        let mut command = self.command(program);
+        command.args(arguments).stdin(Stdio::null()).stdout(log.try_clone()?).stderr(log).process_group(0);
+        let process = command.spawn().with_context(|| format!("{program} (cargo dev setup brings it)"))?;
+        self.processes.insert(0, (program, process));
+        Ok(())
+    }
+
+    /// Waits until it `is_ready`.
+    fn wait(&mut self, what: &str, is_ready: impl Fn(&Self) -> bool) -> Result<()> {
+        let start = Instant::now();
+        while !is_ready(self) {
+            let ended = self.processes.iter_mut().find_map(|(name, process)| {
+                (!matches!(process.try_wait(), Ok(None))).then(|| format!("; {name} has ended"))
+            });
+            let ended = ended.unwrap_or_default();
+            if start.elapsed() > PATIENCE || !ended.is_empty() {
+                let log = std::fs::read_to_string(self.path("log.txt")).unwrap_or_default();
+                bail!(
+                    "PipeWire does not have {what} after {:.0} s{ended}:\n{log}",
+                    start.elapsed().as_secs_f64()
+                );
+            }
+            std::thread::sleep(POLL);
+        }
+        Ok(())
+    }
+
+    /// Whether WirePlumber has chosen the default output.
+    fn has_output(&self) -> bool {
+        let mut asks = self.command("pw-metadata");
+        let answer = watch(asks.args(["-n", "default", "0", OUTPUT_KEY]), ANSWER_LIMIT);
+        answer.is_ok_and(|answer| answer.output.contains(OUTPUT_KEY))
+    }
+}
+
+/// Kills a process and all that it started.
+fn kill(process: &mut Child) {
+    if !matches!(process.try_wait(), Ok(None)) {
+        return;
+    }
+    // SAFETY: sends a signal to the group of processes that this child leads, which was not waited for yet.
+    unsafe { libc::kill(-(process.id() as libc::pid_t), libc::SIGKILL) };
+    // Fails only for a process that was waited for before.
+    drop(process.wait());
 }
 
 impl Drop for PipeWire {
     fn drop(&mut self) {
-        // SAFETY: sends a signal to the group of processes that ours leads, which was not waited for yet.
-        unsafe { libc::kill(-(self.processes.id() as libc::pid_t), libc::SIGKILL) };
-        drop(self.processes.wait());
+        self.processes.iter_mut().for_each(|(_, process)| kill(process));
     }
 }

@@ -1,14 +1,17 @@
 //! A program that plays: all the time, silence where nothing else is asked for.
 
 use crate::signals::CHANNELS;
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use pulseaudio::protocol::stream::{BufferAttr, StreamFlags};
 use pulseaudio::protocol::{ChannelMap, PlaybackStreamParams, SampleFormat, SampleSpec};
 use pulseaudio::{AsPlaybackSource, Client, PlaybackStream};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
+use std::pin::pin;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::SystemTime;
+use std::task::{Context, Poll, Wake, Waker};
+use std::thread::Thread;
+use std::time::{Duration, Instant, SystemTime};
 
 /// How much is with the server before it is heard, milliseconds: so much that a busy machine leaves no gaps.
 pub const BUFFER_MS: u32 = 150;
@@ -18,6 +21,9 @@ pub const SHORT_BUFFER_MS: u32 = 20;
 
 /// Length of what the server would know us by, if it did not let everybody in.
 const COOKIE_BYTES: usize = 256;
+
+/// The longest that the server may take to answer.
+const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Plays to the default output until it is dropped.
 pub struct Player {
@@ -39,9 +45,11 @@ impl Player {
     /// Begins to play silence to the server with this socket, of which it gets so much ahead.
     ///
     /// # Errors
-    /// The server refuses.
+    /// The server refuses, or does not answer.
     pub fn new(socket: &Path, sample_rate_hz: u32, buffer_ms: u32) -> Result<Self> {
         let socket = UnixStream::connect(socket)?;
+        // For the greeting; afterwards the client waits for nothing.
+        socket.set_read_timeout(Some(PATIENCE))?;
         let client = Client::new_unix(c"player", socket, Some([0; COOKIE_BYTES]))?;
         let playing = Arc::new(Mutex::new(Playing::default()));
         let theirs = playing.clone();
@@ -60,7 +68,8 @@ impl Player {
             ..PlaybackStreamParams::default()
         };
         let stream = client.create_playback_stream(params, source.as_playback_source());
-        let stream = pollster::block_on(stream)?;
+        let stream =
+            block_on(stream, PATIENCE).context("the server makes no stream; has it an output?")??;
         Ok(Self { playing, _client: client, _stream: stream })
     }
 
@@ -98,5 +107,39 @@ impl Playing {
             bytes.copy_from_slice(&sample.unwrap_or(0.0).to_le_bytes());
         }
         bytes.len()
+    }
+}
+
+/// Wakes a thread that waits for a future.
+struct Unpark(Thread);
+
+impl Wake for Unpark {
+    fn wake(self: Arc<Self>) {
+        self.0.unpark();
+    }
+}
+
+/// What a future becomes; None if it takes longer than that.
+fn block_on<T>(future: impl Future<Output = T>, patience: Duration) -> Option<T> {
+    let (mut future, start) = (pin!(future), Instant::now());
+    let waker = Waker::from(Arc::new(Unpark(std::thread::current())));
+    loop {
+        if let Poll::Ready(value) = future.as_mut().poll(&mut Context::from_waker(&waker)) {
+            return Some(value);
+        }
+        let left = patience.checked_sub(start.elapsed()).filter(|left| !left.is_zero())?;
+        std::thread::park_timeout(left);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::future::{pending, ready};
+
+    #[test]
+    fn a_future_is_not_waited_for_longer_than_that() {
+        assert_eq!(block_on(ready(7), Duration::ZERO), Some(7));
+        assert_eq!(block_on(pending::<()>(), Duration::from_millis(20)), None);
     }
 }

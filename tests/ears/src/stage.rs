@@ -1,6 +1,7 @@
 //! An application that hears a server, and a program that plays to it.
 
 use crate::heard::{Line, lines};
+use crate::lateness::Lateness;
 use crate::player::{BUFFER_MS, Player};
 use crate::server::{Server, Sink};
 use anyhow::{Result, bail};
@@ -49,6 +50,8 @@ pub struct Stage {
     pub server: Server,
     /// The player.
     pub player: Player,
+    /// How late this machine is, from the beginning.
+    pub lateness: Lateness,
     running: Running,
     file: PathBuf,
     _folder: tempfile::TempDir,
@@ -60,6 +63,7 @@ impl Stage {
     /// # Errors
     /// Something is not installed or not built, or the application does not hear.
     pub fn new(audio: &str) -> Result<Self> {
+        let lateness = Lateness::start();
         let server = Server::start(&[OUT])?;
         let player = Player::new(&server.socket(), SAMPLE_RATE_HZ, BUFFER_MS)?;
         let folder = tempfile::tempdir()?;
@@ -67,7 +71,7 @@ impl Stage {
         let config = configuration(&format!("source = \"system\"\n{audio}"));
         let run = application()?.on(&config).env("PARAFOVEA_HEARD_FILE", &file);
         let running = run.env("XDG_RUNTIME_DIR", server.runtime_folder()).start()?;
-        let stage = Self { server, player, running, file, _folder: folder };
+        let stage = Self { server, player, lateness, running, file, _folder: folder };
         stage.wait("silence", |line| line.silent == Some(true), None)?;
         Ok(stage)
     }

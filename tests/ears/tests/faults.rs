@@ -10,7 +10,7 @@ use std::time::{Duration, SystemTime};
 /// Plans do without sound that soon, seconds.
 const FALLBACK_S: f64 = 0.5;
 
-/// What a busy machine adds to that, seconds.
+/// What a machine that is not idle adds to that, seconds. A busy one adds its measured lateness.
 const SLACK_S: f64 = 0.4;
 
 /// A stage where a loud sound is heard.
@@ -38,7 +38,8 @@ fn expect_fallback(stage: &Stage, what: &str, failed: SystemTime) {
         .filter_map(|line| line.gamma_ld)
         .collect();
     println!("{what}: plans do without sound after {:.0} ms, in {} steps", 1000.0 * after, steps.len());
-    assert!(after < FALLBACK_S + SLACK_S, "{what}: {after} s");
+    let allowance_s = stage.lateness.allowance_s();
+    assert!(after < FALLBACK_S + SLACK_S + allowance_s, "{what}: {after} s, {allowance_s} s late");
     assert!(steps.len() >= 2, "{what}: at once: {steps:?}");
 }
 

@@ -5,6 +5,7 @@
 mod accuracy;
 mod faults;
 mod libraries;
+mod limits;
 mod pipewire;
 mod silence;
 mod soak;

@@ -46,6 +46,11 @@ impl Child {
         self.input = None;
     }
 
+    /// Its process.
+    pub(super) fn id(&self) -> u32 {
+        self.process.id()
+    }
+
     /// Whether the process has ended; so says one that cannot be asked.
     pub(super) fn has_ended(&mut self) -> bool {
         !matches!(self.process.try_wait(), Ok(None))

@@ -2,6 +2,7 @@
 
 use super::{following, scenario};
 use parafovea_tests::run::{Application, Run};
+use parafovea_trial::{Lack, skip};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -13,13 +14,16 @@ const CALLS: &str = "trace=write,writev,pwrite64,pwritev,pwritev2,sendto,sendmsg
 const LEFT: f32 = 17.329_41;
 const UP: f32 = -6.813_27;
 
-/// Whether a process may be traced here; where not, why.
-fn cannot_trace() -> Option<String> {
+/// Why no process can be traced here; None if one can be.
+fn cannot_trace() -> Option<Lack> {
     let tried = Command::new("strace").args(["-f", "-o", "/dev/null", "true"]).stdin(Stdio::null()).output();
     match tried {
         Ok(output) if output.status.success() => None,
-        Ok(output) => Some(String::from_utf8_lossy(&output.stderr).trim().to_owned()),
-        Err(error) => Some(format!("strace: {error}")),
+        Ok(output) => Some(Lack::machine(format_args!(
+            "the right to trace: {}",
+            String::from_utf8_lossy(&output.stderr).trim()
+        ))),
+        Err(error) => Some(Lack::setup(format_args!("strace: {error}"))),
     }
 }
 
@@ -114,8 +118,7 @@ fn digits_of_a_time_are_no_sign_and_those_of_an_angle_are() {
 #[test]
 fn no_write_has_the_gaze_in_it_and_nothing_is_sent() {
     if let Some(reason) = cannot_trace() {
-        println!("skipped: a process cannot be traced here: {reason}");
-        return;
+        skip(&reason);
     }
     let folder = tempfile::tempdir().unwrap();
     let reference = trace(None, folder.path());

@@ -5,14 +5,17 @@
 
 #[path = "common/effort.rs"]
 mod effort;
+#[path = "common/trial.rs"]
+mod trial;
 
 use effort::{Effort, is_full, moving_gaze};
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::{Arguments, Failed};
 use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
 use parafovea_tests::run::{Application, Message, Run};
 use parafovea_tests::scenario::ScenarioExt;
-use parafovea_zoo::{Queues, SKIPPED, STYLES, Style};
+use parafovea_zoo::{Queues, STYLES, Style};
 use std::process::ExitCode;
+use trial::{skip_unless_run, trial};
 
 /// What is run in every test.
 const SHARE: Effort = Effort { frames: 54, size: 96 };
@@ -51,7 +54,7 @@ fn main() -> ExitCode {
             .iter()
             .map(|&device| {
                 let on = device.map_or("a mask", |profile| profile.name());
-                Trial::test(format!("{} on {on}, everything", style.name), move || check(style, device))
+                trial(format!("{} on {on}, everything", style.name), move || check(style, device))
             })
             .collect::<Vec<_>>()
     });
@@ -75,10 +78,7 @@ fn check(style: &Style, device: Device) -> Result<(), Failed> {
     let run = plain.clone().on(&config).validated_from(style.headers);
     let is_validated = run.is_validated();
     let on = run.finish()?;
-    if let Some(skipped) = on.output.lines().find(|line| line.starts_with(SKIPPED)) {
-        println!("{}: {skipped}", style.name);
-        return Ok(());
-    }
+    skip_unless_run(&on);
     let on = on.expect_frames(effort.frames)?;
     assert!(on.findings.vulkan_was_active || !is_validated, "validation was not there\n{}", on.output);
     let is_new = |found: &&Message| !found.is_of_stand_in();

@@ -3,14 +3,18 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-use libtest_mimic::{Arguments, Failed, Trial};
+#[path = "common/trial.rs"]
+mod trial;
+
+use libtest_mimic::{Arguments, Failed};
 use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{PassSeen, Queues, SKIPPED, STYLES, Style};
+use parafovea_zoo::{PassSeen, Queues, STYLES, Style};
 use std::process::ExitCode;
 use std::sync::OnceLock;
+use trial::{skip_unless_run, trial};
 
 const FRAMES: u64 = 8;
 const SIZE: u32 = 64;
@@ -19,17 +23,14 @@ const SAVED: [u64; 3] = [0, 3, 7];
 fn main() -> ExitCode {
     let trials = STYLES.iter().map(|style| {
         let style: &'static Style = style;
-        Trial::test(style.name, || check(style))
+        trial(style.name, || check(style))
     });
     libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
 }
 
 fn check(style: &Style) -> Result<(), Failed> {
     let (outcome, is_validated) = run(style);
-    if let Some(skipped) = outcome.output.lines().find(|line| line.starts_with(SKIPPED)) {
-        println!("{}: {skipped}", style.name);
-        return Ok(());
-    }
+    skip_unless_run(&outcome);
     assert!(
         outcome.findings.vulkan_was_active || !is_validated,
         "validation was not there\n{}",

@@ -14,12 +14,14 @@ mod expected;
 mod noted;
 #[path = "masks/reuse.rs"]
 mod reuse;
+#[path = "common/trial.rs"]
+mod trial;
 
 use drawn::mean;
 use effort::{Effort, is_full, moving_gaze};
 use expected::{Expected, expected};
 use glam::{Quat, Vec3};
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::{Arguments, Failed};
 use noted::Noted;
 use parafovea::config::{Config, GazeSource, Preset};
 use parafovea::link::{BACKEND_MASK, OfferRecord};
@@ -31,9 +33,10 @@ use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use parafovea_tests::picture::Picture;
 use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{Queues, SKIPPED, Style};
+use parafovea_zoo::{Queues, Style};
 use std::path::Path;
 use std::process::ExitCode;
+use trial::{skip_unless_run, trial};
 
 /// What is run in every test.
 const SHARE: Effort = Effort { frames: 12, size: 96 };
@@ -53,13 +56,11 @@ fn main() -> ExitCode {
     let trials = expected().into_iter().flat_map(|(style, expected)| {
         let (moving, reused) = (expected.clone(), expected.clone());
         let mut trials = vec![
-            Trial::test(style.name, move || check(style, &expected?)),
-            Trial::test(format!("{}, re-used", style.name), move || reuse::check(style, &reused?)),
+            trial(style.name, move || check(style, &expected?)),
+            trial(format!("{}, re-used", style.name), move || reuse::check(style, &reused?)),
         ];
         if is_full() {
-            trials.push(Trial::test(format!("{}, moving gaze", style.name), move || {
-                check_moving(style, &moving?)
-            }));
+            trials.push(trial(format!("{}, moving gaze", style.name), move || check_moving(style, &moving?)));
         }
         trials
     });
@@ -87,20 +88,17 @@ fn run(
     Ok(run.finish()?)
 }
 
-/// What a run with masks left; nothing where no device can run the style.
+/// What a run with masks left.
 fn masked(
     style: &Style,
     effort: Effort,
     scenario: Scenario,
     config: &str,
-) -> Result<Option<(Outcome, Vec<Noted>)>, Failed> {
+) -> Result<(Outcome, Vec<Noted>), Failed> {
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("passes.jsonl");
     let on = run(style, effort, scenario, LayerMode::On(config.to_owned()), Some(&file))?;
-    if let Some(skipped) = on.output.lines().find(|line| line.starts_with(SKIPPED)) {
-        println!("{}: {skipped}", style.name);
-        return Ok(None);
-    }
+    skip_unless_run(&on);
     let on = on.expect_frames(effort.frames)?;
     assert!(on.findings.vulkan.is_empty(), "{:#?}\n{}", on.findings.vulkan, on.log);
     assert!(on.record.errors.is_empty(), "{:#?}", on.record.errors);
@@ -111,7 +109,7 @@ fn masked(
         0,
         "passes that are not the scene have masks"
     );
-    Ok(Some((on, noted)))
+    Ok((on, noted))
 }
 
 /// Whether masks are where the table says.
@@ -135,9 +133,8 @@ fn check_moving(style: &Style, expected: &Expected) -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let config =
         format!("{}[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n", moving_gaze(folder.path(), 0.0)?);
-    if let Some((on, noted)) = masked(style, effort, effort.scenario(), &config)? {
-        assert_expected(expected, &on, &noted);
-    }
+    let (on, noted) = masked(style, effort, effort.scenario(), &config)?;
+    assert_expected(expected, &on, &noted);
     Ok(())
 }
 
@@ -145,7 +142,7 @@ fn check(style: &Style, expected: &Expected) -> Result<(), Failed> {
     let effort = Effort::or_share(SHARE.frames, SHARE.size);
     let saved = effort.frames - 1;
     let scenario = effort.scenario().saving(&[saved]);
-    let Some((on, noted)) = masked(style, effort, scenario.clone(), FIXED_RINGS)? else { return Ok(()) };
+    let (on, noted) = masked(style, effort, scenario.clone(), FIXED_RINGS)?;
     assert_expected(expected, &on, &noted);
     let off = run(style, effort, scenario, LayerMode::Off, None)?.expect_frames(effort.frames)?;
     let rings = Rings::new(effort.size);

@@ -7,17 +7,20 @@
 mod drawn;
 #[path = "common/effort.rs"]
 mod effort;
+#[path = "common/trial.rs"]
+mod trial;
 
 use drawn::{AS_PUBLISHED, PERIOD, compare};
 use effort::{Effort, is_full, moving_gaze};
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::{Arguments, Failed};
 use parafovea_test_layers::{
     ShadingRateFinding, ShadingRateLine, ShadingRateMap, ShadingRatePass, ShadingRateProfile,
 };
 use parafovea_tests::run::{Application, Message, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{Eyes, PassTruth, Queues, SKIPPED, STYLES, Style};
+use parafovea_zoo::{Eyes, PassTruth, Queues, STYLES, Style};
 use std::process::ExitCode;
+use trial::{skip_unless_run, trial};
 
 /// What is run in every test.
 const SHARE: Effort = Effort { frames: 8, size: 96 };
@@ -35,17 +38,17 @@ fn main() -> ExitCode {
     let profiles = ShadingRateProfile::ALL.into_iter().cycle();
     let trials = STYLES.iter().zip(profiles).flat_map(|(style, profile)| {
         let style: &'static Style = style;
-        let trial = |gaze: MapOf, profile: ShadingRateProfile| {
-            Trial::test(format!("{} on {}, {gaze:?}", style.name, profile.name()), move || {
+        let run_on = |gaze: MapOf, profile: ShadingRateProfile| {
+            trial(format!("{} on {}, {gaze:?}", style.name, profile.name()), move || {
                 check(style, profile, gaze)
             })
         };
         if is_full() {
             let all = ShadingRateProfile::ALL.into_iter();
-            all.flat_map(|profile| [MapOf::StillGaze, MapOf::MovingGaze].map(|gaze| trial(gaze, profile)))
+            all.flat_map(|profile| [MapOf::StillGaze, MapOf::MovingGaze].map(|gaze| run_on(gaze, profile)))
                 .collect()
         } else {
-            vec![trial(MapOf::StillGaze, profile)]
+            vec![run_on(MapOf::StillGaze, profile)]
         }
     });
     // One style keeps rates of its own.
@@ -54,13 +57,11 @@ fn main() -> ExitCode {
         false => REUSED.contains(&style.name),
     });
     let reused = of_reuse.zip(ShadingRateProfile::ALL.into_iter().cycle()).map(|(style, profile)| {
-        Trial::test(format!("{} on {}, re-used", style.name, profile.name()), move || {
-            check_reuse(style, profile)
-        })
+        trial(format!("{} on {}, re-used", style.name, profile.name()), move || check_reuse(style, profile))
     });
-    let left_alone = LEFT_ALONE.into_iter().map(|case| Trial::test(case.0, move || check_left_alone(case)));
+    let left_alone = LEFT_ALONE.into_iter().map(|case| trial(case.0, move || check_left_alone(case)));
     let matched = ATTACHED_ONCE_MATCHED.into_iter().map(|name| {
-        Trial::test(format!("{name}, attached once matched"), move || check_attached_once_matched(name))
+        trial(format!("{name}, attached once matched"), move || check_attached_once_matched(name))
     });
     let all = trials.chain(reused).chain(left_alone).chain(matched);
     libtest_mimic::run(&Arguments::from_args(), all.collect()).exit_code()
@@ -84,10 +85,7 @@ fn check_reuse(style: &Style, profile: ShadingRateProfile) -> Result<(), Failed>
     let saved: Vec<u64> = (last + 1 - PERIOD..=last).collect();
     let scenario = effort.scenario().saving(&saved);
     let on = run(style, effort, profile, AS_PUBLISHED, scenario.clone())?;
-    if let Some(skipped) = on.output.lines().find(|line| line.starts_with(SKIPPED)) {
-        println!("{}: {skipped}", style.name);
-        return Ok(());
-    }
+    skip_unless_run(&on);
     let on = on.expect_frames(effort.frames)?;
     let is_new = |found: &&Message| !found.is_of_stand_in();
     let messages: Vec<&Message> = on.findings.vulkan.iter().filter(is_new).collect();
@@ -153,10 +151,7 @@ fn check_attached_once_matched(name: &str) -> Result<(), Failed> {
         .env("PARAFOVEA_QUIRKS", "attach-only-matched,none-such")
         .on(FIXED_RINGS)
         .finish()?;
-    if let Some(skipped) = outcome.output.lines().find(|line| line.starts_with(SKIPPED)) {
-        println!("{name}: {skipped}");
-        return Ok(());
-    }
+    skip_unless_run(&outcome);
     let outcome = outcome.expect_frames(SHARE.frames)?;
     for says in ["quirk attach-only-matched: ", "PARAFOVEA_QUIRKS: none-such names no quirk; allowed are"] {
         assert!(outcome.log.contains(says), "{}", outcome.log);
@@ -201,10 +196,7 @@ fn check(style: &Style, profile: ShadingRateProfile, gaze: MapOf) -> Result<(), 
         MapOf::MovingGaze => format!("{}[rates]\ngate = \"on\"\n", moving_gaze(folder.path(), 0.0)?),
     };
     let outcome = run(style, effort, profile, &config, effort.scenario())?;
-    if let Some(skipped) = outcome.output.lines().find(|line| line.starts_with(SKIPPED)) {
-        println!("{}: {skipped}", style.name);
-        return Ok(());
-    }
+    skip_unless_run(&outcome);
     let outcome = outcome.expect_frames(effort.frames)?;
     let is_new = |found: &&Message| !found.is_of_stand_in();
     let messages: Vec<&Message> = outcome.findings.vulkan.iter().filter(is_new).collect();

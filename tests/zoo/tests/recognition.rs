@@ -8,13 +8,16 @@
 mod effort;
 #[path = "common/noted.rs"]
 mod noted;
+#[path = "common/trial.rs"]
+mod trial;
 
 use effort::Effort;
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::{Arguments, Failed};
 use noted::Noted;
 use parafovea_tests::run::{Application, Run};
-use parafovea_zoo::{Eyes, PassTruth, Queues, SKIPPED, STYLES, Style};
+use parafovea_zoo::{Eyes, PassTruth, Queues, STYLES, Style};
 use std::process::ExitCode;
+use trial::{skip_unless_run, trial};
 
 /// From this frame on the passes are known; nothing is taken for the scene before that is not.
 const KNOWN_FROM: u64 = 4;
@@ -22,7 +25,7 @@ const KNOWN_FROM: u64 = 4;
 fn main() -> ExitCode {
     let trials = STYLES.iter().map(|style| {
         let style: &'static Style = style;
-        Trial::test(style.name, || check(style))
+        trial(style.name, || check(style))
     });
     libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit_code()
 }
@@ -41,10 +44,7 @@ fn check(style: &Style) -> Result<(), Failed> {
         .on("")
         .env("PARAFOVEA_PASSES_FILE", &file)
         .finish()?;
-    if let Some(skipped) = outcome.output.lines().find(|line| line.starts_with(SKIPPED)) {
-        println!("{}: {skipped}", style.name);
-        return Ok(());
-    }
+    skip_unless_run(&outcome);
     let outcome = outcome.expect_frames(effort.frames)?;
     assert!(outcome.findings.vulkan.is_empty(), "{:#?}", outcome.findings.vulkan);
     assert!(outcome.record.errors.is_empty(), "{:#?}", outcome.record.errors);

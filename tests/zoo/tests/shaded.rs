@@ -12,11 +12,16 @@ mod expected;
 
 use effort::is_full;
 use expected::{Expected, expected};
-use libtest_mimic::{Arguments, Failed, Trial};
+#[path = "common/trial.rs"]
+mod trial;
+
+use libtest_mimic::{Arguments, Failed};
 use parafovea_tests::run::{Application, LayerMode, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
-use parafovea_zoo::{Queues, SKIPPED, Style};
+use parafovea_trial::{Lack, skip};
+use parafovea_zoo::{Queues, Style};
 use std::process::ExitCode;
+use trial::{skip_unless_run, trial};
 
 /// Side of an eye's picture, pixels. Rings are rounded up to blocks of 16, which are wider than rings in much smaller pictures.
 const SIZE: u32 = 768;
@@ -42,7 +47,7 @@ fn main() -> ExitCode {
     let engaged =
         wanted.filter(|(_, expected)| !matches!(expected, Ok(Expected::Refused(_) | Expected::NotRun)));
     let trials = engaged.map(|(style, expected)| {
-        Trial::test(format!("{} shades less", style.name), move || {
+        trial(format!("{} shades less", style.name), move || {
             expected.map_err(Failed::from).and_then(|_| check(style))
         })
     });
@@ -61,16 +66,12 @@ fn check(style: &Style) -> Result<(), Failed> {
         Ok(run.finish()?)
     };
     let off = run(LayerMode::Off)?;
-    if let Some(skipped) = off.output.lines().find(|line| line.starts_with(SKIPPED)) {
-        println!("{}: {skipped}", style.name);
-        return Ok(());
-    }
+    skip_unless_run(&off);
     let off = match off.expect_frames(FRAMES)?.samples_after(RUN_UP) {
         Ok(samples) => samples,
         // Only where the device cannot: a count that is missing otherwise is a failure.
         Err(reason) if reason.to_string().contains(NOT_COUNTED) => {
-            println!("{}: not counted: {reason}", style.name);
-            return Ok(());
+            skip(&Lack::machine(format_args!("a device that counts samples: {reason}")))
         }
         Err(reason) => return Err(reason.into()),
     };

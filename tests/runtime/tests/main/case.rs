@@ -5,11 +5,16 @@ use libtest_mimic::Failed;
 use openxr_sys as xr;
 use parafovea_mock_runtime::record::{Error, Line};
 use parafovea_mock_runtime::{SCENARIO_VARIABLE, write_runtime_manifest};
+use parafovea_trial::watch;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Duration;
 
 /// Set in the process that runs a case: the case's name.
 pub const CHILD_VARIABLE: &str = "PARAFOVEA_MOCK_TEST_CASE";
+
+/// The longest that a case may take: a hundred times what the slowest takes.
+pub const LIMIT: Duration = Duration::from_secs(300);
 
 /// What runs in a process of its own.
 pub struct Case {
@@ -133,10 +138,12 @@ impl Case {
         let folder = tempfile::tempdir().unwrap();
         let mut command = Command::new(std::env::current_exe().unwrap());
         command.env(CHILD_VARIABLE, &self.name).envs(environment(folder.path(), &self.scenario));
-        let ended = command.output().unwrap();
-        if !ended.status.success() {
-            let said = String::from_utf8_lossy(&ended.stderr);
-            return Err(format!("{}\n{said}", ended.status).into());
+        let ended = watch(&mut command, LIMIT)?;
+        let Some(status) = ended.status else {
+            return Err(format!("still running after {} s\n{}", LIMIT.as_secs(), ended.output).into());
+        };
+        if !status.success() {
+            return Err(format!("{status}\n{}", ended.output).into());
         }
         check_validation(folder.path())?;
         let output = Output::read(folder.path());

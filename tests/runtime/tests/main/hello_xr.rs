@@ -1,43 +1,30 @@
 //! Khronos' own sample application, unmodified, where it is installed.
 
-use crate::case::{Output, check_validation, environment};
-use libtest_mimic::{Failed, Trial};
+use crate::case::{LIMIT, Output, check_validation, environment};
+use libtest_mimic::{Completion, Failed, Trial};
 use parafovea_mock_runtime::record::Layer;
+use parafovea_trial::{Lack, watch_with_open_input};
 use std::collections::BTreeSet;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
-/// A trial for each Vulkan extension; ignored, visibly, without hello_xr.
+/// A trial for each Vulkan extension; ignored without hello_xr.
 pub fn trials() -> impl Iterator<Item = Trial> {
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let installed = std::env::split_paths(&path).any(|folder| folder.join("hello_xr").is_file());
-    if !installed {
-        eprintln!(
-            "hello_xr is not installed (Debian: openxr-utils or libopenxr-utils): its tests are ignored"
-        );
-    }
-    let trial = move |graphics: &'static str| {
-        Trial::test(format!("hello_xr::{}", graphics.to_lowercase()), move || run(graphics))
-            .with_ignored_flag(!installed)
-    };
-    ["Vulkan", "Vulkan2"].into_iter().map(trial)
+    ["Vulkan", "Vulkan2"].into_iter().map(|graphics| {
+        Trial::ignorable_test(format!("hello_xr::{}", graphics.to_lowercase()), move || run(graphics))
+    })
 }
 
-fn run(graphics: &str) -> Result<(), Failed> {
+fn run(graphics: &str) -> Result<Completion, Failed> {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    if !std::env::split_paths(&path).any(|folder| folder.join("hello_xr").is_file()) {
+        return Ok(Completion::ignored_with(Lack::setup("hello_xr")));
+    }
     let folder = tempfile::tempdir().unwrap();
     let scenario = "[session]\nframes=200\n[output]\nsave=['eye','submitted']\nsave_frames=[0,199]\n";
-    // It quits at the end of its input: a pipe that stays open keeps it going until the session exits.
-    let mut child = Command::new("hello_xr")
-        .args(["-g", graphics])
-        .envs(environment(folder.path(), scenario))
-        .stdin(Stdio::piped())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let input = child.stdin.take();
-    let status = child.wait().unwrap();
-    drop(input);
-    assert!(status.success(), "{status}");
+    let mut command = Command::new("hello_xr");
+    command.args(["-g", graphics]).envs(environment(folder.path(), scenario));
+    let ended = watch_with_open_input(&mut command, LIMIT)?;
+    assert!(ended.status.is_some_and(|status| status.success()), "{ended:?}");
     check_validation(folder.path())?;
 
     let output = Output::read(folder.path());
@@ -56,5 +43,5 @@ fn run(graphics: &str) -> Result<(), Failed> {
     }
     // The head rests, so that the eyes see what was submitted.
     assert!(output.picture("eye0_199.png").2 == output.picture("submitted_0_0_199.png").2);
-    Ok(())
+    Ok(Completion::Completed)
 }

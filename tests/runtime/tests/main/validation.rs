@@ -1,9 +1,10 @@
 //! The Vulkan validation layer listens to all cases: this shows that it would be heard.
 
-use crate::case::{CHILD_VARIABLE, check_validation, environment};
+use crate::case::{CHILD_VARIABLE, LIMIT, check_validation, environment};
 use crate::gpu::{Gpu, vulkan_loader};
 use ash::vk;
-use libtest_mimic::Trial;
+use libtest_mimic::{Completion, Trial};
+use parafovea_trial::{Lack, watch};
 use std::process::Command;
 
 /// Name of the process that makes a mistake.
@@ -21,22 +22,19 @@ pub fn make_mistake() {
     }
 }
 
-/// A trial, ignored, visibly, where the layer is not installed.
+/// A trial, ignored without the layer.
 pub fn trial() -> Trial {
-    let run = || {
+    Trial::ignorable_test("validation::is_heard", || {
+        if !is_installed() {
+            return Ok(Completion::ignored_with(Lack::setup("the Vulkan validation layer")));
+        }
         let folder = tempfile::tempdir().unwrap();
         let mut command = Command::new(std::env::current_exe().unwrap());
-        command.env(CHILD_VARIABLE, MISTAKE).envs(environment(folder.path(), "")).status().unwrap();
-        assert!(check_validation(folder.path()).is_err(), "the validation layer said nothing");
-        Ok(())
-    };
-    let installed = is_installed();
-    if !installed {
-        eprintln!(
-            "VK_LAYER_KHRONOS_validation is not installed (Debian: vulkan-validationlayers): nobody listens"
-        );
-    }
-    Trial::test("validation::is_heard", run).with_ignored_flag(!installed)
+        command.env(CHILD_VARIABLE, MISTAKE).envs(environment(folder.path(), ""));
+        let ended = watch(&mut command, LIMIT).unwrap();
+        assert!(check_validation(folder.path()).is_err(), "the validation layer said nothing: {ended:?}");
+        Ok(Completion::Completed)
+    })
 }
 
 fn is_installed() -> bool {

@@ -1,0 +1,56 @@
+//! How late a busy machine runs a thread that wants to run.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// How often the thread wants to run.
+const PERIOD: Duration = Duration::from_millis(5);
+
+/// Threads that a sound passes one after the other: the server's, the listening one and the application's.
+const THREADS: f64 = 3.0;
+
+/// Measures, from its start on, how late a thread runs.
+pub struct Lateness {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Default)]
+struct Shared {
+    worst_ns: AtomicU64,
+    is_over: AtomicBool,
+}
+
+impl Lateness {
+    /// Begins to measure.
+    pub fn start() -> Self {
+        let shared = Arc::new(Shared::default());
+        let theirs = shared.clone();
+        let measure = move || {
+            while !theirs.is_over.load(Ordering::Relaxed) {
+                let start = Instant::now();
+                std::thread::sleep(PERIOD);
+                let late = start.elapsed().saturating_sub(PERIOD);
+                theirs.worst_ns.fetch_max(late.as_nanos() as u64, Ordering::Relaxed);
+            }
+        };
+        Self { shared, thread: Some(std::thread::spawn(measure)) }
+    }
+
+    /// How late sound may be for that reason, seconds: as late as each of its threads can be. A few milliseconds on an idle
+    /// machine.
+    pub fn allowance_s(&self) -> f64 {
+        let worst = Duration::from_nanos(self.shared.worst_ns.load(Ordering::Relaxed));
+        THREADS * worst.as_secs_f64()
+    }
+}
+
+impl Drop for Lateness {
+    fn drop(&mut self) {
+        self.shared.is_over.store(true, Ordering::Relaxed);
+        // It does not panic.
+        drop(self.thread.take().map(JoinHandle::join));
+    }
+}
