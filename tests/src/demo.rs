@@ -1,180 +1,142 @@
-//! The demo: unmodified applications, with the layer and without, on the mock runtime.
+//! The demo: applications with the default preset and without the layer, on the mock runtime, while head and eyes move.
 //!
-//! Each application runs six times. Two runs, off and on, save one frame's pictures and count fragments; four more,
-//! off and on by turns, only measure time, so that neither saving nor counting is in it.
+//! Each application has three parts. Timed turns: without and with the layer side by side, a frame each in turn, as `parafovea run` starts
+//! applications, with the gate deciding. Counted runs: shaded samples and pictures, with rates on or off for good, as the gate decided in
+//! the timed turns. Judgement: error by angle from the true gaze.
 
+mod application;
+mod chroma;
+mod decision;
+mod observed;
 mod overlay;
 mod report;
+mod single;
+mod strip;
+mod timed;
 mod view;
+mod work;
 
-pub use report::{print_json, print_table};
+pub use application::{Exhibit, exhibits};
+pub use decision::Decision;
+pub use report::{print_json, print_tables};
+pub use single::{Saving, savings};
 pub use view::EyeView;
+pub use work::work;
 
-use crate::compare::{chroma_kept, difference_times_8, max_difference, psnr_db};
-use crate::picture::Picture;
-use crate::record::median;
-use crate::run::{Application, LayerMode, Outcome, Run};
-use crate::scenario::{Scenario, ScenarioExt};
+use crate::measure::{Ratio, Technique};
+use crate::progress::Progress;
 use crate::{HarnessError, artifacts};
-use parafovea_core::chroma::ChromaSettings;
+use observed::Observed;
+use parafovea_errors::{Metric, RINGS, Report};
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The configuration of the runs with the layer on: colour goes at once, so that few frames show the steady state.
-const CONFIG: &str = "preset = \"none\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
+/// What `parafovea run` gives an application without a configuration file.
+const PRESET: &str = "preset = \"balanced\"\n";
 
-/// Where the eyes rest, in degrees to the left and upwards: not the centre, so that following them shows.
-const GAZE_DEG: (f32, f32) = (-12.0, 4.0);
+/// Half of the field in which the layer never shades coarsely, degrees: the least value of `rates.foveal_deg`.
+const FOVEA_DEG: f32 = 5.0;
 
-/// Timed runs of each kind.
-const ROUNDS: usize = 2;
-
-/// One application of the demo.
-pub struct Subject {
-    /// The application.
-    pub application: Application,
-    /// Frames of each run.
-    pub frames: u64,
-}
-
-/// What one application costs in one mode.
+/// Cost of an application in one mode, both eyes together.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Cost {
-    /// CPU time of the whole process for a frame, in milliseconds, the median of all frames of all timed runs.
+    /// CPU time of the whole process for a frame, milliseconds, rendering included: the median of all timed frames.
     pub cpu_ms: f64,
-    /// Fragment shader invocations of a frame that the application caused; the layer's own are not among them.
-    pub fragments: u64,
-    /// Samples of a frame that passed the depth test in the application's render passes; none where it has occlusion
-    /// queries itself.
+    /// Samples of a frame that passed the depth test in the application's render passes; none where it has occlusion queries
+    /// itself.
     pub samples: Option<u64>,
 }
 
-impl Cost {
-    fn new(subject: &Subject, cpu_ms: f64, counted: &Outcome) -> Result<Self, HarnessError> {
-        let samples = counted.samples().ok().map(|samples| samples / subject.frames);
-        Ok(Self { cpu_ms, fragments: counted.fragments()? / subject.frames, samples })
-    }
-}
-
-/// What the demo found for one application.
+/// Result of one application.
 #[derive(Clone, Debug, Serialize)]
 pub struct Finding {
     /// The application.
     pub app: String,
-    /// Frames of each run.
-    pub frames: u64,
+    /// Timed frames in each mode, all turns together.
+    pub frames: usize,
     /// Without the layer.
     pub off: Cost,
     /// With it.
     pub on: Cost,
-    /// Largest difference inside the plateau around the gaze, in code values (0..=255), of both eyes.
+    /// CPU time with the layer, in units of that without it, from the turns ([`Samples::ratio_to`]).
+    pub ratio: f64,
+    /// Half of the interquartile range of the turns' ratios.
+    pub spread: f64,
+    /// Largest difference within 5 degrees of the gaze in the picture shown, code values (0..=255), of both eyes.
     pub fovea_max_error: u8,
-    /// Peak signal-to-noise ratio outside the plateau, in dB, of the worse eye; infinite (`null` in JSON) where the
-    /// pictures are equal.
-    pub outside_psnr_db: f64,
-    /// Part of the chroma that is left outside the plateau (see [`chroma_kept`]), mean of both eyes.
-    pub chroma_kept: f64,
+    /// Lost contrast in just noticeable differences by ring around the true gaze, named by degrees; none for a ring outside the view.
+    pub jnd: Vec<(&'static str, Option<f64>)>,
+    /// Mean of the whole view, just noticeable differences, changes over time included.
+    pub jnd_view: f64,
+    /// Likewise, as detected: small losses far below one JND hardly count.
+    pub jnd_detected: f64,
+    /// The layer's decision.
+    #[serde(flatten)]
+    pub decision: Decision,
 }
 
-/// hello_xr where it is installed, and our scene.
-///
-/// # Errors
-/// [`HarnessError::NotBuilt`].
-pub fn subjects() -> Result<Vec<Subject>, HarnessError> {
-    let mut subjects = Vec::new();
-    match Application::hello_xr("Vulkan2") {
-        Ok(application) => subjects.push(Subject { application, frames: 100 }),
-        Err(missing) => eprintln!("only our own scene: {missing}"),
-    }
-    subjects.push(Subject { application: Application::ours("parafovea-scene", &[])?, frames: 40 });
-    Ok(subjects)
-}
-
-/// Runs one application, saves its pictures into `pictures`, and measures.
+/// Times, counts and judges `exhibit`; saves its pictures in `folder`.
 ///
 /// # Errors
 /// Those of the harness, and an application that does not come to its end.
-pub fn run(subject: &Subject, pictures: &Path) -> Result<Finding, HarnessError> {
-    let off = observe(subject, LayerMode::Absent)?;
-    let on = observe(subject, LayerMode::On(CONFIG.to_owned()))?;
-    let [off_ms, on_ms] = time(subject)?;
-    let mut finding = Finding {
-        app: subject.application.name().to_owned(),
-        frames: subject.frames,
-        off: Cost::new(subject, off_ms, &off)?,
-        on: Cost::new(subject, on_ms, &on)?,
-        fovea_max_error: 0,
-        outside_psnr_db: f64::INFINITY,
-        chroma_kept: 0.0,
-    };
-    let settings = ChromaSettings::default();
-    let views = EyeView::of_scenario(&scenario(subject));
-    for (eye, view) in views.iter().enumerate() {
-        let (before, after) =
-            (off.submitted(eye, saved_frame(subject))?, on.submitted(eye, saved_frame(subject))?);
-        let inside = |x, y| view.eccentricity_deg(&before, x, y) <= settings.plateau_deg;
-        finding.fovea_max_error = finding.fovea_max_error.max(max_difference(&before, &after, inside));
-        let outside = |x, y| !inside(x, y);
-        finding.outside_psnr_db = finding.outside_psnr_db.min(psnr_db(&before, &after, outside));
-        finding.chroma_kept += chroma_kept(&before, &after, outside) / views.len() as f64;
-        save(&finding.app, eye, view, &settings, [&before, &after], pictures)?;
-    }
-    Ok(finding)
+pub fn run(exhibit: &Exhibit, folder: &Path, progress: &mut Progress) -> Result<Finding, HarnessError> {
+    let techniques = [Technique::off(), Technique::layer("balanced", PRESET)];
+    let timed = timed::time(exhibit, &techniques, exhibit.timed, progress)?;
+    let [off_ms, on_ms] = [&timed[0].cpu_ms, &timed[1].cpu_ms];
+    let Ratio { value: ratio, spread } = on_ms.ratio_to(off_ms);
+    let decision = Decision::of(timed[1].status.as_ref());
+
+    let settled = settled(decision.engaged);
+    let off = Observed::of(exhibit, &Technique::off(), progress)?;
+    let on = Observed::of(exhibit, &Technique::layer("balanced", &settled), progress)?;
+    let view = format!("{settled}[debug]\nview = \"rates\"\n");
+    let drawn = Observed::picture_of(exhibit, &Technique::layer("rates drawn over", &view), progress)?;
+    strip::save(&folder.join(format!("{}.png", exhibit.name())), [&off.picture, &on.picture, &drawn])?;
+
+    progress.next(&format!("{}: judging the pictures", exhibit.name()));
+    let errors = off.judge(&on)?;
+    progress.add(work::judging(exhibit));
+    Ok(Finding {
+        app: exhibit.name().to_owned(),
+        frames: off_ms.len(),
+        off: Cost { cpu_ms: off_ms.median(), samples: off.samples },
+        on: Cost { cpu_ms: on_ms.median(), samples: on.samples },
+        ratio,
+        spread,
+        fovea_max_error: off.fovea_max_error(&on, FOVEA_DEG)?,
+        jnd: by_ring(&errors),
+        jnd_view: mean(&errors.loss_by_frame()),
+        jnd_detected: mean(&errors.detected_loss_by_frame()),
+        decision,
+    })
 }
 
-/// The folder for pictures: `target/demo`, made if need be.
+/// The folder for pictures: `target/demo`, made if need be, without pictures of earlier demos.
 ///
 /// # Errors
 /// [`HarnessError::File`].
-pub fn pictures_folder() -> Result<std::path::PathBuf, HarnessError> {
+pub fn pictures_folder() -> Result<PathBuf, HarnessError> {
     let folder = artifacts::target_folder()?.join("demo");
     std::fs::create_dir_all(&folder).map_err(HarnessError::file(&folder))?;
+    for entry in std::fs::read_dir(&folder).map_err(HarnessError::file(&folder))?.flatten() {
+        let path = entry.path();
+        if path.extension().is_some_and(|extension| extension == "png") {
+            std::fs::remove_file(&path).map_err(HarnessError::file(&path))?;
+        }
+    }
     Ok(folder)
 }
 
-fn scenario(subject: &Subject) -> Scenario {
-    Scenario::new(subject.frames).gazing(GAZE_DEG.0, GAZE_DEG.1)
+/// The preset after the gate's decision, which no trial interrupts then.
+fn settled(is_engaged: bool) -> String {
+    format!("{PRESET}[rates]\ngate = \"{}\"\n", if is_engaged { "on" } else { "off" })
 }
 
-fn saved_frame(subject: &Subject) -> u64 {
-    subject.frames / 2
+fn by_ring(errors: &Report) -> Vec<(&'static str, Option<f64>)> {
+    let ring = |ring| errors.row(Metric::Sustained, ring);
+    (0..RINGS).map(|index| (ring(index).ring, ring(index).mean)).collect()
 }
 
-/// A run that is looked at: pictures and fragments.
-fn observe(subject: &Subject, mode: LayerMode) -> Result<Outcome, HarnessError> {
-    let scenario = scenario(subject).saving(&[saved_frame(subject)]);
-    let run = Run::new(&subject.application, &scenario).layer(mode).counted();
-    run.finish()?.expect_frames(subject.frames)
-}
-
-/// Runs that are timed, off and on by turns: milliseconds a frame of each.
-fn time(subject: &Subject) -> Result<[f64; 2], HarnessError> {
-    let modes = [LayerMode::Absent, LayerMode::On(CONFIG.to_owned())];
-    let mut frames: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
-    for _ in 0..ROUNDS {
-        for (mode, frames) in modes.iter().zip(&mut frames) {
-            let outcome = Run::new(&subject.application, &scenario(subject)).layer(mode.clone()).finish()?;
-            frames
-                .extend(outcome.expect_frames(subject.frames)?.record.cpu_ms_of_frames(subject.frames / 10));
-        }
-    }
-    Ok(frames.map(|frames| median(frames).unwrap_or(f64::NAN)))
-}
-
-fn save(
-    app: &str,
-    eye: usize,
-    view: &EyeView,
-    settings: &ChromaSettings,
-    [before, after]: [&Picture; 2],
-    folder: &Path,
-) -> Result<(), HarnessError> {
-    let save =
-        |what: &str, picture: &Picture| picture.save(&folder.join(format!("{app}_eye{eye}_{what}.png")));
-    save("off", before)?;
-    save("on", after)?;
-    save("difference_x8", &difference_times_8(before, after))?;
-    let rings = overlay::eccentricity(after, view, settings.plateau_deg);
-    save("eccentricity", &rings)?;
-    save("overview", &before.halved().beside(&rings.halved()))
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
 }

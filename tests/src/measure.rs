@@ -20,4 +20,4 @@ pub use subject::Subject;
 pub use summary::{StyleRows, Summary};
 pub use technique::Technique;
 pub use timing::{Counts, Effort, LAYER_RUN_UP, RUN_UP_ALONE, Timing, take_turns, time};
-pub use turns::{Player, side_by_side};
+pub use turns::{Player, play_in_turn, side_by_side, start_all};

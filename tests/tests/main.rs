@@ -14,7 +14,6 @@ mod documents;
 mod enabling;
 mod faults;
 mod frame;
-mod fuzz;
 mod hello_xr;
 mod inert;
 mod input;

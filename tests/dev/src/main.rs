@@ -5,8 +5,10 @@
 //! runs. Everything is written below the target folder.
 
 mod archive;
+mod building;
 mod compare;
 mod drivers;
+mod meter;
 mod monado;
 mod packages;
 mod sanitize;
@@ -22,7 +24,9 @@ cargo dev <task>, run anywhere in the repository:
 
   setup                 install what is missing (Debian and Ubuntu; elsewhere: name it). Implied by every task
                         but for the drivers over kernel shims, which it unpacks to target/drivers/release and `test` needs
-  demo [--json]         hello_xr and our scene through the layer, off and on; pictures in target/demo/
+  demo [--json]         our scene, a style of the zoo and unmodified hello_xr with the default preset and without the layer, while the
+                        gaze moves: CPU time, shaded samples, errors and the layer's decisions; pictures in target/demo/. Installs
+                        and builds only what it runs
   test [--strict] [PART]
                         formatting, clippy, build, docs, all tests: what CI runs; with PART, only the build and the tests with this in their
                         names. Each test is a process of its own, which is killed after 10 minutes. A test that needs something that is not

@@ -1,10 +1,12 @@
 //! `setup`: brings what is missing where it can, names it where it cannot, and is silent when all is there.
 
 use crate::drivers::unpack_release;
+use crate::meter::Meter;
 use crate::packages::{Manager, NEEDS, Need, program_in_path};
 use crate::steps;
+use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 
 /// Who asked for the set-up.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -20,11 +22,20 @@ pub fn setup(voice: Voice) -> Result<(), String> {
     if voice == Voice::Asked {
         unpack_release();
     }
-    let missing = missing();
+    let missing = missing(|_| true);
+    if missing.is_empty() && voice == Voice::Asked {
+        println!("cargo dev setup: nothing is missing");
+    }
+    bring(voice, missing)
+}
+
+/// As [`setup`] implied by a task, of the demo's needs alone: a first look is not to wait for servers and compilers of the tests.
+pub fn setup_for_demo() -> Result<(), String> {
+    bring(Voice::Implied, missing(|need| need.for_demo))
+}
+
+fn bring(voice: Voice, missing: Vec<&'static Need>) -> Result<(), String> {
     if missing.is_empty() {
-        if voice == Voice::Asked {
-            println!("cargo dev setup: nothing is missing");
-        }
         return Ok(());
     }
     if voice == Voice::Implied && already_reported(&missing) {
@@ -41,8 +52,8 @@ pub fn setup(voice: Voice) -> Result<(), String> {
     report(&still(missing), manager)
 }
 
-fn missing() -> Vec<&'static Need> {
-    NEEDS.iter().filter(|need| !need.proof.holds()).collect()
+fn missing(is_asked: impl Fn(&Need) -> bool) -> Vec<&'static Need> {
+    NEEDS.iter().filter(|need| is_asked(need) && !need.proof.holds()).collect()
 }
 
 fn still(needs: Vec<&'static Need>) -> Vec<&'static Need> {
@@ -67,8 +78,7 @@ fn install_with_apt(root: &[&str], missing: &[&Need]) {
         // `env` because sudo drops variables of its own accord.
         let words =
             [root, &["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "--quiet"], arguments].concat();
-        let outcome = Command::new(words[0]).args(&words[1..]).stdin(Stdio::null()).status();
-        if !outcome.is_ok_and(|status| status.success()) {
+        if !run_with_progress(&words).is_ok_and(|status| status.success()) {
             eprintln!("cargo dev: apt-get {} did not succeed", arguments.join(" "));
         }
     };
@@ -81,6 +91,35 @@ fn install_with_apt(root: &[&str], missing: &[&Need]) {
     }
     if !known.is_empty() {
         apt(&[&["install", "--yes", "--no-install-recommends"], known.as_slice()].concat());
+    }
+}
+
+/// Runs apt-get, and shows how far it is: it writes its state to standard output, among its messages, which are dropped. Its errors go to
+/// standard error.
+fn run_with_progress(words: &[&str]) -> std::io::Result<ExitStatus> {
+    let mut command = Command::new(words[0]);
+    command.args(&words[1..]).args(["-o", "APT::Status-Fd=1"]).stdin(Stdio::null()).stdout(Stdio::piped());
+    let mut child = command.spawn()?;
+    let mut meter = Meter::new("apt-get");
+    for line in child.stdout.take().into_iter().flat_map(|output| BufReader::new(output).split(b'\n')) {
+        if let Some((done, what)) = apt_progress(&String::from_utf8_lossy(&line?)) {
+            meter.show(done, what);
+        }
+    }
+    meter.end();
+    child.wait()
+}
+
+/// The share of the whole that apt-get has done, downloads for one half and installation for the other, and the work in hand; none for
+/// other lines.
+fn apt_progress(line: &str) -> Option<(f64, &str)> {
+    let mut fields = line.splitn(4, ':');
+    let (kind, _, percent, what) = (fields.next()?, fields.next()?, fields.next()?, fields.next()?);
+    let share = percent.parse::<f64>().ok()? / 100.0;
+    match kind {
+        "dlstatus" => Some((share / 2.0, what)),
+        "pmstatus" => Some((0.5 + share / 2.0, what)),
+        _ => None,
     }
 }
 
@@ -134,4 +173,20 @@ fn stamp(missing: &[&Need]) -> String {
 
 fn stamp_path() -> Result<PathBuf, String> {
     Ok(steps::profile_folder()?.join("dev-setup-reported"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn apt_tells_downloads_from_installation() {
+        assert_eq!(
+            apt_progress("dlstatus:3:50.0000:Retrieving file 3 of 7"),
+            Some((0.25, "Retrieving file 3 of 7"))
+        );
+        assert_eq!(apt_progress("pmstatus:libc6:50.0:Unpacking libc6"), Some((0.75, "Unpacking libc6")));
+        assert_eq!(apt_progress("Reading package lists..."), None);
+        assert_eq!(apt_progress("Setting up x: a: b: c"), None);
+    }
 }

@@ -1,9 +1,10 @@
 //! The tasks beyond `setup`: each builds what it needs with the one profile that they all share.
 
+use crate::building::build_with_progress;
 use crate::compare;
 use crate::drivers::unpack_release;
 use crate::packages::can_build_audio;
-use crate::setup::{Voice, setup};
+use crate::setup::{Voice, setup, setup_for_demo};
 use crate::steps::{Steps, cargo, profile_folder};
 use crate::suite::{self, Options, Summary};
 use std::path::Path;
@@ -22,13 +23,22 @@ const BENCHES: [(&str, &str); 8] = [
 ];
 
 /// The packages that need ALSA's library.
-const AUDIO: [&str; 2] = ["parafovea-audio", "parafovea-ears"];
+const AUDIO: [&str; 3] = ["parafovea-audio", "parafovea-ears", "parafovea-fuzz"];
 
-/// The unmodified application and our scene, off and on.
+/// The programs of the demo. The shared libraries that it loads are dependencies of the first.
+const DEMO: [&str; 3] = ["parafovea-demo", "parafovea-scene", "parafovea-zoo"];
+
+/// Applications with the default preset and without the layer. Only the demo's own programs are built, with the features that the whole
+/// workspace gives their dependencies: a later task builds none of them again.
 pub fn demo(arguments: &[String]) -> Result<(), String> {
-    setup(Voice::Implied)?;
+    setup_for_demo()?;
     let mut steps = Steps::default();
-    build(&mut steps)?;
+    eprintln!(
+        "cargo dev: building the layer, a runtime without a headset, our scene (with wgpu), the zoo of rendering styles, and the judge of pictures"
+    );
+    let mut cargo = workspace("build");
+    DEMO.iter().for_each(|program| _ = cargo.args(["--bin", program]));
+    build_with_progress("building", in_root(&mut cargo))?;
     steps.run("demo", Command::new(profile_folder()?.join("parafovea-demo")).args(arguments))
 }
 

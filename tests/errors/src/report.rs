@@ -71,10 +71,24 @@ impl Report {
         &self.frame_detected[metric as usize]
     }
 
+    /// Lost contrast frame by frame, JND, over the whole view: of things that stay, and of things that come and go.
+    pub fn loss_by_frame(&self) -> Vec<f64> {
+        sums(self.by_frame(Metric::Sustained), self.by_frame(Metric::Transient))
+    }
+
+    /// Likewise, as detected: [`Self::frame_detected`].
+    pub fn detected_loss_by_frame(&self) -> Vec<f64> {
+        sums(self.detected_by_frame(Metric::Sustained), self.detected_by_frame(Metric::Transient))
+    }
+
     /// The row of a metric and ring (index into [`RING_NAMES`]).
     pub fn row(&self, metric: Metric, ring: usize) -> &Row {
         &self.rows[metric as usize * RINGS + ring]
     }
+}
+
+fn sums(one: &[Option<f64>], other: &[Option<f64>]) -> Vec<f64> {
+    one.iter().zip(other).map(|(one, other)| one.unwrap_or(0.0) + other.unwrap_or(0.0)).collect()
 }
 
 pub(crate) fn rows(metric: Metric, pool: &Pool) -> impl Iterator<Item = Row> + '_ {

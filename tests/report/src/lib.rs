@@ -16,7 +16,6 @@ pub mod pictures;
 pub mod plan;
 pub mod plot;
 pub mod points;
-mod progress;
 pub mod results;
 pub mod statistics;
 pub mod summary;

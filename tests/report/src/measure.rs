@@ -7,7 +7,6 @@ use crate::bits;
 use crate::pictures::Pictures;
 use crate::plan::{Plan, judging, rendering};
 use crate::points::{Point, Sweep};
-use crate::progress::Progress;
 use crate::results::{Cost, Errors, Fine, HardCase, PointResults, Results, SceneResults, mean};
 use parafovea_errors::{Metric, RINGS, Report};
 use parafovea_models::hard_cases;
@@ -17,6 +16,7 @@ use parafovea_tests::device::Machine;
 use parafovea_tests::measure::{
     Counts, Effort, Subject, Technique, Timing, judge, take_turns, with_pictures,
 };
+use parafovea_tests::progress::Progress;
 use parafovea_tests::run::Outcome;
 use parafovea_tests::scenario::Scenario;
 use std::panic::resume_unwind;
@@ -30,7 +30,7 @@ pub fn measure(plan: &Plan, command: &str, pictures: &mut Pictures) -> Result<(R
     let machine = Machine::of(plan.driver)?;
     eprintln!("{machine}");
     let conditions = conditions::conditions(plan, &machine, command);
-    let mut progress = Progress::new(plan.runs(), plan.work());
+    let mut progress = Progress::new(plan.work());
     let mut scenes = Vec::new();
     for &scene in &plan.scenes {
         scenes.push(measure_scene(plan, scene, &machine, pictures, &mut progress)?);
@@ -208,10 +208,6 @@ fn at_once<T: Sync, R: Send>(
 
 fn errors(report: &Report) -> Errors {
     let rings = |metric| std::array::from_fn(|ring| report.row(metric, ring).mean);
-    let both = |of: fn(&Report, Metric) -> &[Option<f64>]| -> Vec<f64> {
-        let [stays, goes] = [Metric::Sustained, Metric::Transient].map(|metric| of(report, metric));
-        stays.iter().zip(goes).map(|(stays, goes)| stays.unwrap_or(0.0) + goes.unwrap_or(0.0)).collect()
-    };
     let whole = |metric| mean(report.by_frame(metric).iter().copied().flatten());
     // Rings of a root mean square are put together by their power.
     let power = (0..RINGS).filter_map(|ring| {
@@ -221,8 +217,8 @@ fn errors(report: &Report) -> Errors {
     let (power, pixels) = power.fold((0.0, 0), |(sum, all), (power, pixels)| (sum + power, all + pixels));
     let chroma = [Metric::RedGreen, Metric::YellowViolet].map(|metric| whole(metric).unwrap_or(0.0));
     Errors {
-        loss: both(Report::by_frame),
-        detected: both(Report::detected_by_frame),
+        loss: report.loss_by_frame(),
+        detected: report.detected_loss_by_frame(),
         sustained: rings(Metric::Sustained),
         transient: rings(Metric::Transient),
         flicker: (pixels > 0).then(|| (power / pixels as f64).sqrt()),

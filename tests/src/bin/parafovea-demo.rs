@@ -1,5 +1,6 @@
-//! `cargo dev demo`: unmodified applications with the layer and without, as a table and as pictures.
+//! `cargo dev demo`: applications without the layer and with its default preset, as tables and as pictures.
 
+use parafovea_tests::progress::Progress;
 use parafovea_tests::{HarnessError, demo};
 use std::process::ExitCode;
 
@@ -21,12 +22,21 @@ fn main() -> ExitCode {
 
 fn show(json: bool) -> Result<(), HarnessError> {
     let folder = demo::pictures_folder()?;
+    let exhibits = demo::exhibits();
+    let mut progress = Progress::new(demo::work(&exhibits));
     let mut findings = Vec::new();
-    for subject in demo::subjects()? {
-        eprintln!("running {}, off and on by turns", subject.application.name());
-        findings.push(demo::run(&subject, &folder)?);
+    for exhibit in &exhibits {
+        findings.push(demo::run(exhibit, &folder, &mut progress)?);
     }
-    demo::print_table(&findings);
-    println!("Pictures: {}", folder.display());
-    if json { demo::print_json(&findings) } else { Ok(()) }
+    let savings = match exhibits.first() {
+        Some(scene) => demo::savings(scene, &folder, &mut progress)?.to_vec(),
+        None => Vec::new(),
+    };
+    eprintln!("[100 %] done after {:.0} s", progress.seconds());
+    if json {
+        return demo::print_json(&findings, &savings);
+    }
+    demo::print_tables(&findings, &savings);
+    println!("\nPictures (off | on | difference x 8 | rates drawn over): {}", folder.display());
+    Ok(())
 }

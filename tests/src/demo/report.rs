@@ -1,53 +1,67 @@
-//! The demo's findings for people and for programs.
+//! The demo's results for people and for programs.
 
-use super::Finding;
+use super::{Finding, Saving};
 use crate::HarnessError;
+use parafovea_errors::RING_NAMES;
 
-/// Prints a table, one application a row.
-pub fn print_table(findings: &[Finding]) {
+/// Prints costs, decisions and errors, an application a row.
+pub fn print_tables(findings: &[Finding], savings: &[Saving]) {
+    println!("\nCost of a frame with both eyes, without and with the layer (preset \"balanced\"):\n");
     println!(
-        "{:<16} {:>6}  {:>9} {:>9} {:>6}  {:>11} {:>11}  {:>11} {:>12} {:>11}",
-        "",
-        "frames",
-        "CPU ms",
-        "CPU ms",
-        "",
-        "fragments",
-        "fragments",
-        "fovea max",
-        "outside PSNR",
-        "chroma kept"
-    );
-    println!(
-        "{:<16} {:>6}  {:>9} {:>9} {:>6}  {:>11} {:>11}  {:>11} {:>12} {:>11}",
-        "application", "", "off", "on", "ratio", "off", "on", "error /255", "dB", "outside"
+        "{:<14}{:>11}{:>11}{:>15}{:>15}{:>15}{:>8}",
+        "application", "CPU ms off", "on", "ratio", "samples off", "on", "ratio"
     );
     for finding in findings {
+        let [off, on] = [finding.off, finding.on];
+        let count = |samples: Option<u64>| samples.map_or("-".to_owned(), |samples| samples.to_string());
+        let ratio = off.samples.zip(on.samples).map(|(off, on)| on as f64 / off as f64);
         println!(
-            "{:<16} {:>6}  {:>9.2} {:>9.2} {:>6.2}  {:>11} {:>11}  {:>11} {:>12.1} {:>11.2}",
+            "{:<14}{:>11.2}{:>11.2}{:>15}{:>15}{:>15}{:>8}",
             finding.app,
-            finding.frames,
-            finding.off.cpu_ms,
-            finding.on.cpu_ms,
-            finding.on.cpu_ms / finding.off.cpu_ms,
-            finding.off.fragments,
-            finding.on.fragments,
-            finding.fovea_max_error,
-            finding.outside_psnr_db,
-            finding.chroma_kept,
+            off.cpu_ms,
+            on.cpu_ms,
+            format!("{:.2} +- {:.2}", finding.ratio, finding.spread),
+            count(off.samples),
+            count(on.samples),
+            ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.2}")),
         );
     }
-    println!("CPU time and fragments are those of one frame with both eyes.");
+    println!();
+    for finding in findings {
+        println!("{:<14}{}", finding.app, finding.decision.decided);
+    }
+    println!(
+        "\nError: largest difference within 5 degrees of the gaze (of 255), and lost contrast in just noticeable"
+    );
+    println!("differences (JND), by degrees from the gaze, in the mean of the view, and as detected:\n");
+    print!("{:<14}{:>7}", "application", "fovea");
+    RING_NAMES.iter().for_each(|ring| print!("{ring:>8}"));
+    println!("{:>8}{:>10}", "view", "detected");
+    for finding in findings {
+        print!("{:<14}{:>7}", finding.app, finding.fovea_max_error);
+        for (_, jnd) in &finding.jnd {
+            print!("{:>8}", jnd.map_or("-".to_owned(), |jnd| format!("{jnd:.2}")));
+        }
+        println!("{:>8.2}{:>10.2}", finding.jnd_view, finding.jnd_detected);
+    }
+    println!("\nOff in that preset, each alone:\n");
+    for Saving { app, technique, saves, left, ratio } in savings {
+        let left = left.map_or("-".to_owned(), |left| format!("{left:.2}"));
+        println!(
+            "{app}: {technique}: {saves}: {left} of those without; CPU time: {ratio:.2} of that without"
+        );
+    }
 }
 
-/// Prints one JSON object a line, one application each.
+/// Prints one JSON object a line: applications, then techniques alone.
 ///
 /// # Errors
 /// [`HarnessError::Format`], which plain figures do not cause.
-pub fn print_json(findings: &[Finding]) -> Result<(), HarnessError> {
-    for finding in findings {
-        let line = serde_json::to_string(finding)
-            .map_err(|error| HarnessError::format(std::path::Path::new("standard output"), error))?;
+pub fn print_json(findings: &[Finding], savings: &[Saving]) -> Result<(), HarnessError> {
+    let lines = findings.iter().map(serde_json::to_string).chain(savings.iter().map(serde_json::to_string));
+    for line in lines {
+        let line =
+            line.map_err(|error| HarnessError::format(std::path::Path::new("standard output"), error))?;
         println!("{line}");
     }
     Ok(())

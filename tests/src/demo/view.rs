@@ -1,7 +1,7 @@
 //! Where a pixel of a submitted picture lies, seen from the gaze.
 
 use crate::picture::Picture;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, View};
 use glam::{Quat, Vec2, Vec3};
 use parafovea_core::geometry::{Fov, eccentricity};
 
@@ -22,16 +22,16 @@ impl EyeView {
             let yaw = Quat::from_rotation_y(gaze.yaw_deg.to_radians());
             yaw * Quat::from_rotation_x(gaze.pitch_deg.to_radians()) * Vec3::NEG_Z
         });
-        let view = |view: &crate::scenario::View| Self {
-            fov: Fov {
-                left: view.fov_deg.left.to_radians(),
-                right: view.fov_deg.right.to_radians(),
-                up: view.fov_deg.up.to_radians(),
-                down: view.fov_deg.down.to_radians(),
-            },
-            gaze: Quat::from_array(view.orientation).inverse() * direction,
-        };
-        scenario.views.iter().map(view).collect()
+        let own = |view: &View| Quat::from_array(view.orientation).inverse() * direction;
+        scenario.views.iter().map(|view| Self::new(view, own(view))).collect()
+    }
+
+    /// A view of a scenario with a gaze, a unit vector in the eye's own space.
+    pub fn new(view: &View, gaze: Vec3) -> Self {
+        let degrees = view.fov_deg;
+        let [left, right, up, down] =
+            [degrees.left, degrees.right, degrees.up, degrees.down].map(f32::to_radians);
+        Self { fov: Fov { left, right, up, down }, gaze }
     }
 
     /// Angle between the gaze and a pixel's centre, in degrees.

@@ -65,7 +65,17 @@ impl Subject {
         Self { program: Program::Style(style.name), ..Self::new(SceneName::Courtyard, tracker, 0) }
     }
 
-    /// Whether it is one.
+    /// hello_xr in place of the scene; head and eyes move as before.
+    pub fn with_hello_xr(self) -> Self {
+        Self { program: Program::HelloXr, ..self }
+    }
+
+    /// A style of the zoo in place of the scene; head and eyes move as before.
+    pub fn with_style(self, style: &Style) -> Self {
+        Self { program: Program::Style(style.name), ..self }
+    }
+
+    /// Whether a style of the zoo runs.
     pub fn is_style(&self) -> bool {
         matches!(self.program, Program::Style(_))
     }

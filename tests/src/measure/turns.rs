@@ -7,10 +7,12 @@ use super::{Effort, Subject, Technique};
 use crate::HarnessError;
 use crate::run::{Application, Outcome, Run, Running};
 use crate::scenario::Scenario;
+use parafovea_manifest::paths::Environment;
+use parafovea_manifest::status::{Status, read_all};
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// How long an application may take for its start, or for a frame.
 const PATIENCE: Duration = Duration::from_secs(240);
@@ -39,12 +41,33 @@ pub fn side_by_side(
     with_gpu: bool,
     mut progress: impl FnMut(&Technique),
 ) -> Result<Vec<Outcome>, HarnessError> {
+    let mut players = start_all(subject, techniques, effort, with_gpu, |technique, _| progress(technique))?;
+    play_in_turn(&mut players, effort.frames);
+    let finished = players
+        .into_iter()
+        .zip(techniques)
+        .map(|(player, technique)| player.finish()?.expect_frames(effort.of(technique).length()));
+    finished.collect()
+}
+
+/// Starts `subject` with each technique, one after the other, and lets each have its run-up. `progress` is told of each technique before it
+/// is started, with the frames of its run-up.
+///
+/// # Errors
+/// Those of the harness, and an application that asks for no frame.
+pub fn start_all(
+    subject: &Subject,
+    techniques: &[Technique],
+    effort: Effort,
+    with_gpu: bool,
+    mut progress: impl FnMut(&Technique, u64),
+) -> Result<Vec<Player>, HarnessError> {
     let folder = std::env::temp_dir();
     let sockets = tempfile::tempdir().map_err(HarnessError::file(&folder))?;
     let mut players = Vec::new();
     for (number, technique) in techniques.iter().enumerate() {
-        progress(technique);
         let shorter = effort.of(technique);
+        progress(technique, shorter.run_up);
         let subject = subject.later(effort.run_up - shorter.run_up);
         let mut scenario = subject.scenario(shorter);
         scenario.clock.turns = sockets.path().join(number.to_string());
@@ -59,17 +82,17 @@ pub fn side_by_side(
         }
         players.push(player);
     }
-    for frame in 0..effort.frames {
+    Ok(players)
+}
+
+/// Lets all have so many frames, one each in turn, in an order that is reversed from frame to frame.
+pub fn play_in_turn(players: &mut [Player], frames: u64) {
+    for frame in 0..frames {
         match frame % 2 {
             0 => players.iter_mut().for_each(Player::play),
             _ => players.iter_mut().rev().for_each(Player::play),
         }
     }
-    let finished = players
-        .into_iter()
-        .zip(techniques)
-        .map(|(player, technique)| player.finish()?.expect_frames(effort.of(technique).length()));
-    finished.collect()
 }
 
 impl Player {
@@ -128,6 +151,15 @@ impl Player {
         if self.is_waiting && self.asks.write_all(&[0]).is_ok() {
             self.listen();
         }
+    }
+
+    /// The layer's status in it, as `parafovea status` reads it; none where there is no layer.
+    pub fn status(&self) -> Option<Status> {
+        let folder = self.running.runtime_folder();
+        let environment =
+            Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| folder.clone().into()));
+        let (found, _) = read_all(&environment, SystemTime::now()).ok()?;
+        found.into_iter().next().map(|found| found.status)
     }
 
     /// Lets it come to its end.

@@ -1,6 +1,6 @@
 //! A few thousand of the inputs that `cargo dev fuzz` makes millions of.
 
-use parafovea_tests::fuzz::{TARGETS, Until, run};
+use parafovea_fuzz::{TARGETS, Until, run};
 
 #[test]
 fn a_few_inputs_of_each_target() {

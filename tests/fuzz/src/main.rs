@@ -1,6 +1,6 @@
 //! `cargo dev fuzz [TARGET] [--minutes N]`: mutated inputs for one target or all, another seed each time, which is printed.
 
-use parafovea_tests::fuzz::{TARGETS, Target, Until, run};
+use parafovea_fuzz::{TARGETS, Target, Until, run};
 use std::process::ExitCode;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 

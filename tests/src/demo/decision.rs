@@ -1,0 +1,102 @@
+//! The layer's decision about an application, in one line.
+
+use parafovea_manifest::status::Status;
+use serde::Serialize;
+
+/// Whether the layer shades coarsely, and why.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub struct Decision {
+    /// Whether any pass is shaded coarsely.
+    pub engaged: bool,
+    /// The reason, for people.
+    pub decided: String,
+}
+
+impl Decision {
+    /// Of the layer's status; none: the layer was not there.
+    pub fn of(status: Option<&Status>) -> Self {
+        let Some(status) = status else { return Self::left_alone("the layer reported no status") };
+        let gate = &status.rates_gate;
+        let measured = gate.ratio.map_or(String::new(), |[ratio, low, high]| {
+            format!("frames cost {ratio:.2} ({low:.2} to {high:.2}) times as much with coarser shading")
+        });
+        if !status.inert.is_empty() {
+            return Self::left_alone(&status.inert);
+        }
+        if status.backend == "none" {
+            let refused = status.decisions.iter().rfind(|decision| decision.starts_with("no "));
+            return Self::left_alone(
+                refused.map_or("the device has no way to shade coarsely", String::as_str),
+            );
+        }
+        if !gate.is_kept {
+            return Self::left_alone(&format!("by the gate's trials {measured}"));
+        }
+        if status.passes_matched == 0 {
+            let last = status.decisions.last().map_or("no pass was recognised as the scene", String::as_str);
+            return Self::left_alone(last);
+        }
+        let passes =
+            if status.passes_matched == 1 { "1 pass" } else { &format!("{} passes", status.passes_matched) };
+        let trials = if measured.is_empty() {
+            "the gate's trials have shown nothing yet".to_owned()
+        } else {
+            format!("by the gate's trials {measured}")
+        };
+        let decided = format!("engaged: {} in {passes}; {trials}", status.backend);
+        Self { engaged: true, decided }
+    }
+
+    fn left_alone(why: &str) -> Self {
+        Self { engaged: false, decided: format!("left alone: {why}") }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use parafovea_manifest::status::Gate;
+
+    fn status(is_kept: bool, ratio: Option<[f32; 3]>, passes_matched: u32) -> Status {
+        let rates_gate = Gate { mode: "auto".to_owned(), is_kept, ratio };
+        let decisions = vec!["a pass of 512x512 has no mask: no depth attachment".to_owned()];
+        Status { backend: "mask".to_owned(), rates_gate, passes_matched, decisions, ..Status::default() }
+    }
+
+    #[test]
+    fn each_reason_is_told() {
+        let told = |status: &Status| {
+            let Decision { engaged, decided } = Decision::of(Some(status));
+            (engaged, decided)
+        };
+        let pays = told(&status(true, Some([0.7, 0.65, 0.75]), 2));
+        assert_eq!(
+            pays,
+            (
+                true,
+                "engaged: mask in 2 passes; by the gate's trials frames cost 0.70 (0.65 to 0.75) times as much with coarser shading"
+                    .to_owned()
+            )
+        );
+        let (engaged, dear) = told(&status(false, Some([1.3, 1.2, 1.4]), 0));
+        assert!(
+            !engaged && dear.starts_with("left alone: ") && dear.contains("1.30 (1.20 to 1.40)"),
+            "{dear}"
+        );
+        let unclear = told(&status(true, None, 1));
+        assert!(unclear.0 && unclear.1.contains("1 pass;"), "{unclear:?}");
+        let unmatched = told(&status(true, None, 0));
+        assert_eq!(
+            unmatched,
+            (false, "left alone: a pass of 512x512 has no mask: no depth attachment".to_owned())
+        );
+        let inert = Status { inert: "Direct3D".to_owned(), ..status(true, None, 2) };
+        assert_eq!(told(&inert), (false, "left alone: Direct3D".to_owned()));
+        let backend = Status { backend: "none".to_owned(), ..status(true, None, 2) };
+        assert!(told(&backend).1.contains("no way to shade coarsely"));
+        let decisions = ["no rate attachments", "no masks either: Vulkan 1.0"].map(str::to_owned).into();
+        let refused = Status { decisions, ..backend };
+        assert_eq!(told(&refused), (false, "left alone: no masks either: Vulkan 1.0".to_owned()));
+        assert!(!Decision::of(None).engaged);
+    }
+}

@@ -1,0 +1,32 @@
+//! Amounts of work, for the progress that is shown.
+
+use super::Exhibit;
+use super::single::work_of;
+use crate::measure::{Effort, RUN_UP_ALONE};
+
+/// Starting an application, in pixels that could be rendered meanwhile.
+const START: f64 = 8e6;
+
+/// Judging a pixel, in pixels that could be rendered meanwhile.
+const JUDGING: f64 = 5.0;
+
+/// All work that [`super::run`] and [`super::savings`] do, the latter for the first exhibit.
+pub fn work(exhibits: &[Exhibit]) -> u64 {
+    let of_one = |exhibit: &Exhibit| {
+        let alone = Effort { run_up: RUN_UP_ALONE, ..exhibit.timed };
+        let turn = rendering(exhibit, alone) + rendering(exhibit, exhibit.timed);
+        exhibit.timed.turns as u64 * turn + 3 * rendering(exhibit, exhibit.counted) + judging(exhibit)
+    };
+    exhibits.iter().map(of_one).sum::<u64>() + exhibits.first().map_or(0, work_of)
+}
+
+/// One run.
+pub fn rendering(exhibit: &Exhibit, effort: Effort) -> u64 {
+    let pixels = effort.length() as f64 * f64::from(effort.size).powi(2);
+    (START + exhibit.weight * pixels) as u64
+}
+
+/// Judging the pictures of one counted run.
+pub fn judging(exhibit: &Exhibit) -> u64 {
+    (JUDGING * exhibit.counted.frames as f64 * f64::from(exhibit.counted.size).powi(2)) as u64
+}
