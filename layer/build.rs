@@ -12,6 +12,7 @@ use parafovea_core::kernels::debug_view::DebugViewParams;
 use parafovea_core::kernels::decide::DecideParams;
 use parafovea_core::kernels::lay::LayParams;
 use parafovea_core::kernels::mask::MaskParams;
+use parafovea_core::kernels::template::TemplateParams;
 use parafovea_core::layout::{Field, Uniform};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -37,6 +38,7 @@ fn main() {
         declared::<DecideParams>(),
         declared::<LayParams>(),
         declared::<MaskParams>(),
+        declared::<TemplateParams>(),
         declared::<ComposeParams>(),
         declared::<ReuseParams>(),
         declared::<DebugViewParams>(),

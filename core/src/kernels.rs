@@ -10,3 +10,4 @@ pub mod decide;
 pub mod fill;
 pub mod lay;
 pub mod mask;
+pub mod template;

@@ -72,7 +72,7 @@ fn main() {
     let application = Application::new(&vulkan, setup, [SIDE; 2]);
     let fill = Arc::new(Fill::new(&vulkan.gpu).unwrap());
     let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
-    let eligible = Eligible { depths, format: DepthFormat::Float32 };
+    let eligible = Eligible { depths, format: DepthFormat::Float32, drawn: None };
     let image = RateImage { area: [0, 0, SIDE, SIDE], texel: [TEXEL; 2], tiles: [TILES; 2], layers: 1 };
     let part =
         Part { eyes: Eyes::Left, layer: 0, rect: [0.0, 0.0, 1.0, 1.0], orientation: Orientation::Upright };

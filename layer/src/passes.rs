@@ -9,3 +9,4 @@ pub mod decide;
 pub mod fill;
 pub mod lay;
 pub mod mask;
+pub mod template;

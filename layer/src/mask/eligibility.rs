@@ -110,6 +110,9 @@ pub struct Eligible {
     pub depths: TemplateDepths,
     /// How the template is laid out.
     pub format: DepthFormat,
+    /// Format and samples of an image that it is drawn to and copied from; None if it is copied from a buffer, which takes an
+    /// image of one sample (Vulkan specification, "Copying Data Between Buffers and Images").
+    pub drawn: Option<(vk::Format, vk::SampleCountFlags)>,
 }
 
 /// Why a pass is left alone. `Display` completes "no mask: ...".
@@ -119,6 +122,8 @@ pub enum Reason {
     Off,
     /// No earlier frame has shown that it is the scene, and what it does.
     New,
+    /// Its template is an image that was not drawn yet; what the pass shows says what that shall hold.
+    Undrawn,
     /// One of its images is not known.
     Unknown,
     /// It is recorded in a secondary command buffer.
@@ -141,14 +146,14 @@ pub enum Reason {
     DepthLoaded,
     /// Copies to depth of this format are not known.
     DepthFormat(vk::Format),
-    /// Depth with several samples cannot be copied to from a buffer.
-    Samples(vk::SampleCountFlags),
     /// The depth image has no memory that could be copied to.
     Transient,
     /// Depth is stored, and made to be read by shaders or copies.
     DepthRead,
     /// Depth is stored, and another pass goes on with it.
     DepthLoadedLater,
+    /// Depth is resolved to another image, which is not filled.
+    DepthResolved,
     /// Depth is shown to the runtime.
     DepthSubmitted,
     /// Depth is cleared within the pass.
@@ -186,6 +191,7 @@ impl fmt::Display for Reason {
         f.write_str(match self {
             Self::Off => "rates are off",
             Self::New => "no earlier frame tells of it",
+            Self::Undrawn => "its template is not drawn yet",
             Self::Unknown => "an image that is not known",
             Self::Secondary => "recorded in a secondary command buffer",
             Self::ComputeState => "what is bound for compute could not be restored",
@@ -197,10 +203,10 @@ impl fmt::Display for Reason {
             Self::NoDepth => "no depth attachment",
             Self::DepthLoaded => "depth is loaded, not cleared",
             Self::DepthFormat(format) => return write!(f, "depth of the format {format:?}"),
-            Self::Samples(samples) => return write!(f, "depth with several samples ({samples:?})"),
             Self::Transient => "depth is a transient attachment",
             Self::DepthRead => "depth is stored, and made to be read",
             Self::DepthLoadedLater => "another pass goes on with its depth",
+            Self::DepthResolved => "depth is resolved",
             Self::DepthSubmitted => "its depth is submitted to the runtime",
             Self::DepthClearedLater => "depth is cleared within the pass",
             Self::StencilLoaded => "stencil is loaded",
@@ -256,7 +262,8 @@ pub fn eligible(facts: &MaskFacts) -> Result<Eligible, Reason> {
     let format = of_depth(&depth, &facts.pass)?;
     of_colors(facts.colors)?;
     let depths = near_value(facts.pipelines.directions.iter(), depth.clear).map_err(Reason::Near)?;
-    Ok(Eligible { depths, format })
+    let is_drawn = depth.samples != vk::SampleCountFlags::TYPE_1;
+    Ok(Eligible { depths, format, drawn: is_drawn.then_some((depth.format, depth.samples)) })
 }
 
 fn of_pass(pass: &PassFacts) -> Result<(), Reason> {
@@ -266,6 +273,7 @@ fn of_pass(pass: &PassFacts) -> Result<(), Reason> {
         (pass.is_queried, Reason::Queried),
         (pass.loads_stencil, Reason::StencilLoaded),
         (pass.clears_depth_later, Reason::DepthClearedLater),
+        (pass.resolves_depth, Reason::DepthResolved),
     ];
     first(&against)
 }
@@ -275,7 +283,6 @@ fn of_depth(depth: &DepthFacts, pass: &PassFacts) -> Result<DepthFormat, Reason>
     let is_transient = depth.usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT);
     first(&[
         (!pass.clears_depth, Reason::DepthLoaded),
-        (depth.samples != vk::SampleCountFlags::TYPE_1, Reason::Samples(depth.samples)),
         (is_transient, Reason::Transient),
         (depth.is_submitted, Reason::DepthSubmitted),
         (is_read, Reason::DepthRead),

@@ -43,7 +43,7 @@ impl MaskMap {
         Ok(Self {
             targets: Mutex::default(),
             list: SkipBuffer::new(gpu, blocks, mask.list())?,
-            template: DepthTemplate::new(gpu, eligible.format, eligible.depths, extent, layers)?,
+            template: DepthTemplate::new(gpu, eligible, extent, layers)?,
             fill: Arc::clone(fill),
             mask: Mutex::new(mask),
             eligible,
@@ -77,6 +77,16 @@ impl MaskMap {
         self.template.is_storage().then(|| self.template.handle())
     }
 
+    /// Whether passes may have it, see [`DepthTemplate::is_ready`].
+    pub fn is_ready(&self) -> bool {
+        self.template.is_ready()
+    }
+
+    /// Records what comes after each change of template and list on the GPU, see [`DepthTemplate::redraw`].
+    pub fn redraw(&self, commands: &AppCommands) {
+        self.template.redraw(commands);
+    }
+
     /// How many bytes [`Self::stage`] writes, a multiple of four.
     pub fn staging_len(&self) -> usize {
         self.list.capacity_words() * 4 + self.template.size() as usize
@@ -104,6 +114,7 @@ impl MaskMap {
         commands.copy_buffer((staging, offset), (self.list.handle(), 0), list);
         commands.copy_buffer((staging, offset + list), (self.template.handle(), 0), self.template.size());
         commands.copies_to_reads();
+        self.redraw(commands);
     }
 
     /// Whether a pass with this render area can have the mask.

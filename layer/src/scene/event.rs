@@ -77,6 +77,8 @@ pub struct PassFacts {
     pub clears_depth: bool,
     /// Depth is stored at the end.
     pub stores_depth: bool,
+    /// Depth or stencil is resolved at the end.
+    pub resolves_depth: bool,
     /// Stencil is loaded at the begin.
     pub loads_stencil: bool,
     /// vkCmdClearAttachments clears depth in it.

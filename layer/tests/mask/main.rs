@@ -169,7 +169,7 @@ fn templates_take_areas_that_can_be_copied() {
     let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
     let of = |format, extent| {
         let format = depth_format(format).unwrap();
-        DepthTemplate::new(&vulkan.gpu, format, depths, extent, 2).unwrap()
+        DepthTemplate::new(&vulkan.gpu, Eligible { format, depths, drawn: None }, extent, 2).unwrap()
     };
     let at =
         |x, y| vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width: 8, height: 8 } };

@@ -32,8 +32,11 @@ fn refused(
     judged(change).unwrap_err()
 }
 
-const FORWARD: Eligible =
-    Eligible { depths: TemplateDepths { shaded: 1.0, skipped: 0.0 }, format: DepthFormat::Float32 };
+const FORWARD: Eligible = Eligible {
+    depths: TemplateDepths { shaded: 1.0, skipped: 0.0 },
+    format: DepthFormat::Float32,
+    drawn: None,
+};
 
 #[test]
 fn a_forward_pass_is_eligible() {
@@ -91,8 +94,9 @@ fn unknown_depth_formats() {
 }
 
 #[test]
-fn depth_with_several_samples() {
-    assert_eq!(refused(|_, depth, _, _| depth.samples = FOUR), Reason::Samples(FOUR));
+fn depth_with_several_samples_is_drawn() {
+    let judged = judged(|_, depth, _, _| depth.samples = FOUR);
+    assert_eq!(judged, Ok(Eligible { drawn: Some((vk::Format::D32_SFLOAT, FOUR)), ..FORWARD }));
 }
 
 #[test]
@@ -123,6 +127,11 @@ fn depth_that_another_pass_loads() {
         depth.is_loaded_later = true;
     });
     assert_eq!(reason, Reason::DepthLoadedLater);
+}
+
+#[test]
+fn resolved_depth() {
+    assert_eq!(refused(|pass, _, _, _| pass.resolves_depth = true), Reason::DepthResolved);
 }
 
 #[test]

@@ -97,6 +97,9 @@ impl Masks {
             return Err(Reason::Layouts);
         }
         let map = target.map(eligible)?;
+        if !map.is_ready() {
+            return Err(Reason::Undrawn);
+        }
         if !map.takes(place.area) {
             return Err(Reason::Area);
         }

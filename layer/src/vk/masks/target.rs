@@ -96,7 +96,7 @@ impl TargetMask {
 
     /// Logs how a pass of the scene was recorded, where that is news.
     pub(super) fn tell(&self, outcome: Result<(), Reason>) {
-        if matches!(outcome, Err(Reason::Off | Reason::New)) {
+        if matches!(outcome, Err(Reason::Off | Reason::New | Reason::Undrawn)) {
             return;
         }
         let before = self.seen().logged.replace(outcome);

@@ -130,6 +130,10 @@ unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
         facts: PassFacts {
             clears_depth: depth.is_some_and(|found| found.load_op == vk::AttachmentLoadOp::CLEAR),
             stores_depth: depth.is_some_and(|found| found.store_op == vk::AttachmentStoreOp::STORE),
+            resolves_depth: depth.into_iter().chain(stencil).any(|found| {
+                found.resolve_mode != vk::ResolveModeFlags::NONE
+                    && found.resolve_image_view != vk::ImageView::null()
+            }),
             loads_stencil: stencil.is_some_and(|found| found.load_op == vk::AttachmentLoadOp::LOAD),
             has_own_rates,
             is_suspended: info.flags.intersects(suspended),
