@@ -10,6 +10,7 @@ use parafovea_core::kernels::change::ChangeParams;
 use parafovea_core::kernels::compose::{ComposeParams, ReuseParams};
 use parafovea_core::kernels::debug_view::DebugViewParams;
 use parafovea_core::kernels::decide::DecideParams;
+use parafovea_core::kernels::depth::DepthParams;
 use parafovea_core::kernels::lay::LayParams;
 use parafovea_core::kernels::mask::MaskParams;
 use parafovea_core::kernels::template::TemplateParams;
@@ -39,6 +40,7 @@ fn main() {
         declared::<LayParams>(),
         declared::<MaskParams>(),
         declared::<TemplateParams>(),
+        declared::<DepthParams>(),
         declared::<ComposeParams>(),
         declared::<ReuseParams>(),
         declared::<DebugViewParams>(),

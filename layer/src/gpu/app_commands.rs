@@ -142,6 +142,15 @@ impl<'a> AppCommands<'a> {
         }
     }
 
+    /// Copies from a part of an image that is in TRANSFER_SRC_OPTIMAL to a buffer; the region lies in both.
+    pub(crate) fn copy_from_image(&self, from: vk::Image, to: &DeviceBuffer, region: vk::BufferImageCopy) {
+        let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+        // SAFETY: the command buffer is being recorded outside of a render pass, and the image is live, as `new` demands.
+        unsafe {
+            self.gpu.device.cmd_copy_image_to_buffer(self.commands, from, layout, to.handle(), &[region]);
+        }
+    }
+
     /// Copies a part of an image, from its corner on, to as large a part of another of which texels have as many bits; they
     /// are in TRANSFER_SRC_OPTIMAL and TRANSFER_DST_OPTIMAL.
     pub(crate) fn copy_image(&self, from: ImagePart, to: ImagePart, extent: vk::Extent2D) {

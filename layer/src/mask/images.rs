@@ -1,6 +1,7 @@
 //! What images of the application get in addition, so that they can have a mask.
 
 use super::depth_format;
+use crate::passes::depth;
 use crate::passes::fill::{USAGE, fill_format};
 use ash::vk;
 
@@ -22,7 +23,11 @@ pub fn added_usage(info: &vk::ImageCreateInfo<'_>) -> vk::ImageUsageFlags {
     // A template is drawn with as many samples; the fill takes one.
     let is_filled = is_color && info.samples == vk::SampleCountFlags::TYPE_1;
     let added = if plain && is_depth && depth_format(info.format).is_some() {
-        vk::ImageUsageFlags::TRANSFER_DST
+        // Depth of one sample may be covered and filled, too.
+        match info.samples {
+            vk::SampleCountFlags::TYPE_1 => depth::USAGE,
+            _ => vk::ImageUsageFlags::TRANSFER_DST,
+        }
     } else if plain && is_filled && fill_format(info.format).is_some() {
         USAGE
     } else {
@@ -50,9 +55,9 @@ mod tests {
 
     #[test]
     fn targets_get_what_the_mask_needs() {
-        let depth = image(vk::Format::D24_UNORM_S8_UINT, DEPTH);
-        assert_eq!(added_usage(&depth), vk::ImageUsageFlags::TRANSFER_DST);
-        let several = depth.samples(vk::SampleCountFlags::TYPE_4);
+        let target = image(vk::Format::D24_UNORM_S8_UINT, DEPTH);
+        assert_eq!(added_usage(&target), depth::USAGE);
+        let several = target.samples(vk::SampleCountFlags::TYPE_4);
         assert_eq!(added_usage(&several), vk::ImageUsageFlags::TRANSFER_DST);
         assert_eq!(added_usage(&image(vk::Format::B8G8R8A8_SRGB, COLOR)), USAGE);
         let read = image(vk::Format::R16G16B16A16_SFLOAT, COLOR | vk::ImageUsageFlags::TRANSFER_SRC);

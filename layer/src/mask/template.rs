@@ -45,7 +45,7 @@ impl DepthTemplate {
     /// A failed call, or [`GpuError::Unsupported`] where an image that it has to be drawn to cannot be made.
     pub fn new(
         gpu: &Arc<Gpu>,
-        Eligible { format, depths, drawn }: Eligible,
+        Eligible { format, depths, drawn, .. }: Eligible,
         extent: [u32; 2],
         layers: u32,
     ) -> Result<Self, GpuError> {

@@ -34,6 +34,8 @@ struct Seen {
     is_scene: bool,
     /// Whether it drew straight into a swapchain.
     is_shown: bool,
+    /// Whether depth of a pass is older than that, or outlives it: what is left out has none that is right.
+    keeps_depth: bool,
     /// The last reason that was logged.
     logged: Option<Result<(), Reason>>,
 }
@@ -77,6 +79,11 @@ impl TargetMask {
         seen.pipelines.see(pipelines);
     }
 
+    /// Notes that depth of its passes is older than those, or outlives them; whether that was known.
+    pub(super) fn note_depth(&self) -> bool {
+        std::mem::replace(&mut self.seen().keeps_depth, true)
+    }
+
     /// The map, for passes that need this one.
     ///
     /// # Errors
@@ -91,7 +98,7 @@ impl TargetMask {
             map.inspect_err(|error| error.tell("no mask")).ok().map(Arc::new)
         };
         let map = self.map.get_or_init(make).as_ref().ok_or(Reason::Failed)?;
-        if map.eligible() == eligible { Ok(Arc::clone(map)) } else { Err(Reason::Changes) }
+        if map.serves(eligible) { Ok(Arc::clone(map)) } else { Err(Reason::Changes) }
     }
 
     /// Logs how a pass of the scene was recorded, where that is news.
@@ -141,9 +148,10 @@ impl RateMap for TargetMask {
     }
 
     /// What is drawn straight into a swapchain nobody reads before it is composed; what comes on the way there is read
-    /// beyond its own pixels (filters, bloom), and filled.
+    /// beyond its own pixels (filters, bloom), and filled; so is depth that is needed.
     fn leaves_out(&self) -> bool {
-        self.seen().is_shown
+        let seen = self.seen();
+        seen.is_shown && !seen.keeps_depth
     }
 
     fn mask(&self) -> Option<&TargetMask> {

@@ -93,7 +93,7 @@ impl RenderPass {
         let described = depth.and_then(|index| attachments.get(index as usize));
         let facts = PassFacts {
             clears_depth: described.is_some_and(|depth| depth.load == vk::AttachmentLoadOp::CLEAR),
-            stores_depth: described.is_some_and(|depth| depth.store == vk::AttachmentStoreOp::STORE),
+            stores_depth: described.is_some_and(|depth| depth.store != vk::AttachmentStoreOp::DONT_CARE),
             loads_stencil: described.is_some_and(|depth| {
                 has_stencil(depth.format) && depth.stencil_load == vk::AttachmentLoadOp::LOAD
             }),
