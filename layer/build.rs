@@ -10,8 +10,10 @@ use parafovea_core::kernels::change::ChangeParams;
 use parafovea_core::kernels::compose::{ComposeParams, ReuseParams};
 use parafovea_core::kernels::debug_view::DebugViewParams;
 use parafovea_core::kernels::decide::DecideParams;
+use parafovea_core::kernels::depth::DepthParams;
 use parafovea_core::kernels::lay::LayParams;
 use parafovea_core::kernels::mask::MaskParams;
+use parafovea_core::kernels::template::TemplateParams;
 use parafovea_core::layout::{Field, Uniform};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -37,6 +39,8 @@ fn main() {
         declared::<DecideParams>(),
         declared::<LayParams>(),
         declared::<MaskParams>(),
+        declared::<TemplateParams>(),
+        declared::<DepthParams>(),
         declared::<ComposeParams>(),
         declared::<ReuseParams>(),
         declared::<DebugViewParams>(),

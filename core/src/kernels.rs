@@ -7,6 +7,8 @@ pub mod change;
 pub mod compose;
 pub mod debug_view;
 pub mod decide;
+pub mod depth;
 pub mod fill;
 pub mod lay;
 pub mod mask;
+pub mod template;

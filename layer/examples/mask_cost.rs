@@ -18,7 +18,7 @@ mod vulkan;
 use application::{Application, COLOR, Setup};
 use ash::vk;
 use parafovea::gpu::AppCommands;
-use parafovea::mask::{Eligible, MaskMap};
+use parafovea::mask::{DepthWork, Eligible, MaskMap};
 use parafovea::passes::fill::Fill;
 use parafovea::scene::lay::RateImage;
 use parafovea::scene::{Eyes, Orientation, Part};
@@ -72,7 +72,7 @@ fn main() {
     let application = Application::new(&vulkan, setup, [SIDE; 2]);
     let fill = Arc::new(Fill::new(&vulkan.gpu).unwrap());
     let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
-    let eligible = Eligible { depths, format: DepthFormat::Float32 };
+    let eligible = Eligible { depths, format: DepthFormat::Float32, drawn: None, work: DepthWork::default() };
     let image = RateImage { area: [0, 0, SIDE, SIDE], texel: [TEXEL; 2], tiles: [TILES; 2], layers: 1 };
     let part =
         Part { eyes: Eyes::Left, layer: 0, rect: [0.0, 0.0, 1.0, 1.0], orientation: Orientation::Upright };

@@ -2,7 +2,8 @@
 //! after the pass.
 //!
 //! For a pass that is [`eligible`], the depth buffer is filled from a [`DepthTemplate`] ahead of the pass, which then
-//! loads depth where the application clears it; directly after the pass, [`crate::passes::fill`] fills what was skipped,
+//! loads depth where the application clears it; where the application loads depth, skipped blocks are covered in that, and where
+//! it needs depth later, they are filled (see [`crate::passes::depth`]). Directly after the pass, [`crate::passes::fill`] fills what was skipped,
 //! in every colour attachment that is stored. Both are recorded once; what is skipped is up to the content of the
 //! template and of the skip list, which change between submits.
 
@@ -13,7 +14,8 @@ mod template;
 mod views;
 
 pub use eligibility::{
-    ColorFacts, DepthFacts, Directions, Eligible, MaskFacts, PipelineFacts, Reason, depth_format, eligible,
+    ColorFacts, DepthFacts, DepthWork, Directions, Eligible, MaskFacts, PipelineFacts, Reason, depth_format,
+    eligible,
 };
 pub use images::added_usage;
 pub use map::MaskMap;

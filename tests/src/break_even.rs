@@ -93,7 +93,6 @@ pub fn points(
 pub fn application(iterations: Option<u32>, effort: Effort) -> Result<Application, HarnessError> {
     let (size, frames) = (effort.size.to_string(), effort.length().to_string());
     let count = iterations.map(|count| count.to_string());
-    // With render passes it asks for Vulkan 1.0, where there are no masks.
     let style = ["--style", "dynamic-rendering"];
     let mut arguments = vec!["shade", style[0], style[1], "--size", &size, "--frames", &frames];
     arguments.extend(count.iter().flat_map(|count| ["--iterations", count.as_str()]));

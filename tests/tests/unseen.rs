@@ -21,8 +21,17 @@ const RATES: &str =
 
 #[test]
 fn an_application_that_cannot_have_rates_says_why() {
-    let lines = log(&Application::hello_xr("Vulkan2").unwrap(), RATES);
-    assert!(lines.len() == 1 && lines[0].contains("the application asks for Vulkan 1.0"), "{lines:?}");
+    let visibility =
+        Application::ours("parafovea-zoo", &["--style", "visibility", "--size", "128", "--frames", "200"])
+            .unwrap();
+    let lines = log(&visibility, RATES);
+    assert!(lines.len() == 1 && lines[0].contains("has no mask: no depth attachment"), "{lines:?}");
+}
+
+/// Vulkan 1.0 has all that masks need.
+#[test]
+fn an_application_of_vulkan_1_0_has_masks() {
+    assert_eq!(log(&Application::hello_xr("Vulkan2").unwrap(), RATES), [""; 0]);
 }
 
 /// The device is inert, which is told when it is made.

@@ -1,7 +1,7 @@
 //! Commands of ours in a command buffer of the application's.
 
 use super::compute::{ComputeLayout, ComputeSet};
-use super::{DeviceBuffer, Gpu, Owned};
+use super::{DepthTarget, DeviceBuffer, Gpu, Owned};
 use ash::vk;
 
 /// A command buffer that the application is recording, outside of any render pass.
@@ -31,10 +31,11 @@ impl Scope {
     };
 }
 
-/// How masked passes read their buffers: as list, as arguments, and as template.
+/// How masked passes read their buffers: as list, as arguments, and as template, which may be drawn to an image.
 const BUFFER_READS: Scope = Scope {
     stages: vk::PipelineStageFlags::from_raw(
         vk::PipelineStageFlags::COMPUTE_SHADER.as_raw()
+            | vk::PipelineStageFlags::FRAGMENT_SHADER.as_raw()
             | vk::PipelineStageFlags::DRAW_INDIRECT.as_raw()
             | vk::PipelineStageFlags::TRANSFER.as_raw(),
     ),
@@ -141,6 +142,15 @@ impl<'a> AppCommands<'a> {
         }
     }
 
+    /// Copies from a part of an image that is in TRANSFER_SRC_OPTIMAL to a buffer; the region lies in both.
+    pub(crate) fn copy_from_image(&self, from: vk::Image, to: &DeviceBuffer, region: vk::BufferImageCopy) {
+        let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+        // SAFETY: the command buffer is being recorded outside of a render pass, and the image is live, as `new` demands.
+        unsafe {
+            self.gpu.device.cmd_copy_image_to_buffer(self.commands, from, layout, to.handle(), &[region]);
+        }
+    }
+
     /// Copies a part of an image, from its corner on, to as large a part of another of which texels have as many bits; they
     /// are in TRANSFER_SRC_OPTIMAL and TRANSFER_DST_OPTIMAL.
     pub(crate) fn copy_image(&self, from: ImagePart, to: ImagePart, extent: vk::Extent2D) {
@@ -166,6 +176,44 @@ impl<'a> AppCommands<'a> {
                 &[region],
             );
         }
+    }
+
+    /// Copies a rectangle of depth to the same place of an image of the same format and samples, in the layers that both have;
+    /// they are in TRANSFER_SRC_OPTIMAL and TRANSFER_DST_OPTIMAL.
+    pub(crate) fn copy_depth(&self, from: ImagePart, to: ImagePart, area: vk::Rect2D) {
+        let layers = |part: ImagePart| vk::ImageSubresourceLayers {
+            aspect_mask: vk::ImageAspectFlags::DEPTH,
+            mip_level: part.level,
+            base_array_layer: part.first_layer,
+            layer_count: from.layers.min(to.layers),
+        };
+        let offset = vk::Offset3D { x: area.offset.x, y: area.offset.y, z: 0 };
+        let region = vk::ImageCopy::default()
+            .src_subresource(layers(from))
+            .src_offset(offset)
+            .dst_subresource(layers(to))
+            .dst_offset(offset)
+            .extent(area.extent.into());
+        let layouts = [vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL];
+        // SAFETY: the command buffer is being recorded outside of a render pass, and the images are live, as `new` demands.
+        unsafe {
+            self.gpu.device.cmd_copy_image(
+                self.commands,
+                from.image,
+                layouts[0],
+                to.image,
+                layouts[1],
+                &[region],
+            );
+        }
+    }
+
+    /// Draws to all layers of a depth image of ours, in a command buffer of ours: what is bound for drawing changes. In order with
+    /// copies from the image before and after.
+    pub(crate) fn draw_depth(&self, target: &DepthTarget, layout: &ComputeLayout, set: &ComputeSet) {
+        // SAFETY: the command buffer is being recorded outside of a render pass, as `new` demands; the set has this layout,
+        // which the target was made with.
+        unsafe { target.draw(&self.gpu.device, self.commands, layout.handle(), set.handle()) };
     }
 
     /// Copies `size` bytes from a buffer, from an offset on, to an offset in one; both are as long.

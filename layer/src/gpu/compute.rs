@@ -1,4 +1,4 @@
-//! Compute pipelines over one descriptor set, whose bindings a pass lists.
+//! Compute pipelines over one descriptor set, whose bindings a pass lists; such sets for pipelines that draw, too.
 
 use super::pipeline::shader_module;
 use super::{Gpu, GpuError, Owned};
@@ -16,12 +16,21 @@ pub(crate) struct ComputeLayout {
 impl ComputeLayout {
     /// With one descriptor of each of `kinds`, from binding 0 on.
     pub(crate) fn new(gpu: &Arc<Gpu>, kinds: &'static [vk::DescriptorType]) -> Result<Self, GpuError> {
+        Self::for_stage(gpu, kinds, vk::ShaderStageFlags::COMPUTE)
+    }
+
+    /// As [`Self::new`], for a stage of pipelines that draw.
+    pub(crate) fn for_stage(
+        gpu: &Arc<Gpu>,
+        kinds: &'static [vk::DescriptorType],
+        stage: vk::ShaderStageFlags,
+    ) -> Result<Self, GpuError> {
         let binding = |(binding, kind): (u32, &vk::DescriptorType)| {
             vk::DescriptorSetLayoutBinding::default()
                 .binding(binding)
                 .descriptor_type(*kind)
                 .descriptor_count(1)
-                .stage_flags(vk::ShaderStageFlags::COMPUTE)
+                .stage_flags(stage)
         };
         let bindings: Vec<_> = (0..).zip(kinds).map(binding).collect();
         let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);

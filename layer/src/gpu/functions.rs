@@ -28,6 +28,7 @@ const DEVICE: &[&CStr] = &[
     c"vkCmdCopyBuffer",
     c"vkCmdCopyBufferToImage",
     c"vkCmdCopyImage",
+    c"vkCmdCopyImageToBuffer",
     c"vkCmdDispatch",
     c"vkCmdDispatchIndirect",
     c"vkCmdDraw",

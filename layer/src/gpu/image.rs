@@ -7,6 +7,7 @@ use std::sync::Arc;
 /// What an image with one mip level is like.
 pub(crate) struct ImageDescription<'a> {
     pub(crate) format: vk::Format,
+    pub(crate) samples: vk::SampleCountFlags,
     pub(crate) extent: vk::Extent2D,
     pub(crate) array_layers: u32,
     pub(crate) usage: vk::ImageUsageFlags,
@@ -41,7 +42,7 @@ impl OwnedImage {
             .extent(description.extent.into())
             .mip_levels(1)
             .array_layers(description.array_layers)
-            .samples(vk::SampleCountFlags::TYPE_1)
+            .samples(description.samples)
             .tiling(vk::ImageTiling::OPTIMAL)
             .usage(description.usage)
             .sharing_mode(vk::SharingMode::EXCLUSIVE)
@@ -93,7 +94,8 @@ fn check_limits(gpu: &Gpu, description: &ImageDescription) -> Result<(), GpuErro
     let vk::Extent2D { width, height } = description.extent;
     let fits = (1..=limits.max_extent.width).contains(&width)
         && (1..=limits.max_extent.height).contains(&height)
-        && (1..=limits.max_array_layers).contains(&description.array_layers);
+        && (1..=limits.max_array_layers).contains(&description.array_layers)
+        && limits.sample_counts.contains(description.samples);
     if fits { Ok(()) } else { Err(GpuError::Unsupported("an image of this size")) }
 }
 

@@ -28,8 +28,12 @@ pub struct DepthFacts {
     pub samples: vk::SampleCountFlags,
     /// What the application made the image for.
     pub usage: vk::ImageUsageFlags,
-    /// What it is cleared to, if it is.
+    /// What it is cleared to, or was by the pass that was seen to clear it last; not a number if neither is known.
     pub clear: f32,
+    /// Whether it is loaded.
+    pub is_loaded: bool,
+    /// Whether shaders of the pass may read it, by its layout in the pass.
+    pub is_read_within: bool,
     /// Whether stencil is stored at the end.
     pub stores_stencil: bool,
     /// Whether another pass was seen to load it.
@@ -38,6 +42,8 @@ pub struct DepthFacts {
     pub is_submitted: bool,
     /// Whether it has been made to be copied to.
     pub is_writable: bool,
+    /// Whether it has been made to be copied from.
+    pub is_readable: bool,
 }
 
 /// A colour attachment of a pass, or what one is resolved to.
@@ -80,6 +86,8 @@ impl Directions {
 pub struct PipelineFacts {
     /// One has a fragment shader that writes to a buffer or to a storage image, or counts atomically.
     pub have_side_effects: bool,
+    /// One may write stencil.
+    pub write_stencil: bool,
     /// One cannot be looked into.
     pub are_unknown: bool,
     /// Their depth tests.
@@ -90,6 +98,7 @@ impl PipelineFacts {
     /// Of what cannot be looked into.
     pub const UNKNOWN: Self = Self {
         have_side_effects: true,
+        write_stencil: true,
         are_unknown: true,
         directions: Directions { less: false, greater: false },
     };
@@ -97,6 +106,7 @@ impl PipelineFacts {
     /// One more is used.
     pub fn see(&mut self, other: Self) {
         self.have_side_effects |= other.have_side_effects;
+        self.write_stencil |= other.write_stencil;
         self.are_unknown |= other.are_unknown;
         self.directions.less |= other.directions.less;
         self.directions.greater |= other.directions.greater;
@@ -110,6 +120,27 @@ pub struct Eligible {
     pub depths: TemplateDepths,
     /// How the template is laid out.
     pub format: DepthFormat,
+    /// Format and samples of an image that it is drawn to and copied from; None if it is copied from a buffer, which takes an
+    /// image of one sample (Vulkan specification, "Copying Data Between Buffers and Images").
+    pub drawn: Option<(vk::Format, vk::SampleCountFlags)>,
+    /// What else is done with depth.
+    pub work: DepthWork,
+}
+
+/// What is done with depth that is older than its pass, or outlives it, see [`crate::passes::depth`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DepthWork {
+    /// It is loaded: skipped blocks are covered, where a template would replace the rest too.
+    pub covers: bool,
+    /// It is read, submitted or loaded later: skipped blocks are filled.
+    pub fills: bool,
+}
+
+impl DepthWork {
+    /// Whether there is any.
+    pub fn is_any(self) -> bool {
+        self.covers || self.fills
+    }
 }
 
 /// Why a pass is left alone. `Display` completes "no mask: ...".
@@ -119,6 +150,8 @@ pub enum Reason {
     Off,
     /// No earlier frame has shown that it is the scene, and what it does.
     New,
+    /// Its template is an image that was not drawn yet; what the pass shows says what that shall hold.
+    Undrawn,
     /// One of its images is not known.
     Unknown,
     /// It is recorded in a secondary command buffer.
@@ -137,25 +170,27 @@ pub enum Reason {
     Failed,
     /// There is no depth attachment: nothing that could keep fragments out.
     NoDepth,
-    /// What earlier passes left there is needed.
+    /// Depth is neither cleared nor loaded.
+    DepthUndefined,
+    /// Several samples are loaded: buffers, in which depth is covered, cannot be copied to them.
     DepthLoaded,
+    /// Depth is loaded, and nothing tells what it was cleared to.
+    DepthUncleared,
+    /// Depth is loaded, and shaders of the pass may read it.
+    DepthReadWithin,
     /// Copies to depth of this format are not known.
     DepthFormat(vk::Format),
-    /// Depth with several samples cannot be copied to from a buffer.
-    Samples(vk::SampleCountFlags),
     /// The depth image has no memory that could be copied to.
     Transient,
-    /// Depth is stored, and made to be read by shaders or copies.
+    /// Several samples are stored, and needed later.
     DepthRead,
-    /// Depth is stored, and another pass goes on with it.
-    DepthLoadedLater,
-    /// Depth is shown to the runtime.
-    DepthSubmitted,
+    /// Depth is resolved to another image, which is not filled.
+    DepthResolved,
     /// Depth is cleared within the pass.
     DepthClearedLater,
-    /// What earlier passes left in stencil is needed.
+    /// What earlier passes left in stencil of several samples is needed: drivers were seen to copy it along with depth.
     StencilLoaded,
-    /// Stencil is stored: in skipped blocks it would be as if nothing were there.
+    /// Stencil is written and stored: in skipped blocks it would be as if nothing were there.
     StencilStored,
     /// Samples are counted, or what they count decides what is drawn.
     Queried,
@@ -177,6 +212,8 @@ pub enum Reason {
     NotFillable,
     /// The depth image does not allow to be copied to.
     NotWritable,
+    /// The depth image does not allow to be copied from.
+    NotReadable,
     /// The nearest depth is uncertain.
     Near(NoNearValue),
 }
@@ -186,6 +223,7 @@ impl fmt::Display for Reason {
         f.write_str(match self {
             Self::Off => "rates are off",
             Self::New => "no earlier frame tells of it",
+            Self::Undrawn => "its template is not drawn yet",
             Self::Unknown => "an image that is not known",
             Self::Secondary => "recorded in a secondary command buffer",
             Self::ComputeState => "what is bound for compute could not be restored",
@@ -195,16 +233,17 @@ impl fmt::Display for Reason {
             Self::Changes => "depth is not cleared as before",
             Self::Failed => "something could not be made on the device",
             Self::NoDepth => "no depth attachment",
-            Self::DepthLoaded => "depth is loaded, not cleared",
+            Self::DepthUndefined => "depth is neither cleared nor loaded",
+            Self::DepthLoaded => "depth with several samples is loaded",
+            Self::DepthUncleared => "depth is loaded that no pass was seen to clear",
+            Self::DepthReadWithin => "depth is loaded in a layout in which shaders may read it",
             Self::DepthFormat(format) => return write!(f, "depth of the format {format:?}"),
-            Self::Samples(samples) => return write!(f, "depth with several samples ({samples:?})"),
             Self::Transient => "depth is a transient attachment",
-            Self::DepthRead => "depth is stored, and made to be read",
-            Self::DepthLoadedLater => "another pass goes on with its depth",
-            Self::DepthSubmitted => "its depth is submitted to the runtime",
+            Self::DepthRead => "depth with several samples is stored, and may be read or loaded later",
+            Self::DepthResolved => "depth is resolved",
             Self::DepthClearedLater => "depth is cleared within the pass",
-            Self::StencilLoaded => "stencil is loaded",
-            Self::StencilStored => "stencil is stored",
+            Self::StencilLoaded => "stencil with several samples is loaded",
+            Self::StencilStored => "stencil is written and stored",
             Self::Queried => "an occlusion query or conditional rendering in it",
             Self::UnknownPipelines => "shader objects, or pipelines that are not known",
             Self::SideEffects => "its fragment shaders write to buffers or storage images",
@@ -217,6 +256,7 @@ impl fmt::Display for Reason {
             }
             Self::NotFillable => "a colour image that cannot be copied",
             Self::NotWritable => "a depth image that cannot be copied to",
+            Self::NotReadable => "a depth image that cannot be copied from",
             Self::Near(reason) => return reason.fmt(f),
         })
     }
@@ -253,10 +293,11 @@ pub fn eligible(facts: &MaskFacts) -> Result<Eligible, Reason> {
         return Err(Reason::SideEffects);
     }
     let depth = facts.depth.ok_or(Reason::NoDepth)?;
-    let format = of_depth(&depth, &facts.pass)?;
+    let (format, work) = of_depth(&depth, facts)?;
     of_colors(facts.colors)?;
     let depths = near_value(facts.pipelines.directions.iter(), depth.clear).map_err(Reason::Near)?;
-    Ok(Eligible { depths, format })
+    let is_drawn = depth.samples != vk::SampleCountFlags::TYPE_1;
+    Ok(Eligible { depths, format, drawn: is_drawn.then_some((depth.format, depth.samples)), work })
 }
 
 fn of_pass(pass: &PassFacts) -> Result<(), Reason> {
@@ -264,26 +305,34 @@ fn of_pass(pass: &PassFacts) -> Result<(), Reason> {
         (pass.has_own_rates, Reason::OwnRates),
         (pass.is_suspended, Reason::Suspended),
         (pass.is_queried, Reason::Queried),
-        (pass.loads_stencil, Reason::StencilLoaded),
         (pass.clears_depth_later, Reason::DepthClearedLater),
+        (pass.resolves_depth, Reason::DepthResolved),
     ];
     first(&against)
 }
 
-fn of_depth(depth: &DepthFacts, pass: &PassFacts) -> Result<DepthFormat, Reason> {
-    let is_read = pass.stores_depth && depth.usage.intersects(READS);
+/// Depth that is loaded, and depth that is needed after the pass, are copied to a buffer and back, where skipped blocks are
+/// covered and filled: outside of those every pass finds the depth that it would find without a mask.
+fn of_depth(depth: &DepthFacts, facts: &MaskFacts) -> Result<(DepthFormat, DepthWork), Reason> {
+    let pass = &facts.pass;
+    let is_needed = depth.usage.intersects(READS) || depth.is_submitted || depth.is_loaded_later;
+    let work = DepthWork { covers: !pass.clears_depth, fills: pass.stores_depth && is_needed };
+    let is_multisampled = depth.samples != vk::SampleCountFlags::TYPE_1;
     let is_transient = depth.usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT);
     first(&[
-        (!pass.clears_depth, Reason::DepthLoaded),
-        (depth.samples != vk::SampleCountFlags::TYPE_1, Reason::Samples(depth.samples)),
+        (work.covers && !depth.is_loaded, Reason::DepthUndefined),
+        (work.covers && is_multisampled, Reason::DepthLoaded),
+        (work.covers && depth.is_read_within, Reason::DepthReadWithin),
+        (work.covers && depth.clear.is_nan(), Reason::DepthUncleared),
         (is_transient, Reason::Transient),
-        (depth.is_submitted, Reason::DepthSubmitted),
-        (is_read, Reason::DepthRead),
-        (pass.stores_depth && depth.is_loaded_later, Reason::DepthLoadedLater),
-        (depth.stores_stencil, Reason::StencilStored),
+        (work.fills && is_multisampled, Reason::DepthRead),
+        (pass.loads_stencil && is_multisampled, Reason::StencilLoaded),
+        (depth.stores_stencil && facts.pipelines.write_stencil, Reason::StencilStored),
         (!depth.is_writable, Reason::NotWritable),
+        (work.is_any() && !depth.is_readable, Reason::NotReadable),
     ])?;
-    depth_format(depth.format).ok_or(Reason::DepthFormat(depth.format))
+    let format = depth_format(depth.format).ok_or(Reason::DepthFormat(depth.format))?;
+    Ok((format, work))
 }
 
 fn of_colors(colors: &[ColorFacts]) -> Result<(), Reason> {

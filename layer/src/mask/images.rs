@@ -1,6 +1,7 @@
 //! What images of the application get in addition, so that they can have a mask.
 
 use super::depth_format;
+use crate::passes::depth;
 use crate::passes::fill::{USAGE, fill_format};
 use ash::vk;
 
@@ -10,7 +11,6 @@ use ash::vk;
 pub fn added_usage(info: &vk::ImageCreateInfo<'_>) -> vk::ImageUsageFlags {
     let plain = info.image_type == vk::ImageType::TYPE_2D
         && info.tiling == vk::ImageTiling::OPTIMAL
-        && info.samples == vk::SampleCountFlags::TYPE_1
         && !info.usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT)
         && !info.flags.intersects(
             vk::ImageCreateFlags::PROTECTED
@@ -20,9 +20,15 @@ pub fn added_usage(info: &vk::ImageCreateInfo<'_>) -> vk::ImageUsageFlags {
         );
     let is_depth = info.usage.contains(vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
     let is_color = info.usage.contains(vk::ImageUsageFlags::COLOR_ATTACHMENT);
+    // A template is drawn with as many samples; the fill takes one.
+    let is_filled = is_color && info.samples == vk::SampleCountFlags::TYPE_1;
     let added = if plain && is_depth && depth_format(info.format).is_some() {
-        vk::ImageUsageFlags::TRANSFER_DST
-    } else if plain && is_color && fill_format(info.format).is_some() {
+        // Depth of one sample may be covered and filled, too.
+        match info.samples {
+            vk::SampleCountFlags::TYPE_1 => depth::USAGE,
+            _ => vk::ImageUsageFlags::TRANSFER_DST,
+        }
+    } else if plain && is_filled && fill_format(info.format).is_some() {
         USAGE
     } else {
         vk::ImageUsageFlags::empty()
@@ -49,8 +55,10 @@ mod tests {
 
     #[test]
     fn targets_get_what_the_mask_needs() {
-        let depth = image(vk::Format::D24_UNORM_S8_UINT, DEPTH);
-        assert_eq!(added_usage(&depth), vk::ImageUsageFlags::TRANSFER_DST);
+        let target = image(vk::Format::D24_UNORM_S8_UINT, DEPTH);
+        assert_eq!(added_usage(&target), depth::USAGE);
+        let several = target.samples(vk::SampleCountFlags::TYPE_4);
+        assert_eq!(added_usage(&several), vk::ImageUsageFlags::TRANSFER_DST);
         assert_eq!(added_usage(&image(vk::Format::B8G8R8A8_SRGB, COLOR)), USAGE);
         let read = image(vk::Format::R16G16B16A16_SFLOAT, COLOR | vk::ImageUsageFlags::TRANSFER_SRC);
         assert_eq!(added_usage(&read), vk::ImageUsageFlags::TRANSFER_DST);

@@ -2,21 +2,25 @@
 
 use super::{DepthTemplate, Eligible, lay_mask};
 use crate::gpu::{AppCommands, Gpu, GpuError, ImagePart};
+use crate::passes::depth::DepthCopy;
 use crate::passes::fill::{Fill, FillTarget, SkipBuffer, fill_format};
 use crate::scene::Part;
 use crate::scene::lay::RateImage;
 use ash::vk;
 use parafovea_core::mask::{BLOCK, Mask};
 use smallvec::SmallVec;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// The mask of passes that draw to one target with depth of one kind: its content may change between two submits, by
 /// [`MaskMap::stage`] and [`MaskMap::upload`], and everything is shaded until it first does.
 pub struct MaskMap {
-    // Before `list`, which its sets name.
+    // Before `list`, which their sets name.
     targets: Mutex<SmallVec<[Arc<FillTarget>; 2]>>,
+    /// Made for the first pass that needs it.
+    depth: OnceLock<Option<DepthCopy>>,
     list: SkipBuffer,
     template: DepthTemplate,
+    gpu: Arc<Gpu>,
     fill: Arc<Fill>,
     mask: Mutex<Mask>,
     eligible: Eligible,
@@ -43,7 +47,9 @@ impl MaskMap {
         Ok(Self {
             targets: Mutex::default(),
             list: SkipBuffer::new(gpu, blocks, mask.list())?,
-            template: DepthTemplate::new(gpu, eligible.format, eligible.depths, extent, layers)?,
+            template: DepthTemplate::new(gpu, eligible, extent, layers)?,
+            depth: OnceLock::new(),
+            gpu: Arc::clone(gpu),
             fill: Arc::clone(fill),
             mask: Mutex::new(mask),
             eligible,
@@ -52,9 +58,47 @@ impl MaskMap {
         })
     }
 
-    /// What it was made for: a pass that needs another template cannot use it.
+    /// What it was made for.
     pub fn eligible(&self) -> Eligible {
         self.eligible
+    }
+
+    /// Whether a pass can use it: another template would be another map's.
+    pub fn serves(&self, eligible: Eligible) -> bool {
+        Eligible { work: self.eligible.work, ..eligible } == self.eligible
+    }
+
+    /// Prepares what is done with depth beside the template; whether that can be done.
+    pub fn prepare_depth(&self) -> bool {
+        let Eligible { format, depths, .. } = self.eligible;
+        let make = || {
+            let copy =
+                DepthCopy::new(&self.gpu, (format, depths.skipped), (self.extent, self.layers), &self.list);
+            copy.inspect_err(|error| error.tell("no mask")).ok()
+        };
+        self.depth.get_or_init(make).is_some()
+    }
+
+    /// Records what comes ahead of a pass that loads `depth`, which is in `layout`, see [`DepthCopy::cover`]; nothing before
+    /// [`Self::prepare_depth`].
+    pub fn cover(&self, commands: &AppCommands, depth: ImagePart, area: vk::Rect2D, layout: vk::ImageLayout) {
+        if let Some(copy) = self.depth.get().and_then(Option::as_ref) {
+            copy.cover(commands, &self.list, (depth, area), layout);
+        }
+    }
+
+    /// Records what comes after a pass whose `depth`, which is in `layout`, is needed, see [`DepthCopy::fill`]; nothing before
+    /// [`Self::prepare_depth`].
+    pub fn fill_depth(
+        &self,
+        commands: &AppCommands,
+        depth: ImagePart,
+        area: vk::Rect2D,
+        layout: vk::ImageLayout,
+    ) {
+        if let Some(copy) = self.depth.get().and_then(Option::as_ref) {
+            copy.fill(commands, &self.list, (depth, area), layout);
+        }
     }
 
     /// Size of the targets, pixels.
@@ -75,6 +119,16 @@ impl MaskMap {
     /// The template, if compute shaders may write it, valid as long as `self`.
     pub fn template(&self) -> Option<vk::Buffer> {
         self.template.is_storage().then(|| self.template.handle())
+    }
+
+    /// Whether passes may have it, see [`DepthTemplate::is_ready`].
+    pub fn is_ready(&self) -> bool {
+        self.template.is_ready()
+    }
+
+    /// Records what comes after each change of template and list on the GPU, see [`DepthTemplate::redraw`].
+    pub fn redraw(&self, commands: &AppCommands) {
+        self.template.redraw(commands);
     }
 
     /// How many bytes [`Self::stage`] writes, a multiple of four.
@@ -104,6 +158,7 @@ impl MaskMap {
         commands.copy_buffer((staging, offset), (self.list.handle(), 0), list);
         commands.copy_buffer((staging, offset + list), (self.template.handle(), 0), self.template.size());
         commands.copies_to_reads();
+        self.redraw(commands);
     }
 
     /// Whether a pass with this render area can have the mask.

@@ -1,13 +1,19 @@
-//! The depth template on the GPU: a buffer that is copied to the application's depth ahead of its pass.
+//! The depth template on the GPU: a buffer that is copied to the application's depth ahead of its pass, or is drawn to an
+//! image that is.
 
+use super::Eligible;
 use crate::gpu::{AppCommands, DeviceBuffer, Gpu, GpuError, ImagePart, Scope};
+use crate::passes::template::TemplateImage;
 use ash::vk;
+use parafovea_core::kernels::template::TemplateParams;
 use parafovea_core::mask::{DepthFormat, Mask, TemplateDepths, write_template};
 use std::sync::Arc;
 
 /// The template of one kind of pass. What it holds may change between two submits, by a copy to
 /// [`DepthTemplate::handle`] of what [`DepthTemplate::write`] writes.
 pub struct DepthTemplate {
+    // Before `buffer`, which its set names.
+    image: Option<TemplateImage>,
     buffer: DeviceBuffer,
     is_storage: bool,
     format: DepthFormat,
@@ -36,11 +42,10 @@ impl DepthTemplate {
     /// A template for depth of `extent` pixels and `layers` array layers; everything is shaded at first.
     ///
     /// # Errors
-    /// A failed call.
+    /// A failed call, or [`GpuError::Unsupported`] where an image that it has to be drawn to cannot be made.
     pub fn new(
         gpu: &Arc<Gpu>,
-        format: DepthFormat,
-        depths: TemplateDepths,
+        Eligible { format, depths, drawn, .. }: Eligible,
         extent: [u32; 2],
         layers: u32,
     ) -> Result<Self, GpuError> {
@@ -59,7 +64,28 @@ impl DepthTemplate {
             Err(GpuError::Unsupported(_)) => (DeviceBuffer::new(gpu, usage, size, write)?, false),
             Err(error) => return Err(error),
         };
-        Ok(Self { buffer, is_storage, format, depths, extent, layers })
+        let image = drawn.map(|image| {
+            if !is_storage {
+                return Err(GpuError::Unsupported("a template of this size with several samples"));
+            }
+            let layer_words = (layer_size(format, extent) / 4) as u32;
+            let params = TemplateParams::new(extent[0], layer_words, format, depths);
+            TemplateImage::new(gpu, image, (extent, layers), (params, depths), buffer.handle())
+        });
+        Ok(Self { image: image.transpose()?, buffer, is_storage, format, depths, extent, layers })
+    }
+
+    /// Whether it may be copied: after [`Self::redraw`] was recorded, if it is drawn.
+    pub fn is_ready(&self) -> bool {
+        self.image.as_ref().is_none_or(TemplateImage::is_drawn)
+    }
+
+    /// Records, after what changes the buffer and in a command buffer of ours, that an image has the same content, if
+    /// there is one.
+    pub fn redraw(&self, commands: &AppCommands) {
+        if let Some(image) = &self.image {
+            image.record(commands);
+        }
     }
 
     /// The buffer, which copies may write, valid as long as `self`.
@@ -94,7 +120,8 @@ impl DepthTemplate {
         }
     }
 
-    /// Whether the copy can begin at this render area: offsets into buffers of depth are multiples of four bytes.
+    /// Whether the copy can begin at this render area: offsets into buffers of depth are multiples of four bytes; those of
+    /// images are free.
     pub fn takes(&self, area: vk::Rect2D) -> bool {
         let vk::Rect2D { offset, extent } = area;
         let end =
@@ -103,7 +130,8 @@ impl DepthTemplate {
             && offset.y >= 0
             && end[0] <= i64::from(self.extent[0])
             && end[1] <= i64::from(self.extent[1]);
-        inside && (0..self.layers).all(|layer| self.offset(area, layer).is_multiple_of(4))
+        let is_aligned = || (0..self.layers).all(|layer| self.offset(area, layer).is_multiple_of(4));
+        inside && (self.image.is_some() || is_aligned())
     }
 
     /// Where in the buffer the first pixel of a render area is, which lies inside.
@@ -130,7 +158,11 @@ impl DepthTemplate {
         let copied = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
         // Of the application's own waiting nothing is known here: some of it is part of the pass.
         commands.barrier(depth, (before, Scope::ALL), (copied, COPIES));
-        for layer in 0..depth.layers.min(self.layers) {
+        if let Some(image) = &self.image {
+            commands.copy_depth(image.part(), depth, area);
+        }
+        let copied_layers = if self.image.is_some() { 0 } else { depth.layers.min(self.layers) };
+        for layer in 0..copied_layers {
             let region = vk::BufferImageCopy::default()
                 .buffer_offset(self.offset(area, layer))
                 .buffer_row_length(self.extent[0])

@@ -121,6 +121,7 @@ impl Levels {
         let [width, height] = levels_extent(extent);
         let description = ImageDescription {
             format: BLOCK,
+            samples: vk::SampleCountFlags::TYPE_1,
             extent: vk::Extent2D { width, height },
             array_layers: 1,
             usage: vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC,

@@ -155,6 +155,7 @@ impl Fill {
         let extent = vk::Extent2D { width, height };
         let description = ImageDescription {
             format: stored,
+            samples: vk::SampleCountFlags::TYPE_1,
             extent,
             array_layers: layers,
             usage: USAGE | vk::ImageUsageFlags::STORAGE,

@@ -119,6 +119,7 @@ impl MaskPass {
         commands.computes_to_reads();
         commands.dispatch_indirect(&self.layout, &self.sources, &target.set, (target.map.list(), 0));
         commands.computes_to_reads();
+        target.map.redraw(commands);
     }
 }
 

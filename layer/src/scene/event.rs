@@ -75,8 +75,10 @@ pub struct Pass {
 pub struct PassFacts {
     /// Depth is cleared at the begin (`loadOp` CLEAR).
     pub clears_depth: bool,
-    /// Depth is stored at the end.
+    /// Depth is stored at the end, or stays as it is (`storeOp` NONE).
     pub stores_depth: bool,
+    /// Depth or stencil is resolved at the end.
+    pub resolves_depth: bool,
     /// Stencil is loaded at the begin.
     pub loads_stencil: bool,
     /// vkCmdClearAttachments clears depth in it.

@@ -275,12 +275,7 @@ unsafe fn track(
             };
             let rates = enabled.and_then(|enabled| Rates::on(&record, enabled, is_cpu)).map(Arc::new);
             let wants_masks = rates.is_none() && arming != Arming::Pictures;
-            // The fill's shader has storage buffers as SPIR-V knows them from Vulkan 1.1 on.
-            let may_mask = wants_masks && api_version >= vk::API_VERSION_1_1;
-            let masks = may_mask.then(|| Arc::new(Masks::on(&record, is_cpu)));
-            if wants_masks && !may_mask {
-                decided(&"no masks either: the application asks for Vulkan 1.0");
-            }
+            let masks = wants_masks.then(|| Arc::new(Masks::on(&record, is_cpu)));
             Arc::new(Armed::new(record, hooked, rates, masks))
         });
         let state = match (&armed, instance.enabled) {

@@ -46,6 +46,8 @@ pub struct Masks {
     pipelines: Table<vk::Pipeline, PipelineFacts>,
     /// Depth images that a pass was seen to load.
     loaded: Table<ImageKey, ()>,
+    /// What depth images were last cleared to by a pass.
+    cleared: Table<ImageKey, f32>,
 }
 
 impl Masks {
@@ -64,6 +66,7 @@ impl Masks {
             modules: ShaderModules::default(),
             pipelines: Table::default(),
             loaded: Table::default(),
+            cleared: Table::default(),
         }
     }
 
@@ -104,6 +107,7 @@ impl Masks {
     /// An image is about to be destroyed.
     pub fn forget_image(&self, image: ImageKey) {
         self.loaded.remove(image);
+        self.cleared.remove(image);
     }
 
     /// Destroys all that is ours: the device is about to be destroyed. What is still named is never destroyed.

@@ -10,6 +10,7 @@ use super::armed::Armed;
 use super::candidates::{Candidate, Need};
 use super::{device, recording, runtime_section};
 use crate::abi::guard;
+use crate::mask::Reason;
 use crate::scene::{Event, Part};
 use ash::vk;
 use smallvec::SmallVec;
@@ -196,7 +197,7 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed:
             candidate.content().recognised(matched.is_some());
             candidate.map.noted(matched.as_ref().map(|found| found.how));
             // A pass without a mask obeys no map, and so says nothing of what that shall hold.
-            if pass.unmasked.is_some() {
+            if pass.unmasked.is_some_and(|reason| reason != Reason::Undrawn) {
                 continue;
             }
             add(obeyed, candidate);

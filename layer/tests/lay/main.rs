@@ -12,7 +12,7 @@ mod vulkan;
 
 use ash::vk;
 use parafovea::gpu::AppCommands;
-use parafovea::mask::{Eligible, MaskMap, lay_mask, mask_views};
+use parafovea::mask::{DepthWork, Eligible, MaskMap, lay_mask, mask_views};
 use parafovea::passes::analyze::{ViewTiles, rate_row_bytes};
 use parafovea::passes::fill::Fill;
 use parafovea::passes::lay::{Lay, LayTable, LayTarget};
@@ -189,7 +189,7 @@ fn masks_match_the_reference() {
         let [x, y, width, height] = image.area;
         let extent = [x + width, y + height];
         for format in [DepthFormat::Unorm16, DepthFormat::Float32] {
-            let eligible = Eligible { format, depths };
+            let eligible = Eligible { format, depths, drawn: None, work: DepthWork::default() };
             let map = Arc::new(MaskMap::new(gpu, &fill, eligible, extent, image.layers).unwrap());
             let views = mask_views(parts, image);
             let masked =
@@ -240,7 +240,8 @@ fn what_the_kernel_cannot_serve_is_refused() {
     let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
     let views = mask_views(&parts, &image);
     let made = |extent: [u32; 2], texel: [u32; 2]| {
-        let eligible = Eligible { format: DepthFormat::Unorm16, depths };
+        let eligible =
+            Eligible { format: DepthFormat::Unorm16, depths, drawn: None, work: DepthWork::default() };
         let map = Arc::new(MaskMap::new(gpu, &fill, eligible, extent, 1).unwrap());
         pass.target(&map, &target, (texel, [4, 4], 1), &views).is_ok()
     };

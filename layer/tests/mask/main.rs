@@ -19,7 +19,8 @@ use application::{Application, COLOR, LAYERS_DRAWN, Setup};
 use ash::vk;
 use parafovea::gpu::{AppCommands, Gpu};
 use parafovea::mask::{
-    ColorFacts, DepthFacts, DepthTemplate, Eligible, MaskFacts, MaskMap, PipelineFacts, depth_format,
+    ColorFacts, DepthFacts, DepthTemplate, DepthWork, Eligible, MaskFacts, MaskMap, PipelineFacts,
+    depth_format,
 };
 use parafovea::passes::fill::Fill;
 use parafovea::scene::lay::RateImage;
@@ -68,10 +69,13 @@ fn eligible(application: &Application) -> Eligible {
         samples,
         usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
         clear: setup.clear,
+        is_loaded: false,
+        is_read_within: false,
         stores_stencil: false,
         is_loaded_later: false,
         is_submitted: false,
         is_writable: true,
+        is_readable: true,
     };
     let color = ColorFacts { format: COLOR, samples, is_stored: true, is_fillable: true };
     let pass = PassFacts { clears_depth: true, ..PassFacts::default() };
@@ -169,7 +173,13 @@ fn templates_take_areas_that_can_be_copied() {
     let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
     let of = |format, extent| {
         let format = depth_format(format).unwrap();
-        DepthTemplate::new(&vulkan.gpu, format, depths, extent, 2).unwrap()
+        DepthTemplate::new(
+            &vulkan.gpu,
+            Eligible { format, depths, drawn: None, work: DepthWork::default() },
+            extent,
+            2,
+        )
+        .unwrap()
     };
     let at =
         |x, y| vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width: 8, height: 8 } };

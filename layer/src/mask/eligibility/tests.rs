@@ -13,10 +13,13 @@ fn judged(
         samples: ONE,
         usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
         clear: 1.0,
+        is_loaded: false,
+        is_read_within: false,
         stores_stencil: false,
         is_loaded_later: false,
         is_submitted: false,
         is_writable: true,
+        is_readable: true,
     };
     let mut color =
         ColorFacts { format: vk::Format::R8G8B8A8_SRGB, samples: ONE, is_stored: true, is_fillable: true };
@@ -32,8 +35,15 @@ fn refused(
     judged(change).unwrap_err()
 }
 
-const FORWARD: Eligible =
-    Eligible { depths: TemplateDepths { shaded: 1.0, skipped: 0.0 }, format: DepthFormat::Float32 };
+const FORWARD: Eligible = Eligible {
+    depths: TemplateDepths { shaded: 1.0, skipped: 0.0 },
+    format: DepthFormat::Float32,
+    drawn: None,
+    work: DepthWork { covers: false, fills: false },
+};
+
+/// Depth that is needed after the pass.
+const FILLED: Eligible = Eligible { work: DepthWork { covers: false, fills: true }, ..FORWARD };
 
 #[test]
 fn a_forward_pass_is_eligible() {
@@ -80,8 +90,21 @@ fn no_depth() {
 }
 
 #[test]
-fn loaded_depth() {
-    assert_eq!(refused(|pass, _, _, _| pass.clears_depth = false), Reason::DepthLoaded);
+fn loaded_depth_is_covered() {
+    let loaded = |change: fn(&mut DepthFacts)| {
+        judged(|pass, depth, _, _| {
+            pass.clears_depth = false;
+            depth.is_loaded = true;
+            change(depth);
+        })
+    };
+    let covered = Eligible { work: DepthWork { covers: true, fills: false }, ..FORWARD };
+    assert_eq!(loaded(|_| ()), Ok(covered));
+    assert_eq!(loaded(|depth| depth.is_loaded = false), Err(Reason::DepthUndefined));
+    assert_eq!(loaded(|depth| depth.samples = FOUR), Err(Reason::DepthLoaded));
+    assert_eq!(loaded(|depth| depth.clear = f32::NAN), Err(Reason::DepthUncleared));
+    assert_eq!(loaded(|depth| depth.is_read_within = true), Err(Reason::DepthReadWithin));
+    assert_eq!(loaded(|depth| depth.is_readable = false), Err(Reason::NotReadable));
 }
 
 #[test]
@@ -91,8 +114,9 @@ fn unknown_depth_formats() {
 }
 
 #[test]
-fn depth_with_several_samples() {
-    assert_eq!(refused(|_, depth, _, _| depth.samples = FOUR), Reason::Samples(FOUR));
+fn depth_with_several_samples_is_drawn() {
+    let judged = judged(|_, depth, _, _| depth.samples = FOUR);
+    assert_eq!(judged, Ok(Eligible { drawn: Some((vk::Format::D32_SFLOAT, FOUR)), ..FORWARD }));
 }
 
 #[test]
@@ -102,32 +126,31 @@ fn transient_depth() {
 }
 
 #[test]
-fn depth_that_can_be_read() {
-    for usage in [
-        vk::ImageUsageFlags::SAMPLED,
-        vk::ImageUsageFlags::TRANSFER_SRC,
-        vk::ImageUsageFlags::INPUT_ATTACHMENT,
-    ] {
-        let reason = refused(|pass, depth, _, _| {
-            pass.stores_depth = true;
-            depth.usage |= usage;
-        });
-        assert_eq!(reason, Reason::DepthRead);
+fn stored_depth_that_is_needed_is_filled() {
+    let needed: [fn(&mut DepthFacts); 5] = [
+        |depth| depth.usage |= vk::ImageUsageFlags::SAMPLED,
+        |depth| depth.usage |= vk::ImageUsageFlags::TRANSFER_SRC,
+        |depth| depth.usage |= vk::ImageUsageFlags::INPUT_ATTACHMENT,
+        |depth| depth.is_loaded_later = true,
+        |depth| depth.is_submitted = true,
+    ];
+    for need in needed {
+        let stored = |change: fn(&mut DepthFacts)| {
+            judged(|pass, depth, _, _| {
+                pass.stores_depth = true;
+                need(depth);
+                change(depth);
+            })
+        };
+        assert_eq!(stored(|_| ()), Ok(FILLED));
+        assert_eq!(stored(|depth| depth.samples = FOUR), Err(Reason::DepthRead));
+        assert_eq!(stored(|depth| depth.is_readable = false), Err(Reason::NotReadable));
     }
 }
 
 #[test]
-fn depth_that_another_pass_loads() {
-    let reason = refused(|pass, depth, _, _| {
-        pass.stores_depth = true;
-        depth.is_loaded_later = true;
-    });
-    assert_eq!(reason, Reason::DepthLoadedLater);
-}
-
-#[test]
-fn submitted_depth() {
-    assert_eq!(refused(|_, depth, _, _| depth.is_submitted = true), Reason::DepthSubmitted);
+fn resolved_depth() {
+    assert_eq!(refused(|pass, _, _, _| pass.resolves_depth = true), Reason::DepthResolved);
 }
 
 #[test]
@@ -137,8 +160,18 @@ fn depth_cleared_in_the_pass() {
 
 #[test]
 fn loaded_and_stored_stencil() {
-    assert_eq!(refused(|pass, _, _, _| pass.loads_stencil = true), Reason::StencilLoaded);
-    assert_eq!(refused(|_, depth, _, _| depth.stores_stencil = true), Reason::StencilStored);
+    assert_eq!(judged(|pass, _, _, _| pass.loads_stencil = true), Ok(FORWARD));
+    let several = |pass: &mut PassFacts, depth: &mut DepthFacts, _: &mut _, _: &mut _| {
+        pass.loads_stencil = true;
+        depth.samples = FOUR;
+    };
+    assert_eq!(refused(several), Reason::StencilLoaded);
+    assert_eq!(judged(|_, depth, _, _| depth.stores_stencil = true), Ok(FORWARD), "not written");
+    let written = |_: &mut _, depth: &mut DepthFacts, _: &mut _, pipelines: &mut PipelineFacts| {
+        depth.stores_stencil = true;
+        pipelines.write_stencil = true;
+    };
+    assert_eq!(refused(written), Reason::StencilStored);
 }
 
 #[test]

@@ -36,6 +36,7 @@ impl AppImages {
         let view_formats = shape.listed_view_formats();
         let description = ImageDescription {
             format: shape.format,
+            samples: vk::SampleCountFlags::TYPE_1,
             extent: shape.extent,
             array_layers: shape.array_layers,
             usage: shape.usage | APP_USAGE,

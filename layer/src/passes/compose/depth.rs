@@ -118,6 +118,7 @@ impl KeptDepth {
         let aspects = aspects(format).ok_or(GpuError::Unsupported("a format without depth"))?;
         let description = ImageDescription {
             format,
+            samples: vk::SampleCountFlags::TYPE_1,
             extent,
             array_layers,
             usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,

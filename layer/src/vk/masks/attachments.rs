@@ -24,7 +24,8 @@ pub struct DepthAttachment {
     pub target: Target,
     /// What it is cleared to, if it is.
     pub clear: f32,
-    /// Whether it is loaded.
+    /// Whether it is cleared, or loaded.
+    pub is_cleared: bool,
     pub is_loaded: bool,
     /// Whether stencil is stored.
     pub stores_stencil: bool,
@@ -33,6 +34,8 @@ pub struct DepthAttachment {
     /// The layout in which the application's pass expects it, and the one in which its first subpass has it; equal ones of
     /// dynamic rendering. UNDEFINED as the second: stencil is in another layout.
     pub layouts: [vk::ImageLayout; 2],
+    /// The layout in which it is after the pass.
+    pub final_layout: vk::ImageLayout,
 }
 
 /// Colour of a pass that begins.
@@ -70,10 +73,12 @@ impl Attachments {
                 clear: clears
                     .get(index as usize)
                     .map_or(f32::NAN, |value| unsafe { value.depth_stencil.depth }),
+                is_cleared: attachment.load == vk::AttachmentLoadOp::CLEAR,
                 is_loaded: attachment.load == vk::AttachmentLoadOp::LOAD,
                 stores_stencil: attachment.stores_stencil(),
                 is_input: pass.subpasses.iter().any(|subpass| subpass.inputs.contains(&Some(index))),
                 layouts: [attachment.initial_layout, within],
+                final_layout: attachment.final_layout,
             })
         });
         Self { depth, colors: colors.collect() }
@@ -89,11 +94,17 @@ impl Attachments {
             format: image.description.format,
             samples: vk::SampleCountFlags::from_raw(image.description.samples),
             usage: image.usage | usage,
-            clear: depth.clear,
+            clear: match depth.is_cleared {
+                true => depth.clear,
+                false => masks.cleared.get(depth.target.image).unwrap_or(f32::NAN),
+            },
+            is_loaded: depth.is_loaded,
+            is_read_within: depth.is_input || !is_written(depth.layouts[1]),
             stores_stencil: depth.stores_stencil,
             is_loaded_later: masks.loaded.get(depth.target.image).is_some(),
             is_submitted: image.description.swapchain.is_some(),
             is_writable: image.granted.contains(vk::ImageUsageFlags::TRANSFER_DST),
+            is_readable: image.granted.contains(vk::ImageUsageFlags::TRANSFER_SRC),
         })
     }
 
@@ -114,6 +125,18 @@ impl Attachments {
         });
         facts.collect()
     }
+}
+
+/// Whether depth in this layout can be an attachment and nothing else (Vulkan specification, "Image Layouts").
+fn is_written(layout: vk::ImageLayout) -> bool {
+    use vk::ImageLayout as Layout;
+    matches!(
+        layout,
+        Layout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL
+            | Layout::DEPTH_ATTACHMENT_STENCIL_READ_ONLY_OPTIMAL
+            | Layout::DEPTH_ATTACHMENT_OPTIMAL
+            | Layout::ATTACHMENT_OPTIMAL
+    )
 }
 
 /// The attachments of dynamic rendering.
@@ -152,10 +175,12 @@ pub unsafe fn rendering_attachments(objects: &Objects, info: &vk::RenderingInfo<
             Some(DepthAttachment {
                 target,
                 clear: found.clear_value.depth_stencil.depth,
+                is_cleared: found.load_op == vk::AttachmentLoadOp::CLEAR,
                 is_loaded: found.load_op == vk::AttachmentLoadOp::LOAD,
                 stores_stencil: stencil.is_some_and(|found| found.store_op == vk::AttachmentStoreOp::STORE),
                 is_input: false,
                 layouts: [found.image_layout, within],
+                final_layout: found.image_layout,
             })
         });
         Attachments { depth, colors: drawn.chain(resolved).collect() }

@@ -86,8 +86,6 @@ impl Masks {
 fn cleared_depth(pass: &RenderPass) -> Option<(usize, vk::ImageLayout)> {
     let (index, layout) = pass.subpasses.iter().find_map(|subpass| subpass.depth)?;
     let depth = pass.attachments.get(index as usize)?;
-    let may = depth.load == vk::AttachmentLoadOp::CLEAR
-        && depth.samples == vk::SampleCountFlags::TYPE_1
-        && !pass.colors.is_empty();
+    let may = depth.load == vk::AttachmentLoadOp::CLEAR && !pass.colors.is_empty();
     may.then_some((index as usize, layout))
 }

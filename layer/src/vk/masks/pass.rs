@@ -1,8 +1,9 @@
 //! One pass with a mask, from its begin to its end.
 
+use super::attachments::DepthAttachment;
 use super::{Attachments, Masks};
 use crate::gpu::{AppCommands, ImagePart};
-use crate::mask::{MaskFacts, MaskMap, Reason, eligible};
+use crate::mask::{DepthWork, MaskFacts, MaskMap, Reason, eligible};
 use crate::scene::{Pass, PassFacts, Target};
 use crate::vk::armed::Armed;
 use crate::vk::backend::RateMap as _;
@@ -18,6 +19,10 @@ pub struct OpenMask {
     /// Its depth, as the template takes it.
     depth: ImagePart,
     layouts: [vk::ImageLayout; 2],
+    /// What else is done with that, in this area, and the layout in which it is after the pass.
+    work: DepthWork,
+    area: vk::Rect2D,
+    final_layout: vk::ImageLayout,
     /// Whether nothing is filled after it, because nothing is coarse.
     is_unfilled: bool,
     /// What is filled after it, with its format and layout then.
@@ -38,6 +43,11 @@ pub struct Place {
 impl Masks {
     /// Notes what a pass does that matters to others.
     fn note(&self, attachments: &Attachments) {
+        if let Some(depth) = attachments.depth.filter(|depth| depth.is_cleared)
+            && self.cleared.get(depth.target.image) != Some(depth.clear)
+        {
+            self.cleared.insert(depth.target.image, depth.clear);
+        }
         if let Some(depth) = attachments.depth.filter(|depth| depth.is_loaded)
             && self.loaded.get(depth.target.image).is_none()
         {
@@ -96,7 +106,17 @@ impl Masks {
         if depth.layouts[1] == vk::ImageLayout::UNDEFINED {
             return Err(Reason::Layouts);
         }
+        if is_separate(objects, &depth) {
+            return Err(Reason::Layouts);
+        }
         let map = target.map(eligible)?;
+        if eligible.work.is_any() && !map.prepare_depth() {
+            return Err(Reason::Failed);
+        }
+        // A map that leaves tiles out has to be laid anew first.
+        if !map.is_ready() || (eligible.work.is_any() && !target.note_depth()) {
+            return Err(Reason::Undrawn);
+        }
         if !map.takes(place.area) {
             return Err(Reason::Area);
         }
@@ -116,7 +136,16 @@ impl Masks {
         }
         let aspects = aspects(objects, depth.target)?;
         let depth_part = part(objects, depth.target, aspects, layers)?;
-        Ok(OpenMask { map, depth: depth_part, layouts: depth.layouts, is_unfilled, fills })
+        Ok(OpenMask {
+            map,
+            depth: depth_part,
+            layouts: depth.layouts,
+            work: eligible.work,
+            area: place.area,
+            final_layout: depth.final_layout,
+            is_unfilled,
+            fills,
+        })
     }
 
     /// Records what comes ahead of a pass that may have a mask, and returns that with what `loading` makes the pass begin
@@ -134,13 +163,16 @@ impl Masks {
         pass: &mut Pass,
         attachments: &Attachments,
         place: Place,
-        loading: impl FnOnce() -> Result<T, Reason>,
+        loading: impl FnOnce(DepthWork) -> Result<T, Reason>,
     ) -> Option<(OpenMask, T)> {
         self.note(attachments);
         let open = candidate
             .ok_or(Reason::New)
             .and_then(|candidate| self.open(armed, candidate, pass, attachments, place))
-            .and_then(|open| Ok((open, loading()?)));
+            .and_then(|open| {
+                let loading = loading(open.work)?;
+                Ok((open, loading))
+            });
         let open = open.and_then(|(open, loading)| Ok((self.gpu().ok_or(Reason::Failed)?, open, loading)));
         match open {
             Ok((gpu, open, loading)) => {
@@ -148,7 +180,11 @@ impl Masks {
                 // buffer keeps.
                 let commands = unsafe { AppCommands::new(gpu, commands) };
                 pass.facts.is_unfilled = open.is_unfilled;
-                open.map.begin(&commands, open.depth, place.area, open.layouts);
+                if open.work.covers {
+                    open.map.cover(&commands, open.depth, place.area, open.layouts[0]);
+                } else {
+                    open.map.begin(&commands, open.depth, place.area, open.layouts);
+                }
                 Some((open, loading))
             }
             Err(reason) => {
@@ -170,6 +206,9 @@ impl Masks {
         for &(part, format, layout) in &open.fills {
             open.map.end(&commands, part, format, layout);
         }
+        if open.work.fills {
+            open.map.fill_depth(&commands, open.depth, open.area, open.final_layout);
+        }
     }
 
     /// The begin of a render pass that loads depth.
@@ -184,6 +223,19 @@ impl Masks {
         let render_pass = self.loading(info.render_pass).ok_or(Reason::RenderPass)?;
         Ok(vk::RenderPassBeginInfo { render_pass, ..*info })
     }
+}
+
+/// Whether a layout is of depth alone, beside which stencil has one that barriers here do not name.
+fn is_separate(objects: &Objects, depth: &DepthAttachment) -> bool {
+    let is_alone = |layout: &vk::ImageLayout| {
+        matches!(
+            *layout,
+            vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL | vk::ImageLayout::DEPTH_READ_ONLY_OPTIMAL
+        )
+    };
+    let has_stencil =
+        aspects(objects, depth.target).is_ok_and(|aspects| aspects.contains(vk::ImageAspectFlags::STENCIL));
+    has_stencil && (depth.layouts.iter().any(is_alone) || is_alone(&depth.final_layout))
 }
 
 /// A target as barriers and copies name it, as far as the mask has layers.

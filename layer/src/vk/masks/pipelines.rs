@@ -87,6 +87,24 @@ impl Masks {
                 let effects = self.modules.effects(stage);
                 facts.have_side_effects |= effects.stores || effects.interlocks;
             }
+            let is_dynamic = |state| {
+                info.p_dynamic_state.as_ref().is_some_and(|dynamic| match dynamic.dynamic_state_count {
+                    0 => false,
+                    count => slice::from_raw_parts(dynamic.p_dynamic_states, count as usize).contains(&state),
+                })
+            };
+            if let Some(tests) = info.p_depth_stencil_state.as_ref() {
+                let tests_stencil = tests.stencil_test_enable == vk::TRUE
+                    || is_dynamic(vk::DynamicState::STENCIL_TEST_ENABLE);
+                let keeps = |face: &vk::StencilOpState| {
+                    [face.fail_op, face.pass_op, face.depth_fail_op]
+                        .iter()
+                        .all(|op| *op == vk::StencilOp::KEEP)
+                };
+                let keeps =
+                    keeps(&tests.front) && keeps(&tests.back) && !is_dynamic(vk::DynamicState::STENCIL_OP);
+                facts.write_stencil |= tests_stencil && !keeps;
+            }
             if let Some(tests) = info.p_depth_stencil_state.as_ref()
                 && tests.depth_test_enable == vk::TRUE
             {

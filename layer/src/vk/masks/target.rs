@@ -34,6 +34,8 @@ struct Seen {
     is_scene: bool,
     /// Whether it drew straight into a swapchain.
     is_shown: bool,
+    /// Whether depth of a pass is older than that, or outlives it: what is left out has none that is right.
+    keeps_depth: bool,
     /// The last reason that was logged.
     logged: Option<Result<(), Reason>>,
 }
@@ -77,6 +79,11 @@ impl TargetMask {
         seen.pipelines.see(pipelines);
     }
 
+    /// Notes that depth of its passes is older than those, or outlives them; whether that was known.
+    pub(super) fn note_depth(&self) -> bool {
+        std::mem::replace(&mut self.seen().keeps_depth, true)
+    }
+
     /// The map, for passes that need this one.
     ///
     /// # Errors
@@ -93,12 +100,12 @@ impl TargetMask {
             self.map.get_or_init(make);
         }
         let map = self.map.get().and_then(Option::as_ref).ok_or(Reason::Failed)?;
-        if map.eligible() == eligible { Ok(Arc::clone(map)) } else { Err(Reason::Changes) }
+        if map.serves(eligible) { Ok(Arc::clone(map)) } else { Err(Reason::Changes) }
     }
 
     /// Logs how a pass of the scene was recorded, where that is news.
     pub(super) fn tell(&self, outcome: Result<(), Reason>) {
-        if matches!(outcome, Err(Reason::Off | Reason::New)) {
+        if matches!(outcome, Err(Reason::Off | Reason::New | Reason::Undrawn)) {
             return;
         }
         let before = self.seen().logged.replace(outcome);
@@ -143,9 +150,10 @@ impl RateMap for TargetMask {
     }
 
     /// What is drawn straight into a swapchain nobody reads before it is composed; what comes on the way there is read
-    /// beyond its own pixels (filters, bloom), and filled.
+    /// beyond its own pixels (filters, bloom), and filled; so is depth that is needed.
     fn leaves_out(&self) -> bool {
-        self.seen().is_shown
+        let seen = self.seen();
+        seen.is_shown && !seen.keeps_depth
     }
 
     fn mask(&self) -> Option<&TargetMask> {

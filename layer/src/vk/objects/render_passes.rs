@@ -71,6 +71,8 @@ pub struct Subpass {
     pub view_mask: u32,
     /// Whether the application gives it rates of its own, or a density map.
     pub has_own_rates: bool,
+    /// Whether depth or stencil is resolved at its end.
+    pub resolves_depth: bool,
 }
 
 /// `vkCreateRenderPass`.

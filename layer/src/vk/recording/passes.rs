@@ -170,7 +170,10 @@ unsafe fn begin_noted(
                         pass,
                         attachments,
                         place,
-                        || masks.loading_begin(&*info),
+                        |work| match work.covers {
+                            true => Ok(*info),
+                            false => masks.loading_begin(&*info),
+                        },
                     ) {
                         Some((open, loading)) => {
                             begin(&loading);

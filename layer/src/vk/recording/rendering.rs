@@ -45,7 +45,7 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
                         &mut pass,
                         &attachments,
                         place,
-                        || loading(&*info),
+                        |_| loading(&*info),
                     ) {
                         Some((open, depth)) => {
                             begin(&vk::RenderingInfo { p_depth_attachment: &depth, ..*info });
@@ -129,7 +129,11 @@ unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
         view_mask: info.view_mask,
         facts: PassFacts {
             clears_depth: depth.is_some_and(|found| found.load_op == vk::AttachmentLoadOp::CLEAR),
-            stores_depth: depth.is_some_and(|found| found.store_op == vk::AttachmentStoreOp::STORE),
+            stores_depth: depth.is_some_and(|found| found.store_op != vk::AttachmentStoreOp::DONT_CARE),
+            resolves_depth: depth.into_iter().chain(stencil).any(|found| {
+                found.resolve_mode != vk::ResolveModeFlags::NONE
+                    && found.resolve_image_view != vk::ImageView::null()
+            }),
             loads_stencil: stencil.is_some_and(|found| found.load_op == vk::AttachmentLoadOp::LOAD),
             has_own_rates,
             is_suspended: info.flags.intersects(suspended),

@@ -27,6 +27,7 @@ impl RenderPass {
                     inputs: references(subpass.p_input_attachments, subpass.input_attachment_count),
                     view_mask: masks.get(index).copied().unwrap_or(0),
                     has_own_rates: has_density_map,
+                    resolves_depth: false,
                 },
             );
             let attachments = array(info.p_attachments, info.attachment_count).iter();
@@ -65,6 +66,7 @@ impl RenderPass {
                     inputs: references(subpass.p_input_attachments, subpass.input_attachment_count),
                     view_mask: subpass.view_mask,
                     has_own_rates: has_density_map || has_rates(subpass),
+                    resolves_depth: resolves_depth(subpass),
                 },
             );
             let attachments = array(info.p_attachments, info.attachment_count).iter();
@@ -91,11 +93,12 @@ impl RenderPass {
         let described = depth.and_then(|index| attachments.get(index as usize));
         let facts = PassFacts {
             clears_depth: described.is_some_and(|depth| depth.load == vk::AttachmentLoadOp::CLEAR),
-            stores_depth: described.is_some_and(|depth| depth.store == vk::AttachmentStoreOp::STORE),
+            stores_depth: described.is_some_and(|depth| depth.store != vk::AttachmentStoreOp::DONT_CARE),
             loads_stencil: described.is_some_and(|depth| {
                 has_stencil(depth.format) && depth.stencil_load == vk::AttachmentLoadOp::LOAD
             }),
             has_own_rates: subpasses.iter().any(|subpass| subpass.has_own_rates),
+            resolves_depth: subpasses.iter().any(|subpass| subpass.resolves_depth),
             ..PassFacts::default()
         };
         Self {
@@ -129,6 +132,18 @@ unsafe fn has_rates(subpass: &vk::SubpassDescription2<'_>) -> bool {
     unsafe {
         extension::<vk::FragmentShadingRateAttachmentInfoKHR<'_>>(subpass.p_next)
             .and_then(|rates| rates.p_fragment_shading_rate_attachment.as_ref())
+            .is_some_and(|reference| reference.attachment != vk::ATTACHMENT_UNUSED)
+    }
+}
+
+/// # Safety
+///
+/// A valid subpass.
+unsafe fn resolves_depth(subpass: &vk::SubpassDescription2<'_>) -> bool {
+    // SAFETY: the caller vouches for the chain; the reference is null or valid.
+    unsafe {
+        extension::<vk::SubpassDescriptionDepthStencilResolve<'_>>(subpass.p_next)
+            .and_then(|resolve| resolve.p_depth_stencil_resolve_attachment.as_ref())
             .is_some_and(|reference| reference.attachment != vk::ATTACHMENT_UNUSED)
     }
 }
