@@ -30,6 +30,6 @@ impl Tools {
             let (lay, mask) = (Lay::new(&gpu)?, MaskPass::new(&gpu)?);
             Ok(Self { gpu, analyze, decide, lay, mask })
         };
-        make().inspect_err(|error| error.tell("rates are rings, whatever the pictures show")).ok()
+        make().inspect_err(|error| error.tell("rates by eccentricity alone")).ok()
     }
 }
