@@ -3,6 +3,7 @@
 pub mod audio_library;
 pub mod cpu_time;
 pub mod guard;
+pub mod local_time;
 pub mod own_folder;
 pub mod pnext;
 

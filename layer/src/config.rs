@@ -23,7 +23,7 @@ pub use plan::{
 
 use arc_swap::ArcSwap;
 use parafovea_manifest::config::{ConfigErrors, Watch};
-use parafovea_manifest::status::AskedView;
+use parafovea_manifest::status::{AskedView, Settings};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, TryLockError};
 use std::time::{Duration, Instant};
@@ -35,6 +35,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(500);
 #[derive(Debug)]
 pub struct LiveConfig {
     current: ArcSwap<Config>,
+    source: ArcSwap<Settings>,
     is_view_asked: AtomicBool,
     watched: Mutex<Watched>,
 }
@@ -58,13 +59,15 @@ impl LiveConfig {
     pub fn new(environment: &Environment, application: Option<&str>, now: Instant) -> Self {
         arming::name_application(application);
         let mut watch = Watch::new(environment, application, &executable());
-        let config = watch.poll().and_then(accept).unwrap_or_default();
+        let (config, source) = watch.poll().map(|read| accept(read, &watch)).unwrap_or_default();
+        let config = config.unwrap_or_default();
         crate::log::set_level(config.log.level);
         let asked = AskedView::new(environment, std::process::id());
         let watched =
             Watched { watch, configured: config, asked, view: None, out_of_reach: None, looked: now };
         Self {
             current: ArcSwap::from_pointee(config),
+            source: ArcSwap::from_pointee(source),
             is_view_asked: AtomicBool::new(false),
             watched: Mutex::new(watched),
         }
@@ -73,6 +76,11 @@ impl LiveConfig {
     /// What holds now.
     pub fn get(&self) -> Config {
         **self.current.load()
+    }
+
+    /// The file that the configuration was read from.
+    pub fn source(&self) -> Arc<Settings> {
+        self.source.load_full()
     }
 
     /// Whether the debug view is not the file's, but what `parafovea status --view` asks for.
@@ -91,7 +99,11 @@ impl LiveConfig {
             return;
         }
         watched.looked = now;
-        let edited = watched.watch.poll().and_then(accept);
+        let edited = watched.watch.poll().and_then(|read| {
+            let (config, source) = accept(read, &watched.watch);
+            self.source.store(Arc::new(source));
+            config
+        });
         let view = watched.asked.look();
         if let Some(config) = edited {
             crate::log::set_level(config.log.level);
@@ -102,8 +114,10 @@ impl LiveConfig {
         }
         if view != watched.view {
             match view {
-                Some(view) => tracing::info!("parafovea status asks for debug.view = \"{}\"", view.name()),
-                None => tracing::info!("debug.view is what the configuration says"),
+                Some(view) => {
+                    tracing::info!("debug.view = \"{}\", requested by parafovea status", view.name())
+                }
+                None => tracing::info!("debug.view is the configured one again"),
             }
             watched.view = view;
         }
@@ -115,7 +129,7 @@ impl LiveConfig {
             watched.out_of_reach = out_of_reach;
             if let Some(wanted) = out_of_reach {
                 tracing::warn!(
-                    "the configuration now asks for {wanted}, which takes effect when the application is started again"
+                    "the configuration now enables {wanted}, which takes effect after a restart of the application"
                 );
             }
         }
@@ -123,14 +137,16 @@ impl LiveConfig {
     }
 }
 
-/// Logs what is wrong with a file.
-fn accept(read: Result<Config, ConfigErrors>) -> Option<Config> {
-    read.inspect_err(|errors| {
+/// The configuration that was read, unless it has errors, which are logged; and its source.
+fn accept(read: Result<Config, ConfigErrors>, watch: &Watch) -> (Option<Config>, Settings) {
+    if let Err(errors) = &read {
         for line in errors.lines() {
             tracing::error!("configuration not used: {line}");
         }
-    })
-    .ok()
+    }
+    let file = watch.file().map(|file| file.display().to_string()).unwrap_or_default();
+    let source = Settings { file, has_error: read.is_err() };
+    (read.ok(), source)
 }
 
 #[cfg(test)]

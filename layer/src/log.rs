@@ -5,6 +5,7 @@
 
 mod file;
 
+use crate::abi::local_time::LocalTime;
 use crate::config::{Environment, LogLevel, executable};
 use crate::vk::Enablement;
 use file::BoundedFile;
@@ -12,7 +13,7 @@ use std::fmt::{self, Write};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::SystemTime;
 use tracing::field::{Field, Visit};
 use tracing::metadata::LevelFilter;
 use tracing::span::{Attributes, Id, Record};
@@ -92,8 +93,8 @@ impl Subscriber for Log {
     }
 
     fn event(&self, event: &Event<'_>) {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let mut line = Line::new(now, *event.metadata().level());
+        let now = LocalTime::at(SystemTime::now());
+        let mut line = Line::new(&now, *event.metadata().level());
         let start = line.0.len();
         event.record(&mut line);
         let is_warning = *event.metadata().level() <= Level::WARN;
@@ -117,15 +118,14 @@ impl Subscriber for Log {
     fn exit(&self, _: &Id) {}
 }
 
-/// One line as it is put together: seconds since 1970, process, level, message, other fields.
+/// One line as it is put together: local time, process, level, message, other fields.
 struct Line(String);
 
 impl Line {
-    fn new(now: Duration, level: Level) -> Self {
+    fn new(now: &dyn fmt::Display, level: Level) -> Self {
         let mut line = String::with_capacity(128);
         // Writing to a string cannot fail.
-        let _ =
-            write!(line, "{}.{:03} {} {level:5} ", now.as_secs(), now.subsec_millis(), std::process::id());
+        let _ = write!(line, "{now} {} {level:5} ", std::process::id());
         Self(line)
     }
 
@@ -166,9 +166,9 @@ mod tests {
 
     #[test]
     fn an_event_is_one_line_with_time_and_level() {
-        let mut line = Line::new(Duration::from_millis(1_500), Level::WARN);
+        let mut line = Line::new(&"1970-01-01T01:00:01.500+01:00", Level::WARN);
         line.0.push_str("a\nb");
         let text = line.finish();
-        assert_eq!(text, format!("1.500 {} WARN  a b\n", std::process::id()));
+        assert_eq!(text, format!("1970-01-01T01:00:01.500+01:00 {} WARN  a b\n", std::process::id()));
     }
 }

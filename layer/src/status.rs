@@ -5,14 +5,16 @@
 
 mod decisions;
 mod moment;
+mod quiet;
 mod unseen;
 
-pub use decisions::{all as all_decisions, decided};
+pub use decisions::{Decision, Topic, all as all_decisions, count as decision_count, decided};
 pub use moment::{GateMoment, Moment};
+pub use quiet::Quiet;
 pub use unseen::{Known, why_unseen};
 
 use parafovea_manifest::paths::Environment;
-use parafovea_manifest::status::{EVERY_S, Status, StatusFile};
+use parafovea_manifest::status::{EVERY_S, Settings, Status, StatusFile};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{Builder, sleep};
@@ -28,19 +30,21 @@ struct Shared {
     /// Gone when the session ends.
     file: Mutex<Option<StatusFile>>,
     moment: Mutex<Moment>,
+    settings: Mutex<Arc<Settings>>,
     is_asked: AtomicBool,
 }
 
 impl Telling {
     /// Begins to tell of a session; `known` has what does not change. `None` where there is no place for it, which is logged unless
     /// nobody chose one.
-    pub fn begin(environment: &Environment, known: Status) -> Option<Self> {
+    pub fn begin(environment: &Environment, known: Status, settings: Arc<Settings>) -> Option<Self> {
         let file = StatusFile::new(environment, known.pid)
-            .inspect_err(|error| tracing::warn!("parafovea status will not show this: {error}"))
+            .inspect_err(|error| tracing::warn!("parafovea status will not show this session: {error}"))
             .ok()??;
         let shared = Arc::new(Shared {
             file: Mutex::new(Some(file)),
             moment: Mutex::default(),
+            settings: Mutex::new(settings),
             is_asked: AtomicBool::new(true),
         });
         let theirs = shared.clone();
@@ -55,7 +59,9 @@ impl Telling {
         Builder::new()
             .name("parafovea-tell".to_owned())
             .spawn(tell)
-            .inspect_err(|error| tracing::warn!("parafovea status will not show this: no thread: {error}"))
+            .inspect_err(|error| {
+                tracing::warn!("parafovea status will not show this session: no thread: {error}")
+            })
             .ok()?;
         Some(Self(shared))
     }
@@ -66,7 +72,10 @@ impl Telling {
     }
 
     /// Takes what holds now; in the rare case that the last is being written, it is not taken.
-    pub fn tell(&self, moment: Moment) {
+    pub fn tell(&self, moment: Moment, settings: Arc<Settings>) {
+        if let Ok(mut told) = self.0.settings.try_lock() {
+            *told = settings;
+        }
         if let Ok(mut told) = self.0.moment.try_lock() {
             *told = moment;
             self.0.is_asked.store(false, Ordering::Relaxed);
@@ -87,7 +96,8 @@ impl Shared {
     fn write(&self, status: &mut Status) -> bool {
         let moment = *self.moment.lock().unwrap_or_else(PoisonError::into_inner);
         moment.write_to(status);
-        status.decisions = decisions::all();
+        status.decisions = decisions::all().into_iter().map(|decision| decision.line).collect();
+        status.settings = self.settings.lock().unwrap_or_else(PoisonError::into_inner).as_ref().clone();
         let file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         match &*file {
             // A full or missing file system: whoever looks sees that nothing is told.
@@ -109,9 +119,10 @@ mod tests {
         let environment =
             Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| runtime.path().into()));
         let known = Status { pid: 7, application: "game".to_owned(), ..Status::default() };
-        let telling = Telling::begin(&environment, known).unwrap();
+        let telling = Telling::begin(&environment, known, Arc::default()).unwrap();
         assert!(telling.is_asked());
-        telling.tell(Moment { frames: 5, ..Moment::default() });
+        let settings = Settings { file: "/a.toml".to_owned(), has_error: false };
+        telling.tell(Moment { frames: 5, ..Moment::default() }, Arc::new(settings.clone()));
         assert!(!telling.is_asked());
         let read = || read_all(&environment, SystemTime::now()).unwrap().0;
         let frames = || read().first().map_or(0, |found| found.status.frames);
@@ -119,12 +130,13 @@ mod tests {
             sleep(Duration::from_millis(10));
         }
         assert_eq!(read()[0].status.application, "game");
+        assert_eq!(read()[0].status.settings, settings);
         drop(telling);
         assert_eq!(read(), []);
     }
 
     #[test]
     fn without_a_place_nothing_is_told() {
-        assert!(Telling::begin(&Environment::default(), Status::default()).is_none());
+        assert!(Telling::begin(&Environment::default(), Status::default(), Arc::default()).is_none());
     }
 }

@@ -72,7 +72,7 @@ impl Half {
             "name": self.layer_name(),
             "library_path": library,
             "implementation_version": "1",
-            "description": "Parafovea renders less where the eye does not see it",
+            "description": "Parafovea: foveated rendering for existing OpenXR applications",
         });
         let mut file = match self {
             Self::OpenXr => {
@@ -136,7 +136,7 @@ mod tests {
                     "library_path": "/lib/libparafovea.so",
                     "api_version": "1.0",
                     "implementation_version": "1",
-                    "description": "Parafovea renders less where the eye does not see it",
+                    "description": "Parafovea: foveated rendering for existing OpenXR applications",
                     "functions": {
                         "xrNegotiateLoaderApiLayerInterface": "parafovea_xrNegotiateLoaderApiLayerInterface",
                     },
@@ -159,7 +159,7 @@ mod tests {
                     "library_path": "/lib/libparafovea.so",
                     "api_version": "1.4.0",
                     "implementation_version": "1",
-                    "description": "Parafovea renders less where the eye does not see it",
+                    "description": "Parafovea: foveated rendering for existing OpenXR applications",
                     "functions": {
                         "vkNegotiateLoaderLayerInterfaceVersion":
                             "parafovea_vkNegotiateLoaderLayerInterfaceVersion",

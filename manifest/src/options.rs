@@ -7,6 +7,7 @@ mod file_path;
 mod pass_rules;
 mod periods;
 mod preset;
+mod reference;
 mod setting;
 mod table;
 
@@ -16,6 +17,7 @@ pub use pass_rules::{
     COLOR_FORMATS, ColorFormat, MOST_RULES, PassKind, PassRule, PassRules, PassRulesError, WayUp,
 };
 pub use periods::Periods;
+pub use reference::reference;
 pub use setting::{Allowed, Setting};
 pub use table::OptionSpec;
 
@@ -24,13 +26,13 @@ use preset::presets;
 use table::options;
 
 choice! {
-    /// How much goes to the log.
+    /// Amount of detail in the log.
     LogLevel {
-        /// what failed, and what was turned off because of it
+        /// failures, and the features that they turned off
         Error = "error",
-        /// also what works only in part
+        /// also features that work only in part
         Warn = "warn",
-        /// also what was found and decided
+        /// also findings and decisions
         Info = "info",
         /// also every step, for a bug report
         Debug = "debug",
@@ -38,119 +40,119 @@ choice! {
 }
 
 choice! {
-    /// Where the gaze comes from.
+    /// Source of the gaze.
     GazeSource {
-        /// the eye tracker; without one, colour stays, and rates fall off from straight ahead, widely
+        /// the eye tracker; without one, wide fixed foveation and no chroma attenuation
         Eyes = "eyes",
-        /// straight ahead, always, as if the eyes never moved: for headsets without an eye tracker
+        /// the centre of the view, always: for headsets without an eye tracker
         Centre = "centre",
-        /// what gaze.file says, whatever the eyes do: for tests and demonstrations
+        /// the recording in gaze.file: for tests and demonstrations
         File = "file",
     }
 }
 
 choice! {
-    /// Whether and how shading becomes coarser.
+    /// Model for shading rates.
     RatesMode {
-        /// every pixel is shaded
+        /// full rate everywhere
         Off = "off",
-        /// by the angle from the gaze alone, in rings
+        /// foveation in rings, by the angle from the gaze alone
         Fixed = "fixed",
-        /// by the contrast of the pictures and by what is heard, for which audio.source must be set; in silence as "fixed"
+        /// foveation by the contrast of the picture and by sound; needs audio.source, and is like "fixed" in silence
         AudioVisual = "audio-visual",
-        /// the same as it was published, without any limit on what sound hides: to compare with
+        /// the published audio-visual model without a limit on the effect of sound: for comparison
         Paper = "paper",
     }
 }
 
 choice! {
-    /// What holds while nothing is heard.
+    /// Shading rates in silence.
     SilenceRule {
         /// the rings of mode = "fixed"
         Fixed = "fixed",
-        /// nothing may be lost that is seen
+        /// no visible loss of contrast
         Strict = "strict",
     }
 }
 
 choice! {
-    /// How the application's passes are made to shade more coarsely.
+    /// Backend for shading rates.
     RatesBackend {
-        /// by a rate attachment where the device has such, else by a mask
+        /// a rate attachment if the device supports it, else a mask
         Auto = "auto",
-        /// by a rate attachment (VK_KHR_fragment_shading_rate) or not at all
+        /// a rate attachment (VK_KHR_fragment_shading_rate) or nothing
         Attachment = "attachment",
-        /// by a mask: pixels are skipped, and filled in from those around them
+        /// a mask: skips blocks of pixels and fills them from their neighbours
         Mask = "mask",
-        /// not at all
+        /// no backend: full rate everywhere
         Off = "off",
     }
 }
 
 choice! {
-    /// Whether rates and re-use stay where they do not pay.
+    /// Reaction of rates and re-use to a slowdown.
     RatesGate {
-        /// they are dropped where frames cost more with them, by time spent; tried anew from time to time
+        /// drop the technique that slows frames down, by measured GPU or CPU time; retry from time to time
         Auto = "auto",
-        /// they stay, whatever they cost
+        /// keep both, at any cost
         On = "on",
-        /// none, but everything else is ready for them: to compare with
+        /// drop both, with everything else in place: for comparison
         Off = "off",
     }
 }
 
 choice! {
-    /// How many pixels are shaded at once.
+    /// Pixels for each shader invocation.
     PeripheralRate {
-        /// two
+        /// two pixels per shader invocation
         R2x1 = "2x1",
-        /// four
+        /// four pixels per shader invocation
         R2x2 = "2x2",
-        /// eight
+        /// eight pixels per shader invocation
         R4x2 = "4x2",
-        /// sixteen
+        /// sixteen pixels per shader invocation
         R4x4 = "4x4",
     }
 }
 
 choice! {
-    /// Whether and how the periphery is re-used.
+    /// Temporal re-use of the periphery.
     ReuseMode {
-        /// every frame renders everything
+        /// no re-use
         Off = "off",
-        /// from where it is in earlier frames, as the head turns
+        /// re-use, with reprojection as the head turns
         On = "on",
-        /// as it was published, for comparison: it stays where it is in the picture, and all of a region is rendered at once
+        /// the published method without reprojection, a whole region at a time: for comparison
         Paper = "paper",
     }
 }
 
 choice! {
-    /// Which frames render which directions.
+    /// Order of re-use over frames.
     ReusePhase {
-        /// patches of 15 degrees take turns, so that frames cost the same
+        /// patches of 15 degrees take turns, for even frame times
         Staggered = "staggered",
-        /// all of a region in one frame
+        /// a whole region in one frame
         Aligned = "aligned",
-        /// all of a region in one frame, the right eye half a period later: its delay can be taken for depth
+        /// a whole region in one frame, the right eye half a period later; motion may then look like depth
         AlternateEye = "alternate-eye",
     }
 }
 
 choice! {
-    /// Whether and how colour is removed.
+    /// Chroma attenuation.
     ChromaMode {
-        /// colour is left alone
+        /// no chroma attenuation
         Off = "off",
-        /// the published curves, outside a plateau of full colour; large fields stay visible, and nothing fades suddenly
+        /// the published curves, with a plateau of full colour, visible large fields and slow fades
         Default = "default",
-        /// the published curves as they are, for comparison
+        /// the published curves unchanged: for comparison
         Paper = "paper",
     }
 }
 
 choice! {
-    /// How luma and chroma are split (the standard's number is its name).
+    /// Standard for luma and chroma.
     ChromaMatrix {
         /// ITU-R BT.709, the primaries of sRGB
         Bt709 = "bt709",
@@ -162,172 +164,172 @@ choice! {
 }
 
 choice! {
-    /// What is listened to.
+    /// Source of the sound.
     AudioSource {
-        /// nothing
+        /// none
         Off = "off",
-        /// what the system plays (PulseAudio, PipeWire with pipewire-pulse, ALSA's loop-back card); never a microphone
+        /// the system's output (PulseAudio, PipeWire with pipewire-pulse, ALSA's loop-back card); never a microphone
         System = "system",
-        /// the WAV file that audio.file names, over and over
+        /// the WAV file in audio.file, in a loop
         File = "file",
     }
 }
 
 choice! {
-    /// How the last seconds of sound are summed up.
+    /// Summary of the last seconds of sound.
     AudioMode {
-        /// what allows less: of the last 400 ms and of all of audio.window_s
+        /// the more cautious of the last 400 ms and the whole of audio.window_s
         Default = "default",
-        /// as it was published, over all of audio.window_s, with the gates of BS.1770: to compare with
+        /// the published summary: all of audio.window_s, with the gates of BS.1770: for comparison
         Paper = "paper",
     }
 }
 
 choice! {
-    /// What is drawn over the pictures in the headset, for people to see what is done; see the guide.
+    /// Overlay on the pictures in the headset; see the guide.
     DebugView {
-        /// nothing
+        /// no overlay
         None = "none",
-        /// how coarsely each tile is shaded: green for a half of the pixels, to violet for a sixteenth
+        /// shading rate of each tile: from green for half of the pixels to violet for a sixteenth
         Rates = "rates",
-        /// the angle from the gaze: a line every 10 degrees
+        /// angle from the gaze: a line every 10 degrees
         Eccentricity = "eccentricity",
-        /// how many frames ago each tile was rendered: nothing where it is new, then yellow to red
+        /// age of each tile in frames: clear for new tiles, then yellow to red
         Age = "age",
-        /// a dot where the eyes are taken to look: who sees the picture sees that
+        /// a dot at the gaze, visible to every viewer of the picture
         Gaze = "gaze",
     }
 }
 
 presets! {
-    /// Values that belong together, for what is not set itself.
+    /// Set of values for all options that the file does not set.
     Preset {
-        /// every technique is off
+        /// every technique off
         None = "none" { rates.mode = RatesMode::Off; }
-        /// what few notice: a periphery of a quarter of the shading
+        /// a quarter of the shading in the periphery; few users notice it
         Quality = "quality" { rates.peripheral = PeripheralRate::R2x2; }
-        /// the state of the art: a sixteenth from 27 degrees on
+        /// a sixteenth of the shading from 27 degrees on
         Balanced = "balanced" {}
-        /// noticed at times: a sixteenth from 18 degrees on
+        /// a sixteenth of the shading from 18 degrees on; users notice it at times
         Performance = "performance" {
             rates.transitional_deg = 18.39;
             reuse.periods = Periods::of([1, 1, 2, 3, 3]);
         }
-        /// balanced, and less colour to encode, for pictures that are sent to the headset as video
+        /// balanced with chroma attenuation, for pictures sent to the headset as video
         Streaming = "streaming" { chroma.mode = ChromaMode::Default; }
-        /// balanced as it was published, without what makes it safe: to compare with
+        /// balanced as published, without its safeguards: for comparison
         Paper = "paper" {}
     }
 }
 
 options! {
-    /// What the user can set. `Default` is what holds without any file.
+    /// The user's settings. `Default` holds without any file.
     Config {
-        /// Whether anything is done at all; false leaves the application as it is.
+        /// Master switch; false leaves the application unchanged.
         enabled: bool = true;
-        /// Values that belong together, for what is not set itself.
+        /// Set of values for all options that the file does not set.
         preset: Preset = Preset::Balanced;
     }
 
-    /// What is written down.
+    /// The log file.
     log: Log {
-        /// How much goes to the log file.
+        /// Amount of detail in the log file.
         level: LogLevel = LogLevel::Info;
     }
 
-    /// Where the user looks.
+    /// The gaze of the user.
     gaze: Gaze {
-        /// Where the gaze comes from.
+        /// Source of the gaze.
         source: GazeSource = GazeSource::Eyes;
-        /// For how long the last gaze is kept when the tracker loses the eyes, as in a blink.
+        /// Time for which the last gaze stays in use after the tracker loses the eyes, as in a blink.
         hold_ms: u32 = 500, 0..=500 "milliseconds";
-        /// After how long an application without input of its own is taken to have none, and the eye tracker asked: input that it sets up later would not work; 0: never.
+        /// Delay before the layer attaches the eye tracker in an application without OpenXR input; input that the application sets up later does not work; 0: never attach.
         attach_alone_after_s: u32 = 30, 0..=600 "seconds";
-        /// For source = "file": lines of seconds, degrees to the left and degrees upwards, apart by commas; seconds alone where the eyes are not seen.
+        /// Recording for source = "file": lines of seconds, degrees left and degrees up, separated by commas; seconds alone for lost eyes.
         file: FilePath = FilePath::NONE;
-        /// A new file that the gaze is written to, as gaze.file reads it; without, it is written nowhere.
+        /// New file for a recording of the gaze, in the format of gaze.file; without it, no file holds the gaze.
         record: FilePath = FilePath::NONE;
     }
 
-    /// What the user hears, which stays in the game's process, in memory.
+    /// The sound, which stays in memory, in the application's process.
     audio: Audio {
-        /// What is listened to.
+        /// Source of the sound.
         source: AudioSource = AudioSource::Off;
-        /// The file for audio.source = "file".
+        /// WAV file for audio.source = "file".
         file: FilePath = FilePath::NONE;
-        /// How the last seconds of sound are summed up.
+        /// Summary of the last seconds of sound.
         mode: AudioMode = AudioMode::Default;
-        /// How many seconds those are.
+        /// Length of sound that the summary covers.
         window_s: f32 = 3.0, 0.4..=120.0 "seconds";
-        /// How often loudness and pitch are looked at anew, in steps of 0.1.
+        /// Interval between updates of loudness and pitch, in steps of 0.1.
         interval_s: f32 = 0.1, 0.1..=1.0 "seconds";
-        /// What is less loud counts as this.
+        /// Lower bound of loudness; quieter sound counts as this loud.
         least_lufs: f32 = -35.0, -70.0..=0.0 "LUFS";
-        /// What is louder counts as this.
+        /// Upper bound of loudness; louder sound counts as this loud.
         greatest_lufs: f32 = -10.0, -70.0..=0.0 "LUFS";
     }
 
-    /// Shading, coarser where the eye does not resolve it.
+    /// Shading rates, coarser away from the gaze.
     rates: Rates {
-        /// Whether and how shading becomes coarser.
+        /// Model for shading rates.
         mode: RatesMode = RatesMode::Fixed;
-        /// How the application's passes are made to shade more coarsely.
+        /// Backend for shading rates.
         backend: RatesBackend = RatesBackend::Auto;
-        /// Whether rates and re-use stay in an application that becomes slower with them, each by itself.
+        /// Reaction of rates and re-use, each by itself, to a slowdown of the application.
         gate: RatesGate = RatesGate::Auto;
-        /// Which passes are the scene, where that is not recognised; empty: recognised.
+        /// Rules that name the render passes of the scene; empty: automatic recognition.
         passes: PassRules = PassRules::default();
-        /// Every pixel is shaded up to this angle from the gaze; the tracker's error and the eyes' motion are added.
+        /// Radius of full shading rate around the gaze; the layer adds the tracker's error and the motion of the eyes.
         foveal_deg: f32 = 14.34, 5.0..=110.0 "degrees";
-        /// The angle from the gaze from which on the peripheral rate holds; rates in between fall to it step by step.
+        /// Angle from the gaze at which the peripheral rate begins; rates in between fall step by step.
         transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
-        /// The coarsest rate, in pixels that are shaded at once; a device without it uses the next finer one.
+        /// Coarsest shading rate, in pixels; a device without it uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::R4x4;
-        /// For mode = "audio-visual": how much contrast sound may hide, in multiples of what is just seen; more is noticed by some.
+        /// Greatest contrast loss for mode = "audio-visual", in just noticeable differences; above 1, some users notice it.
         greatest_loss: f32 = 1.0, 0.0..=4.0 "";
-        /// For mode = "audio-visual": what holds while nothing is heard.
+        /// Shading rates in silence for mode = "audio-visual".
         silence: SilenceRule = SilenceRule::Fixed;
-        /// For modes that look at pictures: how bright the headset shows white.
+        /// Luminance of white in the headset, for modes that measure contrast.
         white_cd_m2: f32 = 100.0, 10.0..=10_000.0 "cd/m^2";
     }
 
-    /// The periphery, rendered less often than each frame, and shown from earlier frames in between.
+    /// Temporal re-use: a periphery that is rendered less often, and reprojected in between.
     reuse: Reuse {
-        /// Whether and how the periphery is re-used.
+        /// Temporal re-use of the periphery.
         mode: ReuseMode = ReuseMode::Off;
-        /// Of how many frames one renders each of five regions around the gaze, the innermost first; they end at 6.3, 9.1, 18.1 and 31.1 degrees.
+        /// Frames from one rendering to the next for each of five regions around the gaze, innermost first; they end at 6.3, 9.1, 18.1 and 31.1 degrees.
         periods: Periods = Periods::of([1, 1, 2, 2, 3]);
-        /// Which frames render which directions, for mode = "on".
+        /// Order of re-use over frames, for mode = "on".
         phase: ReusePhase = ReusePhase::Staggered;
-        /// Whether a region may be rendered less than 30 times a second, where flicker is worst; in mode = "paper" it always may.
+        /// Permission to render a region less than 30 times per second, where flicker is worst; always given in mode = "paper".
         below_30_hz: bool = false;
-        /// Whether what is seen to change in the periphery is rendered in each frame, as far as there is room for it; in mode = "paper" it never is.
+        /// Rendering of visible changes in the periphery in every frame, within the saved time; never in mode = "paper".
         refresh: bool = true;
     }
 
-    /// Colour, removed where the eye does not resolve it.
+    /// Chroma attenuation: less colour away from the gaze.
     chroma: Chroma {
-        /// Whether and how colour is removed.
+        /// Chroma attenuation.
         mode: ChromaMode = ChromaMode::Off;
-        /// How fast blue-yellow (Cb) falls off, the Z of its curve: more removes more.
+        /// Fall-off of blue-yellow (Cb), the Z of its curve; higher values remove more colour.
         cb_bound: f32 = 0.70, 0.70..=0.85 "";
-        /// How fast red-green (Cr) falls off, the Z of its curve: more removes less.
+        /// Fall-off of red-green (Cr), the Z of its curve; higher values remove less colour.
         cr_bound: f32 = 0.55, 0.35..=0.55 "";
-        /// Colour is left alone up to this angle from the gaze; not less than the tracker's error.
+        /// Radius of full colour around the gaze; at least the tracker's error.
         plateau_deg: f32 = 6.3, 1.1..=30.0 "degrees";
-        /// The angle from the gaze at which the curves end; in default mode at least 15 degrees beyond the plateau.
+        /// Angle from the gaze at which the curves end; in default mode at least 15 degrees beyond the plateau.
         max_eccentricity_deg: f32 = 55.0, 20.0..=110.0 "degrees";
-        /// The least share of the way from plateau to max_eccentricity_deg over which all colour may go: no hard edge.
+        /// Least width of the colour edge, as a share of the way from plateau_deg to max_eccentricity_deg; higher values are softer.
         rim_fade: f32 = 0.5, 0.25..=1.0 "";
-        /// How much of its full colour a place may lose in a second, once the gaze has left it; it comes back at once.
+        /// Fastest loss of colour after the gaze has left, as a share of full colour; colour returns at once.
         max_change_per_s: f32 = 0.5, 0.1..=100.0 "per second";
-        /// How luma and chroma are split.
+        /// Standard for luma and chroma.
         matrix: ChromaMatrix = ChromaMatrix::Bt709;
     }
 
-    /// Seeing what is done, in the headset.
+    /// Debug views in the headset.
     debug: Debugging {
-        /// What is drawn over the pictures, for people to see what is done; parafovea status --view changes it while a game runs.
+        /// Overlay on the pictures in the headset; `parafovea status --view` changes it in a running application.
         view: DebugView = DebugView::None;
     }
 }

@@ -112,10 +112,7 @@ impl Quirks {
         let allowed = || QUIRKS.map(|quirk| quirk.name).join(", ");
         let unknown = self.unknown.join(", ");
         (!unknown.is_empty()).then(|| {
-            format!(
-                "{QUIRKS_VARIABLE}: {unknown} names no quirk; allowed are {}, each with + or -",
-                allowed()
-            )
+            format!("{QUIRKS_VARIABLE}: unknown quirk {unknown}; allowed: {}, each with + or -", allowed())
         })
     }
 }

@@ -4,9 +4,11 @@
 //! The file is the user's alone (mode 0600, in a folder of mode 0700 below `$XDG_RUNTIME_DIR`). It has no direction of the gaze and
 //! no level of the sound: of both only where they come from, and whether and since when they are there.
 
+mod effect;
 mod folder;
 mod view;
 
+pub use effect::effect;
 pub use folder::{Found, Gone, StatusFile, read_all};
 pub use view::{AskedView, ask_view};
 
@@ -32,6 +34,8 @@ pub struct Status {
     pub application: String,
     /// Why nothing is done in this session; empty where it is active.
     pub inert: String,
+    /// The source of the configuration.
+    pub settings: Settings,
     /// Frames that ended in it.
     pub frames: u64,
     /// Frames a second, Hz; 0: not known.
@@ -57,6 +61,16 @@ pub struct Status {
     pub attenuates_colour: bool,
     /// What is drawn over the pictures for people to see.
     pub debug_view: View,
+}
+
+/// The source of an application's configuration.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Path of the configuration file; empty: no file, and the defaults hold.
+    pub file: String,
+    /// Whether the last version of that file was refused, and the one before it, or the defaults, hold.
+    pub has_error: bool,
 }
 
 /// Where the gaze comes from.

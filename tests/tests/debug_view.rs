@@ -229,7 +229,7 @@ fn parafovea_status_shows_it_in_an_application_that_runs_and_takes_it_away() {
         let before = newest().unwrap();
         let (is_drawn, said) = ask(shown);
         assert!(
-            is_drawn && said.contains("draws \"eccentricity\" over its pictures"),
+            is_drawn && said.contains("\"eccentricity\" is visible in the headset"),
             "{said}\n{}",
             running.log()
         );
@@ -237,14 +237,14 @@ fn parafovea_status_shows_it_in_an_application_that_runs_and_takes_it_away() {
         let with = newest().unwrap() + 2 * EVERY;
         wait_for(with);
         let (is_gone, said) = ask(taken_away);
-        assert!(is_gone && said.contains("nothing is drawn over its pictures"), "{said}\n{}", running.log());
+        assert!(is_gone && said.contains("no overlay"), "{said}\n{}", running.log());
         let after = newest().unwrap() + 2 * EVERY;
         wait_for(after);
         let written = std::fs::read_to_string(running.config_file()).unwrap();
         let outcome = running.quit().unwrap();
         assert_eq!(written, config);
         assert!(
-            outcome.log.contains("parafovea status asks for debug.view = \"eccentricity\""),
+            outcome.log.contains("debug.view = \"eccentricity\", requested by parafovea status"),
             "{}",
             outcome.log
         );
@@ -276,9 +276,9 @@ fn parafovea_status_says_why_a_view_is_not_drawn() {
     };
     wait_until(&running, || ask(&["--once", "--json", "hello_xr"]).1.contains("HelloXR"));
     let (is_drawn, said) = ask(&["--view", "rates"]);
-    assert!(!is_drawn && said.contains("\"rates\" is not drawn: nothing can become coarser here"), "{said}");
+    assert!(!is_drawn && said.contains("\"rates\" is not visible: no backend on this device"), "{said}");
     let (is_drawn, said) = ask(&["--view", "gaze", "another game"]);
-    assert!(!is_drawn && said.contains("No application called another game"), "{said}");
+    assert!(!is_drawn && said.contains("No running application named another game"), "{said}");
 }
 
 fn wait_until(running: &Running, mut is_so: impl FnMut() -> bool) {

@@ -1,6 +1,6 @@
 //! What users get, installed in folders of its own.
 
-use parafovea_dist::{Parts, archive, package};
+use parafovea_dist::{DistError, Parts, TEST_NAMES, archive, package};
 use parafovea_tests::artifacts::{program, system_program};
 use parafovea_tests::installation::{Driver, Halves, Installation};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
@@ -27,6 +27,15 @@ fn run(command: &mut Command) -> Output {
 
 fn said(output: &Output) -> String {
     String::from_utf8_lossy(&[&output.stdout[..], &output.stderr[..]].concat()).into_owned()
+}
+
+/// Tests run builds with debug assertions, which know these names: packing them fails.
+#[test]
+fn a_build_for_tests_is_not_packed() {
+    match parts().check_release() {
+        Err(DistError::ForTests { name: "libparafovea.so", names }) => assert_eq!(names, TEST_NAMES),
+        other => panic!("{other:?}"),
+    }
 }
 
 #[test]

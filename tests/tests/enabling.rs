@@ -94,6 +94,6 @@ fn the_openxr_half_named_explicitly_switches_the_vulkan_half_on() {
     };
     let outcome = run(named);
     assert_attenuated(&outcome);
-    assert!(outcome.log.contains("Vulkan half switched on"), "{}", outcome.log);
+    assert!(outcome.log.contains("Vulkan half enabled"), "{}", outcome.log);
     assert_untouched(&run(|run| named(run).env("DISABLE_PARAFOVEA", "1")));
 }

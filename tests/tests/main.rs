@@ -36,3 +36,4 @@ mod shading_rate;
 mod status;
 mod swapchain_cases;
 mod unseen;
+mod wording;

@@ -1,30 +1,45 @@
-//! What the README says of options, tasks and files is so.
+//! Claims of the README on options and files.
 
-use parafovea_manifest::options::{Config, OPTIONS};
-use std::path::Path;
+use parafovea_manifest::options::{Config, OPTIONS, reference};
+use std::path::{Path, PathBuf};
 
 const README: &str = include_str!("../../README.md");
 
-/// The option table, as the README has to have it.
-fn table() -> String {
-    let defaults = Config::default();
-    let mut table = "| option | default | allowed | meaning |\n|---|---|---|---|\n".to_owned();
-    for option in OPTIONS {
-        let (key, value, allowed) = (option.key(), option.value(&defaults), option.allowed_with_unit());
-        table += &format!("| `{key}` | `{value}` | {allowed} | {} |\n", option.doc);
-    }
-    table
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
 #[test]
-fn has_the_option_table() {
-    let table = table();
-    assert!(README.contains(&table), "the README's option table is not this:\n{table}");
+fn the_page_of_options_is_generated() {
+    let page = std::fs::read_to_string(root().join("manifest/OPTIONS.md")).unwrap();
+    assert!(
+        page == reference(),
+        "manifest/OPTIONS.md is out of date; to write it: parafovea generate options > manifest/OPTIONS.md"
+    );
+}
+
+/// The README's own table is of a few options, which are there, with these defaults.
+#[test]
+fn options_of_the_readme_are_there() {
+    let defaults = Config::default();
+    let rows = README.lines().filter_map(|line| line.strip_prefix("| `")?.split_once("` | `"));
+    let rows: Vec<_> = rows.filter_map(|(key, rest)| Some((key, rest.split_once("` | ")?.0))).collect();
+    assert!(rows.len() >= 8, "{rows:?}");
+    for (key, value) in rows {
+        let option = OPTIONS.iter().find(|option| option.key() == key);
+        let option = option.unwrap_or_else(|| panic!("there is no option {key}"));
+        assert_eq!(option.value(&defaults), value, "{key}");
+    }
+}
+
+#[test]
+fn the_readme_is_short() {
+    assert!(README.lines().count() <= 200, "{} lines", README.lines().count());
 }
 
 #[test]
 fn links_lead_to_files() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let root = root();
     let links = README.split("](").skip(1).filter_map(|rest| rest.split(')').next());
     for link in links.filter(|link| !link.starts_with("https://")) {
         assert!(root.join(link).exists(), "{link} does not exist");

@@ -46,7 +46,7 @@ fn tells_what_it_does(application: &Application) {
     let running = start(application);
     let status = told(&running, |status| status.passes_matched > 0 && status.rates.shaded < 1.0);
     assert_eq!((status.inert.as_str(), status.backend.as_str()), ("", "mask"), "{status:#?}");
-    assert!(is_decided(&status, ": the scene: ") && is_decided(&status, "has a mask"), "{status:#?}");
+    assert!(is_decided(&status, ": the scene: ") && is_decided(&status, ": masked"), "{status:#?}");
     assert!(status.frames > 0 && status.frame_rate_hz > 0.0, "{status:#?}");
     assert!(status.gaze.is_valid && status.gaze.source == "centre", "{status:#?}");
     assert_eq!(status.sound.source, "off");
@@ -66,8 +66,8 @@ fn tells_what_it_does(application: &Application) {
     for expected in [
         &*status.application,
         "backend   mask",
-        "gaze      straight ahead",
-        "saving    on, as the configuration says",
+        "gaze      fixed at the centre of the view",
+        "rates     on, set by rates.gate",
     ] {
         assert!(output.contains(expected), "{expected} in\n{output}");
     }
@@ -105,7 +105,7 @@ fn refreshed(running: &Running) -> String {
     let (mut text, mut frames) = (String::new(), Vec::new());
     for line in BufReader::new(shows.stdout.take().unwrap()).lines() {
         let line = line.unwrap();
-        if let Some((_, count)) = line.strip_suffix(" in all").and_then(|line| line.rsplit_once(", ")) {
+        if let Some((_, count)) = line.strip_suffix(" in total").and_then(|line| line.rsplit_once(", ")) {
             frames.push(count.parse::<u64>().unwrap());
         }
         text += &line;
@@ -147,10 +147,15 @@ fn what_is_saved_is_measured_and_shown_anew_every_second() {
         let has = |line: &str| text.lines().any(|found| found.trim_start().starts_with(line));
         assert!(has(&format!("backend   {backend}")), "{text}");
         assert!(
-            has("saving    on; saves ") || has("saving    dropped, because it does not pay; saves "),
+            ["on", "dropped"]
+                .iter()
+                .any(|state| ["a", "no"].iter().any(|effect| has(&format!("rates     {state}: {effect} ")))),
             "{text}"
         );
-        assert!(text.contains(" matched in the last frame") && text.contains(": the scene: "), "{text}");
+        assert!(
+            text.contains(" with shading rates in the last frame") && text.contains(": the scene: "),
+            "{text}"
+        );
     }
 }
 

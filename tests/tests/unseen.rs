@@ -1,12 +1,12 @@
-//! An application that is active, and of which nothing is seen, says why: once, in its log and its status.
+//! An active application without visible effect says why: once, in its log and its status.
 
 use parafovea_tests::run::{Application, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
-/// More than two seconds.
-const FRAMES: u64 = 200;
+/// Two seconds after the last decision, and more.
+const FRAMES: u64 = 240;
 const NOTHING: &str = "preset = \"none\"\n";
-const LINE: &str = "active, but nothing is to be seen of it";
+const LINE: &str = "active, but without visible effect";
 
 fn log(application: &Application, config: &str) -> Vec<String> {
     let run = Run::new(application, &Scenario::new(FRAMES).sized(128, 128)).on(config);

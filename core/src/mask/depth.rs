@@ -75,13 +75,13 @@ pub struct TemplateDepths {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum NoNearValue {
     /// Beyond what every depth format holds, or not a number.
-    #[error("depth is cleared to {0}, which is not within 0..1")]
+    #[error("depth is cleared to {0}, outside 0..1")]
     Clear(f32),
     /// No direction is known, or both are used, and the clear value is neither the farthest of one nor of the other.
-    #[error("depth is cleared to {0}, and which way its tests go is uncertain")]
+    #[error("depth is cleared to {0}, and the direction of its depth tests is uncertain")]
     Direction(f32),
     /// Depth is cleared to the near value itself: nothing passes anywhere.
-    #[error("depth is cleared to {0}, the nearest value there is")]
+    #[error("depth is cleared to {0}, the nearest possible value")]
     Nearest(f32),
 }
 

@@ -56,7 +56,7 @@ impl Capture {
             // Unwind safety: what is shared is atomic or behind a mutex. A panic is said below, by the hook of whoever
             // has one; sound then is no more, and ages out of the plans.
             if catch_unwind(AssertUnwindSafe(|| run(&shared))).is_err() {
-                shared.news.say("hears nothing any more: internal error".to_owned());
+                shared.news.say("capture ended: internal error".to_owned());
                 shared.stop();
             }
         };

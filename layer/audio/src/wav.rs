@@ -26,7 +26,7 @@ pub enum WavError {
     #[error(transparent)]
     Format(#[from] FormatError),
     /// It has no frame.
-    #[error("it has no samples")]
+    #[error("the file has no samples")]
     Empty,
 }
 

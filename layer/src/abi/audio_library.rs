@@ -14,19 +14,19 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum NotLoaded {
     /// It is not known where this library is.
-    #[error("the folder of this library is not known")]
+    #[error("the folder of this library is unknown")]
     NoFolder,
     /// The system does not load it.
-    #[error("{LIBRARY_NAME} is not loaded: {0}")]
+    #[error("{LIBRARY_NAME} could not be loaded: {0}")]
     Refused(String),
     /// It is another library.
-    #[error("{} is not the library that listens", .0.display())]
+    #[error("{} is not Parafovea's capture library", .0.display())]
     Foreign(PathBuf),
     /// It comes from another version of this library.
-    #[error("{LIBRARY_NAME} speaks version {0}, this library {TABLE_VERSION}")]
+    #[error("{LIBRARY_NAME} has interface version {0}, this library {TABLE_VERSION}")]
     OtherVersion(u32),
     /// It cannot listen.
-    #[error("{LIBRARY_NAME} cannot begin to listen")]
+    #[error("{LIBRARY_NAME} could not start the capture")]
     NotStarted,
 }
 
@@ -95,7 +95,7 @@ fn load(path: &Path) -> Result<CaptureTable, NotLoaded> {
         let library = libc::dlopen(name.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL | libc::RTLD_NODELETE);
         if library.is_null() {
             let reason = libc::dlerror();
-            let reason = if reason.is_null() { c"no reason is given" } else { CStr::from_ptr(reason) };
+            let reason = if reason.is_null() { c"no reason given" } else { CStr::from_ptr(reason) };
             return Err(NotLoaded::Refused(reason.to_string_lossy().into_owned()));
         }
         let get_table = libc::dlsym(library, GET_TABLE_NAME.as_ptr());

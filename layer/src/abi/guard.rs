@@ -96,7 +96,7 @@ fn report(call: &'static str, panic: Box<dyn Any + Send>) {
             .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
             .unwrap_or("no message");
         tracing::error!(
-            "internal error in {call}: {text}; the application goes on without that, please report it with this log"
+            "internal error in {call}: {text}; the application continues without this feature; please report this with the log"
         );
         drop(panic);
     }));

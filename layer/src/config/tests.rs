@@ -1,5 +1,5 @@
 use super::*;
-use parafovea_manifest::status::{StatusFile, ask_view};
+use parafovea_manifest::status::{Settings, StatusFile, ask_view};
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -22,12 +22,15 @@ fn an_edit_applies_after_half_a_second_and_an_error_keeps_what_held() {
     std::fs::write(&file, "[gaze]\nhold_ms = 2000\n").unwrap();
     config.poll(start + LOOK_EVERY);
     assert_eq!(config.get().gaze.hold_ms, 100, "out of range: not taken");
+    let source = |has_error| Settings { file: file.display().to_string(), has_error };
+    assert_eq!(*config.source(), source(true));
 
     std::fs::write(&file, "[gaze]\nhold_ms = 20\n").unwrap();
     config.poll(start + LOOK_EVERY + Duration::from_millis(1));
     assert_eq!(config.get().gaze.hold_ms, 100, "too early to look again");
     config.poll(start + LOOK_EVERY * 2);
     assert_eq!(config.get().gaze.hold_ms, 20);
+    assert_eq!(*config.source(), source(false));
 }
 
 #[test]

@@ -17,10 +17,10 @@ pub enum GpuError {
     #[error("refused: {0}")]
     Invalid(&'static str),
     /// A fence of ours was not signalled in time: the device hangs, or is very busy.
-    #[error("waited too long for work of ours to finish")]
+    #[error("timed out waiting for the layer's own work")]
     Timeout,
     /// The device was given up before, see [`super::Gpu::abandon`].
-    #[error("the device was given up")]
+    #[error("the layer stopped using this device after a failure")]
     Abandoned,
     /// A Vulkan call failed.
     #[error("{call} returned {result:?}")]

@@ -1,5 +1,6 @@
 //! What is heard, while the configuration asks for sound: another library listens, on threads of its own.
 
+#[cfg(debug_assertions)]
 mod heard_file;
 
 use crate::abi::audio_library::Capture;
@@ -19,7 +20,8 @@ const LOOK_EVERY: Duration = Duration::from_millis(100);
 #[derive(Default)]
 pub struct Ears {
     listening: Option<Listening>,
-    /// What was heard last, and its number, to tell what is new.
+    /// The last features and their number, for the file of tests.
+    #[cfg(debug_assertions)]
     last: Option<(Option<AudioFeatures>, u64)>,
 }
 
@@ -60,9 +62,12 @@ impl Ears {
         let listening = self.listening.as_ref()?;
         let record = listening.shared.capture.get().and_then(Capture::features);
         let heard = record.and_then(|record| relied_on(&record, listening.wanted.interval_s));
-        let newest = (heard, record.map_or(0, |record| record.serial));
-        if heard_file::is_wanted() && self.last.replace(newest) != Some(newest) {
-            heard_file::write(heard.as_ref(), record.as_ref());
+        #[cfg(debug_assertions)]
+        {
+            let newest = (heard, record.map_or(0, |record| record.serial));
+            if heard_file::is_wanted() && self.last.replace(newest) != Some(newest) {
+                heard_file::write(heard.as_ref(), record.as_ref());
+            }
         }
         heard
     }
@@ -70,7 +75,10 @@ impl Ears {
     /// Nobody wants to know: listens no more.
     pub fn rest(&mut self) {
         self.listening = None;
-        self.last = None;
+        #[cfg(debug_assertions)]
+        {
+            self.last = None;
+        }
     }
 }
 
@@ -117,7 +125,7 @@ impl Listening {
         match Builder::new().name("parafovea-hear".to_owned()).spawn(run) {
             Ok(_) => Some(Self { wanted, shared }),
             Err(error) => {
-                tracing::warn!("sound: hears nothing: no thread for it: {error}");
+                tracing::warn!("sound: not captured: no thread: {error}");
                 None
             }
         }
@@ -134,7 +142,7 @@ impl Drop for Listening {
 fn listen(wanted: &Wanted, shared: &Shared) {
     let capture = match Capture::start(&wanted.record(), wanted.file.path()) {
         Ok(capture) => shared.capture.get_or_init(|| capture),
-        Err(reason) => return tracing::warn!("sound: hears nothing: {reason}"),
+        Err(reason) => return tracing::warn!("sound: not captured: {reason}"),
     };
     while !shared.is_over.load(Ordering::Relaxed) {
         while let Some(line) = capture.news() {
@@ -142,7 +150,7 @@ fn listen(wanted: &Wanted, shared: &Shared) {
         }
         std::thread::sleep(LOOK_EVERY);
     }
-    tracing::info!("sound: listens no more");
+    tracing::info!("sound: capture ended");
 }
 
 /// What a plan may take of features.

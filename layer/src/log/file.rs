@@ -47,7 +47,7 @@ impl BoundedFile {
             _ if self.full => return,
             _ => {
                 self.full = true;
-                "log full: this process writes nothing more\n"
+                "log full: no further lines from this process\n"
             }
         };
         // A full disk or a revoked file: nobody can be told.

@@ -125,8 +125,8 @@ impl Change {
             columns as usize * rows as usize
         };
         let most: usize = compared(jobs).map(|(_, region)| tiles(region)).sum();
-        let count =
-            u32::try_from(most.next_power_of_two()).map_err(|_| GpuError::Unsupported("so many tiles"))?;
+        let count = u32::try_from(most.next_power_of_two())
+            .map_err(|_| GpuError::Unsupported("this number of tiles"))?;
         let params = UniformRing::new(&self.gpu, (MAX_COMPARED * MAX_AGES) as u32)?;
         let (words, results) = (WordRing::new(&self.gpu, count)?, ResultRing::new(&self.gpu, count)?);
         let set = CompareSet::new(&params, &words, &results)?;

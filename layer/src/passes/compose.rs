@@ -314,7 +314,7 @@ fn check(jobs: &[ComposeJob]) -> Result<(), GpuError> {
 }
 
 fn not_compared(error: GpuError) -> Changing {
-    error.tell("what changes in the periphery is not looked for");
+    error.tell("changes in the periphery are not detected");
     Changing::Never
 }
 

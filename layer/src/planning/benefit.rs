@@ -4,6 +4,7 @@ use crate::inputs::cost::{CpuCost, Late};
 use crate::link::FrameTimeRecord;
 use parafovea_core::gate::{Gate, GateMode, Gates, JudgedFrame, Techniques};
 use parafovea_core::gaze::GazePhase;
+use parafovea_manifest::status::effect;
 
 /// A frame that ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,11 +124,12 @@ impl Benefit {
     }
 }
 
-/// What people should know of a gate that changed its mind.
+/// The log line of a gate that changed its verdict.
 fn news(technique: &str, gate: &Gate) -> Option<String> {
     let (ratio, [low, high]) = gate.evidence().ratio()?;
-    let what = if gate.is_kept() { "taken up again" } else { "dropped" };
-    Some(format!("{technique}: {what}; frames cost {ratio:.2} ({low:.2} to {high:.2}) times as much with it"))
+    let what = if gate.is_kept() { "resumed" } else { "dropped" };
+    let effect = effect([ratio, low, high].map(|ratio| ratio as f32));
+    Some(format!("{technique}: {what}: {effect}"))
 }
 
 #[cfg(test)]
@@ -175,11 +177,11 @@ mod tests {
         let (mut benefit, mut clock) = (judging_rates(), (0, 0));
         let said = run(&mut benefit, &mut clock, 200, 2, 1.3);
         assert_eq!((said.len(), benefit.is_on().rates), (1, false));
-        assert!(said[0].starts_with("shading rates: dropped; frames cost 1.3"), "{}", said[0]);
+        assert!(said[0].starts_with("shading rates: dropped: a slowdown of 3"), "{}", said[0]);
         // A look half a minute later finds more passes, and that they pay.
         let said = run(&mut benefit, &mut clock, 40 * 90, 3, 0.6);
         assert_eq!((said.len(), benefit.is_on().rates), (1, true));
-        assert!(said[0].contains("again; frames cost 0.6"), "{}", said[0]);
+        assert!(said[0].starts_with("shading rates: resumed: a saving of 3"), "{}", said[0]);
     }
 
     /// Without passes to judge, or without costs, rates stay wanted.

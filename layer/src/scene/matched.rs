@@ -68,8 +68,8 @@ impl fmt::Display for How {
         f.write_str(match self {
             Self::Swapchain => "draws into the swapchain",
             Self::Transferred => "is copied, blitted or resolved into the swapchain",
-            Self::Shape => "has the shape of the eye's picture and comes before it",
-            Self::Profile => "the profile says so",
+            Self::Shape => "has the shape of the eye buffer and is drawn before it",
+            Self::Profile => "named by rates.passes",
         })
     }
 }
@@ -122,22 +122,22 @@ impl fmt::Display for Unmatched {
         f.write_str(match self {
             Self::NoColour => "no colour: a shadow map or a depth pre-pass",
             Self::Cube => "a cube map",
-            Self::Level(level) => return write!(f, "into mip level {level}"),
+            Self::Level(level) => return write!(f, "draws into mip level {level}"),
             Self::Flat => "shown in a quad or another flat layer",
-            Self::NotShown => "into a part of a swapchain that no projection layer shows",
+            Self::NotShown => "draws into a part of a swapchain that no projection layer shows",
             Self::Inset => "an inset of quad views",
-            Self::UnknownImage => "nothing is known of its image",
-            Self::Small => "smaller than half of the eye's picture",
-            Self::Large => "larger than twice the eye's picture",
-            Self::Aspect => "another aspect than the eye's picture",
+            Self::UnknownImage => "its image is unknown",
+            Self::Small => "smaller than half of the eye buffer",
+            Self::Large => "larger than twice the eye buffer",
+            Self::Aspect => "another aspect ratio than the eye buffer",
             Self::Layers(layers) => return write!(f, "{layers} array layers"),
             Self::Format(format) => return write!(f, "{format:?} holds no colours"),
-            Self::Viewport => "the picture that is shown fills only a part of the render area",
-            Self::After => "nothing that is shown is drawn after it",
+            Self::Viewport => "the shown picture fills only a part of the render area",
+            Self::After => "nothing visible is drawn after it",
             Self::DrawnDirectly => "the scene is drawn straight into the swapchain",
-            Self::Ambiguous => "images of its shape serve different ends",
-            Self::Unsteady => "the picture's rectangle changes while the render area does not",
-            Self::Excluded => "excluded by the profile",
+            Self::Ambiguous => "images of this shape have different uses",
+            Self::Unsteady => "the shown rectangle changes, but the render area does not",
+            Self::Excluded => "excluded by rates.passes",
             Self::New => "not seen in an earlier frame",
         })
     }

@@ -14,6 +14,7 @@ mod projected;
 mod trace;
 
 use super::{Event, How, ImageDescription, ImageKey, Match, Part, Pass, Shown, Unmatched};
+use crate::status::Topic;
 use cast::{Cast, Shape};
 use listing::Listing;
 use memory::Memory;
@@ -108,7 +109,7 @@ impl Recognition {
     }
 
     /// What is new in the listing of passes: a line for each kind of pass that was not seen before, or was something else.
-    pub fn news(&mut self, tell: impl FnMut(&dyn fmt::Display)) {
+    pub fn news(&mut self, tell: impl FnMut(Topic, &dyn fmt::Display)) {
         if self.frame >= SETTLED {
             self.listing.news(self.cast.last(), tell);
         }

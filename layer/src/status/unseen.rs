@@ -1,12 +1,12 @@
-//! Why nothing is seen of an active session.
+//! Why an active session has no visible effect.
 
-use super::Moment;
+use super::{Decision, Moment, Topic};
 use crate::config::{Config, GazeSource, chroma_settings, wants_maps, wants_reuse};
 use crate::link::BACKEND_NONE;
 use parafovea_core::rate::ShadingRate;
 use parafovea_manifest::options::RatesMode;
 
-/// What is known besides a [`Moment`].
+/// Facts about a session besides a [`Moment`].
 #[derive(Clone, Copy, Debug)]
 pub struct Known<'a> {
     /// Whether any frame had maps of rates.
@@ -15,13 +15,13 @@ pub struct Known<'a> {
     pub has_own_images: bool,
     /// Whether nothing was given up because it failed.
     pub is_healthy: bool,
-    /// What was decided of devices and passes.
-    pub decisions: &'a [String],
+    /// Decisions on devices and passes.
+    pub decisions: &'a [Decision],
 }
 
-/// One line that says why nothing of what the configuration asks for is to be seen; nothing where any of it is.
+/// One line with the reasons why no technique that the configuration enables has a visible effect; `None` if one has.
 pub fn why_unseen(config: &Config, moment: &Moment, known: &Known) -> Option<String> {
-    const HEAD: &str = "active, but nothing is to be seen of it";
+    const HEAD: &str = "active, but without visible effect";
     if !config.enabled {
         return Some(format!("{HEAD}: enabled = false"));
     }
@@ -33,11 +33,11 @@ pub fn why_unseen(config: &Config, moment: &Moment, known: &Known) -> Option<Str
         reasons.push(("re-use", reuse(moment, known)?));
     }
     if chroma_settings(config).is_some() {
-        reasons.push(("colour", colour(config, moment, known)?));
+        reasons.push(("chroma", chroma(config, moment, known)?));
     }
     if reasons.is_empty() {
         return Some(format!(
-            "{HEAD}: the configuration asks for nothing (preset, rates.mode, reuse.mode, chroma.mode)"
+            "{HEAD}: the configuration enables nothing (preset, rates.mode, reuse.mode, chroma.mode)"
         ));
     }
     let reasons: Vec<String> = reasons.iter().map(|(what, why)| format!("{what}: {why}")).collect();
@@ -51,9 +51,7 @@ fn rates(moment: &Moment, known: &Known) -> Option<String> {
         return of_maps;
     }
     if moment.rates.is_dropped() {
-        return Some(
-            "dropped by rates.gate, because they do not pay here, or because it is \"off\"".to_owned(),
-        );
+        return Some(DROPPED.to_owned());
     }
     let is_coarse =
         |(texel, count): (usize, &u32)| *count > 0 && texel != usize::from(ShadingRate::R1X1.texel());
@@ -61,34 +59,42 @@ fn rates(moment: &Moment, known: &Known) -> Option<String> {
         return None;
     }
     Some(match is_blind(moment) {
-        true => "the gaze is not known, and nothing of the view is far enough from its middle".to_owned(),
-        false => "every tile is nearer to the gaze than rates.foveal_deg and the tracker's error".to_owned(),
+        true => "the gaze is unknown, and the whole view is close to its centre".to_owned(),
+        false => "every tile is closer to the gaze than rates.foveal_deg and the tracker's error".to_owned(),
     })
 }
 
 /// Why no pass has a map; nothing where any has.
 fn maps(moment: &Moment, known: &Known) -> Option<String> {
     if moment.backend == BACKEND_NONE {
-        let refused: Vec<&str> =
-            known.decisions.iter().filter(|line| line.starts_with("no ")).map(String::as_str).collect();
+        let refused = known.decisions.iter().filter(|decision| decision.topic == Topic::NoBackend);
+        let refused: Vec<&str> = refused.map(|decision| decision.line.as_str()).collect();
         return Some(match refused.is_empty() {
-            true => "this device has no way to shade coarsely; the log says above why".to_owned(),
-            false => format!("this device has no way to shade coarsely ({})", refused.join(", ")),
+            true => "no backend for shading rates on this device; the reason is above in the log".to_owned(),
+            false => format!("no backend for shading rates on this device ({})", refused.join(", ")),
         });
     }
     if known.had_maps {
         return None;
     }
-    let refused: Vec<&str> =
-        known.decisions.iter().filter(|line| line.contains("has no mask")).map(String::as_str).collect();
-    let is_scene = known.decisions.iter().any(|line| line.contains(": the scene"));
-    Some(match (is_scene, refused.is_empty()) {
-        (true, false) => format!("passes of the scene are left alone ({})", refused.join(", ")),
+    let mut refusals: Vec<&str> = Vec::new();
+    for decision in known.decisions {
+        match &decision.topic {
+            Topic::NoMask(reason) if !refusals.contains(&reason.as_str()) => refusals.push(reason),
+            _ => {}
+        }
+    }
+    let is_recognised = known.decisions.iter().any(|decision| decision.topic == Topic::Scene);
+    Some(match (is_recognised, refusals.is_empty()) {
+        (true, false) => {
+            format!("the scene was recognised; the mask backend left it alone: {}", refusals.join(", "))
+        }
         (true, true) => {
-            "passes of the scene were recognised, and none could have rates; the log says above why"
+            "the scene was recognised, but none of its render passes could get rates; the reason is \
+                         above in the log"
                 .to_owned()
         }
-        (false, _) => "no pass was recognised as the scene; rates.passes can name it".to_owned(),
+        (false, _) => "no render pass was recognised as the scene; rates.passes can name it".to_owned(),
     })
 }
 
@@ -98,9 +104,7 @@ fn reuse(moment: &Moment, known: &Known) -> Option<String> {
         return of_maps;
     }
     if moment.reuse.is_dropped() {
-        return Some(
-            "dropped by rates.gate, because it does not pay here, or because it is \"off\"".to_owned(),
-        );
+        return Some(DROPPED.to_owned());
     }
     if !known.has_own_images {
         return Some(NO_IMAGES.to_owned());
@@ -110,12 +114,12 @@ fn reuse(moment: &Moment, known: &Known) -> Option<String> {
         return None;
     }
     // In most frames nothing is left out where pictures change all the time; that is no fault.
-    is_blind(moment).then(|| "the gaze is not known".to_owned())
+    is_blind(moment).then(|| "the gaze is unknown".to_owned())
 }
 
-fn colour(config: &Config, moment: &Moment, known: &Known) -> Option<String> {
+fn chroma(config: &Config, moment: &Moment, known: &Known) -> Option<String> {
     if !known.is_healthy {
-        return Some("given up after a failure, which the log has above".to_owned());
+        return Some("off after a failure, which is above in the log".to_owned());
     }
     if moment.attenuates_colour && known.has_own_images {
         return None;
@@ -123,14 +127,16 @@ fn colour(config: &Config, moment: &Moment, known: &Known) -> Option<String> {
     Some(match moment.attenuates_colour {
         true => NO_IMAGES.to_owned(),
         false if is_blind(moment) && config.gaze.source != GazeSource::Centre => {
-            "the gaze is not known; gaze.source = \"centre\" goes without an eye tracker".to_owned()
+            "the gaze is unknown; gaze.source = \"centre\" needs no eye tracker".to_owned()
         }
-        false => "it is not faded out yet, or the gaze is not trusted".to_owned(),
+        false => "not faded out yet, or the gaze is unreliable".to_owned(),
     })
 }
 
-const NO_IMAGES: &str = "no swapchain has images of ours: they were made before that was asked for, or cannot have them; start \
-                         the application anew";
+const DROPPED: &str = "dropped by rates.gate: a slowdown here, or rates.gate = \"off\"";
+
+const NO_IMAGES: &str = "no swapchain is virtual: all were created before the technique was enabled, or are not eligible; \
+                         restart the application";
 
 fn is_blind(moment: &Moment) -> bool {
     !moment.gaze_is_valid
@@ -144,6 +150,10 @@ mod tests {
     use parafovea_core::gate::{GateMode, Gates, Techniques};
 
     const NONE: Known = Known { had_maps: true, has_own_images: true, is_healthy: true, decisions: &[] };
+
+    fn decision(topic: Topic, line: &str) -> Decision {
+        Decision { topic, line: line.to_owned() }
+    }
 
     /// Rates that are on, and coarse.
     fn seen() -> Moment {
@@ -162,7 +172,7 @@ mod tests {
 
     fn why(config: &Config, moment: &Moment, known: &Known) -> String {
         let line = why_unseen(config, moment, known).unwrap();
-        assert!(line.starts_with("active, but nothing is to be seen of it"), "{line}");
+        assert!(line.starts_with("active, but without visible effect"), "{line}");
         line
     }
 
@@ -184,19 +194,30 @@ mod tests {
         let config = Config::default();
         let off = Config { enabled: false, ..config };
         assert!(why(&off, &seen(), &NONE).ends_with("enabled = false"));
-        assert!(why(&Config::of_preset(Preset::None), &seen(), &NONE).contains("asks for nothing"));
+        assert!(why(&Config::of_preset(Preset::None), &seen(), &NONE).contains("enables nothing"));
 
-        let decisions = ["no masks either: a queue that can draw and not compute".to_owned()];
+        let decisions = [decision(Topic::NoBackend, "no masks: a queue that can draw and not compute")];
         let device = Moment { backend: BACKEND_NONE, ..seen() };
         let line = why(&config, &device, &Known { decisions: &decisions, ..NONE });
-        assert!(line.contains("shading rates: this device") && line.contains("a queue"), "{line}");
+        assert!(line.contains("shading rates: no backend") && line.contains("a queue"), "{line}");
 
         let unmatched = Known { had_maps: false, ..NONE };
-        assert!(why(&config, &seen(), &unmatched).contains("no pass was recognised"));
-        let decisions =
-            ["pass 8x8: the scene: left eye", "a pass of 8x8 has no mask: it blends"].map(str::to_owned);
-        let refused = Known { decisions: &decisions, ..unmatched };
-        assert!(why(&config, &seen(), &refused).contains("has no mask: it blends"));
+        assert!(why(&config, &seen(), &unmatched).contains("no render pass was recognised"));
+        // Words in a line mean nothing: only topics count.
+        let other = [decision(Topic::OtherPass, "pass 8x8: the scene: left alone by the mask backend")];
+        let line = why(&config, &seen(), &Known { decisions: &other, ..unmatched });
+        assert!(line.contains("no render pass was recognised"), "{line}");
+        let multisampled = || Topic::NoMask("depth is multisampled".to_owned());
+        let decisions = [
+            decision(Topic::Scene, "a"),
+            decision(multisampled(), "b"),
+            decision(multisampled(), "c"),
+            decision(Topic::NoMask("it blends".to_owned()), "d"),
+        ];
+        let line = why(&config, &seen(), &Known { decisions: &decisions, ..unmatched });
+        assert!(line.ends_with("the mask backend left it alone: depth is multisampled, it blends"), "{line}");
+        let line = why(&config, &seen(), &Known { decisions: &decisions[..1], ..unmatched });
+        assert!(line.contains("none of its render passes could get rates"), "{line}");
 
         let gates = Gates::new(Techniques { rates: GateMode::Off, reuse: GateMode::Off });
         let Techniques { rates, reuse } = gates.gates();
@@ -207,7 +228,7 @@ mod tests {
         fine.count(&[0, 0]);
         assert!(why(&config, &fine, &NONE).contains("rates.foveal_deg"));
         fine.gaze_is_valid = false;
-        assert!(why(&config, &fine, &NONE).contains("the gaze is not known"));
+        assert!(why(&config, &fine, &NONE).contains("the gaze is unknown"));
     }
 
     #[test]
@@ -215,10 +236,10 @@ mod tests {
         let mut config = Config::of_preset(Preset::None);
         config.chroma.mode = ChromaMode::Default;
         let blind = Moment { gaze_is_valid: false, ..seen() };
-        assert!(why(&config, &blind, &NONE).contains("colour: the gaze is not known"));
+        assert!(why(&config, &blind, &NONE).contains("chroma: the gaze is unknown"));
         let faded = Moment { attenuates_colour: true, ..seen() };
         let without_images = Known { has_own_images: false, ..NONE };
-        assert!(why(&config, &faded, &without_images).contains("no swapchain has images of ours"));
+        assert!(why(&config, &faded, &without_images).contains("no swapchain is virtual"));
         assert_eq!(why_unseen(&config, &faded, &NONE), None);
     }
 }

@@ -137,7 +137,7 @@ impl Armed {
         let rules = str::from_utf8(passes).map_err(|error| error.to_string());
         match rules.and_then(|rules| rules.parse().map_err(|error: PassRulesError| error.to_string())) {
             Ok(rules) => self.frame.log().set_rules(rules),
-            Err(error) => tracing::warn!("rates.passes changes nothing: {error}"),
+            Err(error) => tracing::warn!("rates.passes ignored: {error}"),
         }
     }
 

@@ -14,7 +14,7 @@ use crate::abi::guard;
 use crate::config::{Arming, device_armed};
 use crate::link::DeviceRecord;
 use crate::registry::Registry;
-use crate::status::decided;
+use crate::status::{Topic, decided};
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -189,7 +189,7 @@ impl Below<'_> {
                     quirks::tell(&enabled.quirks, &self.instance.engine);
                     return (vk::Result::SUCCESS, Some(enabled));
                 }
-                Err(reason) => decided(&format_args!("no rate attachments: {reason}")),
+                Err(reason) => decided(Topic::NoBackend, &format_args!("no rate attachments: {reason}")),
             }
         }
         // SAFETY: as above.
@@ -282,9 +282,9 @@ unsafe fn track(
             (Some(_), _) => "armed",
             (None, false) => "inert",
             (None, true) if is_linked => {
-                "inert: the configuration asks for nothing; an edit takes effect when the application is started again"
+                "inert: the configuration enables nothing; an edit takes effect after a restart of the application"
             }
-            (None, true) => "inert: the Vulkan loader gave no vkSetDeviceLoaderData",
+            (None, true) => "inert: the Vulkan loader offers no vkSetDeviceLoaderData",
         };
         device_armed(if armed.is_some() { arming } else { Arming::Inert });
         if armed.is_some() {

@@ -1,6 +1,10 @@
 //! What the OpenXR half told of a device's frames, and what the application did since the last one ended.
 
 mod log;
+#[cfg(debug_assertions)]
+mod passes_file;
+#[cfg(not(debug_assertions))]
+#[path = "frame/no_passes_file.rs"]
 mod passes_file;
 mod plan;
 mod swapchains;

@@ -89,7 +89,7 @@ impl Perception {
         let Some(tools) = self.tools(armed) else { return };
         let [_, _, width, height] = record.rect;
         if [width, height] != extent {
-            self.tell("the pictures have another size than the plan");
+            self.tell("the eye buffers have another size than planned");
             return self.forget_eye(eye);
         }
         // SAFETY: the caller vouches for the device's queue.
@@ -125,7 +125,7 @@ impl Perception {
         let (_, own_queue) = state.queue?;
         if own_queue != queue {
             drop(state);
-            self.tell("the scene is drawn on another queue than the session's");
+            self.tell("the scene is drawn on a queue other than the session's");
             return None;
         }
         let plan = armed.frame.plan();
@@ -169,7 +169,7 @@ impl Perception {
             words.extend_from_slice(armed.frame.plan().stale()[tiles.eye].words());
             let stale: &[u32] = if words.iter().all(|word| *word == 0) { &[] } else { words };
             if let Err(error) = tools.decide.record(&commands, &tiles.decide, params, stale) {
-                error.tell("rates stay as they are");
+                error.tell("rates stay unchanged");
             }
             kept.push(Arc::clone(tiles) as Arc<dyn Any + Send + Sync>);
         }
@@ -248,7 +248,7 @@ impl Perception {
     /// Logs why rates are not decided, once for each reason.
     fn tell(&self, reason: &'static str) {
         if self.state().logged.replace(reason) != Some(reason) {
-            tracing::info!("rates are rings, whatever the pictures show: {reason}");
+            tracing::info!("rates by eccentricity alone: {reason}");
         }
     }
 
@@ -306,7 +306,7 @@ impl Perception {
                 Some(new)
             }
             Err(error) => {
-                error.tell("rates are rings, whatever the pictures show");
+                error.tell("rates by eccentricity alone");
                 None
             }
         }
@@ -325,7 +325,7 @@ impl Perception {
         match pictures::target(tools, record, texel, tiles) {
             Ok(new) => Some(self.state().pictures.keep(record, tiles, new)),
             Err(error) => {
-                error.tell("a picture is not analysed");
+                error.tell("a picture was not analysed");
                 None
             }
         }

@@ -107,7 +107,7 @@ fn own_properties() -> vk::LayerProperties {
         ..Default::default()
     };
     copy_text(&mut properties.layer_name, LAYER_NAME);
-    copy_text(&mut properties.description, c"Renders less where the eye does not see it");
+    copy_text(&mut properties.description, c"Foveated rendering for existing OpenXR applications");
     properties
 }
 

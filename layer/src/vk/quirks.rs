@@ -1,7 +1,7 @@
 //! The quirks of a device, from the table that `parafovea doctor` prints too.
 
 use super::Enablement;
-use crate::status::decided;
+use crate::status::{Topic, decided};
 use ash::vk;
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::quirks::{Driver, Effect, Quirks};
@@ -31,13 +31,15 @@ pub fn tell(quirks: &Quirks, engine: &str) {
         match quirk.effect {
             Effect::WarnVkd3d if !is_vkd3d(engine) => {}
             Effect::WarnVkd3d => {
-                decided(&format_args!("quirk {}: {}", quirk.name, quirk.source));
+                decided(Topic::Quirk, &format_args!("quirk {}: {}", quirk.name, quirk.source));
                 tracing::warn!(
-                    "with vkd3d-proton on this GPU pictures may flicker ({}); if they do, set rates.backend = \"off\"",
+                    "vkd3d-proton may flicker on this GPU ({}); if it does, set rates.backend = \"off\"",
                     quirk.source
                 );
             }
-            _ => decided(&format_args!("quirk {}: {} ({})", quirk.name, quirk.doc, quirk.source)),
+            _ => {
+                decided(Topic::Quirk, &format_args!("quirk {}: {} ({})", quirk.name, quirk.doc, quirk.source))
+            }
         }
     }
 }

@@ -165,7 +165,9 @@ pub unsafe extern "system" fn attach(
                 return result;
             }
             let own = answer.record(below(info));
-            tracing::info!("no eye gaze: attaching our action set returned {result:?}, without it {own:?}");
+            tracing::info!(
+                "no eye tracker: attaching its action set returned {result:?}, and {own:?} without it"
+            );
             known.actions.attached_without(own);
             own
         },
@@ -217,7 +219,7 @@ pub unsafe extern "system" fn sync(handle: xr::Session, info: *const xr::Actions
             }
             let own = answer.record(below(info));
             if own.into_raw() >= 0 {
-                tracing::warn!("eye gaze is off: xrSyncActions with our action set returned {result:?}");
+                tracing::warn!("eye tracker off: xrSyncActions with its action set returned {result:?}");
                 known.actions.give_up();
             }
             own

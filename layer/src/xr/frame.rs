@@ -124,7 +124,7 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
                 }
                 plan::tell_unseen(known, active, &known.instance.config.get(), info.display_time);
                 if let Some(telling) = known.telling.as_ref().filter(|telling| telling.is_asked()) {
-                    telling.tell(plan::moment(known, active));
+                    telling.tell(plan::moment(known, active), known.instance.config.source());
                 }
             }
         }
@@ -214,12 +214,12 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) -
         // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
         // it gets its image as it is.
         Err(error @ GpuError::Timeout) => {
-            error.tell("frames show earlier pictures while the device is behind");
+            error.tell("earlier pictures are shown until the device catches up");
             works.retain(|work| !work.has_picture());
         }
         Err(error) => {
             error.tell(
-                "frames fail from now on, as no new pictures can be shown; start the application anew, with preset = \"none\" if it comes again",
+                "frames fail from now on, because no new pictures can be shown; restart the application, with preset = \"none\" if this happens again",
             );
             active.worsen_to(Health::Stopped);
             tools.gpu.give_up();
@@ -304,7 +304,7 @@ fn submit(active: &Active, tools: &Tools, works: &mut Works) -> Result<(), GpuEr
         if error == GpuError::Timeout {
             return Err(error);
         }
-        error.tell("re-use, colour and debug views are off for this session");
+        error.tell("re-use, chroma attenuation and debug views are off for this session");
         active.worsen_to(Health::CopyOnly);
         for work in works.iter_mut() {
             work.target.regions.clear();

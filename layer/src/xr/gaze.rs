@@ -134,7 +134,7 @@ fn read(path: &Path) -> Option<GazeScript> {
 
 fn record_to(path: &Path) -> Option<Recording> {
     Recording::create(path)
-        .inspect(|_| tracing::info!("the gaze is recorded, as gaze.record asks for"))
-        .inspect_err(|error| tracing::error!("no recording: gaze.record = {path:?}: {error}"))
+        .inspect(|_| tracing::info!("recording the gaze to the file in gaze.record"))
+        .inspect_err(|error| tracing::error!("no recording of the gaze: gaze.record = {path:?}: {error}"))
         .ok()
 }

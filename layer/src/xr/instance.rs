@@ -161,7 +161,7 @@ unsafe fn create_with_eye_gaze(
             EyeGaze::Unreadable => (below.create(info, handle), GazeExtension::Off),
             EyeGaze::NotThere => {
                 tracing::info!(
-                    "no eye gaze: this runtime has no extension for it; gaze.source = \"centre\" goes without"
+                    "no eye tracker: this runtime does not offer XR_EXT_eye_gaze_interaction; gaze.source = \"centre\" needs none"
                 );
                 (below.create(info, handle), GazeExtension::Off)
             }
@@ -175,7 +175,9 @@ unsafe fn create_with_eye_gaze(
                 if result.into_raw() >= 0 {
                     return (result, GazeExtension::Ours);
                 }
-                tracing::info!("no eye gaze from this runtime: xrCreateInstance returned {result:?}");
+                tracing::info!(
+                    "no eye tracker: xrCreateInstance with XR_EXT_eye_gaze_interaction returned {result:?}"
+                );
                 (below.create(info, handle), GazeExtension::Off)
             }
         }

@@ -17,7 +17,7 @@ use crate::link::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameTimeRecord, SettingsRecord,
 };
 use crate::planning::{Benefit, Clock, EndedFrame, Offer, Planning, ShownView, View, head_of};
-use crate::status::{Known, Moment, all_decisions, decided, why_unseen};
+use crate::status::{Known, Moment, Quiet, Topic, all_decisions, decided, decision_count, why_unseen};
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
@@ -45,8 +45,8 @@ pub struct SessionPlan {
     begun: AtomicI64,
     /// Whether the views of that frame were located since.
     is_located: AtomicBool,
-    /// Display time of the first frame, until it was looked whether anything is seen.
-    first: AtomicI64,
+    /// Since when recognition is quiet.
+    quiet: Mutex<Quiet>,
     has_looked: AtomicBool,
     has_failed: AtomicBool,
 }
@@ -61,7 +61,7 @@ impl Default for SessionPlan {
             awaited: AtomicI64::new(NEVER),
             begun: AtomicI64::new(NEVER),
             is_located: AtomicBool::new(false),
-            first: AtomicI64::new(NEVER),
+            quiet: Mutex::default(),
             has_looked: AtomicBool::new(false),
             has_failed: AtomicBool::new(false),
         }
@@ -213,20 +213,17 @@ pub fn moment(session: &Session, active: &Active) -> Moment {
     moment
 }
 
-/// From the first frame on, nanoseconds, until which something should be seen of what is done: passes are known by then, and rates
-/// have become coarser.
-const SEEN_AFTER_NS: i64 = 2_000_000_000;
-
-/// Says once why nothing is seen of an active session, where that is so after some seconds of frames.
+/// Says once, when recognition has settled, why an active session has no visible effect, if that is so.
 pub fn tell_unseen(session: &Session, active: &Active, config: &Config, time: xr::Time) {
     let state = &active.plan;
     if state.has_looked.load(Ordering::Relaxed) {
         return;
     }
-    let time_ns = time.as_nanos();
-    let first = state.first.compare_exchange(NEVER, time_ns, Ordering::Relaxed, Ordering::Relaxed);
-    let Err(first) = first else { return };
-    if time_ns.saturating_sub(first) < SEEN_AFTER_NS || state.has_looked.swap(true, Ordering::Relaxed) {
+    let has_settled = {
+        let mut quiet = state.quiet.lock().unwrap_or_else(PoisonError::into_inner);
+        quiet.frame(time.as_nanos(), decision_count())
+    };
+    if !has_settled || state.has_looked.swap(true, Ordering::Relaxed) {
         return;
     }
     let known = Known {
@@ -236,7 +233,7 @@ pub fn tell_unseen(session: &Session, active: &Active, config: &Config, time: xr
         decisions: &all_decisions(),
     };
     if let Some(why) = why_unseen(config, &moment(session, active), &known) {
-        decided(&why);
+        decided(Topic::Unseen, &why);
     }
 }
 
@@ -366,7 +363,7 @@ fn plan(session: &Session, active: &Active, time: xr::Time) {
     let mut planning = state.planning();
     let time = time.as_nanos();
     if let Some(reason) = planning.look(&config, look, head, time) {
-        tracing::info!("a gaze that is not believed: {reason}");
+        tracing::info!("a gaze sample was rejected: {reason}");
     }
     planning.listen(heard);
     if planning.plan(&config, can_attenuate, head, time) {

@@ -13,7 +13,9 @@ use super::structures::{VulkanBinding, extending};
 use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
 use crate::abi::{attempt, guard};
-use crate::config::{ChromaMode, Config, Environment, debug_view, executable, wants_contrast, wants_reuse};
+use crate::config::{
+    ChromaMode, Config, Environment, GazeSource, debug_view, executable, wants_contrast, wants_reuse,
+};
 use crate::link::BACKEND_NONE;
 use crate::registry::Registry;
 use crate::status::Telling;
@@ -108,7 +110,7 @@ pub unsafe extern "system" fn create(
     guard("xrCreateSession", below, |answer| {
         // SAFETY: valid usage: `info` is valid, and its chain and the device in it are.
         let device = unsafe { info.as_ref().map(|info| vulkan_device(info)) };
-        let device = device.unwrap_or_else(|| Err("it has no description".to_owned()));
+        let device = device.unwrap_or_else(|| Err("xrCreateSession has no create info".to_owned()));
         let section = device.as_ref().ok().map(VulkanDevice::runtime_section);
         let result = answer.record(below());
         drop(section);
@@ -157,12 +159,8 @@ pub(super) unsafe fn track(
     if let Some(active) = &active {
         active.device.set_active(true);
         active.plan.tell_settings(active, &instance.config.get());
-        match actions.may_have_gaze() {
-            true => tracing::info!("session active, with an eye tracker"),
-            false => tracing::info!(
-                "session active, without an eye tracker: nothing follows the gaze, and rates fall off from straight ahead"
-            ),
-        }
+        let source = instance.config.get().gaze.source;
+        tracing::info!("session active, {}", gaze_of(source, actions.may_have_gaze()));
     }
     let gaze = SessionGaze::default();
     if active.is_some() {
@@ -177,8 +175,18 @@ pub(super) unsafe fn track(
         ..Status::default()
     };
     // Never with elevated rights: then instances are inert.
-    let telling = Telling::begin(&Environment::of_process(false), known);
+    let telling = Telling::begin(&Environment::of_process(false), known, instance.config.source());
     SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, spaces, actions, gaze, telling }));
+}
+
+/// The source of a session's gaze, as the log names it.
+fn gaze_of(source: GazeSource, has_tracker: bool) -> &'static str {
+    match (source, has_tracker) {
+        (GazeSource::Eyes, true) => "with an eye tracker",
+        (GazeSource::Eyes, false) => "without an eye tracker: rates are fixed around the centre of the view",
+        (GazeSource::Centre, _) => "gaze fixed at the centre of the view (gaze.source = \"centre\")",
+        (GazeSource::File, _) => "gaze from a file (gaze.source = \"file\")",
+    }
 }
 
 /// `xrDestroySession`.
@@ -211,5 +219,23 @@ fn end(session: &Session) {
     swapchain::forget_all_of(session.handle);
     if let Some(active) = &session.active {
         active.device.set_active(false);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_missing_eye_tracker_matters_only_where_the_gaze_comes_from_it() {
+        for (source, has_tracker, is_missed) in [
+            (GazeSource::Eyes, false, true),
+            (GazeSource::Eyes, true, false),
+            (GazeSource::File, false, false),
+            (GazeSource::Centre, false, false),
+        ] {
+            let line = gaze_of(source, has_tracker);
+            assert_eq!(line.contains("without an eye tracker"), is_missed, "{source:?}: {line}");
+        }
     }
 }

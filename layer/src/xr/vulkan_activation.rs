@@ -25,7 +25,7 @@ pub fn activate() {
             return;
         }
         let Some(folder) = own_folder().and_then(|folder| manifest_folder(&folder)) else {
-            tracing::info!("the Vulkan half is not switched on: no manifest of it near this library");
+            tracing::info!("the Vulkan half is not enabled: its manifest is not near this library");
             return;
         };
         for (name, value) in settings(variable, &folder) {
@@ -34,7 +34,7 @@ pub fn activate() {
             // only on explicit use, once, while xrCreateInstance runs.
             unsafe { std::env::set_var(name, value) };
         }
-        tracing::info!("Vulkan half switched on in this process, from {}", folder.display());
+        tracing::info!("Vulkan half enabled in this process, from {}", folder.display());
     });
 }
 

@@ -94,7 +94,7 @@ fn a_steady_frame_does_not_allocate() {
             }
         }
         recognition.frame(&log, describe, &shown);
-        recognition.news(|_| {});
+        recognition.news(|_, _| {});
     };
     // Longer than images are remembered that no longer occur.
     (0..300).for_each(&mut frame);

@@ -11,21 +11,21 @@ use std::env;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// What to do with what is found.
+/// Output and repairs.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct Options {
-    /// Put right what can be put right without changing anything that is not Parafovea's
+    /// Repair Parafovea's own files; change nothing else
     #[arg(long)]
     fix: bool,
-    /// Print one JSON object a line: id, severity, found, means, advice, fixable
+    /// Print one JSON object per line: id, severity, found, means, advice, fixable
     #[arg(long)]
     json: bool,
-    /// Print what is as it should be, too
+    /// Print passed checks, too
     #[arg(long, short)]
     verbose: bool,
 }
 
-/// Prints what is found; fails where a problem is left.
+/// Prints the findings; fails if a problem remains.
 pub fn doctor(application: Option<String>, options: Options) -> ExitCode {
     let mut surroundings = Surroundings::new(Path::new("/"), env::vars_os());
     surroundings.shipped = library_beside_this_program();
@@ -62,7 +62,7 @@ pub fn doctor(application: Option<String>, options: Options) -> ExitCode {
     if is_well && !has_failed { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Does what can be done; a line for each step.
+/// Repairs all fixable findings; a line for each step.
 fn fix(findings: &[Finding], surroundings: &Surroundings) -> Vec<Result<String, InstallError>> {
     let mut done = BTreeSet::new();
     let mut lines = Vec::new();
@@ -99,13 +99,13 @@ fn summary(findings: &[Finding]) -> String {
     let is_whole = findings.iter().all(|finding| finding.id != "cannot-check");
     let mut line = match (problems, warnings) {
         (0, 0) if !is_whole => {
-            "Nothing wrong was found, but not everything could be checked: see the notes.".to_owned()
+            "No problem found, but some checks could not run: see the notes.".to_owned()
         }
-        (0, 0) => "All is well: parafovea run -- GAME, or PARAFOVEA=1 %command% in Steam.".to_owned(),
+        (0, 0) => "No problem found. To play: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %command%.".to_owned(),
         _ => format!("{}, {}.", counted(problems, "problem"), counted(warnings, "warning")),
     };
     if fixable > 0 {
-        line += &format!(" parafovea doctor --fix puts {fixable} of them right.");
+        line += &format!(" parafovea doctor --fix can repair {fixable} of them.");
     }
     line + "\n"
 }

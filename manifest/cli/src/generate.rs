@@ -4,7 +4,7 @@ use clap::{Command, ValueEnum};
 use clap_complete::Shell;
 use std::process::ExitCode;
 
-/// What is printed.
+/// Kind of output.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum What {
     /// Completions for bash
@@ -13,8 +13,10 @@ pub enum What {
     Zsh,
     /// Completions for fish
     Fish,
-    /// The manual page, for section 1
+    /// Manual page, for section 1
     Man,
+    /// Reference of all options, in Markdown
+    Options,
 }
 
 /// Prints it.
@@ -24,6 +26,10 @@ pub fn generate(what: What, command: &mut Command) -> ExitCode {
         What::Bash => Shell::Bash,
         What::Zsh => Shell::Zsh,
         What::Fish => Shell::Fish,
+        What::Options => {
+            crate::print(&parafovea_manifest::options::reference());
+            return ExitCode::SUCCESS;
+        }
         What::Man => {
             if let Err(error) = manual(command, &mut text) {
                 eprintln!("parafovea: {error}");

@@ -11,7 +11,7 @@ use std::process::ExitCode;
 enum Failure {
     #[error(transparent)]
     Install(#[from] InstallError),
-    #[error("neither XDG_DATA_HOME nor HOME names an absolute path, so there is no place to install to")]
+    #[error("neither XDG_DATA_HOME nor HOME names an absolute path, so there is no folder to install to")]
     NoHome,
     #[error("{LIBRARY_NAME} is not at {}; name it with --library", list(.0))]
     NoLibrary(Vec<PathBuf>),
@@ -24,22 +24,22 @@ fn list(places: &[PathBuf]) -> String {
 /// Whom it is installed for.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct Scope {
-    /// For all users of this machine, below /usr/local/share, which takes root's rights
+    /// Install for all users, below /usr/local/share; needs root
     #[arg(long)]
     system: bool,
-    /// Only say what would be done
+    /// Print the steps without taking them
     #[arg(long)]
     dry_run: bool,
 }
 
-/// Data files of what was not installed by packages: both loaders look here.
+/// Data files installed without a package: both loaders search this folder.
 const SYSTEM_DATA: &str = "/usr/local/share";
 
 /// Installs `library`, or the one that came with this program.
 pub fn install(library: Option<PathBuf>, scope: Scope) -> ExitCode {
     const NEXT: &str = "\
-installed; nothing changes for any game by that.
-To look whether all is well: parafovea doctor
+installed; games use the layer only on request.
+To check the installation: parafovea doctor
 To play: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %command%
 ";
     finish(["already installed", NEXT], scope.dry_run, || {
@@ -86,7 +86,7 @@ fn finish(
 }
 
 impl Scope {
-    /// Where data files go.
+    /// Folder for data files.
     fn data(self) -> Result<PathBuf, Failure> {
         if self.system {
             return Ok(PathBuf::from(SYSTEM_DATA));

@@ -15,7 +15,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Makes OpenXR applications render less where the eye does not see it.
+/// Foveated rendering for existing OpenXR applications
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
@@ -25,7 +25,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Install the layer, for this user unless --system is given; applications do not use it until asked to
+    /// Install the layer for this user, or for all with --system; applications use it only on request
     Install {
         /// The library to install [default: libparafovea.so beside this program, in ../lib or in ../lib/parafovea]
         #[arg(long, value_name = "FILE")]
@@ -33,7 +33,7 @@ enum Command {
         #[command(flatten)]
         scope: install::Scope,
     },
-    /// Remove what install installed; configuration and logs stay
+    /// Remove the installed layer; configuration and logs stay
     Uninstall {
         #[command(flatten)]
         scope: install::Scope,
@@ -44,30 +44,30 @@ enum Command {
         #[arg(trailing_var_arg = true, required = true, value_name = "COMMAND")]
         command: Vec<OsString>,
     },
-    /// Look for what is wrong with the installation, and say what to do
+    /// Check the installation and suggest fixes
     Doctor {
-        /// Look at this application's configuration: its name for OpenXR, or its program's
+        /// Application to check: its OpenXR application name or its executable's name
         #[arg(value_name = "APPLICATION")]
         application: Option<String>,
         #[command(flatten)]
         options: doctor::Options,
     },
-    /// Fit the model of sound and vision to the scores of a study of your own, and print its coefficients
+    /// Fit the audio-visual model to the scores of a user study, and print its coefficients
     Fit {
         /// Comma-separated text with the columns loudness_lufs (or gamma_ld), frequency_khz (or gamma_fq), gamma_vis and mu
         study: PathBuf,
     },
-    /// Show what the layer does in the applications that run, every second
+    /// Show the layer's state in running applications, every second
     Status {
         #[command(flatten)]
         options: status::Options,
     },
-    /// List, show, change and check the configuration of each application
+    /// List, show, change and check configuration files
     #[command(subcommand)]
     Profile(profile::Command),
-    /// Print a file of shell completions, or the manual page
+    /// Print shell completions or the manual page
     Generate {
-        /// Which
+        /// Kind of output
         what: generate::What,
     },
     /// Check or write configuration files
@@ -77,12 +77,12 @@ enum Command {
 
 #[derive(Subcommand)]
 enum ConfigCommand {
-    /// Say what is wrong with a configuration file
+    /// Check a configuration file
     Validate {
-        /// The file
+        /// Path of the file
         file: PathBuf,
     },
-    /// Print a configuration file with every option, its meaning and its default
+    /// Print a commented configuration file with every option and its default
     Default,
 }
 

@@ -17,59 +17,59 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What to do with profiles.
+/// Tasks on configuration files.
 #[derive(Debug, clap::Subcommand)]
 pub enum Command {
-    /// List the files that there are, for which applications, and whether they are right
+    /// List configuration files, with their applications and errors
     List,
-    /// Show what holds for an application, and where each value comes from
+    /// Show an application's settings and their sources
     Show {
-        /// The application: its name for OpenXR, or its program's; `all` for those without a file of their own
+        /// Application: its OpenXR application name or its executable's name; `all` for applications without a file of their own
         application: String,
-        /// Every option, also those at their defaults
+        /// Show options at their defaults, too
         #[arg(long)]
         effective: bool,
     },
-    /// Set an option in an application's file; comments and all else in it stay
+    /// Set an option in an application's file; comments stay
     Set {
-        /// The application, as for show; `all` for config.toml
+        /// Application, as for show; `all` for config.toml
         application: String,
-        /// The option, as `parafovea config default` lists them: chroma.mode
+        /// Option, such as chroma.mode; `parafovea config default` lists all
         key: String,
-        /// Its value
+        /// Value of the option
         value: String,
     },
-    /// Remove an option from an application's file, so that its preset or default holds
+    /// Remove an option from an application's file; its preset or default then holds
     Unset {
-        /// The application, as for show; `all` for config.toml
+        /// Application, as for show; `all` for config.toml
         application: String,
-        /// The option
+        /// Option to remove
         key: String,
     },
-    /// Make a new file for an application of some kind, with the settings that suit it, each explained
+    /// Write a new, commented file with suitable settings for a kind of application
     New {
-        /// The application, as for show
+        /// Application, as for show
         application: String,
-        /// The kind
+        /// Kind of application
         #[arg(value_parser = clap::builder::PossibleValuesParser::new(kinds::names()))]
         kind: String,
     },
-    /// Say what is wrong with any of the files
+    /// Check all configuration files
     Validate,
 }
 
 /// Why nothing was done.
 #[derive(Debug, thiserror::Error)]
 enum Failure {
-    #[error("neither XDG_CONFIG_HOME nor HOME names an absolute path, so there is no place for profiles")]
+    #[error("neither XDG_CONFIG_HOME nor HOME names an absolute path, so there is no folder for profiles")]
     NoHome,
-    #[error("{0:?} gives no file name")]
+    #[error("{0:?} is not usable as a file name")]
     NoName(String),
     #[error("there is no option {0}; parafovea config default lists all{did_you_mean}", did_you_mean = near(.0))]
     NoOption(String),
     #[error("{}: {}", .0.display(), .1)]
     Read(PathBuf, std::io::Error),
-    #[error("{} is there already; parafovea profile set changes it", .0.display())]
+    #[error("{} exists already; parafovea profile set changes it", .0.display())]
     Exists(PathBuf),
     #[error("{}: {}", .0.display(), .1)]
     Edit(PathBuf, EditError),
@@ -87,7 +87,7 @@ fn near(key: &str) -> String {
     }
 }
 
-/// Does it; prints what was done, or why not.
+/// Runs a task; prints its outcome.
 pub fn profile(command: &Command) -> ExitCode {
     let files = Files::of_process();
     let done = match command {
@@ -128,7 +128,7 @@ fn list(files: &Files) -> Result<String, Failure> {
         let _ = writeln!(text, "{}\n    {}: {state}", file.application, file.path.display());
     }
     if text.is_empty() {
-        text = "no configuration file: the defaults hold for all applications\n".to_owned();
+        text = "no configuration file: defaults for all applications\n".to_owned();
     }
     let _ = writeln!(text, "Kinds, for parafovea profile new: {}", kinds::names().join(", "));
     Ok(text)
@@ -145,19 +145,19 @@ fn show(files: &Files, application: &str, all: bool) -> Result<String, Failure> 
     };
     let mut text = match &file {
         Some(path) => format!("# {application}: {}\n", path.display()),
-        None => format!("# {application}: no file, the defaults hold\n"),
+        None => format!("# {application}: no file, defaults\n"),
     };
     for value in effective(&config, &content) {
         let origin = match value.origin {
             Origin::File => "set in this file".to_owned(),
-            Origin::Preset => format!("of preset {}", value.preset),
+            Origin::Preset => format!("from preset {}", value.preset),
             Origin::Default if !all => continue,
-            Origin::Default => "the default".to_owned(),
+            Origin::Default => "default".to_owned(),
         };
         let _ = writeln!(text, "{} = {}  # {origin}", value.option.key(), value.value);
     }
     if !all {
-        text += "# All else is at its default; --effective shows it.\n";
+        text += "# All other options are at their defaults; --effective lists them.\n";
     }
     Ok(text)
 }
@@ -182,12 +182,12 @@ fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Re
     let mut text = format!("{}: ", path.display());
     text += &match change {
         Change::Set(value) => format!("{key} = {}\n", value.trim()),
-        Change::Unset => format!("{key} is no longer set\n"),
+        Change::Unset => format!("{key} removed\n"),
     };
     if let Some(from) = from {
         let _ = writeln!(
             text,
-            "It is new, and has all that {} has, which {application} no longer looks at.",
+            "This new file begins as a copy of {}, which no longer applies to {application}.",
             from.display()
         );
     }
@@ -222,7 +222,7 @@ fn option(key: &str) -> Result<&'static OptionSpec, Failure> {
     OPTIONS.iter().find(|option| option.key() == key).ok_or_else(|| Failure::NoOption(key.to_owned()))
 }
 
-/// What is in the file, if it is there.
+/// Text of the file, if it exists.
 fn read(path: &Path) -> Result<Option<String>, Failure> {
     match fs::read_to_string(path) {
         Ok(text) => Ok(Some(text)),

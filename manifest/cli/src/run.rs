@@ -20,14 +20,14 @@ pub fn run(command: &[OsString]) -> ExitCode {
     }
     if !is_installed() {
         eprintln!(
-            "parafovea: the layer is not installed where the loaders look, so nothing is done; to install it: parafovea install"
+            "parafovea: the loaders cannot find the layer, so it has no effect; to install it: parafovea install"
         );
     }
     let error = Command::new(program).args(arguments).env(ENABLE_VARIABLE, "1").exec();
     let program = program.to_string_lossy();
     if error.kind() == ErrorKind::NotFound {
         eprintln!(
-            "parafovea: {program} is no program of the PATH; where it lies in a folder, give its whole path"
+            "parafovea: {program}: not found in PATH; give the whole path of a program in another folder"
         );
         return ExitCode::from(127);
     }
@@ -35,7 +35,7 @@ pub fn run(command: &[OsString]) -> ExitCode {
     ExitCode::from(126)
 }
 
-/// Whether a manifest of ours is in any folder of data files. Others, of `VK_ADD_LAYER_PATH` and the like, are the doctor's.
+/// Whether any folder of data files has a manifest of this layer. The doctor checks `VK_ADD_LAYER_PATH` and the like.
 fn is_installed() -> bool {
     let environment = Environment::of_process(false);
     let of_system = env::var_os("XDG_DATA_DIRS").filter(|folders| !folders.is_empty());

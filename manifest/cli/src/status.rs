@@ -14,16 +14,16 @@ use std::time::{Duration, SystemTime};
 /// How it is shown.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Options {
-    /// Only this application: its name for OpenXR, its program's, or the number of its process
+    /// Application to show: its OpenXR application name, its executable's name or its process ID
     #[arg(value_name = "APPLICATION")]
     application: Option<String>,
-    /// Draw this over its pictures until it ends, and say whether that is seen; "settings": what its settings say
+    /// Show this debug view in the headset until the application ends; "settings": the configured one
     #[arg(long, value_name = "VIEW", value_parser = view::parser())]
     view: Option<String>,
-    /// Show it once, instead of every second
+    /// Show the state once, instead of every second
     #[arg(long)]
     once: bool,
-    /// Print one JSON object a line and look, for each application
+    /// Print one JSON object per application and second, each on its own line
     #[arg(long)]
     json: bool,
 }
@@ -36,7 +36,7 @@ pub fn status(options: Options) -> ExitCode {
     let environment = Environment::of_process(false);
     if environment.runtime_dir().is_none() {
         eprintln!(
-            "parafovea: XDG_RUNTIME_DIR is not set: applications have no place where they could tell; a login sets it: call this from the session that you play in"
+            "parafovea: XDG_RUNTIME_DIR is not set, so applications have no folder for their state; run this in your desktop session, which sets it"
         );
         return ExitCode::FAILURE;
     }
@@ -64,7 +64,7 @@ pub fn status(options: Options) -> ExitCode {
     }
 }
 
-/// What is told of `application`, or of all, and how many ended without saying so.
+/// Status of `application`, or of all, and the number of crashed or hanging ones.
 fn read(environment: &Environment, application: Option<&str>) -> io::Result<(Vec<Found>, Gone)> {
     let (mut found, gone) = read_all(environment, SystemTime::now())?;
     let is_it = |Found { status, .. }: &Found| {

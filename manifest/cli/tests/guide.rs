@@ -46,7 +46,7 @@ fn each_command_of_the_guide_works() {
         if command.contains("--view") {
             // With an application that runs, the end-to-end tests do it.
             assert!(
-                complained.contains("No application with Parafovea is running"),
+                complained.contains("No running application has an OpenXR session"),
                 "{command}: {said}{complained}"
             );
             continue;

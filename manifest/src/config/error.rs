@@ -14,7 +14,7 @@ pub enum ConfigError {
     #[error("is not a regular file")]
     NotAFile,
     /// More than [`MAX_BYTES`](super::MAX_BYTES).
-    #[error("is larger than {limit} bytes, the most that is read")]
+    #[error("is larger than the limit of {limit} bytes")]
     TooLarge {
         /// The most that is read.
         limit: u64,

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
     let Some(config) = in_force(surroundings).1 else { return Vec::new() };
     if config.audio.source == AudioSource::Off {
-        return vec![Finding::good("no-sound-wanted", "sound is not listened to (audio.source = \"off\")")];
+        return vec![Finding::good("no-sound-wanted", "sound capture is off (audio.source = \"off\")")];
     }
     [library(surroundings, layers), alsa(surroundings)]
         .into_iter()
@@ -29,8 +29,8 @@ fn library(surroundings: &Surroundings, layers: &Layers) -> Option<Finding> {
     (!is_there).then(|| {
         Finding::problem(
             "no-audio-library",
-            format!("{} is not there, or is no library of Parafovea", path.display()),
-            "Nothing is heard: this library listens.",
+            format!("{} is missing, or not a Parafovea library", path.display()),
+            "Sound cannot be captured without it.",
         )
         .advise("build or unpack it beside libparafovea.so, then: parafovea install")
     })
@@ -41,7 +41,7 @@ fn alsa(surroundings: &Surroundings) -> Option<Finding> {
         Finding::problem(
             "no-alsa",
             "the system has no ALSA library (libasound.so.2)",
-            "The library that listens needs it, and is not loaded without: nothing is heard.",
+            "The capture library needs it, so sound cannot be captured.",
         )
         .advise("install it (Debian, Ubuntu: libasound2)")
     })
@@ -66,8 +66,8 @@ fn server(surroundings: &Surroundings) -> Finding {
     }
     Finding::warning(
         "no-sound-server",
-        format!("there is no PulseAudio, nor PipeWire in its place: no socket {}", socket.display()),
-        "Unless ALSA has a loop-back card, nothing is heard, and sound decides nothing.",
+        format!("no PulseAudio or PipeWire server: no socket {}", socket.display()),
+        "Without an ALSA loop-back card, sound cannot be captured and has no effect.",
     )
     .advise("start it: systemctl --user start pipewire-pulse, or pulseaudio")
 }

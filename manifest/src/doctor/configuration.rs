@@ -11,9 +11,9 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
     let (file, config) = in_force(surroundings);
     let mut findings = Vec::new();
     match &file {
-        None => findings.push(Finding::good("configuration", "no configuration file: the defaults hold")),
+        None => findings.push(Finding::good("configuration", "no configuration file: defaults")),
         Some(file) => {
-            findings.extend(anybody_may_write(file, "what games do by"));
+            findings.extend(anybody_may_write(file, "the configuration of games"));
             if config.is_some() {
                 findings.push(Finding::good("configuration", format!("configuration: {}", file.display())));
             }
@@ -25,7 +25,7 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
                 Finding::problem(
                     "configuration-wrong",
                     line,
-                    "None of that file is used: what held before, or the defaults, hold instead.",
+                    "The whole file is ignored: the previous settings, or the defaults, apply.",
                 )
                 .advise("correct that line; parafovea config default shows every option")
             }));
@@ -69,7 +69,7 @@ fn of_config(config: &Config) -> Vec<Finding> {
             Finding::warning(
                 "turned-off",
                 "the configuration has enabled = false",
-                "Parafovea is loaded, and does nothing.",
+                "Parafovea is loaded, but has no effect.",
             )
             .advise("set enabled = true, or remove that line"),
         );
@@ -86,9 +86,9 @@ fn of_config(config: &Config) -> Vec<Finding> {
                     "file-missing",
                     match file.path() {
                         Some(path) => format!("{key} is {}, which cannot be read", path.display()),
-                        None => format!("{key} names no file, though source = \"file\""),
+                        None => format!("{key} is empty, but source = \"file\""),
                     },
-                    "What it should give is not there, as if there were none.",
+                    "The source has no data.",
                 )
                 .advise(format!("correct {key}")),
             );

@@ -15,9 +15,9 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
             Finding::warning(
                 "in-flatpak",
                 "this command runs in a Flatpak",
-                "It sees, and installs to, what this Flatpak has, and not what games outside of it have.",
+                "It can check and change only this Flatpak, not games outside it.",
             )
-            .advise("run it outside of Flatpak, unless the games run in the same one"),
+            .advise("run it outside Flatpak, unless the games run in the same Flatpak"),
         );
     }
     let flatpak_steam = home.join(".var/app/com.valvesoftware.Steam");
@@ -30,7 +30,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
                 Finding::warning(
                     "flatpak-steam",
                     "Steam is installed as a Flatpak",
-                    "Its games have a home of their own, in which Parafovea is not installed.",
+                    "Its games have their own home folder, where Parafovea is not installed.",
                 )
                 .advise(format!("XDG_DATA_HOME={} parafovea install", data.display())),
             );
@@ -48,9 +48,9 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
                 "steam",
                 "Steam starts games in a container",
                 if is_at_home {
-                    "What is installed in your home is there as it is."
+                    "Layers in your home are available there."
                 } else {
-                    "OpenXR layers of the system are only there where they are asked for."
+                    "OpenXR layers of the system are available there only on request."
                 },
             )
             .advise(format!(

@@ -21,7 +21,7 @@ fn crashes(reason: &str) -> Finding {
     Finding::problem(
         "crashes",
         format!("a program that creates Vulkan devices with the layer fails: {reason}"),
-        "Without the layer it works. Games would end in the same way.",
+        "The same program works without the layer. Games would crash, too.",
     )
     .advise("play without PARAFOVEA=1, and report this with the output of parafovea doctor --json")
 }
@@ -40,9 +40,9 @@ fn of_device(device: &CreatedDevice) -> Finding {
         }
         None => Finding::problem(
             "not-on-device",
-            format!("{name}: the layer is not on a device that was created with it enabled"),
-            "Games get only the other half, which does nothing alone.",
+            format!("{name}: a device was created with the layer enabled, but without the layer on it"),
+            "Games get only the other half, which has no effect alone.",
         )
-        .advise("run with VK_LOADER_DEBUG=layer, which says why; then: parafovea install"),
+        .advise("run with VK_LOADER_DEBUG=layer to see the reason; then: parafovea install"),
     }
 }

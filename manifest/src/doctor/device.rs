@@ -10,7 +10,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
     let probed = &surroundings.probed;
     let mut findings = Vec::new();
     match &probed.layers {
-        Err(reason) => findings.push(unknown("the loaders list", reason)),
+        Err(reason) => findings.push(unknown("layers of the loaders", reason)),
         Ok(listed) => {
             for (half, names) in [(Half::OpenXr, &listed.openxr), (Half::Vulkan, &listed.vulkan)] {
                 let lists = names.as_ref().map(|names| names.iter().any(|name| name == half.layer_name()));
@@ -21,7 +21,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
         }
     }
     match &probed.vulkan {
-        Err(reason) => findings.push(unknown("the GPU can do", reason)),
+        Err(reason) => findings.push(unknown("capabilities of the GPU", reason)),
         Ok(vulkan) if vulkan.devices.is_empty() => findings.push(
             Finding::problem("no-device", "Vulkan finds no device", "Games that use Vulkan do not start.")
                 .advise("install a driver (Debian, Ubuntu: mesa-vulkan-drivers, or that of NVIDIA)"),
@@ -33,13 +33,13 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
             // Of every device, so the first one says it.
             let complaint = vulkan.devices.first().and_then(|device| quirks_of(device, &changes).complaint());
             findings.extend(complaint.map(|complaint| {
-                Finding::warning("unknown-quirk", complaint, "The rest of the variable holds.")
+                Finding::warning("unknown-quirk", complaint, "The rest of the variable applies.")
                     .advise("correct the variable, or unset it")
             }));
         }
     }
     match &probed.openxr {
-        Err(reason) => findings.push(unknown("the OpenXR runtime offers", reason)),
+        Err(reason) => findings.push(unknown("capabilities of the OpenXR runtime", reason)),
         // Without one set, that is what is told.
         Ok(runtime) if !runtime.name.is_empty() || runtime::is_set(surroundings) => {
             findings.extend(of_runtime(runtime));
@@ -50,19 +50,19 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
 }
 
 fn unknown(what: &str, reason: &str) -> Finding {
-    Finding::note("cannot-check", format!("not checked: what {what}: {reason}"), "")
+    Finding::note("cannot-check", format!("not checked: {what}: {reason}"), "")
 }
 
 fn not_listed(half: Half) -> Finding {
     let name = called(half);
     Finding::problem(
         "not-listed",
-        format!("the {name} loader does not list the layer, though its manifest is there"),
-        "Games get only the other half, which does nothing alone.",
+        format!("the {name} loader does not list the layer, although its manifest exists"),
+        "Games get only the other half, which has no effect alone.",
     )
     .advise(match half {
-        Half::OpenXr => "run with XR_LOADER_DEBUG=all, which says why; then: parafovea install",
-        Half::Vulkan => "run with VK_LOADER_DEBUG=layer, which says why; then: parafovea install",
+        Half::OpenXr => "run with XR_LOADER_DEBUG=all to see the reason; then: parafovea install",
+        Half::Vulkan => "run with VK_LOADER_DEBUG=layer to see the reason; then: parafovea install",
     })
 }
 
@@ -76,7 +76,7 @@ fn of_devices(devices: &[Device]) -> Vec<Finding> {
             Finding::warning(
                 "no-gpu",
                 "Vulkan finds no GPU, only a device that renders on the CPU",
-                "Virtual reality is too slow so, with Parafovea or without.",
+                "Virtual reality is too slow on it, with or without Parafovea.",
             )
             .advise(
                 "install the driver of your GPU (Debian, Ubuntu: mesa-vulkan-drivers, or that of NVIDIA)",
@@ -96,10 +96,10 @@ fn of_device(device: &Device) -> Option<Finding> {
         let finding = Finding::warning(
             "no-shading-rates",
             format!("{name} has no shading rates (VK_KHR_fragment_shading_rate with attachments)"),
-            "Parafovea uses a mask instead, which fits fewer games and saves less.",
+            "Parafovea uses a mask instead, which suits fewer games and saves less.",
         )
         .advise(
-            "update the driver; of GPUs, NVIDIA's since RTX 20, AMD's since RX 6000 and Intel's Arc have it",
+            "update the driver; NVIDIA GPUs since RTX 20, AMD GPUs since RX 6000 and Intel Arc support it",
         );
         return (!device.is_cpu).then_some(finding);
     }
@@ -117,7 +117,7 @@ fn of_device(device: &Device) -> Option<Finding> {
         "4x4" => Finding::good("shading-rates", found),
         _ => {
             let means =
-                format!("The periphery is shaded at {coarsest} at the coarsest, whatever is configured.");
+                format!("The periphery is never coarser than {coarsest}, whatever the configuration.");
             Finding::note("shading-rates", found, means)
         }
     })
@@ -152,10 +152,10 @@ fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
         return vec![
             Finding::problem(
                 "runtime-refuses",
-                format!("the OpenXR runtime gives no instance: {}", runtime.failure),
+                format!("the OpenXR runtime creates no instance: {}", runtime.failure),
                 "Games find no headset.",
             )
-            .advise("start the runtime (SteamVR, or the service of WiVRn or Monado), then look again"),
+            .advise("start the runtime (SteamVR, or the service of WiVRn or Monado), then run parafovea doctor again"),
         ];
     }
     let version = runtime.version.map(|part| part.to_string()).join(".");
@@ -164,19 +164,19 @@ fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
         findings.push(
             Finding::problem(
                 "runtime-without-vulkan",
-                format!("{} does not take pictures of Vulkan", runtime.name),
-                "Parafovea works with games that render with Vulkan, Direct3D by way of Proton included.",
+                format!("{} does not support Vulkan", runtime.name),
+                "Parafovea needs games that render with Vulkan, or with Direct3D through Proton.",
             )
-            .advise("use another runtime: SteamVR, WiVRn and Monado all take them"),
+            .advise("use another runtime, such as SteamVR, WiVRn or Monado"),
         );
     }
-    let straight_ahead = "for coarser shading around straight ahead, set gaze.source = \"centre\"";
+    let straight_ahead = "for fixed foveation, set gaze.source = \"centre\"";
     if !has("XR_EXT_eye_gaze_interaction") {
         findings.push(
             Finding::warning(
                 "no-eye-gaze",
                 format!("{} does not offer eye tracking (XR_EXT_eye_gaze_interaction)", runtime.name),
-                "Without it nothing follows your eyes: rates fall off from straight ahead, widely.",
+                "Shading rates are fixed around the centre of the view.",
             )
             .advise(straight_ahead),
         );
@@ -186,24 +186,24 @@ fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
             Finding::warning(
                 "no-eye-tracker",
                 format!("{headset} does not track eyes"),
-                "Without that nothing follows them: rates fall off from straight ahead, widely.",
+                "Shading rates are fixed around the centre of the view.",
             )
             .advise(format!(
-                "turn eye tracking on in the headset and its runtime, if it has it; {straight_ahead}"
+                "turn on eye tracking in the headset and its runtime, if available; {straight_ahead}"
             )),
         );
     } else if let Some(headset) = &runtime.system {
-        findings.push(Finding::good("headset", format!("{headset} is there, and tracks eyes")));
+        findings.push(Finding::good("headset", format!("{headset} is connected and tracks eyes")));
     }
     if runtime.system.is_none() {
-        let reason = if runtime.failure.is_empty() { "it does not say why" } else { &runtime.failure };
+        let reason = if runtime.failure.is_empty() { "no reason given" } else { &runtime.failure };
         findings.push(
             Finding::note(
                 "no-headset",
-                format!("{} has no headset at the moment: {reason}", runtime.name),
-                "Whether it tracks eyes is not known until it is on.",
+                format!("{} has no headset at present: {reason}", runtime.name),
+                "Its eye tracking can be checked only while it is on.",
             )
-            .advise("turn the headset on, then look again"),
+            .advise("turn the headset on, then run parafovea doctor again"),
         );
     }
     findings

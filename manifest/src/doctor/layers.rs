@@ -18,7 +18,7 @@ pub struct Layers {
 
 /// A file that a loader reads.
 pub struct Manifest {
-    /// Where it is.
+    /// Its path.
     pub path: PathBuf,
     /// What it holds.
     pub content: Result<Vec<Layer>, Unusable>,
@@ -160,7 +160,7 @@ fn read(half: Half, path: &Path) -> Result<Vec<Layer>, Unusable> {
     };
     members
         .into_iter()
-        .map(|member| layer(half, member).ok_or_else(|| malformed("it lacks what the loader needs")))
+        .map(|member| layer(half, member).ok_or_else(|| malformed("a required member is missing")))
         .collect()
 }
 

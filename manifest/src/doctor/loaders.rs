@@ -16,12 +16,10 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
         None => Finding::note(
             "no-openxr-loader",
             "the system has no OpenXR loader (libopenxr_loader.so.1)",
-            "Games that bring their own, as most do, need none.",
+            "Most games include their own and do not need it.",
         )
-        .advise("where a game does not start for lack of it, install it (Debian, Ubuntu: libopenxr-loader1)"),
-        Some(path) => {
-            by_version(&path, "OpenXR", OLDEST_OPENXR, "It may leave layers out that it should load.")
-        }
+        .advise("if a game does not start without it, install it (Debian, Ubuntu: libopenxr-loader1)"),
+        Some(path) => by_version(&path, "OpenXR", OLDEST_OPENXR, "It may skip some layers."),
     };
     let vulkan = match surroundings.library("libvulkan.so.1") {
         None => Finding::problem(
@@ -31,7 +29,7 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
         )
         .advise("install it (Debian, Ubuntu: libvulkan1)"),
         Some(path) => {
-            by_version(&path, "Vulkan", OLDEST_VULKAN, "It may not speak with layers as this one answers.")
+            by_version(&path, "Vulkan", OLDEST_VULKAN, "It may not support this layer's interface.")
         }
     };
     vec![openxr, vulkan]
@@ -47,7 +45,7 @@ fn by_version(path: &Path, name: &str, oldest: [u32; 3], effect: &str) -> Findin
         let oldest = oldest.map(|part| part.to_string()).join(".");
         return Finding::problem(
             "old-loader",
-            format!("the {name} loader {} is of version {text}", real.display()),
+            format!("the {name} loader {} has version {text}", real.display()),
             effect,
         )
         .advise(format!("update it to {oldest} or newer"));

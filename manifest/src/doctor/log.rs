@@ -10,7 +10,7 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
             Finding::warning(
                 "no-log",
                 "neither XDG_STATE_HOME nor HOME is set",
-                "There is no place for logs, so nobody can see what the layer decided.",
+                "There is no folder for logs, so the layer's decisions are not recorded.",
             )
             .advise("set HOME"),
         ];
@@ -22,9 +22,9 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
             Finding::warning(
                 "no-log",
                 format!("{} cannot be written to: {error}", folder.display()),
-                "The layer works, but nobody can see what it decided, and why.",
+                "The layer works, but its decisions are not recorded.",
             )
-            .advise(format!("make {} a folder that you may write to", folder.display())),
+            .advise(format!("make {} a writable folder", folder.display())),
         ],
     }
 }

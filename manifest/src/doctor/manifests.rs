@@ -15,7 +15,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
             Finding::problem(
                 "not-installed",
                 "Parafovea is not installed",
-                "Neither the OpenXR loader nor the Vulkan loader knows of it, so games run without it.",
+                "Neither the OpenXR loader nor the Vulkan loader finds it, so games run without it.",
             )
             .advise("parafovea install")
             .fixed_if(surroundings.shipped.is_some(), Fix::Install),
@@ -56,7 +56,7 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
                 "manifest-missing",
                 format!("the {name} half is not installed"),
                 format!(
-                    "No folder in which the {name} loader looks has its manifest, and the other half alone does nothing."
+                    "The {name} loader finds no manifest for it, and the other half has no effect alone."
                 ),
             )
             .advise("parafovea install")
@@ -66,7 +66,7 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
         several => {
             let paths: Vec<_> = several.iter().map(|manifest| manifest.path.display().to_string()).collect();
             let effect = match half {
-                Half::OpenXr => "The OpenXR loader loads each of them, one behind the other.",
+                Half::OpenXr => "The OpenXR loader loads all of them.",
                 Half::Vulkan => "The Vulkan loader takes the first, which may belong to another version.",
             };
             findings.push(
@@ -75,7 +75,7 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
                     format!("the {name} half is installed {} times: {}", paths.len(), paths.join(", ")),
                     effect,
                 )
-                .advise("keep one: parafovea uninstall takes away the one in your home; those of the system, its package"),
+                .advise("keep one: parafovea uninstall removes the one in your home; the package manager removes the system's"),
             );
         }
     }
@@ -95,8 +95,12 @@ fn of_manifest(surroundings: &Surroundings, half: Half, manifest: &Manifest) -> 
         }
         Err(Unusable::Malformed(reason)) => {
             return Some(
-                Finding::problem("manifest-malformed", format!("{path} is no manifest: {reason}"), skipped)
-                    .advise("remove that file, then: parafovea install"),
+                Finding::problem(
+                    "manifest-malformed",
+                    format!("{path} is not a layer manifest: {reason}"),
+                    skipped,
+                )
+                .advise("remove that file, then: parafovea install"),
             );
         }
         Ok(of_file) => of_file.iter().find(|layer| layer.name == half.layer_name()),
@@ -106,7 +110,7 @@ fn of_manifest(surroundings: &Surroundings, half: Half, manifest: &Manifest) -> 
             Finding::problem(
                 "manifest-foreign",
                 format!("{path} is the manifest of another layer"),
-                "It is in the place of Parafovea's, which is not installed over it.",
+                "It has the name of Parafovea's manifest, and the installer does not overwrite it.",
             )
             .advise("move that file away, then: parafovea install"),
         );
@@ -125,15 +129,15 @@ fn of_layer(surroundings: &Surroundings, half: Half, manifest: &Manifest, layer:
     if layer.disable != [DISABLE_VARIABLE] || !matches!(layer.enable.as_slice(), [one] if enabled_by(one)) {
         return Some(Finding::problem(
             "manifest-edited",
-            format!("{path} has other variables than {ENABLE_VARIABLE} and {DISABLE_VARIABLE}"),
-            "The two halves are not turned on and off together, and one alone does nothing; without a variable that turns a layer off, the loaders refuse it.",
+            format!("{path} uses variables other than {ENABLE_VARIABLE} and {DISABLE_VARIABLE}"),
+            "The two halves are not enabled together, and one has no effect alone; loaders refuse a layer without a disabling variable.",
         ));
     }
     let Some(library) = layer.library_at(surroundings, &manifest.path) else {
         return Some(Finding::problem(
             "library-missing",
-            format!("{path} names the library {}, which is not there", layer.library),
-            format!("The {name} loader skips this half, and the other alone does nothing."),
+            format!("{path} names the library {}, which does not exist", layer.library),
+            format!("The {name} loader skips this half, and the other has no effect alone."),
         ));
     };
     let negotiate = layer.negotiate.as_deref().unwrap_or_default();
@@ -141,7 +145,7 @@ fn of_layer(surroundings: &Surroundings, half: Half, manifest: &Manifest, layer:
     if !is_layer || negotiate != half.negotiate() {
         return Some(Finding::problem(
             "library-wrong",
-            format!("{path} names the library {}, which is not that of this layer", library.display()),
+            format!("{path} names the library {}, which is not Parafovea's", library.display()),
             format!("The {name} loader does not find the function {} in it.", half.negotiate()),
         ));
     }
@@ -162,13 +166,13 @@ fn one_library(surroundings: &Surroundings, layers: &Layers) -> Option<Finding> 
         Finding::warning(
             "library-copied",
             found,
-            "These are two copies of one library: it works, but an update of only one would not.",
+            "These are two copies of one library: they work until only one of them is updated.",
         )
     } else {
         Finding::problem(
             "library-differs",
             found,
-            "These are two different builds: where their interfaces differ, they do not meet, and do nothing.",
+            "These are two different builds: with different interfaces, they have no effect.",
         )
     };
     Some(finding.advise("parafovea install").fixed_if(surroundings.shipped.is_some(), Fix::Install))
@@ -183,8 +187,8 @@ fn is_outdated(surroundings: &Surroundings) -> Option<Finding> {
     (is_installed && differs).then(|| {
         Finding::warning(
             "outdated",
-            format!("what is installed is not the same as {}, or what came with it", shipped.display()),
-            "Games use what is installed, not what came with this program.",
+            format!("the installed files differ from {} and its companions", shipped.display()),
+            "Games use the installed files, not those of this program.",
         )
         .advise("parafovea install")
         .fixed_by(Fix::Install)
@@ -208,8 +212,8 @@ pub(super) fn anybody_may_write(path: &Path, used: &str) -> Option<Finding> {
     (mode & 0o002 != 0).then(|| {
         Finding::warning(
             "anybody-may-write",
-            format!("everybody on this machine may change {}", path.display()),
-            format!("It is {used}, so others could change what those do."),
+            format!("every user of this machine can change {}", path.display()),
+            format!("It is {used}, so other users could change their behaviour."),
         )
         .advise(format!("chmod go-w {}", path.display()))
         .fixed_by(Fix::Restrict(path.to_owned()))

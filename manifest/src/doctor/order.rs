@@ -33,7 +33,7 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
             Finding::warning(
                 "rival-layer",
                 format!("the {name} layer {} is enabled too", rival.name),
-                "By its name it also decides how finely pictures are shaded: the two would undo each other's work.",
+                "Its name suggests that it also sets shading rates: the two layers may conflict.",
             )
             .advise(turn_off(rival)),
         );
@@ -50,10 +50,10 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
         findings.push(
             Finding::warning(
                 "layer-order",
-                format!("between game and Parafovea are the OpenXR layers {}", nearer.join(", ")),
-                "What they change of views and pictures on their way to the game, Parafovea does not see: its rates may be off by as much.",
+                format!("OpenXR layers between game and Parafovea: {}", nearer.join(", ")),
+                "Parafovea does not see their changes to views and pictures: its rates may be misplaced.",
             )
-            .advise("if the coarse part is misplaced, turn them off one by one; their manifests are found before Parafovea's, which is in your home"),
+            .advise("if the coarse area is misplaced, turn them off one by one; the loader finds their manifests before Parafovea's, which is in your home"),
         );
     } else if !nearer.is_empty() || !farther.is_empty() {
         let all = [nearer, vec!["Parafovea"], farther].concat().join(", ");

@@ -19,7 +19,7 @@ pub struct Probed {
 impl Default for Probed {
     /// Nobody was asked.
     fn default() -> Self {
-        let nobody = || "nobody was asked".to_owned();
+        let nobody = || "not probed".to_owned();
         Self { layers: Err(nobody()), vulkan: Err(nobody()), created: Err(nobody()), openxr: Err(nobody()) }
     }
 }

@@ -12,8 +12,8 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
         Some(path) => of_manifest(surroundings, &path),
         None => Finding::problem(
             "no-runtime",
-            "no OpenXR runtime is set",
-            "Games find no headset: no file active_runtime.json is where the OpenXR loader looks.",
+            "no active OpenXR runtime",
+            "Games find no headset: the OpenXR loader finds no active_runtime.json.",
         )
         .advise(
             "make one the active runtime: in SteamVR under Settings, OpenXR; WiVRn and Monado do so when they start, \
@@ -59,7 +59,7 @@ fn of_manifest(surroundings: &Surroundings, path: &Path) -> Finding {
         return wrong("is not JSON".to_owned());
     };
     let Some(library) = file["runtime"]["library_path"].as_str() else {
-        return wrong("names no library of a runtime".to_owned());
+        return wrong("names no runtime library".to_owned());
     };
     let real = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let is_there = match library.contains('/') {
@@ -67,7 +67,7 @@ fn of_manifest(surroundings: &Surroundings, path: &Path) -> Finding {
         false => surroundings.library(library).is_some(),
     };
     if !is_there {
-        return wrong(format!("names the library {library}, which is not there"));
+        return wrong(format!("names the library {library}, which does not exist"));
     }
     let name = file["runtime"]["name"].as_str().unwrap_or_default();
     Finding::good("runtime", format!("OpenXR runtime: {} ({shown})", kind(name, library)))

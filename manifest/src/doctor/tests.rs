@@ -140,7 +140,7 @@ fn a_healthy_machine_has_nothing_to_do() {
         "OpenXR runtime: Monado ",
         "A GPU has shading rates up to 4x4, in tiles of 8 to 16 pixels, a layer for each eye, with up to 4 samples a pixel",
         "A GPU: a device was created with the layer",
-        "A headset is there, and tracks eyes",
+        "A headset is connected and tracks eyes",
         "configuration: ",
         "logs: ",
     ] {

@@ -19,9 +19,11 @@ fn disabled(surroundings: &Surroundings) -> Option<Finding> {
         Finding::problem(
             "disabled",
             format!("the variable {DISABLE_VARIABLE} is set"),
-            "It turns the layer off in everything that is started from here, whatever else is set.",
+            "It turns the layer off in all programs started from here, whatever else is set.",
         )
-        .advise(format!("unset {DISABLE_VARIABLE}, and look where it is set: a start-up file of the shell, or of the session")),
+        .advise(format!(
+            "unset {DISABLE_VARIABLE}; look for it in the start-up files of the shell and the desktop session"
+        )),
     )
 }
 
@@ -31,7 +33,7 @@ fn half_enabled(surroundings: &Surroundings) -> Option<Finding> {
         Finding::problem(
             "half-enabled",
             format!("{ENABLE_VARIABLE} is {:?}, and not 1", value.to_string_lossy()),
-            "The OpenXR loader only asks whether it is set, the Vulkan loader whether it is 1: only one half is loaded, and does nothing alone.",
+            "The OpenXR loader checks only that it is set, the Vulkan loader that it is 1: only one half is loaded, and has no effect alone.",
         )
         .advise(format!("{ENABLE_VARIABLE}=1 turns it on; to turn it off, unset it")),
     )
@@ -50,8 +52,8 @@ fn filtered(surroundings: &Surroundings) -> Option<Finding> {
     Some(
         Finding::problem(
             "filtered",
-            format!("VK_LOADER_LAYERS_DISABLE has {by:?}, which this layer matches"),
-            "The Vulkan loader leaves the Vulkan half out, and the OpenXR half alone does nothing.",
+            format!("VK_LOADER_LAYERS_DISABLE contains {by:?}, which matches this layer"),
+            "The Vulkan loader skips the Vulkan half, and the OpenXR half has no effect alone.",
         )
         .advise(format!(
             "take it out of that variable, or set VK_LOADER_LAYERS_ALLOW={}",
@@ -83,7 +85,7 @@ fn other_folders(surroundings: &Surroundings) -> Option<Finding> {
         Finding::warning(
             "other-folders",
             format!("VK_IMPLICIT_LAYER_PATH is {:?}", folders.to_string_lossy()),
-            "Vulkan loaders that know this variable look nowhere else for implicit layers.",
+            "Newer Vulkan loaders then search no other folder for implicit layers.",
         )
         .advise("use VK_ADD_IMPLICIT_LAYER_PATH, which adds to the usual folders"),
     )
@@ -99,8 +101,8 @@ fn relative_homes(surroundings: &Surroundings) -> Option<Finding> {
     Some(
         Finding::problem(
             "relative-home",
-            format!("{name} is no absolute path"),
-            "Loaders and Parafovea look in different places then, depending on the folder that a game is started in.",
+            format!("{name} is not an absolute path"),
+            "Loaders and Parafovea then search different folders, depending on the working directory.",
         )
         .advise(format!("make {name} an absolute path, or unset it")),
     )

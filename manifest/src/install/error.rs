@@ -15,13 +15,13 @@ pub enum InstallError {
         source: io::Error,
     },
     /// The file to install is something else.
-    #[error("{}: is not the library of Parafovea", .0.display())]
+    #[error("{}: not a Parafovea library", .0.display())]
     NotTheLayer(PathBuf),
     /// In our place is something that this program did not write. It is left alone.
-    #[error("{}: was not installed by Parafovea and is left alone; move it away first", .0.display())]
+    #[error("{}: not installed by Parafovea, and left alone; move it away first", .0.display())]
     NotOurs(PathBuf),
     /// A manifest is text and cannot name this path.
-    #[error("{}: the path is not UTF-8, which a manifest must be", .0.display())]
+    #[error("{}: the path is not UTF-8, as manifests require", .0.display())]
     NotText(PathBuf),
 }
 

@@ -76,7 +76,7 @@ impl fmt::Display for Step {
             Self::Copy { from, to } => write!(f, "copy {} to {}", from.display(), to.display()),
             Self::Write { path, .. } => write!(f, "write {}", path.display()),
             Self::Remove { path, .. } => write!(f, "remove {}", path.display()),
-            Self::Restrict(path) => write!(f, "let only the owner write to {}", path.display()),
+            Self::Restrict(path) => write!(f, "restrict write permission to the owner: {}", path.display()),
         }
     }
 }

@@ -243,7 +243,7 @@ fn only_the_layer_is_installed() {
     for content in ["", "text", "\u{7f}ELF but of something else"] {
         fs::write(machine.built(), content).unwrap();
         let message = plan_install(&machine.data(), &machine.built()).unwrap_err().to_string();
-        assert_eq!(message, format!("{}: is not the library of Parafovea", machine.built().display()));
+        assert_eq!(message, format!("{}: not a Parafovea library", machine.built().display()));
     }
     assert!(!machine.data().exists());
 }

@@ -84,18 +84,18 @@ pub enum PassRulesError {
     Kind(String),
     /// A word that is none of what may follow.
     #[error(
-        "\"{0}\": allowed are a colour format (such as R16G16B16A16_SFLOAT), a size (1440x1600), a number from 1 (#1), \
+        "\"{0}\": allowed: a colour format (such as R16G16B16A16_SFLOAT), a size (1440x1600), a number from 1 (#1), \
          upright, flipped"
     )]
     Word(String),
     /// Something that is there twice.
-    #[error("\"{0}\": there is one already in this rule")]
+    #[error("\"{0}\": a second value of this kind in one rule")]
     Twice(String),
     /// A rule that would fit every pass.
     #[error("\"{0}\": a rule needs a colour format, a size or a number")]
     Everything(String),
     /// Too many.
-    #[error("at most {MOST_RULES} rules")]
+    #[error("too many rules; allowed: at most {MOST_RULES}")]
     Many,
 }
 

@@ -34,8 +34,8 @@ const RDNA2_AND_LATER: &[&str] = &[
 pub const QUIRKS: [Quirk; 4] = [
     Quirk {
         name: "attach-only-matched",
-        doc: "each begin of a pass with a rate attachment costs a dispatch and two flushes, so in dynamic rendering \
-              only recognised passes get one",
+        doc: "rate attachments in dynamic rendering for recognised render passes only, because each use costs a dispatch \
+              and two flushes",
         driver: RADV,
         devices: RDNA2,
         fixed_in: None,
@@ -44,8 +44,8 @@ pub const QUIRKS: [Quirk; 4] = [
     },
     Quirk {
         name: "first-layer-only",
-        doc: "only array slice 0 of a rate image reaches the depth buffer's metadata, so attachments have one layer, \
-              and eyes of one pass share the finer rates",
+        doc: "rate attachments with one layer, and the finer rates of both eyes in multiview, because the driver uses array \
+              slice 0 alone",
         driver: RADV,
         devices: RDNA2,
         fixed_in: None,
@@ -54,7 +54,7 @@ pub const QUIRKS: [Quirk; 4] = [
     },
     Quirk {
         name: "four-samples",
-        doc: "rates with 8 samples are offered, which later versions took back, so they hold up to 4",
+        doc: "shading rates with up to 4 samples per pixel, because later drivers no longer offer 8",
         driver: RADV,
         devices: RDNA2_AND_LATER,
         // The first version that was seen without it; which one between 25.0.7 and this changed it is not known.
@@ -64,7 +64,7 @@ pub const QUIRKS: [Quirk; 4] = [
     },
     Quirk {
         name: "vkd3d-flicker",
-        doc: "Direct3D 12 games may flicker, so the log warns where vkd3d-proton runs",
+        doc: "a warning in the log for vkd3d-proton, because Direct3D 12 games may flicker",
         driver: RADV,
         devices: RDNA2_AND_LATER,
         fixed_in: None,

@@ -94,7 +94,7 @@ pub const NEEDS: [Need; 18] = [
     },
     Need {
         what: "the Vulkan loader",
-        without: "nothing can be rendered: demo, benches and end-to-end tests fail",
+        without: "demo, benches and end-to-end tests fail",
         proof: Proof::Library("libvulkan.so.1"),
         for_demo: true,
         packages: ["libvulkan1", "vulkan-loader", "vulkan-icd-loader"],
@@ -108,7 +108,7 @@ pub const NEEDS: [Need; 18] = [
     },
     Need {
         what: "the OpenXR loader",
-        without: "nothing can be rendered: demo, benches and end-to-end tests fail",
+        without: "demo, benches and end-to-end tests fail",
         proof: Proof::Library("libopenxr_loader.so.1"),
         for_demo: true,
         packages: ["libopenxr-loader1", "openxr-libs", "openxr"],
@@ -128,8 +128,8 @@ pub const NEEDS: [Need; 18] = [
         packages: ["openxr-layer-corevalidation", "openxr", "openxr"],
     },
     Need {
-        what: "strace, to see what is written",
-        without: "the test that the gaze is written nowhere is skipped",
+        what: "strace, to list written files",
+        without: "the test that no file holds the gaze is skipped",
         proof: Proof::Program("strace"),
         for_demo: false,
         packages: ["strace", "strace", "strace"],
@@ -185,35 +185,35 @@ pub const NEEDS: [Need; 18] = [
     },
     Need {
         what: "PulseAudio's server, which needs no sound card",
-        without: "tests that listen fail",
+        without: "tests of sound capture fail",
         proof: Proof::Program("pulseaudio"),
         for_demo: false,
         packages: ["pulseaudio", "pulseaudio", "pulseaudio"],
     },
     Need {
         what: "PipeWire's server for PulseAudio's protocol",
-        without: "the test that listens to PipeWire fails",
+        without: "the test with PipeWire fails",
         proof: Proof::Program("pipewire-pulse"),
         for_demo: false,
         packages: ["pipewire-pulse", "pipewire-pulseaudio", "pipewire-pulse"],
     },
     Need {
-        what: "the manager of PipeWire's sessions",
-        without: "the test that listens to PipeWire fails",
+        what: "PipeWire's session manager",
+        without: "the test with PipeWire fails",
         proof: Proof::Program("wireplumber"),
         for_demo: false,
         packages: ["wireplumber", "wireplumber", "wireplumber"],
     },
     Need {
-        what: "a message bus, which that needs",
-        without: "the test that listens to PipeWire fails",
+        what: "a message bus, for the session manager",
+        without: "the test with PipeWire fails",
         proof: Proof::Program("dbus-daemon"),
         for_demo: false,
         packages: ["dbus", "dbus-daemon", "dbus"],
     },
 ];
 
-const NO_AUDIO: &str = "the library that listens is not built, and nothing is heard";
+const NO_AUDIO: &str = "the capture library is not built: no sound capture";
 
 const ALSA_HEADERS: Proof = Proof::Header("alsa/asoundlib.h");
 

@@ -143,7 +143,7 @@ fn report(missing: &[&Need], manager: Option<Manager>) -> Result<(), String> {
     if missing.is_empty() {
         return Ok(());
     }
-    eprintln!("cargo dev: missing on this machine, going on without:");
+    eprintln!("cargo dev: missing on this machine, continuing without:");
     for need in missing {
         eprintln!("  {}: without it {}", need.what, need.without);
     }

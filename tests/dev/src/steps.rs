@@ -46,6 +46,6 @@ impl Steps {
             eprintln!("  {:>7.1} s  {name}", time.as_secs_f64());
         }
         let total: Duration = self.done.iter().map(|(_, time)| *time).sum();
-        eprintln!("  {:>7.1} s  in all", total.as_secs_f64());
+        eprintln!("  {:>7.1} s  in total", total.as_secs_f64());
     }
 }

@@ -167,7 +167,7 @@ pub fn bench(arguments: &[String]) -> Result<(), String> {
         return compare(rest);
     }
     let Some((name, package)) = BENCHES.into_iter().find(|(known, _)| known == name) else {
-        return Err(format!("there is no bench `{name}`; there is: {}", bench_names()));
+        return Err(format!("no bench `{name}`; benches: {}", bench_names()));
     };
     setup(Voice::Implied)?;
     let mut steps = Steps::default();

@@ -84,10 +84,10 @@ fn control(parts: &Parts, files: &[Entry]) -> String {
          Suggests: libopenxr-loader1\n\
          Section: graphics\n\
          Priority: optional\n\
-         Description: makes OpenXR games cheaper to render\n \
-         An OpenXR API layer joined with a Vulkan layer, which follows the eyes and lets\n \
-         games shade coarsely what they do not resolve. Games have it only where they\n \
-         are started with it: parafovea run -- GAME.\n",
+         Description: foveated rendering for existing OpenXR games\n \
+         An OpenXR API layer and a Vulkan layer in one library: it follows the eyes and\n \
+         lowers the shading rate in the periphery. Games use it only on request:\n \
+         parafovea run -- GAME.\n",
         architecture()
     )
 }

@@ -7,11 +7,13 @@ mod archive;
 mod deb;
 mod glibc;
 mod parts;
+mod test_names;
 
 pub use archive::archive;
 pub use deb::{architecture as debian_architecture, package};
 pub use glibc::{NEWEST_GLIBC, newest_glibc};
 pub use parts::{Entry, Parts};
+pub use test_names::{TEST_NAMES, test_names};
 
 use std::path::{Path, PathBuf};
 
@@ -38,12 +40,20 @@ pub enum DistError {
         output: String,
     },
     /// It was linked with a newer C library than most systems have.
-    #[error("{} needs GLIBC_{}.{}, and shall need no more than GLIBC_{}.{}", .path.display(), .needs[0], .needs[1], NEWEST_GLIBC[0], NEWEST_GLIBC[1])]
+    #[error("{} needs GLIBC_{}.{}; allowed: at most GLIBC_{}.{}", .path.display(), .needs[0], .needs[1], NEWEST_GLIBC[0], NEWEST_GLIBC[1])]
     TooNew {
         /// The file.
         path: PathBuf,
         /// Major and minor version.
         needs: [u32; 2],
+    },
+    /// It knows variables for tests.
+    #[error("{name} is a build for tests: it knows {}", .names.join(", "))]
+    ForTests {
+        /// The program or library.
+        name: &'static str,
+        /// The variables.
+        names: Vec<&'static str>,
     },
 }
 

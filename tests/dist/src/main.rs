@@ -22,9 +22,10 @@ fn main() -> ExitCode {
 
 fn dist(built: &Path, repository: &Path, out: &Path) -> Result<(), DistError> {
     let parts = Parts::collect(built, repository)?;
+    parts.check_release()?;
     let [major, minor] = parts.glibc;
     let [newest_major, newest_minor] = NEWEST_GLIBC;
-    println!("needs GLIBC_{major}.{minor}; allowed is up to GLIBC_{newest_major}.{newest_minor}");
+    println!("needs GLIBC_{major}.{minor}; allowed: at most GLIBC_{newest_major}.{newest_minor}");
     fs::create_dir_all(out).map_err(|source| DistError::File { path: out.to_owned(), source })?;
     let arch = env::consts::ARCH;
     write(&out.join(format!("parafovea-{VERSION}-{arch}.tar.gz")), archive(&parts))?;

@@ -1,6 +1,6 @@
 //! What is packed.
 
-use crate::{DistError, NEWEST_GLIBC, newest_glibc};
+use crate::{DistError, NEWEST_GLIBC, newest_glibc, test_names};
 use parafovea_manifest::install::{AUDIO_LIBRARY_NAME, LIBRARY_NAME};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -45,9 +45,10 @@ pub struct Parts {
 /// What [`Parts::generated`] has.
 const GENERATED: [&str; 4] = ["bash", "zsh", "fish", "man"];
 
-/// The guide, how it works, and the pictures in that.
-const GUIDE: [&str; 6] = [
+/// The guide, the options, how it works, and the pictures in that.
+const GUIDE: [&str; 7] = [
     "GUIDE.md",
+    "OPTIONS.md",
     "HOW-IT-WORKS.md",
     "pictures/age.png",
     "pictures/eccentricity.png",
@@ -95,6 +96,22 @@ impl Parts {
             parts.glibc = parts.glibc.max(needs);
         }
         Ok(parts)
+    }
+
+    /// Checks that no program or library is a build for tests.
+    ///
+    /// # Errors
+    /// [`DistError::ForTests`].
+    pub fn check_release(&self) -> Result<(), DistError> {
+        let programs = [("parafovea", &self.command), ("parafovea-probe", &self.probe)];
+        let libraries = self.libraries.iter().map(|(name, bytes)| (*name, bytes));
+        for (name, bytes) in programs.into_iter().chain(libraries) {
+            let names = test_names(bytes);
+            if !names.is_empty() {
+                return Err(DistError::ForTests { name, names });
+            }
+        }
+        Ok(())
     }
 }
 

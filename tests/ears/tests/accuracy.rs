@@ -106,8 +106,5 @@ fn expect_the_samples_features(mode: Mode, levels: &[f32]) {
     assert!(failures.is_empty(), "{failures:#?}");
     let log = stage.finish().unwrap().log;
     let lines: Vec<&str> = log.lines().filter(|line| line.contains("sound: ")).collect();
-    assert!(
-        lines[0].contains("listens to what is played on") && lines[0].contains("out.monitor"),
-        "{lines:#?}"
-    );
+    assert!(lines[0].contains("capturing the output") && lines[0].contains("out.monitor"), "{lines:#?}");
 }

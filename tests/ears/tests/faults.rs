@@ -54,7 +54,7 @@ fn an_output_that_is_unplugged_and_plugged_in_again() {
     let failed = SystemTime::now();
     stage.server.unplug("out").unwrap();
     expect_fallback(&stage, "unplugged", failed);
-    stage.wait_for_log("hears nothing: the ").unwrap();
+    stage.wait_for_log("not captured: the ").unwrap();
     let repaired = SystemTime::now();
     stage.server.plug(OUT).unwrap();
     stage.play_again().unwrap();
@@ -87,7 +87,7 @@ fn a_server_that_is_killed_and_restarted() {
     let failed = SystemTime::now();
     stage.server.kill();
     expect_fallback(&stage, "killed", failed);
-    stage.wait_for_log("hears nothing: ").unwrap();
+    stage.wait_for_log("not captured: ").unwrap();
     let repaired = SystemTime::now();
     stage.server.restart().unwrap();
     stage.play_again().unwrap();

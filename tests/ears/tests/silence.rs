@@ -53,7 +53,7 @@ fn an_edit_ends_listening_and_begins_it_again() {
     let stage = Stage::new("window_s = 1.0").unwrap();
     play(&stage);
     stage.configure("source = \"off\"").unwrap();
-    stage.wait_for_log("sound: listens no more").unwrap();
+    stage.wait_for_log("sound: capture ended").unwrap();
     let outputs = || stage.server.command("list-source-outputs").unwrap();
     let start = Instant::now();
     while !outputs().contains("0 source output(s)") {

@@ -43,7 +43,7 @@ fn a_file_is_heard_as_if_it_were_played() {
     assert!((line.loudness_lufs.unwrap() - expected.loudness_lufs).abs() < 0.1, "{line:?}, {expected:?}");
     assert!((line.gamma_fq_kilomel.unwrap() / expected.gamma_fq_kilomel - 1.0).abs() < 0.01);
     let log = running.quit().unwrap().expect_end().unwrap().log;
-    assert!(log.contains("sound: listens to ") && log.contains("tone.wav (44100 Hz, 2 channels)"), "{log}");
+    assert!(log.contains("sound: capturing ") && log.contains("tone.wav (44100 Hz, 2 channels)"), "{log}");
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn a_file_that_is_none_is_named() {
     let config = configuration("source = \"file\"\nfile = \"/nowhere/no.wav\"");
     let running = application().unwrap().on(&config).start().unwrap();
     let start = Instant::now();
-    while !running.log().contains("hears nothing: /nowhere/no.wav") {
+    while !running.log().contains("not captured: /nowhere/no.wav") {
         assert!(start.elapsed() < Duration::from_secs(20), "{}", running.log());
         std::thread::sleep(Duration::from_millis(20));
     }

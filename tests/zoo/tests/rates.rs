@@ -122,7 +122,7 @@ enum MapOf {
 /// what the log says.
 const LEFT_ALONE: [(&str, &str, bool, &str); 3] = [
     ("passes that the profile excludes", "passes = \"exclude 96x96\"", true, "session active"),
-    ("another backend", "backend = \"mask\"", false, "a pass of 96x96 has a mask"),
+    ("another backend", "backend = \"mask\"", false, "scene passes of 96x96: masked"),
     ("no rates", "mode = \"off\"", false, "inert: the configuration asks for nothing"),
 ];
 

@@ -19,13 +19,13 @@ const CARDS: &str = "/proc/asound/cards";
 #[derive(Debug, Error)]
 pub enum NotHeard {
     /// There is none.
-    #[error("there is no ALSA loop-back card (snd-aloop)")]
+    #[error("no ALSA loop-back card (snd-aloop)")]
     NoCard,
     /// It cannot be listened to.
-    #[error("the ALSA loop-back card is not listened to: {0}")]
+    #[error("the ALSA loop-back card cannot be captured: {0}")]
     Refused(#[from] cpal::Error),
     /// Its samples are not understood.
-    #[error("the ALSA loop-back card has samples of a kind that is not understood ({0})")]
+    #[error("the ALSA loop-back card has an unsupported sample format ({0})")]
     Samples(SampleFormat),
 }
 
@@ -62,7 +62,7 @@ pub fn listen(shared: &Shared, is_better: impl Fn() -> bool) -> Result<(), NotHe
     )?;
     stream.play()?;
     let Format { sample_rate_hz, channels } = format;
-    shared.news.say(format!("listens to ALSA's loop-back card ({sample_rate_hz} Hz, {channels} channels)"));
+    shared.news.say(format!("capturing ALSA's loop-back card ({sample_rate_hz} Hz, {channels} channels)"));
     while !(shared.is_stopped() || is_better() || has_failed.load(Ordering::Relaxed)) {
         shared.sleep(Duration::from_millis(250));
     }

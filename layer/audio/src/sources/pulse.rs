@@ -115,7 +115,7 @@ impl Listener<'_> {
             }
             Some(News::Happened(Event::Moved)) => {
                 self.is_stale = true;
-                self.nothing_to_hear("the server listens to something else")
+                self.nothing_to_hear("the server moved the stream to another device")
             }
             Some(News::Server(info)) => match info.default_sink_name {
                 Some(name) => {
@@ -126,7 +126,7 @@ impl Listener<'_> {
             },
             Some(News::Output(info)) => self.listen_to(&info),
             Some(News::Recording(output, reply)) => {
-                self.shared.news.say(format!("listens to {output}"));
+                self.shared.news.say(format!("capturing {output}"));
                 let writer = self.shared.begin(output.format);
                 self.stream = Some(Stream { channel: reply.channel, output, writer });
                 Ok(())
@@ -135,8 +135,8 @@ impl Listener<'_> {
             Some(News::Refused(_, PulseError::NoEntity)) => self.nothing_to_hear("the output is gone"),
             Some(News::Refused(question, error)) => {
                 let what = match question {
-                    Question::Server | Question::Output => "does not say what its output is",
-                    Question::Record(_) => "does not let its output be listened to",
+                    Question::Server | Question::Output => "does not name its output",
+                    Question::Record(_) => "refuses to record its output",
                 };
                 self.nothing_to_hear(&format!("the server {what} ({error:?})"))
             }
@@ -212,7 +212,7 @@ impl Listener<'_> {
 
     fn nothing_to_hear(&mut self, why: &str) -> Result<(), Fault> {
         self.leave()?;
-        self.shared.news.say(format!("hears nothing: {why}"));
+        self.shared.news.say(format!("not captured: {why}"));
         Ok(())
     }
 

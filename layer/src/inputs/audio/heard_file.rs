@@ -1,4 +1,4 @@
-//! For tests: a file that says what plans took of what is heard.
+//! For tests, in builds with debug assertions alone: a file of the sound features that plans used. It reveals the sound.
 //!
 //! `PARAFOVEA_HEARD_FILE` names it; it is only looked at where a session is active and the configuration asks for sound, so
 //! not in processes with elevated rights. A line is added for each set of features, and when plans take other things of it, a JSON object:
@@ -29,7 +29,7 @@ static FILE: LazyLock<Option<Mutex<File>>> = LazyLock::new(|| {
     }
 });
 
-/// Whether somebody wants to know.
+/// Whether a file was asked for.
 pub fn is_wanted() -> bool {
     FILE.is_some()
 }

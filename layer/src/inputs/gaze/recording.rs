@@ -65,9 +65,9 @@ impl Drop for Recording {
 
 fn write(file: File, lines: &Receiver<GazeLine>) {
     let mut file = BufWriter::new(file);
-    let head = "# seconds, degrees to the left, degrees upwards; seconds alone: the eyes were not seen\n";
+    let head = "# seconds, degrees left, degrees up; seconds alone: lost eyes\n";
     if let Err(error) = file.write_all(head.as_bytes()).and_then(|()| write_lines(&mut file, lines)) {
-        tracing::error!("the recording of the gaze ends here: {error}");
+        tracing::error!("recording of the gaze ended: {error}");
     }
 }
 

@@ -25,13 +25,13 @@ struct Line {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GazeScriptError {
     /// A line that says something else.
-    #[error("line {0}: seconds alone, or seconds, degrees to the left and degrees upwards, apart by commas")]
+    #[error("line {0}: expected seconds, or seconds, degrees left and degrees up, separated by commas")]
     Line(usize),
     /// Times that go back.
-    #[error("line {0}: an earlier time than the line before")]
+    #[error("line {0}: its time is earlier than the previous line's")]
     Order(usize),
     /// No line at all.
-    #[error("there is no gaze in it")]
+    #[error("the file has no gaze sample")]
     Empty,
 }
 

@@ -116,7 +116,7 @@ impl ReuseBuffers {
             region.words() + columns as usize * rows as usize * 2
         };
         let count = regions.map(most).sum::<usize>().next_power_of_two();
-        let count = u32::try_from(count).map_err(|_| GpuError::Unsupported("so many tiles"))?;
+        let count = u32::try_from(count).map_err(|_| GpuError::Unsupported("this number of tiles"))?;
         let params = UniformRing::new(gpu, (MAX_REUSED * (MAX_AGES + 1)) as u32)?;
         let words = WordRing::new(gpu, count)?;
         let set = ListSet::new(uniforms, &params, &words)?;

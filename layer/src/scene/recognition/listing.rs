@@ -2,6 +2,7 @@
 
 use super::cast::Shape;
 use crate::scene::{Eyes, Match, Orientation, Unmatched};
+use crate::status::Topic;
 use smallvec::SmallVec;
 use std::fmt;
 
@@ -34,7 +35,7 @@ impl Listing {
     pub(super) fn news<'a>(
         &mut self,
         passes: impl Iterator<Item = (&'a Shape, &'a Result<Match, Unmatched>)>,
-        mut tell: impl FnMut(&dyn fmt::Display),
+        mut tell: impl FnMut(Topic, &dyn fmt::Display),
     ) {
         for (shape, outcome) in passes {
             if self.lines >= MOST_LINES {
@@ -49,9 +50,10 @@ impl Listing {
             if !verdicts.contains(&verdict) {
                 verdicts.push(verdict);
                 self.lines += 1;
-                tell(&Line { shape, outcome });
+                let topic = if outcome.is_ok() { Topic::Scene } else { Topic::OtherPass };
+                tell(topic, &Line { shape, outcome });
                 if self.lines == MOST_LINES {
-                    tell(&"further passes are not listed");
+                    tell(Topic::OtherPass, &"no further passes are listed");
                 }
             }
         }

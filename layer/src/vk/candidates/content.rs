@@ -83,7 +83,7 @@ impl Content {
         } else if self.queue != queue && !self.is_shared {
             self.is_shared = true;
             self.is_changed = true;
-            tracing::info!("passes on several queues draw to one target: its rates stay as they are");
+            tracing::info!("render passes on several queues draw to one target: its rates stay unchanged");
         }
         let before = self.uses.len();
         self.uses.retain(|used| {

@@ -1,6 +1,6 @@
 //! What the application did since the last frame ended, and recognition, which learns from it.
 
-use super::passes_file::{self, Judged};
+use super::passes_file::Notes;
 use crate::scene::{Event, Match, Pass, Recognition, Shown, Unmatched};
 use crate::vk::candidates::Candidate;
 use crate::vk::objects::Objects;
@@ -16,8 +16,8 @@ const MOST_EVENTS: usize = 16_384;
 pub struct Log {
     frame: u64,
     events: Vec<Event>,
-    /// What each of `events` was taken for; empty where nobody wants to know.
-    judged: Vec<Option<Judged>>,
+    /// For tests: the verdicts on `events`.
+    notes: Notes,
     recognition: Recognition,
     /// Passes that got the plan's rates, in the frame under way and in the last.
     with_rates: [u32; 2],
@@ -65,7 +65,7 @@ impl Log {
         event: &Event,
         candidate: Option<&Arc<Candidate>>,
     ) -> Option<Result<Match, Unmatched>> {
-        let is_told = passes_file::is_wanted();
+        let is_told = self.notes.is_wanted();
         let judged = match event {
             Event::Pass(pass) if candidate.is_some() || is_told => Some(self.recognise(objects, pass)),
             _ => None,
@@ -73,8 +73,7 @@ impl Log {
         if self.events.len() < MOST_EVENTS {
             self.events.push(event.clone());
             if is_told {
-                let candidate = candidate.map(Arc::downgrade);
-                self.judged.push(judged.clone().map(|outcome| Judged { outcome, candidate }));
+                self.notes.push(judged.as_ref(), candidate);
             }
         }
         judged
@@ -87,11 +86,10 @@ impl Log {
 
     /// Learns from the frame, and begins the next one.
     pub fn end_frame(&mut self, objects: &Objects, shown: &Shown) {
-        passes_file::write(objects, self.frame, self.events.iter().zip(&self.judged));
+        self.notes.end_frame(objects, self.frame, &self.events);
         self.recognition.frame(&self.events, |key| objects.describe(key), shown);
-        self.recognition.news(|line| crate::status::decided(line));
+        self.recognition.news(|topic, line| crate::status::decided(topic, line));
         self.events.clear();
-        self.judged.clear();
         objects.forget_departed();
         self.frame += 1;
         self.with_rates = [0, self.with_rates[0]];

@@ -1,4 +1,4 @@
-//! For tests: a file that says of each pass of each frame what it was taken for when it was submitted.
+//! For tests, in builds with debug assertions alone: a file with the verdict on each pass of each frame at its submit. It reveals the gaze.
 //!
 //! `PARAFOVEA_PASSES_FILE` names it; it is only looked at where devices are armed, so not in processes with elevated
 //! rights. Each line is a JSON object:
@@ -20,7 +20,7 @@ use crate::vk::objects::Objects;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::sync::{LazyLock, Mutex, PoisonError, Weak};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError, Weak};
 
 const VARIABLE: &str = "PARAFOVEA_PASSES_FILE";
 
@@ -35,25 +35,40 @@ static FILE: LazyLock<Option<Mutex<BufWriter<File>>>> = LazyLock::new(|| {
     }
 });
 
-/// What a pass was taken for.
-pub struct Judged {
+/// The verdict on a pass.
+struct Judged {
     /// Its picture, or why it makes none.
-    pub outcome: Result<Match, Unmatched>,
-    /// What it draws to; this keeps nothing alive.
-    pub candidate: Option<Weak<Candidate>>,
+    outcome: Result<Match, Unmatched>,
+    /// Its target; this keeps nothing alive.
+    candidate: Option<Weak<Candidate>>,
 }
 
-/// Whether somebody wants to know.
-pub fn is_wanted() -> bool {
-    FILE.is_some()
+/// Verdicts on the events of a frame, in their order.
+#[derive(Default)]
+pub struct Notes {
+    judged: Vec<Option<Judged>>,
 }
 
-/// Writes the passes of a frame, each with what it was taken for.
-pub fn write<'a>(
-    objects: &Objects,
-    frame: u64,
-    passes: impl Iterator<Item = (&'a Event, &'a Option<Judged>)>,
-) {
+impl Notes {
+    /// Whether a file was asked for.
+    pub fn is_wanted(&self) -> bool {
+        FILE.is_some()
+    }
+
+    /// Keeps the verdict on the next event; `None` for an event that is no pass.
+    pub fn push(&mut self, outcome: Option<&Result<Match, Unmatched>>, candidate: Option<&Arc<Candidate>>) {
+        let candidate = candidate.map(Arc::downgrade);
+        self.judged.push(outcome.cloned().map(|outcome| Judged { outcome, candidate }));
+    }
+
+    /// Writes the passes of a frame with their verdicts, and forgets these.
+    pub fn end_frame(&mut self, objects: &Objects, frame: u64, events: &[Event]) {
+        write(objects, frame, events.iter().zip(&self.judged));
+        self.judged.clear();
+    }
+}
+
+fn write<'a>(objects: &Objects, frame: u64, passes: impl Iterator<Item = (&'a Event, &'a Option<Judged>)>) {
     let Some(file) = &*FILE else { return };
     let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
     let judged = passes.filter_map(|(event, judged)| match event {

@@ -67,7 +67,7 @@ impl Masks {
     fn keep(&self, pass: vk::RenderPass, result: vk::Result, loading: vk::RenderPass) {
         match result {
             vk::Result::SUCCESS => self.loading.insert(pass, loading),
-            result => GpuError::Call { call: "vkCreateRenderPass", result }.tell("a pass has no mask"),
+            result => GpuError::Call { call: "vkCreateRenderPass", result }.tell("no mask for a render pass"),
         }
     }
 

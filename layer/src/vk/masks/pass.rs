@@ -126,7 +126,7 @@ impl Masks {
         let mut fills = SmallVec::new();
         for color in attachments.colors.iter().filter(|color| color.is_stored) {
             map.prepare(color.format).map_err(|error| {
-                error.tell("no mask");
+                error.tell("no mask for a render pass");
                 Reason::Failed
             })?;
             let part = part(objects, color.target, vk::ImageAspectFlags::COLOR, layers)?;

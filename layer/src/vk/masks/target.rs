@@ -5,7 +5,7 @@ use crate::gpu::AppCommands;
 use crate::mask::{Eligible, MaskMap, PipelineFacts, Reason};
 use crate::scene::lay::RateImage;
 use crate::scene::{How, ImageDescription, Part, PassFacts, Target};
-use crate::status::decided;
+use crate::status::{Topic, decided};
 use crate::vk::backend::{Laying, MapSize, RateMap, Upload};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -95,7 +95,7 @@ impl TargetMask {
             let fill = self.masks.fill(gpu).ok_or(Reason::New)?;
             let make = || {
                 let map = MaskMap::new(gpu, &fill, eligible, self.extent, self.target.layers);
-                map.inspect_err(|error| error.tell("no mask")).ok().map(Arc::new)
+                map.inspect_err(|error| error.tell("no mask for a render pass")).ok().map(Arc::new)
             };
             self.map.get_or_init(make);
         }
@@ -112,8 +112,13 @@ impl TargetMask {
         if before != Some(outcome) {
             let [width, height] = self.extent;
             match outcome {
-                Ok(()) => decided(&format_args!("a pass of {width}x{height} has a mask")),
-                Err(reason) => decided(&format_args!("a pass of {width}x{height} has no mask: {reason}")),
+                Ok(()) => decided(Topic::Mask, &format_args!("scene passes of {width}x{height}: masked")),
+                Err(reason) => decided(
+                    Topic::NoMask(reason.to_string()),
+                    &format_args!(
+                        "scene passes of {width}x{height}: left alone by the mask backend: {reason}"
+                    ),
+                ),
             }
         }
     }

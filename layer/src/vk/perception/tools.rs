@@ -26,7 +26,7 @@ impl Tools {
         unsafe {
             let make =
                 move |compilation: &Arc<Compilation>| Self::new(Gpu::without_queue(&record)?, compilation);
-            Compiler::of(&record).ask("rates are rings, whatever the pictures show", make)
+            Compiler::of(&record).ask("rates by eccentricity alone", make)
         }
     }
 

@@ -167,7 +167,7 @@ impl Rates {
     /// `pass` is written where the result is success.
     unsafe fn is_added(&self, result: vk::Result, pass: *mut vk::RenderPass, added: AddedRates) -> bool {
         if result != vk::Result::SUCCESS {
-            GpuError::Call { call: "vkCreateRenderPass2", result }.tell("a render pass gets no rates");
+            GpuError::Call { call: "vkCreateRenderPass2", result }.tell("no rates for a render pass");
             return false;
         }
         // SAFETY: the caller vouches for it.
@@ -177,7 +177,7 @@ impl Rates {
 
     fn left_alone(&self, result: Result<(), LeftAlone>) {
         if let Err(reason) = result {
-            tracing::debug!("a render pass gets no rates: {reason}");
+            tracing::debug!("no rates for a render pass: {reason}");
         }
     }
 
@@ -239,7 +239,7 @@ impl Rates {
 
     /// No image goes with a framebuffer, which is larger than the device says that it can be.
     fn too_large(info: &vk::FramebufferCreateInfo<'_>) -> vk::Result {
-        tracing::warn!("a framebuffer of {}x{} is larger than the device allows", info.width, info.height);
+        tracing::warn!("a framebuffer of {}x{} exceeds the device's limits", info.width, info.height);
         vk::Result::ERROR_OUT_OF_DEVICE_MEMORY
     }
 

@@ -57,10 +57,10 @@ pub enum NoRates {
     #[error("the instance has no {0:?}")]
     Function(&'static CStr),
     /// What the device says makes no sense to us.
-    #[error("the device says of its rates what cannot be: {0}")]
+    #[error("the device reports impossible shading rates: {0}")]
     Properties(&'static str),
     /// The device could not be created with what we add.
-    #[error("the device was not created with it: {0:?}")]
+    #[error("the driver refuses to create the device with it: {0:?}")]
     Refused(vk::Result),
 }
 

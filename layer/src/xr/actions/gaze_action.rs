@@ -47,7 +47,7 @@ impl GazeAction {
         instance: xr::Instance,
         wanted: &Wanted,
     ) -> Result<Self, (&'static str, xr::Result)> {
-        let made = Self::make(next, instance, wanted).map_err(|result| ("making an action set", result))?;
+        let made = Self::make(next, instance, wanted).map_err(|result| ("creating an action set", result))?;
         made.suggest(next, instance, &wanted.applications)
             .inspect_err(|_| destroy(next, made.set))
             .map_err(|result| ("suggesting its binding", result))?;
@@ -58,8 +58,8 @@ impl GazeAction {
         let profile = profile(next, instance)?;
         let binding = path(next, instance, GAZE_POSE)?;
         let (of_set, localized) = match wanted.number {
-            0 | 1 => ("parafovea_gaze".to_owned(), "Parafovea: where you look".to_owned()),
-            number => (format!("parafovea_gaze_{number}"), format!("Parafovea: where you look ({number})")),
+            0 | 1 => ("parafovea_gaze".to_owned(), "Parafovea: eye gaze".to_owned()),
+            number => (format!("parafovea_gaze_{number}"), format!("Parafovea: eye gaze ({number})")),
         };
         let set_info = xr::ActionSetCreateInfo {
             ty: xr::ActionSetCreateInfo::TYPE,

@@ -50,12 +50,12 @@ impl InstanceActions {
         };
         let wanted = self.application().wanted(number);
         let made = wanted
-            .ok_or_else(|| "the application's own use of it has extensions".to_owned())
+            .ok_or_else(|| "the application uses the eye tracker with an extension".to_owned())
             .and_then(|wanted| {
                 GazeAction::create(&instance.next, instance.handle, &wanted)
                     .map_err(|(what, result)| format!("{what} returned {result:?}"))
             })
-            .inspect_err(|reason| tracing::info!("no eye gaze: {reason}"))
+            .inspect_err(|reason| tracing::info!("no eye tracker: {reason}"))
             .ok();
         let mut ours = self.ours();
         ours.has_failed |= made.is_none();

@@ -112,13 +112,13 @@ impl SessionActions {
                 state.attachment = Attachment::Never;
                 if self.has_tracker {
                     tracing::info!(
-                        "no eye gaze in this session: its action sets are attached, and ours is not among them"
+                        "no eye tracker in this session: the application attached its action sets before the layer could add one"
                     );
                 }
             }
             Attachment::Alone { .. } => tracing::error!(
-                "the application attached action sets after ours, and has no input now: {result:?}; with \
-                 gaze.attach_alone_after_s = 0 it has"
+                "the application attached action sets after the layer did, and has no input now: {result:?}; set \
+                 gaze.attach_alone_after_s = 0"
             ),
             _ => {}
         }
@@ -157,7 +157,9 @@ impl SessionActions {
             Due::AttachAlone => self.attach_alone(session),
             Due::Sync(gaze) => self.sync_ours(session, gaze),
             Due::SyncAhead(gaze) => {
-                tracing::info!("the application does not synchronise its actions: ours is, alone");
+                tracing::info!(
+                    "the application does not synchronise its actions: the layer synchronises the eye tracker's alone"
+                );
                 self.profiles.synchronised_ahead(session);
                 self.sync_ours(session, gaze);
             }
@@ -205,7 +207,7 @@ impl SessionActions {
             self.profiles.attached_alone();
             space(session, gaze)
         };
-        tracing::info!("the application has no action sets; attaching ours returned {result:?}");
+        tracing::info!("the application has no action sets; attaching the eye tracker's returned {result:?}");
         self.state().attachment = match space {
             Some(space) => Attachment::Alone { gaze, space },
             None => Attachment::Never,
@@ -223,7 +225,7 @@ impl SessionActions {
         // SAFETY: the next layer's function, a live session and a valid structure.
         let result = unsafe { (session.instance.next.sync_actions)(session.handle, &info) };
         if result.into_raw() < 0 {
-            tracing::warn!("eye gaze is off: xrSyncActions returned {result:?}");
+            tracing::warn!("eye tracker off: xrSyncActions returned {result:?}");
             self.give_up();
         }
     }
@@ -244,6 +246,6 @@ impl SessionActions {
 
 fn space(session: &Session, gaze: GazeAction) -> Option<xr::Space> {
     gaze.space(&session.instance.next, session.handle)
-        .inspect_err(|result| tracing::info!("no eye gaze: xrCreateActionSpace returned {result:?}"))
+        .inspect_err(|result| tracing::info!("no eye tracker: xrCreateActionSpace returned {result:?}"))
         .ok()
 }

@@ -53,7 +53,7 @@ pub struct History {
 /// The depth of a picture, as a frame submits it.
 #[derive(Debug, Clone)]
 pub struct ShownDepth {
-    /// Where it is.
+    /// Its path.
     pub newest: NewestDepth,
     /// In which layer.
     pub array_layer: u32,

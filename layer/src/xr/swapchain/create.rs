@@ -56,7 +56,9 @@ pub unsafe extern "system" fn create(
                 usage_flags = runtime_usage(asked.usage_flags, may_judge);
                 result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
                 if result.into_raw() < 0 && may_judge {
-                    tracing::info!("rates are rings: the runtime's images cannot be read: {result:?}");
+                    tracing::info!(
+                        "rates by eccentricity alone: the runtime's images cannot be read: {result:?}"
+                    );
                     usage_flags = runtime_usage(asked.usage_flags, false);
                     result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
                 }
@@ -128,7 +130,7 @@ unsafe fn plan(
         false => compose.prepare(shape.format),
     };
     prepared.map_err(|error| {
-        error.tell(&format!("swapchains of format {:?} stay as they are", shape.format));
+        error.tell(&format!("swapchains of format {:?} are left alone", shape.format));
         NotSubstituted::Format(shape.format)
     })?;
     Ok(shape)
@@ -147,7 +149,7 @@ fn track(
         Ok(shape) => substitute(session, active, handle, &shape, vulkan_usage(usage_flags)),
         Err(NotSubstituted::NoWork) => None,
         Err(reason) => {
-            tracing::info!("swapchain stays as it is: {reason}");
+            tracing::info!("swapchain left alone: {reason}");
             None
         }
     };
@@ -174,13 +176,13 @@ fn substitute(
     let tools = active.tools()?;
     let images = runtime_images(session, handle)
         .inspect_err(|result| {
-            tracing::warn!("a swapchain stays as it is: xrEnumerateSwapchainImages returned {result:?}");
+            tracing::warn!("swapchain left alone: xrEnumerateSwapchainImages returned {result:?}");
         })
         .ok()?;
     let config = session.instance.config.get();
     let least = if session.may_reuse(&config) { images_for_reuse(&config) } else { 0 };
     let substitute = Substitute::new(&tools.gpu, shape, (images, granted), least)
-        .inspect_err(|error| error.tell("a swapchain stays as it is"))
+        .inspect_err(|error| error.tell("swapchain left alone"))
         .ok()?;
     let vk::Extent2D { width, height } = shape.extent;
     tracing::info!(

@@ -32,7 +32,7 @@ impl Depth {
             // The device is behind: this picture goes without.
             Err(GpuError::Timeout) => Self::There { source, newest: None },
             Err(error) => {
-                error.tell("what is re-used is not followed as the head moves");
+                error.tell("no reprojection by depth");
                 Self::Never
             }
         }
@@ -101,12 +101,12 @@ impl Swapchain {
                 let DepthShape { format, extent, array_layers } = *source.kept().shape();
                 let (width, height) = (extent.width, extent.height);
                 tracing::info!(
-                    "depth of {width}x{height}x{array_layers} {format:?}: what is re-used is followed by it as the head moves"
+                    "depth of {width}x{height}x{array_layers} {format:?}: used for reprojection as the head moves"
                 );
                 Depth::There { source, newest: None }
             }
             Err(reason) => {
-                tracing::info!("what is re-used is not followed as the head moves: {reason}");
+                tracing::info!("no reprojection by depth: {reason}");
                 Depth::Never
             }
         }

@@ -183,7 +183,7 @@ pub unsafe extern "system" fn release_image(
             if let Some(known) = &known {
                 // SAFETY: in this call the queue is the runtime's, hence ours, and until it returns the image is the application's,
                 // which has submitted all that draws to it.
-                attempt("what is drawn over a picture", || unsafe { draw_over_released(known) });
+                attempt("the debug view", || unsafe { draw_over_released(known) });
                 attempt("the depth of a picture", || known.keep_depth());
             }
             let result = answer.record(below());

@@ -20,7 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// All answers; the questions are asked at the same time.
 pub fn probe() -> Probed {
     let Some(program) = program() else {
-        let missing = || format!("{PROGRAM} is not beside this program");
+        let missing = || format!("{PROGRAM} is not in the folder of this program");
         return Probed {
             layers: Err(missing()),
             vulkan: Err(missing()),

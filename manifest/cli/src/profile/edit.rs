@@ -16,10 +16,10 @@ pub enum Change<'a> {
 #[derive(Debug, thiserror::Error)]
 pub enum EditError {
     /// It is not TOML.
-    #[error("is not valid TOML, so it is left alone; parafovea config validate says more")]
+    #[error("is not valid TOML and was left alone; parafovea config validate names the error")]
     Syntax(#[from] TomlError),
     /// The name of a section has a value.
-    #[error("{0} is not a section there")]
+    #[error("{0} is not a section in this file")]
     NoSection(&'static str),
 }
 
@@ -57,7 +57,7 @@ pub fn apply(text: &str, option: &OptionSpec, change: Change<'_>) -> Result<Stri
     Ok(document.to_string())
 }
 
-/// What was typed, as a value of TOML: text needs no quotes.
+/// The typed text as a value of TOML: text needs no quotes.
 fn value(option: &OptionSpec, typed: &str) -> Value {
     let parsed = typed.trim().parse::<Value>().ok();
     let is_text = matches!(option.allowed(), Allowed::Choice(_) | Allowed::Text(_));

@@ -5,7 +5,7 @@ use parafovea_manifest::options::{OPTIONS, OptionSpec};
 use std::collections::BTreeSet;
 use toml_edit::{Document, Item};
 
-/// Where a value comes from.
+/// Source of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// The file sets it.
@@ -22,7 +22,7 @@ pub struct Effective {
     pub option: &'static OptionSpec,
     /// Its value, as it stands in a file.
     pub value: String,
-    /// Where that comes from.
+    /// Source of the value.
     pub origin: Origin,
     /// The preset in force, as it stands in a file.
     pub preset: String,
@@ -47,7 +47,7 @@ pub fn effective(config: &Config, text: &str) -> Vec<Effective> {
         .collect()
 }
 
-/// Keys of the options that a file sets; none where it is not TOML.
+/// Keys of the options that a file sets; none if it is not TOML.
 pub fn set_in(text: &str) -> BTreeSet<String> {
     let Ok(document) = Document::parse(text.trim_start_matches('\u{feff}')) else { return BTreeSet::new() };
     let is_set = |option: &&OptionSpec| match option.section {

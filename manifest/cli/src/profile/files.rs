@@ -6,7 +6,7 @@ use parafovea_manifest::paths::{Environment, file_stem};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What stands for all applications without a file of their own.
+/// Name for all applications without a file of their own.
 pub const ALL: &str = "all";
 
 /// The files of this user.
@@ -18,7 +18,7 @@ pub struct Files {
 pub struct Found {
     /// Whom it is for.
     pub application: String,
-    /// Where it is.
+    /// Its path.
     pub path: PathBuf,
 }
 
@@ -49,7 +49,7 @@ impl Files {
         places.find(|file| fs::symlink_metadata(file).is_ok()).map(Path::to_owned)
     }
 
-    /// Those that are there: of single applications by name, then of all.
+    /// Existing files: of single applications by name, then of all.
     pub fn existing(&self) -> Vec<Found> {
         let apps = self.folder().map(|folder| folder.join("apps"));
         let entries = apps.and_then(|folder| fs::read_dir(folder).ok()).into_iter().flatten().flatten();

@@ -6,7 +6,7 @@ use std::fmt::Write;
 /// A kind of application.
 struct Kind {
     name: &'static str,
-    /// What it is, and what there is to know, a line each.
+    /// Description, a line each.
     about: &'static [&'static str],
     settings: &'static [Suited],
 }
@@ -24,34 +24,34 @@ const KINDS: &[Kind] = &[
         name: "proton",
         about: &[
             "Windows games that Proton runs with DXVK or vkd3d-proton.",
-            "They render without render-pass objects, and bring input of their own, which the eye tracker joins.",
+            "They use dynamic rendering, and their own input, which the eye tracker joins.",
             "Launch options in Steam: PARAFOVEA=1 %command%",
-            "The log is called after the .exe.",
+            "The log is named after the .exe.",
         ],
         settings: &[Suited {
             key: "gaze.attach_alone_after_s",
             value: "0",
-            why: "Games that take long to load set their input up late: it is never assumed that they have none.",
+            why: "Games that load for long set up their input late: never assume that they have none.",
         }],
     },
     Kind {
         name: "unity",
         about: &[
-            "Games made with Unity: a picture of both eyes in one image (double-wide, or an array of two), and passes",
-            "off the screen that may be upside-down.",
-            "If the log takes no pass for the scene, rates.passes says which it is, with its size from the log:",
+            "Unity games: one image for both eyes (double-wide, or an array of two), and off-screen render passes",
+            "that may be upside-down.",
+            "If no render pass is recognised as the scene, name it in rates.passes, with its size from the log:",
             "  passes = \"array 2048x2048\"",
         ],
         settings: &[Suited {
             key: "rates.backend",
             value: "\"auto\"",
-            why: "Multi-sampled passes, which are usual here, need rate attachments; a mask leaves them alone.",
+            why: "Multisampled render passes, usual in Unity, need rate attachments; the mask backend leaves them alone.",
         }],
     },
     Kind {
         name: "unreal",
         about: &[
-            "Games made with Unreal: deferred shading, and temporal anti-aliasing, which smooths coarse blocks over",
+            "Unreal games: deferred shading and temporal anti-aliasing, which smooths coarse blocks over",
             "several frames, and shimmers where they are large.",
         ],
         settings: &[
@@ -63,56 +63,56 @@ const KINDS: &[Kind] = &[
             Suited {
                 key: "rates.transitional_deg",
                 value: "22.0",
-                why: "In exchange the coarsest rate begins nearer to the gaze.",
+                why: "In exchange, the coarsest rate begins closer to the gaze.",
             },
         ],
     },
     Kind {
         name: "godot",
         about: &[
-            "Games made with Godot 4: one multiview pass for both eyes.",
-            "With both eyes in one pass a rate image has a layer for each, or the finer of both.",
+            "Godot 4 games: one multiview render pass for both eyes.",
+            "The rate attachment of such a pass has a layer for each eye, or the finer rates of both.",
         ],
         settings: &[Suited {
             key: "preset",
             value: "\"balanced\"",
-            why: "Nothing stands in the way; if foveation is on in the project too, turn one of them off.",
+            why: "The default works; if the project uses foveation too, turn one of them off.",
         }],
     },
     Kind {
         name: "wgpu",
         about: &[
-            "Programs made with wgpu, or Bevy: their own passes, dynamic rendering or render passes of Vulkan.",
-            "They ask for few features; Parafovea adds what it needs.",
+            "wgpu and Bevy programs: dynamic rendering or Vulkan render passes of their own.",
+            "They enable few device features; Parafovea adds its own.",
         ],
         settings: &[Suited {
             key: "gaze.attach_alone_after_s",
             value: "30",
-            why: "Many have no input of their own: after this time the eye tracker is asked all the same.",
+            why: "Many have no OpenXR input: after this time, the layer attaches the eye tracker.",
         }],
     },
     Kind {
         name: "flight-simulator",
         about: &[
-            "Flight and racing simulators: instruments with small text, read at a glance, far from where the eyes were.",
-            "What is near to the gaze stays sharp in a larger area, and nothing is very coarse.",
+            "Flight and racing simulators: instruments with small text, read at a glance, far from the last gaze.",
+            "A larger area around the gaze stays sharp, and no area becomes very coarse.",
         ],
         settings: &[
             Suited {
                 key: "rates.foveal_deg",
                 value: "20.0",
-                why: "An instrument beside the one that is looked at can be read too.",
+                why: "The instrument next to the gaze stays legible.",
             },
             Suited { key: "rates.transitional_deg", value: "35.0", why: "Rates fall off more slowly." },
             Suited {
                 key: "rates.peripheral",
                 value: "\"2x2\"",
-                why: "Text in the corner of the eye stays text: a needle that moves is noticed.",
+                why: "Peripheral text stays legible, and moving needles stay visible.",
             },
             Suited {
                 key: "chroma.plateau_deg",
                 value: "12.0",
-                why: "Coloured lamps and bands keep their colour; it matters where chroma.mode is not \"off\".",
+                why: "Coloured lamps and bands keep their colour, if chroma.mode is not \"off\".",
             },
         ],
     },

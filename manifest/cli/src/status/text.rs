@@ -1,25 +1,23 @@
 //! The status, for people.
 
-use parafovea_manifest::config::Places;
 use parafovea_manifest::paths::Environment;
-use parafovea_manifest::status::{Found, Gate, Gaze, Rates, Sound, Status};
+use parafovea_manifest::status::{Found, Gate, Gaze, Rates, Settings, Sound, Status, effect};
 use std::fmt::Write;
-use std::fs;
 use std::path::Path;
 
 /// All applications, or the one that was asked for; `gone` is how many ended without saying so.
 pub fn of_all(found: &[Found], gone: usize, asked: Option<&str>, environment: &Environment) -> String {
     let mut text: Vec<String> = found.iter().map(|found| of_one(&found.status, environment)).collect();
     if found.is_empty() {
-        let called = asked.map_or(String::new(), |name| format!(" called {name}"));
+        let called = asked.map_or(String::new(), |name| format!(" named {name}"));
         text.push(format!(
-            "No application{called} with Parafovea is running a session.\n\
+            "No running application{called} has an OpenXR session with Parafovea.\n\
              To start one: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %command%.\n\
-             If one should be here: parafovea doctor, and its log in ~/.local/state/parafovea.\n"
+             If one is missing here: run parafovea doctor, and read its log in ~/.local/state/parafovea.\n"
         ));
     }
     if gone > 0 {
-        text.push(format!("{gone} ended, or hang: nothing was heard of them for seconds.\n"));
+        text.push(format!("Not responding: {gone}. They crashed, or hang.\n"));
     }
     text.join("\n")
 }
@@ -36,45 +34,51 @@ fn of_one(status: &Status, environment: &Environment) -> String {
     } else {
         line(
             "state",
-            &format!("active, {:.0} frames a second, {} in all", status.frame_rate_hz, status.frames),
+            &format!("active, {:.0} frames per second, {} in total", status.frame_rate_hz, status.frames),
         );
         line("backend", &status.backend);
         line("gaze", &gaze(&status.gaze));
         line("sound", &sound(&status.sound));
-        line("rates", &rates(&status.rates));
-        // What cannot shade coarsely has nothing to judge.
+        line("tiles", &rates(&status.rates));
+        // Without a backend there is nothing to judge.
         let gate = |told: &Gate| match status.backend.as_str() {
-            "none" if told.mode != "off" => "nothing: no pass can become coarser here".to_owned(),
+            "none" if told.mode != "off" => "unavailable: no backend on this device".to_owned(),
             _ => gate(told),
         };
-        line("saving", &gate(&status.rates_gate));
+        line("rates", &gate(&status.rates_gate));
         line("re-use", &gate(&status.reuse_gate));
-        line("colour", if status.attenuates_colour { "removed away from the gaze" } else { "as it is" });
+        line("chroma", if status.attenuates_colour { "attenuated in the periphery" } else { "unchanged" });
         line("view", &view(status));
-        line("passes", &format!("{} matched in the last frame", status.passes_matched));
+        line("passes", &format!("{} with shading rates in the last frame", status.passes_matched));
         for (index, decision) in status.decisions.iter().enumerate() {
-            line(if index == 0 { "decided" } else { "" }, decision);
+            line(if index == 0 { "decisions" } else { "" }, decision);
         }
     }
-    let places = Places::new(environment, Some(&status.application), executable);
-    let file = places.find(|file| fs::symlink_metadata(file).is_ok());
-    line("settings", &file.map_or("the defaults".to_owned(), |file| file.display().to_string()));
+    line("settings", &settings(&status.settings));
     if let Some(log) = environment.log_file(executable) {
         line("log", &log.display().to_string());
     }
     text
 }
 
+fn settings(settings: &Settings) -> String {
+    match (settings.file.as_str(), settings.has_error) {
+        ("", _) => "defaults; no configuration file".to_owned(),
+        (file, false) => file.to_owned(),
+        (file, true) => format!("{file}: has an error and is ignored; the log names the line"),
+    }
+}
+
 fn gaze(gaze: &Gaze) -> String {
     let source = match gaze.source.as_str() {
         "eyes" => "eye tracker",
-        "centre" => return "straight ahead, always".to_owned(),
+        "centre" => return "fixed at the centre of the view".to_owned(),
         other => other,
     };
     match (gaze.is_valid, gaze.age_ms) {
-        (true, Some(age)) => format!("{source}: valid, {age:.0} ms old when it was shown"),
+        (true, Some(age)) => format!("{source}: valid, {age:.0} ms old at display time"),
         (true, None) => format!("{source}: valid"),
-        (false, Some(age)) => format!("{source}: not seen for {:.1} s", age / 1000.0),
+        (false, Some(age)) => format!("{source}: lost for {:.1} s", age / 1000.0),
         (false, None) => format!("{source}: none"),
     }
 }
@@ -83,71 +87,63 @@ fn sound(sound: &Sound) -> String {
     match (sound.source.as_str(), sound.is_heard) {
         ("off", _) => "off".to_owned(),
         (source, true) => format!("{source}: heard"),
-        (source, false) => format!("{source}: nothing to rely on"),
+        (source, false) => format!("{source}: no reliable features"),
     }
 }
 
 fn rates(rates: &Rates) -> String {
     if rates.tiles.is_empty() {
-        return "nothing is planned".to_owned();
+        return "no plan".to_owned();
     }
     let tiles: Vec<String> =
         rates.tiles.iter().map(|(rate, share)| format!("{rate} {:.0} %", share * 100.0)).collect();
     let shaded = format!("{:.0} % of the pixels shaded; tiles: {}", rates.shaded * 100.0, tiles.join(", "));
     let shaded = match rates.decided_on_gpu {
-        true => format!("decided on the GPU by contrast, tile by tile; where that is not known: {shaded}"),
+        true => format!("decided on the GPU by contrast; without a contrast estimate: {shaded}"),
         false => shaded,
     };
     if rates.rendered < 1.0 {
-        return format!("{shaded}; {:.0} % of the tiles rendered in a frame", rates.rendered * 100.0);
+        return format!("{shaded}; {:.0} % of the tiles rendered per frame", rates.rendered * 100.0);
     }
     shaded
 }
 
 fn view(status: &Status) -> String {
     let view = &status.debug_view;
-    let whose = if view.is_asked { ", as parafovea status --view asks" } else { "" };
+    let whose = if view.is_asked { ", requested by parafovea status --view" } else { "" };
     match (view.name.as_str(), view.is_drawn) {
-        ("none" | "", _) => format!("nothing is drawn over the pictures{whose}"),
-        (name, true) => format!("\"{name}\" is drawn over the pictures{whose}"),
-        (name, false) => format!("\"{name}\" is not drawn{whose}: {}", why_not_drawn(status)),
+        ("none" | "", _) => format!("none{whose}"),
+        (name, true) => format!("\"{name}\" is visible in the headset{whose}"),
+        (name, false) => format!("\"{name}\" is not visible{whose}: {}", why_not_drawn(status)),
     }
 }
 
-/// Why a view that is asked for is not to be seen, as far as the status knows.
+/// Why a requested view is not visible, as far as the status knows.
 pub fn why_not_drawn(status: &Status) -> &'static str {
     match status.debug_view.name.as_str() {
-        "gaze" if !status.gaze.is_valid => "there is no gaze",
-        "rates" if status.backend == "none" => "nothing can become coarser here",
+        "gaze" if !status.gaze.is_valid => "no gaze",
+        "rates" if status.backend == "none" => "no backend on this device",
         "rates" if status.rates_gate.mode == "off" || !status.rates_gate.is_kept => {
             "rates are off, or were dropped"
         }
         "age" if status.reuse_gate.mode == "off" || !status.reuse_gate.is_kept => {
             "re-use is off, or was dropped"
         }
-        _ => "its pictures cannot be drawn over, or nothing is rendered",
+        _ => "its swapchains are not eligible, or no frame is rendered",
     }
 }
 
 fn gate(gate: &Gate) -> String {
     let saved = match gate.ratio {
-        Some([ratio, low, high]) => {
-            let percent = |ratio: f32| (1.0 - ratio) * 100.0;
-            format!(
-                "; saves {:.0} % of a frame ({:.0} to {:.0} %)",
-                percent(ratio),
-                percent(high),
-                percent(low)
-            )
-        }
-        None if gate.mode == "auto" => "; what it saves is not known yet".to_owned(),
+        Some(ratio) => format!(": {}", effect(ratio)),
+        None if gate.mode == "auto" => ": effect not measured yet".to_owned(),
         None => String::new(),
     };
     match (gate.mode.as_str(), gate.is_kept) {
         ("off", _) => "off".to_owned(),
         ("auto", true) => format!("on{saved}"),
-        ("auto", false) => format!("dropped, because it does not pay{saved}"),
-        (_, _) => format!("on, as the configuration says{saved}"),
+        ("auto", false) => format!("dropped{saved}"),
+        (_, _) => format!("on, set by rates.gate{saved}"),
     }
 }
 
@@ -190,14 +186,14 @@ mod tests {
         let text = shown(active());
         for line in [
             "Game (process 7, game.exe)",
-            "  state     active, 90 frames a second, 900 in all",
-            "  gaze      eye tracker: valid, 12 ms old when it was shown",
-            "  rates     77 % of the pixels shaded; tiles: 4x4 25 %, 1x1 75 %",
-            "  saving    on; saves 35 % of a frame (30 to 40 %)",
+            "  state     active, 90 frames per second, 900 in total",
+            "  gaze      eye tracker: valid, 12 ms old at display time",
+            "  tiles     77 % of the pixels shaded; tiles: 4x4 25 %, 1x1 75 %",
+            "  rates     on: a saving of 35 % (30 to 40 %)",
             "  re-use    off",
-            "  decided   no rates",
+            "  decisions no rates",
             "            pass 64x64: the scene",
-            "  settings  the defaults",
+            "  settings  defaults; no configuration file",
         ] {
             assert!(text.lines().any(|found| found == line), "{line}\nin\n{text}");
         }
@@ -208,7 +204,8 @@ mod tests {
         let active = active();
         let rates = Rates { decided_on_gpu: true, ..active.rates.clone() };
         let text = shown(Status { rates, ..active });
-        let line = "rates     decided on the GPU by contrast, tile by tile; where that is not known: 77 % of the pixels";
+        let line =
+            "tiles     decided on the GPU by contrast; without a contrast estimate: 77 % of the pixels";
         assert!(text.contains(line), "{text}");
     }
 
@@ -216,37 +213,39 @@ mod tests {
     fn a_view_that_is_not_to_be_seen_says_why() {
         let view = |name: &str, is_asked, is_drawn| View { name: name.to_owned(), is_asked, is_drawn };
         for (debug_view, line) in [
-            (view("none", false, false), "view      nothing is drawn over the pictures"),
+            (view("none", false, false), "view      none"),
             (
                 view("gaze", true, true),
-                "view      \"gaze\" is drawn over the pictures, as parafovea status --view asks",
+                "view      \"gaze\" is visible in the headset, requested by parafovea status --view",
             ),
-            (view("age", false, false), "view      \"age\" is not drawn: re-use is off, or was dropped"),
+            (view("age", false, false), "view      \"age\" is not visible: re-use is off, or was dropped"),
         ] {
             let text = shown(Status { debug_view, ..active() });
             assert!(text.lines().any(|found| found.trim_start() == line), "{line}\nin\n{text}");
         }
         let blind = Status { gaze: Gaze::default(), debug_view: view("gaze", true, false), ..active() };
-        assert!(shown(blind).contains("as parafovea status --view asks: there is no gaze"));
+        assert!(shown(blind).contains("requested by parafovea status --view: no gaze"));
     }
 
     #[test]
     fn what_was_dropped_and_what_is_inert_say_why() {
         let dropped = Gate { mode: "auto".to_owned(), is_kept: false, ratio: Some([1.2, 1.1, 1.3]) };
         let text = shown(Status { rates_gate: dropped, ..active() });
-        assert!(
-            text.contains("dropped, because it does not pay; saves -20 % of a frame (-30 to -10 %)"),
-            "{text}"
-        );
+        assert!(text.contains("  rates     dropped: a slowdown of 20 % (10 to 30 %)"), "{text}");
+        let settings = Settings { file: "/c.toml".to_owned(), has_error: true };
+        let refused = shown(Status { settings: settings.clone(), ..active() });
+        assert!(refused.contains("  settings  /c.toml: has an error"), "{refused}");
+        let named = shown(Status { settings: Settings { has_error: false, ..settings }, ..active() });
+        assert!(named.lines().any(|line| line == "  settings  /c.toml"), "{named}");
         let inert = shown(Status { inert: "its graphics API is not Vulkan".to_owned(), ..active() });
         assert!(
             inert.contains("inert: its graphics API is not Vulkan") && !inert.contains("backend"),
             "{inert}"
         );
         let without = shown(Status { backend: "none".to_owned(), ..active() });
-        assert!(without.contains("saving    nothing: no pass can become coarser here"), "{without}");
+        assert!(without.contains("rates     unavailable: no backend on this device"), "{without}");
         assert!(without.contains("re-use    off"), "{without}");
         let none = of_all(&[], 1, None, &Environment::default());
-        assert!(none.starts_with("No application") && none.contains("1 ended"), "{none}");
+        assert!(none.starts_with("No running application") && none.contains("Not responding: 1"), "{none}");
     }
 }

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// What stands for the view of the application's settings.
+/// Name for the configured view.
 const SETTINGS: &str = "settings";
 
 /// How long applications are given to follow: they tell every second, and those that have not told for so long hang.
@@ -34,10 +34,11 @@ pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> 
         }
     };
     if found.is_empty() {
-        let which =
-            application.map_or("No application".to_owned(), |name| format!("No application called {name}"));
+        let which = application.map_or("No running application".to_owned(), |name| {
+            format!("No running application named {name}")
+        });
         eprintln!(
-            "parafovea: {which} with Parafovea is running a session; parafovea status lists those that do"
+            "parafovea: {which} has an OpenXR session with Parafovea; parafovea status lists all that have"
         );
         return ExitCode::FAILURE;
     }
@@ -45,7 +46,7 @@ pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> 
     for Found { status, .. } in found {
         let line = match ask_view(environment, status.pid, view) {
             Ok(()) => outcome(environment, &status, view),
-            Err(error) => Err(format!("it could not be asked: {error}")),
+            Err(error) => Err(format!("could not send the request: {error}")),
         };
         all_follow &= line.is_ok();
         let (Ok(line) | Err(line)) = line;
@@ -54,33 +55,35 @@ pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> 
     if all_follow { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// What became of it, once that is known.
+/// The outcome of a request, once known.
 fn outcome(environment: &Environment, asked: &Status, view: Option<DebugView>) -> Result<String, String> {
     if !asked.inert.is_empty() {
-        return Err(format!("nothing is drawn, because it is inert: {}", asked.inert));
+        return Err(format!("no overlay, because the session is inert: {}", asked.inert));
     }
     let begin = Instant::now();
     loop {
         let found = read(environment, Some(&asked.pid.to_string())).map_err(|error| error.to_string())?.0;
-        let Some(Found { status, .. }) = found.into_iter().next() else { return Err("it ended".to_owned()) };
+        let Some(Found { status, .. }) = found.into_iter().next() else {
+            return Err("the application ended".to_owned());
+        };
         let shown = &status.debug_view;
         let follows = match view {
             Some(view) => shown.is_asked && shown.name == view.name(),
             None => !shown.is_asked,
         };
         match (follows, shown.name.as_str(), shown.is_drawn) {
-            (true, "none", _) => return Ok("nothing is drawn over its pictures".to_owned()),
-            (true, name, true) => return Ok(format!("draws \"{name}\" over its pictures")),
+            (true, "none", _) => return Ok("no overlay".to_owned()),
+            (true, name, true) => return Ok(format!("\"{name}\" is visible in the headset")),
             _ if begin.elapsed() < PATIENCE => sleep(EVERY),
             (true, name, false) => {
                 return Err(format!(
-                    "\"{name}\" is not drawn: {}. Its log says more: parafovea status names it",
+                    "\"{name}\" is not visible: {}. The log has details; parafovea status names it",
                     super::text::why_not_drawn(&status)
                 ));
             }
             (false, ..) => {
                 return Err(
-                    "it has not followed: it hangs, shows no frames, or has a Parafovea of another version"
+                    "no reaction: the application hangs, shows no frames, or uses another version of Parafovea"
                         .to_owned(),
                 );
             }

@@ -266,7 +266,7 @@ const FAULTS: &[Fault] = &[
         &["anybody-may-write"],
         true,
     ),
-    ("no place for logs", |machine| machine.put("home/.local/state", ""), &["no-log"], false),
+    ("no folder for logs", |machine| machine.put("home/.local/state", ""), &["no-log"], false),
     (
         "Steam in a Flatpak",
         |machine| machine.put("home/.var/app/com.valvesoftware.Steam/cache", ""),

@@ -30,7 +30,7 @@ fn errors_name_what_is_allowed() {
         ("left 64x64 0x9", &["\"0x9\"", "a size"]),
         ("left #0", &["\"#0\"", "from 1"]),
         ("left +8x8", &["\"+8x8\""]),
-        ("left 8x8 9x9", &["\"9x9\"", "one already"]),
+        ("left 8x8 9x9", &["\"9x9\"", "a second value of this kind"]),
         ("exclude; left 8x8", &["\"exclude\"", "a size or a number"]),
         ("left 1x1;left 2x2;left 3x3;left 4x4;left 5x5;left 6x6;left 7x7;left 8x8;left 9x9", &["at most 8"]),
     ] {

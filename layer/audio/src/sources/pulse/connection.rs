@@ -30,13 +30,13 @@ pub enum Fault {
     #[error("no PulseAudio or PipeWire server is running")]
     NoServer,
     /// It cannot be reached any more.
-    #[error("the sound server is gone ({0})")]
+    #[error("the connection to the sound server was lost ({0})")]
     Gone(io::Error),
     /// It does not answer.
     #[error("the sound server does not answer")]
     Silent,
     /// It says what makes no sense.
-    #[error("the sound server is not understood ({0})")]
+    #[error("the sound server sent an unknown message ({0})")]
     NotUnderstood(#[from] ProtocolError),
 }
 

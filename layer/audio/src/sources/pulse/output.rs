@@ -34,10 +34,7 @@ impl fmt::Display for Output {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Format { sample_rate_hz, channels } = self.format;
         let Self { monitor_name, description, .. } = self;
-        write!(
-            f,
-            "what is played on \"{description}\" ({monitor_name}, {sample_rate_hz} Hz, {channels} channels)"
-        )
+        write!(f, "the output \"{description}\" ({monitor_name}, {sample_rate_hz} Hz, {channels} channels)")
     }
 }
 
@@ -74,7 +71,7 @@ impl Output {
         };
         let mut props = Props::new();
         props.set(Prop::ApplicationName, c"Parafovea");
-        props.set(Prop::MediaName, c"how loud and how high it is");
+        props.set(Prop::MediaName, c"loudness and pitch");
         Command::CreateRecordStream(RecordStreamParams {
             sample_spec: SampleSpec {
                 format: SampleFormat::Float32Le,
