@@ -94,7 +94,7 @@ impl TilePlaces {
             bits.clear();
             bits.resize(wanted.len(), 0);
         }
-        let stale = earlier.picture.stale;
+        let (frame, stale) = (Frame::of(earlier), earlier.picture.stale);
         let mut begin = 0;
         for stretch in self.ages[index].row(reuse, earlier, &self.edges, row) {
             let ends = [begin, stretch.end];
@@ -108,7 +108,11 @@ impl TilePlaces {
                 match stretch.reach {
                     Some(reach) => {
                         let at = [column as i32, row as i32];
-                        let (is_all, is_any) = reach.fresh(at, |row| stale.fresh_row(row));
+                        let (mut is_all, is_any) = reach.fresh(at, |row| stale.fresh_row(row));
+                        for bit in bits::columns(&[is_all & of_word & reach.meets_cut(&frame, word, row)]) {
+                            let has = earlier.has_rect(&reuse.tiles([column + bit, row], [1, 1]));
+                            is_all &= !(u64::from(has != Has::All) << bit);
+                        }
                         all[word] |= is_all & of_word;
                         any[word] |= is_any & of_word;
                     }
@@ -141,15 +145,21 @@ impl TilePlaces {
         let blocks = &age.blocks[(row / BLOCK) as usize * (self.edges.len() - 1)..];
         let (frame, stale) = (Frame::of(earlier), earlier.picture.stale);
         let strip = (reuse.now().tiles_per_pixel() * self.border).min(Vec2::splat(0.5));
+        let has_edge =
+            |column: u32| earlier.has_rect(&reuse.edge([column, row], edge, self.border)) == Has::All;
         for column in bits::columns(wanted) {
-            let has_edge = match blocks.get((column / BLOCK) as usize).copied().flatten() {
+            let is_had = match blocks.get((column / BLOCK) as usize).copied().flatten() {
                 Some(placed) => {
                     let reach = placed.edge_reach(&frame, edge, strip);
+                    let word = column as usize / bits::WORD;
+                    let is_cut =
+                        reach.meets_cut(&frame, word, row) >> (column as usize % bits::WORD) & 1 == 1;
                     reach.is_fresh([column as i32, row as i32], |row| stale.fresh_row(row))
+                        && (!is_cut || has_edge(column))
                 }
-                None => earlier.has_rect(&reuse.edge([column, row], edge, self.border)) == Has::All,
+                None => has_edge(column),
             };
-            found[column as usize / bits::WORD] |= u64::from(has_edge) << (column as usize % bits::WORD);
+            found[column as usize / bits::WORD] |= u64::from(is_had) << (column as usize % bits::WORD);
         }
     }
 }
@@ -191,11 +201,9 @@ impl AgePlaces {
             let Bounds { low: [low_x, low_y], high: [high_x, high_y], .. } = &self.far;
             let places = low_x.iter().zip(low_y).zip(high_x.iter().zip(high_y));
             let mut last = None;
-            for (index, (edges, ((low_x, low_y), (high_x, high_y)))) in
-                edges.windows(2).zip(places).enumerate()
-            {
+            for (index, ((low_x, low_y), (high_x, high_y))) in places.enumerate() {
                 let placed = Placed { low: Vec2::new(*low_x, *low_y), high: Vec2::new(*high_x, *high_y) };
-                let reach = placed.reach(&frame, [[edges[0], lines[0]], [edges[1], lines[1]]]);
+                let reach = placed.reach(&frame);
                 let end = ((index as u32 + 1) * BLOCK).min(columns);
                 self.blocks.push(reach.map(|_| placed));
                 match self.stretches.last_mut().filter(|_| last == Some(reach)) {

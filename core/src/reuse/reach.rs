@@ -25,6 +25,8 @@ pub(super) struct Frame {
     pub(super) across: [f32; 2],
     /// The last column and row.
     pub(super) last: [f32; 2],
+    /// Whether the border cuts off the last column and row.
+    is_cut: [bool; 2],
     /// What blocks give away for rounding, tiles; negative: what they take more.
     given: f32,
 }
@@ -34,12 +36,14 @@ impl Frame {
         let tiles = earlier.tiles_per_pixel;
         let pixels = if earlier.is_still { [0.0, END] } else { [MARGIN, 0.0] };
         let [margin, end] = pixels.map(|pixels| (tiles * pixels).to_array());
-        let stale = earlier.picture.stale;
+        let across = (tiles * earlier.picture.size()).to_array();
+        let count = earlier.picture.stale.tiles().map(|count| count as f32);
         Self {
             margin,
             end,
-            across: (tiles * earlier.picture.size()).to_array(),
-            last: stale.tiles().map(|count| count.saturating_sub(1) as f32),
+            across,
+            last: count.map(|count| if count > 1.0 { count - 1.0 } else { 0.0 }),
+            is_cut: [0, 1].map(|axis: usize| count[axis] > across[axis] + ROUNDING),
             given: if earlier.is_still { ROUNDING } else { -ROUNDING },
         }
     }
@@ -75,6 +79,18 @@ impl Reach {
         (all, any)
     }
 
+    /// The tiles of a word of a row that meet a tile cut off by the border of the earlier picture, as bits: that has no pixels beyond the
+    /// border, unlike its bit, so that such tiles have to be looked at one by one.
+    pub(super) fn meets_cut(self, frame: &Frame, word: usize, row: u32) -> u64 {
+        let Self([[_, right], [_, bottom]]) = self;
+        let meets = |axis: usize, last: i32| frame.is_cut[axis] && last >= frame.last[axis] as i32;
+        if meets(1, row as i32 + bottom) {
+            return u64::MAX;
+        }
+        let first = (frame.last[0] as i32 - right).max(0) as u32;
+        if frame.is_cut[0] { bits::range(word, [first, u32::MAX]) } else { 0 }
+    }
+
     /// Whether all tiles are fresh that one tile meets.
     #[inline]
     pub(super) fn is_fresh<'a>(self, [column, row]: [i32; 2], fresh_row: impl Fn(i32) -> &'a [u64]) -> bool {
@@ -92,23 +108,17 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// What its tiles meet; `None` where they have to be looked at one by one. The block lies between two points of the newest picture, in
-    /// tiles of that.
+    /// What its tiles meet; `None` where they have to be looked at one by one.
     #[inline]
-    pub(super) fn reach(&self, frame: &Frame, [begin, end]: [[f32; 2]; 2]) -> Option<Reach> {
+    pub(super) fn reach(&self, frame: &Frame) -> Option<Reach> {
         let mut reach = Reach([[0; 2]; 2]);
         for axis in 0..2 {
             let (low, high) = self.range(frame, axis);
-            let (across, limit) = (frame.across[axis], frame.last[axis] + 1.0);
             // Not `<=`: either may be NaN.
-            let is_near = high - low < (MOST + 1) as f32 && low.abs() < limit + MOST as f32;
-            // A tile that the picture's border cuts off has no pixels beyond that, unlike its bit.
-            let is_cut = limit > across + ROUNDING
-                && end[axis] + high > across + frame.given
-                && begin[axis] + low <= limit;
+            let is_near = high - low < (MOST + 1) as f32 && low.abs() < frame.across[axis] + MOST as f32;
             let first = floor(low);
             let last = floor(1.0 + high + frame.taken(axis));
-            if !is_near || is_cut || last - first >= MOST {
+            if !is_near || last - first >= MOST {
                 return None;
             }
             reach.0[axis] = [first, last];
