@@ -139,10 +139,11 @@ fn an_output_that_comes_back_at_another_rate() {
         expect_fallback(&stage, "another rate", failed);
         let repaired = SystemTime::now();
         stage.server.plug(Sink { sample_rate_hz, ..OUT }).unwrap();
+        // The server gives an output that nobody uses yet the rate of the first one who plays to it.
+        stage.wait_for_log(&format!("out.monitor, {sample_rate_hz} Hz")).unwrap();
         stage.play_again().unwrap();
         play(&stage);
         expect_return(&stage, &format!("{sample_rate_hz} Hz"), repaired);
-        stage.wait_for_log(&format!("out.monitor, {sample_rate_hz} Hz")).unwrap();
     }
     stage.finish().unwrap();
 }
