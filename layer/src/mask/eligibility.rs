@@ -188,7 +188,7 @@ pub enum Reason {
     DepthResolved,
     /// Depth is cleared within the pass.
     DepthClearedLater,
-    /// What earlier passes left in stencil of several samples is needed: drivers were seen to copy it along with depth.
+    /// What earlier passes left in stencil of several samples is needed: a copy of depth alone between such images is untested.
     StencilLoaded,
     /// Stencil is written and stored: in skipped blocks it would be as if nothing were there.
     StencilStored,

@@ -38,6 +38,7 @@ const CLEARED: Within = Within { is_queried: false, clears_depth: true, pipeline
 
 const LESS: PipelineFacts = PipelineFacts {
     have_side_effects: false,
+    write_stencil: false,
     are_unknown: false,
     directions: Directions { less: true, greater: false },
 };
