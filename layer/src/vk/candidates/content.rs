@@ -192,6 +192,7 @@ impl Content {
     }
 
     /// The texels that the map on the GPU was made of.
+    #[cfg(any(test, debug_assertions))]
     pub fn texels(&self) -> &[u8] {
         &self.laid.texels
     }
