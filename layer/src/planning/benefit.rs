@@ -181,7 +181,7 @@ mod tests {
         // A look half a minute later finds more passes, and that they pay.
         let said = run(&mut benefit, &mut clock, 40 * 90, 3, 0.6);
         assert_eq!((said.len(), benefit.is_on().rates), (1, true));
-        assert!(said[0].starts_with("shading rates: resumed: a saving of 3"), "{}", said[0]);
+        assert!(said[0].starts_with("shading rates: resumed: a saving of 40 %"), "{}", said[0]);
     }
 
     /// Without passes to judge, or without costs, rates stay wanted.

@@ -223,5 +223,8 @@ fn uncertain_directions() {
         pipelines.directions.see(vk::CompareOp::GREATER);
     });
     assert_eq!(reason, Reason::Near(NoNearValue::Direction(0.5)));
-    assert_eq!(reason.to_string(), "depth is cleared to 0.5, and which way its tests go is uncertain");
+    assert_eq!(
+        reason.to_string(),
+        "depth is cleared to 0.5, and the direction of its depth tests is uncertain"
+    );
 }
