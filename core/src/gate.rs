@@ -1,33 +1,43 @@
-//! The benefit gate: whether a technique pays in this application, by what frames cost with it and without it.
+//! The benefit gate: whether a technique pays in this application, by the cost of frames with it and without it.
 //!
-//! [`Gate`] judges one technique. It stands at *on* or *off* and looks at the other side by *excursions*: it leaves its
-//! stand for a few frames, comes back, and compares the median of what the frames cost there with the median of those just
-//! before and just after, so that what changes slowly falls on both sides. The logarithms of these ratios are the
-//! [`Evidence`]; the stand changes when Student's t says with [`CONFIDENCE`] that the other side is cheaper by more than
-//! [`MARGIN`]. In between nothing changes: that is the hysteresis.
+//! [`Gate`] judges one technique. It stands at *on* or *off*, and learns of the other side by *trials*. A trial has up to
+//! four stretches: at the stand, away, at the stand again, away again. After 8, 16, 32 ... frames of a stretch the costs so far
+//! are fitted over the technique and time; the trial ends as soon as the result is sure to 99.95 %, and at
+//! the latest after four stretches. So a gain of 30 % takes a second, and one of 3 % half a minute.
 //!
-//! When it leaves its stand:
-//! - at the start and after a change of scene, one excursion after the other, until it is sure or [`BURST`] are done;
-//! - in saccades and blinks, where nobody sees it: every [`HIDDEN_REST_NS`] while it is not sure, else every
-//!   [`VISIBLE_REST_NS`]; it comes back, and changes its stand, in a saccade or blink too;
-//! - with open eyes at most once in [`VISIBLE_REST_NS`].
+//! - At the start and in a scene that was not seen before there is one whole trial, of three switches, and one more where its end
+//!   changes the stand. Its end decides with 97 %; undecided means off. Where an undecided one promised a saving, a second
+//!   follows after [`TRIAL_REST_NS`].
+//! - Later trials are short controls of two switches, one each [`CONTROL_REST_NS`] with open eyes, or each
+//!   [`HIDDEN_REST_NS`] in saccades and blinks; only a result that is sure to 99.95 % changes the stand.
+//! - After an undecided trial, and only in saccades and blinks, whole trials go on with rests of
+//!   [`RETRY_REST_NS`], twice that, and so on.
+//! - A switch waits up to a second for a saccade or blink of eyes that are tracked.
 //!
-//! [`Gates`] has one for shading rates and one for re-use, of which at most one is away at any time.
+//! A scene is a set of eye passes. A pass that comes and goes begins no scene; its frames do not count.
+//!
+//! [`Gates`] has one gate for shading rates and one for re-use, of which at most one has a trial at any time.
 
 mod both;
-mod costs;
+mod estimate;
 mod evidence;
+mod scenes;
+mod trial;
 
 pub use both::{Gates, JudgedFrame, Techniques};
-pub use evidence::{CONFIDENCE, Evidence, MARGIN, Verdict};
+pub use estimate::{MARGIN, Verdict};
+pub use evidence::Evidence;
+pub use scenes::SCENE_HOLD_NS;
 
 use crate::gaze::GazePhase;
-use costs::Costs;
+use estimate::{Estimate, FINAL, STRICT};
+use scenes::{Decision, Scenes};
+use trial::{BEFORE, Before, Cost, STRETCHES, Trial};
 
 /// Who decides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum GateMode {
-    /// The gate, by what frames cost.
+    /// The gate, by the cost of frames.
     #[default]
     Auto,
     /// Always on.
@@ -36,50 +46,56 @@ pub enum GateMode {
     Off,
 }
 
-/// Longest series of excursions, one after the other, at the start and after a change of scene.
-pub const BURST: u32 = 16;
+/// Longest stretch of a whole trial, nanoseconds: three of them, the frames ahead and the settling fit into 30 s at 2 Hz.
+pub const STRETCH_NS: i64 = 8_000_000_000;
 
-/// Least time between the beginnings of two such series, nanoseconds: an application that changes all the time is not
-/// probed all the time.
-pub const BURST_REST_NS: i64 = 5_000_000_000;
+/// Whole trials of a scene: the second only where the first was undecided, but promised a saving.
+const WHOLE: u8 = 2;
 
-/// Least time between excursions that nobody sees, nanoseconds, while the gate is not sure.
-pub const HIDDEN_REST_NS: i64 = 2_000_000_000;
+/// Longest stretch of a control, nanoseconds.
+pub const CONTROL_NS: i64 = 2_000_000_000;
 
-/// Least time between excursions that may be seen, nanoseconds; also of hidden ones, once the gate is sure.
-pub const VISIBLE_REST_NS: i64 = 30_000_000_000;
+/// Least time from one whole trial to the next that may be seen, nanoseconds.
+pub const TRIAL_REST_NS: i64 = 60_000_000_000;
 
-/// Frames that are measured on each side of an excursion in a series, or in a saccade or blink: with
-/// [`GateFrame::cost_ns`] at 90 Hz, these and the settling fit into a blink, and the median bears one outlier.
-const SHORT: usize = 4;
+/// Least time from one trial to a control that may be seen, nanoseconds: one switch in five minutes.
+pub const CONTROL_REST_NS: i64 = 600_000_000_000;
 
-/// Frames on each side of an excursion with open eyes, of which there are few.
-const LONG: usize = 16;
+/// Least time from one trial to a control that nobody sees, nanoseconds.
+pub const HIDDEN_REST_NS: i64 = 300_000_000_000;
 
-/// Frames after a change that are not counted: CPU time between two frames has work of the frame before in it, and up to
-/// two frames are under way.
+/// Time from an undecided trial to the next that nobody sees, nanoseconds; doubled each time, up to [`HIDDEN_REST_NS`].
+pub const RETRY_REST_NS: i64 = 30_000_000_000;
+
+/// Longest wait of a switch for a saccade or blink, nanoseconds, of eyes that had one within twice that time.
+const HIDING_NS: i64 = 1_000_000_000;
+
+/// Costs that are enough ahead of a trial where frames are slow: so many frames, or half a stretch.
+const LEAST: usize = 8;
+
+/// Frames after a switch that do not count: CPU time between two frames has work of the frame before in it, and up to two
+/// frames are under way.
 const SETTLING: u32 = 2;
 
-/// An excursion that takes so many times its frames is given up: its costs do not come.
-const PATIENCE: u32 = 8;
+/// A stretch without enough costs is given up after so many times its longest time.
+const PATIENCE: i64 = 4;
 
 /// A frame that was rendered, as a gate sees it. Its cost may be known later than the frame was; frames come in order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GateFrame {
     /// Now, nanoseconds on any one clock.
     pub time_ns: i64,
-    /// Time *spent* on the frame, never the time between frames, which a display's clock or a frame limiter can pin: GPU
-    /// time of the passes that the technique touches together with our own work for it, or CPU time of the process where
-    /// a CPU renders. Nanoseconds; none where it is not known.
+    /// Time *spent* on the frame, nanoseconds, never the time between frames, which a display's clock or a frame limiter can pin: GPU
+    /// time of the whole frame, our own work with it, or CPU time of the process where a CPU renders. None if unknown.
     pub cost_ns: Option<u64>,
     /// Whether the technique was at work in that frame.
     pub was_on: bool,
     /// What the eyes do now.
     pub phase: GazePhase,
-    /// Whether other passes were matched in that frame than in the one before: costs from before do not compare.
-    pub scene_changed: bool,
+    /// The set of eye passes of that frame, as any number that tells one set from another. None without passes.
+    pub passes: Option<u32>,
     /// Whether the frame waited for something that the technique cannot change. Its processors may have slept or clocked
-    /// down: its cost does not count, and nothing is begun or decided.
+    /// down: its cost does not count, and no trial begins.
     pub waited: bool,
 }
 
@@ -89,67 +105,69 @@ pub struct Gate {
     mode: GateMode,
     /// Where it is when it is not away.
     stands_on: bool,
-    stage: Stage,
+    trial: Option<UnderWay>,
     evidence: Evidence,
-    /// The newest costs at its stand.
-    before: Costs,
+    scenes: Scenes,
+    before: Before,
     /// Frames in a row with the technique as it was in the last.
     same: u32,
     last_was_on: bool,
-    /// Excursions left of a series.
-    burst: u32,
-    burst_due: bool,
-    last_burst_ns: Option<i64>,
-    last_visible_ns: Option<i64>,
-    last_excursion_ns: Option<i64>,
+    /// Whole trials that the scene may still have with open eyes.
+    whole_left: u8,
+    /// Undecided trials since the last decision.
+    undecided: u32,
+    last_trial_ns: Option<i64>,
+    last_whole_ns: Option<i64>,
+    last_hidden_ns: Option<i64>,
+    wants_costs: bool,
 }
 
-/// Where it is.
-#[derive(Clone, Copy, Debug)]
-enum Stage {
-    Standing,
-    /// On the other side.
-    Away(Excursion),
-    /// At its stand again, to compare.
-    Back(Excursion),
+/// A trial under way.
+#[derive(Clone, Debug)]
+struct UnderWay {
+    trial: Trial,
+    /// Whether it is a control, or a whole trial.
+    is_control: bool,
+    /// Whether it is one of the first of its scene, at whose end [`FINAL`] decides.
+    is_early: bool,
+    stretch_began_ns: i64,
+    /// Frames of the stretch at which the costs are looked at next.
+    next_look: usize,
+    /// The next step, and since when it waits for the eyes.
+    next: Option<(Step, i64)>,
+    /// At the last look.
+    latest: Option<Estimate>,
 }
 
-/// What was measured of an excursion.
-#[derive(Clone, Copy, Debug)]
-struct Excursion {
-    /// Whether it ends in a saccade or blink alone, as it began.
-    hidden: bool,
-    /// Frames on each side.
-    frames: usize,
-    /// Frames in this stage.
-    age: u32,
-    /// Costs at its stand, half from before, half from after.
-    standing: Costs,
-    away: Costs,
-}
-
-impl Excursion {
-    fn is_too_long(&self) -> bool {
-        self.age > PATIENCE * (self.frames as u32 + SETTLING)
-    }
+/// What happens to a trial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Step {
+    /// The next stretch begins.
+    Switch,
+    /// The trial ends with that.
+    End(Option<Estimate>, Verdict),
+    /// Its costs do not come.
+    GiveUp,
 }
 
 impl Gate {
-    /// A gate that has seen nothing. [`GateMode::Auto`] begins at on: what is there is expected to pay.
+    /// A gate that has seen nothing. [`GateMode::Auto`] begins at on, and stays there as long as no cost is known.
     pub fn new(mode: GateMode) -> Self {
         Self {
             mode,
             stands_on: true,
-            stage: Stage::Standing,
+            trial: None,
             evidence: Evidence::default(),
-            before: Costs::new(LONG / 2),
+            scenes: Scenes::default(),
+            before: Before::default(),
             same: 0,
             last_was_on: false,
-            burst: 0,
-            burst_due: true,
-            last_burst_ns: None,
-            last_visible_ns: None,
-            last_excursion_ns: None,
+            whole_left: WHOLE,
+            undecided: 0,
+            last_trial_ns: None,
+            last_whole_ns: None,
+            last_hidden_ns: None,
+            wants_costs: true,
         }
     }
 
@@ -158,21 +176,26 @@ impl Gate {
         self.mode
     }
 
-    /// Changes who decides. What is known stays.
+    /// Changes who decides. Decisions stay; a trial under way ends without one.
     pub fn set_mode(&mut self, mode: GateMode) {
+        if self.mode != mode {
+            self.trial = None;
+            self.before.clear();
+        }
         self.mode = mode;
     }
 
     /// Whether the technique is to be at work in the next frame.
     pub fn is_on(&self) -> bool {
-        match self.mode {
-            GateMode::On => true,
-            GateMode::Off => false,
-            GateMode::Auto => self.stands_on != matches!(self.stage, Stage::Away(_)),
+        match (self.mode, &self.trial) {
+            (GateMode::On, _) => true,
+            (GateMode::Off, _) => false,
+            (GateMode::Auto, None) => self.stands_on,
+            (GateMode::Auto, Some(under_way)) => under_way.trial.is_on(),
         }
     }
 
-    /// Whether the technique is kept, apart from excursions.
+    /// Whether the technique is kept, apart from trials.
     pub fn is_kept(&self) -> bool {
         match self.mode {
             GateMode::On => true,
@@ -181,165 +204,205 @@ impl Gate {
         }
     }
 
-    /// What is known of the costs, for people.
+    /// The result of the last trial, and during the first trial the result so far, for people.
     pub fn evidence(&self) -> &Evidence {
         &self.evidence
     }
 
-    /// Whether an excursion is under way, and frames are not as the gate would have them.
-    pub fn is_away(&self) -> bool {
-        self.mode == GateMode::Auto && !matches!(self.stage, Stage::Standing)
+    /// Whether a trial is under way.
+    pub fn is_trying(&self) -> bool {
+        self.trial.is_some()
+    }
+
+    /// Whether costs of frames are of use now: a trial is under way or due. Between trials nobody needs to measure.
+    pub fn wants_costs(&self) -> bool {
+        self.mode == GateMode::Auto && self.wants_costs
     }
 
     /// Takes a frame that was rendered; says whether the technique is to be at work in the next.
     ///
-    /// `may_leave`: whether an excursion may begin now; another gate's may be under way.
-    pub fn frame(&mut self, frame: &GateFrame, may_leave: bool) -> bool {
+    /// `may_begin`: whether a trial may begin now; another gate's may be under way.
+    pub fn frame(&mut self, frame: &GateFrame, may_begin: bool) -> bool {
         if self.mode != GateMode::Auto {
             return self.is_on();
         }
         let now = frame.time_ns;
-        for last in [&mut self.last_burst_ns, &mut self.last_visible_ns, &mut self.last_excursion_ns] {
+        for last in [&mut self.last_trial_ns, &mut self.last_whole_ns, &mut self.last_hidden_ns] {
             // A clock that starts anew starts the rest anew.
             *last = last.map(|last| last.min(now));
         }
-        if frame.scene_changed {
-            self.forget();
+        if is_hidden(frame.phase) {
+            self.last_hidden_ns = Some(now);
+        }
+        if self.scenes.frame(frame.passes, now) {
+            self.begin_scene(now);
         }
         self.take(frame);
-        self.step(frame, may_leave);
+        if self.trial.is_some() {
+            self.go_on(frame);
+        } else if may_begin && !frame.waited && self.is_due(is_hidden(frame.phase), now) {
+            self.begin_trial(now);
+        }
+        let eyes_move = !has_passed(self.last_hidden_ns, 10 * HIDING_NS, now);
+        self.wants_costs = self.trial.is_some() || self.is_due(eyes_move, now);
         self.is_on()
     }
 
-    /// Another scene: what was measured is of the old one.
-    fn forget(&mut self) {
-        self.evidence.clear();
+    /// Another scene: one of which the decision is known, or one for a whole trial.
+    fn begin_scene(&mut self, now: i64) {
+        if self.trial.take().is_some() {
+            self.last_trial_ns = Some(now);
+        }
         self.before.clear();
-        self.stage = Stage::Standing;
-        self.burst = 0;
-        self.burst_due = true;
+        self.undecided = 0;
+        let decision = self.scenes.decision();
+        self.whole_left = if decision.is_none() { WHOLE } else { 0 };
+        self.evidence = decision.map(|decision| decision.evidence).unwrap_or_default();
+        self.stands_on = decision.map_or(self.stands_on, |decision| decision.is_on);
     }
 
     /// Puts the frame's cost where it belongs.
     fn take(&mut self, frame: &GateFrame) {
         self.same = if frame.was_on == self.last_was_on { self.same.saturating_add(1) } else { 0 };
         self.last_was_on = frame.was_on;
-        if frame.waited {
-            self.before.clear();
-        }
-        if let Stage::Away(excursion) | Stage::Back(excursion) = &mut self.stage {
-            excursion.age = excursion.age.saturating_add(1);
-        }
-        let usable = frame.cost_ns.filter(|&cost| cost > 0 && !frame.waited && self.same >= SETTLING);
-        let Some(cost) = usable else { return };
-        let at_stand = frame.was_on == self.stands_on;
-        match &mut self.stage {
-            Stage::Standing if at_stand => self.before.push(cost),
-            Stage::Away(excursion) if !at_stand && excursion.away.len() < excursion.frames => {
-                excursion.away.push(cost);
-            }
-            Stage::Back(excursion) if at_stand => excursion.standing.push(cost),
+        let cost = frame.cost_ns.filter(|&cost| cost > 0 && !frame.waited && self.same >= SETTLING);
+        let Some(cost) = cost.filter(|_| self.scenes.is_current(frame.passes)) else { return };
+        let cost = Cost { time_ns: frame.time_ns, ln: (cost as f64).ln() as f32 };
+        match &mut self.trial {
+            Some(under_way) if frame.was_on == under_way.trial.is_on() => under_way.trial.push(cost),
+            None if frame.was_on == self.stands_on => self.before.push(cost),
             _ => {}
         }
     }
 
-    fn step(&mut self, frame: &GateFrame, may_leave: bool) {
-        match self.stage {
-            Stage::Standing => self.stand(frame, may_leave),
-            Stage::Away(excursion) => self.come_back(frame, excursion),
-            Stage::Back(excursion) if excursion.standing.len() == excursion.frames => {
-                self.stage = Stage::Standing;
-                self.conclude(&excursion);
-                self.stand(frame, false);
-            }
-            Stage::Back(excursion) if excursion.is_too_long() => self.stage = Stage::Standing,
-            Stage::Back(_) => {}
+    /// Whether it is time for a trial, with open eyes or not.
+    fn is_due(&self, hidden: bool, now: i64) -> bool {
+        if self.whole_left > 0 {
+            return has_passed(self.last_whole_ns, TRIAL_REST_NS, now) || hidden;
         }
-    }
-
-    fn stand(&mut self, frame: &GateFrame, may_leave: bool) {
-        if frame.waited {
-            return;
-        }
-        let now = frame.time_ns;
-        if self.burst_due && has_passed(self.last_burst_ns, BURST_REST_NS, now) {
-            self.burst_due = false;
-            self.burst = BURST;
-            self.last_burst_ns = Some(now);
-        }
-        let hidden = is_hidden(frame.phase);
-        let may_be_seen = self.burst > 0 || has_passed(self.last_visible_ns, VISIBLE_REST_NS, now);
-        let verdict = self.evidence.verdict();
-        if verdict.wants_on().is_some_and(|wanted| wanted != self.stands_on) && (hidden || may_be_seen) {
-            self.stands_on = !self.stands_on;
-            self.before.clear();
-            self.burst = 0;
-            if !hidden {
-                self.last_visible_ns = Some(now);
-            }
-            return;
-        }
-        if verdict != Verdict::Unclear {
-            self.burst = 0;
-        }
-        if !may_leave {
-            return;
-        }
-        let rest = if verdict == Verdict::Unclear && !self.evidence.is_full() {
-            HIDDEN_REST_NS
-        } else {
-            VISIBLE_REST_NS
+        let hidden_rest = match self.undecided {
+            0 => HIDDEN_REST_NS,
+            trials => RETRY_REST_NS.saturating_mul(1 << (trials - 1).min(8)).min(HIDDEN_REST_NS),
         };
-        if self.burst > 0 {
-            if self.leave(now, SHORT, false) {
-                self.burst -= 1;
-                self.last_visible_ns = Some(now);
+        has_passed(self.last_trial_ns, CONTROL_REST_NS, now)
+            || hidden && has_passed(self.last_trial_ns, hidden_rest, now)
+    }
+
+    /// Begins a trial, if there are costs to compare with.
+    fn begin_trial(&mut self, now: i64) {
+        let is_seen = self.last_hidden_ns != Some(now);
+        let is_control = self.whole_left == 0 && (self.undecided == 0 || is_seen);
+        let before = self.before.since(now.saturating_sub(STRETCH_NS));
+        let span = before.first().map_or(0, |first| now.saturating_sub(first.time_ns));
+        if before.len() < LEAST || (before.len() < BEFORE && span < STRETCH_NS / 2) {
+            return;
+        }
+        let trial = Trial::begin(now, self.stands_on, before);
+        self.trial = Some(UnderWay {
+            trial,
+            is_control,
+            is_early: self.whole_left > 0,
+            stretch_began_ns: now,
+            next_look: LEAST,
+            next: None,
+            latest: None,
+        });
+    }
+
+    /// Goes on with the trial under way.
+    fn go_on(&mut self, frame: &GateFrame) {
+        let now = frame.time_ns;
+        let Some(under_way) = &mut self.trial else { return };
+        under_way.next = under_way.next.or_else(|| Some((under_way.step(now)?, now)));
+        if self.evidence.verdict() == Verdict::Unclear
+            && under_way.trial.at() > 1
+            && under_way.latest.is_some()
+        {
+            self.evidence = Evidence::new(under_way.latest, Verdict::Unclear);
+        }
+        let Some((step, since)) = under_way.next else { return };
+        let is_on_after = match step {
+            Step::Switch => !under_way.trial.is_on(),
+            Step::GiveUp => self.stands_on,
+            Step::End(_, Verdict::Unclear) if under_way.is_control => self.stands_on,
+            Step::End(_, verdict) => verdict == Verdict::Pays,
+        };
+        let may_switch = is_hidden(frame.phase)
+            || has_passed(self.last_hidden_ns, 2 * HIDING_NS, now)
+            || has_passed(Some(since.min(now)), HIDING_NS, now);
+        if is_on_after != under_way.trial.is_on() && !may_switch {
+            return;
+        }
+        under_way.next = None;
+        let is_control = under_way.is_control;
+        match step {
+            Step::Switch => return under_way.switch(now),
+            Step::End(_, Verdict::Unclear) if is_control => {}
+            Step::End(estimate, verdict) => self.decide(estimate, verdict),
+            Step::GiveUp => {
+                self.whole_left = 0;
+                self.undecided = self.undecided.saturating_add(1);
             }
-        } else if hidden && has_passed(self.last_excursion_ns, rest, now) {
-            self.leave(now, SHORT, true);
-        } else if has_passed(self.last_visible_ns, VISIBLE_REST_NS, now) && self.leave(now, LONG, false) {
-            self.last_visible_ns = Some(now);
         }
-    }
-
-    /// Begins an excursion, if enough is known to compare with.
-    fn leave(&mut self, now: i64, frames: usize, hidden: bool) -> bool {
-        let mut standing = Costs::new(frames);
-        if !self.before.newest(frames / 2, &mut standing) {
-            return false;
-        }
-        let away = Costs::new(frames);
-        self.stage = Stage::Away(Excursion { hidden, frames, age: 0, standing, away });
-        self.last_excursion_ns = Some(now);
-        true
-    }
-
-    fn come_back(&mut self, frame: &GateFrame, excursion: Excursion) {
-        let full = excursion.away.len() == excursion.frames;
-        if !full && !excursion.is_too_long() {
-            return;
-        }
-        let hidden = is_hidden(frame.phase);
-        let may_be_seen =
-            !excursion.hidden || has_passed(self.last_visible_ns, VISIBLE_REST_NS, frame.time_ns);
-        if !hidden && !may_be_seen {
-            return;
-        }
-        if excursion.hidden && !hidden {
-            self.last_visible_ns = Some(frame.time_ns);
-        }
+        self.trial = None;
         self.before.clear();
-        self.stage = if full { Stage::Back(Excursion { age: 0, ..excursion }) } else { Stage::Standing };
+        self.last_trial_ns = Some(now);
+        if !is_control {
+            self.last_whole_ns = Some(now);
+        }
     }
 
-    fn conclude(&mut self, excursion: &Excursion) {
-        let (away, standing) = (excursion.away.median(), excursion.standing.median());
-        let (on, off) = if self.stands_on { (standing, away) } else { (away, standing) };
-        self.evidence.push((on / off).ln());
+    fn decide(&mut self, estimate: Option<Estimate>, verdict: Verdict) {
+        self.stands_on = verdict == Verdict::Pays;
+        self.undecided = if verdict == Verdict::Unclear { self.undecided.saturating_add(1) } else { 0 };
+        let is_promising = estimate.is_some_and(|estimate| estimate.is_promising());
+        self.whole_left =
+            if is_promising && verdict == Verdict::Unclear { self.whole_left.saturating_sub(1) } else { 0 };
+        self.evidence = Evidence::new(estimate, verdict);
+        self.scenes.decide(Decision { is_on: self.stands_on, evidence: self.evidence });
     }
 }
 
-/// Whether nobody sees what changes now.
+impl UnderWay {
+    /// The next step, if it is time for one.
+    fn step(&mut self, now: i64) -> Option<Step> {
+        self.stretch_began_ns = self.stretch_began_ns.min(now);
+        let passed = now.saturating_sub(self.stretch_began_ns);
+        let longest = if self.is_control { CONTROL_NS } else { STRETCH_NS };
+        let [frames, frames_before] = self.trial.frames();
+        let is_over = passed >= longest && frames >= LEAST;
+        let least = if self.trial.at() == 2 { frames_before.min(4 * LEAST) } else { LEAST };
+        if frames >= self.next_look.max(least) || is_over {
+            self.next_look = 2 * frames.max(LEAST);
+            let estimate = self.trial.estimate();
+            self.latest = estimate;
+            let verdict = |quantile| estimate.map_or(Verdict::Unclear, |estimate| estimate.verdict(quantile));
+            let strict = verdict(STRICT);
+            let is_last = self.trial.at() == if self.is_control { 2 } else { STRETCHES - 1 };
+            match (self.trial.at(), strict) {
+                (1, Verdict::Pays | Verdict::DoesNotPay) => return Some(Step::Switch),
+                (_, Verdict::Pays | Verdict::DoesNotPay) if self.trial.at() > 1 => {
+                    return Some(Step::End(estimate, strict));
+                }
+                _ if is_over && is_last && self.is_early => {
+                    return Some(Step::End(estimate, verdict(FINAL)));
+                }
+                _ if is_over && is_last => return Some(Step::End(estimate, Verdict::Unclear)),
+                _ if is_over => return Some(Step::Switch),
+                _ => {}
+            }
+        }
+        (passed >= PATIENCE * longest).then_some(Step::GiveUp)
+    }
+
+    fn switch(&mut self, now: i64) {
+        self.trial.switch();
+        self.stretch_began_ns = now;
+        self.next_look = LEAST;
+    }
+}
+
+/// Whether nobody sees a change of the picture now.
 fn is_hidden(phase: GazePhase) -> bool {
     matches!(phase, GazePhase::Saccade | GazePhase::Blink)
 }

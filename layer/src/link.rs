@@ -21,7 +21,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"vkGetParafoveaLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 11;
+pub const LINK_VERSION: u32 = 12;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
@@ -68,6 +68,8 @@ pub struct LinkTable {
     pub stale: unsafe extern "C" fn(device: vk::Device, eye: u32, record: *mut StaleRecord) -> u32,
     /// How many passes were recognised and had the plan's rates in the frame that ended last.
     pub passes_with_rates: unsafe extern "C" fn(device: vk::Device) -> u32,
+    /// How many passes were recognised as an eye's picture in the frame that ended last, whether rates are on or not.
+    pub eye_passes: unsafe extern "C" fn(device: vk::Device) -> u32,
     /// Number of the frame that ended last, counted by [`Self::shown`] from 1; 0 before the first.
     pub frames_ended: unsafe extern "C" fn(device: vk::Device) -> u64,
     /// Writes what the next frame's passes took, of which that has become known; returns 1, or 0 when there is none. It waits for

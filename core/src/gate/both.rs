@@ -23,14 +23,14 @@ pub struct JudgedFrame {
     pub was_on: Techniques<bool>,
     /// [`GateFrame::phase`].
     pub phase: GazePhase,
-    /// [`GateFrame::scene_changed`].
-    pub scene_changed: bool,
+    /// [`GateFrame::passes`].
+    pub passes: Option<u32>,
     /// [`GateFrame::waited`].
     pub waited: bool,
 }
 
-/// A gate for each technique. While one is away the other stays, and frames count for one alone: a difference is
-/// always that of one technique, with the other as it stands.
+/// A gate for each technique. While one has a trial the other stays, and frames count for one alone: a difference is
+/// always that of one technique, with the other at its stand.
 #[derive(Clone, Debug)]
 pub struct Gates {
     gates: Techniques<Gate>,
@@ -56,19 +56,19 @@ impl Gates {
     /// Takes a frame that was rendered; says which techniques are to be at work in the next.
     pub fn frame(&mut self, frame: &JudgedFrame) -> Techniques<bool> {
         let Techniques { rates, reuse } = &mut self.gates;
-        let [rates_away, reuse_away] = [rates.is_away(), reuse.is_away()];
+        let [rates_tries, reuse_tries] = [rates.is_trying(), reuse.is_trying()];
         let seen = |was_on, other_was_on, other: &Gate| GateFrame {
             time_ns: frame.time_ns,
-            cost_ns: frame.cost_ns.filter(|_| !other.is_away() && other_was_on == other.is_kept()),
+            cost_ns: frame.cost_ns.filter(|_| !other.is_trying() && other_was_on == other.is_kept()),
             was_on,
             phase: frame.phase,
-            scene_changed: frame.scene_changed,
+            passes: frame.passes,
             waited: frame.waited,
         };
         let Techniques { rates: rates_on, reuse: reuse_on } = frame.was_on;
         let rates_frame = seen(rates_on, reuse_on, reuse);
         let reuse_frame = seen(reuse_on, rates_on, rates);
-        let on = rates.frame(&rates_frame, !reuse_away);
-        Techniques { rates: on, reuse: reuse.frame(&reuse_frame, !rates_away && !rates.is_away()) }
+        let on = rates.frame(&rates_frame, !reuse_tries);
+        Techniques { rates: on, reuse: reuse.frame(&reuse_frame, !rates_tries && !rates.is_trying()) }
     }
 }

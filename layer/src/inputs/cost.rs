@@ -3,8 +3,9 @@
 //! Where a CPU renders, that is CPU time of the whole process from the end of one frame to the end of the next ([`CpuCost`]). Frames
 //! overlap, so what a change of one frame does may show in the next; the gate leaves frames out after each change.
 //!
-//! On other devices it is the time on the GPU of the passes that show an eye, by timestamps that the Vulkan half writes around them. It is known some frames later, and so frames wait for it ([`Late`]). Our own work for rates, a copy of some
-//! kilobytes for each map that changed, is not in it.
+//! On other devices it is the time on the GPU of the passes that show an eye, by timestamps that the Vulkan half writes around them and around its own work ahead of
+//! them: masks, fills, maps and their decision. It is known some frames later, and so frames wait for it ([`Late`]). Work of the OpenXR half at
+//! the end of a frame (re-use, chroma), passes in secondary command buffers and other passes of the application are not in it.
 
 use smallvec::SmallVec;
 

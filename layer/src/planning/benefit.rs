@@ -2,7 +2,7 @@
 
 use crate::inputs::cost::{CpuCost, Late};
 use crate::link::FrameTimeRecord;
-use parafovea_core::gate::{Gate, GateMode, Gates, JudgedFrame, Techniques};
+use parafovea_core::gate::{Gate, GateMode, Gates, JudgedFrame, Techniques, Verdict};
 use parafovea_core::gaze::GazePhase;
 use parafovea_manifest::status::effect;
 
@@ -17,6 +17,8 @@ pub struct EndedFrame {
     pub wanted: Techniques<bool>,
     /// How many passes it gave maps to.
     pub passes: u32,
+    /// How many passes it recognised as an eye's picture, whether they got maps or not.
+    pub eye_passes: u32,
     /// What the eyes do.
     pub phase: GazePhase,
 }
@@ -36,14 +38,14 @@ pub struct Benefit {
     gates: Gates,
     cpu: CpuCost,
     late: Late<EndedFrame>,
-    /// Passes with maps in the last frame that had any.
-    passes: u32,
+    /// Whether any frame had maps.
+    had_maps: bool,
 }
 
 impl Default for Benefit {
     fn default() -> Self {
         let both = Techniques { rates: GateMode::Auto, reuse: GateMode::Auto };
-        Self { gates: Gates::new(both), cpu: CpuCost::default(), late: Late::default(), passes: 0 }
+        Self { gates: Gates::new(both), cpu: CpuCost::default(), late: Late::default(), had_maps: false }
     }
 }
 
@@ -61,7 +63,13 @@ impl Benefit {
 
     /// Whether any frame had maps so far.
     pub fn had_maps(&self) -> bool {
-        self.passes > 0
+        self.had_maps
+    }
+
+    /// Whether anybody needs the costs of frames now.
+    pub fn wants_costs(&self) -> bool {
+        let Techniques { rates, reuse } = self.gates.gates();
+        rates.wants_costs() || reuse.wants_costs()
     }
 
     /// The gates, for people.
@@ -102,22 +110,18 @@ impl Benefit {
 
     /// Gives a frame to the gates, while `now` ends.
     ///
-    /// The number of passes with maps tells a scene from another: which images they draw to changes from frame to frame
-    /// in many applications, and with dynamic resolution their sizes do.
+    /// The number of eye passes tells one scene from another: their images change from frame to frame in many applications,
+    /// and with dynamic resolution their sizes do.
     fn judge(&mut self, frame: &EndedFrame, cost_ns: Option<u64>, now: &EndedFrame) {
         let was = |wanted: bool| wanted && frame.passes > 0;
         let was_on = Techniques { rates: was(frame.wanted.rates), reuse: was(frame.wanted.reuse) };
-        let had_maps = was_on.rates || was_on.reuse;
-        let scene_changed = had_maps && frame.passes != self.passes;
-        if had_maps {
-            self.passes = frame.passes;
-        }
+        self.had_maps |= was_on.rates || was_on.reuse;
         self.gates.frame(&JudgedFrame {
             time_ns: now.time_ns,
             cost_ns,
             was_on,
             phase: now.phase,
-            scene_changed,
+            passes: (frame.eye_passes > 0).then_some(frame.eye_passes),
             // Time spent has no waiting in it, whatever the frame waits for.
             waited: false,
         });
@@ -127,9 +131,13 @@ impl Benefit {
 /// The log line of a gate that changed its verdict.
 fn news(technique: &str, gate: &Gate) -> Option<String> {
     let (ratio, [low, high]) = gate.evidence().ratio()?;
-    let what = if gate.is_kept() { "resumed" } else { "dropped" };
+    let change = match (gate.is_kept(), gate.evidence().verdict()) {
+        (true, _) => "resumed",
+        (false, Verdict::Unclear) => "off, no saving is certain",
+        (false, _) => "dropped",
+    };
     let effect = effect([ratio, low, high].map(|ratio| ratio as f32));
-    Some(format!("{technique}: {what}: {effect}"))
+    Some(format!("{technique}: {change}: {effect}"))
 }
 
 #[cfg(test)]
@@ -165,6 +173,7 @@ mod tests {
                 clock: Clock::Cpu(Some(clock.1)),
                 wanted: benefit.is_on(),
                 passes: if on { passes } else { 0 },
+                eye_passes: passes,
                 phase: GazePhase::Fixation,
             };
             benefit.frame_ended(&frame, &[])
@@ -178,8 +187,9 @@ mod tests {
         let said = run(&mut benefit, &mut clock, 200, 2, 1.3);
         assert_eq!((said.len(), benefit.is_on().rates), (1, false));
         assert!(said[0].starts_with("shading rates: dropped: a slowdown of 3"), "{}", said[0]);
-        // A look half a minute later finds more passes, and that they pay.
-        let said = run(&mut benefit, &mut clock, 40 * 90, 3, 0.6);
+        assert!(!benefit.wants_costs(), "until the next trial");
+        // Another number of passes for ten seconds is another scene; a trial a minute after the first finds that it pays.
+        let said = run(&mut benefit, &mut clock, 70 * 90, 3, 0.6);
         assert_eq!((said.len(), benefit.is_on().rates), (1, true));
         assert!(said[0].starts_with("shading rates: resumed: a saving of 40 %"), "{}", said[0]);
     }
@@ -192,7 +202,8 @@ mod tests {
         for time_ns in 0..1000 {
             let phase = GazePhase::Saccade;
             for clock in [Clock::Cpu(None), Clock::Gpu(time_ns as u64)] {
-                let frame = EndedFrame { time_ns, clock, wanted: benefit.is_on(), passes: 2, phase };
+                let frame =
+                    EndedFrame { time_ns, clock, wanted: benefit.is_on(), passes: 2, eye_passes: 2, phase };
                 assert_eq!((benefit.frame_ended(&frame, &[]), benefit.is_on().rates), (None, true));
             }
         }
@@ -212,6 +223,7 @@ mod tests {
                     clock: Clock::Gpu(number),
                     wanted: benefit.is_on(),
                     passes: if on { 2 } else { 0 },
+                    eye_passes: 2,
                     phase: GazePhase::Fixation,
                 };
                 let known = number.checked_sub(2).filter(|frame| frame % 7 != 3);
@@ -243,6 +255,7 @@ mod tests {
                     clock: Clock::Cpu(Some(spent)),
                     wanted: on,
                     passes: if on.rates || on.reuse { 2 } else { 0 },
+                    eye_passes: 2,
                     phase: GazePhase::Fixation,
                 };
                 said.extend(benefit.frame_ended(&frame, &[]));

@@ -24,6 +24,7 @@ static TABLE: LinkTable = LinkTable {
     settings,
     stale,
     passes_with_rates,
+    eye_passes,
     frames_ended,
     frame_time,
     copy_rates,
@@ -207,6 +208,21 @@ unsafe extern "C" fn passes_with_rates(device: vk::Device) -> u32 {
                 .as_ref()
                 .and_then(|known| known.armed.as_ref())
                 .map_or(0, |armed| armed.frame.log().with_rates())
+        },
+    )
+}
+
+unsafe extern "C" fn eye_passes(device: vk::Device) -> u32 {
+    // SAFETY: the other half passes a live device (link.rs).
+    guard(
+        "vkGetParafoveaLink.eye_passes",
+        || 0,
+        |_| unsafe {
+            let known = device::of(device);
+            known
+                .as_ref()
+                .and_then(|known| known.armed.as_ref())
+                .map_or(0, |armed| armed.frame.log().eye_passes())
         },
     )
 }

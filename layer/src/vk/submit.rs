@@ -195,6 +195,9 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed:
         if let Some((candidate, pass)) = candidate {
             let matched = judged.and_then(Result::ok);
             candidate.content().recognised(matched.is_some());
+            if matched.as_ref().is_some_and(|found| !found.parts.is_empty()) {
+                log.has_eye_pass();
+            }
             candidate.map.noted(matched.as_ref().map(|found| found.how));
             // A pass without a mask obeys no map, and so says nothing of what that shall hold.
             if pass.unmasked.is_some_and(|reason| reason != Reason::Undrawn) {
@@ -211,7 +214,7 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed:
             content.note_fill(log.frame(), pass.facts.is_unfilled);
         }
     }
-    armed.timing.submitted(&recorded.timer, log.frame());
+    armed.timing.submitted(&recorded.timer, log.frame(), true);
 }
 
 /// An array of the application's; empty where there is none.

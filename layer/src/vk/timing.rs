@@ -1,5 +1,5 @@
-//! What passes that show an eye take on the GPU, for the benefit gate: timestamps ahead of a pass and behind it, in the
-//! application's own command buffers. They are read when they are there, a frame or two later; nothing waits for them.
+//! The GPU time of passes that show an eye, with masks and fills, and of our own work ahead of them, for the benefit gate:
+//! timestamps ahead of a pass and behind it in the application's own command buffers, and around our own submits. They are read when they are there, a frame or two later; nothing waits for them.
 //!
 //! Timed are passes whose target is known to be an eye's picture when they are recorded, in primary command buffers, on devices that are no
 //! CPU (there CPU time tells more), while the gate asks for it. What was recorded before anything was known, and is submitted again and again, is
@@ -96,8 +96,17 @@ impl Timing {
         Timer { mask, ..Timer::default() }
     }
 
-    /// A command buffer is about to be submitted in that frame.
-    pub fn submitted(&self, timer: &Timer, frame: u64) {
+    /// For command buffers of our own, for queues of that family.
+    pub fn own_timer(&self, armed: &Armed, functions: &Functions, family: u32) -> Timer {
+        if armed.offer().is_cpu != 0 {
+            return Timer::default();
+        }
+        let mask = self.clock(armed, functions).masks.get(family as usize).copied().unwrap_or(0);
+        Timer { mask, ..Timer::default() }
+    }
+
+    /// A command buffer is about to be submitted in that frame; `has_passes`: of the application, not our own.
+    pub fn submitted(&self, timer: &Timer, frame: u64, has_passes: bool) {
         let Some(queries) = timer.queries.as_ref().filter(|_| timer.passes > 0) else { return };
         let mut unread = lock(&self.unread);
         let mut frames = lock(&self.frames);
@@ -107,13 +116,22 @@ impl Timing {
             frames.read(unread.swap_remove(index).frame, None);
         }
         if unread.len() < MOST_UNREAD {
-            frames.submitted(frame);
+            frames.submitted(frame, has_passes);
             unread.push(Unread { queries: Arc::clone(queries), passes: timer.passes, frame });
         }
     }
 
     /// Reads what is there, and gives the next frame before that under way of which all is known.
     pub fn next(&self, under_way: u64) -> Option<FrameTime> {
+        self.read();
+        lock(&self.frames).take(under_way)
+    }
+
+    /// Reads what is there.
+    pub fn read(&self) {
+        if lock(&self.unread).is_empty() {
+            return;
+        }
         // Taken out, so that no lock is held across calls down.
         let mut unread = std::mem::take(&mut *lock(&self.unread));
         if let Some(clock) = self.clock.get() {
@@ -134,8 +152,6 @@ impl Timing {
         let mut kept = lock(&self.unread);
         std::mem::swap(&mut *kept, &mut unread);
         kept.append(&mut unread);
-        drop(kept);
-        lock(&self.frames).take(under_way)
     }
 
     /// Forgets all, before the device is destroyed.

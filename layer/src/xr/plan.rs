@@ -21,7 +21,7 @@ use crate::status::{Known, Moment, Quiet, Topic, all_decisions, decided, decisio
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
-use parafovea_core::gate::{GateMode, Techniques};
+use parafovea_core::gate::Techniques;
 use parafovea_core::geometry::Fov;
 use smallvec::SmallVec;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
@@ -105,12 +105,13 @@ impl SessionPlan {
 
     /// Tells the Vulkan half what the configuration asks for, and hears what it can do, where that is news.
     pub fn tell_settings(&self, active: &Active, config: &Config) {
-        let pays = {
+        let (pays, wants_costs) = {
             let mut benefit = self.benefit.lock().unwrap_or_else(PoisonError::into_inner);
             benefit.set_mode(gate_modes(config));
-            benefit.is_on()
+            (benefit.is_on(), benefit.wants_costs())
         };
-        let wanted = Wanted::new(config, if self.has_failed() { Techniques::default() } else { pays });
+        let techniques = if self.has_failed() { Techniques::default() } else { pays };
+        let wanted = Wanted::new(config, techniques, wants_costs);
         self.planning().set_techniques(wanted.techniques);
         let is_news = {
             let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
@@ -143,16 +144,13 @@ struct Wanted {
 }
 
 impl Wanted {
-    fn new(config: &Config, techniques: Techniques<bool>) -> Self {
+    fn new(config: &Config, techniques: Techniques<bool>, times_passes: bool) -> Self {
         let backend = match config.rates.backend {
             RatesBackend::Auto => BACKEND_ANY,
             RatesBackend::Attachment => BACKEND_RATE_ATTACHMENT,
             RatesBackend::Mask => BACKEND_MASK,
             RatesBackend::Off => BACKEND_NONE,
         };
-        // The gates look at what passes cost with a technique and without.
-        let modes = gate_modes(config);
-        let times_passes = [modes.rates, modes.reuse].contains(&GateMode::Auto);
         Self { techniques, times_passes, backend, passes: config.rates.passes }
     }
 
@@ -174,12 +172,18 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
         (planning.phase(config, time_ns), planning.renders_on_cpu())
     };
     let told = *state.told.lock().unwrap_or_else(PoisonError::into_inner);
-    let clock = if on_cpu { Clock::Cpu(process_cpu_ns()) } else { Clock::Gpu(active.device.frames_ended()) };
+    let is_timed = told.is_some_and(|told| told.times_passes);
+    let clock = if on_cpu {
+        Clock::Cpu(is_timed.then(process_cpu_ns).flatten())
+    } else {
+        Clock::Gpu(active.device.frames_ended())
+    };
     let frame = EndedFrame {
         time_ns,
         clock,
         wanted: told.map(|told| told.techniques).unwrap_or_default(),
         passes: active.device.passes_with_rates(),
+        eye_passes: active.device.eye_passes(),
         phase,
     };
     let mut times = SmallVec::<[FrameTimeRecord; MOST_TIMES]>::new();

@@ -181,6 +181,12 @@ impl VulkanDevice {
         unsafe { (self.table.passes_with_rates)(self.record.device) }
     }
 
+    /// How many passes were recognised as an eye's picture in the frame that ended last, whether rates are on or not.
+    pub fn eye_passes(&self) -> u32 {
+        // SAFETY: the device is live, as above.
+        unsafe { (self.table.eye_passes)(self.record.device) }
+    }
+
     /// Number of the frame that ended last, from 1.
     pub fn frames_ended(&self) -> u64 {
         // SAFETY: the device is live, as above.

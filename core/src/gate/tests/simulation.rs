@@ -3,8 +3,6 @@
 use super::{GateFrame, GazePhase};
 use std::collections::VecDeque;
 
-const FRAME_NS: i64 = 11_111_111;
-
 /// What the eyes do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Eyes {
@@ -23,12 +21,15 @@ pub(super) struct Simulation {
     ratio: f64,
     noise: f64,
     growth: f64,
+    wander: f64,
+    wandered: f64,
     outliers: bool,
     waiting: bool,
     eyes: Eyes,
     /// Frames whose cost is not known yet: whether the technique was on, and the cost.
     in_flight: VecDeque<(bool, u64)>,
     latency: usize,
+    frame_ns: i64,
 }
 
 impl Simulation {
@@ -39,11 +40,14 @@ impl Simulation {
             ratio: 1.0,
             noise: 0.1,
             growth: 1.0,
+            wander: 0.0,
+            wandered: 0.0,
             outliers: false,
             waiting: false,
             eyes: Eyes::Move,
             in_flight: VecDeque::new(),
             latency: 0,
+            frame_ns: 11_111_111,
         }
     }
 
@@ -66,9 +70,19 @@ impl Simulation {
         Self { latency, ..self }
     }
 
+    /// So many frames a second, instead of 90.
+    pub(super) fn rate(self, hz: f64) -> Self {
+        Self { frame_ns: (1e9 / hz) as i64, ..self }
+    }
+
     /// Costs grow by this factor each frame.
     pub(super) fn growing(self, growth: f64) -> Self {
         Self { growth, ..self }
+    }
+
+    /// Costs wander with this standard deviation, as part of them, and forget within some 100 frames.
+    pub(super) fn wandering(self, wander: f64) -> Self {
+        Self { wander, ..self }
     }
 
     pub(super) fn outliers(self) -> Self {
@@ -80,7 +94,7 @@ impl Simulation {
     }
 
     pub(super) fn now(&self) -> i64 {
-        self.frame * FRAME_NS
+        self.frame * self.frame_ns
     }
 
     /// The next frame, with the technique on or off.
@@ -92,8 +106,13 @@ impl Simulation {
         self.frame += 1;
         // Twelve uniform numbers: a normal one, near enough, and without tails that would go below 0.
         let normal = (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0;
+        if self.wander > 0.0 {
+            let step = (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0;
+            self.wandered = 0.99 * self.wandered + (1.0_f64 - 0.99 * 0.99).sqrt() * self.wander * step;
+        }
         let outlier = if self.outliers && self.frame % 10 == 0 { 10.0 } else { 1.0 };
         let base = 5e6 * self.growth.powi((self.frame % 100_000) as i32);
+        let base = base * self.wandered.exp();
         let cost = base * factor * outlier * (1.0 + self.noise * normal).max(0.05);
         self.in_flight.push_back((on, cost as u64));
         let known = if self.in_flight.len() > self.latency { self.in_flight.pop_front() } else { None };
@@ -102,7 +121,7 @@ impl Simulation {
             cost_ns: known.map(|(_, cost)| cost),
             was_on: known.map_or(on, |(on, _)| on),
             phase: self.phase(),
-            scene_changed: false,
+            passes: Some(2),
             waited: self.waiting,
         }
     }

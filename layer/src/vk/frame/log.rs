@@ -21,6 +21,8 @@ pub struct Log {
     recognition: Recognition,
     /// Passes that got the plan's rates, in the frame under way and in the last.
     with_rates: [u32; 2],
+    /// Passes that were recognised as an eye's picture, in the frame under way and in the last.
+    eye_passes: [u32; 2],
     /// What maps left out of each eye's picture, in the frame under way and in the last.
     left_out: [[StaleTiles; 2]; 2],
 }
@@ -44,6 +46,16 @@ impl Log {
     /// How many passes had the plan's rates in the last frame.
     pub fn with_rates(&self) -> u32 {
         self.with_rates[1]
+    }
+
+    /// A pass that is submitted is recognised as an eye's picture.
+    pub fn has_eye_pass(&mut self) {
+        self.eye_passes[0] = self.eye_passes[0].saturating_add(1);
+    }
+
+    /// How many passes were recognised as an eye's picture in the last frame.
+    pub fn eye_passes(&self) -> u32 {
+        self.eye_passes[1]
     }
 
     /// Passes that are submitted leave that out of the pictures of the eyes.
@@ -93,6 +105,7 @@ impl Log {
         objects.forget_departed();
         self.frame += 1;
         self.with_rates = [0, self.with_rates[0]];
+        self.eye_passes = [0, self.eye_passes[0]];
         self.left_out.swap(0, 1);
         self.left_out[0].iter_mut().for_each(StaleTiles::clear);
     }

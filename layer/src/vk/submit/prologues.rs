@@ -70,9 +70,9 @@ impl Prologues {
         let Some(submit) = armed.next.queue_submit else { return false };
         // SAFETY: the caller vouches for the queue; the slot is not pending.
         self.with_slot(armed, functions, false, |slot| unsafe {
-            slot.begin(functions, 0)?;
+            slot.begin(armed, functions, 0)?;
             record(slot.commands())?;
-            slot.submit(functions, submit, queue, (Outdated::new(), kept))
+            slot.submit(armed, functions, submit, queue, (Outdated::new(), kept))
         })
     }
 
@@ -89,6 +89,8 @@ impl Prologues {
         // broken, the other thread finds none and makes one.
         let mut slots = std::mem::take(&mut *self.lock());
         slots.iter_mut().for_each(|slot| slot.poll(&functions.device));
+        // Before what they wrote is overwritten.
+        armed.timing.read();
         let mut free = slots.iter().position(|slot| !slot.is_pending());
         if free.is_none() && (is_urgent || slots.len() < MOST_SLOTS) {
             // SAFETY: the device is live and has queues of this family.
@@ -153,7 +155,7 @@ unsafe fn fill(
     let mut kept = Kept::new();
     // SAFETY: the slot is not pending, as the caller says; the queue is the caller's.
     unsafe {
-        slot.begin(functions, lengths.map(|len| len.next_multiple_of(ALIGNMENT)).sum())?;
+        slot.begin(armed, functions, lengths.map(|len| len.next_multiple_of(ALIGNMENT)).sum())?;
         let commands = slot.commands();
         if let Some(deciding) = deciding {
             armed.perception.decide(armed, commands, deciding, &mut slot.words, &mut kept);
@@ -210,7 +212,7 @@ unsafe fn fill(
         }
         let has_work = offset > 0 || !kept.is_empty();
         let Some(submit) = armed.next.queue_submit.filter(|_| has_work) else { return Ok(()) };
-        let submitted = slot.submit(functions, submit, queue, (outdated.clone(), kept));
+        let submitted = slot.submit(armed, functions, submit, queue, (outdated.clone(), kept));
         if submitted.is_err() {
             outdated.iter().for_each(|candidate| candidate.content().lose());
         }

@@ -6,6 +6,7 @@ use crate::gpu::memory::memory_type;
 use crate::gpu::{GpuError, wait_device, wait_fence};
 use crate::vk::armed::Armed;
 use crate::vk::perception::Kept;
+use crate::vk::timing::Timer;
 use ash::vk;
 
 /// Staging memory is asked for in steps of this many bytes.
@@ -25,6 +26,7 @@ pub struct Slot {
     /// What the command buffer uses while it is under way.
     uses: Outdated,
     kept: Kept,
+    timer: Timer,
     is_pending: bool,
 }
 
@@ -65,6 +67,7 @@ impl Slot {
                 words: Vec::new(),
                 uses: Outdated::new(),
                 kept: Kept::new(),
+                timer: armed.timing.own_timer(armed, functions, family),
                 is_pending: false,
             };
             match slot.make(armed, device) {
@@ -140,8 +143,8 @@ impl Slot {
     ///
     /// # Safety
     ///
-    /// It is not pending.
-    pub unsafe fn begin(&mut self, functions: &Functions, len: usize) -> Result<(), GpuError> {
+    /// It is not pending; `functions` are those of `armed`.
+    pub unsafe fn begin(&mut self, armed: &Armed, functions: &Functions, len: usize) -> Result<(), GpuError> {
         let device = &functions.device;
         if len > 0 && self.staging.as_ref().is_none_or(|staging| staging.len < len) {
             if let Some(small) = self.staging.take() {
@@ -157,8 +160,13 @@ impl Slot {
                 .map_err(GpuError::from_call("vkResetCommandPool"))?;
             device
                 .begin_command_buffer(self.commands, &info)
-                .map_err(GpuError::from_call("vkBeginCommandBuffer"))
+                .map_err(GpuError::from_call("vkBeginCommandBuffer"))?;
+            self.timer.clear();
+            if armed.timing.is_wanted() {
+                self.timer.begin(armed, self.commands);
+            }
         }
+        Ok(())
     }
 
     /// Writes staging memory from `texels`.
@@ -175,9 +183,10 @@ impl Slot {
     ///
     /// # Safety
     ///
-    /// This thread may use the queue now, which is of the pool's family; the slot is recording.
+    /// This thread may use the queue now, which is of the pool's family; the slot is recording; `functions` are those of `armed`.
     pub unsafe fn submit(
         &mut self,
+        armed: &Armed,
         functions: &Functions,
         submit: vk::PFN_vkQueueSubmit,
         queue: vk::Queue,
@@ -188,10 +197,12 @@ impl Slot {
         let info = vk::SubmitInfo::default().command_buffers(&commands);
         // SAFETY: the caller vouches for the queue; the fence is not in use, as the slot is not pending.
         unsafe {
+            self.timer.end(self.commands);
             device.end_command_buffer(self.commands).map_err(GpuError::from_call("vkEndCommandBuffer"))?;
             device.reset_fences(&[self.fence]).map_err(GpuError::from_call("vkResetFences"))?;
             submit(queue, 1, &info, self.fence).result().map_err(GpuError::from_call("vkQueueSubmit"))?;
         }
+        armed.timing.submitted(&self.timer, armed.frame.log().frame(), false);
         self.uses = uses;
         self.kept = kept;
         self.is_pending = true;
@@ -204,6 +215,7 @@ impl Slot {
         // is in use.
         unsafe {
             if self.is_pending && wait_fence(device, self.fence).is_err() && !wait_device(device) {
+                std::mem::forget(std::mem::take(&mut self.timer));
                 self.uses.drain(..).for_each(std::mem::forget);
                 self.kept.drain(..).for_each(std::mem::forget);
                 return;

@@ -60,6 +60,7 @@ pub fn table() -> LinkTable {
         settings,
         stale,
         passes_with_rates,
+        eye_passes,
         frames_ended,
         frame_time,
         copy_rates,
@@ -192,6 +193,10 @@ unsafe extern "C" fn stale(_: vk::Device, eye: u32, record: *mut StaleRecord) ->
 
 unsafe extern "C" fn passes_with_rates(_: vk::Device) -> u32 {
     if IS_ON.get() { PASSES.get() } else { 0 }
+}
+
+unsafe extern "C" fn eye_passes(_: vk::Device) -> u32 {
+    PASSES.get()
 }
 
 unsafe extern "C" fn frames_ended(_: vk::Device) -> u64 {

