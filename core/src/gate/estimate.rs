@@ -207,7 +207,7 @@ mod tests {
     /// Costs in four stretches of so many frames, by turns with the technique and without; `noise` of each frame.
     fn points(frames: usize, ratio: f64, drift: f64, noise: impl Fn(usize) -> f64) -> Vec<Point> {
         let point = |frame: usize| {
-            let is_on = frame / frames % 2 == 0;
+            let is_on = (frame / frames).is_multiple_of(2);
             let cost = if is_on { ratio.ln() } else { 0.0 } + drift * frame as f64 + noise(frame);
             Point { at_s: frame as f32, cost: cost as f32, weight: 1.0, is_on }
         };

@@ -142,7 +142,7 @@ impl Trial {
 
     /// Whether the technique is on in the stretch under way.
     pub(super) fn is_on(&self) -> bool {
-        self.stands_on == (self.at % 2 == 0)
+        self.stands_on == self.at.is_multiple_of(2)
     }
 
     /// Frames that count in the stretch under way, and in the one before.
