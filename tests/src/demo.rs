@@ -58,7 +58,7 @@ pub struct Finding {
     pub off: Cost,
     /// With it.
     pub on: Cost,
-    /// CPU time with the layer, in units of that without it, from the turns ([`Samples::ratio_to`]).
+    /// CPU time with the layer, in units of that without it, from the turns ([`crate::measure::Samples::ratio_to`]).
     pub ratio: f64,
     /// Half of the interquartile range of the turns' ratios.
     pub spread: f64,

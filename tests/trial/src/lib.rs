@@ -2,7 +2,7 @@
 //!
 //! `cargo dev test` runs every test this way. A test that hangs is killed at its limit together with every process that it
 //! started, so that it fails with its name and the others go on. A test that needs something that this machine lacks calls
-//! [`skip`]; it never passes by returning early.
+//! [`skip()`]; it never passes by returning early.
 //!
 //! Only the standard library is used here, as in `cargo dev`.
 
