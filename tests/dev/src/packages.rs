@@ -84,7 +84,7 @@ impl Proof {
 }
 
 /// Everything that the tasks look for. None is needed to build, but for the library that listens: see [`can_build_audio`].
-pub const NEEDS: [Need; 18] = [
+pub const NEEDS: [Need; 19] = [
     Need {
         what: "lavapipe, the Vulkan driver that runs on any CPU",
         without: "the first Vulkan driver of this machine is used, and figures differ from the README's",
@@ -133,6 +133,13 @@ pub const NEEDS: [Need; 18] = [
         proof: Proof::Program("strace"),
         for_demo: false,
         packages: ["strace", "strace", "strace"],
+    },
+    Need {
+        what: "vulkaninfo, which creates devices of every kind",
+        without: "the tests of vulkaninfo on Mesa's drivers are skipped",
+        proof: Proof::Program("vulkaninfo"),
+        for_demo: false,
+        packages: ["vulkan-tools", "vulkan-tools", "vulkan-tools"],
     },
     Need {
         what: "Valgrind, to count instructions",
