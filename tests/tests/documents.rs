@@ -74,6 +74,7 @@ fn sources_of(task: &str) -> String {
     let files: &[&str] = match task {
         "report" => &["tests/report/src/main.rs", "tests/report/src/plan.rs"],
         "demo" => &["tests/src/bin/parafovea-demo.rs"],
+        "drivers" => &["tests/src/bin/parafovea-drivers.rs"],
         "run" => &["tests/src/bin/parafovea-run.rs"],
         "break-even" => &["tests/benches/break_even.rs"],
         "models" => &["tests/models/benches/models.rs"],
