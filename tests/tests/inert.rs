@@ -36,7 +36,7 @@ fn a_configuration_without_work_is_a_pass_through_layer() {
         let without = run(&application, None).faults().unwrap();
         for config in ["preset = \"none\"\n", "enabled = false\n", "[rates]\nbackend = \"off\"\n"] {
             let outcome = run(&application, Some(config));
-            let line = "Vulkan device: inert: the configuration asks for nothing";
+            let line = "Vulkan device: inert: the configuration enables nothing";
             assert!(outcome.log.contains(line), "{name}, {config}:\n{}", outcome.log);
             let with = outcome.faults().unwrap();
             for (with, without) in with.iter().zip(&without) {
@@ -65,5 +65,5 @@ fn an_edit_that_needs_another_device_asks_for_a_restart() {
     };
     wait_for("session inert");
     std::fs::write(running.config_file(), "preset = \"balanced\"\n").unwrap();
-    wait_for("asks for shading rates, which takes effect when the application is started again");
+    wait_for("enables shading rates, which takes effect after a restart of the application");
 }

@@ -71,7 +71,7 @@ fn what_was_recorded_drives_a_run_as_the_eyes_did() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("gaze.csv");
     let eyes = scene(&rates(&format!("\"eyes\"\nrecord = {file:?}")), &looking_around());
-    assert!(eyes.log.contains("recorded"), "{}", eyes.log);
+    assert!(eyes.log.contains("recording the gaze"), "{}", eyes.log);
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(text.lines().count() > FRAMES as usize / 2, "{text}");
 
