@@ -78,7 +78,7 @@ fn tells_what_it_does(application: &Application) {
 #[test]
 fn hello_xr_of_vulkan_1_0_has_masks() {
     let running = start(&Application::hello_xr("Vulkan2").unwrap());
-    let status = told(&running, |status| is_decided(status, "has a mask"));
+    let status = told(&running, |status| is_decided(status, ": masked"));
     assert_eq!((status.application.as_str(), status.backend.as_str()), ("HelloXR", "mask"), "{status:#?}");
     assert!(is_decided(&status, ": the scene: left eye"), "{status:#?}");
 }

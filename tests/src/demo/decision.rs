@@ -59,7 +59,8 @@ mod tests {
 
     fn status(is_kept: bool, ratio: Option<[f32; 3]>, passes_matched: u32) -> Status {
         let rates_gate = Gate { mode: "auto".to_owned(), is_kept, ratio };
-        let decisions = vec!["a pass of 512x512 has no mask: no depth attachment".to_owned()];
+        let decisions =
+            vec!["scene passes of 512x512: left alone by the mask backend: no depth attachment".to_owned()];
         Status { backend: "mask".to_owned(), rates_gate, passes_matched, decisions, ..Status::default() }
     }
 
@@ -88,7 +89,11 @@ mod tests {
         let unmatched = told(&status(true, None, 0));
         assert_eq!(
             unmatched,
-            (false, "left alone: a pass of 512x512 has no mask: no depth attachment".to_owned())
+            (
+                false,
+                "left alone: scene passes of 512x512: left alone by the mask backend: no depth attachment"
+                    .to_owned()
+            )
         );
         let inert = Status { inert: "Direct3D".to_owned(), ..status(true, None, 2) };
         assert_eq!(told(&inert), (false, "left alone: Direct3D".to_owned()));
