@@ -22,7 +22,7 @@ const RATES: &str =
 #[test]
 fn an_application_that_cannot_have_rates_says_why() {
     let visibility =
-        Application::ours("parafovea-zoo", &["--style", "visibility", "--size", "128", "--frames", "200"])
+        Application::ours("parafovea-zoo", &["--style", "visibility", "--size", "128", "--frames", "240"])
             .unwrap();
     let lines = log(&visibility, RATES);
     assert!(lines.len() == 1 && lines[0].contains("no depth attachment"), "{lines:?}");

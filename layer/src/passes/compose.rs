@@ -162,7 +162,7 @@ impl Compose {
             let asked = match &self.comparisons {
                 Some(asked) => asked,
                 None => {
-                    let otherwise = "what changes in the periphery is not looked for";
+                    let otherwise = "changes in the periphery are not detected";
                     self.comparisons.insert(self.gpu.shared()?.ask(otherwise, Comparisons::new))
                 }
             };

@@ -50,7 +50,7 @@ impl Pipelines {
             output: Output::Color,
         };
         let make = move |shared: &Shared| shared.tile_pipeline(format, SPIRV, &shader);
-        Ok(Self { chroma: gpu.shared()?.ask("chroma is off", make), reuse: None })
+        Ok(Self { chroma: gpu.shared()?.ask("chroma attenuation is off", make), reuse: None })
     }
 
     /// Asks for what completes pictures.
