@@ -123,7 +123,7 @@ enum MapOf {
 const LEFT_ALONE: [(&str, &str, bool, &str); 3] = [
     ("passes that the profile excludes", "passes = \"exclude 96x96\"", true, "session active"),
     ("another backend", "backend = \"mask\"", false, "scene passes of 96x96: masked"),
-    ("no rates", "mode = \"off\"", false, "inert: the configuration asks for nothing"),
+    ("no rates", "mode = \"off\"", false, "inert: the configuration enables nothing"),
 ];
 
 fn check_left_alone((_, option, has_attachments, says): (&str, &str, bool, &str)) -> Result<(), Failed> {
@@ -153,7 +153,7 @@ fn check_attached_once_matched(name: &str) -> Result<(), Failed> {
         .finish()?;
     skip_unless_run(&outcome);
     let outcome = outcome.expect_frames(SHARE.frames)?;
-    for says in ["quirk attach-only-matched: ", "PARAFOVEA_QUIRKS: none-such names no quirk; allowed are"] {
+    for says in ["quirk attach-only-matched: ", "PARAFOVEA_QUIRKS: unknown quirk none-such; allowed: attach-only-matched"] {
         assert!(outcome.log.contains(says), "{}", outcome.log);
     }
     let messages: Vec<&Message> =
