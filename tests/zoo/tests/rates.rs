@@ -153,7 +153,10 @@ fn check_attached_once_matched(name: &str) -> Result<(), Failed> {
         .finish()?;
     skip_unless_run(&outcome);
     let outcome = outcome.expect_frames(SHARE.frames)?;
-    for says in ["quirk attach-only-matched: ", "PARAFOVEA_QUIRKS: unknown quirk none-such; allowed: attach-only-matched"] {
+    for says in [
+        "quirk attach-only-matched: ",
+        "PARAFOVEA_QUIRKS: unknown quirk none-such; allowed: attach-only-matched",
+    ] {
         assert!(outcome.log.contains(says), "{}", outcome.log);
     }
     let messages: Vec<&Message> =
