@@ -18,8 +18,7 @@ mod vulkan;
 use application::{Application, COLOR, Setup};
 use ash::vk;
 use parafovea::gpu::AppCommands;
-use parafovea::mask::{DepthWork, Eligible, MaskMap};
-use parafovea::passes::fill::Fill;
+use parafovea::mask::{DepthWork, Eligible, MaskKernels, MaskMap};
 use parafovea::scene::lay::RateImage;
 use parafovea::scene::{Eyes, Orientation, Part};
 use parafovea_core::mask::{DepthFormat, TemplateDepths};
@@ -70,7 +69,7 @@ fn main() {
     let area = vk::Rect2D { extent: vk::Extent2D { width: SIDE, height: SIDE }, ..Default::default() };
     let setup = Setup { depth: vk::Format::D32_SFLOAT, compare: vk::CompareOp::LESS, clear: 1.0, area };
     let application = Application::new(&vulkan, setup, [SIDE; 2]);
-    let fill = Arc::new(Fill::new(&vulkan.gpu).unwrap());
+    let kernels = Arc::new(MaskKernels::new(&vulkan.gpu).unwrap());
     let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
     let eligible = Eligible { depths, format: DepthFormat::Float32, drawn: None, work: DepthWork::default() };
     let image = RateImage { area: [0, 0, SIDE, SIDE], texel: [TEXEL; 2], tiles: [TILES; 2], layers: 1 };
@@ -87,7 +86,7 @@ fn main() {
         ("1/16", uniform(ShadingRate::R4X4)),
         ("rings", rings()),
     ] {
-        let map = MaskMap::new(&vulkan.gpu, &fill, eligible, [SIDE; 2], 1).unwrap();
+        let map = MaskMap::new(&vulkan.gpu, &kernels, eligible, [SIDE; 2], 1).unwrap();
         map.prepare(COLOR).unwrap();
         let mut staging = vec![0; map.staging_len()];
         let stage = median(|| map.stage(&[part], &image, &rates, &mut staging));

@@ -16,6 +16,7 @@ mod descriptor;
 mod device_buffer;
 mod draw;
 mod error;
+mod framebuffer;
 pub(crate) mod functions;
 mod image;
 pub(crate) mod memory;

@@ -9,6 +9,7 @@
 
 mod eligibility;
 mod images;
+mod kernels;
 mod map;
 mod template;
 mod views;
@@ -18,6 +19,7 @@ pub use eligibility::{
     eligible,
 };
 pub use images::added_usage;
+pub use kernels::MaskKernels;
 pub use map::MaskMap;
 pub use template::DepthTemplate;
 pub use views::{lay_mask, mask_views};

@@ -1,8 +1,9 @@
 //! A depth image of ours that full-screen triangles are drawn to, and that is copied from.
 
 use super::compute::ComputeLayout;
+use super::framebuffer::framebuffer;
 use super::image::{ImageDescription, OwnedImage, depth_view};
-use super::pipeline::shader_module;
+use super::pipeline::{graphics_pipeline, shader_module};
 use super::{Gpu, GpuError, ImagePart, Owned};
 use ash::vk;
 use std::ffi::CStr;
@@ -55,26 +56,11 @@ impl DepthTarget {
             },
         )?;
         let pass = render_pass(gpu, format, samples)?;
-        let framebuffer = |layer| {
+        let of_layer = |layer| {
             let view = depth_view(gpu, image.handle(), format, layer)?;
-            let attachments = [view.handle()];
-            let info = vk::FramebufferCreateInfo::default()
-                .render_pass(pass.handle())
-                .attachments(&attachments)
-                .width(extent.width)
-                .height(extent.height)
-                .layers(1);
-            // SAFETY: pass and view are live and of the same format and samples, and the image has this extent.
-            let framebuffer = unsafe {
-                let handle = gpu
-                    .device
-                    .create_framebuffer(&info, None)
-                    .map_err(GpuError::from_call("vkCreateFramebuffer"))?;
-                Owned::new(gpu, handle, |device, handle| device.destroy_framebuffer(handle, None))
-            };
-            Ok((framebuffer, view))
+            Ok((framebuffer(gpu, &pass, &view, extent)?, view))
         };
-        let framebuffers = (0..layers).map(framebuffer).collect::<Result<_, GpuError>>()?;
+        let framebuffers = (0..layers).map(of_layer).collect::<Result<_, GpuError>>()?;
         let pipeline = pipeline(gpu, layout, &pass, spirv, entries, description)?;
         Ok(Self { pipeline, framebuffers, pass, image, description: *description })
     }
@@ -223,11 +209,5 @@ fn pipeline(
         .render_pass(pass.handle())
         .subpass(0);
     // SAFETY: everything named is live; the build has validated the module and the entry points' interface.
-    unsafe {
-        let handles = gpu
-            .device
-            .create_graphics_pipelines(vk::PipelineCache::null(), &[info], None)
-            .map_err(|(_, result)| GpuError::Call { call: "vkCreateGraphicsPipelines", result })?;
-        Ok(Owned::new(gpu, handles[0], |device, handle| device.destroy_pipeline(handle, None)))
-    }
+    unsafe { graphics_pipeline(gpu, &info) }
 }

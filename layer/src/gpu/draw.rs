@@ -1,5 +1,6 @@
 //! What is drawn to: one colour attachment that keeps its content.
 
+use super::framebuffer::framebuffer;
 use super::{Gpu, GpuError, Owned, color_view};
 use ash::vk;
 use std::sync::Arc;
@@ -54,21 +55,7 @@ impl ColorTarget {
         layer: u32,
     ) -> Result<Self, GpuError> {
         let view = color_view(gpu, image, format, layer)?;
-        let attachments = [view.handle()];
-        let info = vk::FramebufferCreateInfo::default()
-            .render_pass(pass.handle())
-            .attachments(&attachments)
-            .width(extent.width)
-            .height(extent.height)
-            .layers(1);
-        // SAFETY: pass and view are live and of the same format, and the image has this extent.
-        let framebuffer = unsafe {
-            let handle = gpu
-                .device
-                .create_framebuffer(&info, None)
-                .map_err(GpuError::from_call("vkCreateFramebuffer"))?;
-            Owned::new(gpu, handle, |device, handle| device.destroy_framebuffer(handle, None))
-        };
+        let framebuffer = framebuffer(gpu, pass, &view, extent)?;
         Ok(Self { framebuffer, _view: view, pass: Arc::clone(pass), extent })
     }
 

@@ -90,16 +90,28 @@ pub(super) fn make_tile_pipeline(
         .layout(layout.handle())
         .render_pass(pass.handle())
         .subpass(0);
-    let cache = gpu.pipeline_cache()?;
     // SAFETY: everything named is live; the build has validated the module and the entry points' interface.
-    let pipeline = unsafe {
+    let pipeline = unsafe { graphics_pipeline(gpu, &info) }?;
+    Ok(TilePipeline { pipeline, layout })
+}
+
+/// Makes a graphics pipeline with the device's cache.
+///
+/// # Safety
+/// `info` is valid, by the valid usage of vkCreateGraphicsPipelines.
+pub(super) unsafe fn graphics_pipeline(
+    gpu: &Arc<Gpu>,
+    info: &vk::GraphicsPipelineCreateInfo<'_>,
+) -> Result<Owned<vk::Pipeline>, GpuError> {
+    let cache = gpu.pipeline_cache()?;
+    // SAFETY: the caller vouches for the structure; the device is live, and so is the cache until its compiler ends.
+    unsafe {
         let handles = gpu
             .device
-            .create_graphics_pipelines(cache, &[info], None)
+            .create_graphics_pipelines(cache, std::slice::from_ref(info), None)
             .map_err(|(_, result)| GpuError::Call { call: "vkCreateGraphicsPipelines", result })?;
-        Owned::new(gpu, handles[0], |device, handle| device.destroy_pipeline(handle, None))
-    };
-    Ok(TilePipeline { pipeline, layout })
+        Ok(Owned::new(gpu, handles[0], |device, handle| device.destroy_pipeline(handle, None)))
+    }
 }
 
 fn blend(output: Output) -> vk::PipelineColorBlendAttachmentState {

@@ -1,9 +1,9 @@
 //! Everything that one masked target needs on the GPU, and what is recorded for it.
 
-use super::{DepthTemplate, Eligible, lay_mask};
+use super::{DepthTemplate, Eligible, MaskKernels, lay_mask};
 use crate::gpu::{AppCommands, Gpu, GpuError, ImagePart};
 use crate::passes::depth::DepthCopy;
-use crate::passes::fill::{Fill, FillTarget, SkipBuffer, fill_format};
+use crate::passes::fill::{FillTarget, SkipBuffer, fill_format};
 use crate::scene::Part;
 use crate::scene::lay::RateImage;
 use ash::vk;
@@ -21,7 +21,7 @@ pub struct MaskMap {
     list: SkipBuffer,
     template: DepthTemplate,
     gpu: Arc<Gpu>,
-    fill: Arc<Fill>,
+    kernels: Arc<MaskKernels>,
     mask: Mutex<Mask>,
     eligible: Eligible,
     extent: [u32; 2],
@@ -35,7 +35,7 @@ impl MaskMap {
     /// A failed call, or [`GpuError::Unsupported`] for targets that are too large.
     pub fn new(
         gpu: &Arc<Gpu>,
-        fill: &Arc<Fill>,
+        kernels: &Arc<MaskKernels>,
         eligible: Eligible,
         extent: [u32; 2],
         layers: u32,
@@ -50,7 +50,7 @@ impl MaskMap {
             template: DepthTemplate::new(gpu, eligible, extent, layers)?,
             depth: OnceLock::new(),
             gpu: Arc::clone(gpu),
-            fill: Arc::clone(fill),
+            kernels: Arc::clone(kernels),
             mask: Mutex::new(mask),
             eligible,
             extent,
@@ -72,8 +72,9 @@ impl MaskMap {
     pub fn prepare_depth(&self) -> bool {
         let Eligible { format, depths, .. } = self.eligible;
         let make = || {
+            let size = (self.extent, self.layers);
             let copy =
-                DepthCopy::new(&self.gpu, (format, depths.skipped), (self.extent, self.layers), &self.list);
+                DepthCopy::new(&self.gpu, &self.kernels.depth, (format, depths.skipped), size, &self.list);
             copy.inspect_err(|error| error.tell("no mask")).ok()
         };
         self.depth.get_or_init(make).is_some()
@@ -83,7 +84,7 @@ impl MaskMap {
     /// [`Self::prepare_depth`].
     pub fn cover(&self, commands: &AppCommands, depth: ImagePart, area: vk::Rect2D, layout: vk::ImageLayout) {
         if let Some(copy) = self.depth.get().and_then(Option::as_ref) {
-            copy.cover(commands, &self.list, (depth, area), layout);
+            copy.cover(commands, (&self.kernels.depth, &self.list), (depth, area), layout);
         }
     }
 
@@ -97,7 +98,7 @@ impl MaskMap {
         layout: vk::ImageLayout,
     ) {
         if let Some(copy) = self.depth.get().and_then(Option::as_ref) {
-            copy.fill(commands, &self.list, (depth, area), layout);
+            copy.fill(commands, (&self.kernels.depth, &self.list), (depth, area), layout);
         }
     }
 
@@ -181,7 +182,7 @@ impl MaskMap {
     /// `layout`; nothing before [`Self::prepare`] for the format.
     pub fn end(&self, commands: &AppCommands, color: ImagePart, format: vk::Format, layout: vk::ImageLayout) {
         if let Some(target) = self.target(format) {
-            self.fill.record(commands, &target, &self.list, color, layout);
+            self.kernels.fill.record(commands, &target, &self.list, color, layout);
         }
     }
 
@@ -192,7 +193,7 @@ impl MaskMap {
     pub fn prepare(&self, format: vk::Format) -> Result<(), GpuError> {
         if self.target(format).is_none() {
             // Made without the lock, which is not held across calls down: another thread may have been faster.
-            let target = Arc::new(self.fill.target(format, self.extent, self.layers, &self.list)?);
+            let target = Arc::new(self.kernels.fill.target(format, self.extent, self.layers, &self.list)?);
             self.targets().push(target);
         }
         Ok(())

@@ -19,84 +19,90 @@ pub const USAGE: vk::ImageUsageFlags = super::fill::USAGE;
 /// Parameters, list, depth.
 const BINDINGS: [vk::DescriptorType; 3] = [vk::DescriptorType::STORAGE_BUFFER; 3];
 
-/// The copy of depth of one size, and what is done with it.
+/// The compiled kernel, for depth of any size.
+pub struct DepthKernels {
+    // In the order in which each may be destroyed.
+    cover: Owned<vk::Pipeline>,
+    fill: Owned<vk::Pipeline>,
+    layout: ComputeLayout,
+}
+
+impl DepthKernels {
+    /// Compiles both entry points.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
+        let layout = ComputeLayout::new(gpu, &BINDINGS)?;
+        let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/depth.spv"));
+        let [cover, fill] = [c"cover", c"fill"].map(|entry| layout.pipeline(spirv, entry));
+        Ok(Self { cover: cover?, fill: fill?, layout })
+    }
+}
+
+/// The copy of depth of one size.
 pub struct DepthCopy {
     // In the order in which each may be destroyed.
     set: ComputeSet,
     _params: DeviceBuffer,
     words: DeviceBuffer,
-    cover: Owned<vk::Pipeline>,
-    fill: Owned<vk::Pipeline>,
-    layout: ComputeLayout,
     texel_size: u64,
     extent: [u32; 2],
     layers: u32,
 }
 
 impl DepthCopy {
-    /// Prepares for depth of `extent` pixels and `layers` array layers, whose nearest value is `near`, by a list, which outlives the
-    /// result.
+    /// Prepares for depth of `extent` pixels and `layers` array layers, whose nearest value is `near`, by a list; that and the kernels
+    /// outlive the result.
     ///
     /// # Errors
     /// [`GpuError::Unsupported`] for sizes that the kernel cannot serve; a failed call.
     pub fn new(
         gpu: &Arc<Gpu>,
+        kernels: &DepthKernels,
         (format, near): (DepthFormat, f32),
         (extent, layers): ([u32; 2], u32),
         list: &SkipBuffer,
     ) -> Result<Self, GpuError> {
         let params = DepthParams::new(extent, format, near)
             .ok_or(GpuError::Unsupported("depth of this size that is loaded or read"))?;
-        let layout = ComputeLayout::new(gpu, &BINDINGS)?;
-        let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/depth.spv"));
-        let [cover, fill] = [c"cover", c"fill"].map(|entry| layout.pipeline(spirv, entry));
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let copied = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
         let size = u64::from(params.layer_words) * 4 * u64::from(layers);
         let words = DeviceBuffer::without_content(gpu, storage | copied, size)?;
         let params = DeviceBuffer::holding(gpu, storage, bytemuck::bytes_of(&params))?;
-        let set = ComputeSet::of_buffers(&layout, &[params.handle(), list.handle(), words.handle()])?;
+        let set = ComputeSet::of_buffers(&kernels.layout, &[params.handle(), list.handle(), words.handle()])?;
         let texel_size = format.texel_size() as u64;
-        Ok(Self {
-            set,
-            _params: params,
-            words,
-            cover: cover?,
-            fill: fill?,
-            layout,
-            texel_size,
-            extent,
-            layers,
-        })
+        Ok(Self { set, _params: params, words, texel_size, extent, layers })
     }
 
-    /// Records, ahead of a pass that loads `depth`, which is in `layout` before and after, that skipped blocks by `list`, the one that this
-    /// was made with, are covered with the nearest depth.
+    /// Records, ahead of a pass that loads `depth`, which is in `layout` before and after, that skipped blocks by `list` are covered with
+    /// the nearest depth. Kernels and list are those of [`Self::new`].
     pub fn cover(
         &self,
         commands: &AppCommands,
-        list: &SkipBuffer,
+        (kernels, list): (&DepthKernels, &SkipBuffer),
         (depth, area): (ImagePart, vk::Rect2D),
         layout: vk::ImageLayout,
     ) {
-        self.record(commands, &self.cover, list, (depth, area), layout);
+        self.record(commands, (&kernels.layout, &kernels.cover), list, (depth, area), layout);
     }
 
     /// As [`Self::cover`], after a pass, that skipped blocks are filled.
     pub fn fill(
         &self,
         commands: &AppCommands,
-        list: &SkipBuffer,
+        (kernels, list): (&DepthKernels, &SkipBuffer),
         (depth, area): (ImagePart, vk::Rect2D),
         layout: vk::ImageLayout,
     ) {
-        self.record(commands, &self.fill, list, (depth, area), layout);
+        self.record(commands, (&kernels.layout, &kernels.fill), list, (depth, area), layout);
     }
 
     fn record(
         &self,
         commands: &AppCommands,
-        pipeline: &Owned<vk::Pipeline>,
+        (kernel, pipeline): (&ComputeLayout, &Owned<vk::Pipeline>),
         list: &SkipBuffer,
         (depth, area): (ImagePart, vk::Rect2D),
         layout: vk::ImageLayout,
@@ -109,7 +115,7 @@ impl DepthCopy {
             commands.copy_from_image(depth.image, &self.words, region);
         }
         commands.memory_barrier(WRITES, COMPUTES);
-        commands.dispatch_indirect(&self.layout, pipeline, &self.set, (list.handle(), 0));
+        commands.dispatch_indirect(kernel, pipeline, &self.set, (list.handle(), 0));
         commands.memory_barrier(COMPUTES, READS);
         commands.barrier(
             depth,

@@ -22,8 +22,7 @@ use super::shader_modules::ShaderModules;
 use super::table::Table;
 use crate::gpu::{Compilation, Compiler, Gpu, GpuError, Later};
 use crate::link::{BACKEND_MASK, DeviceRecord, OfferRecord};
-use crate::mask::PipelineFacts;
-use crate::passes::fill::Fill;
+use crate::mask::{MaskKernels, PipelineFacts};
 use crate::scene::{ImageKey, Pass};
 use ash::vk;
 use parafovea_core::rate::VULKAN_RATES;
@@ -39,7 +38,7 @@ pub struct Masks {
     gpu: OnceLock<Option<Arc<Gpu>>>,
     is_cpu: bool,
     /// Asked for with the first mask; nothing where there is no device to compile on.
-    fill: Mutex<Option<Later<Fill>>>,
+    kernels: Mutex<Option<Later<MaskKernels>>>,
     /// Render passes that load depth where the application's clear it, by those.
     loading: Table<vk::RenderPass, vk::RenderPass>,
     modules: ShaderModules,
@@ -61,7 +60,7 @@ impl Masks {
             record: *record,
             gpu: OnceLock::new(),
             is_cpu,
-            fill: Mutex::default(),
+            kernels: Mutex::default(),
             loading: Table::default(),
             modules: ShaderModules::default(),
             pipelines: Table::default(),
@@ -84,24 +83,28 @@ impl Masks {
         self.gpu.get_or_init(make_or_log).as_ref()
     }
 
-    /// The pass that fills, once it was compiled; asks for it the first time.
-    fn fill(&self, gpu: &Arc<Gpu>) -> Option<Arc<Fill>> {
-        if let Some(fill) = &*self.kept_fill() {
-            return fill.get().cloned();
+    /// The kernels once they are compiled; asks for them the first time.
+    fn kernels(&self, gpu: &Arc<Gpu>) -> Option<Arc<MaskKernels>> {
+        if let Some(kernels) = &*self.kept_kernels() {
+            return kernels.get().cloned();
         }
         let gpu = Arc::clone(gpu);
         let make = move |compilation: &Arc<Compilation>| {
             gpu.compile_with(compilation);
-            Fill::new(&gpu)
+            MaskKernels::new(&gpu)
         };
         // Asked for without the lock, which is not held across calls down: another thread may have been faster.
-        // SAFETY: `on`'s caller vouched for the record; the compiler ends before the device.
-        let new = unsafe { Compiler::of(&self.record) }.ask("no masks", make);
-        self.kept_fill().get_or_insert(new).get().cloned()
+        let new = self.compiler().ask("no masks", make);
+        self.kept_kernels().get_or_insert(new).get().cloned()
     }
 
-    fn kept_fill(&self) -> MutexGuard<'_, Option<Later<Fill>>> {
-        self.fill.lock().unwrap_or_else(PoisonError::into_inner)
+    fn compiler(&self) -> Arc<Compiler> {
+        // SAFETY: `on`'s caller vouched for the record; the compiler ends before the device.
+        unsafe { Compiler::of(&self.record) }
+    }
+
+    fn kept_kernels(&self) -> MutexGuard<'_, Option<Later<MaskKernels>>> {
+        self.kernels.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// An image is about to be destroyed.
@@ -122,8 +125,8 @@ impl Masks {
                 unsafe { destroy(device, pass, std::ptr::null()) };
             }
         }
-        let fill = self.kept_fill().take();
-        drop(fill);
+        let kernels = self.kept_kernels().take();
+        drop(kernels);
         if let Some(gpu) = self.gpu.get().and_then(Option::as_ref) {
             gpu.abandon();
         }

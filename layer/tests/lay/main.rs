@@ -12,9 +12,8 @@ mod vulkan;
 
 use ash::vk;
 use parafovea::gpu::AppCommands;
-use parafovea::mask::{DepthWork, Eligible, MaskMap, lay_mask, mask_views};
+use parafovea::mask::{DepthWork, Eligible, MaskKernels, MaskMap, lay_mask, mask_views};
 use parafovea::passes::analyze::{ViewTiles, rate_row_bytes};
-use parafovea::passes::fill::Fill;
 use parafovea::passes::lay::{Lay, LayTable, LayTarget};
 use parafovea::passes::mask::MaskPass;
 use parafovea::scene::lay::{DeviceRates, EyeMap, RateImage, lay_table};
@@ -175,7 +174,7 @@ fn skipped(words: &[u32]) -> BTreeSet<[u32; 2]> {
 fn masks_match_the_reference() {
     let laid = Laid::new();
     let gpu = &laid.vulkan.gpu;
-    let (fill, pass) = (Arc::new(Fill::new(gpu).unwrap()), MaskPass::new(gpu).unwrap());
+    let (kernels, pass) = (Arc::new(MaskKernels::new(gpu).unwrap()), MaskPass::new(gpu).unwrap());
     let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
     let mut all_skipped = 0;
     for (number, case) in (0u32..).zip(cases()) {
@@ -190,7 +189,7 @@ fn masks_match_the_reference() {
         let extent = [x + width, y + height];
         for format in [DepthFormat::Unorm16, DepthFormat::Float32] {
             let eligible = Eligible { format, depths, drawn: None, work: DepthWork::default() };
-            let map = Arc::new(MaskMap::new(gpu, &fill, eligible, extent, image.layers).unwrap());
+            let map = Arc::new(MaskMap::new(gpu, &kernels, eligible, extent, image.layers).unwrap());
             let views = mask_views(parts, image);
             let masked =
                 pass.target(&map, &target, (image.texel, image.tiles, image.layers), &views).unwrap();
@@ -230,7 +229,7 @@ fn masks_match_the_reference() {
 fn what_the_kernel_cannot_serve_is_refused() {
     let laid = Laid::new();
     let gpu = &laid.vulkan.gpu;
-    let (fill, pass) = (Arc::new(Fill::new(gpu).unwrap()), MaskPass::new(gpu).unwrap());
+    let (kernels, pass) = (Arc::new(MaskKernels::new(gpu).unwrap()), MaskPass::new(gpu).unwrap());
     let tiles = rates([4, 4], 1, false);
     let map = eye_map([64, 64], &tiles);
     let image = RateImage { area: [0, 0, 64, 64], texel: TEXEL, tiles: [4, 4], layers: 1 };
@@ -242,7 +241,7 @@ fn what_the_kernel_cannot_serve_is_refused() {
     let made = |extent: [u32; 2], texel: [u32; 2]| {
         let eligible =
             Eligible { format: DepthFormat::Unorm16, depths, drawn: None, work: DepthWork::default() };
-        let map = Arc::new(MaskMap::new(gpu, &fill, eligible, extent, 1).unwrap());
+        let map = Arc::new(MaskMap::new(gpu, &kernels, eligible, extent, 1).unwrap());
         pass.target(&map, &target, (texel, [4, 4], 1), &views).is_ok()
     };
     assert!(made([64, 64], TEXEL));

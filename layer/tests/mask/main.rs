@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 mod application;
+mod depth;
 #[path = "../fill/picture.rs"]
 #[allow(dead_code, reason = "shared with the tests of fill")]
 mod picture;
@@ -19,10 +20,9 @@ use application::{Application, COLOR, LAYERS_DRAWN, Setup};
 use ash::vk;
 use parafovea::gpu::{AppCommands, Gpu};
 use parafovea::mask::{
-    ColorFacts, DepthFacts, DepthTemplate, DepthWork, Eligible, MaskFacts, MaskMap, PipelineFacts,
-    depth_format,
+    ColorFacts, DepthFacts, DepthTemplate, DepthWork, Eligible, MaskFacts, MaskKernels, MaskMap,
+    PipelineFacts, depth_format,
 };
-use parafovea::passes::fill::Fill;
 use parafovea::scene::lay::RateImage;
 use parafovea::scene::{Eyes, Orientation, Part, PassFacts};
 use parafovea_core::kernels::fill::FillFormat;
@@ -93,8 +93,8 @@ fn check(vulkan: &Vulkan, setup: Setup) {
     let (off, off_count) = application.frame(vulkan, |commands, draw| draw(commands, false));
     // SAFETY: the device is never destroyed.
     let gpu = &unsafe { Gpu::without_queue(&vulkan.record) }.unwrap();
-    let fill = Arc::new(Fill::new(gpu).unwrap());
-    let map = MaskMap::new(gpu, &fill, eligible(&application), EXTENT, 1).unwrap();
+    let kernels = Arc::new(MaskKernels::new(gpu).unwrap());
+    let map = MaskMap::new(gpu, &kernels, eligible(&application), EXTENT, 1).unwrap();
     map.prepare(COLOR).unwrap();
     assert!(map.takes(setup.area));
     let color = application.color_part();

@@ -91,6 +91,11 @@ impl<T> Later<T> {
         }
         self.made.get()
     }
+
+    /// Whether it will never be there.
+    pub(crate) fn has_failed(&self) -> bool {
+        matches!(*self.slot.state(), State::Never)
+    }
 }
 
 impl<T> Drop for Later<T> {

@@ -1,7 +1,7 @@
 //! The mask of one colour target: what was seen of its passes, and the map once there is one.
 
 use super::Masks;
-use crate::gpu::AppCommands;
+use crate::gpu::{AppCommands, Compilation, Later};
 use crate::mask::{Eligible, MaskMap, PipelineFacts, Reason};
 use crate::scene::lay::RateImage;
 use crate::scene::{How, ImageDescription, Part, PassFacts, Target};
@@ -16,8 +16,8 @@ pub struct TargetMask {
     /// Size of the target, pixels.
     extent: [u32; 2],
     seen: Mutex<Seen>,
-    /// Made for the first pass that can have it.
-    map: OnceLock<Option<Arc<MaskMap>>>,
+    /// Asked for by the first pass that can have it.
+    map: OnceLock<Later<MaskMap>>,
 }
 
 /// What earlier passes to the target were.
@@ -90,17 +90,28 @@ impl TargetMask {
     ///
     /// It is for others, or cannot be made.
     pub(super) fn map(&self, eligible: Eligible) -> Result<Arc<MaskMap>, Reason> {
-        if self.map.get().is_none() {
-            let gpu = self.masks.gpu().ok_or(Reason::Failed)?;
-            let fill = self.masks.fill(gpu).ok_or(Reason::New)?;
-            let make = || {
-                let map = MaskMap::new(gpu, &fill, eligible, self.extent, self.target.layers);
-                map.inspect_err(|error| error.tell("no mask for a render pass")).ok().map(Arc::new)
-            };
-            self.map.get_or_init(make);
+        let map = match self.map.get() {
+            Some(map) => map,
+            None => {
+                let new = self.ask(eligible)?;
+                self.map.get_or_init(|| new)
+            }
+        };
+        match map.get() {
+            Some(map) if map.serves(eligible) => Ok(Arc::clone(map)),
+            Some(_) => Err(Reason::Changes),
+            None if map.has_failed() => Err(Reason::Failed),
+            None => Err(Reason::New),
         }
-        let map = self.map.get().and_then(Option::as_ref).ok_or(Reason::Failed)?;
-        if map.serves(eligible) { Ok(Arc::clone(map)) } else { Err(Reason::Changes) }
+    }
+
+    /// Has the map made on the compiler's thread: the template may have a pipeline of its own.
+    fn ask(&self, eligible: Eligible) -> Result<Later<MaskMap>, Reason> {
+        let gpu = Arc::clone(self.masks.gpu().ok_or(Reason::Failed)?);
+        let kernels = self.masks.kernels(&gpu).ok_or(Reason::New)?;
+        let (extent, layers) = (self.extent, self.target.layers);
+        let make = move |_: &Arc<Compilation>| MaskMap::new(&gpu, &kernels, eligible, extent, layers);
+        Ok(self.masks.compiler().ask("no mask for a render pass", make))
     }
 
     /// Logs how a pass of the scene was recorded, where that is news.
@@ -128,7 +139,7 @@ impl TargetMask {
     }
 
     fn made(&self) -> Option<&Arc<MaskMap>> {
-        self.map.get().and_then(Option::as_ref)
+        self.map.get().and_then(Later::get)
     }
 }
 
