@@ -16,13 +16,14 @@
 //!
 //! A scene is a set of eye passes. A pass that comes and goes begins no scene; its frames do not count.
 //!
-//! [`Gates`] has one gate for shading rates and one for re-use, of which at most one has a trial at any time.
+//! [`Gates`] has one gate for shading rates and one for re-use; at most one of them has a trial at any time.
 
 mod both;
 mod estimate;
 mod evidence;
 mod scenes;
 mod trial;
+mod under_way;
 
 pub use both::{Gates, JudgedFrame, Techniques};
 pub use estimate::{MARGIN, Verdict};
@@ -30,9 +31,10 @@ pub use evidence::Evidence;
 pub use scenes::SCENE_HOLD_NS;
 
 use crate::gaze::GazePhase;
-use estimate::{Estimate, FINAL, STRICT};
+use estimate::Estimate;
 use scenes::{Decision, Scenes};
-use trial::{BEFORE, Before, Cost, STRETCHES, Trial};
+use trial::{BEFORE, Before, Cost, Trial};
+use under_way::{Step, UnderWay};
 
 /// Who decides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -77,9 +79,6 @@ const LEAST: usize = 8;
 /// frames are under way.
 const SETTLING: u32 = 2;
 
-/// A stretch without enough costs is given up after so many times its longest time.
-const PATIENCE: i64 = 4;
-
 /// A frame that was rendered, as a gate sees it. Its cost may be known later than the frame was; frames come in order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GateFrame {
@@ -120,34 +119,6 @@ pub struct Gate {
     last_whole_ns: Option<i64>,
     last_hidden_ns: Option<i64>,
     wants_costs: bool,
-}
-
-/// A trial under way.
-#[derive(Clone, Debug)]
-struct UnderWay {
-    trial: Trial,
-    /// Whether it is a control, or a whole trial.
-    is_control: bool,
-    /// Whether it is one of the first of its scene, at whose end [`FINAL`] decides.
-    is_early: bool,
-    stretch_began_ns: i64,
-    /// Frames of the stretch at which the costs are looked at next.
-    next_look: usize,
-    /// The next step, and since when it waits for the eyes.
-    next: Option<(Step, i64)>,
-    /// At the last look.
-    latest: Option<Estimate>,
-}
-
-/// What happens to a trial.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Step {
-    /// The next stretch begins.
-    Switch,
-    /// The trial ends with that.
-    End(Option<Estimate>, Verdict),
-    /// Its costs do not come.
-    GiveUp,
 }
 
 impl Gate {
@@ -248,7 +219,7 @@ impl Gate {
         self.is_on()
     }
 
-    /// Another scene: one of which the decision is known, or one for a whole trial.
+    /// Begins another scene with its earlier decision, or else with a whole trial.
     fn begin_scene(&mut self, now: i64) {
         if self.trial.take().is_some() {
             self.last_trial_ns = Some(now);
@@ -298,15 +269,7 @@ impl Gate {
             return;
         }
         let trial = Trial::begin(now, self.stands_on, before);
-        self.trial = Some(UnderWay {
-            trial,
-            is_control,
-            is_early: self.whole_left > 0,
-            stretch_began_ns: now,
-            next_look: LEAST,
-            next: None,
-            latest: None,
-        });
+        self.trial = Some(UnderWay::begin(trial, is_control, self.whole_left > 0, now));
     }
 
     /// Goes on with the trial under way.
@@ -360,45 +323,6 @@ impl Gate {
             if is_promising && verdict == Verdict::Unclear { self.whole_left.saturating_sub(1) } else { 0 };
         self.evidence = Evidence::new(estimate, verdict);
         self.scenes.decide(Decision { is_on: self.stands_on, evidence: self.evidence });
-    }
-}
-
-impl UnderWay {
-    /// The next step, if it is time for one.
-    fn step(&mut self, now: i64) -> Option<Step> {
-        self.stretch_began_ns = self.stretch_began_ns.min(now);
-        let passed = now.saturating_sub(self.stretch_began_ns);
-        let longest = if self.is_control { CONTROL_NS } else { STRETCH_NS };
-        let [frames, frames_before] = self.trial.frames();
-        let is_over = passed >= longest && frames >= LEAST;
-        let least = if self.trial.at() == 2 { frames_before.min(4 * LEAST) } else { LEAST };
-        if frames >= self.next_look.max(least) || is_over {
-            self.next_look = 2 * frames.max(LEAST);
-            let estimate = self.trial.estimate();
-            self.latest = estimate;
-            let verdict = |quantile| estimate.map_or(Verdict::Unclear, |estimate| estimate.verdict(quantile));
-            let strict = verdict(STRICT);
-            let is_last = self.trial.at() == if self.is_control { 2 } else { STRETCHES - 1 };
-            match (self.trial.at(), strict) {
-                (1, Verdict::Pays | Verdict::DoesNotPay) => return Some(Step::Switch),
-                (_, Verdict::Pays | Verdict::DoesNotPay) if self.trial.at() > 1 => {
-                    return Some(Step::End(estimate, strict));
-                }
-                _ if is_over && is_last && self.is_early => {
-                    return Some(Step::End(estimate, verdict(FINAL)));
-                }
-                _ if is_over && is_last => return Some(Step::End(estimate, Verdict::Unclear)),
-                _ if is_over => return Some(Step::Switch),
-                _ => {}
-            }
-        }
-        (passed >= PATIENCE * longest).then_some(Step::GiveUp)
-    }
-
-    fn switch(&mut self, now: i64) {
-        self.trial.switch();
-        self.stretch_began_ns = now;
-        self.next_look = LEAST;
     }
 }
 

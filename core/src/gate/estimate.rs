@@ -7,7 +7,7 @@ pub const MARGIN: f64 = 0.015;
 /// 16 looks at the costs.
 pub(super) const STRICT: f64 = 3.2905;
 
-/// Quantile for the decision at the end of a whole trial, of which a scene has one or two: 97 %.
+/// Quantile for the decision at the end of a whole trial: 97 %. A scene has one or two such trials.
 pub(super) const FINAL: f64 = 1.8808;
 
 /// Residuals beyond so many standard deviations are pulled in to that (Huber's winsorizing; 1.345 would be his choice
@@ -86,7 +86,7 @@ impl Estimate {
         (estimate.mean.is_finite() && estimate.standard_error.is_finite()).then_some(estimate)
     }
 
-    /// What is sure with that quantile of the normal distribution.
+    /// The verdict with the confidence of that quantile of the normal distribution.
     pub(super) fn verdict(&self, quantile: f64) -> Verdict {
         let reach = student_t(quantile, self.freedom) * self.standard_error;
         if self.mean + reach < 0.0 && self.mean < -MARGIN {

@@ -1,4 +1,4 @@
-//! One scene told from another, and what was decided in each.
+//! Scenes, and the decision about each.
 
 use super::evidence::Evidence;
 
@@ -6,7 +6,7 @@ use super::evidence::Evidence;
 /// pass, a refraction, a scope) do so for shorter.
 pub const SCENE_HOLD_NS: i64 = 10_000_000_000;
 
-/// Scenes of which the decision is remembered; beyond them the oldest is judged anew.
+/// Most remembered decisions; beyond them the scene with the oldest is judged anew.
 const MOST: usize = 8;
 
 /// A decision, and the costs that it rests on.
@@ -44,7 +44,7 @@ impl Scenes {
         is_new
     }
 
-    /// Whether these passes are those of the scene under way.
+    /// Whether the passes belong to the current scene.
     pub(super) fn is_current(&self, passes: Option<u32>) -> bool {
         passes.is_some() && self.current == passes
     }

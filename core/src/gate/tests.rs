@@ -50,7 +50,7 @@ proptest! {
         prop_assert_eq!(run.on, !costs, "{:?}", gate.evidence().ratio());
     }
 
-    /// What is plain is known after three seconds, without any movement of the eyes, and stays.
+    /// A plain gain is known after three seconds, without any movement of the eyes, and stays.
     #[test]
     fn what_is_plain_is_found_at_the_start(seed: u64, gain in 0.25f64..0.6, costs: bool) {
         let ratio = if costs { 1.0 + gain } else { 1.0 - gain };
@@ -187,7 +187,7 @@ fn costs_that_wander_are_told_from_gains() {
     }
 }
 
-/// Once what the technique saves is gone, a control finds that.
+/// A control finds that a saving is gone.
 #[test]
 fn a_control_finds_what_has_changed() {
     for (ratio, later, on) in [(0.6, 1.2, false), (1.2, 0.6, true)] {
@@ -221,7 +221,7 @@ fn what_is_set_holds() {
     }
 }
 
-/// Two techniques, of which one pays and the other costs, are told apart, and never tried together.
+/// A technique that pays and one that costs are told apart, and never tried together.
 #[test]
 fn two_are_told_apart() {
     for (rates, reuse) in [(0.7, 1.2), (1.2, 0.7), (0.7, 0.8), (1.2, 1.3)] {

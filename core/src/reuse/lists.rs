@@ -31,7 +31,7 @@ struct Row {
     stale: Vec<u64>,
     above: Vec<u64>,
     below: Vec<u64>,
-    /// Fresh tiles of which an edge is a border that has no earlier picture yet, by place in [`Edge::ALL`].
+    /// Fresh tiles with an edge that is a border and has no earlier picture yet, by place in [`Edge::ALL`].
     borders: [Vec<u64>; Edge::ALL.len()],
     /// Which of these have any tile, a bit each.
     open_borders: u32,

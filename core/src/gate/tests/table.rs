@@ -66,7 +66,7 @@ fn most_within(times: &[i64], seconds: i64) -> usize {
     times.iter().map(|&first| times.iter().filter(within(first)).count()).max().unwrap_or(0)
 }
 
-/// Whether noise leaves enough to decide: at 10 Hz and below, 30 s have 300 frames, of which 3 % are 1.5 to 3.9 standard errors
+/// Whether noise leaves enough to decide: at 10 Hz and below, 30 s have 300 frames, and 3 % are 1.5 to 3.9 standard errors
 /// apart. At 2 Hz, 10 % are 3.5 of them: that is right in 94 of 100.
 fn is_decidable(gain: f64, hz: f64) -> bool {
     !(gain == 0.03 && hz <= 10.0 || gain == 0.1 && hz <= 2.0)
