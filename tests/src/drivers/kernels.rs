@@ -120,7 +120,29 @@ pub fn query(device: ShimDevice) -> Result<Kernels, HarnessError> {
 pub fn keep() -> Result<Vec<Kernels>, HarnessError> {
     let all = QUERIED.into_iter().map(query).collect::<Result<Vec<_>, _>>()?;
     let path = kept_path();
-    let text = serde_json::to_string_pretty(&all).map_err(|error| HarnessError::format(&path, error))?;
-    std::fs::write(&path, text + "\n").map_err(HarnessError::file(&path))?;
+    let text = kept_text(&all).map_err(|error| HarnessError::format(&path, error))?;
+    std::fs::write(&path, text).map_err(HarnessError::file(&path))?;
     Ok(all)
+}
+
+/// JSON with a line for each kernel, so that a change of a driver shows as few changed lines.
+fn kept_text(all: &[Kernels]) -> serde_json::Result<String> {
+    let of_device = |kernels: &Kernels| {
+        let [device, driver] = [&kernels.device, &kernels.driver].map(serde_json::to_string);
+        let lines = kernels.compiled.iter().map(serde_json::to_string).collect::<Result<Vec<_>, _>>()?;
+        let lines = lines.join(",\n");
+        Ok(format!("{{\"device\":{},\"driver\":{},\"compiled\":[\n{lines}\n]}}", device?, driver?))
+    };
+    let devices = all.iter().map(of_device).collect::<serde_json::Result<Vec<_>>>()?;
+    Ok(format!("[{}]\n", devices.join(",\n")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_kept_file_is_as_it_would_be_written() {
+        assert_eq!(kept_text(&kept().unwrap()).unwrap(), KEPT);
+    }
 }
