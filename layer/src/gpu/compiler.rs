@@ -1,5 +1,5 @@
-//! Compiles pipelines of ours on a thread: no frame of the application waits for a compiler. Until what is asked for is there, the
-//! application is served without it.
+//! Compiles the layer's pipelines on a thread: no frame of the application waits for a compiler. Until its pipelines are ready, a
+//! technique does nothing.
 //!
 //! A device has one thread for both halves, as long as there is something to make, and one pipeline cache, whose data is kept on
 //! disk from one launch to the next.

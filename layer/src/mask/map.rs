@@ -189,7 +189,7 @@ impl MaskMap {
     /// Prepares the fill of pictures that are drawn to in `format`.
     ///
     /// # Errors
-    /// As for [`Fill::target`].
+    /// As for [`crate::passes::fill::Fill::target`].
     pub fn prepare(&self, format: vk::Format) -> Result<(), GpuError> {
         if self.target(format).is_none() {
             // Made without the lock, which is not held across calls down: another thread may have been faster.
