@@ -130,6 +130,8 @@ pub struct Gate {
     pub mode: String,
     /// Whether the technique stays; false where it was dropped.
     pub is_kept: bool,
+    /// Whether a trial is under way or due: the technique is switched off and on, and frames are measured.
+    pub is_on_trial: bool,
     /// What frames cost with it, in costs without it, and the bounds of a confidence interval; `None`: not known yet.
     pub ratio: Option<[f32; 3]>,
 }

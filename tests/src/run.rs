@@ -435,12 +435,28 @@ impl Running {
         self.finish()
     }
 
+    /// Kills it, and returns the record of its frames so far.
+    ///
+    /// # Errors
+    /// As for [`Run::finish`], and fewer than `frames` frames.
+    pub fn stop(self, frames: u64) -> Result<Record, HarnessError> {
+        let path = self.record_path();
+        match Record::load(&path) {
+            Ok(record) if record.frames.len() as u64 >= frames => Ok(record),
+            _ => Err(self.finish()?.failed(&format!("it has no record of {frames} frames"))),
+        }
+    }
+
+    fn record_path(&self) -> PathBuf {
+        self.folder.path().join(&self.run.scenario.output.dir).join("record.jsonl")
+    }
+
     /// Waits for its end, or kills it when its time is over.
     ///
     /// # Errors
     /// As for [`Run::finish`].
     pub fn finish(self) -> Result<Outcome, HarnessError> {
-        let record = self.folder.path().join(&self.run.scenario.output.dir).join("record.jsonl");
+        let record = self.record_path();
         let frames = self.run.scenario.session.frames;
         let is_done = || {
             self.run.closes_input

@@ -83,6 +83,7 @@ impl Default for Moment {
 pub struct GateMoment {
     mode: GateMode,
     is_kept: bool,
+    is_on_trial: bool,
     ratio: Option<[f32; 3]>,
 }
 
@@ -97,7 +98,7 @@ impl From<&Gate> for GateMoment {
     fn from(gate: &Gate) -> Self {
         let ratio = gate.evidence().ratio();
         let ratio = ratio.map(|(ratio, [low, high])| [ratio, low, high].map(|value| value as f32));
-        Self { mode: gate.mode(), is_kept: gate.is_kept(), ratio }
+        Self { mode: gate.mode(), is_kept: gate.is_kept(), is_on_trial: gate.wants_costs(), ratio }
     }
 }
 
@@ -173,7 +174,7 @@ impl GateMoment {
             GateMode::Off => "off",
         };
         let ratio = self.ratio.map(|ratio| ratio.map(|value| rounded(value, 100.0)));
-        status::Gate { mode: mode.to_owned(), is_kept: self.is_kept, ratio }
+        status::Gate { mode: mode.to_owned(), is_kept: self.is_kept, is_on_trial: self.is_on_trial, ratio }
     }
 }
 

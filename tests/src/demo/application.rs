@@ -12,9 +12,6 @@ const STYLE: &str = "render-pass";
 /// Frames of the counted runs that are judged. The eyes jump after two thirds of them.
 const JUDGED: u64 = 9;
 
-/// Frames that the layer has for its decision. A trial of the gate takes 14, and a decision needs four or more.
-const DECIDING: u64 = 160;
-
 /// Frames until a pass is recognised and rates have become as coarse as they get.
 const SETTLING: u64 = LAYER_RUN_UP;
 
@@ -40,7 +37,7 @@ impl Exhibit {
 /// Our scene, one style of the zoo, and hello_xr where it is installed.
 pub fn exhibits() -> Vec<Exhibit> {
     let counted = Effort { turns: 1, run_up: SETTLING, frames: JUDGED, size: 512 };
-    let timed = Effort { turns: 2, run_up: DECIDING, frames: 30, size: 512 };
+    let timed = Effort { turns: 2, run_up: SETTLING, frames: 30, size: 512 };
     let scene =
         Subject::before_a_saccade(SceneName::Courtyard, Tracker::GOOD, counted.run_up + JUDGED * 2 / 3);
     let exhibit =

@@ -58,7 +58,7 @@ mod tests {
     use parafovea_manifest::status::Gate;
 
     fn status(is_kept: bool, ratio: Option<[f32; 3]>, passes_matched: u32) -> Status {
-        let rates_gate = Gate { mode: "auto".to_owned(), is_kept, ratio };
+        let rates_gate = Gate { mode: "auto".to_owned(), is_kept, is_on_trial: false, ratio };
         let decisions =
             vec!["scene passes of 512x512: left alone by the mask backend: no depth attachment".to_owned()];
         Status { backend: "mask".to_owned(), rates_gate, passes_matched, decisions, ..Status::default() }

@@ -6,10 +6,19 @@ use crate::measure::{Effort, Player, Samples, Technique, play_in_turn, start_all
 use crate::progress::Progress;
 use parafovea_manifest::status::Status;
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Frames behind the timed ones, in which the layer is asked for its status. It writes that once a second.
 const ASKING: u64 = 40;
+
+/// Most frames that the gate has for its decision: 30 s at the runtime's 90 Hz, in which each trial ends.
+const DECIDING: u64 = 2700;
+
+/// Most time that the gate has for its decision.
+const DECIDING_TIME: Duration = Duration::from_secs(60);
+
+/// Frames between two looks at the status.
+const LOOK: u64 = 15;
 
 /// Between two of those frames: the layer takes a frame's figures 100 ms before it writes them.
 const PAUSE: Duration = Duration::from_millis(80);
@@ -34,26 +43,43 @@ pub fn time(
 ) -> Result<Vec<Timed>, HarnessError> {
     let none = || Timed { cpu_ms: Samples::default(), status: None };
     let mut all: Vec<Timed> = techniques.iter().map(|_| none()).collect();
-    let with_asking = Effort { frames: effort.frames + ASKING, ..effort };
+    // Players are stopped as soon as they are not needed any more.
+    let longest = Effort { frames: DECIDING + effort.frames + ASKING, ..effort };
     for turn in 1..=effort.turns {
         let names: Vec<&str> = techniques.iter().map(|technique| technique.name.as_str()).collect();
         let step = format!("{}: turn {turn} of {}, {}", exhibit.name(), effort.turns, names.join(" | "));
         progress.next(&step);
-        let mut players = start_all(&exhibit.subject, techniques, with_asking, false, |_, _| {})?;
+        let mut players = start_all(&exhibit.subject, techniques, longest, false, |_, _| {})?;
+        let deciding = decide(&mut players);
         play_in_turn(&mut players, effort.frames);
         for ((mut player, technique), timed) in players.into_iter().zip(techniques).zip(&mut all) {
-            let own = with_asking.of(technique);
+            let run_up = effort.of(technique).run_up + deciding;
             if turn == effort.turns && technique.has_layer() {
-                timed.status = status(&mut player, own.run_up + effort.frames);
+                timed.status = status(&mut player, run_up + effort.frames);
             }
-            let outcome = player.finish()?.expect_frames(own.length())?;
-            let mut cpu_ms = outcome.record.cpu_ms_of_frames(own.run_up);
+            let mut cpu_ms = player.stop(run_up + effort.frames)?.cpu_ms_of_frames(run_up);
             cpu_ms.truncate(effort.frames as usize);
             timed.cpu_ms.push(cpu_ms);
             progress.add(work::rendering(exhibit, effort.of(technique)));
         }
     }
     Ok(all)
+}
+
+/// Lets all play on until no gate of theirs has a decision to make, and returns the frames that took.
+fn decide(players: &mut [Player]) -> u64 {
+    let start = Instant::now();
+    let is_undecided =
+        |status: Status| status.inert.is_empty() && status.backend != "none" && status.rates_gate.is_on_trial;
+    let mut frames = 0;
+    while frames < DECIDING
+        && start.elapsed() < DECIDING_TIME
+        && players.iter().filter_map(Player::status).any(is_undecided)
+    {
+        play_in_turn(players, LOOK);
+        frames += LOOK;
+    }
+    frames
 }
 
 /// The status that the layer writes after so many frames.

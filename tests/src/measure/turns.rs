@@ -5,6 +5,7 @@
 
 use super::{Effort, Subject, Technique};
 use crate::HarnessError;
+use crate::record::Record;
 use crate::run::{Application, Outcome, Run, Running};
 use crate::scenario::Scenario;
 use parafovea_manifest::paths::Environment;
@@ -160,6 +161,14 @@ impl Player {
             Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| folder.clone().into()));
         let (found, _) = read_all(&environment, SystemTime::now()).ok()?;
         found.into_iter().next().map(|found| found.status)
+    }
+
+    /// Ends it where it is, and returns the record of its frames so far.
+    ///
+    /// # Errors
+    /// A record that cannot be read, or has fewer than `frames` frames.
+    pub fn stop(self, frames: u64) -> Result<Record, HarnessError> {
+        self.running.stop(frames)
     }
 
     /// Lets it come to its end.

@@ -139,6 +139,7 @@ fn gate(gate: &Gate) -> String {
         None if gate.mode == "auto" => ": effect not measured yet".to_owned(),
         None => String::new(),
     };
+    let saved = if gate.is_on_trial { format!("{saved}; trial under way") } else { saved };
     match (gate.mode.as_str(), gate.is_kept) {
         ("off", _) => "off".to_owned(),
         ("auto", true) => format!("on{saved}"),
@@ -175,7 +176,12 @@ mod tests {
                 decided_on_gpu: false,
                 rendered: 1.0,
             },
-            rates_gate: Gate { mode: "auto".to_owned(), is_kept: true, ratio: Some([0.65, 0.6, 0.7]) },
+            rates_gate: Gate {
+                mode: "auto".to_owned(),
+                is_kept: true,
+                is_on_trial: false,
+                ratio: Some([0.65, 0.6, 0.7]),
+            },
             reuse_gate: Gate { mode: "off".to_owned(), ..Gate::default() },
             ..Status::default()
         }
@@ -229,7 +235,15 @@ mod tests {
 
     #[test]
     fn what_was_dropped_and_what_is_inert_say_why() {
-        let dropped = Gate { mode: "auto".to_owned(), is_kept: false, ratio: Some([1.2, 1.1, 1.3]) };
+        let tried = Gate { mode: "auto".to_owned(), is_kept: true, is_on_trial: true, ratio: None };
+        let text = shown(Status { rates_gate: tried, ..active() });
+        assert!(text.contains("on: effect not measured yet; trial under way"), "{text}");
+        let dropped = Gate {
+            mode: "auto".to_owned(),
+            is_kept: false,
+            is_on_trial: false,
+            ratio: Some([1.2, 1.1, 1.3]),
+        };
         let text = shown(Status { rates_gate: dropped, ..active() });
         assert!(text.contains("  rates     dropped: a slowdown of 20 % (10 to 30 %)"), "{text}");
         let settings = Settings { file: "/c.toml".to_owned(), has_error: true };
