@@ -1,8 +1,10 @@
 // Kernel `analyze`: the contrast of each tile of a picture, by octave of spatial frequency.
-// Reference: core/src/kernels/analyze.rs and what it calls. One dispatch for luminance, one for each of five reductions, one for the
-// tiles; where the view has not moved, only the first as long as picture and rates are the same too. Only the first depends on the format of
-// the picture. No barrier within a workgroup, and no thread that waits for another: software devices find both dear, as they do each single
-// number read; hence levels are kept in blocks of two by two texels.
+// Reference: core/src/kernels/analyze.rs and what it calls. One dispatch for luminance with the first reduction, one for each of four more, one
+// for the tiles; where the view has not moved, luminance alone as long as picture and rates are the same too. Only luminance depends on the
+// format of the picture. GPUs do little but move levels: hence half floats, and a first reduction that does not read the luminance that its
+// neighbours write, but the picture, which caches have. Software devices find that dear: they make luminance alone, then level 1. No barrier
+// within a workgroup, and no thread that waits for another, nor single numbers read, for the same reason: hence levels are kept in blocks of
+// two by two texels.
 
 struct AnalyzeParams {
     rect_offset: vec2<u32>,
@@ -32,7 +34,7 @@ struct Shown {
 @group(0) @binding(0) var<storage, read> params: AnalyzeParams;
 @group(0) @binding(1) var picture: texture_2d<f32>;
 // Levels 0 to 5 of the pyramid, in blocks of two by two texels, the upper two first: kernels::analyze::level_place.
-@group(0) @binding(2) var levels: texture_storage_2d<rgba32float, read_write>;
+@group(0) @binding(2) var levels: texture_storage_2d<rgba16float, read_write>;
 // The map: of the frame before until it is written.
 @group(0) @binding(3) var<storage, read_write> map: array<TileContrast>;
 // The rates that the picture was shaded at, four tiles of a row in a word; rows begin with a new one.
@@ -53,6 +55,8 @@ struct Same {
 @group(0) @binding(6) var<storage, read_write> same: Same;
 
 const BRIGHTEST_CD_M2: f32 = 10000.0;
+// kernels::analyze::DARKEST_CD_M2
+const DARKEST_CD_M2: f32 = 0.00006103515625;
 const LARGEST_COMPONENT: f32 = 65504.0;
 const INFINITY: u32 = 0x7f800000u;
 
@@ -62,51 +66,39 @@ fn component(value: f32) -> f32 {
     return select(clamp(value, -LARGEST_COMPONENT, LARGEST_COMPONENT), 0.0, is_nan);
 }
 
+// kernels::analyze::half, of luminance that is within its bounds.
+fn half(texels: vec4<f32>) -> vec4<f32> {
+    return bitcast<vec4<f32>>((bitcast<vec4<u32>>(texels) + 0x1000u) & vec4(0xffffe000u));
+}
+
 // `is_unit`: of a format that holds 0..=1 and nothing else.
-fn light(pixel: vec2<u32>, is_unit: bool) -> f32 {
-    var rgb = textureLoad(picture, params.rect_offset + min(pixel, params.extent - 1u), 0).rgb;
+fn light(pixel: vec2<i32>, is_unit: bool) -> f32 {
+    let inside = clamp(pixel, vec2(0), vec2<i32>(params.extent) - 1);
+    var rgb = textureLoad(picture, vec2<i32>(params.rect_offset) + inside, 0).rgb;
     if !is_unit {
         rgb = vec3(component(rgb.r), component(rgb.g), component(rgb.b));
     }
     let relative = params.weights.x * rgb.r + params.weights.y * rgb.g + params.weights.z * rgb.b;
-    return clamp(relative * params.white_cd_m2, 0.0, BRIGHTEST_CD_M2);
+    return clamp(relative * params.white_cd_m2, DARKEST_CD_M2, BRIGHTEST_CD_M2);
 }
 
 // Beyond the edge the last texel repeats, in blocks too.
-fn block_of_picture(pixel: vec2<u32>, is_unit: bool) -> vec4<f32> {
-    return vec4(
+fn block_of_picture(at: vec2<i32>, is_unit: bool) -> vec4<f32> {
+    let pixel = 2 * at;
+    return half(vec4(
         light(pixel, is_unit),
-        light(pixel + vec2(1u, 0u), is_unit),
-        light(pixel + vec2(0u, 1u), is_unit),
-        light(pixel + 1u, is_unit),
-    );
+        light(pixel + vec2(1, 0), is_unit),
+        light(pixel + vec2(0, 1), is_unit),
+        light(pixel + 1, is_unit),
+    ));
 }
 
-fn store_luminance(at: vec2<u32>, is_unit: bool) {
-    let pixel = 2u * at;
-    if any(pixel >= params.extent) {
-        return;
-    }
-    textureStore(levels, at, block_of_picture(pixel, is_unit));
-}
-
-@compute @workgroup_size(64)
-fn luminance(@builtin(global_invocation_id) id: vec3<u32>) {
-    store_luminance(id.xy, false);
-}
-
-@compute @workgroup_size(64)
-fn luminance_unit(@builtin(global_invocation_id) id: vec3<u32>) {
-    store_luminance(id.xy, true);
-}
-
-// As `store_luminance`, of a picture that may be the same as the last one.
+// Luminance alone, of a picture that may be the same as the last one.
 fn compare_luminance(at: vec2<u32>, is_unit: bool) {
-    let pixel = 2u * at;
-    if any(pixel >= params.extent) {
+    if any(2u * at >= params.extent) {
         return;
     }
-    let block = block_of_picture(pixel, is_unit);
+    let block = block_of_picture(vec2<i32>(at), is_unit);
     if any(textureLoad(levels, at) != block) {
         textureStore(levels, at, block);
         atomicStore(&same.is_changed, 1u);
@@ -203,37 +195,71 @@ fn binomial(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, d: vec2<f32>, e: vec2<f32>
     return c + ((a - c) + (e - c)) * 0.0625 + ((b - c) + (d - c)) * 0.25;
 }
 
-// Two columns around the texels of two blocks, one below the other: for each block its upper texels in xy and its lower ones in zw.
-struct Columns {
-    upper: vec4<f32>,
-    lower: vec4<f32>,
+// A row of blocks, reduced along it to four texels: of two each the upper and the lower row of the first, then of the second.
+struct Row {
+    left: vec4<f32>,
+    right: vec4<f32>,
 }
 
-// Block column `x` of the level before, from the row before block row `y` on.
-fn columns(finer: Level, x: i32, y: i32, across: i32) -> Columns {
-    let a = block(finer, vec2(x, y - 1), across, BEFORE);
-    let b = block(finer, vec2(x, y), across, ON);
-    let c = block(finer, vec2(x, y + 1), across, AFTER);
-    let d = block(finer, vec2(x, y + 2), across, AFTER);
-    let e = block(finer, vec2(x, y + 3), across, AFTER);
-    let f = block(finer, vec2(x, y + 4), across, AFTER);
-    return Columns(
-        vec4(binomial(a.xy, a.zw, b.xy, b.zw, c.xy), binomial(b.xy, b.zw, c.xy, c.zw, d.xy)),
-        vec4(binomial(c.xy, c.zw, d.xy, d.zw, e.xy), binomial(d.xy, d.zw, e.xy, e.zw, f.xy)),
+// From the block before on; of the last one the left half.
+fn reduced(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>, e: vec4<f32>, f: vec4<f32>) -> Row {
+    return Row(
+        vec4(binomial(a.xz, a.yw, b.xz, b.yw, c.xz), binomial(b.xz, b.yw, c.xz, c.yw, d.xz)),
+        vec4(binomial(c.xz, c.yw, d.xz, d.yw, e.xz), binomial(d.xz, d.yw, e.xz, e.yw, f.xz)),
     );
 }
 
-// The block at `at` of a level of this size, from eight columns around it, of which the last one is not needed.
+// Block row `y` of the level before, around four blocks from column `x` on.
+fn row_of(finer: Level, x: i32, y: i32, down: i32) -> Row {
+    return reduced(
+        block(finer, vec2(x - 1, y), BEFORE, down),
+        block(finer, vec2(x, y), ON, down),
+        block(finer, vec2(x + 1, y), AFTER, down),
+        block(finer, vec2(x + 2, y), AFTER, down),
+        block(finer, vec2(x + 3, y), AFTER, down),
+        block(finer, vec2(x + 4, y), AFTER, down),
+    );
+}
+
+// The same of the picture. `is_stored`: its four blocks too, as far as they are of the picture.
+fn row_of_picture(x: i32, y: i32, is_stored: bool, is_unit: bool) -> Row {
+    let a = block_of_picture(vec2(x - 1, y), is_unit);
+    let b = block_of_picture(vec2(x, y), is_unit);
+    let c = block_of_picture(vec2(x + 1, y), is_unit);
+    let d = block_of_picture(vec2(x + 2, y), is_unit);
+    let e = block_of_picture(vec2(x + 3, y), is_unit);
+    let f = block_of_picture(vec2(x + 4, y), is_unit);
+    if is_stored {
+        store_luminance(vec2(x, y), b);
+        store_luminance(vec2(x + 1, y), c);
+        store_luminance(vec2(x + 2, y), d);
+        store_luminance(vec2(x + 3, y), e);
+    }
+    return reduced(a, b, c, d, e, f);
+}
+
+fn store_luminance(at: vec2<i32>, block: vec4<f32>) {
+    if all(2 * at < vec2<i32>(params.extent)) {
+        textureStore(levels, at, block);
+    }
+}
+
+// The block at `at` of a level of this size, from the halves of four rows around it, of which the last one's lower half is not needed.
 fn store(level: Level, size: vec2<u32>, at: vec2<u32>, a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>) {
     if any(2u * at >= size) {
         return;
     }
-    let left = binomial(a.xz, a.yw, b.xz, b.yw, c.xz);
-    let right = binomial(b.xz, b.yw, c.xz, c.yw, d.xz);
+    let upper = binomial(a.xz, a.yw, b.xz, b.yw, c.xz);
+    let lower = binomial(b.xz, b.yw, c.xz, c.yw, d.xz);
     let fits = 2u * at + 1u < size;
-    let upper = vec2(left.x, select(left.x, right.x, fits.x));
-    let lower = vec2(left.y, select(left.y, right.y, fits.x));
-    textureStore(levels, level.place + vec2<i32>(at), vec4(upper, select(upper, lower, fits.y)));
+    let texels = vec4(upper, select(upper, lower, fits.y));
+    textureStore(levels, level.place + vec2<i32>(at), half(select(texels, texels.xxzz, vec4(!fits.x))));
+}
+
+// Two blocks beside each other.
+fn store_two(level: Level, size: vec2<u32>, at: vec2<u32>, a: Row, b: Row, c: Row, d: Row) {
+    store(level, size, at, a.left, b.left, c.left, d.left);
+    store(level, size, at + vec2(1u, 0u), a.right, b.right, c.right, d.right);
 }
 
 // Two by two blocks of level `index`, from the level before.
@@ -246,16 +272,55 @@ fn reduce(index: u32, id: vec2<u32>) {
     let level = level_at(index);
     let finer = level_at(index - 1u);
     let source = 2 * vec2<i32>(at);
-    let a = columns(finer, source.x - 1, source.y, BEFORE);
-    let b = columns(finer, source.x, source.y, ON);
-    let c = columns(finer, source.x + 1, source.y, AFTER);
-    let d = columns(finer, source.x + 2, source.y, AFTER);
-    let e = columns(finer, source.x + 3, source.y, AFTER);
-    let f = columns(finer, source.x + 4, source.y, AFTER);
-    store(level, size, at, a.upper, b.upper, c.upper, d.upper);
-    store(level, size, at + vec2(1u, 0u), c.upper, d.upper, e.upper, f.upper);
-    store(level, size, at + vec2(0u, 1u), a.lower, b.lower, c.lower, d.lower);
-    store(level, size, at + 1u, c.lower, d.lower, e.lower, f.lower);
+    let a = row_of(finer, source.x, source.y - 1, BEFORE);
+    let b = row_of(finer, source.x, source.y, ON);
+    let c = row_of(finer, source.x, source.y + 1, AFTER);
+    let d = row_of(finer, source.x, source.y + 2, AFTER);
+    store_two(level, size, at, a, b, c, d);
+    let e = row_of(finer, source.x, source.y + 3, AFTER);
+    let f = row_of(finer, source.x, source.y + 4, AFTER);
+    store_two(level, size, at + vec2(0u, 1u), c, d, e, f);
+}
+
+// The same of level 1 from the picture, with the luminance below it. Row by row: what neighbours read of the same lines of a cache should be
+// read at about the same time.
+fn reduce_picture(id: vec2<u32>, is_unit: bool) {
+    let size = level_size(1u);
+    let at = 2u * id;
+    if any(2u * at >= size) {
+        return;
+    }
+    let level = level_at(1u);
+    let source = 2 * vec2<i32>(at);
+    let a = row_of_picture(source.x, source.y - 1, false, is_unit);
+    let b = row_of_picture(source.x, source.y, true, is_unit);
+    let c = row_of_picture(source.x, source.y + 1, true, is_unit);
+    let d = row_of_picture(source.x, source.y + 2, true, is_unit);
+    store_two(level, size, at, a, b, c, d);
+    let e = row_of_picture(source.x, source.y + 3, true, is_unit);
+    let f = row_of_picture(source.x, source.y + 4, false, is_unit);
+    store_two(level, size, at + vec2(0u, 1u), c, d, e, f);
+}
+
+@compute @workgroup_size(64)
+fn luminance(@builtin(global_invocation_id) id: vec3<u32>) {
+    reduce_picture(id.xy, false);
+}
+
+@compute @workgroup_size(64)
+fn luminance_unit(@builtin(global_invocation_id) id: vec3<u32>) {
+    reduce_picture(id.xy, true);
+}
+
+// Luminance alone, for devices that find reading a pixel dear.
+@compute @workgroup_size(64)
+fn alone(@builtin(global_invocation_id) id: vec3<u32>) {
+    store_luminance(vec2<i32>(id.xy), block_of_picture(vec2<i32>(id.xy), false));
+}
+
+@compute @workgroup_size(64)
+fn alone_unit(@builtin(global_invocation_id) id: vec3<u32>) {
+    store_luminance(vec2<i32>(id.xy), block_of_picture(vec2<i32>(id.xy), true));
 }
 
 @compute @workgroup_size(64)

@@ -358,7 +358,7 @@ fn whole_pixel(found: Found) -> vec4<f32> {
 
 // A texel without weight does not count, even if it is no number.
 fn weighted(found: Found, texel: vec2<f32>, weight: f32) -> vec4<f32> {
-    return select(vec4(0.0), earlier_texel(found, texel) * weight, weight > 0.0);
+    return select(vec4(0.0), earlier_texel(found, texel), weight > 0.0) * weight;
 }
 
 // The texels around a point, and how much of each is taken.
@@ -375,14 +375,14 @@ fn footprint(found: Found, at: vec2<f32>) -> Footprint {
     let low = clamp(base, vec2(0.0), found.earlier.xy - 1.0);
     let high = clamp(base + 1.0, vec2(0.0), found.earlier.xy - 1.0);
     let fresh = vec4(
-        f32(is_fresh_at(found, low + 0.5)),
-        f32(is_fresh_at(found, vec2(high.x, low.y) + 0.5)),
-        f32(is_fresh_at(found, vec2(low.x, high.y) + 0.5)),
-        f32(is_fresh_at(found, high + 0.5)),
+        is_fresh_at(found, low + 0.5),
+        is_fresh_at(found, vec2(high.x, low.y) + 0.5),
+        is_fresh_at(found, vec2(low.x, high.y) + 0.5),
+        is_fresh_at(found, high + 0.5),
     );
     let rest = 1.0 - share;
-    let weights = fresh * vec4(rest.x * rest.y, share.x * rest.y, rest.x * share.y, share.x * share.y);
-    return Footprint(low, high, weights);
+    let weights = vec4(rest.x * rest.y, share.x * rest.y, rest.x * share.y, share.x * share.y);
+    return Footprint(low, high, select(vec4(0.0), weights, fresh));
 }
 
 fn mixed_footprint(found: Found, texels: Footprint) -> vec4<f32> {
@@ -390,11 +390,12 @@ fn mixed_footprint(found: Found, texels: Footprint) -> vec4<f32> {
     if sum <= 0.0 {
         discard;
     }
-    let shares = texels.weights / sum;
-    return weighted(found, texels.low, shares.x)
-        + weighted(found, vec2(texels.high.x, texels.low.y), shares.y)
-        + weighted(found, vec2(texels.low.x, texels.high.y), shares.z)
-        + weighted(found, texels.high, shares.w);
+    let weights = texels.weights;
+    let all = weighted(found, texels.low, weights.x)
+        + weighted(found, vec2(texels.high.x, texels.low.y), weights.y)
+        + weighted(found, vec2(texels.low.x, texels.high.y), weights.z)
+        + weighted(found, texels.high, weights.w);
+    return all / sum;
 }
 
 fn is_shown_at(found: Found, homogeneous: vec3<f32>, at: vec2<f32>) -> bool {
@@ -426,9 +427,11 @@ fn nearness_at(point: vec2<f32>) -> f32 {
     return nearness(textureLoad(depth, vec2<i32>(pixel), 0).r, reuse.nearness);
 }
 
+// Less nearness at zero.
 fn earlier_nearness_at(texel: vec2<f32>) -> f32 {
     let pixel = reuse.earlier_depth_offset + vec2<u32>((texel + 0.5) * reuse.earlier_depth_scale);
-    return nearness(textureLoad(earlier_depth, vec2<i32>(pixel), 0).r, reuse.earlier_nearness);
+    let of_values = reuse.earlier_nearness;
+    return of_values.y * min(max(textureLoad(earlier_depth, vec2<i32>(pixel), 0).r, of_values.z), of_values.w);
 }
 
 // Reuse::moved_source and moved_footprint
@@ -439,8 +442,9 @@ fn moved_pixel(found: Found) -> vec4<f32> {
     if !is_shown_at(found, homogeneous, at) {
         discard;
     }
-    let there = here / homogeneous.z;
-    let pixels_m = length(reuse.parallax.xy - at * reuse.parallax.z);
+    // Less nearness at zero, too.
+    let there = here / homogeneous.z - reuse.earlier_nearness.x;
+    let limit = SAME_PIXELS / length(reuse.parallax.xy - at * reuse.parallax.z);
     var texels = footprint(found, at);
     let near = vec4(
         earlier_nearness_at(texels.low),
@@ -448,7 +452,7 @@ fn moved_pixel(found: Found) -> vec4<f32> {
         earlier_nearness_at(vec2(texels.low.x, texels.high.y)),
         earlier_nearness_at(texels.high),
     );
-    texels.weights *= select(vec4(0.0), vec4(1.0), abs(near - there) * pixels_m <= vec4(SAME_PIXELS));
+    texels.weights = select(vec4(0.0), texels.weights, abs(near - there) <= vec4(limit));
     return mixed_footprint(found, texels);
 }
 

@@ -62,6 +62,7 @@ pub struct Gpu {
     physical_device: vk::PhysicalDevice,
     api_version: u32,
     limits: vk::PhysicalDeviceLimits,
+    is_software: bool,
     memory: vk::PhysicalDeviceMemoryProperties,
     queue: vk::Queue,
     /// Nothing where there is no queue to submit to.
@@ -151,9 +152,9 @@ impl Gpu {
         let Functions { instance, device } = unsafe { Functions::load(record) }?;
         let physical_device = record.physical_device;
         // SAFETY: the physical device is one of this instance, both live; these only fill structures.
-        let (limits, memory) = unsafe {
+        let (properties, memory) = unsafe {
             (
-                instance.get_physical_device_properties(physical_device).limits,
+                instance.get_physical_device_properties(physical_device),
                 instance.get_physical_device_memory_properties(physical_device),
             )
         };
@@ -162,7 +163,8 @@ impl Gpu {
             device,
             physical_device,
             api_version: record.api_version,
-            limits,
+            limits: properties.limits,
+            is_software: properties.device_type == vk::PhysicalDeviceType::CPU,
             memory,
             queue: vk::Queue::null(),
             commands: Mutex::default(),
@@ -257,6 +259,11 @@ impl Gpu {
             self.abandon();
         }
         result
+    }
+
+    /// Whether the device is a program on the CPU.
+    pub(crate) fn is_software(&self) -> bool {
+        self.is_software
     }
 
     /// Whether every queue that can draw can compute.

@@ -27,16 +27,32 @@ impl Pyramid {
     /// Makes all levels of `luminance`, in cd/m^2. What is negative or NaN counts as 0, what exceeds
     /// [`BRIGHTEST_CD_M2`](super::luminance::BRIGHTEST_CD_M2) as that.
     pub fn build(&mut self, luminance: &Plane) {
-        reduce(luminance, as_luminance, &mut self.levels[0], &mut self.row);
+        self.build_rounded(luminance, |value| value);
+    }
+
+    /// As [`Self::build`], each texel of a level rounded by `round` before the next level is made of it.
+    pub fn build_rounded(&mut self, luminance: &Plane, round: impl Fn(f32) -> f32) {
+        reduce(luminance, as_luminance, &round, &mut self.levels[0], &mut self.row);
         for level in 1..LEVELS {
             let (finer, coarser) = self.levels.split_at_mut(level);
-            reduce(&finer[level - 1], |value| value, &mut coarser[0], &mut self.row);
+            reduce(&finer[level - 1], |value| value, &round, &mut coarser[0], &mut self.row);
         }
+    }
+
+    /// Levels that were made elsewhere, from level 1 on.
+    pub fn of_levels(levels: [Plane; LEVELS]) -> Self {
+        Self { levels, row: Vec::new() }
     }
 }
 
 /// Burt and Adelson's REDUCE: `fine` low-pass filtered, of each 2 x 2 texels one.
-fn reduce(fine: &Plane, read: impl Fn(f32) -> f32, coarse: &mut Plane, row: &mut Vec<f32>) {
+fn reduce(
+    fine: &Plane,
+    read: impl Fn(f32) -> f32,
+    round: impl Fn(f32) -> f32,
+    coarse: &mut Plane,
+    row: &mut Vec<f32>,
+) {
     let (width, height) = (fine.width(), fine.height());
     coarse.resize(width.div_ceil(2), height.div_ceil(2));
     if width == 0 || height == 0 {
@@ -54,7 +70,7 @@ fn reduce(fine: &Plane, read: impl Fn(f32) -> f32, coarse: &mut Plane, row: &mut
         row[..2].fill(first);
         row[width as usize + 2..].fill(last);
         for (out, taps) in coarse.row_mut(y).iter_mut().zip(row.windows(5).step_by(2)) {
-            *out = binomial([taps[0], taps[1], taps[2], taps[3], taps[4]]);
+            *out = round(binomial([taps[0], taps[1], taps[2], taps[3], taps[4]]));
         }
     }
 }

@@ -37,7 +37,7 @@ const ENTRIES: [&CStr; LEVELS + 1] = [c"level1", c"level2", c"level3", c"level4"
 const THREADS: u32 = 64;
 
 /// Of the image of all levels: a block of two by two texels. Any Vulkan device has it as storage image.
-const BLOCK: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+const BLOCK: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
 /// What is known of the tiles of one view, on the GPU from frame to frame.
 pub struct ViewTiles {
@@ -94,6 +94,8 @@ pub fn rate_row_bytes(columns: u32) -> u32 {
 pub struct Analyze {
     /// Of any format, and of one that [`stores_unit_range`].
     luminance: [Owned<vk::Pipeline>; 2],
+    /// Whether these make level 1 too.
+    reduces_at_once: bool,
     compared: [Owned<vk::Pipeline>; 2],
     rates_compared: Owned<vk::Pipeline>,
     settle: Owned<vk::Pipeline>,
@@ -172,6 +174,15 @@ impl Analyze {
     /// # Errors
     /// A failed call.
     pub fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
+        Self::reducing(gpu, !gpu.is_software())
+    }
+
+    /// The same with level 1 made at once with luminance, by reading pixels several times: half of the dispatch's traffic to memory is
+    /// saved, and much work added; or without. Both make the same.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn reducing(gpu: &Arc<Gpu>, at_once: bool) -> Result<Self, GpuError> {
         let layout = ComputeLayout::new(gpu, &BINDINGS)?;
         let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/analyze.spv"));
         let pipeline = |entry| layout.pipeline(spirv, entry);
@@ -181,7 +192,12 @@ impl Analyze {
         };
         let [a, b, c, d, e, f] = ENTRIES.map(pipeline);
         Ok(Self {
-            luminance: both([c"luminance", c"luminance_unit"])?,
+            luminance: both(if at_once {
+                [c"luminance", c"luminance_unit"]
+            } else {
+                [c"alone", c"alone_unit"]
+            })?,
+            reduces_at_once: at_once,
             compared: both([c"compared", c"compared_unit"])?,
             rates_compared: pipeline(c"rates_compared")?,
             settle: pipeline(c"settle")?,
@@ -267,15 +283,12 @@ impl Analyze {
         // Before the first one, too: so may it be using the tiles.
         commands.computed_to_computed();
         let luminance = &self.luminance[usize::from(target.is_unit)];
-        commands.dispatch(&self.layout, luminance, &target.set, luminance_groups(target));
-        for (index, stage) in self.stages.iter().enumerate() {
+        let groups = if self.reduces_at_once { level_groups(target, 1) } else { block_groups(target) };
+        commands.dispatch(&self.layout, luminance, &target.set, groups);
+        for (index, stage) in self.stages.iter().enumerate().skip(self.reduces_at_once.into()) {
             commands.computed_to_computed();
             let groups = match index + 1 {
-                // A thread makes two by two blocks.
-                level @ ..=LEVELS => {
-                    let [columns, rows] = level_blocks(target.params.extent, level);
-                    [columns.div_ceil(2 * THREADS), rows.div_ceil(2)]
-                }
+                level @ ..=LEVELS => level_groups(target, level),
                 _ => tile_groups(target),
             };
             commands.dispatch(&self.layout, stage, &target.set, groups);
@@ -292,7 +305,7 @@ impl Analyze {
         // What comes before may still be reading.
         commands.memory_barrier(COMPUTES_AND_ARGUMENTS, COMPUTES);
         let compared = &self.compared[usize::from(target.is_unit)];
-        commands.dispatch(&self.layout, compared, &target.set, luminance_groups(target));
+        commands.dispatch(&self.layout, compared, &target.set, block_groups(target));
         commands.dispatch(&self.layout, &self.rates_compared, &target.set, tile_groups(target));
         commands.computed_to_computed();
         commands.dispatch(&self.layout, &self.settle, &target.set, [1; 2]);
@@ -303,8 +316,14 @@ impl Analyze {
     }
 }
 
-/// A thread makes a block.
-fn luminance_groups(target: &AnalyzeTarget) -> [u32; 2] {
+/// A thread makes two by two blocks.
+fn level_groups(target: &AnalyzeTarget, level: usize) -> [u32; 2] {
+    let [columns, rows] = level_blocks(target.params.extent, level);
+    [columns.div_ceil(2 * THREADS), rows.div_ceil(2)]
+}
+
+/// A thread has a block of luminance.
+fn block_groups(target: &AnalyzeTarget) -> [u32; 2] {
     let [columns, rows] = level_blocks(target.params.extent, 0);
     [columns.div_ceil(THREADS), rows]
 }

@@ -54,7 +54,7 @@ fn a_grating_is_in_the_band_of_its_frequency() {
             let TileContrast { bands, adaptation_cd_m2 } = analyzed(&picture, &settings).tiles.at(8, 4);
             let strongest = (0..BANDS).max_by(|a, b| bands[*a].total_cmp(&bands[*b])).unwrap();
             assert_eq!(strongest, expected, "{period} {aggregation:?}: {bands:?}");
-            assert!((adaptation_cd_m2 - 50.0).abs() < 1e-3);
+            assert!((adaptation_cd_m2 - 50.0).abs() < 5e-3);
         }
     }
 }
@@ -76,6 +76,57 @@ fn a_thin_line_counts_by_its_peak_more_than_by_its_mean() {
     };
     assert!(finest(Aggregation::Peak) > 0.1);
     assert!(finest(Aggregation::Mean) < finest(Aggregation::Peak) / 4.0);
+}
+
+/// The same in numbers of 24 bits.
+fn unrounded(picture: &Plane, settings: &ContrastSettings) -> ContrastMap {
+    let (mut buffers, mut map) = (Buffers::default(), ContrastMap::default());
+    buffers.pyramid.build(picture);
+    tiles(picture, settings, &mut buffers, &mut map);
+    map
+}
+
+/// How far half floats are off in a band of any tile, over 1 + its contrast.
+fn error(picture: &Plane, settings: &ContrastSettings) -> [f32; BANDS] {
+    let (kept, exact) = (analyzed(picture, settings), unrounded(picture, settings));
+    let tiles = || kept.tiles.texels().iter().zip(exact.tiles.texels());
+    std::array::from_fn(|band| {
+        let error = |(kept, exact): (&TileContrast, &TileContrast)| {
+            (kept.bands[band] - exact.bands[band]).abs() / (1.0 + exact.bands[band])
+        };
+        tiles().map(error).fold(0.0, f32::max)
+    })
+}
+
+/// As the documentation of [`analyze`] says.
+const BOUND: f32 = 0.002;
+
+#[test]
+fn half_floats_are_as_exact_as_they_are_said_to_be() {
+    let line =
+        |light: f32, dark: f32| Plane::from_fn(131, 67, move |x, _| if x == 40 { light } else { dark });
+    let ramp = |most: f32| Plane::from_fn(131, 67, move |x, y| most * (x as f32 + 0.37 * y as f32) / 160.0);
+    let scaled = |by: f32| {
+        let noise = noise(131, 67, 9);
+        Plane::from_fn(131, 67, move |x, y| noise.at(x, y) * by)
+    };
+    let cases = [
+        ("dark", scaled(1e-3)),
+        ("darker than half floats", scaled(1e-6)),
+        ("usual", scaled(1.0)),
+        ("bright", scaled(100.0)),
+        ("a ramp", ramp(100.0)),
+        ("a dark ramp", ramp(0.1)),
+        ("a bright ramp", ramp(1e4)),
+        ("a line", line(100.0, 50.0)),
+        ("a faint line", line(50.5, 50.0)),
+        ("a line in the dark", line(1e4, 0.0)),
+        ("a dark line", line(0.0, 1e4)),
+    ];
+    for (name, picture) in cases {
+        let errors = error(&picture, &ContrastSettings::default());
+        assert!(errors.iter().all(|error| *error <= BOUND), "{name}: {errors:?}");
+    }
 }
 
 #[test]
@@ -175,12 +226,18 @@ proptest! {
     }
 
     #[test]
+    fn half_floats_are_exact_enough(picture in any_picture(), settings in any_settings()) {
+        let errors = error(&picture, &settings);
+        prop_assert!(errors.iter().all(|error| *error <= BOUND), "{:?}", errors);
+    }
+
+    #[test]
     fn level_pictures_have_no_contrast(
         width in 1u32..90, height in 1u32..90, value in 0.0..1e4f32, settings in any_settings(),
     ) {
         for tile in analyzed(&Plane::filled(width, height, value), &settings).tiles.texels() {
             prop_assert_eq!(tile.bands, [0.0; BANDS]);
-            prop_assert!((tile.adaptation_cd_m2 - value).abs() <= value * 1e-5);
+            prop_assert!((tile.adaptation_cd_m2 - half(value)).abs() <= half(value) * 1e-5);
         }
     }
 
@@ -193,9 +250,9 @@ proptest! {
         let (one, other) = (analyzed(&picture, &settings), analyzed(&brighter, &lit));
         for (one, other) in one.tiles.texels().iter().zip(other.tiles.texels()) {
             for (a, b) in one.bands.iter().zip(other.bands) {
-                prop_assert!((a - b).abs() <= 1e-4 * a.max(0.01), "{} {}", a, b);
+                prop_assert!((a - b).abs() <= 1e-2 * a.max(1.0), "{} {}", a, b);
             }
-            prop_assert!((one.adaptation_cd_m2 * factor - other.adaptation_cd_m2).abs() <= 1e-4 * other.adaptation_cd_m2);
+            prop_assert!((one.adaptation_cd_m2 * factor - other.adaptation_cd_m2).abs() <= 1e-3 * other.adaptation_cd_m2 + 1e-3);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The loop that the kernels close: rates, what is left of a picture at these rates, its contrast, and rates again.
 
 use super::*;
-use crate::kernels::analyze::{Buffers, ContrastSettings, restore, tiles};
+use crate::kernels::analyze::{Buffers, ContrastSettings, analyze, restore};
 use crate::kernels::decide::{TileMemory, decide};
 
 const EXTENT: [u32; 2] = [192, 128];
@@ -91,8 +91,7 @@ impl Scene {
             .map(|frame| {
                 let luminance = self.shaded(&out.rates, frame);
                 let previous = map.clone();
-                buffers.pyramid.build(&luminance);
-                tiles(&luminance, &ContrastSettings::default(), &mut buffers, &mut map);
+                analyze(&luminance, &ContrastSettings::default(), &mut buffers, &mut map);
                 restore(&out.rates, &previous, &mut shown, &mut map);
                 let (time_ns, eyes) = (frame as i64 * FRAME_NS, [eye(&map); 2]);
                 let (audio, gaze) = (Some(heard(frame)), seen(frame));

@@ -5,13 +5,17 @@ use parafovea_core::perception::TileContrast;
 /// Pixels of both pictures.
 const PIXELS: f64 = 2.0 * 2160.0 * 2160.0;
 
-/// Bytes of a pixel, and of a texel of luminance.
+/// Bytes of a pixel.
 const PIXEL_BYTES: f64 = 4.0;
 
-/// Levels of the pyramid over the picture.
-const LEVELS: [&str; 5] = ["level1", "level2", "level3", "level4", "level5"];
+/// Bytes of a texel of luminance: a half float.
+const TEXEL_BYTES: f64 = 2.0;
 
-/// Bands of which tiles have a contrast: each reads its level and the two above it.
+/// Levels of the pyramid that are made of the level before, from the second one over the picture on.
+const LEVELS: [&str; 4] = ["level2", "level3", "level4", "level5"];
+
+/// Bands of which tiles have a contrast: each reads its level and the two above it. What two bands of a tile read counts twice: in
+/// between, all tiles that a GPU has at work read more than its caches hold.
 const BANDS: usize = 4;
 
 /// One dispatch, copy or set of draws, which waits for the one before.
@@ -80,12 +84,13 @@ fn texels(level: usize) -> f64 {
 }
 
 fn analyze(tile: f64) -> Vec<Dispatch> {
-    // A thread makes a block of two by two texels.
-    let mut all = vec![run("luminance_unit", PIXELS / 4.0, 2.0 * PIXELS * PIXEL_BYTES, 1.0)];
-    for (finer, entry) in LEVELS.into_iter().enumerate() {
-        // A thread makes two by two blocks.
+    // A thread makes two by two blocks of two by two texels: of the first level, with the luminance of 8 x 8 pixels below it, from 11 x 11
+    // pixels. What its neighbours read too, they read at the same time, one beside the other: that comes from caches.
+    let bytes = PIXELS * PIXEL_BYTES + (texels(0) + texels(1)) * TEXEL_BYTES;
+    let mut all = vec![run("luminance_unit", texels(1) / 16.0, bytes, 1.0)];
+    for (finer, entry) in (1..).zip(LEVELS) {
         let made = texels(finer + 1);
-        all.push(run(entry, made / 16.0, (texels(finer) + made) * PIXEL_BYTES, 1.0));
+        all.push(run(entry, made / 16.0, (texels(finer) + made) * TEXEL_BYTES, 1.0));
     }
     let read: f64 = (0..BANDS).map(|band| (band..band + 3).map(texels).sum::<f64>()).sum();
     let written = tiles(tile) * size_of::<TileContrast>() as f64;
@@ -93,7 +98,7 @@ fn analyze(tile: f64) -> Vec<Dispatch> {
     // loop for each of.
     let squares = |band: usize| (tile / 4.0 / 2f64.powi(band as i32)).powi(2).max(1.0);
     let turns = (0..BANDS).map(squares).sum::<f64>() / BANDS as f64;
-    all.push(run("tiles", tiles(tile), read * PIXEL_BYTES + written, turns));
+    all.push(run("tiles", tiles(tile), read * TEXEL_BYTES + written, turns));
     all
 }
 

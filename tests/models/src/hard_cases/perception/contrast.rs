@@ -70,6 +70,9 @@ fn pictures() -> Vec<Case> {
     ]
 }
 
+/// Levels are half floats.
+const MOST_ERROR: f64 = 2e-3;
+
 fn judge(
     case: &str,
     expected: &str,
@@ -81,7 +84,7 @@ fn judge(
     let error =
         exact.iter().zip(map.tiles.texels()).map(|(exact, tile)| difference(exact, tile)).fold(0.0, f64::max);
     let light = exact.iter().zip(map.tiles.texels()).all(|(exact, tile)| {
-        (exact.adaptation - f64::from(tile.adaptation_cd_m2)).abs() <= 1e-5 * exact.adaptation + 1e-40
+        (exact.adaptation - f64::from(tile.adaptation_cd_m2)).abs() <= 5e-4 * exact.adaptation + 1e-4
     });
     let strongest = map.tiles.texels().iter().flat_map(|tile| tile.bands).fold(0.0, f32::max);
     let finite = map.tiles.texels().iter().all(is_finite);
@@ -91,7 +94,7 @@ fn judge(
         expected: expected.to_owned(),
         got: format!("contrast up to {strongest:.4}"),
         error: Some(error),
-        passed: finite && light && error < 1e-5 && as_expected(&map),
+        passed: finite && light && error < MOST_ERROR && as_expected(&map),
     }
 }
 
