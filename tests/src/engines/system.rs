@@ -45,7 +45,8 @@ impl System {
     /// # Errors
     /// [`HarnessError::NotBuilt`], and those of files and of `parafovea install`.
     pub fn filled(root: &Path) -> Result<Self, HarnessError> {
-        let system = Self { root: root.to_owned() };
+        let root = &fs::canonicalize(root).map_err(HarnessError::file(root))?;
+        let system = Self { root: root.clone() };
         let [own, layers] = ["opt/parafovea", "opt/layers"].map(|folder| root.join(folder));
         copy(&Library::Parafovea.path()?, &own.join("libparafovea.so"))?;
         copy(&program("parafovea")?, &own.join("parafovea"))?;
@@ -53,6 +54,10 @@ impl System {
         let library = Path::new("/opt/layers/libparafovea_test_layers.so");
         let manifests = root.join("root/.local/share/vulkan/explicit_layer.d");
         TestLayer::write_manifests(library, &manifests).map_err(HarnessError::file(&manifests))?;
+        // Implicit layers from the configuration folder come above those from the data folder, and so this above ours: it tells the layer that
+        // counts samples which passes are the application's.
+        let above = root.join("root/.config/vulkan/implicit_layer.d/count.json");
+        write(&above, &TestLayer::Count.implicit_manifest(library))?;
         let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("engines");
         copy(&scenes.join("run.sh"), &root.join("opt/engines/run.sh"))?;
         let godot = scenes.join("godot");
@@ -92,6 +97,7 @@ impl System {
             Watch::Time => {}
             Watch::Samples => {
                 command.arg(format!("VK_INSTANCE_LAYERS={}", TestLayer::Samples.name()));
+                command.arg(format!("{}=1", TestLayer::Count.implicit_variable()));
                 command.arg(format!("{SAMPLES_FILE_VARIABLE}=/tmp/samples.jsonl"));
             }
             Watch::Validation => {
