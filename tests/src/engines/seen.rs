@@ -121,7 +121,7 @@ mod tests {
         let line = "Validation Error: [ VUID-vkCmdDraw-None-09600 ] | MessageID = 0x1\n";
         let hazard = "Validation Error: [ SYNC-HAZARD-WRITE-AFTER-WRITE ] | MessageID = 0x2\n";
         let seen = |more: &str| Seen::of(&format!("{OUTPUT}{more}"), "", "", None).unwrap();
-        let without = seen(&hazard.to_owned());
+        let without = seen(hazard);
         assert_eq!(seen(hazard).broken_beyond(&without), Vec::<String>::new());
         assert_eq!(
             seen(&format!("{hazard}{line}{line}")).broken_beyond(&without),
