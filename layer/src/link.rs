@@ -21,7 +21,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"vkGetParafoveaLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 12;
+pub const LINK_VERSION: u32 = 13;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
@@ -81,6 +81,9 @@ pub struct LinkTable {
     /// Has `call` called once when the application destroys the device, before the device is gone. Returns 1, or 0 when the device
     /// is not armed.
     pub when_it_ends: unsafe extern "C" fn(device: vk::Device, call: DeviceEnds) -> u32,
+    /// The layout in which the application's submits left an image of a swapchain that was told; COLOR_ATTACHMENT_OPTIMAL, as OpenXR has
+    /// it, where that is not known.
+    pub layout: unsafe extern "C" fn(device: vk::Device, image: vk::Image) -> vk::ImageLayout,
 }
 
 /// One device as the Vulkan half tracked it.

@@ -31,6 +31,7 @@ mod enablement;
 mod frame;
 mod instance;
 mod known_shaders;
+mod layouts;
 mod link_table;
 mod masks;
 mod negotiate;

@@ -1,7 +1,7 @@
 //! Running real applications through the real loaders, with and without the layer, and judging the result.
 //!
-//! From the outside in: [`demo`], [`overhead`], [`break_even`] and [`native`] are what people run; [`run::Run`] starts one application with a
-//! [`scenario::Scenario`] for the mock runtime in an environment of its own ([`installation`]), from the libraries
+//! From the outside in: [`demo`], [`engines`], [`overhead`], [`break_even`] and [`native`] are what people run;
+//! [`run::Run`] starts one application with a [`scenario::Scenario`] for the mock runtime in an environment of its own ([`installation`]), from the libraries
 //! and programs that cargo built ([`artifacts`]); what it did comes back as a [`record::Record`] and as
 //! [`picture::Picture`]s, which [`compare`] compares.
 
@@ -11,6 +11,7 @@ pub mod compare;
 pub mod demo;
 pub mod device;
 pub mod drivers;
+pub mod engines;
 pub mod error;
 pub mod installation;
 pub mod measure;

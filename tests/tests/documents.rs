@@ -75,6 +75,7 @@ fn sources_of(task: &str) -> String {
         "report" => &["tests/report/src/main.rs", "tests/report/src/plan.rs"],
         "demo" => &["tests/src/bin/parafovea-demo.rs"],
         "drivers" => &["tests/src/bin/parafovea-drivers.rs"],
+        "engines" => &["tests/src/bin/parafovea-engines.rs"],
         "run" => &["tests/src/bin/parafovea-run.rs"],
         "break-even" => &["tests/benches/break_even.rs"],
         "models" => &["tests/models/benches/models.rs"],

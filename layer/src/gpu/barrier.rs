@@ -1,6 +1,6 @@
 //! Every image barrier that we record, by name, so that tests can leave out each one and expect to be told.
 //!
-//! The images of both sides are COLOR_ATTACHMENT_OPTIMAL outside of our work, those of depth DEPTH_STENCIL_ATTACHMENT_OPTIMAL, as
+//! The images of both sides are COLOR_ATTACHMENT_OPTIMAL outside of our work ([`ImageBarrier::left_in`] is for those that are not), those of depth DEPTH_STENCIL_ATTACHMENT_OPTIMAL, as
 //! OpenXR has it (XR_KHR_vulkan_enable, "Swapchain Image Layout"): written by what came earlier on the same queue, read by
 //! what comes later. No two barriers have the same layouts and stages.
 
@@ -24,6 +24,31 @@ pub struct ImageBarrier {
     pub src_access: Access,
     /// Accesses they are made visible to.
     pub dst_access: Access,
+}
+
+impl ImageBarrier {
+    /// The same for an image that the application leaves in `layout`, and gets back so: of its own waiting for that nothing is known.
+    pub fn left_in(self, layout: Layout) -> Self {
+        let optimal = Layout::COLOR_ATTACHMENT_OPTIMAL;
+        // Nothing can be brought to the layouts of new images, and what is in them is not defined.
+        let is_new = matches!(layout, Layout::UNDEFINED | Layout::PREINITIALIZED);
+        match self {
+            _ if layout == optimal || is_new => self,
+            Self { old_layout, .. } if old_layout == optimal => Self {
+                old_layout: layout,
+                src_stage: Stage::ALL_COMMANDS,
+                src_access: Access::MEMORY_WRITE,
+                ..self
+            },
+            Self { new_layout, .. } if new_layout == optimal => Self {
+                new_layout: layout,
+                dst_stage: Stage::ALL_COMMANDS,
+                dst_access: Access::MEMORY_READ | Access::MEMORY_WRITE,
+                ..self
+            },
+            _ => self,
+        }
+    }
 }
 
 const COLOR_READ_WRITE: Access =

@@ -137,7 +137,8 @@ impl Change {
         Ok(())
     }
 
-    /// Records what jobs compare, after all that they do besides; all images are COLOR_ATTACHMENT_OPTIMAL before and after.
+    /// Records what jobs compare, after all that they do besides; all images are before and after as the application left
+    /// them.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] where [`Self::make_room`] has not made enough.
@@ -152,7 +153,8 @@ impl Change {
         pending.place = room.results.place(recorder, 0);
         for job in jobs {
             for image in images(job) {
-                recorder.barrier(&APP_RENDERED_TO_COMPARED, image, job.app.shape().array_layers);
+                let barrier = APP_RENDERED_TO_COMPARED.left_in(job.app.layout(image));
+                recorder.barrier(&barrier, job.app.images()[image], job.app.shape().array_layers);
             }
         }
         let mut number = 0;
@@ -190,7 +192,8 @@ impl Change {
         }
         for job in jobs {
             for image in images(job) {
-                recorder.barrier(&APP_COMPARED_TO_RENDERED, image, job.app.shape().array_layers);
+                let barrier = APP_COMPARED_TO_RENDERED.left_in(job.app.layout(image));
+                recorder.barrier(&barrier, job.app.images()[image], job.app.shape().array_layers);
             }
         }
         recorder.computed_to_host();
@@ -237,8 +240,8 @@ fn compared<'a, 'b>(
         .filter(|(_, region)| region.tiles.count() > 0)
 }
 
-/// The images that a job compares.
-fn images(job: &ComposeJob) -> impl Iterator<Item = ash::vk::Image> {
+/// The images that a job compares, by their numbers.
+fn images(job: &ComposeJob) -> impl Iterator<Item = usize> {
     let bit = |index: u32| 1u64.checked_shl(index).unwrap_or(0);
     let regions = job.changes.iter().filter(|region| region.tiles.count() > 0);
     let bits = regions.fold(0u64, |bits, region| {
@@ -246,10 +249,5 @@ fn images(job: &ComposeJob) -> impl Iterator<Item = ash::vk::Image> {
         let used = earlier.filter(|(index, _)| !region.tiles.with_age(index + 1).is_empty());
         used.fold(bits | bit(job.app_index), |bits, (_, image)| bits | bit(image.app_index))
     });
-    let images = job.app.images();
-    images
-        .iter()
-        .enumerate()
-        .filter(move |(index, _)| bits & bit(*index as u32) != 0)
-        .map(|(_, image)| *image)
+    (0..job.app.images().len()).filter(move |index| bits & bit(*index as u32) != 0)
 }

@@ -185,7 +185,7 @@ impl Compose {
     /// Records all jobs and submits them at once on the binding's queue, without waiting for them. A steady
     /// frame allocates nothing on the heap.
     ///
-    /// All images are COLOR_ATTACHMENT_OPTIMAL before and after.
+    /// The runtime's images are COLOR_ATTACHMENT_OPTIMAL before and after, the application's as it left them.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] when an index, a layer or a shape does not fit, an image is in two jobs, or there

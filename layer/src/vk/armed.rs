@@ -4,6 +4,7 @@ use super::backend::Backend;
 use super::candidates::Candidates;
 use super::dispatch::ArmedTable;
 use super::frame::Frame;
+use super::layouts::Layouts;
 use super::masks::Masks;
 use super::objects::{Image, Objects};
 use super::perception::Perception;
@@ -40,6 +41,8 @@ pub struct Armed {
     pub rates: DeviceRates,
     /// The application's objects.
     pub objects: Objects,
+    /// The layouts of XR swapchains' images.
+    pub layouts: Layouts,
     /// What passes draw to that may be the scene.
     pub candidates: Candidates,
     /// What the OpenXR half told, and what the frame under way did.
@@ -79,6 +82,7 @@ impl Armed {
             masks,
             backend,
             objects: Objects::default(),
+            layouts: Layouts::default(),
             candidates: Candidates::default(),
             frame: Frame::default(),
             prologues: Table::default(),
@@ -109,6 +113,7 @@ impl Armed {
     pub fn tell_swapchain(&self, record: &SwapchainRecord, images: &[vk::Image]) {
         let swapchain = SwapchainKey(record.swapchain);
         for former in self.frame.set_swapchain(swapchain, images) {
+            self.layouts.forget(former);
             if let Some(gone) = self.objects.leave_swapchain(former) {
                 self.forget_drawn(gone.description.key);
             }
@@ -117,6 +122,7 @@ impl Armed {
             self.perception.forget_swapchain(self, record.swapchain);
         }
         for &image in images {
+            self.layouts.follow(image);
             self.objects.join_swapchain(image, swapchain, || Image::of_swapchain(image, record));
         }
     }

@@ -29,6 +29,7 @@ static TABLE: LinkTable = LinkTable {
     frame_time,
     copy_rates,
     when_it_ends,
+    layout,
 };
 
 /// The function behind [`crate::link::GET_LINK_NAME`].
@@ -288,6 +289,21 @@ unsafe extern "C" fn when_it_ends(device: vk::Device, call: DeviceEnds) -> u32 {
                 armed.when_it_ends(call);
                 1
             })
+        },
+    )
+}
+
+unsafe extern "C" fn layout(device: vk::Device, image: vk::Image) -> vk::ImageLayout {
+    // SAFETY: the other half passes a live device (link.rs).
+    guard(
+        "vkGetParafoveaLink.layout",
+        || vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+        |_| unsafe {
+            let known = device::of(device);
+            let armed = known.as_ref().and_then(|known| known.armed.as_ref());
+            armed
+                .and_then(|armed| armed.layouts.of(image))
+                .unwrap_or(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
         },
     )
 }

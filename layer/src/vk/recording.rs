@@ -5,6 +5,7 @@
 
 pub mod buffers;
 pub mod compute;
+pub mod layouts;
 pub mod passes;
 pub mod queries;
 pub mod rendering;
@@ -44,6 +45,8 @@ pub struct Recorded {
     pub events: Vec<Event>,
     /// What its passes draw to that may be the scene.
     pub candidates: SmallVec<[Arc<Candidate>; 8]>,
+    /// Images of XR swapchains with the layouts that commands left them in, in the order of those.
+    pub layouts: SmallVec<[(vk::Image, vk::ImageLayout); 4]>,
     /// Timestamps around its passes.
     pub timer: Timer,
     /// What is bound for compute, where that is followed.
@@ -99,6 +102,7 @@ impl Recorded {
     fn clear(&mut self) {
         self.events.clear();
         self.candidates.clear();
+        self.layouts.clear();
         self.timer.clear();
         self.compute.clear();
         self.open = None;
@@ -176,6 +180,7 @@ impl Recorded {
             event
         });
         self.events.extend(events);
+        self.layouts.extend(secondary.layouts.iter().copied());
         for candidate in &secondary.candidates {
             if !self.candidates.iter().any(|known| Arc::ptr_eq(known, candidate)) {
                 self.candidates.push(Arc::clone(candidate));

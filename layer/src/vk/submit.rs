@@ -122,6 +122,9 @@ unsafe fn prepare(
     for buffer in buffers.filter_map(recording::buffer) {
         let recorded = buffer.recorded();
         if is_followed {
+            for (image, layout) in &recorded.layouts {
+                armed.layouts.set(*image, *layout);
+            }
             note(armed, queue, &recorded, &mut obeyed);
         }
         for candidate in &recorded.candidates {

@@ -199,6 +199,7 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) -
     }
     works.retain(|work| work.is_due(is_drawn_over));
     works.retain(|work| work.take_image(next));
+    works.iter().for_each(|work| work.ask_layout(&active.device));
     if works.is_empty() {
         return Ok(());
     }

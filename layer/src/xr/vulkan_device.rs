@@ -217,6 +217,12 @@ impl VulkanDevice {
         }
     }
 
+    /// The layout in which the application left an image of a swapchain.
+    pub fn layout(&self, image: vk::Image) -> vk::ImageLayout {
+        // SAFETY: the device is live, as above.
+        unsafe { (self.table.layout)(self.record.device, image) }
+    }
+
     /// Marks this thread's submits as the runtime's or ours until the result is dropped.
     pub fn runtime_section(&self) -> RuntimeSection {
         // SAFETY: the function takes any thread at any time.

@@ -35,7 +35,7 @@ pub fn region<'a>(frames: &'a [Frame], tiles: &'a ComparedTiles) -> ChangeRegion
     }
 }
 
-fn compared(frames: &[Frame]) -> ComparedTiles {
+pub fn compared(frames: &[Frame]) -> ComparedTiles {
     let mut tiles = ComparedTiles::default();
     tiles.update(&reuse(frames, true), OLDEST, |_| true);
     tiles

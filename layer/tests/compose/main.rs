@@ -8,6 +8,7 @@ mod canaries;
 mod change;
 mod failures;
 mod layouts;
+mod left;
 mod moved;
 mod pictures;
 mod reuse;

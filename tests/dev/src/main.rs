@@ -8,6 +8,7 @@ mod archive;
 mod building;
 mod compare;
 mod drivers;
+mod engines;
 mod meter;
 mod monado;
 mod packages;
@@ -16,6 +17,7 @@ mod setup;
 mod steps;
 mod suite;
 mod tasks;
+mod unpack;
 
 use std::process::ExitCode;
 
@@ -35,6 +37,9 @@ cargo dev <task>, run anywhere in the repository:
                         run programs on Mesa's real drivers (RADV, NVK, Turnip) over no-op kernel shims, without a GPU: programs x other
                         layers x configurations, or the cells with PART in `DEVICE PROGRAM`. --profiles writes the drivers' shading-rate
                         capabilities to tests/layers/profiles/
+  engines [--json] [--turns N] [--scale PERCENT] [PART]
+                        as root: run Godot of Debian sid with each of its renderers on Monado and lavapipe, in target/engines/, with the
+                        layer and without, or those with PART in their names: engaged passes, CPU time, samples, validation messages
   run [--runtime mock|system] [--config FILE] -- CMD...
                         run any OpenXR program with the layer (default: the mock runtime on lavapipe)
   zoo [STYLE]           run every style of rendering at full length, on both backends, under validation; `test` runs a share
@@ -80,6 +85,7 @@ fn main() -> ExitCode {
         Some("zoo") => tasks::zoo(rest),
         Some("faults") => tasks::faults(rest),
         Some("drivers") => drivers::drivers(rest),
+        Some("engines") => engines::engines(rest),
         Some("fuzz") => tasks::fuzz(rest),
         Some("gpu") => tasks::gpu(rest),
         Some("bench") => tasks::bench(rest),

@@ -5,6 +5,7 @@ use crate::gpu::barrier::APP_CREATED;
 use crate::gpu::{Gpu, GpuError, ImageDescription, Owned, OwnedImage, TextureSets, Uses, color_view};
 use ash::vk;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicI32, Ordering};
 
 /// What we do with the application's images, besides what it does: `compose` reads and draws them, `fill` copies them.
 pub const APP_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
@@ -22,6 +23,8 @@ pub struct AppImages {
     _views: Vec<Owned<vk::ImageView>>,
     _images: Vec<OwnedImage>,
     handles: Vec<vk::Image>,
+    /// The layouts in which the application left them.
+    layouts: Vec<AtomicI32>,
     shape: SwapchainShape,
     gpu: Arc<Gpu>,
 }
@@ -58,6 +61,10 @@ impl AppImages {
             textures,
             _views: views,
             _images: images,
+            layouts: handles
+                .iter()
+                .map(|_| AtomicI32::new(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL.as_raw()))
+                .collect(),
             handles,
             shape: shape.clone(),
             gpu: Arc::clone(gpu),
@@ -82,6 +89,19 @@ impl AppImages {
     /// The images, in order.
     pub fn images(&self) -> &[vk::Image] {
         &self.handles
+    }
+
+    /// The application left an image in this layout, and expects it so.
+    pub fn left_in(&self, image: u32, layout: vk::ImageLayout) {
+        if let Some(known) = self.layouts.get(image as usize) {
+            known.store(layout.as_raw(), Ordering::Relaxed);
+        }
+    }
+
+    /// The layout of an image outside of our work.
+    pub(in crate::passes) fn layout(&self, image: usize) -> vk::ImageLayout {
+        let known = self.layouts.get(image).map(|known| known.load(Ordering::Relaxed));
+        known.map_or(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, vk::ImageLayout::from_raw)
     }
 
     pub(in crate::passes) fn shape(&self) -> &SwapchainShape {

@@ -7,7 +7,7 @@ use super::pipelines::{Borders, Pipelines, ReusePipelines};
 use super::reuse::Age;
 use crate::gpu::barrier::{
     APP_COPIED_TO_RENDERED, APP_COPIED_TO_SAMPLED, APP_RENDERED_TO_COPIED, APP_RENDERED_TO_SAMPLED,
-    APP_SAMPLED_TO_RENDERED, RUNTIME_ACQUIRED_TO_COPIED, RUNTIME_COPIED_TO_DRAWN,
+    APP_SAMPLED_TO_RENDERED, ImageBarrier, RUNTIME_ACQUIRED_TO_COPIED, RUNTIME_COPIED_TO_DRAWN,
 };
 use crate::gpu::{DrawRecorder, Later, ListSet, Recorder, TileDraw, TilePipeline, UniformSet};
 use ash::vk;
@@ -32,10 +32,10 @@ pub(super) fn record(
     pipelines: &[(vk::Format, Pipelines)],
 ) {
     for (number, job) in jobs.iter().enumerate() {
-        recorder.barrier(&APP_RENDERED_TO_COPIED, job.app_image(), job.layers());
+        app_barrier(recorder, &APP_RENDERED_TO_COPIED, job, job.app_index as usize);
         recorder.barrier(&RUNTIME_ACQUIRED_TO_COPIED, job.runtime_image(), job.layers());
         for image in draws.copied_of(number).iter() {
-            recorder.barrier(&APP_RENDERED_TO_COPIED, job.app.images()[image], job.layers());
+            app_barrier(recorder, &APP_RENDERED_TO_COPIED, job, image);
         }
     }
     for (number, job) in jobs.iter().enumerate() {
@@ -43,27 +43,32 @@ pub(super) fn record(
     }
     for (number, job) in jobs.iter().enumerate() {
         let app = if draws.any_of(number) { &APP_COPIED_TO_SAMPLED } else { &APP_COPIED_TO_RENDERED };
-        recorder.barrier(app, job.app_image(), job.layers());
+        app_barrier(recorder, app, job, job.app_index as usize);
         recorder.barrier(&RUNTIME_COPIED_TO_DRAWN, job.runtime_image(), job.layers());
         let (copied, sampled) = (draws.copied_of(number), draws.sampled_of(number));
         for image in copied.without(sampled).iter() {
-            recorder.barrier(&APP_COPIED_TO_RENDERED, job.app.images()[image], job.layers());
+            app_barrier(recorder, &APP_COPIED_TO_RENDERED, job, image);
         }
         for image in sampled.iter() {
             let barrier =
                 if copied.contains(image) { &APP_COPIED_TO_SAMPLED } else { &APP_RENDERED_TO_SAMPLED };
-            recorder.barrier(barrier, job.app.images()[image], job.layers());
+            app_barrier(recorder, barrier, job, image);
         }
     }
     for (number, job) in jobs.iter().enumerate() {
         draw(recorder, number, job, draws, sets, pipelines);
     }
     for (number, job) in jobs.iter().enumerate().filter(|(number, _)| draws.any_of(*number)) {
-        recorder.barrier(&APP_SAMPLED_TO_RENDERED, job.app_image(), job.layers());
+        app_barrier(recorder, &APP_SAMPLED_TO_RENDERED, job, job.app_index as usize);
         for image in draws.sampled_of(number).iter() {
-            recorder.barrier(&APP_SAMPLED_TO_RENDERED, job.app.images()[image], job.layers());
+            app_barrier(recorder, &APP_SAMPLED_TO_RENDERED, job, image);
         }
     }
+}
+
+/// A barrier over one of the application's images, which it left in a layout of its own.
+fn app_barrier(recorder: &Recorder, barrier: &ImageBarrier, job: &ComposeJob, image: usize) {
+    recorder.barrier(&barrier.left_in(job.app.layout(image)), job.app.images()[image], job.layers());
 }
 
 /// Draws the regions of one job, one render pass for each layer that has any.

@@ -86,6 +86,73 @@ impl Masks {
 fn cleared_depth(pass: &RenderPass) -> Option<(usize, vk::ImageLayout)> {
     let (index, layout) = pass.subpasses.iter().find_map(|subpass| subpass.depth)?;
     let depth = pass.attachments.get(index as usize)?;
-    let may = depth.load == vk::AttachmentLoadOp::CLEAR && !pass.colors.is_empty();
+    let may =
+        depth.load == vk::AttachmentLoadOp::CLEAR && !pass.colors.is_empty() && !resolves_one_sample(pass);
     may.then_some((index as usize, layout))
+}
+
+/// Whether colour of one sample is resolved: that breaks a rule (VUID-VkSubpassDescription-pResolveAttachments-00848), which no
+/// pass of ours is to do too.
+fn resolves_one_sample(pass: &RenderPass) -> bool {
+    pass.subpasses.iter().flat_map(|subpass| subpass.colors.iter().zip(&subpass.resolves)).any(|ends| {
+        let (Some(color), Some(_)) = ends else { return false };
+        let color = pass.attachments.get(*color as usize);
+        color.is_some_and(|color| color.samples == vk::SampleCountFlags::TYPE_1)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::PassFacts;
+    use crate::vk::objects::render_passes::{Attachment, Subpass};
+    use smallvec::smallvec;
+
+    fn attachment(samples: vk::SampleCountFlags, load: vk::AttachmentLoadOp) -> Attachment {
+        Attachment {
+            format: vk::Format::R8G8B8A8_UNORM,
+            samples,
+            load,
+            store: vk::AttachmentStoreOp::STORE,
+            stencil_load: vk::AttachmentLoadOp::DONT_CARE,
+            stencil_store: vk::AttachmentStoreOp::DONT_CARE,
+            initial_layout: vk::ImageLayout::UNDEFINED,
+            final_layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+        }
+    }
+
+    /// Colour of so many samples that is resolved, or not, and depth that begins so.
+    fn pass(samples: vk::SampleCountFlags, resolves: bool, load: vk::AttachmentLoadOp) -> RenderPass {
+        let colour = attachment(samples, vk::AttachmentLoadOp::CLEAR);
+        let subpass = Subpass {
+            colors: smallvec![Some(0)],
+            resolves: if resolves { smallvec![Some(2)] } else { smallvec![] },
+            depth: Some((1, vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL)),
+            ..Subpass::default()
+        };
+        RenderPass {
+            attachments: vec![
+                colour,
+                attachment(samples, load),
+                attachment(vk::SampleCountFlags::TYPE_1, load),
+            ],
+            subpasses: vec![subpass],
+            colors: smallvec![0],
+            resolves: smallvec![2],
+            depth: Some(1),
+            view_mask: 0,
+            facts: PassFacts::default(),
+        }
+    }
+
+    #[test]
+    fn passes_that_clear_depth_and_break_no_rule_have_one_that_loads_it() {
+        let [one, four] = [vk::SampleCountFlags::TYPE_1, vk::SampleCountFlags::TYPE_4];
+        let clear = vk::AttachmentLoadOp::CLEAR;
+        let within = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        assert_eq!(cleared_depth(&pass(one, false, clear)), Some((1, within)));
+        assert_eq!(cleared_depth(&pass(four, true, clear)), Some((1, within)));
+        assert_eq!(cleared_depth(&pass(one, true, clear)), None);
+        assert_eq!(cleared_depth(&pass(four, true, vk::AttachmentLoadOp::LOAD)), None);
+    }
 }

@@ -148,6 +148,9 @@ unsafe fn begin_noted(
     let mut pass = instance.as_ref().map(Instance::pass);
     // SAFETY: the command buffer is recording outside of render passes, as one begins.
     unsafe { timed::begin(buffer, handle, pass.as_ref()) };
+    if let Some(instance) = &instance {
+        buffer.leave_targets(instance.left_in());
+    }
     let mut mask = None;
     let candidate = match (&armed.rate_attachments, &armed.masks) {
         (Some(rates), _) => {
@@ -254,6 +257,12 @@ impl Instance {
             framebuffer.attachments.clone()
         };
         Some(Self { render_pass, targets, area: info.render_area })
+    }
+
+    /// What it draws to, with the layouts in which it leaves that.
+    fn left_in(&self) -> impl Iterator<Item = (Target, vk::ImageLayout)> {
+        let attachments = self.targets.iter().zip(&self.render_pass.attachments);
+        attachments.filter_map(|(target, attachment)| Some(((*target)?, attachment.final_layout)))
     }
 
     fn pass(&self) -> Pass {

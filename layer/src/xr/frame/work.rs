@@ -6,6 +6,7 @@ use crate::passes::change::ChangeRegion;
 use crate::passes::compose::{ComposeJob, ReuseRegion, RuntimeImages};
 use crate::xr::dispatch::Next;
 use crate::xr::swapchain::{Newest, Substitute, Swapchain, Target};
+use crate::xr::vulkan_device::VulkanDevice;
 use ash::vk;
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
@@ -47,6 +48,13 @@ impl<'a> Work<'a> {
             newest,
             runtime_index: 0,
         })
+    }
+
+    /// Asks in which layout the application left its newest image.
+    pub fn ask_layout(&self, device: &VulkanDevice) {
+        if let Some(image) = self.substitute.app.images().get(self.newest.index as usize) {
+            self.substitute.app.left_in(self.newest.index, device.layout(*image));
+        }
     }
 
     /// What its images are drawn to as.

@@ -65,6 +65,7 @@ pub fn table() -> LinkTable {
         frame_time,
         copy_rates,
         when_it_ends,
+        layout,
     }
 }
 
@@ -105,6 +106,10 @@ unsafe extern "C" fn runtime_section(_: u32) {}
 
 unsafe extern "C" fn copy_rates(_: vk::Device, _: *const RatesCopyRecord) -> u32 {
     0
+}
+
+unsafe extern "C" fn layout(_: vk::Device, _: vk::Image) -> vk::ImageLayout {
+    vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL
 }
 
 unsafe extern "C" fn when_it_ends(_: vk::Device, _: DeviceEnds) -> u32 {

@@ -1,0 +1,70 @@
+extends Node3D
+## Runs the scene in OpenXR and says what its frames cost.
+##
+## Arguments behind `--`: `msaa=0|2|4`, `warm=N` and `settle=S` (frames and seconds before the measurement), `frames=N` (of a round), `rounds=N`.
+## Each round prints what a frame of it cost, and the CPU time of the process at its start and end, in milliseconds. Everything moves by the
+## number of the frame, counted anew from the first round: two runs show the same pictures.
+
+const Room = preload("res://room.gd")
+
+var arguments := {"msaa": "0", "warm": "30", "settle": "0", "frames": "10", "rounds": "2"}
+var frame := 0
+var rounds := -1
+var room: Node3D
+var origin: XROrigin3D
+var camera: XRCamera3D
+var began_ms := 0.0
+
+
+func _ready() -> void:
+	for argument in OS.get_cmdline_user_args():
+		var parts := argument.split("=")
+		arguments[parts[0]] = parts[1]
+	var xr := XRServer.find_interface("OpenXR")
+	if xr == null or not xr.is_initialized():
+		print("engine failed: no OpenXR")
+		get_tree().quit(1)
+		return
+	var viewport := get_viewport()
+	viewport.use_xr = true
+	viewport.msaa_3d = {"0": Viewport.MSAA_DISABLED, "2": Viewport.MSAA_2X, "4": Viewport.MSAA_4X}[arguments.msaa]
+	origin = XROrigin3D.new()
+	camera = XRCamera3D.new()
+	origin.add_child(camera)
+	add_child(origin)
+	room = Room.new()
+	add_child(room)
+	var size := xr.get_render_target_size()
+	print("engine eye: %d %d" % [size.x, size.y])
+
+
+func _process(_delta: float) -> void:
+	if room == null:
+		return
+	# The simulated head moves by itself; held still, pictures of two runs are the same.
+	origin.transform = Transform3D(Basis.IDENTITY, Vector3(0, 1.6, 4)) * camera.transform.affine_inverse()
+	room.move(frame)
+	frame += 1
+	if rounds < 0:
+		if frame >= int(arguments.warm) and Time.get_ticks_msec() >= 1000 * int(arguments.settle):
+			begin_round()
+	elif frame == int(arguments.frames) * (rounds + 1):
+		var now := cpu_ms()
+		print("engine round: %.2f %.0f %.0f" % [(now - began_ms) / int(arguments.frames), began_ms, now])
+		begin_round()
+		if rounds >= int(arguments.rounds):
+			get_tree().quit()
+
+
+func begin_round() -> void:
+	if rounds < 0:
+		frame = 0
+	rounds += 1
+	began_ms = cpu_ms()
+
+
+## CPU time of all threads of this process, in milliseconds: user and system time of proc(5), in hundredths of a second.
+func cpu_ms() -> float:
+	var file := FileAccess.open("/proc/self/stat", FileAccess.READ)
+	var fields := file.get_line().get_slice(")", 1).split(" ", false)
+	return (float(fields[11]) + float(fields[12])) * 10

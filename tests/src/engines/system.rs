@@ -1,0 +1,189 @@
+//! The unpacked system: what is put there, and how programs run in it.
+
+use super::Engine;
+use super::engine::{Mode, Settings};
+use super::seen::Seen;
+use crate::HarnessError;
+use crate::artifacts::{Library, program};
+use parafovea_manifest::paths::Environment;
+use parafovea_manifest::status::{Status, read_all};
+use parafovea_test_layers::validation::VALIDATION_LAYER;
+use parafovea_test_layers::{SAMPLES_FILE_VARIABLE, TestLayer};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, SystemTime};
+
+/// An engine that takes longer hangs.
+const LIMIT_S: u32 = 600;
+
+/// How often the layer's status is read.
+const POLL: Duration = Duration::from_millis(300);
+
+/// What is counted or checked in a run, beside time.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Watch {
+    /// Nothing.
+    Time,
+    /// Samples of the application's render passes.
+    Samples,
+    /// Valid usage, with synchronization.
+    Validation,
+}
+
+/// Enters the system with the kernel's folders for as long as a program runs: its folder, the program, its arguments.
+const ENTER: &str = r#"mount --bind /proc "$0/proc" && mount --bind /dev "$0/dev" && exec chroot "$0" "$@""#;
+
+/// The system in its folder.
+pub struct System {
+    root: PathBuf,
+}
+
+impl System {
+    /// Puts the layer, the layers of tests and the engines' scenes into the system at `root`.
+    ///
+    /// # Errors
+    /// [`HarnessError::NotBuilt`], and those of files and of `parafovea install`.
+    pub fn filled(root: &Path) -> Result<Self, HarnessError> {
+        let root = &fs::canonicalize(root).map_err(HarnessError::file(root))?;
+        let system = Self { root: root.clone() };
+        let [own, layers] = ["opt/parafovea", "opt/layers"].map(|folder| root.join(folder));
+        copy(&Library::Parafovea.path()?, &own.join("libparafovea.so"))?;
+        copy(&program("parafovea")?, &own.join("parafovea"))?;
+        copy(&Library::TestLayers.path()?, &layers.join("libparafovea_test_layers.so"))?;
+        let library = Path::new("/opt/layers/libparafovea_test_layers.so");
+        let manifests = root.join("root/.local/share/vulkan/explicit_layer.d");
+        TestLayer::write_manifests(library, &manifests).map_err(HarnessError::file(&manifests))?;
+        // Implicit layers from the configuration folder come above those from the data folder, and so this above ours: it tells the layer that
+        // counts samples which passes are the application's.
+        let above = root.join("root/.config/vulkan/implicit_layer.d/count.json");
+        write(&above, &TestLayer::Count.implicit_manifest(library))?;
+        let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("engines");
+        copy(&scenes.join("run.sh"), &root.join("opt/engines/run.sh"))?;
+        let godot = scenes.join("godot");
+        for entry in fs::read_dir(&godot).map_err(HarnessError::file(&godot))?.flatten() {
+            copy(&entry.path(), &root.join("opt/engines/godot").join(entry.file_name()))?;
+        }
+        let mut install = system.inside();
+        install.args(["env", "HOME=/root", "/opt/parafovea/parafovea", "install"]);
+        let output = install.output().map_err(start_error(&install))?;
+        if !output.status.success() {
+            return Err(HarnessError::Application {
+                application: "parafovea install".to_owned(),
+                reason: output.status.to_string(),
+                output: String::from_utf8_lossy(&output.stderr).into_owned(),
+            });
+        }
+        Ok(system)
+    }
+
+    /// Runs an engine to its end.
+    ///
+    /// # Errors
+    /// The engine does not come to its end, or does not say what its frames cost.
+    pub fn run(
+        &self,
+        engine: Engine,
+        mode: Mode,
+        settings: &Settings,
+        watch: Watch,
+    ) -> Result<Seen, HarnessError> {
+        let config = self.root.join("root/.config/parafovea/config.toml");
+        write(&config, mode.config().unwrap_or_default())?;
+        let mut command = self.inside();
+        command.args(["bash", "/opt/engines/run.sh", &LIMIT_S.to_string(), "env"]);
+        command.arg(format!("OXR_VIEWPORT_SCALE_PERCENTAGE={}", settings.scale));
+        match watch {
+            Watch::Time => {}
+            Watch::Samples => {
+                command.arg(format!("VK_INSTANCE_LAYERS={}", TestLayer::Samples.name()));
+                command.arg(format!("{}=1", TestLayer::Count.implicit_variable()));
+                command.arg(format!("{SAMPLES_FILE_VARIABLE}=/tmp/samples.jsonl"));
+            }
+            Watch::Validation => {
+                command.arg(format!("VK_INSTANCE_LAYERS={VALIDATION_LAYER}"));
+                command.arg("VK_KHRONOS_VALIDATION_VALIDATE_SYNC=true");
+            }
+        }
+        if mode != Mode::Off {
+            command.args(["/opt/parafovea/parafovea", "run", "--"]);
+        }
+        command.args(engine.command(settings));
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = command.spawn().map_err(start_error(&command))?;
+        let mut status = None;
+        let ended = loop {
+            if let Some(found) = self.status() {
+                status = Some(found);
+            }
+            match child.try_wait() {
+                Ok(Some(ended)) => break ended,
+                Ok(None) => std::thread::sleep(POLL),
+                Err(error) => return Err(start_error(&command)(error)),
+            }
+        };
+        let output = self.read("tmp/output.log");
+        let failed = |reason: String| HarnessError::Application {
+            application: format!("{}, {}", engine.name(), mode.name()),
+            reason,
+            output: output.lines().rev().take(20).collect::<Vec<_>>().join("\n"),
+        };
+        if !ended.success() {
+            return Err(failed(ended.to_string()));
+        }
+        let log = self.log();
+        let samples = self.read("tmp/samples.jsonl");
+        Seen::of(&output, &log, &samples, status).map_err(failed)
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    fn inside(&self) -> Command {
+        let mut command = Command::new("unshare");
+        command.args(["--mount", "sh", "-c", ENTER]).arg(&self.root);
+        command
+    }
+
+    /// The layer's status; None where it tells none.
+    fn status(&self) -> Option<Status> {
+        let folder = self.root.join("run/monado");
+        let environment =
+            Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| folder.clone().into()));
+        let (found, _) = read_all(&environment, SystemTime::now()).ok()?;
+        found.into_iter().next().map(|found| found.status)
+    }
+
+    fn log(&self) -> String {
+        let files =
+            fs::read_dir(self.root.join("root/.local/state/parafovea")).into_iter().flatten().flatten();
+        files
+            .map(|file| String::from_utf8_lossy(&fs::read(file.path()).unwrap_or_default()).into_owned())
+            .collect()
+    }
+
+    fn read(&self, path: &str) -> String {
+        String::from_utf8_lossy(&fs::read(self.root.join(path)).unwrap_or_default()).into_owned()
+    }
+}
+
+fn copy(from: &Path, to: &Path) -> Result<(), HarnessError> {
+    make_parent(to)?;
+    fs::copy(from, to).map(drop).map_err(HarnessError::file(from))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), HarnessError> {
+    make_parent(path)?;
+    fs::write(path, text).map_err(HarnessError::file(path))
+}
+
+fn make_parent(path: &Path) -> Result<(), HarnessError> {
+    path.parent().map_or(Ok(()), |folder| fs::create_dir_all(folder).map_err(HarnessError::file(folder)))
+}
+
+fn start_error(command: &Command) -> impl FnOnce(std::io::Error) -> HarnessError + use<> {
+    let program = PathBuf::from(command.get_program());
+    move |source| HarnessError::Start { program, source }
+}
