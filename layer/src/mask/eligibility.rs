@@ -166,6 +166,8 @@ pub enum Reason {
     ComputeState,
     /// What is bound for drawing could not be restored after pipelines of ours.
     GraphicsState,
+    /// Pictures are drawn to in turn, frame by frame, as temporal filters do, which read what they drew.
+    History,
     /// No render pass that loads depth could be made of its own.
     RenderPass,
     /// Depth and stencil are in different layouts.
@@ -236,6 +238,7 @@ impl fmt::Display for Reason {
             Self::Secondary => "recorded in a secondary command buffer",
             Self::ComputeState => "the compute state could not be restored after it",
             Self::GraphicsState => "the graphics state could not be restored after it",
+            Self::History => "no depth attachment, and drawn to in turn with other pictures, as a history is",
             Self::RenderPass => "the render pass cannot be changed",
             Self::Layouts => "depth and stencil are in different layouts",
             Self::Area => "the render area cannot be copied to",

@@ -199,6 +199,10 @@ impl Masks {
         if !place.restores_graphics {
             return Err(Reason::GraphicsState);
         }
+        // What temporal filters keep they read again: what is filled would go on from frame to frame.
+        if instead == Reason::NoDepth && target.is_history() {
+            return Err(Reason::History);
+        }
         let map = target.map_to_return(instead)?;
         target.returns_early(keeps_coverage, instead)?;
         let set = self.return_layout().and_then(|layout| map.return_set(&layout)).ok_or(Reason::Failed)?;

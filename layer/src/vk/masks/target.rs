@@ -20,6 +20,9 @@ pub struct TargetMask {
     map: OnceLock<Later<MaskMap>>,
 }
 
+/// So many pictures at most are drawn to in turn; after longer, an application has paused.
+const MOST_IN_TURN: u64 = 4;
+
 /// What is known of a pass at its end.
 #[derive(Debug, Clone, Copy)]
 pub struct Ended {
@@ -69,6 +72,9 @@ struct Seen {
     is_scene: bool,
     /// Whether it drew straight into a swapchain.
     is_shown: bool,
+    /// In which frame that was, and how many frames after the one before.
+    frame: u64,
+    frames_since: u64,
     /// Whether depth of a pass is older than that, or outlives it: what is left out has none that is right.
     keeps_depth: bool,
     /// The last reason that was logged.
@@ -119,6 +125,12 @@ impl TargetMask {
     /// Notes that depth of its passes is older than those, or outlives them; whether that was known.
     pub(super) fn note_depth(&self) -> bool {
         std::mem::replace(&mut self.seen().keeps_depth, true)
+    }
+
+    /// Whether its picture is drawn to every few frames, and not shown itself: others are, in between.
+    pub(super) fn is_history(&self) -> bool {
+        let seen = self.seen();
+        !seen.is_shown && (2..=MOST_IN_TURN).contains(&seen.frames_since)
     }
 
     /// Whether there is a fragment shader that returns early. Where there is none yet, one is made of a pipeline that is bound.
@@ -251,8 +263,12 @@ impl RateMap for TargetMask {
         true
     }
 
-    fn noted(&self, scene: Option<How>) {
+    fn noted(&self, scene: Option<How>, frame: u64) {
         let mut seen = self.seen();
+        if frame != seen.frame {
+            seen.frames_since = frame.saturating_sub(seen.frame);
+            seen.frame = frame;
+        }
         seen.is_scene = scene.is_some();
         seen.is_shown = scene == Some(How::Swapchain);
     }
