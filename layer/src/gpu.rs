@@ -38,9 +38,7 @@ pub(crate) use depth_target::{DepthTarget, DepthTargetDescription};
 pub(crate) use descriptor::{CompareSet, ListSet, TextureSets, UniformSet};
 pub(crate) use device_buffer::DeviceBuffer;
 pub(crate) use draw::{ColorTarget, color_pass};
-pub(crate) use early_return::{
-    AppendedLayout, CompatiblePass, ReturnLayout, ReturnSet, pipeline_of_code,
-};
+pub(crate) use early_return::{AppendedLayout, CompatiblePass, ReturnLayout, ReturnSet, pipeline_of_code};
 pub use error::GpuError;
 pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view, depth_view};
 pub(crate) use owned::Owned;

@@ -56,12 +56,8 @@ impl DepthFormat {
         }
         let in_word = 4 / self.texel_size() as u32;
         let row = width / in_word;
-        let words = TemplateWords {
-            row,
-            layer: row.checked_mul(height)?,
-            block: BLOCK / in_word,
-            block_rows: BLOCK,
-        };
+        let words =
+            TemplateWords { row, layer: row.checked_mul(height)?, block: BLOCK / in_word, block_rows: BLOCK };
         width.is_multiple_of(in_word).then_some(words)
     }
 

@@ -123,9 +123,7 @@ impl CompatiblePass {
     /// The render pass was made on the device of `gpu`, and is nobody else's to destroy.
     pub(crate) unsafe fn new(gpu: &Arc<Gpu>, handle: vk::RenderPass) -> Self {
         // SAFETY: the caller vouches for it.
-        Self(unsafe {
-            Owned::new(gpu, handle, |device, handle| device.destroy_render_pass(handle, None))
-        })
+        Self(unsafe { Owned::new(gpu, handle, |device, handle| device.destroy_render_pass(handle, None)) })
     }
 
     /// The handle, valid as long as `self`.

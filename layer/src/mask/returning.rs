@@ -87,3 +87,89 @@ fn allows_return(reason: Reason) -> bool {
             | Reason::Near(_)
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::eligibility::{ColorFacts, DepthFacts, PipelineFacts};
+    use super::*;
+    use crate::scene::PassFacts;
+    use ash::vk;
+
+    const KEEPING: Returns = Returns { any: true, keeping_coverage: true };
+    const ANY: Returns = Returns { any: true, keeping_coverage: false };
+
+    fn color() -> ColorFacts {
+        let samples = vk::SampleCountFlags::TYPE_1;
+        ColorFacts { format: vk::Format::R8G8B8A8_SRGB, samples, is_stored: true, is_fillable: true }
+    }
+
+    fn depth() -> DepthFacts {
+        DepthFacts {
+            format: vk::Format::D32_SFLOAT,
+            samples: vk::SampleCountFlags::TYPE_1,
+            usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+            clear: 1.0,
+            is_loaded: false,
+            is_read_within: false,
+            stores_stencil: false,
+            is_loaded_later: false,
+            is_submitted: false,
+            is_writable: true,
+            is_readable: true,
+        }
+    }
+
+    /// By depth, queries and fragment shaders of a pass.
+    fn of(
+        depth: Option<DepthFacts>,
+        is_queried: bool,
+        returns: Returns,
+        color: ColorFacts,
+    ) -> Result<Way, Reason> {
+        let pass = PassFacts { clears_depth: true, is_queried, ..PassFacts::default() };
+        let pipelines = PipelineFacts { returns, ..PipelineFacts::default() };
+        way(&MaskFacts { pass, depth, colors: &[color], pipelines })
+    }
+
+    #[test]
+    fn a_template_comes_first() {
+        assert!(matches!(of(Some(depth()), false, KEEPING, color()), Ok(Way::Template(_))));
+    }
+
+    #[test]
+    fn without_depth_shaders_return_early() {
+        let returned = |returns| of(None, false, returns, color());
+        let way = Way::Return { keeps_coverage: false, instead: Reason::NoDepth };
+        assert_eq!((returned(ANY), returned(KEEPING)), (Ok(way), Ok(way)));
+        assert_eq!(returned(Returns::default()), Err(Reason::NoDepth));
+    }
+
+    /// What is counted, and depth that must stay as it is, does not change.
+    #[test]
+    fn where_coverage_counts_only_shaders_that_keep_it_return_early() {
+        let queried = |depth, returns| of(depth, true, returns, color());
+        let way = Way::Return { keeps_coverage: true, instead: Reason::Queried };
+        for depth in [Some(depth()), None] {
+            assert_eq!(queried(depth, KEEPING), Ok(way));
+            assert_eq!(queried(depth, ANY), Err(Reason::Queried));
+        }
+        let transient = DepthFacts {
+            usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSIENT_ATTACHMENT,
+            ..depth()
+        };
+        let way = Way::Return { keeps_coverage: true, instead: Reason::Transient };
+        assert_eq!(of(Some(transient), false, KEEPING, color()), Ok(way));
+        assert_eq!(of(Some(transient), false, ANY, color()), Err(Reason::Transient));
+    }
+
+    #[test]
+    fn what_cannot_be_filled_is_left_alone() {
+        let format = vk::Format::R32_UINT;
+        let identifiers = ColorFacts { format, ..color() };
+        assert_eq!(of(None, false, KEEPING, identifiers), Err(Reason::ColorFormat(format)));
+        let pass = PassFacts { has_own_rates: true, ..PassFacts::default() };
+        let pipelines = PipelineFacts { returns: KEEPING, ..PipelineFacts::default() };
+        let colors = &[color()];
+        assert_eq!(way(&MaskFacts { pass, depth: None, colors, pipelines }), Err(Reason::OwnRates));
+    }
+}

@@ -224,10 +224,7 @@ fn render_pass(device: &ash::Device, depth: vk::Format, loads: bool) -> vk::Rend
     unsafe { device.create_render_pass(&info, None) }.unwrap()
 }
 
-fn buffer_set(
-    device: &ash::Device,
-    buffers: &[vk::Buffer],
-) -> (vk::DescriptorSetLayout, vk::DescriptorSet) {
+fn buffer_set(device: &ash::Device, buffers: &[vk::Buffer]) -> (vk::DescriptorSetLayout, vk::DescriptorSet) {
     let ty = vk::DescriptorType::STORAGE_BUFFER;
     let binding = |number| {
         vk::DescriptorSetLayoutBinding::default()

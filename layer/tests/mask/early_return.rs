@@ -7,10 +7,9 @@ use parafovea_core::mask::{DepthFormat, ReturnParams};
 /// By a template that only shaders read, and by one that is a depth template too.
 #[test]
 fn fragments_of_skipped_blocks_return_early() {
-    for (device, versions) in [
-        (vk::API_VERSION_1_1, &[(1, 0), (1, 3)][..]),
-        (vk::API_VERSION_1_2, &[(1, 4), (1, 5)][..]),
-    ] {
+    for (device, versions) in
+        [(vk::API_VERSION_1_1, &[(1, 0), (1, 3)][..]), (vk::API_VERSION_1_2, &[(1, 4), (1, 5)][..])]
+    {
         let vulkan = Vulkan::at(device);
         for version in versions {
             let area = vk::Rect2D {
@@ -54,6 +53,9 @@ fn check(vulkan: &Vulkan, version: (u8, u8), eligible: Eligible, area: vk::Rect2
         map.upload(&unsafe { AppCommands::new(gpu, commands) }, staged, 0);
     });
     let (early, early_count) = application.frame(vulkan, |commands, draw| draw(commands, false));
+    let passed = |application: &Application| samples_passed(vulkan, application);
+    assert!(passed(&plain) > 0);
+    assert_eq!(passed(&application), passed(&plain), "{version:?}: an occlusion query counts as without");
     let texel = |pixels: &[u8], [x, y]: [u32; 2]| {
         let at = (y * EXTENT[0] + x) as usize * 4;
         [pixels[at], pixels[at + 1], pixels[at + 2], pixels[at + 3]]
@@ -75,4 +77,25 @@ fn check(vulkan: &Vulkan, version: (u8, u8), eligible: Eligible, area: vk::Rect2
     let mut expected = off.clone();
     predict(&mut expected, FillFormat::Srgb8, &mask, 0);
     assert_matches(FillFormat::Srgb8, &expected, &filled, |pixel| mask.skips(0, pixel), EXTENT);
+}
+
+/// What an occlusion query around the pass counts.
+fn samples_passed(vulkan: &Vulkan, application: &Application) -> u32 {
+    let device = &vulkan.device;
+    let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::OCCLUSION).query_count(1);
+    // SAFETY: plain use of Vulkan; the pool is never destroyed.
+    let pool = unsafe { device.create_query_pool(&info, None) }.unwrap();
+    application.frame(vulkan, |commands, draw| {
+        // SAFETY: the command buffer is being recorded, outside of a render pass.
+        unsafe {
+            device.cmd_reset_query_pool(commands, pool, 0, 1);
+            device.cmd_begin_query(commands, pool, 0, vk::QueryControlFlags::empty());
+            draw(commands, false);
+            device.cmd_end_query(commands, pool, 0);
+        }
+    });
+    let mut passed = [0u32];
+    // SAFETY: the frame has finished.
+    unsafe { device.get_query_pool_results(pool, 0, &mut passed, vk::QueryResultFlags::WAIT) }.unwrap();
+    passed[0]
 }

@@ -150,7 +150,8 @@ impl<'a> Patch<'a> {
 
     /// A type that the module has, or gets: types that are no aggregates must be declared once.
     fn declared(&mut self, parsed: &Parsed<'_>, op: u32, operands: &[u32]) -> u32 {
-        let of_module = parsed.globals().find(|found| found.op == op && found.operands.get(1..) == Some(operands));
+        let of_module =
+            parsed.globals().find(|found| found.op == op && found.operands.get(1..) == Some(operands));
         if let Some(found) = of_module {
             return found.operands[0];
         }
@@ -189,9 +190,12 @@ impl<'a> Patch<'a> {
         if parsed.has_member_built_in(which) {
             return Err(NoEarlyReturn::Position);
         }
-        let own = self.entry.interface.iter().copied().find(|id| {
-            parsed.is_decorated(*id, &[decoration::BUILT_IN, which])
-        });
+        let own = self
+            .entry
+            .interface
+            .iter()
+            .copied()
+            .find(|id| parsed.is_decorated(*id, &[decoration::BUILT_IN, which]));
         let Some(own) = own else {
             let id = self.variable(parsed, CLASS_INPUT, of);
             self.decorations.push(op::DECORATE, &[id, decoration::BUILT_IN, which]);
@@ -355,7 +359,10 @@ impl<'a> Patch<'a> {
         let Some((name, words)) = operands.get(2..).and_then(text) else { return };
         if operands[0] == MODEL_FRAGMENT && name == self.wanted.entry.as_bytes() {
             let name = &operands[2..2 + words];
-            out.push(op::ENTRY_POINT, &[&[MODEL_FRAGMENT, self.wrapper], name, &self.entry.interface].concat());
+            out.push(
+                op::ENTRY_POINT,
+                &[&[MODEL_FRAGMENT, self.wrapper], name, &self.entry.interface].concat(),
+            );
         }
     }
 }

@@ -76,7 +76,8 @@ impl Masks {
     /// Valid usage of vkCreatePipelineLayout.
     unsafe fn appended(&self, info: &vk::PipelineLayoutCreateInfo<'_>) -> Option<Arc<AppendedLayout>> {
         // Parts of pipelines are linked by such, which are left alone.
-        if info.flags.contains(vk::PipelineLayoutCreateFlags::INDEPENDENT_SETS_EXT) || !info.p_next.is_null() {
+        if info.flags.contains(vk::PipelineLayoutCreateFlags::INDEPENDENT_SETS_EXT) || !info.p_next.is_null()
+        {
             return None;
         }
         // SAFETY: the caller vouches for the array.
@@ -95,7 +96,9 @@ impl Masks {
         }
         // SAFETY: the caller vouches for the structure; the device takes it.
         let made = unsafe { AppendedLayout::new(gpu, info, &*self.return_layout()?) };
-        made.inspect_err(|error| error.tell("fragment shaders of a layout do not return early")).ok().map(Arc::new)
+        made.inspect_err(|error| error.tell("fragment shaders of a layout do not return early"))
+            .ok()
+            .map(Arc::new)
     }
 
     /// The appended layout of one of the application's.
@@ -204,9 +207,7 @@ pub unsafe extern "system" fn destroy(
     guard(
         "vkDestroyPipelineLayout",
         // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, destroy_pipeline_layout(device, layout, allocator), ())
-        },
+        || unsafe { pass_on!(device::with: device, destroy_pipeline_layout(device, layout, allocator), ()) },
         |answer| {
             // SAFETY: the application's own arguments.
             unsafe {

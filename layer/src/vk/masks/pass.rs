@@ -133,8 +133,11 @@ impl Masks {
         };
         let coarsens = armed.frame.coarsens();
         let how = How { coarsens, is_layered };
-        let outcome = self.opened(&armed.objects, (target, how), attachments, place, |colors| {
-            MaskFacts { pass, depth: attachments.depth_facts(self, &armed.objects), colors, pipelines }
+        let outcome = self.opened(&armed.objects, (target, how), attachments, place, |colors| MaskFacts {
+            pass,
+            depth: attachments.depth_facts(self, &armed.objects),
+            colors,
+            pipelines,
         });
         target.tell(outcome.as_ref().map(OpenMask::instead).map_err(|reason| *reason));
         outcome

@@ -126,7 +126,10 @@ impl Masks {
             let recipe = Recipe::of(info, Ingredients { code: &code, layout, render_pass })?;
             let effects = self.modules.effects(fragment);
             let by_alpha = dynamic_states(info).contains(&vk::DynamicState::ALPHA_TO_COVERAGE_ENABLE_EXT)
-                || info.p_multisample_state.as_ref().is_some_and(|state| state.alpha_to_coverage_enable == vk::TRUE);
+                || info
+                    .p_multisample_state
+                    .as_ref()
+                    .is_some_and(|state| state.alpha_to_coverage_enable == vk::TRUE);
             let changes_coverage =
                 by_alpha || effects.writes_depth_stencil || effects.uses_sample_mask || recipe.discards();
             Some(Returning::new(recipe, !changes_coverage))

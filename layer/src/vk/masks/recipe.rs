@@ -311,8 +311,7 @@ unsafe fn chain_of(
                     if flags & u64::from(NOT_SERVED.as_raw()) != 0 {
                         return None;
                     }
-                    let flags =
-                        vk::PipelineCreateFlags2KHR::from_raw(flags & !u64::from(NOT_KEPT.as_raw()));
+                    let flags = vk::PipelineCreateFlags2KHR::from_raw(flags & !u64::from(NOT_KEPT.as_raw()));
                     next = memory.many(&[Flags2 { p_next: next, flags, ..Default::default() }]).cast();
                 }
                 // What the application wants to know of its own.

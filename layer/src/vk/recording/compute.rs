@@ -180,9 +180,8 @@ fn at(point: vk::PipelineBindPoint) -> [bool; 2] {
 
 /// Whether stages compute, and draw.
 fn of(stages: vk::ShaderStageFlags) -> [bool; 2] {
-    let drawing = vk::ShaderStageFlags::ALL_GRAPHICS
-        | vk::ShaderStageFlags::TASK_EXT
-        | vk::ShaderStageFlags::MESH_EXT;
+    let drawing =
+        vk::ShaderStageFlags::ALL_GRAPHICS | vk::ShaderStageFlags::TASK_EXT | vk::ShaderStageFlags::MESH_EXT;
     [vk::ShaderStageFlags::COMPUTE, drawing].map(|known| stages.intersects(known))
 }
 

@@ -80,7 +80,12 @@ impl Drawing {
 /// # Safety
 ///
 /// `handle` is this command buffer, which is recording; the pipeline may be bound.
-pub unsafe fn bind(buffer: &Buffer, handle: vk::CommandBuffer, pipeline: vk::Pipeline, bind: impl Fn(vk::Pipeline)) {
+pub unsafe fn bind(
+    buffer: &Buffer,
+    handle: vk::CommandBuffer,
+    pipeline: vk::Pipeline,
+    bind: impl Fn(vk::Pipeline),
+) {
     let (was, returns) = {
         let mut recorded = buffer.recorded();
         let returns = recorded.mask.as_ref().and_then(super::OpenMask::returns);
@@ -103,21 +108,35 @@ pub unsafe fn bind(buffer: &Buffer, handle: vk::CommandBuffer, pipeline: vk::Pip
         Some(InPlace { returning, set: by.set })
     });
     let layout = |place: &InPlace| place.returning.layout().handle();
-    if was.is_some() && was.as_ref().map(layout) != in_place.as_ref().map(layout) {
+    let steps = steps(was.as_ref().map(layout), in_place.as_ref().map(layout));
+    if steps.binds_own {
         bind(pipeline);
+    }
+    if steps.restores_sets {
         // SAFETY: the caller vouches for the command buffer.
         unsafe { restore_sets(buffer, handle) };
     }
-    match in_place {
-        Some(place) => {
-            bind(place.returning.pipeline().unwrap_or(pipeline));
-            // SAFETY: as above.
-            unsafe { place.bind_set(buffer, handle) };
-            buffer.recorded().drawing.in_place = Some(place);
-        }
-        None if was.is_none() => bind(pipeline),
-        None => {}
+    if let Some(place) = in_place {
+        bind(place.returning.pipeline().unwrap_or(pipeline));
+        // SAFETY: as above.
+        unsafe { place.bind_set(buffer, handle) };
+        buffer.recorded().drawing.in_place = Some(place);
     }
+}
+
+/// What is done before something is bound in place of a pipeline, if something is.
+#[derive(Debug, PartialEq, Eq)]
+struct Steps {
+    /// The application's pipeline is bound.
+    binds_own: bool,
+    /// Its sets are bound again, which ours may have disturbed.
+    restores_sets: bool,
+}
+
+/// From something in place with one layout, or nothing, to another.
+fn steps(was: Option<vk::PipelineLayout>, is: Option<vk::PipelineLayout>) -> Steps {
+    let restores_sets = was.is_some() && was != is;
+    Steps { binds_own: is.is_none(), restores_sets }
 }
 
 /// Has what a pass shall have in place of a pipeline made, in later frames, where it waits for that.
@@ -210,5 +229,39 @@ pub unsafe fn leave(buffer: &Buffer, handle: vk::CommandBuffer) {
             next(handle, GRAPHICS, pipeline);
             restore_sets(buffer, handle);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ash::vk::Handle;
+
+    #[test]
+    fn sets_are_restored_before_another_layout_counts() {
+        let layout = |number| Some(vk::PipelineLayout::from_raw(number));
+        let [own, restored] = [true, true];
+        let of = |was, is| {
+            let Steps { binds_own, restores_sets } = steps(was, is);
+            (binds_own, restores_sets)
+        };
+        assert_eq!(of(None, None), (own, !restored));
+        assert_eq!(of(None, layout(1)), (!own, !restored));
+        assert_eq!(of(layout(1), layout(1)), (!own, !restored), "ours stays where it is");
+        assert_eq!(of(layout(1), layout(2)), (!own, restored));
+        assert_eq!(of(layout(1), None), (own, restored));
+    }
+
+    #[test]
+    fn nothing_is_kept_unless_it_is_followed() {
+        let mut drawing = Drawing::default();
+        drawing.bind_more();
+        drawing.bind_sets(vk::PipelineLayout::null(), 0, &[vk::DescriptorSet::null()], &[]);
+        assert!(drawing.is_whole() && !drawing.is_followed());
+        drawing.begin(true);
+        drawing.bind_more();
+        assert!(!drawing.is_whole() && drawing.is_followed());
+        drawing.forget();
+        assert!(drawing.is_whole(), "after secondary command buffers nothing is bound");
     }
 }

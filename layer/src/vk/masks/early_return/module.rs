@@ -63,10 +63,11 @@ impl Instruction<'_> {
     pub fn is_decoration(&self) -> bool {
         matches!(
             self.op,
-            op::DECORATE..=op::GROUP_MEMBER_DECORATE
-                | op::DECORATE_ID
-                | op::DECORATE_STRING
-                | op::MEMBER_DECORATE_STRING
+            op::DECORATE
+                ..=op::GROUP_MEMBER_DECORATE
+                    | op::DECORATE_ID
+                    | op::DECORATE_STRING
+                    | op::MEMBER_DECORATE_STRING
         )
     }
 }

@@ -131,15 +131,11 @@ impl Arena {
                 p_next: self.chain(state.p_next)?,
                 flags: state.flags,
                 vertex_binding_description_count: state.vertex_binding_description_count,
-                p_vertex_binding_descriptions: self.array(
-                    state.p_vertex_binding_descriptions,
-                    state.vertex_binding_description_count,
-                ),
+                p_vertex_binding_descriptions: self
+                    .array(state.p_vertex_binding_descriptions, state.vertex_binding_description_count),
                 vertex_attribute_description_count: state.vertex_attribute_description_count,
-                p_vertex_attribute_descriptions: self.array(
-                    state.p_vertex_attribute_descriptions,
-                    state.vertex_attribute_description_count,
-                ),
+                p_vertex_attribute_descriptions: self
+                    .array(state.p_vertex_attribute_descriptions, state.vertex_attribute_description_count),
                 ..Default::default()
             };
             Some(self.many(&[copy]))
@@ -161,8 +157,7 @@ impl Arena {
         unsafe {
             let is_dynamic =
                 |wanted: [vk::DynamicState; 2]| wanted.iter().any(|state| dynamic.contains(state));
-            let viewports =
-                !is_dynamic([vk::DynamicState::VIEWPORT, vk::DynamicState::VIEWPORT_WITH_COUNT]);
+            let viewports = !is_dynamic([vk::DynamicState::VIEWPORT, vk::DynamicState::VIEWPORT_WITH_COUNT]);
             let scissors = !is_dynamic([vk::DynamicState::SCISSOR, vk::DynamicState::SCISSOR_WITH_COUNT]);
             let copy = vk::PipelineViewportStateCreateInfo {
                 p_next: self.chain(state.p_next)?,
