@@ -293,13 +293,15 @@ impl Gpu {
         })
     }
 
-    /// Whether a pipeline layout may have `sets` descriptor sets, with `buffers` storage buffers and `all` descriptors that
-    /// fragment shaders see. Limits of sets that may be updated after they are bound are no lower.
-    pub(crate) fn takes_sets(&self, sets: u32, buffers: u32, all: u32) -> bool {
+    /// Whether a pipeline layout may have `sets` descriptor sets, with so many storage and uniform buffers, and `all` descriptors
+    /// that fragment shaders see. Limits of sets that may be updated after they are bound are no lower.
+    pub(crate) fn takes_sets(&self, sets: u32, [storage, uniform]: [u32; 2], all: u32) -> bool {
         let limits = &self.limits;
         sets <= limits.max_bound_descriptor_sets
-            && buffers <= limits.max_per_stage_descriptor_storage_buffers
-            && buffers <= limits.max_descriptor_set_storage_buffers
+            && storage <= limits.max_per_stage_descriptor_storage_buffers
+            && storage <= limits.max_descriptor_set_storage_buffers
+            && uniform <= limits.max_per_stage_descriptor_uniform_buffers
+            && uniform <= limits.max_descriptor_set_uniform_buffers
             && all <= limits.max_per_stage_resources
     }
 

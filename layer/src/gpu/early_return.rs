@@ -10,7 +10,8 @@ use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// Template, parameters.
-const BINDINGS: [vk::DescriptorType; 2] = [vk::DescriptorType::STORAGE_BUFFER; 2];
+const BINDINGS: [vk::DescriptorType; 2] =
+    [vk::DescriptorType::STORAGE_BUFFER, vk::DescriptorType::UNIFORM_BUFFER];
 
 /// The layout of the set.
 pub(crate) struct ReturnLayout(ComputeLayout);
@@ -24,8 +25,8 @@ impl ReturnLayout {
         ComputeLayout::for_stage(gpu, &BINDINGS, vk::ShaderStageFlags::FRAGMENT).map(Self)
     }
 
-    /// How many buffers of the limits of a stage it takes.
-    pub(crate) const BUFFERS: u32 = BINDINGS.len() as u32;
+    /// How many storage buffers it takes, and as many uniform ones.
+    pub(crate) const BUFFERS: u32 = 1;
 }
 
 /// A pipeline layout of the application's with the set behind its own. The two are compatible for all sets of the
@@ -101,8 +102,8 @@ impl ReturnSet {
         template: vk::Buffer,
         params: ReturnParams,
     ) -> Result<Self, GpuError> {
-        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        let params = DeviceBuffer::holding(gpu, storage, bytemuck::bytes_of(&params))?;
+        let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
+        let params = DeviceBuffer::holding(gpu, uniform, bytemuck::bytes_of(&params))?;
         let set = ComputeSet::of_buffers(&layout.0, &[template, params.handle()])?;
         Ok(Self { set, _params: params, _layout: Arc::clone(layout) })
     }

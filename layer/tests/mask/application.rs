@@ -86,8 +86,9 @@ impl Application {
         // SAFETY: plain use of Vulkan.
         let framebuffer = unsafe { device.create_framebuffer(&info, None) }.unwrap();
         let counter = vulkan.buffer_of(16, vk::BufferUsageFlags::STORAGE_BUFFER);
-        let mut sets = vec![buffer_set(device, &[counter.0])];
-        sets.extend(early.map(|buffers| buffer_set(device, &buffers)));
+        let (storage, uniform) = (vk::DescriptorType::STORAGE_BUFFER, vk::DescriptorType::UNIFORM_BUFFER);
+        let mut sets = vec![buffer_set(device, &[(storage, counter.0)])];
+        sets.extend(early.map(|[words, params]| buffer_set(device, &[(storage, words), (uniform, params)])));
         let layouts: Vec<_> = sets.iter().map(|(layout, _)| *layout).collect();
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
         // SAFETY: as above.
@@ -224,17 +225,21 @@ fn render_pass(device: &ash::Device, depth: vk::Format, loads: bool) -> vk::Rend
     unsafe { device.create_render_pass(&info, None) }.unwrap()
 }
 
-fn buffer_set(device: &ash::Device, buffers: &[vk::Buffer]) -> (vk::DescriptorSetLayout, vk::DescriptorSet) {
-    let ty = vk::DescriptorType::STORAGE_BUFFER;
-    let binding = |number| {
+fn buffer_set(
+    device: &ash::Device,
+    buffers: &[(vk::DescriptorType, vk::Buffer)],
+) -> (vk::DescriptorSetLayout, vk::DescriptorSet) {
+    let binding = |(number, (ty, _)): (u32, &(vk::DescriptorType, vk::Buffer))| {
         vk::DescriptorSetLayoutBinding::default()
             .binding(number)
-            .descriptor_type(ty)
+            .descriptor_type(*ty)
             .descriptor_count(1)
             .stage_flags(vk::ShaderStageFlags::FRAGMENT)
     };
-    let bindings: Vec<_> = (0..buffers.len() as u32).map(binding).collect();
-    let sizes = [vk::DescriptorPoolSize { ty, descriptor_count: buffers.len() as u32 }];
+    let bindings: Vec<_> = (0..).zip(buffers).map(binding).collect();
+    let size =
+        |(ty, _): &(vk::DescriptorType, vk::Buffer)| vk::DescriptorPoolSize { ty: *ty, descriptor_count: 1 };
+    let sizes: Vec<_> = buffers.iter().map(size).collect();
     // SAFETY: plain use of Vulkan.
     unsafe {
         let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
@@ -243,7 +248,7 @@ fn buffer_set(device: &ash::Device, buffers: &[vk::Buffer]) -> (vk::DescriptorSe
         let pool = device.create_descriptor_pool(&info, None).unwrap();
         let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
         let set = device.allocate_descriptor_sets(&info).unwrap()[0];
-        for (number, &buffer) in (0..).zip(buffers) {
+        for (number, &(ty, buffer)) in (0..).zip(buffers) {
             let buffers = [vk::DescriptorBufferInfo { buffer, offset: 0, range: vk::WHOLE_SIZE }];
             let write = vk::WriteDescriptorSet::default()
                 .dst_set(set)

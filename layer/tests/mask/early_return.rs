@@ -37,7 +37,7 @@ fn check(vulkan: &Vulkan, version: (u8, u8), eligible: Eligible, area: vk::Rect2
     let map = MaskMap::new(gpu, &kernels, eligible, EXTENT, 1).unwrap();
     map.prepare(COLOR).unwrap();
     let params = ReturnParams::new(EXTENT, eligible.format, eligible.depths).unwrap();
-    let (buffer, memory) = vulkan.buffer_of(64, vk::BufferUsageFlags::STORAGE_BUFFER);
+    let (buffer, memory) = vulkan.buffer_of(64, vk::BufferUsageFlags::UNIFORM_BUFFER);
     vulkan.write_memory(memory, bytemuck::bytes_of(&params));
     let buffers = [map.template().unwrap(), buffer];
     let application = Application::of_version(vulkan, setup, EXTENT, version, Some(buffers));

@@ -24,7 +24,8 @@ use thiserror::Error;
 pub struct EarlyReturn<'a> {
     /// Name of the entry point.
     pub entry: &'a str,
-    /// Number of the descriptor set of ours: template at binding 0, parameters at 1.
+    /// Number of the descriptor set of ours: a storage buffer with the template at binding 0, a uniform one with the parameters
+    /// at 1.
     pub set: u32,
     /// Whether the layer is the view that is drawn (multiview), else 0.
     pub by_view: bool,
@@ -43,6 +44,9 @@ pub enum NoEarlyReturn {
     #[error("a shader whose fragment's position is not at hand")]
     Position,
 }
+
+/// Words of [`ReturnParams`](parafovea_core::mask::ReturnParams).
+const PARAMS: usize = size_of::<parafovea_core::mask::ReturnParams>() / 4;
 
 const MODEL_FRAGMENT: u32 = 4;
 const VERSION_1_3: u32 = 0x0001_0300;
@@ -208,8 +212,8 @@ impl<'a> Patch<'a> {
         Ok((own, parsed.pointee(own).ok_or(NoEarlyReturn::Unknown)?))
     }
 
-    /// A buffer of words that is only read.
-    fn buffer(&mut self, parsed: &Parsed<'_>, uint: u32, binding: u32) -> u32 {
+    /// The buffer of the template, which is only read.
+    fn template(&mut self, parsed: &Parsed<'_>, uint: u32) -> u32 {
         // Storage buffers have a class of their own from 1.3 on, and from 1.4 on all variables are in the interface.
         let (class, block) = match self.version >= VERSION_1_3 {
             true => (CLASS_STORAGE_BUFFER, decoration::BLOCK),
@@ -217,11 +221,25 @@ impl<'a> Patch<'a> {
         };
         let array = self.fresh(op::TYPE_RUNTIME_ARRAY, &[uint]);
         let structure = self.fresh(op::TYPE_STRUCT, &[array]);
-        let id = self.variable(parsed, class, structure);
         self.decorations.push(op::DECORATE, &[array, decoration::ARRAY_STRIDE, 4]);
         self.decorations.push(op::DECORATE, &[structure, block]);
         self.decorations.push(op::MEMBER_DECORATE, &[structure, 0, decoration::OFFSET, 0]);
         self.decorations.push(op::MEMBER_DECORATE, &[structure, 0, decoration::NON_WRITABLE]);
+        self.bound_to(parsed, (class, structure), 0)
+    }
+
+    /// The buffer of the parameters: software reads words of a uniform one for all fragments at once.
+    fn params(&mut self, parsed: &Parsed<'_>, uint: u32) -> u32 {
+        let structure = self.fresh(op::TYPE_STRUCT, &[uint; PARAMS]);
+        self.decorations.push(op::DECORATE, &[structure, decoration::BLOCK]);
+        for member in 0..PARAMS as u32 {
+            self.decorations.push(op::MEMBER_DECORATE, &[structure, member, decoration::OFFSET, 4 * member]);
+        }
+        self.bound_to(parsed, (CLASS_UNIFORM, structure), 1)
+    }
+
+    fn bound_to(&mut self, parsed: &Parsed<'_>, (class, structure): (u32, u32), binding: u32) -> u32 {
+        let id = self.variable(parsed, class, structure);
         self.decorations.push(op::DECORATE, &[id, decoration::DESCRIPTOR_SET, self.wanted.set]);
         self.decorations.push(op::DECORATE, &[id, decoration::BINDING, binding]);
         if self.version >= VERSION_1_4 {
@@ -242,17 +260,20 @@ impl<'a> Patch<'a> {
             true => Some(self.view(parsed, uint)?),
             false => None,
         };
-        let (template, params) = (self.buffer(parsed, uint, 0), self.buffer(parsed, uint, 1));
-        let class = if self.version >= VERSION_1_3 { CLASS_STORAGE_BUFFER } else { CLASS_UNIFORM };
-        let word = self.declared(parsed, op::TYPE_POINTER, &[class, uint]);
-        let constants: [u32; 5] = std::array::from_fn(|value| self.constant(uint, value as u32));
+        let (template, params) = (self.template(parsed, uint), self.params(parsed, uint));
+        let param = self.declared(parsed, op::TYPE_POINTER, &[CLASS_UNIFORM, uint]);
+        let word = match self.version >= VERSION_1_3 {
+            true => self.declared(parsed, op::TYPE_POINTER, &[CLASS_STORAGE_BUFFER, uint]),
+            false => param,
+        };
+        let constants: [u32; PARAMS] = std::array::from_fn(|value| self.constant(uint, value as u32));
 
         let outputs = self.outputs(parsed);
         let [start, body, early, end] = std::array::from_fn(|_| self.id());
         self.function.push(op::FUNCTION, &[void, self.wrapper, 0, function]);
         self.function.push(op::LABEL, &[start]);
-        let params: [u32; 5] = constants.map(|index| {
-            let at = self.value(op::ACCESS_CHAIN, word, &[params, constants[0], index]);
+        let params: [u32; PARAMS] = constants.map(|index| {
+            let at = self.value(op::ACCESS_CHAIN, param, &[params, index]);
             self.value(op::LOAD, uint, &[at])
         });
         let [row_words, layer_words, column_shift, row_shift, shaded] = params;

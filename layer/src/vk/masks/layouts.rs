@@ -17,7 +17,7 @@ const MOST_ATTACHMENTS: u32 = 16;
 /// What counts of a descriptor set layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SetFacts {
-    /// Storage buffers that fragment shaders see, and all.
+    /// Storage buffers and uniform ones, for any stage: no stage sees more.
     buffers: [u32; 2],
     /// All descriptors that fragment shaders see.
     seen: u32,
@@ -36,15 +36,15 @@ impl SetFacts {
         let is_seen = |binding: &&vk::DescriptorSetLayoutBinding<'_>| {
             binding.stage_flags.contains(vk::ShaderStageFlags::FRAGMENT)
         };
-        let is_buffer = |binding: &&vk::DescriptorSetLayoutBinding<'_>| {
-            [Kind::STORAGE_BUFFER, Kind::STORAGE_BUFFER_DYNAMIC].contains(&binding.descriptor_type)
-        };
         let count = |binding: &vk::DescriptorSetLayoutBinding<'_>| binding.descriptor_count;
         let sum = |counts: u32, count: u32| counts.saturating_add(count);
+        let of = |kinds: [Kind; 2]| {
+            bindings.iter().filter(|binding| kinds.contains(&binding.descriptor_type)).map(count).fold(0, sum)
+        };
         Self {
             buffers: [
-                bindings.iter().filter(is_seen).filter(is_buffer).map(count).fold(0, sum),
-                bindings.iter().filter(is_buffer).map(count).fold(0, sum),
+                of([Kind::STORAGE_BUFFER, Kind::STORAGE_BUFFER_DYNAMIC]),
+                of([Kind::UNIFORM_BUFFER, Kind::UNIFORM_BUFFER_DYNAMIC]),
             ],
             seen: bindings.iter().filter(is_seen).map(count).fold(0, sum),
             is_in_buffer: info.flags.contains(vk::DescriptorSetLayoutCreateFlags::DESCRIPTOR_BUFFER_EXT),
@@ -83,15 +83,14 @@ impl Masks {
         // SAFETY: the caller vouches for the array.
         let sets = unsafe { slice(info.p_set_layouts, info.set_layout_count) };
         let mut buffers = [ReturnLayout::BUFFERS; 2];
-        let mut seen = ReturnLayout::BUFFERS + MOST_ATTACHMENTS;
+        let mut seen = 2 * ReturnLayout::BUFFERS + MOST_ATTACHMENTS;
         for set in sets {
             let facts = self.sets.get(*set).filter(|facts| !facts.is_in_buffer)?;
             buffers = std::array::from_fn(|index| buffers[index].saturating_add(facts.buffers[index]));
             seen = seen.saturating_add(facts.seen);
         }
         let gpu = self.gpu()?;
-        let most = buffers[0].max(buffers[1]);
-        if !gpu.takes_sets(info.set_layout_count + 1, most, seen) {
+        if !gpu.takes_sets(info.set_layout_count + 1, buffers, seen) {
             return None;
         }
         // SAFETY: the caller vouches for the structure; the device takes it.
@@ -229,7 +228,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn buffers_that_fragment_shaders_see_are_counted_apart() {
+    fn descriptors_are_counted_by_kind_and_stage() {
         let binding = |kind, count, stages| {
             vk::DescriptorSetLayoutBinding::default()
                 .descriptor_type(kind)
@@ -241,11 +240,12 @@ mod tests {
             binding(vk::DescriptorType::STORAGE_BUFFER, 2, both),
             binding(vk::DescriptorType::STORAGE_BUFFER_DYNAMIC, 1, vk::ShaderStageFlags::ALL),
             binding(vk::DescriptorType::STORAGE_BUFFER, 8, vk::ShaderStageFlags::VERTEX),
+            binding(vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, 2, vk::ShaderStageFlags::VERTEX),
             binding(vk::DescriptorType::SAMPLED_IMAGE, u32::MAX, vk::ShaderStageFlags::FRAGMENT),
         ];
         let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: a valid structure.
         let facts = unsafe { SetFacts::of(&info) };
-        assert_eq!(facts, SetFacts { buffers: [3, 11], seen: u32::MAX, is_in_buffer: false });
+        assert_eq!(facts, SetFacts { buffers: [11, 2], seen: u32::MAX, is_in_buffer: false });
     }
 }
