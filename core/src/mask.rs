@@ -13,11 +13,15 @@
 //! [`REACH`]: what is outside of all views is shaded, and nothing is ever interpolated across two views.
 
 mod depth;
+mod early_return;
 mod list;
 mod pattern;
 mod sources;
 
-pub use depth::{DepthFormat, Direction, NoNearValue, TemplateDepths, near_value, write_template};
+pub use depth::{
+    DepthFormat, Direction, NoNearValue, TemplateDepths, TemplateWords, near_value, write_template,
+};
+pub use early_return::{RETURNS, ReturnParams};
 pub use list::{BLOCKS_PER_GROUP, HEADER_WORDS, SkipList, SkippedBlock};
 pub use pattern::Pattern;
 pub use sources::{REACH, SOURCES, Source};

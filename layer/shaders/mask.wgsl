@@ -17,6 +17,8 @@ struct MaskParams {
     skipped: u32,
     bit_row_words: u32,
     bit_rows: u32,
+    row_words: u32,
+    block_rows: u32,
 }
 
 // Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
@@ -40,7 +42,6 @@ struct SkipList {
 // Whether blocks are shaded, a bit each, with REACH more on each side of each layer, which are not.
 @group(0) @binding(5) var<storage, read_write> bits: array<u32>;
 
-const BLOCK: u32 = 4u;
 const VIEW_WORDS: u32 = 6u;
 const BLOCKS_PER_GROUP: u32 = 64u;
 const GROUPS_PER_ROW: u32 = 2048u;
@@ -148,8 +149,8 @@ fn shaded(@builtin(global_invocation_id) id: vec3<u32>) {
 
 // Marks `rows` rows of a block as skipped in the template: all of it, or nothing. A loop that no thread goes through ends at once.
 fn mark(block: vec2<u32>, layer: u32, rows: u32) {
-    let row_words = params.extent.x * params.block_words / BLOCK;
-    let first = layer * params.layer_words + block.y * BLOCK * row_words + block.x * params.block_words;
+    let row_words = params.row_words;
+    let first = layer * params.layer_words + block.y * params.block_rows * row_words + block.x * params.block_words;
     for (var y = 0u; y < rows; y++) {
         for (var x = 0u; x < params.block_words; x++) {
             depth[first + y * row_words + x] = params.skipped;
@@ -168,7 +169,7 @@ fn blocks(@builtin(global_invocation_id) id: vec3<u32>) {
             let index = atomicAdd(&list.count, 1u);
             list.blocks[index] = vec2(id.x | (id.y << 12u) | (layer << 24u), 0u);
         }
-        mark(id.xy, layer, select(0u, BLOCK, becomes == LEFT_OUT));
+        mark(id.xy, layer, select(0u, params.block_rows, becomes == LEFT_OUT));
     }
 }
 
@@ -244,5 +245,5 @@ fn sources(
     let layer = place >> 24u;
     let found = nearest(view_at(view_of(block, layer)), layer, block);
     list.blocks[index].y = found;
-    mark(block, layer, select(0u, BLOCK, found != 0u));
+    mark(block, layer, select(0u, params.block_rows, found != 0u));
 }

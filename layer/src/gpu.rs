@@ -15,6 +15,7 @@ mod depth_target;
 mod descriptor;
 mod device_buffer;
 mod draw;
+mod early_return;
 mod error;
 mod framebuffer;
 pub(crate) mod functions;
@@ -37,6 +38,7 @@ pub(crate) use depth_target::{DepthTarget, DepthTargetDescription};
 pub(crate) use descriptor::{CompareSet, ListSet, TextureSets, UniformSet};
 pub(crate) use device_buffer::DeviceBuffer;
 pub(crate) use draw::{ColorTarget, color_pass};
+pub(crate) use early_return::{AppendedLayout, CompatiblePass, ReturnLayout, ReturnSet, pipeline_of_code};
 pub use error::GpuError;
 pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view, depth_view};
 pub(crate) use owned::Owned;
@@ -296,6 +298,18 @@ impl Gpu {
                 && limits.max_array_layers >= info.array_layers
                 && limits.sample_counts.contains(info.samples)
         })
+    }
+
+    /// Whether a pipeline layout may have `sets` descriptor sets, with so many storage and uniform buffers, and `all` descriptors
+    /// that fragment shaders see. Limits of sets that may be updated after they are bound are no lower.
+    pub(crate) fn takes_sets(&self, sets: u32, [storage, uniform]: [u32; 2], all: u32) -> bool {
+        let limits = &self.limits;
+        sets <= limits.max_bound_descriptor_sets
+            && storage <= limits.max_per_stage_descriptor_storage_buffers
+            && storage <= limits.max_descriptor_set_storage_buffers
+            && uniform <= limits.max_per_stage_descriptor_uniform_buffers
+            && uniform <= limits.max_descriptor_set_uniform_buffers
+            && all <= limits.max_per_stage_resources
     }
 
     /// Whether images of this format can be sampled, drawn to and copied.

@@ -50,6 +50,7 @@ mod timing;
 
 pub use chain::NegotiateLayerInterface;
 pub use enablement::Enablement;
+pub use masks::early_return::{EarlyReturn, NoEarlyReturn, returning_early};
 pub use negotiate::negotiate;
 pub use rates::shader::{Effects, FragmentShaders};
 pub use runtime_section::in_runtime_section;

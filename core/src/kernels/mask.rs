@@ -25,7 +25,7 @@ uniform! {
         pub views: u32,
         /// Words of the template in one array layer.
         pub layer_words: u32,
-        /// Words of the template for four pixels of a row: 2 or 4.
+        /// Words of the template for four pixels of a row: 1, 2 or 4.
         pub block_words: u32,
         /// What a word of the template holds where blocks are shaded.
         pub shaded: u32,
@@ -35,6 +35,10 @@ uniform! {
         pub bit_row_words: u32,
         /// Rows of such bits in one array layer, with [`REACH`] more on both sides.
         pub bit_rows: u32,
+        /// Words of a row of the template.
+        pub row_words: u32,
+        /// Rows of the template in one block: 1 or 4.
+        pub block_rows: u32,
     }
 }
 
@@ -53,8 +57,8 @@ impl MaskParams {
         views: u32,
     ) -> Option<Self> {
         let are_whole = texel.iter().all(|side| *side > 0 && side.is_multiple_of(BLOCK));
-        let in_word = 4 / format.texel_size() as u32;
-        if !are_whole || !extent[0].is_multiple_of(in_word) {
+        let words = format.words(extent)?;
+        if !are_whole {
             return None;
         }
         Some(Self {
@@ -65,13 +69,15 @@ impl MaskParams {
             layer_tiles: tiles[0].checked_mul(tiles[1])?,
             layers,
             views,
-            layer_words: extent[0].checked_mul(extent[1])? / in_word,
-            block_words: BLOCK / in_word,
+            layer_words: words.layer,
+            block_words: words.block,
             shaded: format.word(depths.shaded),
             skipped: format.word(depths.skipped),
             // Bits are read two words at a time.
             bit_row_words: (extent[0] / BLOCK + 2 * REACH).div_ceil(32) + 1,
             bit_rows: extent[1] / BLOCK + 2 * REACH,
+            row_words: words.row,
+            block_rows: words.block_rows,
         })
     }
 

@@ -12,8 +12,8 @@
 use super::{BLOCK, Mask};
 use thiserror::Error;
 
-/// How depth is laid out in a buffer that is copied to or from the depth aspect of an image (Vulkan specification,
-/// "Buffer and Image Addressing").
+/// How a template is laid out in a buffer: as depth that is copied to or from the depth aspect of an image (Vulkan
+/// specification, "Buffer and Image Addressing"), or by blocks, for shaders alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DepthFormat {
     /// 16 bits, UNORM.
@@ -22,6 +22,21 @@ pub enum DepthFormat {
     Unorm24,
     /// 32 bits, floating point.
     Float32,
+    /// No depth: a word for each block, incomplete ones too, of the whole number that the "depth" is.
+    Blocks,
+}
+
+/// Where the words of a template are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TemplateWords {
+    /// Words of a row.
+    pub row: u32,
+    /// Words of an array layer.
+    pub layer: u32,
+    /// Words of a block in each of its rows.
+    pub block: u32,
+    /// Rows of a block.
+    pub block_rows: u32,
 }
 
 impl DepthFormat {
@@ -29,8 +44,21 @@ impl DepthFormat {
     pub const fn texel_size(self) -> usize {
         match self {
             Self::Unorm16 => 2,
-            Self::Unorm24 | Self::Float32 => 4,
+            Self::Unorm24 | Self::Float32 | Self::Blocks => 4,
         }
+    }
+
+    /// Where the words of a template for pictures of `extent` pixels are; nothing where its rows do not begin with words.
+    pub fn words(self, [width, height]: [u32; 2]) -> Option<TemplateWords> {
+        if self == Self::Blocks {
+            let (row, rows) = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
+            return Some(TemplateWords { row, layer: row.checked_mul(rows)?, block: 1, block_rows: 1 });
+        }
+        let in_word = 4 / self.texel_size() as u32;
+        let row = width / in_word;
+        let words =
+            TemplateWords { row, layer: row.checked_mul(height)?, block: BLOCK / in_word, block_rows: BLOCK };
+        width.is_multiple_of(in_word).then_some(words)
     }
 
     /// A word of the buffer in which every texel has this depth.
@@ -48,6 +76,7 @@ impl DepthFormat {
             Self::Unorm16 => unorm(0xffff),
             Self::Unorm24 => unorm(0xff_ffff),
             Self::Float32 => depth.to_bits(),
+            Self::Blocks => depth as u32,
         }
         .to_le_bytes()
     }
@@ -121,9 +150,24 @@ pub fn near_value(
 /// rows that fit are written; a layer that the mask has not is shaded throughout.
 pub fn write_template(mask: &Mask, layer: u32, format: DepthFormat, depths: TemplateDepths, out: &mut [u8]) {
     let [shaded, skipped] = [depths.shaded, depths.skipped].map(|depth| format.encode(depth));
+    if format == DepthFormat::Blocks {
+        return write_blocks([shaded, skipped], mask, layer, out.as_chunks_mut().0);
+    }
     match format.texel_size() {
         2 => write_texels([shaded, skipped].map(|[a, b, ..]| [a, b]), mask, layer, out.as_chunks_mut().0),
         _ => write_texels([shaded, skipped], mask, layer, out.as_chunks_mut().0),
+    }
+}
+
+/// The words of a layer's blocks, of a shaded and of a skipped block's value.
+fn write_blocks([shaded, skipped]: [[u8; 4]; 2], mask: &Mask, layer: u32, out: &mut [[u8; 4]]) {
+    out.fill(shaded);
+    let columns = mask.extent()[0].div_ceil(BLOCK) as usize;
+    let Some(blocks) = mask.skipped(layer).filter(|_| columns > 0) else { return };
+    for (index, row) in (0..blocks.height()).zip(out.chunks_mut(columns)) {
+        for (word, skip) in row.iter_mut().zip(blocks.row(index)) {
+            *word = if *skip { skipped } else { shaded };
+        }
     }
 }
 

@@ -78,6 +78,10 @@ impl ComputeLayout {
     pub(super) fn handle(&self) -> vk::PipelineLayout {
         self.pipeline.handle()
     }
+
+    pub(super) fn set_layout(&self) -> vk::DescriptorSetLayout {
+        self.set.handle()
+    }
 }
 
 /// What a binding is bound to; it outlives the set.

@@ -129,8 +129,18 @@ fn blend(output: Output) -> vk::PipelineColorBlendAttachmentState {
 pub(super) fn shader_module(gpu: &Arc<Gpu>, spirv: &[u8]) -> Result<Owned<vk::ShaderModule>, GpuError> {
     let words: Vec<u32> =
         spirv.chunks_exact(4).map(|word| u32::from_ne_bytes([word[0], word[1], word[2], word[3]])).collect();
-    let info = vk::ShaderModuleCreateInfo::default().code(&words);
-    // SAFETY: the device is live, and the build has validated the code.
+    // SAFETY: the build has validated the code.
+    unsafe { module_of_words(gpu, &words) }
+}
+
+/// # Safety
+/// The words are valid SPIR-V for the device.
+pub(super) unsafe fn module_of_words(
+    gpu: &Arc<Gpu>,
+    words: &[u32],
+) -> Result<Owned<vk::ShaderModule>, GpuError> {
+    let info = vk::ShaderModuleCreateInfo::default().code(words);
+    // SAFETY: the device is live, and the caller vouches for the code.
     unsafe {
         let handle = gpu
             .device

@@ -1,5 +1,6 @@
 //! Which passes can have a mask without anybody noticing, and why others cannot.
 
+use super::returning::Returns;
 use crate::passes::fill::fill_format;
 use crate::scene::PassFacts;
 use ash::vk;
@@ -92,6 +93,8 @@ pub struct PipelineFacts {
     pub are_unknown: bool,
     /// Their depth tests.
     pub directions: Directions,
+    /// Whether their fragment shaders can return early.
+    pub returns: Returns,
 }
 
 impl PipelineFacts {
@@ -101,6 +104,7 @@ impl PipelineFacts {
         write_stencil: true,
         are_unknown: true,
         directions: Directions { less: false, greater: false },
+        returns: Returns { any: false, keeping_coverage: false },
     };
 
     /// One more is used.
@@ -110,6 +114,8 @@ impl PipelineFacts {
         self.are_unknown |= other.are_unknown;
         self.directions.less |= other.directions.less;
         self.directions.greater |= other.directions.greater;
+        self.returns.any |= other.returns.any;
+        self.returns.keeping_coverage |= other.returns.keeping_coverage;
     }
 }
 
@@ -158,6 +164,10 @@ pub enum Reason {
     Secondary,
     /// What is bound for compute could not be restored after the fill.
     ComputeState,
+    /// What is bound for drawing could not be restored after pipelines of ours.
+    GraphicsState,
+    /// Pictures are drawn to in turn, frame by frame, as temporal filters do, which read what they drew.
+    History,
     /// No render pass that loads depth could be made of its own.
     RenderPass,
     /// Depth and stencil are in different layouts.
@@ -227,6 +237,8 @@ impl fmt::Display for Reason {
             Self::Unknown => "an unknown image",
             Self::Secondary => "recorded in a secondary command buffer",
             Self::ComputeState => "the compute state could not be restored after it",
+            Self::GraphicsState => "the graphics state could not be restored after it",
+            Self::History => "no depth attachment, and drawn to in turn with other pictures, as a history is",
             Self::RenderPass => "the render pass cannot be changed",
             Self::Layouts => "depth and stencil are in different layouts",
             Self::Area => "the render area cannot be copied to",
@@ -335,7 +347,7 @@ fn of_depth(depth: &DepthFacts, facts: &MaskFacts) -> Result<(DepthFormat, Depth
     Ok((format, work))
 }
 
-fn of_colors(colors: &[ColorFacts]) -> Result<(), Reason> {
+pub(super) fn of_colors(colors: &[ColorFacts]) -> Result<(), Reason> {
     let stored = || colors.iter().filter(|color| color.is_stored);
     for color in stored() {
         first(&[

@@ -1,13 +1,13 @@
 //! Everything that one masked target needs on the GPU, and what is recorded for it.
 
 use super::{DepthTemplate, Eligible, MaskKernels, lay_mask};
-use crate::gpu::{AppCommands, Gpu, GpuError, ImagePart};
+use crate::gpu::{AppCommands, Gpu, GpuError, ImagePart, ReturnLayout, ReturnSet};
 use crate::passes::depth::DepthCopy;
 use crate::passes::fill::{FillTarget, SkipBuffer, fill_format};
 use crate::scene::Part;
 use crate::scene::lay::RateImage;
 use ash::vk;
-use parafovea_core::mask::{BLOCK, Mask};
+use parafovea_core::mask::{BLOCK, Mask, ReturnParams};
 use smallvec::SmallVec;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -19,6 +19,8 @@ pub struct MaskMap {
     /// Made for the first pass that needs it.
     depth: OnceLock<Option<DepthCopy>>,
     list: SkipBuffer,
+    /// Made for the first pass whose shaders return early, and before `template`, which it names.
+    returns: OnceLock<Option<ReturnSet>>,
     template: DepthTemplate,
     gpu: Arc<Gpu>,
     kernels: Arc<MaskKernels>,
@@ -49,6 +51,7 @@ impl MaskMap {
             list: SkipBuffer::new(gpu, blocks, mask.list())?,
             template: DepthTemplate::new(gpu, eligible, extent, layers)?,
             depth: OnceLock::new(),
+            returns: OnceLock::new(),
             gpu: Arc::clone(gpu),
             kernels: Arc::clone(kernels),
             mask: Mutex::new(mask),
@@ -78,6 +81,18 @@ impl MaskMap {
             copy.inspect_err(|error| error.tell("no mask")).ok()
         };
         self.depth.get_or_init(make).is_some()
+    }
+
+    /// What fragment shaders return early by: the template, whatever its kind, in a set that is valid as long as `self`. Nothing
+    /// where they cannot read it.
+    pub(crate) fn return_set(&self, layout: &Arc<ReturnLayout>) -> Option<vk::DescriptorSet> {
+        let make = || {
+            let Eligible { format, depths, .. } = self.eligible;
+            let params = ReturnParams::new(self.extent, format, depths)?;
+            let set = ReturnSet::new(&self.gpu, layout, self.template()?, params);
+            set.inspect_err(|error| error.tell("no mask")).ok()
+        };
+        self.returns.get_or_init(make).as_ref().map(ReturnSet::handle)
     }
 
     /// Records what comes ahead of a pass that loads `depth`, which is in `layout`, see [`DepthCopy::cover`]; nothing before

@@ -6,7 +6,7 @@ use crate::gpu::{AppCommands, DeviceBuffer, Gpu, GpuError, ImagePart, Scope};
 use crate::passes::template::TemplateImage;
 use ash::vk;
 use parafovea_core::kernels::template::TemplateParams;
-use parafovea_core::mask::{DepthFormat, Mask, TemplateDepths, write_template};
+use parafovea_core::mask::{BLOCK, DepthFormat, Mask, TemplateDepths, write_template};
 use std::sync::Arc;
 
 /// The template of one kind of pass. What it holds may change between two submits, by a copy to
@@ -181,7 +181,11 @@ impl DepthTemplate {
     }
 }
 
-fn layer_size(format: DepthFormat, [width, height]: [u32; 2]) -> u64 {
+fn layer_size(format: DepthFormat, extent: [u32; 2]) -> u64 {
+    let [width, height] = match format {
+        DepthFormat::Blocks => extent.map(|side| side.div_ceil(BLOCK)),
+        _ => extent,
+    };
     // Layers begin at multiples of four bytes.
     (u64::from(width) * u64::from(height) * format.texel_size() as u64).next_multiple_of(4)
 }

@@ -36,8 +36,8 @@ pub trait RateMap: Send + Sync {
         false
     }
 
-    /// A pass that draws to its target is submitted, which is the scene for this reason, or is not.
-    fn noted(&self, _scene: Option<How>) {}
+    /// A pass that draws to its target is submitted in a frame of this number, which is the scene for this reason, or is not.
+    fn noted(&self, _scene: Option<How>, _frame: u64) {}
 
     /// Whether its passes leave out what is stale; else they shade it as coarsely as can be.
     fn leaves_out(&self) -> bool {

@@ -5,22 +5,27 @@
 //! What is skipped is a question of the template's content, as rates are of a rate image's.
 
 mod attachments;
+pub mod early_return;
+pub mod layouts;
 mod loading;
 mod pass;
 mod pipelines;
+mod recipe;
+mod returning;
 mod target;
 mod usage;
 
 pub use attachments::{Attachments, rendering_attachments};
 pub use pass::{OpenMask, Place};
-pub use target::TargetMask;
+pub use returning::{Returning, follow_graphics, follows_graphics};
+pub use target::{Ended, TargetMask};
 
 use super::armed::Armed;
 use super::backend::{Backend, RateMap};
 use super::objects::Image;
 use super::shader_modules::ShaderModules;
 use super::table::Table;
-use crate::gpu::{Compilation, Compiler, Gpu, GpuError, Later};
+use crate::gpu::{AppendedLayout, Compilation, Compiler, Gpu, GpuError, Later, ReturnLayout};
 use crate::link::{BACKEND_MASK, DeviceRecord, OfferRecord};
 use crate::mask::{MaskKernels, PipelineFacts};
 use crate::scene::{ImageKey, Pass};
@@ -43,6 +48,13 @@ pub struct Masks {
     loading: Table<vk::RenderPass, vk::RenderPass>,
     modules: ShaderModules,
     pipelines: Table<vk::Pipeline, PipelineFacts>,
+    /// What it takes to make pipelines whose fragment shaders return early.
+    codes: recipe::Codes,
+    sets: Table<vk::DescriptorSetLayout, layouts::SetFacts>,
+    layouts: Table<vk::PipelineLayout, Arc<AppendedLayout>>,
+    return_layout: Mutex<Option<Arc<ReturnLayout>>>,
+    compatible: Table<vk::RenderPass, loading::Compatible>,
+    returning: Table<vk::Pipeline, Arc<Returning>>,
     /// Depth images that a pass was seen to load.
     loaded: Table<ImageKey, ()>,
     /// What depth images were last cleared to by a pass.
@@ -64,6 +76,12 @@ impl Masks {
             loading: Table::default(),
             modules: ShaderModules::default(),
             pipelines: Table::default(),
+            codes: recipe::Codes::default(),
+            sets: Table::default(),
+            layouts: Table::default(),
+            return_layout: Mutex::default(),
+            compatible: Table::default(),
+            returning: Table::default(),
             loaded: Table::default(),
             cleared: Table::default(),
         }
@@ -127,6 +145,11 @@ impl Masks {
         }
         let kernels = self.kept_kernels().take();
         drop(kernels);
+        drop(self.returning.remove_where(|_, _| true));
+        drop(self.compatible.remove_where(|_, _| true));
+        drop(self.layouts.remove_where(|_, _| true));
+        let layout = self.kept_return_layout().take();
+        drop(layout);
         if let Some(gpu) = self.gpu.get().and_then(Option::as_ref) {
             gpu.abandon();
         }

@@ -5,10 +5,12 @@
 
 pub mod buffers;
 pub mod compute;
+pub mod drawing;
 pub mod layouts;
 pub mod passes;
 pub mod queries;
 pub mod rendering;
+mod sets;
 mod timed;
 pub mod transfers;
 
@@ -16,13 +18,14 @@ use super::armed::Armed;
 use super::candidates::Candidate;
 use super::device;
 use super::dispatch::ArmedTable;
-use super::masks::OpenMask;
+use super::masks::{Ended, OpenMask, follows_graphics};
 use super::table::Table;
 use super::timing::Timer;
-use crate::mask::PipelineFacts;
+use crate::mask::{PipelineFacts, Returns};
 use crate::scene::{Event, Pass};
 use ash::vk;
 use compute::Bound;
+use drawing::Drawing;
 use smallvec::SmallVec;
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 
@@ -51,6 +54,8 @@ pub struct Recorded {
     pub timer: Timer,
     /// What is bound for compute, where that is followed.
     pub compute: Bound,
+    /// What is bound for drawing, where that is followed.
+    pub drawing: Drawing,
     /// Which of `events` is the pass that is being recorded.
     open: Option<usize>,
     /// What that draws to, if it may be the scene.
@@ -105,6 +110,8 @@ impl Recorded {
         self.layouts.clear();
         self.timer.clear();
         self.compute.clear();
+        self.drawing.forget();
+        self.drawing.begin(follows_graphics());
         self.open = None;
         self.target = None;
         self.mask = None;
@@ -137,7 +144,13 @@ impl Recorded {
         let candidate = self.target.take();
         let target = candidate.as_ref().and_then(|candidate| candidate.map.mask());
         if let (Some(target), Some(Event::Pass(pass))) = (target, open) {
-            target.recorded(pass.facts, self.pipelines(), self.compute.is_whole());
+            target.recorded(Ended {
+                facts: pass.facts,
+                pipelines: self.pipelines(),
+                restores_compute: self.compute.is_whole(),
+                restores_graphics: self.drawing.is_whole(),
+                has_depth: pass.depth.is_some(),
+            });
         }
         self.mask.take()
     }
@@ -186,7 +199,11 @@ impl Recorded {
                 self.candidates.push(Arc::clone(candidate));
             }
         }
-        self.tell(secondary.within);
+        // Pipelines that secondaries bind stay those of the application.
+        let pipelines =
+            secondary.within.pipelines.map(|facts| PipelineFacts { returns: Returns::default(), ..facts });
+        self.tell(Within { pipelines, ..secondary.within });
+        self.drawing.forget();
     }
 }
 

@@ -201,7 +201,7 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed:
             if matched.as_ref().is_some_and(|found| !found.parts.is_empty()) {
                 log.has_eye_pass();
             }
-            candidate.map.noted(matched.as_ref().map(|found| found.how));
+            candidate.map.noted(matched.as_ref().map(|found| found.how), log.frame());
             // A pass without a mask obeys no map, and so says nothing of what that shall hold.
             if pass.unmasked.is_some_and(|reason| reason != Reason::Undrawn) {
                 continue;

@@ -187,7 +187,7 @@ fn masks_match_the_reference() {
         let target = Arc::new(laid.target(&table, eyes.each_ref(), available, true));
         let [x, y, width, height] = image.area;
         let extent = [x + width, y + height];
-        for format in [DepthFormat::Unorm16, DepthFormat::Float32] {
+        for format in [DepthFormat::Unorm16, DepthFormat::Float32, DepthFormat::Blocks] {
             let eligible = Eligible { format, depths, drawn: None, work: DepthWork::default() };
             let map = Arc::new(MaskMap::new(gpu, &kernels, eligible, extent, image.layers).unwrap());
             let views = mask_views(parts, image);
@@ -211,7 +211,7 @@ fn masks_match_the_reference() {
             assert_eq!(got[..4], words[..4], "case {number}: the dispatch");
             assert!(skipped(&got) == skipped(words), "case {number}, {format:?}: other blocks are filled");
             all_skipped += words[3];
-            let size = format.texel_size() * (extent[0] * extent[1]) as usize;
+            let size = 4 * format.words(extent).unwrap().layer as usize;
             let got = laid.vulkan.read(map.template().unwrap(), size * image.layers as usize);
             for layer in 0..image.layers {
                 let mut expected = vec![0; size];

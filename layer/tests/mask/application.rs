@@ -5,6 +5,7 @@ use crate::vulkan::Vulkan;
 use ash::vk;
 use parafovea::gpu::ImagePart;
 use parafovea::passes::fill::USAGE;
+use parafovea::vk::{EarlyReturn, returning_early};
 
 /// Full-screen layers in a frame.
 pub const LAYERS_DRAWN: u32 = 3;
@@ -48,12 +49,23 @@ pub struct Application {
     framebuffer: vk::Framebuffer,
     pipeline: vk::Pipeline,
     layout: vk::PipelineLayout,
-    set: vk::DescriptorSet,
+    sets: Vec<vk::DescriptorSet>,
     counter: (vk::Buffer, vk::DeviceMemory),
 }
 
 impl Application {
-    pub fn new(vulkan: &Vulkan, setup: Setup, [width, height]: [u32; 2]) -> Self {
+    pub fn new(vulkan: &Vulkan, setup: Setup, extent: [u32; 2]) -> Self {
+        Self::of_version(vulkan, setup, extent, (1, 0), None)
+    }
+
+    /// With shaders of that version of SPIR-V, which return early by a template and its parameters, if there are.
+    pub fn of_version(
+        vulkan: &Vulkan,
+        setup: Setup,
+        [width, height]: [u32; 2],
+        version: (u8, u8),
+        early: Option<[vk::Buffer; 2]>,
+    ) -> Self {
         let extent = vk::Extent2D { width, height };
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | USAGE;
         let color = vulkan.image(vk::ImageCreateFlags::empty(), COLOR, extent, 1, usage);
@@ -74,9 +86,17 @@ impl Application {
         // SAFETY: plain use of Vulkan.
         let framebuffer = unsafe { device.create_framebuffer(&info, None) }.unwrap();
         let counter = vulkan.buffer_of(16, vk::BufferUsageFlags::STORAGE_BUFFER);
-        let (layout, set) = counter_set(device, counter.0);
-        let pipeline = pipeline(device, layout, passes[0], setup);
-        Self { color, depth, setup, extent, passes, framebuffer, pipeline, layout, set, counter }
+        let (storage, uniform) = (vk::DescriptorType::STORAGE_BUFFER, vk::DescriptorType::UNIFORM_BUFFER);
+        let mut sets = vec![buffer_set(device, &[(storage, counter.0)])];
+        sets.extend(early.map(|[words, params]| buffer_set(device, &[(storage, words), (uniform, params)])));
+        let layouts: Vec<_> = sets.iter().map(|(layout, _)| *layout).collect();
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
+        // SAFETY: as above.
+        let layout = unsafe { device.create_pipeline_layout(&info, None) }.unwrap();
+        let code = code(setup, version, early.is_some());
+        let pipeline = pipeline(device, layout, passes[0], setup, &code);
+        let sets = sets.into_iter().map(|(_, set)| set).collect();
+        Self { color, depth, setup, extent, passes, framebuffer, pipeline, layout, sets, counter }
     }
 
     pub fn color_part(&self) -> ImagePart {
@@ -135,7 +155,7 @@ impl Application {
         unsafe {
             device.cmd_begin_render_pass(commands, &info, vk::SubpassContents::INLINE);
             device.cmd_bind_pipeline(commands, graphics, self.pipeline);
-            device.cmd_bind_descriptor_sets(commands, graphics, self.layout, 0, &[self.set], &[]);
+            device.cmd_bind_descriptor_sets(commands, graphics, self.layout, 0, &self.sets, &[]);
             let [width, height] = [self.extent.width as f32, self.extent.height as f32];
             let viewport = vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 };
             device.cmd_set_viewport(commands, 0, &[viewport]);
@@ -205,13 +225,21 @@ fn render_pass(device: &ash::Device, depth: vk::Format, loads: bool) -> vk::Rend
     unsafe { device.create_render_pass(&info, None) }.unwrap()
 }
 
-fn counter_set(device: &ash::Device, buffer: vk::Buffer) -> (vk::PipelineLayout, vk::DescriptorSet) {
-    let ty = vk::DescriptorType::STORAGE_BUFFER;
-    let bindings = [vk::DescriptorSetLayoutBinding::default()
-        .descriptor_type(ty)
-        .descriptor_count(1)
-        .stage_flags(vk::ShaderStageFlags::FRAGMENT)];
-    let sizes = [vk::DescriptorPoolSize { ty, descriptor_count: 1 }];
+fn buffer_set(
+    device: &ash::Device,
+    buffers: &[(vk::DescriptorType, vk::Buffer)],
+) -> (vk::DescriptorSetLayout, vk::DescriptorSet) {
+    let binding = |(number, (ty, _)): (u32, &(vk::DescriptorType, vk::Buffer))| {
+        vk::DescriptorSetLayoutBinding::default()
+            .binding(number)
+            .descriptor_type(*ty)
+            .descriptor_count(1)
+            .stage_flags(vk::ShaderStageFlags::FRAGMENT)
+    };
+    let bindings: Vec<_> = (0..).zip(buffers).map(binding).collect();
+    let size =
+        |(ty, _): &(vk::DescriptorType, vk::Buffer)| vk::DescriptorPoolSize { ty: *ty, descriptor_count: 1 };
+    let sizes: Vec<_> = buffers.iter().map(size).collect();
     // SAFETY: plain use of Vulkan.
     unsafe {
         let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
@@ -220,12 +248,35 @@ fn counter_set(device: &ash::Device, buffer: vk::Buffer) -> (vk::PipelineLayout,
         let pool = device.create_descriptor_pool(&info, None).unwrap();
         let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
         let set = device.allocate_descriptor_sets(&info).unwrap()[0];
-        let buffers = [vk::DescriptorBufferInfo { buffer, offset: 0, range: vk::WHOLE_SIZE }];
-        let write = vk::WriteDescriptorSet::default().dst_set(set).descriptor_type(ty).buffer_info(&buffers);
-        device.update_descriptor_sets(&[write], &[]);
-        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
-        (device.create_pipeline_layout(&info, None).unwrap(), set)
+        for (number, &(ty, buffer)) in (0..).zip(buffers) {
+            let buffers = [vk::DescriptorBufferInfo { buffer, offset: 0, range: vk::WHOLE_SIZE }];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(set)
+                .dst_binding(number)
+                .descriptor_type(ty)
+                .buffer_info(&buffers);
+            device.update_descriptor_sets(&[write], &[]);
+        }
+        (layouts[0], set)
     }
+}
+
+/// The vertex shader's module, and the fragment shader's.
+fn code(setup: Setup, version: (u8, u8), returns_early: bool) -> [Vec<u32>; 2] {
+    let source = SHADERS.replace("REVERSED", if setup.clear == 0.0 { "true" } else { "false" });
+    let module = naga::front::wgsl::parse_str(&source).unwrap();
+    let flags = naga::valid::ValidationFlags::all();
+    let capabilities = naga::valid::Capabilities::EARLY_DEPTH_TEST;
+    let valid = naga::valid::Validator::new(flags, capabilities).validate(&module).unwrap();
+    let options = naga::back::spv::Options {
+        lang_version: version,
+        flags: naga::back::spv::WriterFlags::empty(),
+        ..Default::default()
+    };
+    let code = naga::back::spv::write_vec(&module, &valid, &options, None).unwrap();
+    let wanted = EarlyReturn { entry: "fragment", set: 1, by_view: false };
+    let fragment = if returns_early { returning_early(&code, wanted).unwrap() } else { code.clone() };
+    [code, fragment]
 }
 
 fn pipeline(
@@ -233,25 +284,18 @@ fn pipeline(
     layout: vk::PipelineLayout,
     pass: vk::RenderPass,
     setup: Setup,
+    [vertex, fragment]: &[Vec<u32>; 2],
 ) -> vk::Pipeline {
-    let source = SHADERS.replace("REVERSED", if setup.clear == 0.0 { "true" } else { "false" });
-    let module = naga::front::wgsl::parse_str(&source).unwrap();
-    let flags = naga::valid::ValidationFlags::all();
-    let capabilities = naga::valid::Capabilities::EARLY_DEPTH_TEST;
-    let valid = naga::valid::Validator::new(flags, capabilities).validate(&module).unwrap();
-    let options = naga::back::spv::Options {
-        lang_version: (1, 0),
-        flags: naga::back::spv::WriterFlags::empty(),
-        ..Default::default()
+    let stage = |code: &[u32], stage, name| {
+        let info = vk::ShaderModuleCreateInfo::default().code(code);
+        // SAFETY: plain use of Vulkan.
+        let module = unsafe { device.create_shader_module(&info, None) }.unwrap();
+        vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(name)
     };
-    let code = naga::back::spv::write_vec(&module, &valid, &options, None).unwrap();
-    let info = vk::ShaderModuleCreateInfo::default().code(&code);
-    // SAFETY: plain use of Vulkan.
-    let module = unsafe { device.create_shader_module(&info, None) }.unwrap();
-    let stage =
-        |stage, name| vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(name);
-    let stages =
-        [stage(vk::ShaderStageFlags::VERTEX, c"vertex"), stage(vk::ShaderStageFlags::FRAGMENT, c"fragment")];
+    let stages = [
+        stage(vertex, vk::ShaderStageFlags::VERTEX, c"vertex"),
+        stage(fragment, vk::ShaderStageFlags::FRAGMENT, c"fragment"),
+    ];
     let input = vk::PipelineVertexInputStateCreateInfo::default();
     let assembly =
         vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);

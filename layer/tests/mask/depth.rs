@@ -31,6 +31,7 @@ fn slope(format: DepthFormat) -> Vec<u8> {
             texels.flat_map(|depth| ((depth * 16_777_215.0) as u32).to_ne_bytes()).collect()
         }
         DepthFormat::Float32 => texels.flat_map(f32::to_ne_bytes).collect(),
+        DepthFormat::Blocks => panic!("no depth"),
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod application;
 mod depth;
+mod early_return;
 #[path = "../fill/picture.rs"]
 #[allow(dead_code, reason = "shared with the tests of fill")]
 mod picture;
@@ -21,7 +22,7 @@ use ash::vk;
 use parafovea::gpu::{AppCommands, Gpu};
 use parafovea::mask::{
     ColorFacts, DepthFacts, DepthTemplate, DepthWork, Eligible, MaskFacts, MaskKernels, MaskMap,
-    PipelineFacts, depth_format,
+    PipelineFacts, Way, depth_format,
 };
 use parafovea::scene::lay::RateImage;
 use parafovea::scene::{Eyes, Orientation, Part, PassFacts};

@@ -3,6 +3,7 @@
 //! A line is the field of the table and its type, the name, where the function came into Vulkan's core later the version
 //! and the extension's name for it, and our hook.
 
+use crate::vk::masks::layouts;
 use crate::vk::objects::{framebuffers, images, queues, render_passes, views};
 use crate::vk::rates::{commands, identifiers, pipelines, shader_objects};
 use crate::vk::recording::{buffers, compute, layouts, passes, queries, rendering, transfers};
@@ -79,6 +80,12 @@ armed_functions! {
     destroy_framebuffer: PFN_vkDestroyFramebuffer = c"vkDestroyFramebuffer" => framebuffers::destroy;
     get_device_queue: PFN_vkGetDeviceQueue = c"vkGetDeviceQueue" => queues::get;
     get_device_queue2: PFN_vkGetDeviceQueue2 = c"vkGetDeviceQueue2" => queues::get2;
+    create_descriptor_set_layout: PFN_vkCreateDescriptorSetLayout = c"vkCreateDescriptorSetLayout"
+        => layouts::create_set_layout;
+    destroy_descriptor_set_layout: PFN_vkDestroyDescriptorSetLayout = c"vkDestroyDescriptorSetLayout"
+        => layouts::destroy_set_layout;
+    create_pipeline_layout: PFN_vkCreatePipelineLayout = c"vkCreatePipelineLayout" => layouts::create;
+    destroy_pipeline_layout: PFN_vkDestroyPipelineLayout = c"vkDestroyPipelineLayout" => layouts::destroy;
     create_query_pool: PFN_vkCreateQueryPool = c"vkCreateQueryPool" => queues::create_query_pool;
     destroy_query_pool: PFN_vkDestroyQueryPool = c"vkDestroyQueryPool" => queues::destroy_query_pool;
 

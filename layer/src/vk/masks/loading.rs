@@ -2,13 +2,42 @@
 //! Pass Compatibility"), so that its framebuffers and pipelines go with both.
 
 use super::Masks;
-use crate::gpu::GpuError;
+use crate::gpu::{CompatiblePass, GpuError};
 use crate::vk::objects::RenderPass;
 use ash::vk;
 use smallvec::SmallVec;
+use std::sync::Arc;
 use std::{ptr, slice};
 
+/// A render pass of ours for pipelines of ours, with what it is.
+#[derive(Clone)]
+pub struct Compatible {
+    /// The pass.
+    pub pass: Arc<CompatiblePass>,
+    /// What the application's is, and this too.
+    pub description: Arc<RenderPass>,
+}
+
 impl Masks {
+    /// A render pass was created: one that is compatible with it is made too, by `make`, as the application's may be gone when a
+    /// pipeline of ours is made for it.
+    pub fn add_compatible(
+        &self,
+        pass: vk::RenderPass,
+        description: &Arc<RenderPass>,
+        make: impl FnOnce(&mut vk::RenderPass) -> vk::Result,
+    ) {
+        drop(self.compatible.remove(pass));
+        let Some(gpu) = self.gpu().filter(|_| !description.colors.is_empty()) else { return };
+        let mut made = vk::RenderPass::null();
+        if make(&mut made) == vk::Result::SUCCESS {
+            // SAFETY: it was just made on this device.
+            let pass_of_ours = Arc::new(unsafe { CompatiblePass::new(gpu, made) });
+            let description = Arc::clone(description);
+            self.compatible.insert(pass, Compatible { pass: pass_of_ours, description });
+        }
+    }
+
     /// A render pass was created by version 1 of the call: the one that loads is too, if it can ever be of use.
     ///
     /// # Safety
@@ -73,6 +102,7 @@ impl Masks {
 
     /// A render pass is about to be destroyed; returns ours, which goes with it.
     pub fn forget_render_pass(&self, pass: vk::RenderPass) -> Option<vk::RenderPass> {
+        drop(self.compatible.remove(pass));
         self.loading.remove(pass)
     }
 

@@ -1,9 +1,9 @@
 //! One pass with a mask, from its begin to its end.
 
 use super::attachments::DepthAttachment;
-use super::{Attachments, Masks};
+use super::{Attachments, Masks, TargetMask, follow_graphics};
 use crate::gpu::{AppCommands, ImagePart};
-use crate::mask::{DepthWork, MaskFacts, MaskMap, Reason, eligible};
+use crate::mask::{DepthWork, Eligible, MaskFacts, MaskMap, Reason, Way, way};
 use crate::scene::{Pass, PassFacts, Target};
 use crate::vk::armed::Armed;
 use crate::vk::backend::RateMap as _;
@@ -16,6 +16,32 @@ use std::sync::Arc;
 /// A pass that is being recorded with a mask.
 pub struct OpenMask {
     map: Arc<MaskMap>,
+    way: OpenWay,
+    /// Whether nothing is filled after it, because nothing is coarse.
+    is_unfilled: bool,
+    /// What is filled after it, with its format and layout then.
+    fills: SmallVec<[(ImagePart, vk::Format, vk::ImageLayout); 4]>,
+}
+
+/// How fragments are kept from being shaded in it.
+enum OpenWay {
+    Template(OpenDepth),
+    Return(Return),
+}
+
+/// What fragment shaders of a pass return early by.
+#[derive(Debug, Clone, Copy)]
+pub struct Return {
+    /// The set that they read.
+    pub set: vk::DescriptorSet,
+    /// Whether only those do that cover the same samples, with the same depth.
+    pub keeps_coverage: bool,
+    /// Why there is no template.
+    instead: Reason,
+}
+
+/// Depth of a pass with a template.
+struct OpenDepth {
     /// Its depth, as the template takes it.
     depth: ImagePart,
     layouts: [vk::ImageLayout; 2],
@@ -23,10 +49,30 @@ pub struct OpenMask {
     work: DepthWork,
     area: vk::Rect2D,
     final_layout: vk::ImageLayout,
-    /// Whether nothing is filled after it, because nothing is coarse.
-    is_unfilled: bool,
-    /// What is filled after it, with its format and layout then.
-    fills: SmallVec<[(ImagePart, vk::Format, vk::ImageLayout); 4]>,
+}
+
+impl OpenMask {
+    /// Why it has no template, if it has none.
+    fn instead(&self) -> Option<Reason> {
+        self.returns().map(|by| by.instead)
+    }
+
+    /// What fragment shaders return early by, if they do.
+    pub fn returns(&self) -> Option<Return> {
+        match self.way {
+            OpenWay::Return(by) => Some(by),
+            OpenWay::Template(_) => None,
+        }
+    }
+}
+
+/// What else a pass's mask depends on.
+#[derive(Debug, Clone, Copy)]
+struct How {
+    /// Whether anything is coarse, or only left out.
+    coarsens: bool,
+    /// Whether it draws to several layers that are no views.
+    is_layered: bool,
 }
 
 /// What holds where a pass begins.
@@ -36,6 +82,12 @@ pub struct Place {
     pub is_primary: bool,
     /// What is bound for compute can be bound again.
     pub restores_compute: bool,
+    /// What is bound for drawing is followed, and can be bound again.
+    pub restores_graphics: bool,
+    /// Whether it is followed.
+    pub follows_graphics: bool,
+    /// Whether conditional rendering is active: it would decide on our commands, too.
+    pub is_conditional: bool,
     /// The pass's own render area.
     pub area: vk::Rect2D,
 }
@@ -73,23 +125,28 @@ impl Masks {
         }
         let target = candidate.map.mask().ok_or(Reason::New)?;
         let (facts, pipelines) = target.evidence()?;
+        let is_layered = pass.view_mask == 0 && target.layers() > 1;
         let pass = PassFacts {
             is_queried: pass.facts.is_queried || facts.is_queried,
             clears_depth_later: pass.facts.clears_depth_later || facts.clears_depth_later,
             ..pass.facts
         };
         let coarsens = armed.frame.coarsens();
-        let outcome = self.opened(&armed.objects, (target, coarsens), attachments, place, |colors| {
-            MaskFacts { pass, depth: attachments.depth_facts(self, &armed.objects), colors, pipelines }
+        let how = How { coarsens, is_layered };
+        let outcome = self.opened(&armed.objects, (target, how), attachments, place, |colors| MaskFacts {
+            pass,
+            depth: attachments.depth_facts(self, &armed.objects),
+            colors,
+            pipelines,
         });
-        target.tell(outcome.as_ref().map(|_| ()).map_err(|reason| *reason));
+        target.tell(outcome.as_ref().map(OpenMask::instead).map_err(|reason| *reason));
         outcome
     }
 
     fn opened(
         &self,
         objects: &Objects,
-        (target, coarsens): (&super::TargetMask, bool),
+        (target, how): (&TargetMask, How),
         attachments: &Attachments,
         place: Place,
         facts: impl for<'a> FnOnce(&'a [crate::mask::ColorFacts]) -> MaskFacts<'a>,
@@ -101,7 +158,69 @@ impl Masks {
             return Err(Reason::ComputeState);
         }
         let colors = attachments.color_facts(objects)?;
-        let eligible = eligible(&facts(&colors))?;
+        let (map, way) = match way(&facts(&colors))? {
+            Way::Template(eligible) => self.template(objects, target, attachments, place, eligible)?,
+            // Of several layers that are no views, the shader does not know which it draws to.
+            Way::Return { instead, .. } if how.is_layered => return Err(instead),
+            Way::Return { keeps_coverage, instead } => {
+                self.early_return(target, place, keeps_coverage, instead)?
+            }
+        };
+        let layers = target.layers();
+        // Copying all of a picture there and back costs more than many a pass.
+        let is_unfilled = target.leaves_out() && !how.coarsens;
+        let mut fills = SmallVec::new();
+        for color in attachments.colors.iter().filter(|color| color.is_stored) {
+            map.prepare(color.format).map_err(|error| {
+                error.tell("no mask for a render pass");
+                Reason::Failed
+            })?;
+            let part = part(objects, color.target, vk::ImageAspectFlags::COLOR, layers)?;
+            if !is_unfilled {
+                fills.push((part, color.format, color.layout));
+            }
+        }
+        Ok(OpenMask { map, way, is_unfilled, fills })
+    }
+
+    /// The map of a pass with an early return.
+    fn early_return(
+        &self,
+        target: &TargetMask,
+        place: Place,
+        keeps_coverage: bool,
+        instead: Reason,
+    ) -> Result<(Arc<MaskMap>, OpenWay), Reason> {
+        if place.is_conditional {
+            return Err(instead);
+        }
+        if !place.follows_graphics {
+            // From the next command buffers on.
+            follow_graphics();
+            return Err(Reason::New);
+        }
+        if !place.restores_graphics {
+            return Err(Reason::GraphicsState);
+        }
+        // What temporal filters keep they read again: what is filled would go on from frame to frame.
+        if instead == Reason::NoDepth && target.is_history() {
+            return Err(Reason::History);
+        }
+        let map = target.map_to_return(instead)?;
+        target.returns_early(keeps_coverage, instead)?;
+        let set = self.return_layout().and_then(|layout| map.return_set(&layout)).ok_or(Reason::Failed)?;
+        Ok((map, OpenWay::Return(Return { set, keeps_coverage, instead })))
+    }
+
+    /// The map of a pass with a template, and what is done with its depth.
+    fn template(
+        &self,
+        objects: &Objects,
+        target: &TargetMask,
+        attachments: &Attachments,
+        place: Place,
+        eligible: Eligible,
+    ) -> Result<(Arc<MaskMap>, OpenWay), Reason> {
         let depth = attachments.depth.ok_or(Reason::NoDepth)?;
         if depth.layouts[1] == vk::ImageLayout::UNDEFINED {
             return Err(Reason::Layouts);
@@ -120,36 +239,20 @@ impl Masks {
         if !map.takes(place.area) {
             return Err(Reason::Area);
         }
-        let layers = target.layers();
-        // Copying all of a picture there and back costs more than many a pass.
-        let is_unfilled = target.leaves_out() && !coarsens;
-        let mut fills = SmallVec::new();
-        for color in attachments.colors.iter().filter(|color| color.is_stored) {
-            map.prepare(color.format).map_err(|error| {
-                error.tell("no mask for a render pass");
-                Reason::Failed
-            })?;
-            let part = part(objects, color.target, vk::ImageAspectFlags::COLOR, layers)?;
-            if !is_unfilled {
-                fills.push((part, color.format, color.layout));
-            }
-        }
         let aspects = aspects(objects, depth.target)?;
-        let depth_part = part(objects, depth.target, aspects, layers)?;
-        Ok(OpenMask {
-            map,
-            depth: depth_part,
+        let open = OpenDepth {
+            depth: part(objects, depth.target, aspects, target.layers())?,
             layouts: depth.layouts,
             work: eligible.work,
             area: place.area,
             final_layout: depth.final_layout,
-            is_unfilled,
-            fills,
-        })
+        };
+        Ok((map, OpenWay::Template(open)))
     }
 
     /// Records what comes ahead of a pass that may have a mask, and returns that with what `loading` makes the pass begin
-    /// with; nothing where it has none, for the reason that `pass` then says.
+    /// with, which is nothing where it begins as the application says; nothing where it has no mask, for the reason that `pass` then
+    /// says.
     ///
     /// # Safety
     ///
@@ -164,13 +267,16 @@ impl Masks {
         attachments: &Attachments,
         place: Place,
         loading: impl FnOnce(DepthWork) -> Result<T, Reason>,
-    ) -> Option<(OpenMask, T)> {
+    ) -> Option<(OpenMask, Option<T>)> {
         self.note(attachments);
         let open = candidate
             .ok_or(Reason::New)
             .and_then(|candidate| self.open(armed, candidate, pass, attachments, place))
             .and_then(|open| {
-                let loading = loading(open.work)?;
+                let loading = match &open.way {
+                    OpenWay::Template(depth) => Some(loading(depth.work)?),
+                    OpenWay::Return(_) => None,
+                };
                 Ok((open, loading))
             });
         let open = open.and_then(|(open, loading)| Ok((self.gpu().ok_or(Reason::Failed)?, open, loading)));
@@ -180,10 +286,14 @@ impl Masks {
                 // buffer keeps.
                 let commands = unsafe { AppCommands::new(gpu, commands) };
                 pass.facts.is_unfilled = open.is_unfilled;
-                if open.work.covers {
-                    open.map.cover(&commands, open.depth, place.area, open.layouts[0]);
-                } else {
-                    open.map.begin(&commands, open.depth, place.area, open.layouts);
+                match &open.way {
+                    OpenWay::Template(depth) if depth.work.covers => {
+                        open.map.cover(&commands, depth.depth, place.area, depth.layouts[0]);
+                    }
+                    OpenWay::Template(depth) => {
+                        open.map.begin(&commands, depth.depth, place.area, depth.layouts);
+                    }
+                    OpenWay::Return(_) => {}
                 }
                 Some((open, loading))
             }
@@ -206,8 +316,10 @@ impl Masks {
         for &(part, format, layout) in &open.fills {
             open.map.end(&commands, part, format, layout);
         }
-        if open.work.fills {
-            open.map.fill_depth(&commands, open.depth, open.area, open.final_layout);
+        if let OpenWay::Template(depth) = &open.way
+            && depth.work.fills
+        {
+            open.map.fill_depth(&commands, depth.depth, depth.area, depth.final_layout);
         }
     }
 

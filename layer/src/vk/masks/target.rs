@@ -2,7 +2,7 @@
 
 use super::Masks;
 use crate::gpu::{AppCommands, Compilation, Later};
-use crate::mask::{Eligible, MaskMap, PipelineFacts, Reason};
+use crate::mask::{Eligible, MaskMap, PipelineFacts, Reason, Way};
 use crate::scene::lay::RateImage;
 use crate::scene::{How, ImageDescription, Part, PassFacts, Target};
 use crate::status::{Topic, decided};
@@ -20,6 +20,38 @@ pub struct TargetMask {
     map: OnceLock<Later<MaskMap>>,
 }
 
+/// So many pictures at most are drawn to in turn; after longer, an application has paused.
+const MOST_IN_TURN: u64 = 4;
+
+/// What is known of a pass at its end.
+#[derive(Debug, Clone, Copy)]
+pub struct Ended {
+    /// What commands within said of it.
+    pub facts: PassFacts,
+    /// What draws in it.
+    pub pipelines: PipelineFacts,
+    /// Whether what is bound for compute can be bound again.
+    pub restores_compute: bool,
+    /// The same of drawing; true where that is not followed.
+    pub restores_graphics: bool,
+    /// Whether it has depth.
+    pub has_depth: bool,
+}
+
+/// Something that passes need before they have a mask.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+enum Wanted {
+    /// Not asked for.
+    #[default]
+    No,
+    /// Not there yet.
+    Waiting,
+    /// It cannot be made, as far as was tried.
+    Failed,
+    /// There.
+    Ready,
+}
+
 /// What earlier passes to the target were.
 #[derive(Debug, Default)]
 struct Seen {
@@ -30,14 +62,23 @@ struct Seen {
     pipelines: PipelineFacts,
     /// After a pass something was bound for compute that cannot be bound again.
     loses_compute: bool,
+    /// The same of drawing, as far as that was followed.
+    loses_graphics: bool,
+    /// Whether a pass has depth.
+    has_depth: bool,
+    /// Fragment shaders that shall return early: of any kind, and such that keep their coverage.
+    returns: [Wanted; 2],
     /// Whether the last pass that was submitted was the scene.
     is_scene: bool,
     /// Whether it drew straight into a swapchain.
     is_shown: bool,
+    /// In which frame that was, and how many frames after the one before.
+    frame: u64,
+    frames_since: u64,
     /// Whether depth of a pass is older than that, or outlives it: what is left out has none that is right.
     keeps_depth: bool,
     /// The last reason that was logged.
-    logged: Option<Result<(), Reason>>,
+    logged: Option<Result<Option<Reason>, Reason>>,
 }
 
 impl TargetMask {
@@ -68,11 +109,13 @@ impl TargetMask {
         }
     }
 
-    /// A pass to it was recorded, in which commands said this of it. Whether what is bound for compute after it can be
-    /// bound again, `restores_compute` says.
-    pub fn recorded(&self, facts: PassFacts, pipelines: PipelineFacts, restores_compute: bool) {
+    /// A pass to it was recorded.
+    pub fn recorded(&self, ended: Ended) {
+        let Ended { facts, pipelines, restores_compute, restores_graphics, has_depth } = ended;
         let mut seen = self.seen();
         seen.loses_compute |= !restores_compute;
+        seen.loses_graphics |= !restores_graphics;
+        seen.has_depth |= has_depth;
         seen.is_recorded = true;
         seen.facts.is_queried |= facts.is_queried;
         seen.facts.clears_depth_later |= facts.clears_depth_later;
@@ -82,6 +125,63 @@ impl TargetMask {
     /// Notes that depth of its passes is older than those, or outlives them; whether that was known.
     pub(super) fn note_depth(&self) -> bool {
         std::mem::replace(&mut self.seen().keeps_depth, true)
+    }
+
+    /// Whether its picture is drawn to every few frames, and not shown itself: others are, in between.
+    pub(super) fn is_history(&self) -> bool {
+        let seen = self.seen();
+        !seen.is_shown && (2..=MOST_IN_TURN).contains(&seen.frames_since)
+    }
+
+    /// Whether there is a fragment shader that returns early. Where there is none yet, one is made of a pipeline that is bound.
+    ///
+    /// # Errors
+    ///
+    /// There is none yet, or it cannot be made, which leaves the pass alone for the reason `instead`.
+    pub(super) fn returns_early(&self, keeps_coverage: bool, instead: Reason) -> Result<(), Reason> {
+        let wanted = &mut self.seen().returns[usize::from(keeps_coverage)];
+        match wanted {
+            Wanted::Ready => Ok(()),
+            Wanted::Failed => Err(instead),
+            Wanted::No | Wanted::Waiting => {
+                *wanted = Wanted::Waiting;
+                Err(Reason::New)
+            }
+        }
+    }
+
+    /// Whether a fragment shader that returns early is waited for, with its coverage kept or not.
+    pub fn waits_for_return(&self, keeps_coverage: bool) -> bool {
+        let wanted = self.seen().returns[usize::from(keeps_coverage)];
+        matches!(wanted, Wanted::Waiting | Wanted::Failed)
+    }
+
+    /// One is there, or cannot be made.
+    pub fn prepared_return(&self, keeps_coverage: bool, is_there: bool) {
+        let wanted = if is_there { Wanted::Ready } else { Wanted::Failed };
+        self.seen().returns[usize::from(keeps_coverage)] = wanted;
+    }
+
+    /// The map of passes whose fragment shaders return early, `instead` of having a template for that reason: it is that of passes
+    /// with one, if the target has such.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Self::map`]; or something bound for drawing could not be bound again.
+    pub(super) fn map_to_return(&self, instead: Reason) -> Result<Arc<MaskMap>, Reason> {
+        let (loses_graphics, has_depth) = {
+            let seen = self.seen();
+            (seen.loses_graphics, seen.has_depth)
+        };
+        if loses_graphics {
+            return Err(Reason::GraphicsState);
+        }
+        match self.made() {
+            Some(map) => Ok(Arc::clone(map)),
+            // One for passes with depth comes, or none.
+            None if has_depth && instead == Reason::NoDepth => Err(instead),
+            None => self.map(Way::RETURN),
+        }
     }
 
     /// The map, for passes that need this one.
@@ -115,7 +215,7 @@ impl TargetMask {
     }
 
     /// Logs how a pass of the scene was recorded, where that is news.
-    pub(super) fn tell(&self, outcome: Result<(), Reason>) {
+    pub(super) fn tell(&self, outcome: Result<Option<Reason>, Reason>) {
         if matches!(outcome, Err(Reason::Off | Reason::New | Reason::Undrawn)) {
             return;
         }
@@ -123,7 +223,11 @@ impl TargetMask {
         if before != Some(outcome) {
             let [width, height] = self.extent;
             match outcome {
-                Ok(()) => decided(Topic::Mask, &format_args!("scene passes of {width}x{height}: masked")),
+                Ok(None) => decided(Topic::Mask, &format_args!("scene passes of {width}x{height}: masked")),
+                Ok(Some(instead)) => decided(
+                    Topic::Mask,
+                    &format_args!("scene passes of {width}x{height}: masked in their shaders: {instead}"),
+                ),
                 Err(reason) => decided(
                     Topic::NoMask(reason.to_string()),
                     &format_args!(
@@ -159,8 +263,12 @@ impl RateMap for TargetMask {
         true
     }
 
-    fn noted(&self, scene: Option<How>) {
+    fn noted(&self, scene: Option<How>, frame: u64) {
         let mut seen = self.seen();
+        if frame != seen.frame {
+            seen.frames_since = frame.saturating_sub(seen.frame);
+            seen.frame = frame;
+        }
         seen.is_scene = scene.is_some();
         seen.is_shown = scene == Some(How::Swapchain);
     }

@@ -106,11 +106,13 @@ pub unsafe extern "system" fn create(
                     None => next(device, info, allocator, pass),
                 });
                 if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                    let described = RenderPass::of_version_1(&*info);
+                    let described = Arc::new(RenderPass::of_version_1(&*info));
                     if let Some(masks) = &armed.masks {
                         masks.add_render_pass(device, (*pass, &described), &*info, next);
+                        let none = std::ptr::null();
+                        masks.add_compatible(*pass, &described, |made| next(device, info, none, made));
                     }
-                    armed.objects.render_passes.insert(*pass, Arc::new(described));
+                    armed.objects.render_passes.insert(*pass, described);
                 }
                 result
             }
@@ -146,11 +148,13 @@ pub unsafe extern "system" fn create2(
                     None => next(device, info, allocator, pass),
                 });
                 if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                    let described = RenderPass::of_version_2(&*info);
+                    let described = Arc::new(RenderPass::of_version_2(&*info));
                     if let Some(masks) = &armed.masks {
                         masks.add_render_pass2(device, (*pass, &described), &*info, next);
+                        let none = std::ptr::null();
+                        masks.add_compatible(*pass, &described, |made| next(device, info, none, made));
                     }
-                    armed.objects.render_passes.insert(*pass, Arc::new(described));
+                    armed.objects.render_passes.insert(*pass, described);
                 }
                 result
             }

@@ -139,9 +139,17 @@ pub unsafe extern "system" fn bind_pipeline(
                 else {
                     return;
                 };
-                next(buffer, point, pipeline);
-                answer.made();
-                let Some(known) = known else { return };
+                let bind = |pipeline| {
+                    next(buffer, point, pipeline);
+                    answer.made();
+                };
+                let Some(known) = known else { return bind(pipeline) };
+                match point {
+                    vk::PipelineBindPoint::GRAPHICS => {
+                        recording::drawing::bind(&known, buffer, pipeline, bind);
+                    }
+                    _ => bind(pipeline),
+                }
                 if let (Some(rates), vk::PipelineBindPoint::GRAPHICS) = (&known.armed.rate_attachments, point)
                     && let Some(pipeline) = rates.pipeline_rate(pipeline)
                     && let Some(rate) = rates.set_rates.bound(buffer, pipeline)

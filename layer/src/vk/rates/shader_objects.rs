@@ -178,6 +178,9 @@ pub unsafe extern "system" fn bind(
             // SAFETY: the application's own arguments.
             unsafe {
                 let Some((known, next)) = device::with(buffer, |next| next.cmd_bind_shaders) else { return };
+                if let (Some(_), Some(recording)) = (known.masks(), recording::buffer(buffer)) {
+                    recording::drawing::leave(&recording, buffer);
+                }
                 next(buffer, count, stages, shaders);
                 answer.made();
                 if let Some(rates) = known.rates()

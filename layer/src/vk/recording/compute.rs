@@ -2,12 +2,13 @@
 //!
 //! Hooked only where there is such work: binding is frequent.
 
-use super::with_buffer;
+use super::sets::BoundSets;
+use super::{drawing, with_buffer};
 use crate::abi::guard;
 use crate::vk::dispatch::ArmedTable;
 use crate::vk::dispatch_key::DispatchKey;
+use crate::vk::masks::follows_graphics;
 use ash::vk;
-use smallvec::SmallVec;
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::{mem, ptr, slice};
 
@@ -15,34 +16,19 @@ use std::{mem, ptr, slice};
 #[derive(Debug, Clone, Default)]
 pub struct Bound {
     pipeline: vk::Pipeline,
-    /// By the number of the set.
-    sets: SmallVec<[Option<Set>; 8]>,
-    /// Whether something is bound that is not kept here.
-    has_more: bool,
+    sets: BoundSets,
 }
-
-/// A descriptor set, as it was bound.
-#[derive(Debug, Clone)]
-struct Set {
-    layout: vk::PipelineLayout,
-    handle: vk::DescriptorSet,
-    offsets: SmallVec<[u32; 4]>,
-}
-
-/// Sets of higher numbers are not kept.
-const MOST_SETS: usize = 32;
 
 impl Bound {
     /// Forgets all; the memory stays.
     pub fn clear(&mut self) {
         self.pipeline = vk::Pipeline::null();
         self.sets.clear();
-        self.has_more = false;
     }
 
     /// Whether [`Self::restore`] binds everything again.
     pub fn is_whole(&self) -> bool {
-        !self.has_more
+        self.sets.is_whole()
     }
 
     /// A pipeline is bound.
@@ -52,30 +38,7 @@ impl Bound {
 
     /// Something is bound that is not kept.
     pub fn bind_more(&mut self) {
-        self.has_more = true;
-    }
-
-    /// Sets are bound from number `first` on. How many of the dynamic offsets belong to which set nobody knows here, so
-    /// that with several sets and offsets it is not kept.
-    fn bind_sets(
-        &mut self,
-        layout: vk::PipelineLayout,
-        first: u32,
-        sets: &[vk::DescriptorSet],
-        offsets: &[u32],
-    ) {
-        let first = first as usize;
-        let end = first + sets.len();
-        if end > MOST_SETS || (sets.len() > 1 && !offsets.is_empty()) {
-            self.has_more = true;
-            return;
-        }
-        if self.sets.len() < end {
-            self.sets.resize(end, None);
-        }
-        for (place, &handle) in self.sets[first..end].iter_mut().zip(sets) {
-            *place = Some(Set { layout, handle, offsets: offsets.into() });
-        }
+        self.sets.bind_more();
     }
 
     /// Binds it again, with the next layer's functions.
@@ -92,13 +55,7 @@ impl Bound {
             {
                 bind(commands, point, self.pipeline);
             }
-            let Some(bind) = next.cmd_bind_descriptor_sets else { return };
-            for (number, set) in (0..).zip(&self.sets) {
-                if let Some(Set { layout, handle, offsets }) = set {
-                    let (count, first) = (offsets.len() as u32, offsets.as_ptr());
-                    bind(commands, point, *layout, number, 1, handle, count, first);
-                }
-            }
+            self.sets.restore(next, commands, point);
         }
     }
 }
@@ -150,6 +107,7 @@ pub unsafe extern "system" fn bind_sets(
     let next = match unsafe { DispatchKey::of(handle) } {
         Some(key)
             if point != vk::PipelineBindPoint::COMPUTE
+                && !follows_graphics()
                 && QUICK_BIND.key.load(Ordering::Acquire) == key.address() =>
         {
             let next = QUICK_BIND.next.load(Ordering::Relaxed);
@@ -162,7 +120,7 @@ pub unsafe extern "system" fn bind_sets(
     unsafe { next(handle, point, layout, first, count, sets, offset_count, offsets) }
 }
 
-/// The same, of any device, and noted where it is for compute.
+/// The same, of any device, and noted.
 #[allow(clippy::too_many_arguments, reason = "those of the call")]
 unsafe extern "system" fn bind_sets_noted(
     handle: vk::CommandBuffer,
@@ -192,23 +150,44 @@ unsafe extern "system" fn bind_sets_noted(
                 };
                 next(handle, point, layout, first, count, sets, offset_count, offsets);
                 answer.made();
-                if let Some(known) = known.filter(|_| point == vk::PipelineBindPoint::COMPUTE) {
+                if let Some(known) = known {
                     let offsets = if offset_count == 0 {
                         &[]
                     } else {
                         slice::from_raw_parts(offsets, offset_count as usize)
                     };
                     let sets = if count == 0 { &[] } else { slice::from_raw_parts(sets, count as usize) };
-                    known.recorded().compute.bind_sets(layout, first, sets, offsets);
+                    match point {
+                        vk::PipelineBindPoint::COMPUTE => {
+                            known.recorded().compute.sets.bind(layout, first, sets, offsets);
+                        }
+                        vk::PipelineBindPoint::GRAPHICS => {
+                            known.recorded().drawing.bind_sets(layout, first, sets, offsets);
+                            drawing::bind_ours_again(&known, handle);
+                        }
+                        _ => {}
+                    }
                 }
             }
         },
     );
 }
 
+/// Whether a bind point is that of compute, and of drawing.
+fn at(point: vk::PipelineBindPoint) -> [bool; 2] {
+    [vk::PipelineBindPoint::COMPUTE, vk::PipelineBindPoint::GRAPHICS].map(|known| known == point)
+}
+
+/// Whether stages compute, and draw.
+fn of(stages: vk::ShaderStageFlags) -> [bool; 2] {
+    let drawing =
+        vk::ShaderStageFlags::ALL_GRAPHICS | vk::ShaderStageFlags::TASK_EXT | vk::ShaderStageFlags::MESH_EXT;
+    [vk::ShaderStageFlags::COMPUTE, drawing].map(|known| stages.intersects(known))
+}
+
 /// Hooks of commands that bind what is not kept here; the next layer's function of that name is in the table's `$field`.
 macro_rules! binds_more {
-    ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), if $point:expr;)*) => {$(
+    ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), for $points:expr;)*) => {$(
         #[doc = concat!("`", $call, "`.")]
         pub unsafe extern "system" fn $name(handle: vk::CommandBuffer, $($argument: $type),*) {
             guard(
@@ -221,8 +200,15 @@ macro_rules! binds_more {
                         let Some((known, next)) = with_buffer(handle, |next| next.$field) else { return };
                         next(handle, $($argument),*);
                         answer.made();
-                        if let Some(known) = known.filter(|_| $point) {
-                            known.recorded().compute.bind_more();
+                        if let Some(known) = known {
+                            let [computes, draws] = $points;
+                            if computes {
+                                known.recorded().compute.bind_more();
+                            }
+                            if draws {
+                                known.recorded().drawing.bind_more();
+                                drawing::bind_ours_again(&known, handle);
+                            }
                         }
                     }
                 },
@@ -238,26 +224,26 @@ binds_more! {
         set: u32,
         count: u32,
         writes: *const vk::WriteDescriptorSet<'_>
-    ), if point == vk::PipelineBindPoint::COMPUTE;
+    ), for at(point);
     push_set_with_template, "vkCmdPushDescriptorSetWithTemplateKHR", cmd_push_descriptor_set_with_template: (
         template: vk::DescriptorUpdateTemplate,
         layout: vk::PipelineLayout,
         set: u32,
         data: *const std::ffi::c_void
-    ), if true;
+    ), for [true; 2];
     bind_sets2, "vkCmdBindDescriptorSets2KHR", cmd_bind_descriptor_sets2: (
         info: *const vk::BindDescriptorSetsInfoKHR<'_>
-    ), if (*info).stage_flags.contains(vk::ShaderStageFlags::COMPUTE);
+    ), for of((*info).stage_flags);
     push_set2, "vkCmdPushDescriptorSet2KHR", cmd_push_descriptor_set2: (
         info: *const vk::PushDescriptorSetInfoKHR<'_>
-    ), if (*info).stage_flags.contains(vk::ShaderStageFlags::COMPUTE);
+    ), for of((*info).stage_flags);
     push_set_with_template2, "vkCmdPushDescriptorSetWithTemplate2KHR", cmd_push_descriptor_set_with_template2: (
         info: *const vk::PushDescriptorSetWithTemplateInfoKHR<'_>
-    ), if true;
+    ), for [true; 2];
     bind_buffers, "vkCmdBindDescriptorBuffersEXT", cmd_bind_descriptor_buffers: (
         count: u32,
         infos: *const vk::DescriptorBufferBindingInfoEXT<'_>
-    ), if true;
+    ), for [true; 2];
     set_buffer_offsets, "vkCmdSetDescriptorBufferOffsetsEXT", cmd_set_descriptor_buffer_offsets: (
         point: vk::PipelineBindPoint,
         layout: vk::PipelineLayout,
@@ -265,49 +251,10 @@ binds_more! {
         count: u32,
         indices: *const u32,
         offsets: *const vk::DeviceSize
-    ), if point == vk::PipelineBindPoint::COMPUTE;
+    ), for at(point);
     bind_embedded_samplers, "vkCmdBindDescriptorBufferEmbeddedSamplersEXT", cmd_bind_descriptor_buffer_embedded_samplers: (
         point: vk::PipelineBindPoint,
         layout: vk::PipelineLayout,
         set: u32
-    ), if point == vk::PipelineBindPoint::COMPUTE;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use ash::vk::Handle;
-
-    fn sets(numbers: &[u64]) -> Vec<vk::DescriptorSet> {
-        numbers.iter().map(|&number| vk::DescriptorSet::from_raw(number)).collect()
-    }
-
-    #[test]
-    fn the_last_set_of_a_number_counts() {
-        let layout = vk::PipelineLayout::from_raw(1);
-        let mut bound = Bound::default();
-        bound.bind_sets(layout, 1, &sets(&[10, 11]), &[]);
-        bound.bind_sets(vk::PipelineLayout::from_raw(2), 2, &sets(&[20]), &[64]);
-        let kept: Vec<_> = bound
-            .sets
-            .iter()
-            .map(|set| set.as_ref().map(|set| (set.layout.as_raw(), set.handle.as_raw(), set.offsets.len())))
-            .collect();
-        assert_eq!(kept, [None, Some((1, 10, 0)), Some((2, 20, 1))]);
-        assert!(bound.is_whole());
-        bound.clear();
-        assert!(bound.sets.is_empty());
-    }
-
-    #[test]
-    fn what_cannot_be_told_apart_is_not_kept() {
-        let layout = vk::PipelineLayout::from_raw(1);
-        let mut bound = Bound::default();
-        bound.bind_sets(layout, 0, &sets(&[1, 2]), &[64]);
-        assert!(!bound.is_whole());
-        bound.clear();
-        assert!(bound.is_whole());
-        bound.bind_sets(layout, MOST_SETS as u32, &sets(&[1]), &[]);
-        assert!(!bound.is_whole());
-    }
+    ), for at(point);
 }

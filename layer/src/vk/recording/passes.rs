@@ -1,6 +1,6 @@
 //! Render passes.
 
-use super::{Buffer, Within, timed, with_buffer};
+use super::{Buffer, Within, drawing, timed, with_buffer};
 use crate::abi::guard;
 use crate::scene::{Pass, Target};
 use crate::vk::chain::extension;
@@ -179,7 +179,7 @@ unsafe fn begin_noted(
                         },
                     ) {
                         Some((open, loading)) => {
-                            begin(&loading);
+                            begin(loading.as_ref().map_or(info, std::ptr::from_ref));
                             mask = Some(open);
                         }
                         None => begin(info),
@@ -196,6 +196,8 @@ unsafe fn begin_noted(
         }
     };
     buffer.recorded().begin(pass, candidate, mask);
+    // SAFETY: as above; the pass was begun.
+    unsafe { drawing::pass_begins(buffer, handle) };
 }
 
 /// A pass has ended.
@@ -204,6 +206,8 @@ unsafe fn begin_noted(
 ///
 /// The command buffer is recording, outside of render passes.
 pub unsafe fn end_noted(buffer: &Buffer, handle: vk::CommandBuffer) {
+    // SAFETY: the caller vouches for the command buffer.
+    unsafe { drawing::leave(buffer, handle) };
     let (mask, bound) = {
         let mut recorded = buffer.recorded();
         let mask = recorded.end();
@@ -224,7 +228,15 @@ pub unsafe fn end_noted(buffer: &Buffer, handle: vk::CommandBuffer) {
 impl Buffer {
     /// Where a pass of this render area begins.
     pub(super) fn place(&self, area: vk::Rect2D) -> Place {
-        Place { is_primary: self.is_primary, restores_compute: self.recorded().compute.is_whole(), area }
+        let recorded = self.recorded();
+        Place {
+            is_primary: self.is_primary,
+            restores_compute: recorded.compute.is_whole(),
+            restores_graphics: recorded.drawing.is_whole(),
+            follows_graphics: recorded.drawing.is_followed(),
+            is_conditional: recorded.is_conditional,
+            area,
+        }
     }
 }
 

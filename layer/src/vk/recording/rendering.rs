@@ -1,7 +1,7 @@
 //! Dynamic rendering.
 
 use super::passes::end_noted;
-use super::{timed, with_buffer};
+use super::{drawing, timed, with_buffer};
 use crate::abi::guard;
 use crate::mask::Reason;
 use crate::scene::{Pass, PassFacts, Target};
@@ -47,8 +47,12 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
                         place,
                         |_| loading(&*info),
                     ) {
-                        Some((open, depth)) => {
+                        Some((open, Some(depth))) => {
                             begin(&vk::RenderingInfo { p_depth_attachment: &depth, ..*info });
+                            mask = Some(open);
+                        }
+                        Some((open, None)) => {
+                            begin(info);
                             mask = Some(open);
                         }
                         None => begin(info),
@@ -61,6 +65,7 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
                 }
             };
             known.recorded().begin(Some(pass), candidate, mask);
+            drawing::pass_begins(&known, handle);
         },
     );
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::mask::Directions;
+use crate::mask::{Directions, Returns};
 use crate::scene::{ImageKey, PassFacts, Target, Transfer, TransferKind};
 
 fn target(image: u64) -> Target {
@@ -41,6 +41,7 @@ const LESS: PipelineFacts = PipelineFacts {
     write_stencil: false,
     are_unknown: false,
     directions: Directions { less: true, greater: false },
+    returns: Returns { any: false, keeping_coverage: false },
 };
 const GREATER: PipelineFacts =
     PipelineFacts { directions: Directions { less: false, greater: true }, ..LESS };

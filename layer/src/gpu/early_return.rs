@@ -1,0 +1,160 @@
+//! What an application's pipelines need that have a test of ours in front of their fragment shader: their own layout with
+//! one more set behind, the pipeline itself, and that set.
+
+use super::compute::{ComputeLayout, ComputeSet};
+use super::pipeline::{graphics_pipeline, module_of_words};
+use super::{DeviceBuffer, Gpu, GpuError, Owned};
+use ash::vk;
+use parafovea_core::mask::ReturnParams;
+use smallvec::SmallVec;
+use std::sync::Arc;
+
+/// Template, parameters.
+const BINDINGS: [vk::DescriptorType; 2] =
+    [vk::DescriptorType::STORAGE_BUFFER, vk::DescriptorType::UNIFORM_BUFFER];
+
+/// The layout of the set.
+pub(crate) struct ReturnLayout(ComputeLayout);
+
+impl ReturnLayout {
+    /// Makes it.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) fn new(gpu: &Arc<Gpu>) -> Result<Self, GpuError> {
+        ComputeLayout::for_stage(gpu, &BINDINGS, vk::ShaderStageFlags::FRAGMENT).map(Self)
+    }
+
+    /// How many storage buffers it takes, and as many uniform ones.
+    pub(crate) const BUFFERS: u32 = 1;
+}
+
+/// A pipeline layout of the application's with the set behind its own. The two are compatible for all sets of the
+/// application's, and for push constants (Vulkan specification, "Pipeline Layout Compatibility").
+pub(crate) struct AppendedLayout {
+    handle: Owned<vk::PipelineLayout>,
+    set: u32,
+}
+
+impl AppendedLayout {
+    /// Appends to what `info` says.
+    ///
+    /// # Safety
+    /// `info` is valid (valid usage of vkCreatePipelineLayout) on the device of `gpu`, which takes a set and as many buffers more.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) unsafe fn new(
+        gpu: &Arc<Gpu>,
+        info: &vk::PipelineLayoutCreateInfo<'_>,
+        appended: &ReturnLayout,
+    ) -> Result<Self, GpuError> {
+        // SAFETY: the caller vouches for the structure and its array.
+        unsafe {
+            let own = match info.set_layout_count {
+                0 => &[][..],
+                count => std::slice::from_raw_parts(info.p_set_layouts, count as usize),
+            };
+            let sets: SmallVec<[vk::DescriptorSetLayout; 8]> =
+                own.iter().copied().chain([appended.0.set_layout()]).collect();
+            let amended = vk::PipelineLayoutCreateInfo {
+                set_layout_count: sets.len() as u32,
+                p_set_layouts: sets.as_ptr(),
+                ..*info
+            };
+            let handle = gpu
+                .device
+                .create_pipeline_layout(&amended, None)
+                .map_err(GpuError::from_call("vkCreatePipelineLayout"))?;
+            let handle =
+                Owned::new(gpu, handle, |device, handle| device.destroy_pipeline_layout(handle, None));
+            Ok(Self { handle, set: own.len() as u32 })
+        }
+    }
+
+    /// The handle, valid as long as `self`.
+    pub(crate) fn handle(&self) -> vk::PipelineLayout {
+        self.handle.handle()
+    }
+
+    /// Number of the set.
+    pub(crate) fn set(&self) -> u32 {
+        self.set
+    }
+}
+
+/// The set over one template.
+pub(crate) struct ReturnSet {
+    // In the order in which each may be destroyed.
+    set: ComputeSet,
+    _params: DeviceBuffer,
+    _layout: Arc<ReturnLayout>,
+}
+
+impl ReturnSet {
+    /// Over the storage buffer `template`, which outlives the result.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        layout: &Arc<ReturnLayout>,
+        template: vk::Buffer,
+        params: ReturnParams,
+    ) -> Result<Self, GpuError> {
+        let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
+        let params = DeviceBuffer::holding(gpu, uniform, bytemuck::bytes_of(&params))?;
+        let set = ComputeSet::of_buffers(&layout.0, &[template, params.handle()])?;
+        Ok(Self { set, _params: params, _layout: Arc::clone(layout) })
+    }
+
+    /// The handle, valid as long as `self`.
+    pub(crate) fn handle(&self) -> vk::DescriptorSet {
+        self.set.handle()
+    }
+}
+
+/// A render pass of ours that is compatible with one of the application's.
+pub(crate) struct CompatiblePass(Owned<vk::RenderPass>);
+
+impl CompatiblePass {
+    /// Takes ownership.
+    ///
+    /// # Safety
+    /// The render pass was made on the device of `gpu`, and is nobody else's to destroy.
+    pub(crate) unsafe fn new(gpu: &Arc<Gpu>, handle: vk::RenderPass) -> Self {
+        // SAFETY: the caller vouches for it.
+        Self(unsafe { Owned::new(gpu, handle, |device, handle| device.destroy_render_pass(handle, None)) })
+    }
+
+    /// The handle, valid as long as `self`.
+    pub(crate) fn handle(&self) -> vk::RenderPass {
+        self.0.handle()
+    }
+}
+
+/// Makes a pipeline as `info` says, whose stages get modules of this code, one each.
+///
+/// # Safety
+/// But for its modules, `info` is valid (valid usage of vkCreateGraphicsPipelines) on the device of `gpu`, and so is the code.
+///
+/// # Errors
+/// A failed call.
+pub(crate) unsafe fn pipeline_of_code(
+    gpu: &Arc<Gpu>,
+    info: &vk::GraphicsPipelineCreateInfo<'_>,
+    code: &[&[u32]],
+) -> Result<Owned<vk::Pipeline>, GpuError> {
+    // SAFETY: the caller vouches for the structure, which has as many stages as it says.
+    unsafe {
+        let mut stages: SmallVec<[vk::PipelineShaderStageCreateInfo<'_>; 4]> =
+            std::slice::from_raw_parts(info.p_stages, info.stage_count as usize).into();
+        let mut modules: SmallVec<[Owned<vk::ShaderModule>; 4]> = SmallVec::new();
+        for (stage, words) in stages.iter_mut().zip(code) {
+            let module = module_of_words(gpu, words)?;
+            stage.module = module.handle();
+            modules.push(module);
+        }
+        graphics_pipeline(gpu, &vk::GraphicsPipelineCreateInfo { p_stages: stages.as_ptr(), ..*info })
+    }
+}

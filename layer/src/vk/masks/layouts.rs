@@ -1,0 +1,251 @@
+//! Pipeline layouts with a set of ours behind the application's, for fragment shaders that return early. They are made with the
+//! application's own, because what those are made of may be gone by the time that one is needed.
+
+use super::Masks;
+use crate::abi::guard;
+use crate::gpu::{AppendedLayout, ReturnLayout};
+use crate::vk::device;
+use crate::vk::rates::copies::slice;
+use ash::vk;
+use std::sync::{Arc, MutexGuard, PoisonError};
+
+const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
+
+/// Attachments count as resources of the fragment stage, and so many are the most that devices have.
+const MOST_ATTACHMENTS: u32 = 16;
+
+/// What counts of a descriptor set layout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SetFacts {
+    /// Storage buffers and uniform ones, for any stage: no stage sees more.
+    buffers: [u32; 2],
+    /// All descriptors that fragment shaders see.
+    seen: u32,
+    /// Whether its descriptors are in buffers (VK_EXT_descriptor_buffer): all of a pipeline's sets must be such.
+    is_in_buffer: bool,
+}
+
+impl SetFacts {
+    /// # Safety
+    ///
+    /// Valid usage of vkCreateDescriptorSetLayout.
+    unsafe fn of(info: &vk::DescriptorSetLayoutCreateInfo<'_>) -> Self {
+        use vk::DescriptorType as Kind;
+        // SAFETY: the caller vouches for the array.
+        let bindings = unsafe { slice(info.p_bindings, info.binding_count) };
+        let is_seen = |binding: &&vk::DescriptorSetLayoutBinding<'_>| {
+            binding.stage_flags.contains(vk::ShaderStageFlags::FRAGMENT)
+        };
+        let count = |binding: &vk::DescriptorSetLayoutBinding<'_>| binding.descriptor_count;
+        let sum = |counts: u32, count: u32| counts.saturating_add(count);
+        let of = |kinds: [Kind; 2]| {
+            bindings.iter().filter(|binding| kinds.contains(&binding.descriptor_type)).map(count).fold(0, sum)
+        };
+        Self {
+            buffers: [
+                of([Kind::STORAGE_BUFFER, Kind::STORAGE_BUFFER_DYNAMIC]),
+                of([Kind::UNIFORM_BUFFER, Kind::UNIFORM_BUFFER_DYNAMIC]),
+            ],
+            seen: bindings.iter().filter(is_seen).map(count).fold(0, sum),
+            is_in_buffer: info.flags.contains(vk::DescriptorSetLayoutCreateFlags::DESCRIPTOR_BUFFER_EXT),
+        }
+    }
+}
+
+impl Masks {
+    /// The layout of the set of ours.
+    pub(super) fn return_layout(&self) -> Option<Arc<ReturnLayout>> {
+        if let Some(known) = &*self.kept_return_layout() {
+            return Some(Arc::clone(known));
+        }
+        // Made without the lock, which is not held across calls down: another thread may have been faster.
+        let made = ReturnLayout::new(self.gpu()?);
+        let made = made.inspect_err(|error| error.tell("no fragment shader returns early")).ok()?;
+        Some(Arc::clone(self.kept_return_layout().get_or_insert_with(|| Arc::new(made))))
+    }
+
+    pub(super) fn kept_return_layout(&self) -> MutexGuard<'_, Option<Arc<ReturnLayout>>> {
+        self.return_layout.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A layout with a set of ours behind those of one that was created; nothing where the device does not take it, or
+    /// something is not known.
+    ///
+    /// # Safety
+    ///
+    /// Valid usage of vkCreatePipelineLayout.
+    unsafe fn appended(&self, info: &vk::PipelineLayoutCreateInfo<'_>) -> Option<Arc<AppendedLayout>> {
+        // Parts of pipelines are linked by such, which are left alone.
+        if info.flags.contains(vk::PipelineLayoutCreateFlags::INDEPENDENT_SETS_EXT) || !info.p_next.is_null()
+        {
+            return None;
+        }
+        // SAFETY: the caller vouches for the array.
+        let sets = unsafe { slice(info.p_set_layouts, info.set_layout_count) };
+        let mut buffers = [ReturnLayout::BUFFERS; 2];
+        let mut seen = 2 * ReturnLayout::BUFFERS + MOST_ATTACHMENTS;
+        for set in sets {
+            let facts = self.sets.get(*set).filter(|facts| !facts.is_in_buffer)?;
+            buffers = std::array::from_fn(|index| buffers[index].saturating_add(facts.buffers[index]));
+            seen = seen.saturating_add(facts.seen);
+        }
+        let gpu = self.gpu()?;
+        if !gpu.takes_sets(info.set_layout_count + 1, buffers, seen) {
+            return None;
+        }
+        // SAFETY: the caller vouches for the structure; the device takes it.
+        let made = unsafe { AppendedLayout::new(gpu, info, &*self.return_layout()?) };
+        made.inspect_err(|error| error.tell("fragment shaders of a layout do not return early"))
+            .ok()
+            .map(Arc::new)
+    }
+
+    /// The appended layout of one of the application's.
+    pub(super) fn layout(&self, layout: vk::PipelineLayout) -> Option<Arc<AppendedLayout>> {
+        self.layouts.get(layout)
+    }
+}
+
+/// `vkCreateDescriptorSetLayout`.
+pub unsafe extern "system" fn create_set_layout(
+    device: vk::Device,
+    info: *const vk::DescriptorSetLayoutCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    layout: *mut vk::DescriptorSetLayout,
+) -> vk::Result {
+    guard(
+        "vkCreateDescriptorSetLayout",
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(device::with: device, create_descriptor_set_layout(device, info, allocator, layout), FAILED)
+        },
+        |answer| {
+            // SAFETY: the application's own arguments; on success `info` and `layout` are valid.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.create_descriptor_set_layout)
+                else {
+                    return FAILED;
+                };
+                let result = answer.record(next(device, info, allocator, layout));
+                if let (Some(masks), vk::Result::SUCCESS) = (known.masks(), result) {
+                    masks.sets.insert(*layout, SetFacts::of(&*info));
+                }
+                result
+            }
+        },
+    )
+}
+
+/// `vkDestroyDescriptorSetLayout`.
+pub unsafe extern "system" fn destroy_set_layout(
+    device: vk::Device,
+    layout: vk::DescriptorSetLayout,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    guard(
+        "vkDestroyDescriptorSetLayout",
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(device::with: device, destroy_descriptor_set_layout(device, layout, allocator), ())
+        },
+        |answer| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.destroy_descriptor_set_layout)
+                else {
+                    return;
+                };
+                if let Some(masks) = known.masks() {
+                    masks.sets.remove(layout);
+                }
+                next(device, layout, allocator);
+                answer.made();
+            }
+        },
+    );
+}
+
+/// `vkCreatePipelineLayout`.
+pub unsafe extern "system" fn create(
+    device: vk::Device,
+    info: *const vk::PipelineLayoutCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    layout: *mut vk::PipelineLayout,
+) -> vk::Result {
+    guard(
+        "vkCreatePipelineLayout",
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(device::with: device, create_pipeline_layout(device, info, allocator, layout), FAILED)
+        },
+        |answer| {
+            // SAFETY: the application's own arguments; on success `info` and `layout` are valid.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.create_pipeline_layout) else {
+                    return FAILED;
+                };
+                let result = answer.record(next(device, info, allocator, layout));
+                if let (Some(masks), vk::Result::SUCCESS) = (known.masks(), result) {
+                    match masks.appended(&*info) {
+                        Some(appended) => masks.layouts.insert(*layout, appended),
+                        None => drop(masks.layouts.remove(*layout)),
+                    }
+                }
+                result
+            }
+        },
+    )
+}
+
+/// `vkDestroyPipelineLayout`.
+pub unsafe extern "system" fn destroy(
+    device: vk::Device,
+    layout: vk::PipelineLayout,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    guard(
+        "vkDestroyPipelineLayout",
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, destroy_pipeline_layout(device, layout, allocator), ()) },
+        |answer| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.destroy_pipeline_layout) else {
+                    return;
+                };
+                if let Some(masks) = known.masks() {
+                    drop(masks.layouts.remove(layout));
+                }
+                next(device, layout, allocator);
+                answer.made();
+            }
+        },
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn descriptors_are_counted_by_kind_and_stage() {
+        let binding = |kind, count, stages| {
+            vk::DescriptorSetLayoutBinding::default()
+                .descriptor_type(kind)
+                .descriptor_count(count)
+                .stage_flags(stages)
+        };
+        let both = vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::VERTEX;
+        let bindings = [
+            binding(vk::DescriptorType::STORAGE_BUFFER, 2, both),
+            binding(vk::DescriptorType::STORAGE_BUFFER_DYNAMIC, 1, vk::ShaderStageFlags::ALL),
+            binding(vk::DescriptorType::STORAGE_BUFFER, 8, vk::ShaderStageFlags::VERTEX),
+            binding(vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, 2, vk::ShaderStageFlags::VERTEX),
+            binding(vk::DescriptorType::SAMPLED_IMAGE, u32::MAX, vk::ShaderStageFlags::FRAGMENT),
+        ];
+        let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+        // SAFETY: a valid structure.
+        let facts = unsafe { SetFacts::of(&info) };
+        assert_eq!(facts, SetFacts { buffers: [11, 2], seen: u32::MAX, is_in_buffer: false });
+    }
+}

@@ -1,0 +1,267 @@
+//! What is bound for drawing, and what is bound in its place: in a pass whose fragment shaders return early, a pipeline of ours for
+//! each of the application's, and a set behind those of its layout.
+//!
+//! That set is bound anew whenever the application binds sets, as that may disturb it. It may itself disturb sets of higher numbers,
+//! or those of another layout, so that what the application has bound is bound again before another layout counts, and after the
+//! pass. Both pipelines have the same state, dynamic or not, and the same push constants.
+
+use super::Buffer;
+use super::sets::BoundSets;
+use crate::vk::masks::Returning;
+use ash::vk;
+use std::sync::Arc;
+
+const GRAPHICS: vk::PipelineBindPoint = vk::PipelineBindPoint::GRAPHICS;
+
+/// What is bound for drawing.
+#[derive(Default)]
+pub struct Drawing {
+    /// Whether it is followed since recording began.
+    is_followed: bool,
+    /// The application's pipeline.
+    pipeline: vk::Pipeline,
+    sets: BoundSets,
+    /// What is bound in place of the pipeline.
+    in_place: Option<InPlace>,
+}
+
+#[derive(Clone)]
+struct InPlace {
+    returning: Arc<Returning>,
+    set: vk::DescriptorSet,
+}
+
+impl Drawing {
+    /// Recording begins.
+    pub fn begin(&mut self, is_followed: bool) {
+        self.is_followed = is_followed;
+    }
+
+    /// Forgets what is bound, as after secondary command buffers nothing is; the memory stays.
+    pub fn forget(&mut self) {
+        self.pipeline = vk::Pipeline::null();
+        self.sets.clear();
+        self.in_place = None;
+    }
+
+    /// Whether it is followed.
+    pub fn is_followed(&self) -> bool {
+        self.is_followed
+    }
+
+    /// Whether all of it can be bound again.
+    pub fn is_whole(&self) -> bool {
+        self.sets.is_whole()
+    }
+
+    /// Something is bound that is not kept.
+    pub fn bind_more(&mut self) {
+        if self.is_followed {
+            self.sets.bind_more();
+        }
+    }
+
+    /// Sets are bound from number `first` on.
+    pub fn bind_sets(
+        &mut self,
+        layout: vk::PipelineLayout,
+        first: u32,
+        sets: &[vk::DescriptorSet],
+        offsets: &[u32],
+    ) {
+        if self.is_followed {
+            self.sets.bind(layout, first, sets, offsets);
+        }
+    }
+}
+
+/// The application binds a pipeline, which `bind` binds: that, or what has its place.
+///
+/// # Safety
+///
+/// `handle` is this command buffer, which is recording; the pipeline may be bound.
+pub unsafe fn bind(
+    buffer: &Buffer,
+    handle: vk::CommandBuffer,
+    pipeline: vk::Pipeline,
+    bind: impl Fn(vk::Pipeline),
+) {
+    let (was, returns) = {
+        let mut recorded = buffer.recorded();
+        let returns = recorded.mask.as_ref().and_then(super::OpenMask::returns);
+        let drawing = &mut recorded.drawing;
+        if !drawing.is_followed {
+            drop(recorded);
+            return bind(pipeline);
+        }
+        drawing.pipeline = pipeline;
+        let was = drawing.in_place.take();
+        // Where something cannot be bound again, nothing must take its place.
+        (was, returns.filter(|_| drawing.is_whole()))
+    };
+    if returns.is_none() {
+        prepare(buffer, pipeline);
+    }
+    let masks = buffer.armed.masks.as_ref();
+    let in_place = returns.zip(masks).and_then(|(by, masks)| {
+        let returning = masks.returning(pipeline, by.keeps_coverage)?;
+        Some(InPlace { returning, set: by.set })
+    });
+    let layout = |place: &InPlace| place.returning.layout().handle();
+    let steps = steps(was.as_ref().map(layout), in_place.as_ref().map(layout));
+    if steps.binds_own {
+        bind(pipeline);
+    }
+    if steps.restores_sets {
+        // SAFETY: the caller vouches for the command buffer.
+        unsafe { restore_sets(buffer, handle) };
+    }
+    if let Some(place) = in_place {
+        bind(place.returning.pipeline().unwrap_or(pipeline));
+        // SAFETY: as above.
+        unsafe { place.bind_set(buffer, handle) };
+        buffer.recorded().drawing.in_place = Some(place);
+    }
+}
+
+/// What is done before something is bound in place of a pipeline, if something is.
+#[derive(Debug, PartialEq, Eq)]
+struct Steps {
+    /// The application's pipeline is bound.
+    binds_own: bool,
+    /// Its sets are bound again, which ours may have disturbed.
+    restores_sets: bool,
+}
+
+/// From something in place with one layout, or nothing, to another.
+fn steps(was: Option<vk::PipelineLayout>, is: Option<vk::PipelineLayout>) -> Steps {
+    let restores_sets = was.is_some() && was != is;
+    Steps { binds_own: is.is_none(), restores_sets }
+}
+
+/// Has what a pass shall have in place of a pipeline made, in later frames, where it waits for that.
+fn prepare(buffer: &Buffer, pipeline: vk::Pipeline) {
+    let target = buffer.recorded().target.clone();
+    let target = target.as_ref().and_then(|candidate| candidate.map.mask());
+    let Some((target, masks)) = target.zip(buffer.armed.masks.as_ref()) else { return };
+    for keeps_coverage in [false, true] {
+        if target.waits_for_return(keeps_coverage)
+            && let Some(is_there) = masks.prepare_return(pipeline, keeps_coverage)
+        {
+            target.prepared_return(keeps_coverage, is_there);
+        }
+    }
+}
+
+impl InPlace {
+    /// # Safety
+    ///
+    /// As for [`bind`].
+    unsafe fn bind_set(&self, buffer: &Buffer, handle: vk::CommandBuffer) {
+        let Some(bind) = buffer.armed.next.cmd_bind_descriptor_sets else { return };
+        let layout = self.returning.layout();
+        // SAFETY: the caller vouches for the command buffer; set and layout belong together, and the map and the pipeline,
+        // whose they are, live as long as it.
+        unsafe {
+            bind(handle, GRAPHICS, layout.handle(), layout.set(), 1, &self.set, 0, std::ptr::null());
+        }
+    }
+}
+
+/// # Safety
+///
+/// As for [`bind`].
+unsafe fn restore_sets(buffer: &Buffer, handle: vk::CommandBuffer) {
+    let sets = buffer.recorded().drawing.sets.clone();
+    // SAFETY: the caller vouches for the command buffer.
+    unsafe { sets.restore(&buffer.armed.next, handle, GRAPHICS) };
+}
+
+/// The application has bound sets: ours is bound behind them again, if it is.
+///
+/// # Safety
+///
+/// As for [`bind`].
+pub unsafe fn bind_ours_again(buffer: &Buffer, handle: vk::CommandBuffer) {
+    let in_place = buffer.recorded().drawing.in_place.clone();
+    if let Some(place) = in_place {
+        // SAFETY: the caller vouches for the command buffer.
+        unsafe { place.bind_set(buffer, handle) };
+    }
+}
+
+/// A pass begins, with or without shaders that return early: what is bound may get something in its place.
+///
+/// # Safety
+///
+/// As for [`bind`], and the pass was begun.
+pub unsafe fn pass_begins(buffer: &Buffer, handle: vk::CommandBuffer) {
+    let (returns, pipeline) = {
+        let recorded = buffer.recorded();
+        (recorded.mask.as_ref().and_then(super::OpenMask::returns), recorded.drawing.pipeline)
+    };
+    let next = buffer.armed.next.cmd_bind_pipeline;
+    if returns.is_none() && pipeline != vk::Pipeline::null() {
+        prepare(buffer, pipeline);
+    }
+    if let (Some(_), Some(next)) = (returns, next)
+        && pipeline != vk::Pipeline::null()
+        && buffer.armed.masks.as_ref().is_some_and(|masks| masks.can_return(pipeline))
+    {
+        // SAFETY: the caller vouches for the command buffer; the pipeline is bound, or what has its place.
+        unsafe { bind(buffer, handle, pipeline, |pipeline| next(handle, GRAPHICS, pipeline)) };
+    }
+}
+
+/// What has the place of the application's pipeline goes: the pass has ended, or shaders are bound without one.
+///
+/// # Safety
+///
+/// As for [`bind`].
+pub unsafe fn leave(buffer: &Buffer, handle: vk::CommandBuffer) {
+    let (was, pipeline) = {
+        let mut recorded = buffer.recorded();
+        (recorded.drawing.in_place.take(), recorded.drawing.pipeline)
+    };
+    if let (Some(_), Some(next)) = (was, buffer.armed.next.cmd_bind_pipeline) {
+        // SAFETY: the caller vouches for the command buffer; the pipeline was bound by the application.
+        unsafe {
+            next(handle, GRAPHICS, pipeline);
+            restore_sets(buffer, handle);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ash::vk::Handle;
+
+    #[test]
+    fn sets_are_restored_before_another_layout_counts() {
+        let layout = |number| Some(vk::PipelineLayout::from_raw(number));
+        let [own, restored] = [true, true];
+        let of = |was, is| {
+            let Steps { binds_own, restores_sets } = steps(was, is);
+            (binds_own, restores_sets)
+        };
+        assert_eq!(of(None, None), (own, !restored));
+        assert_eq!(of(None, layout(1)), (!own, !restored));
+        assert_eq!(of(layout(1), layout(1)), (!own, !restored), "ours stays where it is");
+        assert_eq!(of(layout(1), layout(2)), (!own, restored));
+        assert_eq!(of(layout(1), None), (own, restored));
+    }
+
+    #[test]
+    fn nothing_is_kept_unless_it_is_followed() {
+        let mut drawing = Drawing::default();
+        drawing.bind_more();
+        drawing.bind_sets(vk::PipelineLayout::null(), 0, &[vk::DescriptorSet::null()], &[]);
+        assert!(drawing.is_whole() && !drawing.is_followed());
+        drawing.begin(true);
+        drawing.bind_more();
+        assert!(!drawing.is_whole() && drawing.is_followed());
+        drawing.forget();
+        assert!(drawing.is_whole(), "after secondary command buffers nothing is bound");
+    }
+}
