@@ -39,7 +39,7 @@ pub struct Finding {
     pub passes: Vec<String>,
     /// Reasons for which scene passes were left alone.
     pub refusals: Vec<String>,
-    /// Rules that validation found broken with the preset, or with everything on, more often than without the layer.
+    /// Rules that validation found broken with the preset, or with everything on, in ways in which they are not without the layer.
     pub messages: Vec<String>,
 }
 
