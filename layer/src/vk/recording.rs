@@ -6,7 +6,7 @@
 pub mod buffers;
 pub mod compute;
 pub mod drawing;
-pub mod layouts;
+pub mod image_layouts;
 pub mod passes;
 pub mod queries;
 pub mod rendering;

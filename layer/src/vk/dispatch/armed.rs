@@ -6,7 +6,7 @@
 use crate::vk::masks::layouts;
 use crate::vk::objects::{framebuffers, images, queues, render_passes, views};
 use crate::vk::rates::{commands, identifiers, pipelines, shader_objects};
-use crate::vk::recording::{buffers, compute, layouts, passes, queries, rendering, transfers};
+use crate::vk::recording::{buffers, compute, image_layouts, passes, queries, rendering, transfers};
 use crate::vk::submit;
 use ash::vk;
 use std::ffi::CStr;
@@ -151,9 +151,9 @@ armed_functions! {
     cmd_end_conditional_rendering: PFN_vkCmdEndConditionalRenderingEXT =
         c"vkCmdEndConditionalRenderingEXT" => queries::end_conditional;
 
-    cmd_pipeline_barrier: PFN_vkCmdPipelineBarrier = c"vkCmdPipelineBarrier" => layouts::pipeline_barrier;
+    cmd_pipeline_barrier: PFN_vkCmdPipelineBarrier = c"vkCmdPipelineBarrier" => image_layouts::pipeline_barrier;
     cmd_pipeline_barrier2: PFN_vkCmdPipelineBarrier2 = c"vkCmdPipelineBarrier2"
-        since API_VERSION_1_3, before c"vkCmdPipelineBarrier2KHR" => layouts::pipeline_barrier2;
+        since API_VERSION_1_3, before c"vkCmdPipelineBarrier2KHR" => image_layouts::pipeline_barrier2;
 
     cmd_copy_image: PFN_vkCmdCopyImage = c"vkCmdCopyImage" => transfers::copy;
     cmd_copy_image2: PFN_vkCmdCopyImage2 = c"vkCmdCopyImage2"
