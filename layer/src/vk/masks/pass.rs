@@ -12,6 +12,7 @@ use crate::vk::objects::Objects;
 use ash::vk;
 use smallvec::SmallVec;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// A pass that is being recorded with a mask.
 pub struct OpenMask {
@@ -194,6 +195,10 @@ impl Masks {
         if place.is_conditional {
             return Err(instead);
         }
+        // Where it takes more time than it saves, it is for applications that have no template that does.
+        if instead == Reason::NoDepth && !self.leaves_branches && self.has_template.load(Ordering::Relaxed) {
+            return Err(instead);
+        }
         if !place.follows_graphics {
             // From the next command buffers on.
             follow_graphics();
@@ -247,6 +252,7 @@ impl Masks {
             area: place.area,
             final_layout: depth.final_layout,
         };
+        self.has_template.store(true, Ordering::Relaxed);
         Ok((map, OpenWay::Template(open)))
     }
 
