@@ -275,7 +275,7 @@ unsafe fn track(
             };
             let rates = enabled.and_then(|enabled| Rates::on(&record, enabled, is_cpu)).map(Arc::new);
             let wants_masks = rates.is_none() && arming != Arming::Pictures;
-            let masks = wants_masks.then(|| Arc::new(Masks::on(&record, is_cpu, properties.driver_version)));
+            let masks = wants_masks.then(|| Arc::new(Masks::on(&record, is_cpu)));
             Arc::new(Armed::new(record, hooked, rates, masks))
         });
         let state = match (&armed, instance.enabled) {

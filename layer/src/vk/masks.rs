@@ -43,8 +43,6 @@ pub struct Masks {
     /// Made when it is first needed: while a device is being created, the Vulkan loader answers no questions.
     gpu: OnceLock<Option<Arc<Gpu>>>,
     is_cpu: bool,
-    /// Whether the device leaves a branch that no fragment takes.
-    leaves_branches: bool,
     /// Whether a pass has had a template.
     has_template: AtomicBool,
     /// Asked for with the first mask; nothing where there is no device to compile on.
@@ -72,13 +70,11 @@ impl Masks {
     /// # Safety
     ///
     /// The record is of a live device, on which [`Self::end`] is called before it is destroyed.
-    pub unsafe fn on(record: &DeviceRecord, is_cpu: bool, driver_version: u32) -> Self {
+    pub unsafe fn on(record: &DeviceRecord, is_cpu: bool) -> Self {
         Self {
             record: *record,
             gpu: OnceLock::new(),
             is_cpu,
-            // Measured with Mesa 22.3.6, which does not, and 25.0.7, which does.
-            leaves_branches: !is_cpu || vk::api_version_major(driver_version) >= 25,
             has_template: AtomicBool::new(false),
             kernels: Mutex::default(),
             loading: Table::default(),

@@ -195,8 +195,8 @@ impl Masks {
         if place.is_conditional {
             return Err(instead);
         }
-        // Where it takes more time than it saves, it is for applications that have no template that does.
-        if instead == Reason::NoDepth && !self.leaves_branches && self.has_template.load(Ordering::Relaxed) {
+        // Behind a pass with a template, a pass without depth mostly maps tones or scales: it costs little, and reads a filled picture.
+        if instead == Reason::NoDepth && self.has_template.load(Ordering::Relaxed) {
             return Err(instead);
         }
         if !place.follows_graphics {
