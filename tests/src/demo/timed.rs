@@ -50,7 +50,7 @@ pub fn time(
         let step = format!("{}: turn {turn} of {}, {}", exhibit.name(), effort.turns, names.join(" | "));
         progress.next(&step);
         let mut players = start_all(&exhibit.subject, techniques, longest, false, |_, _| {})?;
-        let deciding = decide(&mut players);
+        let deciding = decide(&mut players, techniques);
         play_in_turn(&mut players, effort.frames);
         for ((mut player, technique), timed) in players.into_iter().zip(techniques).zip(&mut all) {
             let run_up = effort.of(technique).run_up + deciding;
@@ -67,19 +67,22 @@ pub fn time(
 }
 
 /// Lets all play on until no gate of theirs has a decision to make, and returns the frames that took.
-fn decide(players: &mut [Player]) -> u64 {
+fn decide(players: &mut [Player], techniques: &[Technique]) -> u64 {
     let start = Instant::now();
-    let is_undecided =
-        |status: Status| status.inert.is_empty() && status.backend != "none" && status.rates_gate.is_on_trial;
     let mut frames = 0;
-    while frames < DECIDING
-        && start.elapsed() < DECIDING_TIME
-        && players.iter().filter_map(Player::status).any(is_undecided)
-    {
+    while frames < DECIDING && start.elapsed() < DECIDING_TIME && has_undecided(players, techniques) {
         play_in_turn(players, LOOK);
         frames += LOOK;
     }
     frames
+}
+
+/// Whether a layer has a decision to make; one that has not written its status yet does.
+fn has_undecided(players: &[Player], techniques: &[Technique]) -> bool {
+    let layers = players.iter().zip(techniques).filter(|(_, technique)| technique.has_layer());
+    let is_undecided =
+        |status: Status| status.inert.is_empty() && status.backend != "none" && status.rates_gate.is_on_trial;
+    layers.map(|(player, _)| player.status()).any(|status| status.is_none_or(is_undecided))
 }
 
 /// The status that the layer writes after so many frames.
