@@ -4,7 +4,7 @@
 //! of the [`Pyramid`], each from the one before, then [`tiles`], and [`restore()`] for tiles that were not shaded at 1x1. It
 //! does not depend on the gaze.
 //!
-//! All levels are half floats ([`half`]), as nearly all time on a GPU goes into moving them.
+//! All levels are half floats ([`half()`]), as nearly all time on a GPU goes into moving them.
 
 mod half;
 mod restore;

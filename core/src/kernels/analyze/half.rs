@@ -14,7 +14,7 @@ pub fn half(luminance_cd_m2: f32) -> f32 {
     f32::from_bits((bounded.to_bits() + 0x1000) & !0x1fff)
 }
 
-/// [`half`] of each texel of `luminance`, into `out`, which takes its size.
+/// [`half()`] of each texel of `luminance`, into `out`, which takes its size.
 pub fn half_plane(luminance: &Plane, out: &mut Plane) {
     out.resize(luminance.width(), luminance.height());
     for (out, value) in out.texels_mut().iter_mut().zip(luminance.texels()) {
