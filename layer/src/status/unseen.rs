@@ -2,7 +2,7 @@
 
 use super::{Decision, Moment, Topic};
 use crate::config::{Config, GazeSource, chroma_settings, wants_maps, wants_reuse};
-use crate::link::BACKEND_NONE;
+use crate::link::{BACKEND_MASK, BACKEND_NONE};
 use parafovea_core::rate::ShadingRate;
 use parafovea_manifest::options::RatesMode;
 
@@ -89,6 +89,9 @@ fn maps(moment: &Moment, known: &Known) -> Option<String> {
         (true, false) => {
             format!("the scene was recognised; the mask backend left it alone: {}", refusals.join(", "))
         }
+        (true, true) if moment.backend == BACKEND_MASK => "the scene was recognised, but has no mask yet: its \
+                         command buffers were recorded before that and not again, or pipelines are still being compiled"
+            .to_owned(),
         (true, true) => {
             "the scene was recognised, but none of its render passes could get rates; the reason is \
                          above in the log"
@@ -146,7 +149,7 @@ fn is_blind(moment: &Moment) -> bool {
 mod tests {
     use super::*;
     use crate::config::{ChromaMode, Preset};
-    use crate::link::BACKEND_MASK;
+    use crate::link::BACKEND_RATE_ATTACHMENT;
     use parafovea_core::gate::{GateMode, Gates, Techniques};
 
     const NONE: Known = Known { had_maps: true, has_own_images: true, is_healthy: true, decisions: &[] };
@@ -217,6 +220,9 @@ mod tests {
         let line = why(&config, &seen(), &Known { decisions: &decisions, ..unmatched });
         assert!(line.ends_with("the mask backend left it alone: depth is multisampled, it blends"), "{line}");
         let line = why(&config, &seen(), &Known { decisions: &decisions[..1], ..unmatched });
+        assert!(line.contains("recorded before that and not again"), "{line}");
+        let attached = Moment { backend: BACKEND_RATE_ATTACHMENT, ..seen() };
+        let line = why(&config, &attached, &Known { decisions: &decisions[..1], ..unmatched });
         assert!(line.contains("none of its render passes could get rates"), "{line}");
 
         let gates = Gates::new(Techniques { rates: GateMode::Off, reuse: GateMode::Off });
