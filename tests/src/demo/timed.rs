@@ -50,7 +50,7 @@ pub fn time(
         let step = format!("{}: turn {turn} of {}, {}", exhibit.name(), effort.turns, names.join(" | "));
         progress.next(&step);
         let mut players = start_all(&exhibit.subject, techniques, longest, false, |_, _| {})?;
-        let deciding = decide(&mut players, techniques);
+        let deciding = decide(&mut players, techniques, effort.run_up);
         play_in_turn(&mut players, effort.frames);
         for ((mut player, technique), timed) in players.into_iter().zip(techniques).zip(&mut all) {
             let run_up = effort.of(technique).run_up + deciding;
@@ -66,22 +66,24 @@ pub fn time(
     Ok(all)
 }
 
-/// Lets all play on until no gate of theirs has a decision to make, and returns the frames that took.
-fn decide(players: &mut [Player], techniques: &[Technique]) -> u64 {
+/// Lets all, which have had `run_up` frames, play on until no gate of theirs has a decision to make, and returns the frames that took.
+fn decide(players: &mut [Player], techniques: &[Technique], run_up: u64) -> u64 {
     let start = Instant::now();
     let mut frames = 0;
-    while frames < DECIDING && start.elapsed() < DECIDING_TIME && has_undecided(players, techniques) {
+    while frames < DECIDING && start.elapsed() < DECIDING_TIME && has_undecided(players, techniques, run_up) {
         play_in_turn(players, LOOK);
         frames += LOOK;
     }
     frames
 }
 
-/// Whether a layer has a decision to make; one that has not written its status yet does.
-fn has_undecided(players: &[Player], techniques: &[Technique]) -> bool {
+/// Whether a layer has a decision to make; one whose status is of the first `run_up` frames may have.
+fn has_undecided(players: &[Player], techniques: &[Technique], run_up: u64) -> bool {
     let layers = players.iter().zip(techniques).filter(|(_, technique)| technique.has_layer());
-    let is_undecided =
-        |status: Status| status.inert.is_empty() && status.backend != "none" && status.rates_gate.is_on_trial;
+    let is_undecided = |status: Status| {
+        let is_on_trial = status.backend != "none" && status.rates_gate.is_on_trial;
+        status.inert.is_empty() && (status.frames < run_up || is_on_trial)
+    };
     layers.map(|(player, _)| player.status()).any(|status| status.is_none_or(is_undecided))
 }
 
