@@ -244,7 +244,7 @@ fn store_luminance(at: vec2<i32>, block: vec4<f32>) {
     }
 }
 
-// The block at `at` of a level of this size, from the halves of four rows around it, of which the last one's lower half is not needed.
+// The block at `at` of a level of this size, from the halves of four rows around it; the lower half of the last row is not needed.
 fn store(level: Level, size: vec2<u32>, at: vec2<u32>, a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>) {
     if any(2u * at >= size) {
         return;

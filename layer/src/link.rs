@@ -81,8 +81,8 @@ pub struct LinkTable {
     /// Has `call` called once when the application destroys the device, before the device is gone. Returns 1, or 0 when the device
     /// is not armed.
     pub when_it_ends: unsafe extern "C" fn(device: vk::Device, call: DeviceEnds) -> u32,
-    /// The layout in which the application's submits left an image of a swapchain that was told; COLOR_ATTACHMENT_OPTIMAL, as OpenXR has
-    /// it, where that is not known.
+    /// The layout in which the application's submits left a swapchain's image; COLOR_ATTACHMENT_OPTIMAL, as OpenXR has it, for an image
+    /// with an unknown layout.
     pub layout: unsafe extern "C" fn(device: vk::Device, image: vk::Image) -> vk::ImageLayout,
 }
 

@@ -3,7 +3,7 @@
 //!
 //! For a pass that is [`eligible`], the depth buffer is filled from a [`DepthTemplate`] ahead of the pass, which then
 //! loads depth where the application clears it; where the application loads depth, skipped blocks are covered in that, and where
-//! it needs depth later, they are filled (see [`crate::passes::depth`]). Where there is no depth, or it must stay as it is,
+//! it needs depth later, they are filled (see [`crate::passes::depth`]). In a pass without depth, or with depth that must stay as it is,
 //! fragment shaders return early in skipped blocks instead (see [`Way`]). Directly after the pass, [`crate::passes::fill`] fills what was skipped,
 //! in every colour attachment that is stored. Both are recorded once; what is skipped is up to the content of the
 //! template and of the skip list, which change between submits.

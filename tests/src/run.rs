@@ -438,13 +438,16 @@ impl Running {
     /// Kills it, and returns the record of its frames so far.
     ///
     /// # Errors
-    /// As for [`Run::finish`], and fewer than `frames` frames.
+    /// A record that cannot be read, has fewer than `frames` frames, or a call that broke a rule.
     pub fn stop(self, frames: u64) -> Result<Record, HarnessError> {
         let path = self.record_path();
-        match Record::load(&path) {
-            Ok(record) if record.frames.len() as u64 >= frames => Ok(record),
-            _ => Err(self.finish()?.failed(&format!("it has no record of {frames} frames"))),
+        let record = Record::load(&path)?;
+        let (recorded, errors) = (record.frames.len() as u64, &record.errors);
+        if recorded < frames || !errors.is_empty() {
+            let lack = format!("{recorded} frames of {frames}, rules broken: {errors:?}");
+            return Err(HarnessError::format(&path, lack));
         }
+        Ok(record)
     }
 
     fn record_path(&self) -> PathBuf {

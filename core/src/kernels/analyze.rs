@@ -177,7 +177,7 @@ struct Rows {
 /// ([`luminance_plane`](crate::perception::luminance::luminance_plane)), into `out`, which takes the size in tiles,
 /// [`ContrastSettings::tiles`].
 ///
-/// What is negative or NaN in `luminance` counts as black, what exceeds 10,000 as that, infinity too: no such pixel gets
+/// Negative numbers and NaN in `luminance` count as black, numbers above 10,000 and infinity as 10,000: no such pixel gets
 /// into the pyramid or the map, and around it the map is as around a black or white one. Black is [`DARKEST_CD_M2`].
 ///
 /// Against the same without rounding to half floats, a band of a tile is off by at most 0.002 of 1 + its contrast.

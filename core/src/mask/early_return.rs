@@ -3,10 +3,10 @@
 
 use super::{DepthFormat, TemplateDepths};
 
-/// What a template holds that only shaders read ([`DepthFormat::Blocks`]).
+/// The values of a template for shaders alone ([`DepthFormat::Blocks`]).
 pub const RETURNS: TemplateDepths = TemplateDepths { shaded: 0.0, skipped: 1.0 };
 
-/// Where a shader finds the word of a pixel, and what it compares it with: words of a storage buffer, in this order.
+/// The place of a pixel's word in a template, and the word of shaded blocks: words of a storage buffer, in this order.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct ReturnParams {
@@ -42,7 +42,7 @@ impl ReturnParams {
         })
     }
 
-    /// Whether the fragment of a pixel, in a layer, returns early: what the shader computes, in its order.
+    /// Whether the fragment of a pixel in a layer returns early, by the shader's operations in their order.
     pub fn returns(&self, words: &[u32], layer: u32, [x, y]: [u32; 2]) -> bool {
         let row = (y >> self.row_shift) * self.row_words;
         let index = layer * self.layer_words + (row + (x >> self.column_shift));

@@ -1,8 +1,8 @@
 //! Every image barrier that we record, by name, so that tests can leave out each one and expect to be told.
 //!
-//! The images of both sides are COLOR_ATTACHMENT_OPTIMAL outside of our work ([`ImageBarrier::left_in`] is for those that are not), those of depth DEPTH_STENCIL_ATTACHMENT_OPTIMAL, as
+//! The images of both sides are COLOR_ATTACHMENT_OPTIMAL outside of our work, those of depth DEPTH_STENCIL_ATTACHMENT_OPTIMAL, as
 //! OpenXR has it (XR_KHR_vulkan_enable, "Swapchain Image Layout"): written by what came earlier on the same queue, read by
-//! what comes later. No two barriers have the same layouts and stages.
+//! what comes later; [`ImageBarrier::left_in`] has other layouts. No two barriers have the same layouts and stages.
 
 use ash::vk;
 use vk::{AccessFlags as Access, ImageLayout as Layout, PipelineStageFlags as Stage};
@@ -27,10 +27,10 @@ pub struct ImageBarrier {
 }
 
 impl ImageBarrier {
-    /// The same for an image that the application leaves in `layout`, and gets back so: of its own waiting for that nothing is known.
+    /// The same barrier for an image that the application leaves in `layout`, and gets back so, with all its commands before and after.
     pub fn left_in(self, layout: Layout) -> Self {
         let optimal = Layout::COLOR_ATTACHMENT_OPTIMAL;
-        // Nothing can be brought to the layouts of new images, and what is in them is not defined.
+        // No image can be brought to the layouts of new ones, whose content is undefined.
         let is_new = matches!(layout, Layout::UNDEFINED | Layout::PREINITIALIZED);
         match self {
             _ if layout == optimal || is_new => self,

@@ -1,4 +1,4 @@
-//! By which of two ways fragments are kept from being shaded: a template in depth, or a return at the begin of their shaders.
+//! The two ways of a mask: a template in depth, or a return at the beginning of fragment shaders.
 
 use super::DepthWork;
 use super::eligibility::{Eligible, MaskFacts, Reason, eligible, of_colors};
@@ -13,12 +13,12 @@ pub struct Returns {
     pub keeping_coverage: bool,
 }
 
-/// What keeps fragments from being shaded in a pass.
+/// The means by which a pass skips fragments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
     /// A template in depth.
     Template(Eligible),
-    /// Fragment shaders return at their begin, as far as they can: others shade everything, which is as well.
+    /// Fragment shaders return at their beginning; shaders without a return shade everything.
     Return {
         /// Only those do that cover the same samples, with the same depth: depth is as without, and so is what queries count
         /// and what conditions decide.
@@ -63,8 +63,8 @@ pub fn way(facts: &MaskFacts) -> Result<Way, Reason> {
     Ok(Way::Return { keeps_coverage, instead })
 }
 
-/// Whether what stands against a template does not stand against an early return, too: it leaves depth, stencil and the effects of
-/// other shaders as they are.
+/// Whether a pass without a template for this reason can have an early return, which leaves depth, stencil and the effects of other
+/// shaders as they are.
 fn allows_return(reason: Reason) -> bool {
     matches!(
         reason,

@@ -166,7 +166,7 @@ impl Player {
     /// Ends it where it is, and returns the record of its frames so far.
     ///
     /// # Errors
-    /// A record that cannot be read, or has fewer than `frames` frames.
+    /// As for [`Running::stop`].
     pub fn stop(self, frames: u64) -> Result<Record, HarnessError> {
         self.running.stop(frames)
     }

@@ -3,10 +3,10 @@
 use crate::image::Plane;
 use crate::perception::luminance::{BRIGHTEST_CD_M2, as_luminance};
 
-/// What is darker counts as this, cd/m^2: the least half float that each device has. An eye that sees it sees nothing else.
+/// Black, and all darker luminances, cd/m^2: the least normal half float, as devices may flush smaller ones to zero.
 pub const DARKEST_CD_M2: f32 = 1.0 / 16384.0;
 
-/// The half float that is nearest to a luminance, the greater of two; within 1 / 2048 of it. What is negative or NaN counts as black.
+/// Rounds a luminance to the nearest half float, the greater of two; within 1 / 2048 of it. Negative numbers and NaN count as black.
 ///
 /// By its bits, because devices round as they like: a number of eleven bits they keep.
 pub fn half(luminance_cd_m2: f32) -> f32 {

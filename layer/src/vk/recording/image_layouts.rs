@@ -33,6 +33,7 @@ pub unsafe extern "system" fn pipeline_barrier(
                 ()
             )
         },
+        // SAFETY: the application's own arguments, valid for the next layer as for us; `images` are `count`, as the specification demands.
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_pipeline_barrier) else { return };
             next(handle, from, to, flags, memory_count, memory, buffer_count, buffers, count, images);
@@ -55,6 +56,7 @@ pub unsafe extern "system" fn pipeline_barrier2(
         "vkCmdPipelineBarrier2",
         // SAFETY: the application's own arguments.
         || unsafe { pass_on!(with_buffer: handle, cmd_pipeline_barrier2(handle, info), ()) },
+        // SAFETY: as above: `info` is valid, with as many barriers as it says.
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_pipeline_barrier2) else { return };
             next(handle, info);
