@@ -70,7 +70,6 @@ fn checks(steps: &mut Steps, options: &Options) -> Result<Summary, String> {
         // Private items are documented too, so links to them are no mistake.
         let flags = "-D warnings -A rustdoc::private-intra-doc-links";
         steps.run("cargo doc", in_root(workspace("doc").args(doc)).env("RUSTDOCFLAGS", flags))?;
-        steps.run("cargo test --doc", in_root(workspace("test").args(["--doc", "--quiet"])))?;
     }
     steps.time("tests", || suite::run(options))
 }

@@ -66,12 +66,13 @@ impl Display for Summary {
             }
         }
         let count = |reasons: &BTreeMap<String, Vec<&str>>| reasons.values().map(Vec::len).sum::<usize>();
+        // In the words of Rust's own test runner, which programs that read the output of test runs know.
         writeln!(
             f,
-            "cargo dev: tests: {passed} passed, {} failed, {} skipped, {} not part of `test`, in {:.0} s",
+            "test result: {}. {passed} passed; {} failed; {} ignored; 0 measured; 0 filtered out; finished in {:.2}s",
+            if self.failed() == 0 { "ok" } else { "FAILED" },
             self.failed(),
-            count(&skipped),
-            count(&separate),
+            count(&skipped) + count(&separate),
             self.time.as_secs_f64()
         )?;
         for (title, reasons) in [("skipped", &skipped), ("not part of `test`", &separate)] {
@@ -123,7 +124,7 @@ mod tests {
     #[test]
     fn every_failure_is_named_with_its_cause() {
         let text = summary(false).to_string();
-        assert!(text.contains("20 passed, 2 failed, 2 skipped, 1 not part of `test`, in 100 s"), "{text}");
+        assert!(text.contains("test result: FAILED. 20 passed; 2 failed; 3 ignored; 0 measured; 0 filtered out; finished in 100.00s"), "{text}");
         assert!(text.contains("layer compose hangs: still running after its limit of 60 s"), "{text}");
         assert!(text.contains("layer compose fails: exit status: 101"), "{text}");
         assert!(text.contains("not on this machine: a GPU (layer compose no GPU)"), "{text}");
@@ -143,7 +144,7 @@ mod tests {
         let strict = summary(true);
         assert_eq!((summary(false).failed(), strict.failed()), (2, 3));
         let text = strict.to_string();
-        assert!(text.contains("20 passed, 3 failed, 1 skipped"), "{text}");
+        assert!(text.contains("20 passed; 3 failed; 2 ignored;"), "{text}");
         assert!(text.contains("layer compose no device: skipped: not installed: a Vulkan device"), "{text}");
     }
 }
