@@ -1,7 +1,8 @@
 //! The two ways of a mask: a template in depth, or a return at the beginning of fragment shaders.
 
 use super::DepthWork;
-use super::eligibility::{Eligible, MaskFacts, Reason, eligible, of_colors};
+use super::eligibility::{ColorFacts, Eligible, MaskFacts, Reason, eligible, of_colors};
+use ash::vk;
 use parafovea_core::mask::{DepthFormat, RETURNS};
 
 /// Whether fragment shaders of some pipelines can return early.
@@ -59,6 +60,11 @@ pub fn way(facts: &MaskFacts) -> Result<Way, Reason> {
     if !can || !allows_return(instead) {
         return Err(instead);
     }
+    // What shaders return by is no template that fills could be drawn by.
+    let is_several = |color: &&ColorFacts| color.is_stored && color.samples != vk::SampleCountFlags::TYPE_1;
+    if let Some(color) = facts.colors.iter().find(is_several) {
+        return Err(if instead == Reason::NoDepth { Reason::ColorSamples(color.samples) } else { instead });
+    }
     of_colors(facts.colors)?;
     Ok(Way::Return { keeps_coverage, instead })
 }
@@ -77,7 +83,6 @@ fn allows_return(reason: Reason) -> bool {
             | Reason::DepthReadWithin
             | Reason::DepthFormat(_)
             | Reason::Transient
-            | Reason::DepthRead
             | Reason::DepthResolved
             | Reason::DepthClearedLater
             | Reason::StencilLoaded
@@ -90,10 +95,9 @@ fn allows_return(reason: Reason) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::eligibility::{ColorFacts, DepthFacts, PipelineFacts};
+    use super::super::eligibility::{DepthFacts, PipelineFacts};
     use super::*;
     use crate::scene::PassFacts;
-    use ash::vk;
 
     const KEEPING: Returns = Returns { any: true, keeping_coverage: true };
     const ANY: Returns = Returns { any: true, keeping_coverage: false };
@@ -110,6 +114,7 @@ mod tests {
             usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
             clear: 1.0,
             is_loaded: false,
+            is_covered: false,
             is_read_within: false,
             stores_stencil: false,
             is_loaded_later: false,
@@ -167,6 +172,9 @@ mod tests {
         let format = vk::Format::R32_UINT;
         let identifiers = ColorFacts { format, ..color() };
         assert_eq!(of(None, false, KEEPING, identifiers), Err(Reason::ColorFormat(format)));
+        let samples = vk::SampleCountFlags::TYPE_4;
+        let several = ColorFacts { samples, ..color() };
+        assert_eq!(of(None, false, KEEPING, several), Err(Reason::ColorSamples(samples)));
         let pass = PassFacts { has_own_rates: true, ..PassFacts::default() };
         let pipelines = PipelineFacts { returns: KEEPING, ..PipelineFacts::default() };
         let colors = &[color()];
