@@ -1,16 +1,20 @@
 // Kernel `samples`: skipped pixels of pictures and of depth of several samples, drawn to all samples of a pixel at once.
 // Reference: core/src/kernels/samples.rs.
 
-struct TemplateParams {
-    width: u32,
+struct SampleParams {
+    row_words: u32,
     layer_words: u32,
-    texels_in_word: u32,
+    column_shift: u32,
+    row_shift: u32,
     shaded: u32,
+    width: u32,
+    height: u32,
+    padding: u32,
 }
 
 // Storage: lavapipe of Mesa 22.3 compiles a shader that branches on uniforms anew for each dispatch.
-@group(0) @binding(0) var<storage, read> params: TemplateParams;
-// The depth template.
+@group(0) @binding(0) var<storage, read> params: SampleParams;
+// The template.
 @group(0) @binding(1) var<storage, read> depths: array<u32>;
 // The picture, resolved and filled.
 @group(0) @binding(2) var picture: texture_2d_array<f32>;
@@ -35,10 +39,8 @@ fn corner(@builtin(vertex_index) index: u32) -> Corner {
 }
 
 fn is_shaded(layer: u32, pixel: vec2<i32>) -> bool {
-    let texel = u32(pixel.y) * params.width + u32(pixel.x);
-    let word = depths[layer * params.layer_words + texel / params.texels_in_word];
-    let bits = select(32u, 16u, params.texels_in_word == 2u);
-    return extractBits(word, bits * (texel % params.texels_in_word), bits) == params.shaded;
+    let at = vec2<u32>(pixel) >> vec2(params.column_shift, params.row_shift);
+    return depths[layer * params.layer_words + at.y * params.row_words + at.x] == params.shaded;
 }
 
 @fragment
@@ -66,8 +68,7 @@ fn depth(corner: Corner) -> @builtin(frag_depth) f32 {
     if is_shaded(corner.layer, pixel) {
         discard;
     }
-    // A layer of two texels a word may end with half a word.
-    let extent = vec2<i32>(vec2(params.width, params.layer_words * params.texels_in_word / params.width));
+    let extent = vec2<i32>(vec2(params.width, params.height));
     let origin = pixel / BLOCK * BLOCK;
     var source = pixel;
     for (var distance = 1; distance <= REACH; distance++) {

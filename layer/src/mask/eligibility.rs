@@ -19,6 +19,9 @@ pub struct MaskFacts<'a> {
     pub colors: &'a [ColorFacts],
     /// The pipelines that are used in it, together.
     pub pipelines: PipelineFacts,
+    /// Whether its fragment shaders return early where they can, as the device shades fragments of several samples whose depth tests have
+    /// all failed.
+    pub prefers_return: bool,
 }
 
 /// The depth attachment of a pass.
@@ -215,12 +218,12 @@ pub enum Reason {
     OwnRates,
     /// Rendering that is suspended and resumed.
     Suspended,
+    /// A CPU shades fragments all of whose samples have failed their depth tests.
+    ShadesHidden,
     /// Nothing is stored that shows.
     NothingStored,
     /// Pictures of this format cannot be interpolated.
     ColorFormat(vk::Format),
-    /// A picture with several samples is stored, and fragment shaders return early: what they return by is no template to draw by.
-    ColorSamples(vk::SampleCountFlags),
     /// The image does not allow to be copied.
     NotFillable,
     /// The depth image does not allow to be copied to.
@@ -265,14 +268,9 @@ impl fmt::Display for Reason {
             Self::SideEffects => "fragment shaders write to buffers or storage images",
             Self::OwnRates => "the application sets shading rates itself",
             Self::Suspended => "rendering is suspended or resumed",
+            Self::ShadesHidden => "the device shades hidden fragments of several samples",
             Self::NothingStored => "no colour attachment is stored",
             Self::ColorFormat(format) => return write!(f, "{format:?} cannot be interpolated"),
-            Self::ColorSamples(samples) => {
-                return write!(
-                    f,
-                    "multisampled colour ({samples:?}) is stored by a pass without a depth template"
-                );
-            }
             Self::NotFillable => "a colour image cannot be copied",
             Self::NotWritable => "the depth image cannot be copied to",
             Self::NotReadable => "the depth image cannot be copied from",
@@ -312,6 +310,9 @@ pub fn eligible(facts: &MaskFacts) -> Result<Eligible, Reason> {
         return Err(Reason::SideEffects);
     }
     let depth = facts.depth.ok_or(Reason::NoDepth)?;
+    if facts.prefers_return && depth.samples != vk::SampleCountFlags::TYPE_1 {
+        return Err(Reason::ShadesHidden);
+    }
     let (format, work) = of_depth(&depth, facts)?;
     if !facts.colors.is_empty() {
         of_colors(facts.colors)?;

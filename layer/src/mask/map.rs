@@ -8,6 +8,7 @@ use crate::passes::samples::{SampleFill, Skipped};
 use crate::scene::lay::RateImage;
 use crate::scene::{Part, Target};
 use ash::vk;
+use parafovea_core::kernels::samples::SampleParams;
 use parafovea_core::mask::{BLOCK, Mask, ReturnParams};
 use smallvec::SmallVec;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -226,9 +227,12 @@ impl MaskMap {
         if part.aspects == vk::ImageAspectFlags::COLOR {
             self.prepare(format)?;
         }
-        let words =
-            self.template().ok_or(GpuError::Unsupported("a template of this size with several samples"))?;
-        let skipped = Skipped { params: self.template.params(), words, extent: self.extent };
+        let Eligible { format: template, depths, .. } = self.eligible;
+        let params = SampleParams::new(self.extent, template, depths);
+        let (Some(words), Some(params)) = (self.template(), params) else {
+            return Err(GpuError::Unsupported("a template of this size with several samples"));
+        };
+        let skipped = Skipped { params, words };
         // Made without the lock, as above.
         let new = Arc::new(SampleFill::new(&self.gpu, part, (format, samples), skipped)?);
         self.kept_samples().push((target, Arc::clone(&new)));

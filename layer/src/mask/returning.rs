@@ -1,8 +1,7 @@
 //! The two ways of a mask: a template in depth, or a return at the beginning of fragment shaders.
 
 use super::DepthWork;
-use super::eligibility::{ColorFacts, Eligible, MaskFacts, Reason, eligible, of_colors};
-use ash::vk;
+use super::eligibility::{Eligible, MaskFacts, Reason, eligible, of_colors};
 use parafovea_core::mask::{DepthFormat, RETURNS};
 
 /// Whether fragment shaders of some pipelines can return early.
@@ -60,11 +59,6 @@ pub fn way(facts: &MaskFacts) -> Result<Way, Reason> {
     if !can || !allows_return(instead) {
         return Err(instead);
     }
-    // What shaders return by is no template that fills could be drawn by.
-    let is_several = |color: &&ColorFacts| color.is_stored && color.samples != vk::SampleCountFlags::TYPE_1;
-    if let Some(color) = facts.colors.iter().find(is_several) {
-        return Err(if instead == Reason::NoDepth { Reason::ColorSamples(color.samples) } else { instead });
-    }
     of_colors(facts.colors)?;
     Ok(Way::Return { keeps_coverage, instead })
 }
@@ -77,6 +71,7 @@ fn allows_return(reason: Reason) -> bool {
         Reason::NoDepth
             | Reason::Queried
             | Reason::SideEffects
+            | Reason::ShadesHidden
             | Reason::DepthUndefined
             | Reason::DepthLoaded
             | Reason::DepthUncleared
@@ -95,9 +90,10 @@ fn allows_return(reason: Reason) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::eligibility::{DepthFacts, PipelineFacts};
+    use super::super::eligibility::{ColorFacts, DepthFacts, PipelineFacts};
     use super::*;
     use crate::scene::PassFacts;
+    use ash::vk;
 
     const KEEPING: Returns = Returns { any: true, keeping_coverage: true };
     const ANY: Returns = Returns { any: true, keeping_coverage: false };
@@ -133,7 +129,7 @@ mod tests {
     ) -> Result<Way, Reason> {
         let pass = PassFacts { clears_depth: true, is_queried, ..PassFacts::default() };
         let pipelines = PipelineFacts { returns, ..PipelineFacts::default() };
-        way(&MaskFacts { pass, depth, colors: &[color], pipelines })
+        way(&MaskFacts { pass, depth, colors: &[color], pipelines, prefers_return: false })
     }
 
     #[test]
@@ -167,17 +163,34 @@ mod tests {
         assert_eq!(of(Some(transient), false, ANY, color()), Err(Reason::Transient));
     }
 
+    /// A template keeps no work from a CPU that tests depth of several samples.
+    #[test]
+    fn several_samples_return_early_where_that_saves_more() {
+        let pass = PassFacts { clears_depth: true, ..PassFacts::default() };
+        let of = |samples, returns, prefers_return| {
+            let pipelines = PipelineFacts { returns, ..PipelineFacts::default() };
+            let depth = Some(DepthFacts { samples, ..depth() });
+            way(&MaskFacts { pass, depth, colors: &[color()], pipelines, prefers_return })
+        };
+        let [one, four] = [vk::SampleCountFlags::TYPE_1, vk::SampleCountFlags::TYPE_4];
+        let returned = Way::Return { keeps_coverage: true, instead: Reason::ShadesHidden };
+        assert_eq!(of(four, KEEPING, true), Ok(returned));
+        for template in [of(four, KEEPING, false), of(one, KEEPING, true)] {
+            assert!(matches!(template, Ok(Way::Template(_))), "{template:?}");
+        }
+    }
+
     #[test]
     fn what_cannot_be_filled_is_left_alone() {
         let format = vk::Format::R32_UINT;
         let identifiers = ColorFacts { format, ..color() };
         assert_eq!(of(None, false, KEEPING, identifiers), Err(Reason::ColorFormat(format)));
-        let samples = vk::SampleCountFlags::TYPE_4;
-        let several = ColorFacts { samples, ..color() };
-        assert_eq!(of(None, false, KEEPING, several), Err(Reason::ColorSamples(samples)));
         let pass = PassFacts { has_own_rates: true, ..PassFacts::default() };
         let pipelines = PipelineFacts { returns: KEEPING, ..PipelineFacts::default() };
         let colors = &[color()];
-        assert_eq!(way(&MaskFacts { pass, depth: None, colors, pipelines }), Err(Reason::OwnRates));
+        assert_eq!(
+            way(&MaskFacts { pass, depth: None, colors, pipelines, prefers_return: false }),
+            Err(Reason::OwnRates)
+        );
     }
 }

@@ -98,11 +98,6 @@ impl DepthTemplate {
         self.is_storage
     }
 
-    /// How shaders read what it holds.
-    pub fn params(&self) -> TemplateParams {
-        TemplateParams::new(self.extent[0], (self.layer_size() / 4) as u32, self.format, self.depths)
-    }
-
     /// Its size in bytes.
     pub fn size(&self) -> u64 {
         self.layer_size() * u64::from(self.layers)

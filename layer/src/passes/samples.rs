@@ -7,7 +7,7 @@ use crate::gpu::{
     Owned, OwnedImage, SampleAspect, SamplePass, SampleTarget, Scope, array_view, depth_view,
 };
 use ash::vk;
-use parafovea_core::kernels::template::TemplateParams;
+use parafovea_core::kernels::samples::SampleParams;
 use std::ffi::CStr;
 use std::sync::Arc;
 
@@ -42,15 +42,13 @@ pub struct SampleFill {
 #[derive(Clone, Copy)]
 pub struct Skipped {
     /// How the words are read.
-    pub params: TemplateParams,
+    pub params: SampleParams,
     /// The template, a storage buffer that outlives what is made with it.
     pub words: vk::Buffer,
-    /// Size of what it is for, pixels.
-    pub extent: [u32; 2],
 }
 
 impl SampleFill {
-    /// Prepares to fill an image of this format and number of samples, of at least the extent that is said; `picture` has the layers to be
+    /// Prepares to fill an image of this format and number of samples, of at least the size that is said; `picture` has the layers to be
     /// filled, and all of its aspects.
     ///
     /// # Errors
@@ -59,9 +57,9 @@ impl SampleFill {
         gpu: &Arc<Gpu>,
         picture: ImagePart,
         (format, samples): (vk::Format, vk::SampleCountFlags),
-        Skipped { params, words, extent: [width, height] }: Skipped,
+        Skipped { params, words }: Skipped,
     ) -> Result<Self, GpuError> {
-        let extent = vk::Extent2D { width, height };
+        let extent = vk::Extent2D { width: params.width, height: params.height };
         let is_color = picture.aspects == vk::ImageAspectFlags::COLOR;
         let (aspect, entry): (_, &CStr) =
             if is_color { (SampleAspect::Color, c"color") } else { (SampleAspect::Depth, c"depth") };

@@ -81,7 +81,14 @@ fn eligible(application: &Application) -> Eligible {
     };
     let color = ColorFacts { format: COLOR, samples, is_stored: true, is_fillable: true };
     let pass = PassFacts { clears_depth: true, ..PassFacts::default() };
-    parafovea::mask::eligible(&MaskFacts { pass, depth: Some(depth), colors: &[color], pipelines }).unwrap()
+    parafovea::mask::eligible(&MaskFacts {
+        pass,
+        depth: Some(depth),
+        colors: &[color],
+        pipelines,
+        prefers_return: false,
+    })
+    .unwrap()
 }
 
 /// Pixels of the render area that are shaded.

@@ -87,4 +87,5 @@ pub const STYLES: &[&Style] = &[
     &alpha_to_coverage::STYLE,
     &frag_depth::STYLE,
     &msaa_passes::STYLE,
+    &msaa_passes::COVERING,
 ];

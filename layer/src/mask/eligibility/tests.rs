@@ -27,7 +27,7 @@ fn judged(
     let mut pipelines = PipelineFacts::default();
     pipelines.directions.see(vk::CompareOp::LESS);
     change(&mut pass, &mut depth, &mut color, &mut pipelines);
-    eligible(&MaskFacts { pass, depth: Some(depth), colors: &[color], pipelines })
+    eligible(&MaskFacts { pass, depth: Some(depth), colors: &[color], pipelines, prefers_return: false })
 }
 
 fn refused(
@@ -86,7 +86,7 @@ fn no_depth() {
     let color =
         ColorFacts { format: vk::Format::R8G8B8A8_SRGB, samples: ONE, is_stored: true, is_fillable: true };
     let (pass, pipelines) = (PassFacts::default(), PipelineFacts::default());
-    let facts = MaskFacts { pass, depth: None, colors: &[color], pipelines };
+    let facts = MaskFacts { pass, depth: None, colors: &[color], pipelines, prefers_return: false };
     assert_eq!(eligible(&facts), Err(Reason::NoDepth));
 }
 
@@ -228,7 +228,8 @@ fn a_depth_prepass_has_nothing_to_fill_but_depth() {
     let _ = judged(|_, depth, _, pipelines| facts = Some((*depth, *pipelines)));
     let (depth, pipelines) = facts.unwrap();
     let depth = DepthFacts { is_loaded_later: true, ..depth };
-    let without_color = eligible(&MaskFacts { pass, depth: Some(depth), colors: &[], pipelines });
+    let without_color =
+        eligible(&MaskFacts { pass, depth: Some(depth), colors: &[], pipelines, prefers_return: false });
     assert_eq!((without_color, without_color.map(|found| found.work.fills)), (prepass, Ok(true)));
 }
 

@@ -189,11 +189,18 @@ impl Masks {
             ..pass.facts
         };
         let how = How { coarsens: armed.frame.coarsens(), is_layered };
+        // Measured with llvmpipe of Mesa 26.2.6 (tests/baselines/engines.md).
+        let prefers_return = self.is_cpu && pipelines.returns.keeping_coverage && !target.fails_to_return();
+        if prefers_return && attachments.colors.is_empty() {
+            // Passes that go on with its depth find it as it is.
+            return Err(Reason::ShadesHidden);
+        }
         self.opened(&armed.objects, (target, how), attachments, place, |colors| MaskFacts {
             pass,
             depth: attachments.depth_facts(self, &armed.objects, place.covered_by.is_some()),
             colors,
             pipelines,
+            prefers_return,
         })
     }
 
@@ -315,6 +322,11 @@ impl Masks {
         // What temporal filters keep they read again: what is filled would go on from frame to frame.
         if instead == Reason::NoDepth && target.is_history() {
             return Err(Reason::History);
+        }
+        if instead == Reason::ShadesHidden {
+            // Where no shader can, there is a template, of another kind.
+            target.returns_early(keeps_coverage, Reason::New)?;
+            self.has_template.store(true, Ordering::Relaxed);
         }
         let map = target.map_to_return(instead)?;
         target.returns_early(keeps_coverage, instead)?;

@@ -173,6 +173,11 @@ impl TargetMask {
         }
     }
 
+    /// Whether no fragment shader that was tried returns early with its coverage kept.
+    pub(super) fn fails_to_return(&self) -> bool {
+        self.seen().returns[usize::from(true)] == Wanted::Failed
+    }
+
     /// Whether a fragment shader that returns early is waited for, with its coverage kept or not.
     pub fn waits_for_return(&self, keeps_coverage: bool) -> bool {
         let wanted = self.seen().returns[usize::from(keeps_coverage)];

@@ -13,6 +13,15 @@ use ash::vk;
 
 const SAMPLES: u32 = 4;
 
+/// The same with alpha to coverage: there fragment shaders decide which samples are covered, so that none may return early, and passes have
+/// templates on the CPU too.
+pub const COVERING: Style = Style {
+    name: "msaa-passes-alpha",
+    says: "as msaa-passes, with alpha to coverage",
+    start: |app| start(app, true),
+    ..STYLE
+};
+
 pub const STYLE: Style = Style {
     name: "msaa-passes",
     says: "four samples a pixel, a depth pre-pass and two passes that load its depth, resolved by a command",
@@ -30,11 +39,11 @@ pub const STYLE: Style = Style {
         };
         [eye(Eyes::Left), eye(Eyes::Right)].concat().into_iter().map(|pass| pass.samples(SAMPLES)).collect()
     },
-    start,
+    start: |app| start(app, false),
     ..Style::PLAIN
 };
 
-fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
+fn start<'a>(app: &'a App<'a>, alpha_to_coverage: bool) -> Result<Recorder<'a>> {
     let gpu = app.gpu;
     let depth = ImageSpec::new(DEPTH, app.size).samples(SAMPLES);
     let depth = gpu.image(&depth.usage(depth.usage & !vk::ImageUsageFlags::TRANSFER_SRC))?;
@@ -56,6 +65,7 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
     first.fragment = None;
     let first = gpu.pipeline(&first, app.scene.layout, &before.target)?;
     let pipelines = app.scene.pipelines_with(gpu, &eyes[0].1.target, &FORWARD, |spec| {
+        spec.alpha_to_coverage = alpha_to_coverage;
         if spec.depth.write {
             spec.depth = Depth { test: Some(vk::CompareOp::EQUAL), write: false };
         }
