@@ -95,8 +95,11 @@ fn rates(rates: &Rates) -> String {
     if rates.tiles.is_empty() {
         return "no plan".to_owned();
     }
-    let tiles: Vec<String> =
-        rates.tiles.iter().map(|(rate, share)| format!("{rate} {:.0} %", share * 100.0)).collect();
+    let share = |(rate, share): &(String, f32)| match rate.as_str() {
+        "skipped" => format!("4x4 blocks skipped {:.0} %", share * 100.0),
+        rate => format!("{rate} {:.0} %", share * 100.0),
+    };
+    let tiles: Vec<String> = rates.tiles.iter().map(share).collect();
     let shaded = format!("{:.0} % of the pixels shaded; tiles: {}", rates.shaded * 100.0, tiles.join(", "));
     let shaded = match rates.decided_on_gpu {
         true => format!("decided on the GPU by contrast; without a contrast estimate: {shaded}"),
@@ -203,6 +206,16 @@ mod tests {
         ] {
             assert!(text.lines().any(|found| found == line), "{line}\nin\n{text}");
         }
+    }
+
+    #[test]
+    fn masks_say_how_many_blocks_are_skipped() {
+        let active = active();
+        let tiles = vec![("skipped".to_owned(), 0.4), ("1x1".to_owned(), 0.6)];
+        let rates = Rates { tiles, shaded: 0.6, ..active.rates.clone() };
+        let text = shown(Status { rates, ..active });
+        let line = "  tiles     60 % of the pixels shaded; tiles: 4x4 blocks skipped 40 %, 1x1 60 %";
+        assert!(text.lines().any(|found| found == line), "{text}");
     }
 
     #[test]
