@@ -1,13 +1,15 @@
 extends Node3D
 ## Runs the scene in OpenXR and says what its frames cost.
 ##
-## Arguments behind `--`: `msaa=0|2|4`, `warm=N` and `settle=S` (frames and seconds before the measurement), `frames=N` (of a round), `rounds=N`.
+## Arguments behind `--`: `msaa=0|2|4`, `head=still|moving`, `warm=N` and `settle=S` (frames and seconds before the measurement), `frames=N` (of a
+## round), `rounds=N`. Where it cannot go on it says why and quits; `run.sh` ends it after an error of the script.
 ## Each round prints what a frame of it cost, and the CPU time of the process at its start and end, in milliseconds. Everything moves by the
 ## number of the frame, counted anew from the first round: two runs show the same pictures.
 
 const Room = preload("res://room.gd")
+const MSAA := {"0": Viewport.MSAA_DISABLED, "2": Viewport.MSAA_2X, "4": Viewport.MSAA_4X}
 
-var arguments := {"msaa": "0", "warm": "30", "settle": "0", "frames": "10", "rounds": "2"}
+var arguments := {"msaa": "0", "head": "still", "warm": "30", "settle": "0", "frames": "10", "rounds": "2"}
 var frame := 0
 var rounds := -1
 var room: Node3D
@@ -19,15 +21,19 @@ var began_ms := 0.0
 func _ready() -> void:
 	for argument in OS.get_cmdline_user_args():
 		var parts := argument.split("=")
+		if parts.size() != 2 or not parts[0] in arguments:
+			return fail("unknown argument `%s`; known are %s" % [argument, arguments.keys()])
 		arguments[parts[0]] = parts[1]
+	if not arguments.msaa in MSAA or not arguments.head in ["still", "moving"]:
+		return fail("msaa is 0, 2 or 4, and head is still or moving, not %s" % arguments)
 	var xr := XRServer.find_interface("OpenXR")
 	if xr == null or not xr.is_initialized():
-		print("engine failed: no OpenXR")
-		get_tree().quit(1)
-		return
+		return fail("no OpenXR")
+	xr.session_stopping.connect(func() -> void: fail("the session ends"))
+	xr.instance_exiting.connect(func() -> void: fail("the runtime ends"))
 	var viewport := get_viewport()
 	viewport.use_xr = true
-	viewport.msaa_3d = {"0": Viewport.MSAA_DISABLED, "2": Viewport.MSAA_2X, "4": Viewport.MSAA_4X}[arguments.msaa]
+	viewport.msaa_3d = MSAA[arguments.msaa]
 	origin = XROrigin3D.new()
 	camera = XRCamera3D.new()
 	origin.add_child(camera)
@@ -41,8 +47,9 @@ func _ready() -> void:
 func _process(_delta: float) -> void:
 	if room == null:
 		return
-	# The simulated head moves by itself; held still, pictures of two runs are the same.
-	origin.transform = Transform3D(Basis.IDENTITY, Vector3(0, 1.6, 4)) * camera.transform.affine_inverse()
+	# The simulated head moves by itself; held still, or moved by the frame's number, pictures of two runs are the same.
+	var turned := 0.4 * sin(frame * 0.2) if arguments.head == "moving" else 0.0
+	origin.transform = Transform3D(Basis(Vector3.UP, turned), Vector3(0, 1.6, 4)) * camera.transform.affine_inverse()
 	room.move(frame)
 	frame += 1
 	if rounds < 0:
@@ -53,7 +60,15 @@ func _process(_delta: float) -> void:
 		print("engine round: %.2f %.0f %.0f" % [(now - began_ms) / int(arguments.frames), began_ms, now])
 		begin_round()
 		if rounds >= int(arguments.rounds):
+			room = null
 			get_tree().quit()
+
+
+## Says why it cannot go on, and quits.
+func fail(reason: String) -> void:
+	printerr("engine failed: ", reason)
+	room = null
+	get_tree().quit(1)
 
 
 func begin_round() -> void:

@@ -60,16 +60,18 @@ fn run(request: &Request) -> Result<(), String> {
     let mut failures = Vec::new();
     for engine in engines {
         match judge(&system, engine, request.scale, request.turns) {
+            // At once: the next engine takes minutes.
+            Ok(found) if request.json => {
+                // Structures of strings and numbers always serialise.
+                found
+                    .iter()
+                    .for_each(|found| println!("{}", serde_json::to_string(found).unwrap_or_default()));
+            }
             Ok(found) => findings.extend(found),
             Err(error) => failures.push(error.to_string()),
         }
     }
-    if request.json {
-        for finding in &findings {
-            // Structures of strings and numbers always serialise.
-            println!("{}", serde_json::to_string(finding).unwrap_or_default());
-        }
-    } else {
+    if !request.json {
         print_table(&findings);
     }
     match failures.is_empty() {

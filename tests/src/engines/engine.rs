@@ -7,23 +7,32 @@ pub struct Engine {
     pub renderer: &'static str,
     /// Samples of a pixel.
     pub samples: u32,
+    /// Whether the head turns from frame to frame.
+    pub moves: bool,
 }
 
 impl Engine {
     /// All of them.
-    pub const ALL: [Self; 6] = [
-        Self { renderer: "mobile", samples: 1 },
-        Self { renderer: "mobile", samples: 2 },
-        Self { renderer: "mobile", samples: 4 },
-        Self { renderer: "forward_plus", samples: 1 },
-        Self { renderer: "forward_plus", samples: 2 },
-        Self { renderer: "forward_plus", samples: 4 },
+    pub const ALL: [Self; 8] = [
+        Self::still("mobile", 1),
+        Self::still("mobile", 2),
+        Self::still("mobile", 4),
+        Self::still("forward_plus", 1),
+        Self::still("forward_plus", 2),
+        Self::still("forward_plus", 4),
+        Self { moves: true, ..Self::still("mobile", 1) },
+        Self { moves: true, ..Self::still("forward_plus", 4) },
     ];
+
+    const fn still(renderer: &'static str, samples: u32) -> Self {
+        Self { renderer, samples, moves: false }
+    }
 
     /// Its name in tables.
     pub fn name(self) -> String {
         let renderer = self.renderer.replace("_plus", "+");
-        format!("godot-{renderer}-msaa{}", self.msaa())
+        let moves = if self.moves { "-moving" } else { "" };
+        format!("godot-{renderer}-msaa{}{moves}", self.msaa())
     }
 
     /// Godot's number for the samples of a pixel: 0 for one.
@@ -39,6 +48,7 @@ impl Engine {
             self.renderer.to_owned(),
             "--".to_owned(),
             format!("msaa={}", self.msaa()),
+            format!("head={}", if self.moves { "moving" } else { "still" }),
             format!("warm={warm}"),
             format!("settle={settle_s}"),
             format!("frames={frames}"),
@@ -129,7 +139,10 @@ mod tests {
         let names: std::collections::BTreeSet<_> = Engine::ALL.map(Engine::name).into();
         assert_eq!(names.len(), Engine::ALL.len());
         assert!(names.contains("godot-mobile-msaa0") && names.contains("godot-forward+-msaa4"), "{names:?}");
-        let command = Engine { renderer: "mobile", samples: 1 }.command(&settings).join(" ");
-        assert!(command.ends_with("mobile -- msaa=0 warm=30 settle=60 frames=10 rounds=2"), "{command}");
+        let command = Engine::still("mobile", 1).command(&settings).join(" ");
+        assert!(
+            command.ends_with("mobile -- msaa=0 head=still warm=30 settle=60 frames=10 rounds=2"),
+            "{command}"
+        );
     }
 }
