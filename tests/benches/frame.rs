@@ -137,7 +137,7 @@ impl Request {
                 "--error-frames" => request.judged.frames = number("--error-frames", &value(), 0)?,
                 "--error-size" => request.judged.size = number("--error-size", &value(), 16)? as u32,
                 "--head" => request.head_deg_per_s = Some(number("--head", &value(), 0)? as f32),
-                other => return Err(format!("unknown argument `{other}`; there are {ARGUMENTS}")),
+                other => return Err(format!("unknown argument `{other}`; allowed: {ARGUMENTS}")),
             }
         }
         if request.head_deg_per_s.is_some() && request.judged.frames > 0 {

@@ -79,7 +79,7 @@ fn install_with_apt(root: &[&str], missing: &[&Need]) {
         let words =
             [root, &["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "--quiet"], arguments].concat();
         if !run_with_progress(&words).is_ok_and(|status| status.success()) {
-            eprintln!("cargo dev: apt-get {} did not succeed", arguments.join(" "));
+            eprintln!("cargo dev: apt-get {} failed", arguments.join(" "));
         }
     };
     apt(&["update"]);
@@ -87,7 +87,7 @@ fn install_with_apt(root: &[&str], missing: &[&Need]) {
     let (known, unknown): (Vec<&str>, Vec<&str>) =
         wanted.into_iter().partition(|package| has_candidate(package));
     for package in unknown {
-        eprintln!("cargo dev: this release has no package {package}");
+        eprintln!("cargo dev: this release of the system has no package {package}");
     }
     if !known.is_empty() {
         apt(&[&["install", "--yes", "--no-install-recommends"], known.as_slice()].concat());
@@ -143,17 +143,17 @@ fn report(missing: &[&Need], manager: Option<Manager>) -> Result<(), String> {
     if missing.is_empty() {
         return Ok(());
     }
-    eprintln!("cargo dev: missing on this machine, continuing without:");
+    eprintln!("cargo dev: missing on this machine; continuing without:");
     for need in missing {
         eprintln!("  {}: without it {}", need.what, need.without);
     }
     match manager {
         Some(manager) => {
-            eprintln!("as root: {}", manager.install_command(&packages(missing, manager)));
+            eprintln!("to install, as root: {}", manager.install_command(&packages(missing, manager)));
         }
         None => {
             for manager in Manager::ALL {
-                eprintln!("as root: {}", manager.install_command(&packages(missing, manager)));
+                eprintln!("to install, as root: {}", manager.install_command(&packages(missing, manager)));
             }
         }
     }

@@ -78,7 +78,7 @@ fn too_few_entries_are_an_error() {
     assert_eq!(fit(&repeated), Err(FitError::TooFewRows { found: 3 }));
     assert_eq!(
         fit(&three).unwrap_err().to_string(),
-        "3 entries with different features; 4 coefficients need as many at least"
+        "3 entries with different features; 4 coefficients need at least as many"
     );
 }
 

@@ -150,7 +150,7 @@ fn next<'a, 'b>(
 where
     'a: 'b,
 {
-    free.next().ok_or(GpuError::Invalid("more regions than a submit has room for"))
+    free.next().ok_or(GpuError::Invalid("more regions than fit in one submission"))
 }
 
 fn is_same(reuse: &ReuseRegion, region: &ComposeRegion) -> bool {

@@ -53,7 +53,7 @@ impl Listing {
                 let topic = if outcome.is_ok() { Topic::Scene } else { Topic::OtherPass };
                 tell(topic, &Line { shape, outcome });
                 if self.lines == MOST_LINES {
-                    tell(Topic::OtherPass, &"no further passes are listed");
+                    tell(Topic::OtherPass, &"further passes are not listed");
                 }
             }
         }

@@ -158,7 +158,7 @@ impl SessionActions {
             Due::Sync(gaze) => self.sync_ours(session, gaze),
             Due::SyncAhead(gaze) => {
                 tracing::info!(
-                    "the application does not synchronise its actions: the layer synchronises the eye tracker's alone"
+                    "the application does not synchronise its actions: the layer synchronises those of the eye tracker"
                 );
                 self.profiles.synchronised_ahead(session);
                 self.sync_ours(session, gaze);

@@ -32,7 +32,7 @@ impl Depth {
             // The device is behind: this picture goes without.
             Err(GpuError::Timeout) => Self::There { source, newest: None },
             Err(error) => {
-                error.tell("no reprojection by depth");
+                error.tell("no reprojection with depth");
                 Self::Never
             }
         }
@@ -106,7 +106,7 @@ impl Swapchain {
                 Depth::There { source, newest: None }
             }
             Err(reason) => {
-                tracing::info!("no reprojection by depth: {reason}");
+                tracing::info!("no reprojection with depth: {reason}");
                 Depth::Never
             }
         }
