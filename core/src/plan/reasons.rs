@@ -78,7 +78,7 @@ impl fmt::Display for Reason {
             Self::LeastFovea => "area of full rate kept at its least radius",
             Self::FixedCap => "rates capped at fixed foveation",
             Self::Silence => "silence",
-            Self::NothingMeasured => "no sound or contrast known: fixed foveation",
+            Self::NothingMeasured => "sound and contrast unknown: fixed foveation",
             Self::LeastFrequency => "periphery kept at its least frequency",
             Self::HeadMoves => "head movement: regions updated early",
             Self::ContentChanges => "changing content: rendered in every frame",

@@ -220,7 +220,7 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) -
         }
         Err(error) => {
             error.tell(
-                "frames fail from now on, because no new images can be shown; restart the application, with preset = \"none\" if this happens again",
+                "all further frames fail, because no new images can be shown; restart the application, with preset = \"none\" if this happens again",
             );
             active.worsen_to(Health::Stopped);
             tools.gpu.give_up();

@@ -101,7 +101,7 @@ impl Swapchain {
                 let DepthShape { format, extent, array_layers } = *source.kept().shape();
                 let (width, height) = (extent.width, extent.height);
                 tracing::info!(
-                    "depth of {width}x{height}x{array_layers} {format:?}: used for reprojection as the head moves"
+                    "depth of {width}x{height}x{array_layers} {format:?}: used for reprojection of head movement"
                 );
                 Depth::There { source, newest: None }
             }

@@ -210,8 +210,7 @@ mod tests {
         let active = active();
         let rates = Rates { decided_on_gpu: true, ..active.rates.clone() };
         let text = shown(Status { rates, ..active });
-        let line =
-            "tiles     decided on the GPU by contrast; without a contrast estimate: 77 % of the pixels";
+        let line = "tiles     decided on the GPU by contrast; by eccentricity alone: 77 % of the pixels";
         assert!(text.contains(line), "{text}");
     }
 
