@@ -76,8 +76,9 @@ fn install_with_apt(root: &[&str], missing: &[&Need]) {
     eprintln!("cargo dev: installing {}", wanted.join(" "));
     let apt = |arguments: &[&str]| {
         // `env` because sudo drops variables of its own accord.
-        let words =
-            [root, &["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "--quiet"], arguments].concat();
+        let apt_get: &[&str] =
+            &["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "--quiet", "-o", "APT::Status-Fd=9"];
+        let words = [root, &STATUS_APART, apt_get, arguments].concat();
         if !run_with_progress(&words).is_ok_and(|status| status.success()) {
             eprintln!("cargo dev: apt-get {} failed", arguments.join(" "));
         }
@@ -94,11 +95,14 @@ fn install_with_apt(root: &[&str], missing: &[&Need]) {
     }
 }
 
-/// Runs apt-get, and shows how far it is: it writes its state to standard output, among its messages, which are dropped. Its errors go to
-/// standard error.
+/// Before a command: what it writes to descriptor 9 goes to standard output, and its messages are dropped. If apt-get's state went to its own
+/// standard output, installation scripts that print would fail on systems without /dev/pts. The shell is behind sudo, which closes descriptors.
+const STATUS_APART: [&str; 4] = ["sh", "-c", "exec \"$@\" 9>&1 >/dev/null", "sh"];
+
+/// Runs apt-get, whose state comes from standard output, and shows its progress. Its errors go to standard error.
 fn run_with_progress(words: &[&str]) -> std::io::Result<ExitStatus> {
     let mut command = Command::new(words[0]);
-    command.args(&words[1..]).args(["-o", "APT::Status-Fd=1"]).stdin(Stdio::null()).stdout(Stdio::piped());
+    command.args(&words[1..]).stdin(Stdio::null()).stdout(Stdio::piped());
     let mut child = command.spawn()?;
     let mut meter = Meter::new("apt-get");
     for line in child.stdout.take().into_iter().flat_map(|output| BufReader::new(output).split(b'\n')) {
@@ -188,5 +192,13 @@ mod tests {
         assert_eq!(apt_progress("pmstatus:libc6:50.0:Unpacking libc6"), Some((0.75, "Unpacking libc6")));
         assert_eq!(apt_progress("Reading package lists..."), None);
         assert_eq!(apt_progress("Setting up x: a: b: c"), None);
+    }
+    #[test]
+    fn the_state_of_apt_is_apart_from_its_messages() {
+        let apt_get = ["sh", "-c", "echo message; echo pmstatus:a:50.0:Unpacking a >&9"];
+        let words = [&STATUS_APART[..], &apt_get].concat();
+        let output = Command::new(words[0]).args(&words[1..]).output().unwrap();
+        assert_eq!(output.stdout, b"pmstatus:a:50.0:Unpacking a\n");
+        assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
     }
 }

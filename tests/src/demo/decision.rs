@@ -33,9 +33,15 @@ impl Decision {
             return Self::left_alone(&format!("trials measured {measured}"));
         }
         if status.passes_matched == 0 {
-            let last =
-                status.decisions.last().map_or("no render pass was recognised as the scene", String::as_str);
-            return Self::left_alone(last);
+            let has = |words: &str| status.decisions.iter().rfind(|decision| decision.contains(words));
+            let refused =
+                has("left alone by the mask backend: ").or(has("active, but without visible effect"));
+            let why = match (refused, has(": the scene: ")) {
+                (Some(refused), _) => refused.as_str(),
+                (None, Some(_)) => "the scene was recognised, but not shaded coarsely in the last frame",
+                (None, None) => "no render pass was recognised as the scene",
+            };
+            return Self::left_alone(why);
         }
         let passes =
             if status.passes_matched == 1 { "1 pass" } else { &format!("{} passes", status.passes_matched) };
@@ -98,6 +104,12 @@ mod tests {
                     .to_owned()
             )
         );
+        // A decision in favour of coarse shading is no reason against it.
+        let decisions = ["pass 8x8: the scene: left eye: named", "scene passes of 8x8: masked"];
+        let masked = Status { decisions: decisions.map(str::to_owned).into(), ..status(true, None, 0) };
+        assert!(told(&masked).1.contains("not shaded coarsely in the last frame"));
+        let unrecognised = Status { decisions: Vec::new(), ..status(true, None, 0) };
+        assert!(told(&unrecognised).1.contains("no render pass was recognised"));
         let inert = Status { inert: "Direct3D".to_owned(), ..status(true, None, 2) };
         assert_eq!(told(&inert), (false, "left alone: Direct3D".to_owned()));
         let backend = Status { backend: "none".to_owned(), ..status(true, None, 2) };
