@@ -191,7 +191,7 @@ fn planted_sentences_are_found() {
     }
     for fine in [
         "Where does it work?",
-        "It says which passes are left alone, and where.",
+        "It lists which passes are left alone, and where.",
         "shading rates: dropped: a slowdown of 20 %",
         "a theme song; thosemes",
         "an impayable sum does not payload",
