@@ -38,7 +38,7 @@ pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> 
             format!("No running application named {name}")
         });
         eprintln!(
-            "parafovea: {which} has an OpenXR session with Parafovea; to list those that do: parafovea status"
+            "parafovea: {which} has an OpenXR session with Parafovea; to list all that have one: parafovea status"
         );
         return ExitCode::FAILURE;
     }
