@@ -128,7 +128,7 @@ impl fmt::Display for Preset {
 
 /// A name that no preset has.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{0:?} is no preset; allowed are quality, balanced, performance, streaming and paper")]
+#[error("{0:?} is not a preset; allowed: quality, balanced, performance, streaming and paper")]
 pub struct UnknownPreset(pub String);
 
 impl FromStr for Preset {

@@ -78,12 +78,12 @@ impl fmt::Display for Reason {
             Self::LeastFovea => "area of full rate kept at its least radius",
             Self::FixedCap => "rates capped at fixed foveation",
             Self::Silence => "silence",
-            Self::NothingMeasured => "no sound or contrast known: fixed foveation",
+            Self::NothingMeasured => "sound and contrast unknown: fixed foveation",
             Self::LeastFrequency => "periphery kept at its least frequency",
-            Self::HeadMoves => "head moves: regions updated before that shows",
-            Self::ContentChanges => "content changes: rendered in each frame there",
-            Self::Refresh => "refresh demanded: every tile rendered",
-            Self::ClockStopped => "clock stands: no coarsening",
+            Self::HeadMoves => "head movement: regions updated early",
+            Self::ContentChanges => "changing content: rendered in every frame",
+            Self::Refresh => "refresh requested: every tile rendered",
+            Self::ClockStopped => "the clock does not advance: no coarsening",
             Self::ViewMalformed => "view without a usable field of view: full rate",
         })
     }

@@ -214,7 +214,7 @@ impl Compose {
                 _ => self.completes(format),
             };
             if !is_there {
-                return Err(GpuError::Invalid("pipelines that are not there yet"));
+                return Err(GpuError::Invalid("pipelines that are not compiled yet"));
             }
         }
         let draws = Draws::new(jobs)?;
@@ -308,7 +308,7 @@ fn check(jobs: &[ComposeJob]) -> Result<(), GpuError> {
             return Err(GpuError::Invalid("an image index out of range"));
         }
         if !job.app.shape().fits(job.runtime.shape()) {
-            return Err(GpuError::Invalid("two swapchains of different shape"));
+            return Err(GpuError::Invalid("two swapchains of different sizes"));
         }
         let twice = |other: &ComposeJob| {
             other.app_image() == job.app_image() || other.runtime_image() == job.runtime_image()
@@ -321,7 +321,7 @@ fn check(jobs: &[ComposeJob]) -> Result<(), GpuError> {
     let reused: usize = jobs.iter().map(|job| job.reuse.len()).sum();
     let compared: usize = jobs.iter().map(|job| job.changes.len()).sum();
     if reused > MAX_REUSED || compared > MAX_COMPARED {
-        return Err(GpuError::Invalid("more regions than a submit has room for"));
+        return Err(GpuError::Invalid("more regions than fit in one submission"));
     }
     Ok(())
 }
@@ -340,7 +340,7 @@ fn check_reuse(job: &ComposeJob) -> Result<(), GpuError> {
     let lacks = moved.any(|(region, age)| region.reuse.has_moved_since(age) && !has_depth(region, age));
     let has_moved = |region: &ChangeRegion| (1..=MAX_AGES).any(|age| region.reuse.has_moved_since(age));
     if lacks || job.changes.iter().any(|region| has_moved(region) && region.depth.is_none()) {
-        return Err(GpuError::Invalid("a head that moved, and no depth"));
+        return Err(GpuError::Invalid("head movement without depth"));
     }
     depths(job).try_for_each(PictureDepth::check)
 }
@@ -368,7 +368,7 @@ fn check_earlier(
             && fits(0, shape.extent.width)
             && fits(1, shape.extent.height);
         if !is_there {
-            return Err(GpuError::Invalid("an earlier picture that is not there"));
+            return Err(GpuError::Invalid("a missing history image"));
         }
     }
     Ok(())

@@ -123,7 +123,7 @@ fn read(path: &Path) -> Option<GazeScript> {
         let file = OpenOptions::new().read(true).custom_flags(libc::O_NONBLOCK).open(path);
         let file = file.map_err(|error| error.to_string())?;
         if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
-            return Err("not a file".to_owned());
+            return Err("not a regular file".to_owned());
         }
         let mut text = String::new();
         file.take(MOST_BYTES).read_to_string(&mut text).map_err(|error| error.to_string())?;

@@ -14,16 +14,16 @@ use std::time::{Duration, SystemTime};
 /// How it is shown.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Options {
-    /// Application to show: its OpenXR application name, its executable's name or its process ID
+    /// Application to show, by OpenXR application name, executable name or process ID
     #[arg(value_name = "APPLICATION")]
     application: Option<String>,
-    /// Show this debug view in the headset until the application ends; "settings": the configured one
+    /// Show this debug view in the headset until the application ends; "settings" returns to the configured view
     #[arg(long, value_name = "VIEW", value_parser = view::parser())]
     view: Option<String>,
     /// Show the state once, instead of every second
     #[arg(long)]
     once: bool,
-    /// Print one JSON object per application and second, each on its own line
+    /// Print one JSON object per line, for each application and second
     #[arg(long)]
     json: bool,
 }
@@ -31,7 +31,7 @@ pub struct Options {
 /// Back to the top left corner, and all below it cleared.
 const CLEAR: &str = "\x1b[H\x1b[2J";
 
-/// Shows the applications with the layer, until it is interrupted or nobody reads.
+/// Shows the applications with the layer, until it is interrupted or its reader ends.
 pub fn status(options: Options) -> ExitCode {
     let environment = Environment::of_process(false);
     if environment.runtime_dir().is_none() {

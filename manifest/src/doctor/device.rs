@@ -24,7 +24,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
         Err(reason) => findings.push(unknown("capabilities of the GPU", reason)),
         Ok(vulkan) if vulkan.devices.is_empty() => findings.push(
             Finding::problem("no-device", "Vulkan finds no device", "Games that use Vulkan do not start.")
-                .advise("install a driver (Debian, Ubuntu: mesa-vulkan-drivers, or that of NVIDIA)"),
+                .advise("install a driver (Debian, Ubuntu: mesa-vulkan-drivers, or the NVIDIA driver)"),
         ),
         Ok(vulkan) => {
             findings.extend(of_devices(&vulkan.devices));
@@ -79,7 +79,7 @@ fn of_devices(devices: &[Device]) -> Vec<Finding> {
                 "Virtual reality is too slow on it, with or without Parafovea.",
             )
             .advise(
-                "install the driver of your GPU (Debian, Ubuntu: mesa-vulkan-drivers, or that of NVIDIA)",
+                "install the driver of your GPU (Debian, Ubuntu: mesa-vulkan-drivers, or the NVIDIA driver)",
             ),
         );
     }
@@ -95,7 +95,7 @@ fn of_device(device: &Device) -> Option<Finding> {
     if device.rates.is_empty() {
         let finding = Finding::warning(
             "no-shading-rates",
-            format!("{name} has no shading rates (VK_KHR_fragment_shading_rate with attachments)"),
+            format!("{name} does not support shading-rate attachments (VK_KHR_fragment_shading_rate)"),
             "Parafovea uses a mask instead, which suits fewer games and saves less.",
         )
         .advise(
@@ -111,8 +111,9 @@ fn of_device(device: &Device) -> Option<Finding> {
         0 => String::new(),
         samples => format!(", with up to {samples} samples a pixel"),
     };
-    let found =
-        format!("{name} has shading rates up to {coarsest}, in tiles of {texel} pixels, {layers}{samples}");
+    let found = format!(
+        "{name} supports shading rates up to {coarsest}, in tiles of {texel} pixels, {layers}{samples}"
+    );
     Some(match coarsest {
         "4x4" => Finding::good("shading-rates", found),
         _ => {
@@ -135,7 +136,7 @@ fn quirks(device: &Device, changes: &str) -> Vec<Finding> {
     }
     let finding = |quirk: &&Quirk| {
         let found = format!("{}: quirk {}: {}", device.name, quirk.name, quirk.doc);
-        Finding::note("quirk", found, format!("Known from: {}.", quirk.source))
+        Finding::note("quirk", found, format!("Source: {}.", quirk.source))
     };
     quirks_of(device, changes).rows.iter().map(finding).collect()
 }
@@ -152,14 +153,14 @@ fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
         return vec![
             Finding::problem(
                 "runtime-refuses",
-                format!("the OpenXR runtime creates no instance: {}", runtime.failure),
+                format!("the OpenXR runtime cannot create an instance: {}", runtime.failure),
                 "Games find no headset.",
             )
             .advise("start the runtime (SteamVR, or the service of WiVRn or Monado), then run parafovea doctor again"),
         ];
     }
     let version = runtime.version.map(|part| part.to_string()).join(".");
-    let mut findings = vec![Finding::good("runtime-answers", format!("{} {version} answers", runtime.name))];
+    let mut findings = vec![Finding::good("runtime-answers", format!("{} {version} responds", runtime.name))];
     if !has("XR_KHR_vulkan_enable") && !has("XR_KHR_vulkan_enable2") {
         findings.push(
             Finding::problem(

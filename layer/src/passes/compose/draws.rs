@@ -44,7 +44,7 @@ impl<'a> Draws<'a> {
     pub(super) fn new(jobs: &[ComposeJob<'a>]) -> Result<Self, GpuError> {
         let mut draws = SmallVec::new();
         let mut add = |draw| match draws.len() {
-            MAX_REGIONS => Err(GpuError::Invalid("more regions than a submit has room for")),
+            MAX_REGIONS => Err(GpuError::Invalid("more regions than fit in one submission")),
             _ => {
                 draws.push(draw);
                 Ok(())

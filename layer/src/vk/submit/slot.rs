@@ -267,7 +267,7 @@ impl Staging {
         unsafe {
             let requirements = device.get_buffer_memory_requirements(self.buffer);
             let kind = memory_type(memory, requirements.memory_type_bits, coherent)
-                .ok_or(GpuError::Unsupported("a device without a fitting memory type"))?;
+                .ok_or(GpuError::Unsupported("a device without a suitable memory type"))?;
             let info =
                 vk::MemoryAllocateInfo::default().allocation_size(requirements.size).memory_type_index(kind);
             self.memory =

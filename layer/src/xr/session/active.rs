@@ -73,7 +73,7 @@ impl Active {
             make()
                 .inspect_err(|error: &GpuError| {
                     error.tell(
-                        "re-use, chroma attenuation and debug views are off: the layer cannot create its objects on this device",
+                        "re-use, chroma attenuation and debug views are off: the layer cannot create its Vulkan objects on this device",
                     );
                 })
                 .ok()

@@ -17,7 +17,7 @@ pub fn of_all(found: &[Found], gone: usize, asked: Option<&str>, environment: &E
         ));
     }
     if gone > 0 {
-        text.push(format!("Not responding: {gone}. They crashed, or hang.\n"));
+        text.push(format!("Not responding: {gone} (crashed or hanging).\n"));
     }
     text.join("\n")
 }
@@ -86,20 +86,20 @@ fn gaze(gaze: &Gaze) -> String {
 fn sound(sound: &Sound) -> String {
     match (sound.source.as_str(), sound.is_heard) {
         ("off", _) => "off".to_owned(),
-        (source, true) => format!("{source}: heard"),
-        (source, false) => format!("{source}: no reliable features"),
+        (source, true) => format!("{source}: valid"),
+        (source, false) => format!("{source}: no valid loudness and pitch"),
     }
 }
 
 fn rates(rates: &Rates) -> String {
     if rates.tiles.is_empty() {
-        return "no plan".to_owned();
+        return "no frame planned yet".to_owned();
     }
     let tiles: Vec<String> =
         rates.tiles.iter().map(|(rate, share)| format!("{rate} {:.0} %", share * 100.0)).collect();
     let shaded = format!("{:.0} % of the pixels shaded; tiles: {}", rates.shaded * 100.0, tiles.join(", "));
     let shaded = match rates.decided_on_gpu {
-        true => format!("decided on the GPU by contrast; without a contrast estimate: {shaded}"),
+        true => format!("decided on the GPU by contrast; by eccentricity alone: {shaded}"),
         false => shaded,
     };
     if rates.rendered < 1.0 {
@@ -136,15 +136,15 @@ pub fn why_not_drawn(status: &Status) -> &'static str {
 fn gate(gate: &Gate) -> String {
     let saved = match gate.ratio {
         Some(ratio) => format!(": {}", effect(ratio)),
-        None if gate.mode == "auto" => ": effect not measured yet".to_owned(),
+        None if gate.mode == "auto" => ": not measured yet".to_owned(),
         None => String::new(),
     };
-    let saved = if gate.is_on_trial { format!("{saved}; trial under way") } else { saved };
+    let saved = if gate.is_on_trial { format!("{saved}; trial in progress") } else { saved };
     match (gate.mode.as_str(), gate.is_kept) {
         ("off", _) => "off".to_owned(),
         ("auto", true) => format!("on{saved}"),
         ("auto", false) => format!("dropped{saved}"),
-        (_, _) => format!("on, set by rates.gate{saved}"),
+        (_, _) => format!("on, because of rates.gate{saved}"),
     }
 }
 
@@ -210,8 +210,7 @@ mod tests {
         let active = active();
         let rates = Rates { decided_on_gpu: true, ..active.rates.clone() };
         let text = shown(Status { rates, ..active });
-        let line =
-            "tiles     decided on the GPU by contrast; without a contrast estimate: 77 % of the pixels";
+        let line = "tiles     decided on the GPU by contrast; by eccentricity alone: 77 % of the pixels";
         assert!(text.contains(line), "{text}");
     }
 
@@ -237,7 +236,7 @@ mod tests {
     fn what_was_dropped_and_what_is_inert_say_why() {
         let tried = Gate { mode: "auto".to_owned(), is_kept: true, is_on_trial: true, ratio: None };
         let text = shown(Status { rates_gate: tried, ..active() });
-        assert!(text.contains("on: effect not measured yet; trial under way"), "{text}");
+        assert!(text.contains("on: not measured yet; trial in progress"), "{text}");
         let dropped = Gate {
             mode: "auto".to_owned(),
             is_kept: false,
