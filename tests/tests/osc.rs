@@ -154,6 +154,20 @@ fn each_format_drives_the_rates_of_an_application() {
     }
 }
 
+#[test]
+fn a_correction_moves_the_gaze_of_packets() {
+    let rates_of = |lines: &str, [left, up]: [f32; 2]| {
+        let address = free_address();
+        let packets = vec![message("/tracking/eye/CenterPitchYaw", &[-up, -left])];
+        let _sender = Sender::tracker(address, packets);
+        last_map(&scene(&config("osc", address).replace("[gaze]\n", &format!("[gaze]\n{lines}"))))
+    };
+    let [left, up] = LOOK;
+    let expected = rates_of("", LOOK);
+    assert_eq!(rates_of("offset_deg = \"4, -2.5\"\n", [left - 4.0, up + 2.5]), expected);
+    assert_ne!(rates_of("", [left - 4.0, up + 2.5]), expected);
+}
+
 fn start(config: &str, scenario: &Scenario) -> Running {
     let application = Application::hello_xr("Vulkan2").unwrap();
     Run::new(&application, scenario).on(config).start().unwrap()

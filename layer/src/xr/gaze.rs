@@ -231,3 +231,24 @@ fn record_to(path: &Path) -> Option<Recording> {
         .inspect_err(|error| tracing::error!("no recording of the gaze: gaze.record = {path:?}: {error}"))
         .ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn a_correction_turns_a_gaze_that_is_there_and_nothing_else() {
+        let at = |left_up| Look::At { direction: direction(left_up), sampled_ns: 7 };
+        let Look::At { direction: turned, sampled_ns: 7 } = corrected(at([10.0, -5.0]), [1.5, -0.5]) else {
+            panic!("no gaze");
+        };
+        assert!(turned.abs_diff_eq(direction([11.5, -5.5]), 1e-6), "{turned}");
+        for look in [Look::NoTracker, Look::Unseen] {
+            assert_eq!(corrected(look, [1.5, -0.5]), look);
+        }
+        // Without one, a tracker's answer is judged as it is.
+        let zero = Look::At { direction: Vec3::ZERO, sampled_ns: 7 };
+        assert_eq!(corrected(zero, [0.0; 2]), zero);
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::assembly::{OscGaze, OscLook};
 use super::budget::Budget;
-use super::message::{MOST_BYTES, read};
+use super::message::{MOST_BYTES, needs_decoding, read};
 use std::io::{self, ErrorKind};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -124,8 +124,9 @@ fn receive(shared: &Shared, begun: Instant) {
             }
         };
         gaze.set_scale(f32::from_bits(shared.scale_deg.load(Ordering::Relaxed)));
-        gaze.take(sender, read(&bytes[..length]), now_ns);
-        let wait = budget.spend(now_ns);
+        let packet = &bytes[..length];
+        gaze.take(sender, read(packet), now_ns);
+        let wait = budget.spend(needs_decoding(packet), now_ns);
         if wait.is_some() {
             gaze.flooded();
         }

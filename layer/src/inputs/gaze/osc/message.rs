@@ -134,8 +134,7 @@ pub fn read(bytes: &[u8]) -> Result<Packet, OscPacketError> {
         return Err(OscPacketError::Large);
     }
     let mut packet = Packet::default();
-    // Most packets of a sender of whole faces: there is no need to decode them.
-    if bytes.starts_with(b"/") && !is_about_eyes(address_of(bytes)) {
+    if !needs_decoding(bytes) {
         return Ok(packet);
     }
     let (_, decoded) = rosc::decoder::decode_udp(bytes).map_err(|_| OscPacketError::Malformed)?;
@@ -156,13 +155,12 @@ pub fn read(bytes: &[u8]) -> Result<Packet, OscPacketError> {
     Ok(packet)
 }
 
-/// The bytes of a message up to the end of its address.
-fn address_of(bytes: &[u8]) -> &[u8] {
-    bytes.split(|byte| *byte == 0).next().unwrap_or_default()
-}
-
-fn is_about_eyes(address: &[u8]) -> bool {
-    std::str::from_utf8(address).is_ok_and(|address| Subject::of(address).is_some())
+/// Whether a packet may be about the eyes, by its first bytes: a message with another address, as most are of a sender of whole
+/// faces, is not. One that is too large is not decoded either.
+pub fn needs_decoding(bytes: &[u8]) -> bool {
+    let address = bytes.split(|byte| *byte == 0).next().unwrap_or_default();
+    let is_about_eyes = || std::str::from_utf8(address).is_ok_and(|address| Subject::of(address).is_some());
+    bytes.len() <= MOST_BYTES && (!bytes.starts_with(b"/") || is_about_eyes())
 }
 
 impl Packet {

@@ -121,6 +121,22 @@ fn messages_about_something_else_are_no_gaze() {
 }
 
 #[test]
+fn a_message_about_something_else_is_not_decoded() {
+    // Its arguments are cut off, which nobody looks at.
+    for (bytes, is_decoded) in [
+        (&b"/jawOpen\0\0\0\0,ff\0"[..], false),
+        (b"/LeftEyeX\0\0\0,f\0\0", true),
+        (b"/\xff", false),
+        (b"#bundle\0", true),
+        (b"", true),
+        (&[b'#'; MOST_BYTES + 1], false),
+    ] {
+        assert_eq!(needs_decoding(bytes), is_decoded, "{bytes:?}");
+    }
+    assert_eq!(read(b"/jawOpen\0\0\0\0,ff\0"), Ok(Packet::default()));
+}
+
+#[test]
 fn arguments_that_are_no_gaze_are_counted() {
     for (address, values) in [
         ("/tracking/eye/CenterPitchYaw", &[f32::NAN, 0.0][..]),
