@@ -255,7 +255,7 @@ options! {
         attach_alone_after_s: u32 = 30, 0..=600 "seconds";
         /// Correction of the eye tracker: angles to the left and upwards, which are added to the gaze.
         offset_deg: Angles = Angles::NONE;
-        /// Address and port for source = "osc" or "auto"; other computers can send to any address but 127.0.0.1 and [::1].
+        /// Address and port for source = "osc" or "auto"; other computers can send to any address but one of the loopback, such as 127.0.0.1.
         osc_listen: ListenAddress = ListenAddress::loopback(9020);
         /// Angle of the value 1 in OSC messages without a unit, those of VRCFaceTracking and Baballonia.
         osc_scale_deg: f32 = 45.0, 10.0..=60.0 "degrees";
