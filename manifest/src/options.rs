@@ -1,9 +1,11 @@
 //! The options, each stated once: the table below makes the typed [`Config`], its defaults, what is
 //! allowed, the error texts and the commented default file.
 
+mod angles;
 mod choice;
 mod default_file;
 mod file_path;
+mod listen_address;
 mod pass_rules;
 mod periods;
 mod preset;
@@ -11,8 +13,10 @@ mod reference;
 mod setting;
 mod table;
 
+pub use angles::Angles;
 pub use default_file::default_file;
 pub use file_path::FilePath;
+pub use listen_address::ListenAddress;
 pub use pass_rules::{
     COLOR_FORMATS, ColorFormat, MOST_RULES, PassKind, PassRule, PassRules, PassRulesError, WayUp,
 };
@@ -42,8 +46,12 @@ choice! {
 choice! {
     /// Source of the gaze.
     GazeSource {
-        /// the eye tracker; without one, wide fixed foveation and no chroma attenuation
+        /// the eye tracker of the OpenXR runtime; else OSC packets, while they arrive; else wide fixed foveation and no chroma attenuation
+        Auto = "auto",
+        /// the eye tracker of the OpenXR runtime; without one, wide fixed foveation and no chroma attenuation
         Eyes = "eyes",
+        /// OSC packets at gaze.osc_listen, as eye trackers send them to VRChat; without any, wide fixed foveation and no chroma attenuation
+        Osc = "osc",
         /// always the centre of the view: fixed foveation, for headsets without an eye tracker
         Centre = "centre",
         /// the recording in gaze.file: for tests and demonstrations
@@ -240,11 +248,17 @@ options! {
     /// The gaze of the user.
     gaze: Gaze {
         /// Source of the gaze.
-        source: GazeSource = GazeSource::Eyes;
+        source: GazeSource = GazeSource::Auto;
         /// Time for which the last gaze stays in use after the tracker loses the eyes, for instance in a blink.
         hold_ms: u32 = 500, 0..=500 "milliseconds";
         /// Delay before the layer attaches the eye tracker in an application without OpenXR input; OpenXR input that the application sets up later does not work; 0 means never.
         attach_alone_after_s: u32 = 30, 0..=600 "seconds";
+        /// Correction of the eye tracker: angles to the left and upwards, which are added to the gaze.
+        offset_deg: Angles = Angles::NONE;
+        /// Address and port for source = "osc" or "auto"; other computers can send to any address but one of the loopback, such as 127.0.0.1.
+        osc_listen: ListenAddress = ListenAddress::loopback(9020);
+        /// Angle of the value 1 in OSC messages without a unit, those of VRCFaceTracking and Baballonia.
+        osc_scale_deg: f32 = 45.0, 10.0..=60.0 "degrees";
         /// Recording for source = "file": each line has seconds, degrees left and degrees up, separated by commas, or seconds alone while the eyes are lost.
         file: FilePath = FilePath::NONE;
         /// New file for a recording of the gaze, in the format of gaze.file; without this option, no file contains the gaze.

@@ -86,7 +86,7 @@ pub fn images_for_reuse(config: &Config) -> u32 {
 pub fn gaze_settings(config: &Config) -> GazeSettings {
     let settings = GazeSettings { hold_ms: config.gaze.hold_ms as f32, ..GazeSettings::default() };
     match config.gaze.source {
-        GazeSource::Eyes | GazeSource::Centre => settings,
+        GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::Centre => settings,
         GazeSource::File => GazeSettings { frozen_ms: f32::INFINITY, ..settings },
     }
 }

@@ -45,7 +45,7 @@ pub unsafe extern "system" fn wait(
         if let Some(known) = &known {
             known.instance.config.poll(Instant::now());
             if known.active.is_some() {
-                known.gaze.open_files(&known.instance.config.get());
+                known.gaze.open(&known.instance.config.get(), known.actions.may_have_gaze(), Instant::now());
             }
         }
         let result = answer.record(below());

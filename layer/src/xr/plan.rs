@@ -212,6 +212,7 @@ pub fn moment(session: &Session, active: &Active) -> Moment {
         ..Moment::default()
     };
     state.planning().tell(&config, &mut moment);
+    session.gaze.tell(&mut moment);
     let benefit = state.benefit.lock().unwrap_or_else(PoisonError::into_inner);
     let Techniques { rates, reuse } = benefit.gates().gates();
     (moment.rates, moment.reuse) = (rates.into(), reuse.into());
@@ -400,7 +401,9 @@ pub fn head_in_layer(
     match config.gaze.source {
         // Straight ahead of the picture, whenever it was drawn.
         GazeSource::Centre => of_views(),
-        GazeSource::Eyes | GazeSource::File => session.head_in(space, time).or_else(of_views),
+        GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => {
+            session.head_in(space, time).or_else(of_views)
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 mod config;
 mod doctor;
 mod fit;
+mod gaze;
 mod generate;
 mod install;
 mod profile;
@@ -62,6 +63,11 @@ enum Command {
         #[command(flatten)]
         options: status::Options,
     },
+    /// Show source and quality of the gaze in running applications, every second
+    Gaze {
+        #[command(flatten)]
+        options: gaze::Options,
+    },
     /// List, show, change and check configuration files
     #[command(subcommand)]
     Profile(profile::Command),
@@ -94,6 +100,7 @@ fn main() -> ExitCode {
         Command::Doctor { application, options } => doctor::doctor(application, options),
         Command::Fit { study } => fit::fit(&study),
         Command::Status { options } => status::status(options),
+        Command::Gaze { options } => gaze::gaze(options),
         Command::Profile(command) => profile::profile(&command),
         Command::Generate { what } => generate::generate(what, &mut Arguments::command()),
         Command::Config(ConfigCommand::Validate { file }) => config::validate(&file),

@@ -169,7 +169,7 @@ fn a_profile_is_changed_by_the_command_as_by_hand() {
     }
     assert!(!shown.contains("gaze.source"));
     assert!(
-        printed(&profile(&["show", "game", "--effective"])).contains("gaze.source = \"eyes\"  # default")
+        printed(&profile(&["show", "game", "--effective"])).contains("gaze.source = \"auto\"  # default")
     );
 
     let before = file("apps/game.toml");

@@ -1,9 +1,12 @@
 //! What only Vulkan and OpenXR know: whether the loaders list the layers, what the GPU can do, whether eyes are tracked.
 
+use super::configuration::in_force;
 use super::layers::Layers;
 use super::manifests::called;
 use super::{Device, Finding, RuntimeAnswer, Surroundings, runtime};
+use crate::config::Config;
 use crate::json::Half;
+use crate::options::GazeSource;
 use crate::quirks::{Driver, Quirk, Quirks};
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
@@ -42,7 +45,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
         Err(reason) => findings.push(unknown("capabilities of the OpenXR runtime", reason)),
         // Without one set, that is what is told.
         Ok(runtime) if !runtime.name.is_empty() || runtime::is_set(surroundings) => {
-            findings.extend(of_runtime(runtime));
+            findings.extend(of_runtime(runtime, &in_force(surroundings).1.unwrap_or_default()));
         }
         Ok(_) => {}
     }
@@ -147,7 +150,7 @@ fn coarsest(rates: &[String]) -> &str {
     rates.iter().max_by_key(pixels).map_or("1x1", String::as_str)
 }
 
-fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
+fn of_runtime(runtime: &RuntimeAnswer, config: &Config) -> Vec<Finding> {
     let has = |name: &str| runtime.extensions.iter().any(|extension| extension == name);
     if runtime.name.is_empty() {
         return vec![
@@ -171,15 +174,22 @@ fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
             .advise("use another runtime, such as SteamVR, WiVRn or Monado"),
         );
     }
-    let straight_ahead = "for fixed foveation, set gaze.source = \"centre\"";
-    if !has("XR_EXT_eye_gaze_interaction") {
+    let needs_eyes = matches!(config.gaze.source, GazeSource::Auto | GazeSource::Eyes);
+    let without_eyes = without_eyes(config);
+    if !needs_eyes {
+        let source = config.gaze.source.name();
+        findings.push(Finding::good(
+            "no-eye-gaze-needed",
+            format!("gaze.source = \"{source}\" needs no eye tracker of the runtime"),
+        ));
+    } else if !has("XR_EXT_eye_gaze_interaction") {
         findings.push(
             Finding::warning(
                 "no-eye-gaze",
                 format!("{} does not offer eye tracking (XR_EXT_eye_gaze_interaction)", runtime.name),
                 "Shading rates are fixed around the centre of the view.",
             )
-            .advise(straight_ahead),
+            .advise(without_eyes),
         );
     } else if runtime.tracks_eyes == Some(false) {
         let headset = runtime.system.as_deref().unwrap_or("the headset");
@@ -190,7 +200,7 @@ fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
                 "Shading rates are fixed around the centre of the view.",
             )
             .advise(format!(
-                "turn on eye tracking in the headset and its runtime, if available; {straight_ahead}"
+                "turn on eye tracking in the headset and its runtime, if available; {without_eyes}"
             )),
         );
     } else if let Some(headset) = &runtime.system {
@@ -208,4 +218,14 @@ fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
         );
     }
     findings
+}
+
+/// Sources of the gaze without an eye tracker of the runtime.
+fn without_eyes(config: &Config) -> String {
+    let address = config.gaze.osc_listen.socket();
+    let auto = if config.gaze.source == GazeSource::Eyes { "set gaze.source = \"auto\" and " } else { "" };
+    format!(
+        "for an eye tracker with a program of its own, {auto}have that send OSC packets to {address}; for fixed foveation, set \
+         gaze.source = \"centre\""
+    )
 }

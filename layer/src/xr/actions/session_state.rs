@@ -91,7 +91,7 @@ impl SessionActions {
     pub fn prepare(&self, session: &Session) -> Option<GazeAction> {
         let is_wanted = session.active.is_some()
             && self.has_tracker
-            && session.instance.config.get().gaze.source == GazeSource::Eyes
+            && matches!(session.instance.config.get().gaze.source, GazeSource::Auto | GazeSource::Eyes)
             && matches!(self.state().attachment, Attachment::Not);
         if is_wanted { session.instance.actions.gaze_action(&session.instance) } else { None }
     }

@@ -1,7 +1,7 @@
 //! The status, for people.
 
 use parafovea_manifest::paths::Environment;
-use parafovea_manifest::status::{Found, Gate, Gaze, Rates, Settings, Sound, Status, effect};
+use parafovea_manifest::status::{Found, Gate, Rates, Settings, Sound, Status, effect};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -37,7 +37,7 @@ fn of_one(status: &Status, environment: &Environment) -> String {
             &format!("active, {:.0} frames per second, {} in total", status.frame_rate_hz, status.frames),
         );
         line("backend", &status.backend);
-        line("gaze", &gaze(&status.gaze));
+        line("gaze", &status.gaze.to_string());
         line("sound", &sound(&status.sound));
         line("tiles", &rates(&status.rates));
         // Without a backend there is nothing to judge.
@@ -66,20 +66,6 @@ fn settings(settings: &Settings) -> String {
         ("", _) => "defaults; no configuration file".to_owned(),
         (file, false) => file.to_owned(),
         (file, true) => format!("{file}: has an error and is ignored; the log names the line"),
-    }
-}
-
-fn gaze(gaze: &Gaze) -> String {
-    let source = match gaze.source.as_str() {
-        "eyes" => "eye tracker",
-        "centre" => return "fixed at the centre of the view".to_owned(),
-        other => other,
-    };
-    match (gaze.is_valid, gaze.age_ms) {
-        (true, Some(age)) => format!("{source}: valid, {age:.0} ms old at display time"),
-        (true, None) => format!("{source}: valid"),
-        (false, Some(age)) => format!("{source}: lost for {:.1} s", age / 1000.0),
-        (false, None) => format!("{source}: none"),
     }
 }
 
@@ -151,7 +137,7 @@ fn gate(gate: &Gate) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use parafovea_manifest::status::View;
+    use parafovea_manifest::status::{Gaze, View};
     use std::time::Duration;
 
     fn shown(status: Status) -> String {
@@ -168,7 +154,13 @@ mod tests {
             backend: "mask".to_owned(),
             passes_matched: 2,
             decisions: ["no rates", "pass 64x64: the scene"].map(str::to_owned).to_vec(),
-            gaze: Gaze { source: "eyes".to_owned(), is_valid: true, age_ms: Some(11.6) },
+            gaze: Gaze {
+                source: "eyes".to_owned(),
+                is_valid: true,
+                age_ms: Some(11.6),
+                rate_hz: Some(90.0),
+                ..Gaze::default()
+            },
             sound: Sound { source: "off".to_owned(), is_heard: false },
             rates: Rates {
                 tiles: vec![("4x4".to_owned(), 0.25), ("1x1".to_owned(), 0.75)],
@@ -193,7 +185,7 @@ mod tests {
         for line in [
             "Game (process 7, game.exe)",
             "  state     active, 90 frames per second, 900 in total",
-            "  gaze      eye tracker: valid, 12 ms old at display time",
+            "  gaze      eye tracker: valid, 90 Hz, 12 ms old at display time",
             "  tiles     77 % of the pixels shaded; tiles: 4x4 25 %, 1x1 75 %",
             "  rates     on: a saving of 35 % (30 to 40 %)",
             "  re-use    off",
