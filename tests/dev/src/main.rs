@@ -53,7 +53,7 @@ cargo dev <task>, run anywhere in the repository:
   bench NAME [--json]   run a bench:
                         break-even (pixel cost from which the layer gains), ears (cost and latency of sound capture),
                         frame (savings of each technique), kernels (cost per view of rates by contrast, and of chroma attenuation),
-                        models (cost and accuracy of the models), reuse (errors of re-use as the head turns),
+                        models (cost and accuracy of the models), rails (shading and loss of contrast while the eyes move), reuse (errors of re-use as the head turns),
                         overhead (cost of the layer; --driver NAME [CASE...]: on one of Mesa's real drivers, release build),
                         status (cost of parafovea status)
   bench --compare REV [ARGUMENTS]
