@@ -217,8 +217,21 @@ presets! {
         }
         /// balanced with chroma attenuation, for pictures sent to the headset as video
         Streaming = "streaming" { chroma.mode = ChromaMode::Default; }
-        /// balanced as published, without its safeguards: for comparison
-        Paper = "paper" {}
+        /// no eye tracker: a quarter of the shading beyond 40 degrees from the centre, where eyes turn only with the head
+        Fixed = "fixed" {
+            gaze.source = GazeSource::Centre;
+            rates.foveal_deg = 30.0;
+            rates.transitional_deg = 40.0;
+            rates.peripheral = PeripheralRate::R2x2;
+        }
+        /// the three published methods together, without safeguards and at any cost: for comparison; needs audio.source
+        Paper = "paper" {
+            audio.mode = AudioMode::Paper;
+            rates.mode = RatesMode::Paper;
+            rates.gate = RatesGate::On;
+            reuse.mode = ReuseMode::Paper;
+            chroma.mode = ChromaMode::Paper;
+        }
     }
 }
 
@@ -286,7 +299,7 @@ options! {
         /// Coarsest shading rate, in pixels; a device without it uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::R4x4;
         /// Greatest contrast loss for mode = "audio-visual", in just noticeable differences; above 1, some users notice it.
-        greatest_loss: f32 = 1.0, 0.0..=4.0 "";
+        greatest_loss: f32 = 1.0, 0.0..=1.75 "";
         /// Shading rates in silence for mode = "audio-visual".
         silence: SilenceRule = SilenceRule::Fixed;
         /// Luminance of white in the headset, for modes that measure contrast.
@@ -311,9 +324,9 @@ options! {
     chroma: Chroma {
         /// Chroma attenuation.
         mode: ChromaMode = ChromaMode::Off;
-        /// Fall-off of blue-yellow (Cb), the Z of its curve; higher values remove more colour.
+        /// Fall-off of blue-yellow (Cb), the Z of its curve; higher values remove more colour; for mode = "paper".
         cb_bound: f32 = 0.70, 0.70..=0.85 "";
-        /// Fall-off of red-green (Cr), the Z of its curve; higher values remove less colour.
+        /// Fall-off of red-green (Cr), the Z of its curve; higher values remove less colour; for mode = "paper".
         cr_bound: f32 = 0.55, 0.35..=0.55 "";
         /// Radius of full colour around the gaze; at least the tracker's error.
         plateau_deg: f32 = 6.3, 1.1..=30.0 "degrees";

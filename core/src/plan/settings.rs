@@ -241,11 +241,7 @@ impl Default for RailSettings {
             coarsening_octaves_per_s: 8.0,
             judged_octaves_per_s: 4.0,
             suppressed_octaves_per_s: f32::INFINITY,
-            lost: Some(FixedFoveation {
-                foveal_deg: 30.0,
-                transitional_deg: 40.0,
-                peripheral: ShadingRate::R2X2,
-            }),
+            lost: Some(FixedFoveation::WITHOUT_TRACKER),
         }
     }
 }

@@ -165,6 +165,7 @@ fn presets_are_one_step_faster_in_pursuit_but_for_the_paper_s() {
         (Preset::Balanced, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
         (Preset::Performance, [1, 1, 2, 3, 3], [1, 1, 1, 2, 2]),
         (Preset::Streaming, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
+        (Preset::Fixed, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
         (Preset::Paper, [1, 1, 2, 2, 3], [1, 1, 2, 2, 3]),
     ] {
         let periods = |phase: GazePhase| {
