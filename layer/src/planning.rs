@@ -28,6 +28,7 @@ use parafovea_core::gate::Techniques;
 use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker, Rejection};
 use parafovea_core::geometry;
 use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings, tile_of};
+use parafovea_core::reuse::StaleTiles;
 use told::LastLook;
 
 /// A display time that is earlier than the one before by less than this belongs to another thread that is behind; by more,
@@ -291,6 +292,11 @@ impl Planning {
         self.handed
             .update(&plan.eyes, self.techniques, orientations, plan.frame)
             .then(|| self.handed.record(serial()))
+    }
+
+    /// The stale tiles of an eye in the maps that were handed over last.
+    pub fn stale(&self, eye: usize, tiles: &mut StaleTiles) {
+        self.handed.stale(eye, tiles);
     }
 
     /// Where an eye keeps colour by the newest plan, in the space of the head.

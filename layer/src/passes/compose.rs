@@ -16,6 +16,7 @@ mod shape;
 pub use app_images::{APP_USAGE, AppImages};
 pub use depth::{DEPTH_USAGE, DepthShape, DepthSource, KeptDepth, PictureDepth};
 pub use parafovea_core::kernels::compose::ComposeParams;
+pub use pipelines::Parameters;
 pub use reuse::{EarlierImage, ReuseRegion};
 pub use runtime_images::{RUNTIME_USAGE, RuntimeImages};
 pub use shape::{SwapchainShape, stores_unit_range};
@@ -72,6 +73,7 @@ pub struct ComposeJob<'a> {
 pub struct Compose {
     // First: waits before the rest is destroyed.
     uses: Uses,
+    parameters: Parameters,
     pipelines: Vec<(vk::Format, Pipelines)>,
     reuse: Option<ReuseBuffers>,
     comparisons: Option<Later<Comparisons>>,
@@ -96,10 +98,20 @@ impl Compose {
     /// # Errors
     /// [`GpuError::Call`] or [`GpuError::Unsupported`] when memory or objects cannot be had.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, GpuError> {
+        let parameters = if gpu.is_software() { Parameters::OfVertices } else { Parameters::OfPixels };
+        Self::with_parameters(gpu, parameters)
+    }
+
+    /// The same with one of two shaders, that draw the same.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
+    pub fn with_parameters(gpu: Arc<Gpu>, parameters: Parameters) -> Result<Self, GpuError> {
         let uniforms = UniformRing::new(&gpu, MAX_REGIONS as u32)?;
         let uniform_set = UniformSet::new(&uniforms)?;
         Ok(Self {
             uses: Uses::new(&gpu),
+            parameters,
             pipelines: Vec::new(),
             reuse: None,
             comparisons: None,
@@ -128,7 +140,7 @@ impl Compose {
         let index = match known {
             Some(index) => index,
             None => {
-                self.pipelines.push((format, Pipelines::new(&self.gpu, format)?));
+                self.pipelines.push((format, Pipelines::new(&self.gpu, format, self.parameters)?));
                 self.pipelines.len() - 1
             }
         };
@@ -141,7 +153,8 @@ impl Compose {
     /// As there.
     pub fn prepare_reuse(&mut self, format: vk::Format) -> Result<(), GpuError> {
         let gpu = Arc::clone(&self.gpu);
-        self.prepared(format)?.ask_for_reuse(&gpu, format)?;
+        let parameters = self.parameters;
+        self.prepared(format)?.ask_for_reuse(&gpu, format, parameters)?;
         self.prepare_change()
     }
 

@@ -11,8 +11,9 @@ mod regions;
 mod shown;
 mod work;
 
+pub use complete::expect;
 pub use debug_view::{DebugViews, draw_over_released};
-pub use history::History;
+pub use history::{Ahead, History};
 
 use super::instance::next_of_any;
 use super::plan;

@@ -5,6 +5,7 @@
 //! Gaze is located on these threads, never inside a call of Vulkan: engines hold the locks of their queues there, and a
 //! locate may wait for another process. No lock of ours is held meanwhile.
 
+use super::frame;
 use super::instance::next_of_any;
 use super::session::{self, Active, Health, Session, Tools};
 use super::swapchain;
@@ -306,6 +307,9 @@ fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr
     let is_first = !state.is_located.swap(true, Ordering::Relaxed);
     if is_first && !is_planned {
         plan(session, active, time);
+    }
+    if is_first && state.planning().is_planned() {
+        frame::expect(session, active, &views);
     }
 }
 
