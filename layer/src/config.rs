@@ -150,4 +150,6 @@ fn accept(read: Result<Config, ConfigErrors>, watch: &Watch) -> (Option<Config>,
 }
 
 #[cfg(test)]
+mod monotony;
+#[cfg(test)]
 mod tests;

@@ -225,8 +225,21 @@ presets! {
         }
         /// balanced with chroma attenuation, for frames that are streamed to the headset as video
         Streaming = "streaming" { chroma.mode = ChromaMode::Default; }
-        /// balanced as published, without safeguards: for comparison
-        Paper = "paper" {}
+        /// no eye tracker: a quarter of the shading beyond 40 degrees from the centre, where eyes turn only with the head
+        Fixed = "fixed" {
+            gaze.source = GazeSource::Centre;
+            rates.foveal_deg = 30.0;
+            rates.transitional_deg = 40.0;
+            rates.peripheral = PeripheralRate::R2x2;
+        }
+        /// the three published methods together, without safeguards and at any cost: for comparison; needs audio.source
+        Paper = "paper" {
+            audio.mode = AudioMode::Paper;
+            rates.mode = RatesMode::Paper;
+            rates.gate = RatesGate::On;
+            reuse.mode = ReuseMode::Paper;
+            chroma.mode = ChromaMode::Paper;
+        }
     }
 }
 
@@ -300,7 +313,7 @@ options! {
         /// Coarsest shading rate, in pixels; a device without it uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::R4x4;
         /// Greatest contrast loss for mode = "audio-visual", in just-noticeable differences; some users notice a loss above 1.
-        greatest_loss: f32 = 1.0, 0.0..=4.0 "";
+        greatest_loss: f32 = 1.0, 0.0..=1.75 "";
         /// Shading rates in silence, for mode = "audio-visual".
         silence: SilenceRule = SilenceRule::Fixed;
         /// Luminance of white in the headset, for modes that measure contrast.
@@ -325,9 +338,9 @@ options! {
     chroma: Chroma {
         /// Chroma attenuation.
         mode: ChromaMode = ChromaMode::Off;
-        /// Fall-off of blue-yellow (Cb): Z of its curve; higher values remove more colour.
+        /// Fall-off of blue-yellow (Cb): Z of its curve, for mode = "paper"; higher values remove more colour.
         cb_bound: f32 = 0.70, 0.70..=0.85 "";
-        /// Fall-off of red-green (Cr): Z of its curve; higher values remove less colour.
+        /// Fall-off of red-green (Cr): Z of its curve, for mode = "paper"; higher values remove less colour.
         cr_bound: f32 = 0.55, 0.35..=0.55 "";
         /// Radius of full colour around the gaze; never less than the tracker's error.
         plateau_deg: f32 = 6.3, 1.1..=30.0 "degrees";

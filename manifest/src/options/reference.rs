@@ -1,6 +1,6 @@
 //! The reference of all options, in Markdown: `manifest/OPTIONS.md`.
 
-use super::{Allowed, Config, OPTIONS};
+use super::{Allowed, Config, OPTIONS, Preset};
 use std::fmt::Write;
 
 const HEAD: &str = "\
@@ -14,7 +14,17 @@ or to `~/.config/parafovea/apps/<application>.toml` for one; [the guide](GUIDE.m
 |---|---|---|---|
 ";
 
-/// A Markdown page with every option, its default, allowed values and meaning, and the meaning of each named value.
+/// What a preset sets, as it stands in a file: the options that differ from their defaults.
+fn set_by(preset: Preset) -> String {
+    let (defaults, config) = (Config::default(), Config::of_preset(preset));
+    let differs = OPTIONS.iter().filter(|option| !option.section.is_empty());
+    let differs = differs.filter(|option| option.value(&config) != option.value(&defaults));
+    let set: Vec<_> =
+        differs.map(|option| format!("`{} = {}`", option.key(), option.value(&config))).collect();
+    if set.is_empty() { "every default".to_owned() } else { set.join(", ") }
+}
+
+/// A Markdown page with every option, its default, allowed values and meaning, what each preset sets, and the meaning of each named value.
 pub fn reference() -> String {
     let defaults = Config::default();
     let mut text = HEAD.to_owned();
@@ -22,6 +32,10 @@ pub fn reference() -> String {
         let (key, value, allowed) = (option.key(), option.value(&defaults), option.allowed_with_unit());
         // Writing to a String cannot fail.
         let _ = writeln!(text, "| `{key}` | `{value}` | {allowed} | {} |", option.doc);
+    }
+    text += "\n## Presets\n\n| preset | sets |\n|---|---|\n";
+    for preset in Preset::ALL {
+        let _ = writeln!(text, "| `\"{}\"` | {} |", preset.name(), set_by(*preset));
     }
     text += "\n## Named values\n";
     for option in OPTIONS {
@@ -33,4 +47,49 @@ pub fn reference() -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A preset is a product: what it sets is stated here once more, so that nobody changes it by chance.
+    #[test]
+    fn each_preset_sets_this_and_nothing_else() {
+        for preset in Preset::ALL {
+            let expected = match preset {
+                Preset::None => "`rates.mode = \"off\"`",
+                Preset::Quality => "`rates.peripheral = \"2x2\"`",
+                Preset::Balanced => "every default",
+                Preset::Performance => "`rates.transitional_deg = 18.39`, `reuse.periods = \"11233\"`",
+                Preset::Streaming => "`chroma.mode = \"default\"`",
+                Preset::Fixed => {
+                    "`gaze.source = \"centre\"`, `rates.foveal_deg = 30.0`, `rates.transitional_deg = 40.0`, \
+                     `rates.peripheral = \"2x2\"`"
+                }
+                Preset::Paper => {
+                    "`audio.mode = \"paper\"`, `rates.mode = \"paper\"`, `rates.gate = \"on\"`, \
+                     `reuse.mode = \"paper\"`, `chroma.mode = \"paper\"`"
+                }
+            };
+            assert_eq!(set_by(*preset), expected, "{}", preset.name());
+        }
+    }
+
+    /// Colour costs time and saves none: only who sends pictures as video, or compares with the paper, gets it by a preset. Sound is
+    /// listened to only where the user says so.
+    #[test]
+    fn no_preset_listens_and_few_attenuate() {
+        for preset in Preset::ALL {
+            let config = Config::of_preset(*preset);
+            let attenuates = matches!(preset, Preset::Streaming | Preset::Paper);
+            assert_eq!(
+                config.chroma.mode != crate::options::ChromaMode::Off,
+                attenuates,
+                "{}",
+                preset.name()
+            );
+            assert_eq!(config.audio.source, crate::options::AudioSource::Off, "{}", preset.name());
+        }
+    }
 }

@@ -11,13 +11,14 @@ use std::path::Path;
 use std::process::Command;
 
 /// The benches, and the packages that they are in.
-const BENCHES: [(&str, &str); 8] = [
+const BENCHES: [(&str, &str); 9] = [
     ("break-even", "parafovea-tests"),
     ("ears", "parafovea-ears"),
     ("frame", "parafovea-tests"),
     ("kernels", "parafovea-layer"),
     ("models", "parafovea-models"),
     ("overhead", "parafovea-tests"),
+    ("rails", "parafovea-models"),
     ("reuse", "parafovea-tests"),
     ("status", "parafovea-tests"),
 ];

@@ -35,7 +35,7 @@ fn a_preset_sets_what_the_file_does_not() {
     assert_eq!(
         rejected("preset = 'steaming'"),
         "game.toml: line 1: preset = 'steaming' is not allowed; allowed: \"none\", \"quality\", \"balanced\", \
-         \"performance\", \"streaming\" or \"paper\""
+         \"performance\", \"streaming\", \"fixed\" or \"paper\""
     );
     assert_eq!(
         rejected("[chroma]\npreset = 'streaming'"),
