@@ -13,6 +13,7 @@ use parafovea_core::kernels::decide::DecideParams;
 use parafovea_core::kernels::depth::DepthParams;
 use parafovea_core::kernels::lay::LayParams;
 use parafovea_core::kernels::mask::MaskParams;
+use parafovea_core::kernels::samples::SampleParams;
 use parafovea_core::kernels::template::TemplateParams;
 use parafovea_core::layout::{Field, Uniform};
 use std::collections::BTreeSet;
@@ -39,6 +40,7 @@ fn main() {
         declared::<DecideParams>(),
         declared::<LayParams>(),
         declared::<MaskParams>(),
+        declared::<SampleParams>(),
         declared::<TemplateParams>(),
         declared::<DepthParams>(),
         declared::<ComposeParams>(),

@@ -11,4 +11,5 @@ pub mod depth;
 pub mod fill;
 pub mod lay;
 pub mod mask;
+pub mod samples;
 pub mod template;

@@ -25,6 +25,7 @@ mod owned;
 mod pipeline;
 mod pipeline_layout;
 mod recorder;
+mod sample_draw;
 mod shared;
 
 pub use app_commands::{AppCommands, ImagePart, Scope};
@@ -44,6 +45,7 @@ pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view, dep
 pub(crate) use owned::Owned;
 pub(crate) use pipeline::{Output, TilePipeline, TileShader};
 pub(crate) use recorder::{Compare, DrawRecorder, Recorder, TileDraw};
+pub(crate) use sample_draw::{SampleAspect, SamplePass, SampleTarget, is_left};
 pub use shared::Shared;
 
 use crate::link::DeviceRecord;

@@ -10,4 +10,5 @@ pub mod depth;
 pub mod fill;
 pub mod lay;
 pub mod mask;
+pub mod samples;
 pub mod template;

@@ -138,9 +138,11 @@ pub struct Sound {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Rates {
-    /// Share of the tiles of both eyes at each rate, such as `("4x4", 0.3)`, the coarsest first; empty without maps.
+    /// Share of the tiles of both eyes at each rate that passes obeyed, such as `("4x4", 0.3)`, the coarsest first: those of the device's rates;
+    /// of a mask "1x1", and "skipped" for its blocks of 4x4 pixels that are not shaded; all "1x1" where every pass was left alone. Empty without
+    /// maps.
     pub tiles: Vec<(String, f32)>,
-    /// Share of the pixels that is shaded, by the plan: 0..=1.
+    /// Share of the pixels that passes shaded: 0..=1; 1 where every pass was left alone.
     pub shaded: f32,
     /// Whether the GPU decides each tile by the picture's contrast: then `tiles` and `shaded` are what holds where contrast is not known,
     /// and what each tile has only the GPU knows.

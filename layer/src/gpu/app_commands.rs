@@ -1,12 +1,12 @@
 //! Commands of ours in a command buffer of the application's.
 
 use super::compute::{ComputeLayout, ComputeSet};
-use super::{DepthTarget, DeviceBuffer, Gpu, Owned};
+use super::{DepthTarget, DeviceBuffer, Gpu, Owned, SamplePass, SampleTarget};
 use ash::vk;
 
 /// A command buffer that the application is recording, outside of any render pass.
 ///
-/// Of its state, only what is bound for compute is changed: pipeline and descriptor set 0.
+/// Of its state, only what is bound for compute is changed: pipeline and descriptor set 0; but for [`AppCommands::draw_samples`].
 pub struct AppCommands<'a> {
     gpu: &'a Gpu,
     commands: vk::CommandBuffer,
@@ -178,6 +178,33 @@ impl<'a> AppCommands<'a> {
         }
     }
 
+    /// Resolves a part of an image of several samples, from its corner on, to as large a part of one of one sample and the same format; they
+    /// are in TRANSFER_SRC_OPTIMAL and TRANSFER_DST_OPTIMAL.
+    pub(crate) fn resolve_image(&self, from: ImagePart, to: ImagePart, extent: vk::Extent2D) {
+        let layers = |part: ImagePart| vk::ImageSubresourceLayers {
+            aspect_mask: part.aspects,
+            mip_level: part.level,
+            base_array_layer: part.first_layer,
+            layer_count: part.layers,
+        };
+        let region = vk::ImageResolve::default()
+            .src_subresource(layers(from))
+            .dst_subresource(layers(to))
+            .extent(extent.into());
+        let layouts = [vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL];
+        // SAFETY: the command buffer is being recorded outside of a render pass, and the images are live, as `new` demands.
+        unsafe {
+            self.gpu.device.cmd_resolve_image(
+                self.commands,
+                from.image,
+                layouts[0],
+                to.image,
+                layouts[1],
+                &[region],
+            );
+        }
+    }
+
     /// Copies a rectangle of depth to the same place of an image of the same format and samples, in the layers that both have;
     /// they are in TRANSFER_SRC_OPTIMAL and TRANSFER_DST_OPTIMAL.
     pub(crate) fn copy_depth(&self, from: ImagePart, to: ImagePart, area: vk::Rect2D) {
@@ -214,6 +241,19 @@ impl<'a> AppCommands<'a> {
         // SAFETY: the command buffer is being recorded outside of a render pass, as `new` demands; the set has this layout,
         // which the target was made with.
         unsafe { target.draw(&self.gpu.device, self.commands, layout.handle(), set.handle()) };
+    }
+
+    /// Draws to images of several samples, in the order that the caller's barriers say. What is bound for drawing changes: pipeline,
+    /// descriptor set 0, viewport and scissor 0.
+    pub(crate) fn draw_samples(
+        &self,
+        target: &SampleTarget,
+        pass: &SamplePass,
+        (layout, sets): (&ComputeLayout, &[ComputeSet]),
+    ) {
+        // SAFETY: the command buffer is being recorded outside of a render pass, as `new` demands; the sets have this layout, which pass and
+        // target were made with.
+        unsafe { target.draw(&self.gpu.device, self.commands, pass, (layout.handle(), sets)) };
     }
 
     /// Copies `size` bytes from a buffer, from an offset on, to an offset in one; both are as long.

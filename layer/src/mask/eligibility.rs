@@ -14,10 +14,14 @@ pub struct MaskFacts<'a> {
     pub pass: PassFacts,
     /// Its depth attachment.
     pub depth: Option<DepthFacts>,
-    /// Its colour attachments, and what they are resolved to in the pass.
+    /// Its colour attachments, and what they are resolved to in the pass; none of a depth pre-pass, which has a template for the sake of the
+    /// passes that go on with its depth.
     pub colors: &'a [ColorFacts],
     /// The pipelines that are used in it, together.
     pub pipelines: PipelineFacts,
+    /// Whether its fragment shaders return early where they can, as the device shades fragments of several samples whose depth tests have
+    /// all failed.
+    pub prefers_return: bool,
 }
 
 /// The depth attachment of a pass.
@@ -33,6 +37,8 @@ pub struct DepthFacts {
     pub clear: f32,
     /// Whether it is loaded.
     pub is_loaded: bool,
+    /// Whether an earlier pass of the command buffer had a template in it, which it still holds.
+    pub is_covered: bool,
     /// Whether shaders of the pass may read it, by its layout in the pass.
     pub is_read_within: bool,
     /// Whether stencil is stored at the end.
@@ -56,7 +62,7 @@ pub struct ColorFacts {
     pub samples: vk::SampleCountFlags,
     /// Whether it is stored at the end, as what is resolved to always is.
     pub is_stored: bool,
-    /// Whether it has been made to be filled, see [`crate::passes::fill::USAGE`].
+    /// Whether it has been made to be filled, see [`crate::passes::fill::USAGE`] and [`crate::passes::samples::USAGE`].
     pub is_fillable: bool,
 }
 
@@ -182,7 +188,9 @@ pub enum Reason {
     NoDepth,
     /// Depth is neither cleared nor loaded.
     DepthUndefined,
-    /// Several samples are loaded: buffers, in which depth is covered, cannot be copied to them.
+    /// Several samples are loaded, and no earlier pass of the command buffer had a template in them: buffers, in which depth is covered, cannot
+    /// be copied to them (Vulkan specification, VUID-vkCmdCopyBufferToImage-dstImage-07973), and what another command buffer left may be of
+    /// another template.
     DepthLoaded,
     /// Depth is loaded, and nothing tells what it was cleared to.
     DepthUncleared,
@@ -192,8 +200,6 @@ pub enum Reason {
     DepthFormat(vk::Format),
     /// The depth image has no memory that could be copied to.
     Transient,
-    /// Several samples are stored, and needed later.
-    DepthRead,
     /// Depth is resolved to another image, which is not filled.
     DepthResolved,
     /// Depth is cleared within the pass.
@@ -212,12 +218,12 @@ pub enum Reason {
     OwnRates,
     /// Rendering that is suspended and resumed.
     Suspended,
+    /// A CPU shades fragments all of whose samples have failed their depth tests.
+    ShadesHidden,
     /// Nothing is stored that shows.
     NothingStored,
     /// Pictures of this format cannot be interpolated.
     ColorFormat(vk::Format),
-    /// A picture with several samples is stored itself.
-    ColorSamples(vk::SampleCountFlags),
     /// The image does not allow to be copied.
     NotFillable,
     /// The depth image does not allow to be copied to.
@@ -246,12 +252,13 @@ impl fmt::Display for Reason {
             Self::Failed => "a Vulkan object could not be created",
             Self::NoDepth => "no depth attachment",
             Self::DepthUndefined => "depth is neither cleared nor loaded",
-            Self::DepthLoaded => "multisampled depth is loaded",
+            Self::DepthLoaded => {
+                "multisampled depth is loaded that no earlier pass of its command buffer cleared"
+            }
             Self::DepthUncleared => "depth is loaded, and no recorded pass clears it",
             Self::DepthReadWithin => "depth is loaded in a layout that shaders may read",
             Self::DepthFormat(format) => return write!(f, "the depth format {format:?} is not supported"),
             Self::Transient => "depth is a transient attachment",
-            Self::DepthRead => "multisampled depth is stored, and may be read or loaded later",
             Self::DepthResolved => "depth is resolved",
             Self::DepthClearedLater => "depth is cleared within the pass",
             Self::StencilLoaded => "multisampled stencil is loaded",
@@ -261,11 +268,9 @@ impl fmt::Display for Reason {
             Self::SideEffects => "fragment shaders write to buffers or storage images",
             Self::OwnRates => "the application sets shading rates itself",
             Self::Suspended => "rendering is suspended or resumed",
+            Self::ShadesHidden => "the device shades hidden fragments of several samples",
             Self::NothingStored => "no colour attachment is stored",
             Self::ColorFormat(format) => return write!(f, "{format:?} cannot be interpolated"),
-            Self::ColorSamples(samples) => {
-                return write!(f, "multisampled colour ({samples:?}) is stored");
-            }
             Self::NotFillable => "a colour image cannot be copied",
             Self::NotWritable => "the depth image cannot be copied to",
             Self::NotReadable => "the depth image cannot be copied from",
@@ -305,8 +310,13 @@ pub fn eligible(facts: &MaskFacts) -> Result<Eligible, Reason> {
         return Err(Reason::SideEffects);
     }
     let depth = facts.depth.ok_or(Reason::NoDepth)?;
+    if facts.prefers_return && depth.samples != vk::SampleCountFlags::TYPE_1 {
+        return Err(Reason::ShadesHidden);
+    }
     let (format, work) = of_depth(&depth, facts)?;
-    of_colors(facts.colors)?;
+    if !facts.colors.is_empty() {
+        of_colors(facts.colors)?;
+    }
     let depths = near_value(facts.pipelines.directions.iter(), depth.clear).map_err(Reason::Near)?;
     let is_drawn = depth.samples != vk::SampleCountFlags::TYPE_1;
     Ok(Eligible { depths, format, drawn: is_drawn.then_some((depth.format, depth.samples)), work })
@@ -324,7 +334,8 @@ fn of_pass(pass: &PassFacts) -> Result<(), Reason> {
 }
 
 /// Depth that is loaded, and depth that is needed after the pass, are copied to a buffer and back, where skipped blocks are
-/// covered and filled: outside of those every pass finds the depth that it would find without a mask.
+/// covered and filled: outside of those every pass finds the depth that it would find without a mask. Depth of several samples is
+/// filled by a draw, and covered by the template of the pass that cleared it.
 fn of_depth(depth: &DepthFacts, facts: &MaskFacts) -> Result<(DepthFormat, DepthWork), Reason> {
     let pass = &facts.pass;
     let is_needed = depth.usage.intersects(READS) || depth.is_submitted || depth.is_loaded_later;
@@ -333,12 +344,11 @@ fn of_depth(depth: &DepthFacts, facts: &MaskFacts) -> Result<(DepthFormat, Depth
     let is_transient = depth.usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT);
     first(&[
         (work.covers && !depth.is_loaded, Reason::DepthUndefined),
-        (work.covers && is_multisampled, Reason::DepthLoaded),
+        (work.covers && is_multisampled && !depth.is_covered, Reason::DepthLoaded),
         (work.covers && depth.is_read_within, Reason::DepthReadWithin),
         (work.covers && depth.clear.is_nan(), Reason::DepthUncleared),
         (is_transient, Reason::Transient),
-        (work.fills && is_multisampled, Reason::DepthRead),
-        (pass.loads_stencil && is_multisampled, Reason::StencilLoaded),
+        (pass.loads_stencil && is_multisampled && !depth.is_covered, Reason::StencilLoaded),
         (depth.stores_stencil && facts.pipelines.write_stencil, Reason::StencilStored),
         (!depth.is_writable, Reason::NotWritable),
         (work.is_any() && !depth.is_readable, Reason::NotReadable),
@@ -352,7 +362,6 @@ pub(super) fn of_colors(colors: &[ColorFacts]) -> Result<(), Reason> {
     for color in stored() {
         first(&[
             (fill_format(color.format).is_none(), Reason::ColorFormat(color.format)),
-            (color.samples != vk::SampleCountFlags::TYPE_1, Reason::ColorSamples(color.samples)),
             (!color.is_fillable, Reason::NotFillable),
         ])?;
     }

@@ -3,6 +3,7 @@
 use super::depth_format;
 use crate::passes::depth;
 use crate::passes::fill::{USAGE, fill_format};
+use crate::passes::samples;
 use ash::vk;
 
 /// The usage that an image needs that is created like this, besides the application's; nothing where it can be neither
@@ -20,16 +21,13 @@ pub fn added_usage(info: &vk::ImageCreateInfo<'_>) -> vk::ImageUsageFlags {
         );
     let is_depth = info.usage.contains(vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
     let is_color = info.usage.contains(vk::ImageUsageFlags::COLOR_ATTACHMENT);
-    // A template is drawn with as many samples; the fill takes one.
-    let is_filled = is_color && info.samples == vk::SampleCountFlags::TYPE_1;
     let added = if plain && is_depth && depth_format(info.format).is_some() {
-        // Depth of one sample may be covered and filled, too.
+        depth::USAGE
+    } else if plain && is_color && fill_format(info.format).is_some() {
         match info.samples {
-            vk::SampleCountFlags::TYPE_1 => depth::USAGE,
-            _ => vk::ImageUsageFlags::TRANSFER_DST,
+            vk::SampleCountFlags::TYPE_1 => USAGE,
+            _ => samples::USAGE,
         }
-    } else if plain && is_filled && fill_format(info.format).is_some() {
-        USAGE
     } else {
         vk::ImageUsageFlags::empty()
     };
@@ -58,8 +56,10 @@ mod tests {
         let target = image(vk::Format::D24_UNORM_S8_UINT, DEPTH);
         assert_eq!(added_usage(&target), depth::USAGE);
         let several = target.samples(vk::SampleCountFlags::TYPE_4);
-        assert_eq!(added_usage(&several), vk::ImageUsageFlags::TRANSFER_DST);
-        assert_eq!(added_usage(&image(vk::Format::B8G8R8A8_SRGB, COLOR)), USAGE);
+        assert_eq!(added_usage(&several), depth::USAGE);
+        let color = image(vk::Format::B8G8R8A8_SRGB, COLOR);
+        assert_eq!(added_usage(&color), USAGE);
+        assert_eq!(added_usage(&color.samples(vk::SampleCountFlags::TYPE_4)), samples::USAGE);
         let read = image(vk::Format::R16G16B16A16_SFLOAT, COLOR | vk::ImageUsageFlags::TRANSFER_SRC);
         assert_eq!(added_usage(&read), vk::ImageUsageFlags::TRANSFER_DST);
     }
@@ -72,7 +72,6 @@ mod tests {
         assert_eq!(added_usage(&image(vk::Format::S8_UINT, DEPTH)), NONE);
         let color = || image(vk::Format::R8G8B8A8_SRGB, COLOR);
         for changed in [
-            color().samples(vk::SampleCountFlags::TYPE_4),
             color().tiling(vk::ImageTiling::LINEAR),
             color().image_type(vk::ImageType::TYPE_3D),
             color().flags(vk::ImageCreateFlags::PROTECTED),

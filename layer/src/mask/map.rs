@@ -4,18 +4,25 @@ use super::{DepthTemplate, Eligible, MaskKernels, lay_mask};
 use crate::gpu::{AppCommands, Gpu, GpuError, ImagePart, ReturnLayout, ReturnSet};
 use crate::passes::depth::DepthCopy;
 use crate::passes::fill::{FillTarget, SkipBuffer, fill_format};
-use crate::scene::Part;
+use crate::passes::samples::{SampleFill, Skipped};
 use crate::scene::lay::RateImage;
+use crate::scene::{Part, Target};
 use ash::vk;
+use parafovea_core::kernels::samples::SampleParams;
 use parafovea_core::mask::{BLOCK, Mask, ReturnParams};
 use smallvec::SmallVec;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+
+/// Fills of images of several samples, by what they fill.
+type SampleFills = SmallVec<[(Target, Arc<SampleFill>); 4]>;
 
 /// The mask of passes that draw to one target with depth of one kind: its content may change between two submits, by
 /// [`MaskMap::stage`] and [`MaskMap::upload`], and everything is shaded until it first does.
 pub struct MaskMap {
     // Before `list`, which their sets name.
     targets: Mutex<SmallVec<[Arc<FillTarget>; 2]>>,
+    /// Of images of several samples, each made for the first pass that needs it; an image of the application's has its key once.
+    samples: Mutex<SampleFills>,
     /// Made for the first pass that needs it.
     depth: OnceLock<Option<DepthCopy>>,
     list: SkipBuffer,
@@ -48,6 +55,7 @@ impl MaskMap {
             .map_err(|_| GpuError::Unsupported("a mask of this size"))?;
         Ok(Self {
             targets: Mutex::default(),
+            samples: Mutex::default(),
             list: SkipBuffer::new(gpu, blocks, mask.list())?,
             template: DepthTemplate::new(gpu, eligible, extent, layers)?,
             depth: OnceLock::new(),
@@ -199,6 +207,56 @@ impl MaskMap {
         if let Some(target) = self.target(format) {
             self.kernels.fill.record(commands, &target, &self.list, color, layout);
         }
+    }
+
+    /// Prepares the fill of an image of several samples, whose layers `part` are `target`.
+    ///
+    /// # Errors
+    /// As for [`SampleFill::new`] and [`Self::prepare`]; or the template cannot be read by shaders.
+    pub fn prepare_samples(
+        &self,
+        target: Target,
+        part: ImagePart,
+        (format, samples): (vk::Format, vk::SampleCountFlags),
+    ) -> Result<Arc<SampleFill>, GpuError> {
+        let known =
+            self.kept_samples().iter().find(|(known, _)| *known == target).map(|(_, fill)| Arc::clone(fill));
+        if let Some(known) = known {
+            return Ok(known);
+        }
+        if part.aspects == vk::ImageAspectFlags::COLOR {
+            self.prepare(format)?;
+        }
+        let Eligible { format: template, depths, .. } = self.eligible;
+        let params = SampleParams::new(self.extent, template, depths);
+        let (Some(words), Some(params)) = (self.template(), params) else {
+            return Err(GpuError::Unsupported("a template of this size with several samples"));
+        };
+        let skipped = Skipped { params, words };
+        // Made without the lock, as above.
+        let new = Arc::new(SampleFill::new(&self.gpu, part, (format, samples), skipped)?);
+        self.kept_samples().push((target, Arc::clone(&new)));
+        Ok(new)
+    }
+
+    /// Records the fill of an image of several samples, which is in `layout` before and after, by what [`Self::prepare_samples`] made for it.
+    /// What is bound for drawing changes, too.
+    pub fn fill_samples(
+        &self,
+        commands: &AppCommands,
+        fill: &SampleFill,
+        (part, format): (ImagePart, vk::Format),
+        layout: vk::ImageLayout,
+    ) {
+        if !fill.is_color() {
+            fill.record_depth(commands, part, layout);
+        } else if let Some(target) = self.target(format) {
+            fill.record_color(commands, (&self.kernels.fill, &target, &self.list), part, layout);
+        }
+    }
+
+    fn kept_samples(&self) -> MutexGuard<'_, SampleFills> {
+        self.samples.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Prepares the fill of pictures that are drawn to in `format`.

@@ -71,13 +71,13 @@ fn allows_return(reason: Reason) -> bool {
         Reason::NoDepth
             | Reason::Queried
             | Reason::SideEffects
+            | Reason::ShadesHidden
             | Reason::DepthUndefined
             | Reason::DepthLoaded
             | Reason::DepthUncleared
             | Reason::DepthReadWithin
             | Reason::DepthFormat(_)
             | Reason::Transient
-            | Reason::DepthRead
             | Reason::DepthResolved
             | Reason::DepthClearedLater
             | Reason::StencilLoaded
@@ -110,6 +110,7 @@ mod tests {
             usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
             clear: 1.0,
             is_loaded: false,
+            is_covered: false,
             is_read_within: false,
             stores_stencil: false,
             is_loaded_later: false,
@@ -128,7 +129,7 @@ mod tests {
     ) -> Result<Way, Reason> {
         let pass = PassFacts { clears_depth: true, is_queried, ..PassFacts::default() };
         let pipelines = PipelineFacts { returns, ..PipelineFacts::default() };
-        way(&MaskFacts { pass, depth, colors: &[color], pipelines })
+        way(&MaskFacts { pass, depth, colors: &[color], pipelines, prefers_return: false })
     }
 
     #[test]
@@ -162,6 +163,23 @@ mod tests {
         assert_eq!(of(Some(transient), false, ANY, color()), Err(Reason::Transient));
     }
 
+    /// A template keeps no work from a CPU that tests depth of several samples.
+    #[test]
+    fn several_samples_return_early_where_that_saves_more() {
+        let pass = PassFacts { clears_depth: true, ..PassFacts::default() };
+        let of = |samples, returns, prefers_return| {
+            let pipelines = PipelineFacts { returns, ..PipelineFacts::default() };
+            let depth = Some(DepthFacts { samples, ..depth() });
+            way(&MaskFacts { pass, depth, colors: &[color()], pipelines, prefers_return })
+        };
+        let [one, four] = [vk::SampleCountFlags::TYPE_1, vk::SampleCountFlags::TYPE_4];
+        let returned = Way::Return { keeps_coverage: true, instead: Reason::ShadesHidden };
+        assert_eq!(of(four, KEEPING, true), Ok(returned));
+        for template in [of(four, KEEPING, false), of(one, KEEPING, true)] {
+            assert!(matches!(template, Ok(Way::Template(_))), "{template:?}");
+        }
+    }
+
     #[test]
     fn what_cannot_be_filled_is_left_alone() {
         let format = vk::Format::R32_UINT;
@@ -170,6 +188,9 @@ mod tests {
         let pass = PassFacts { has_own_rates: true, ..PassFacts::default() };
         let pipelines = PipelineFacts { returns: KEEPING, ..PipelineFacts::default() };
         let colors = &[color()];
-        assert_eq!(way(&MaskFacts { pass, depth: None, colors, pipelines }), Err(Reason::OwnRates));
+        assert_eq!(
+            way(&MaskFacts { pass, depth: None, colors, pipelines, prefers_return: false }),
+            Err(Reason::OwnRates)
+        );
     }
 }

@@ -6,6 +6,7 @@ use crate::inputs::gaze::osc::OscTold;
 use crate::link::{BACKEND_MASK, BACKEND_RATE_ATTACHMENT};
 use crate::planning::SignalQuality;
 use parafovea_core::gate::{Gate, GateMode};
+use parafovea_core::mask::Pattern;
 use parafovea_core::rate::ShadingRate;
 use parafovea_manifest::status::{self, Status};
 
@@ -182,30 +183,49 @@ impl Moment {
         }
     }
 
+    /// What passes obeyed in the last frame: where none did, everything was shaded; a mask knows shaded and skipped blocks alone, so many of a
+    /// tile as its rate's pattern has ([`Pattern`]).
     fn rates_told(&self) -> status::Rates {
         let all: u32 = self.tiles.iter().sum();
         if all == 0 {
             return status::Rates { shaded: 1.0, rendered: 1.0, ..status::Rates::default() };
         }
+        let rendered = rounded(self.tiles_due as f32 / all as f32, 100.0);
+        if self.passes_matched == 0 {
+            let tiles = vec![("1x1".to_owned(), 1.0)];
+            return status::Rates { tiles, shaded: 1.0, rendered, ..status::Rates::default() };
+        }
         let mut rates: Vec<(ShadingRate, f32)> = (0..)
             .zip(self.tiles)
             .filter(|(_, count)| *count > 0)
-            .filter_map(|(texel, count)| {
-                Some((ShadingRate::from_texel(texel)?, rounded(count as f32 / all as f32, 100.0)))
-            })
+            .filter_map(|(texel, count)| Some((ShadingRate::from_texel(texel)?, count as f32 / all as f32)))
             .collect();
         rates.sort_by(|(one, _), (other, _)| one.fraction().total_cmp(&other.fraction()));
-        status::Rates {
-            tiles: rates
+        let tiles = match self.backend {
+            BACKEND_MASK => {
+                let known: f32 = rates.iter().map(|(_, share)| share).sum();
+                let skips =
+                    |(rate, share): &(ShadingRate, f32)| (1.0 - Pattern::of(*rate).fraction()) * share;
+                let skipped: f32 = rates.iter().map(skips).sum();
+                let blocks = [(SKIPPED.to_owned(), skipped), ("1x1".to_owned(), known - skipped)];
+                blocks.into_iter().filter(|(_, share)| *share > 0.0).collect::<Vec<_>>()
+            }
+            _ => rates
                 .into_iter()
                 .map(|(rate, share)| (format!("{}x{}", rate.width(), rate.height()), share))
                 .collect(),
+        };
+        status::Rates {
+            tiles: tiles.into_iter().map(|(rate, share)| (rate, rounded(share, 100.0))).collect(),
             shaded: rounded(self.shaded, 100.0),
             decided_on_gpu: self.gpu_decides,
-            rendered: rounded(self.tiles_due as f32 / all as f32, 100.0),
+            rendered,
         }
     }
 }
+
+/// The name of the 4x4 blocks that a mask leaves out, and fills from shaded ones.
+const SKIPPED: &str = "skipped";
 
 impl GateMoment {
     fn told(&self) -> status::Gate {
@@ -229,15 +249,38 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tiles_are_told_as_shares_the_coarsest_first() {
-        let mut moment = Moment { tiles_due: 3, shaded: 0.4, backend: BACKEND_MASK, ..Moment::default() };
-        let [fine, coarse] = [ShadingRate::R1X1, ShadingRate::R4X4].map(ShadingRate::texel);
-        moment.count(&[coarse, fine, coarse, coarse, 0xff]);
+    fn rates_are_told_as_passes_obeyed_them() {
+        let told = |backend, passes_matched| {
+            let mut moment =
+                Moment { tiles_due: 3, shaded: 0.4, backend, passes_matched, ..Moment::default() };
+            let [fine, coarse] = [ShadingRate::R1X1, ShadingRate::R2X2].map(ShadingRate::texel);
+            moment.count(&[coarse, fine, coarse, coarse, 0xff]);
+            let mut status = Status::default();
+            moment.write_to(&mut status);
+            (status.backend, status.rates)
+        };
+        let named = |tiles: &[(&str, f32)]| -> Vec<(String, f32)> {
+            tiles.iter().map(|(name, share)| ((*name).to_owned(), *share)).collect()
+        };
+        // The coarsest first.
+        let (backend, rates) = told(BACKEND_RATE_ATTACHMENT, 2);
+        assert_eq!(
+            (backend.as_str(), rates.tiles),
+            ("rate attachment", named(&[("2x2", 0.75), ("1x1", 0.25)]))
+        );
+        assert_eq!((rates.shaded, rates.rendered), (0.4, 0.75));
+        // A quarter of the blocks of a tile with 2x2 is shaded.
+        let (backend, rates) = told(BACKEND_MASK, 2);
+        assert_eq!((backend.as_str(), rates.tiles), ("mask", named(&[("skipped", 0.56), ("1x1", 0.44)])));
+        for backend in [BACKEND_RATE_ATTACHMENT, BACKEND_MASK] {
+            let (_, rates) = told(backend, 0);
+            assert_eq!((rates.tiles, rates.shaded), (named(&[("1x1", 1.0)]), 1.0), "left alone");
+        }
+    }
+
+    #[test]
+    fn without_maps_nothing_is_told() {
         let mut status = Status::default();
-        moment.write_to(&mut status);
-        assert_eq!(status.rates.tiles, [("4x4".to_owned(), 0.75), ("1x1".to_owned(), 0.25)]);
-        assert_eq!((status.rates.shaded, status.rates.rendered), (0.4, 0.75));
-        assert_eq!(status.backend, "mask");
         Moment::default().write_to(&mut status);
         assert_eq!(status.rates, status::Rates { shaded: 1.0, rendered: 1.0, ..status::Rates::default() });
     }

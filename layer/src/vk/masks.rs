@@ -9,6 +9,7 @@ pub mod early_return;
 pub mod layouts;
 mod loading;
 mod pass;
+mod pending;
 mod pipelines;
 mod recipe;
 mod returning;
@@ -17,6 +18,7 @@ mod usage;
 
 pub use attachments::{Attachments, rendering_attachments};
 pub use pass::{OpenMask, Place};
+pub use pending::{Pending, Prepasses};
 pub use returning::{Returning, follow_graphics, follows_graphics};
 pub use target::{Ended, TargetMask};
 
@@ -28,7 +30,7 @@ use super::table::Table;
 use crate::gpu::{AppendedLayout, Compilation, Compiler, Gpu, GpuError, Later, ReturnLayout};
 use crate::link::{BACKEND_MASK, DeviceRecord, OfferRecord};
 use crate::mask::{MaskKernels, PipelineFacts};
-use crate::scene::{ImageKey, Pass};
+use crate::scene::{ImageKey, Pass, Target};
 use ash::vk;
 use parafovea_core::rate::VULKAN_RATES;
 use std::sync::atomic::AtomicBool;
@@ -62,6 +64,11 @@ pub struct Masks {
     loaded: Table<ImageKey, ()>,
     /// What depth images were last cleared to by a pass.
     cleared: Table<ImageKey, f32>,
+    /// The colour of passes that go on with depth of several samples which an earlier pass without colour has cleared, by that depth, and how
+    /// many passes of the command buffer cleared it before.
+    chains: Table<(ImageKey, u32), Target>,
+    /// Whether an application's pipeline has dynamic state that pipelines of ours would change, and nobody could restore.
+    extends_dynamic: AtomicBool,
 }
 
 impl Masks {
@@ -88,6 +95,8 @@ impl Masks {
             returning: Table::default(),
             loaded: Table::default(),
             cleared: Table::default(),
+            chains: Table::default(),
+            extends_dynamic: AtomicBool::new(false),
         }
     }
 
@@ -133,6 +142,7 @@ impl Masks {
     pub fn forget_image(&self, image: ImageKey) {
         self.loaded.remove(image);
         self.cleared.remove(image);
+        drop(self.chains.remove_where(|(depth, _), color| *depth == image || color.image == image));
     }
 
     /// Destroys all that is ours: the device is about to be destroyed. What is still named is never destroyed.

@@ -8,6 +8,7 @@ pub mod compute;
 pub mod drawing;
 pub mod image_layouts;
 pub mod passes;
+pub mod pending;
 pub mod queries;
 pub mod rendering;
 mod sets;
@@ -18,7 +19,7 @@ use super::armed::Armed;
 use super::candidates::Candidate;
 use super::device;
 use super::dispatch::ArmedTable;
-use super::masks::{Ended, OpenMask, follows_graphics};
+use super::masks::{Ended, OpenMask, Pending, Prepasses, follows_graphics};
 use super::table::Table;
 use super::timing::Timer;
 use crate::mask::{PipelineFacts, Returns};
@@ -56,6 +57,10 @@ pub struct Recorded {
     pub compute: Bound,
     /// What is bound for drawing, where that is followed.
     pub drawing: Drawing,
+    /// Fills that wait for a reader.
+    pending: SmallVec<[Pending; 2]>,
+    /// Passes that have cleared depth for others.
+    prepasses: Prepasses,
     /// Which of `events` is the pass that is being recorded.
     open: Option<usize>,
     /// What that draws to, if it may be the scene.
@@ -112,6 +117,8 @@ impl Recorded {
         self.compute.clear();
         self.drawing.forget();
         self.drawing.begin(follows_graphics());
+        self.pending.clear();
+        self.prepasses.clear();
         self.open = None;
         self.target = None;
         self.mask = None;
@@ -150,6 +157,7 @@ impl Recorded {
                 restores_compute: self.compute.is_whole(),
                 restores_graphics: self.drawing.is_whole(),
                 has_depth: pass.depth.is_some(),
+                is_prepass: pass.colors.is_empty(),
             });
         }
         self.mask.take()
@@ -171,6 +179,11 @@ impl Recorded {
             pass.facts.clears_depth_later |= more.clears_depth;
             pass.facts.is_queried |= more.is_queried;
         }
+    }
+
+    /// Whether a pass is being recorded that is known.
+    fn is_within_pass(&self) -> bool {
+        self.open.is_some()
     }
 
     fn is_queried(&self) -> bool {

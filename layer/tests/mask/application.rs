@@ -274,7 +274,7 @@ fn code(setup: Setup, version: (u8, u8), returns_early: bool) -> [Vec<u32>; 2] {
         ..Default::default()
     };
     let code = naga::back::spv::write_vec(&module, &valid, &options, None).unwrap();
-    let wanted = EarlyReturn { entry: "fragment", set: 1, by_view: false };
+    let wanted = EarlyReturn { entry: "fragment", set: 1, by_view: false, has_whole_subgroups: false };
     let fragment = if returns_early { returning_early(&code, wanted).unwrap() } else { code.clone() };
     [code, fragment]
 }

@@ -71,6 +71,7 @@ fn eligible(application: &Application) -> Eligible {
         usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
         clear: setup.clear,
         is_loaded: false,
+        is_covered: false,
         is_read_within: false,
         stores_stencil: false,
         is_loaded_later: false,
@@ -80,7 +81,14 @@ fn eligible(application: &Application) -> Eligible {
     };
     let color = ColorFacts { format: COLOR, samples, is_stored: true, is_fillable: true };
     let pass = PassFacts { clears_depth: true, ..PassFacts::default() };
-    parafovea::mask::eligible(&MaskFacts { pass, depth: Some(depth), colors: &[color], pipelines }).unwrap()
+    parafovea::mask::eligible(&MaskFacts {
+        pass,
+        depth: Some(depth),
+        colors: &[color],
+        pipelines,
+        prefers_return: false,
+    })
+    .unwrap()
 }
 
 /// Pixels of the render area that are shaded.

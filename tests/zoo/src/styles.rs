@@ -15,6 +15,7 @@ mod hidden_area;
 mod imageless;
 mod indirect;
 mod loaded_depth;
+mod msaa_passes;
 mod msaa_resolve;
 mod msaa_subpass_resolve;
 mod multiview;
@@ -85,4 +86,6 @@ pub const STYLES: &[&Style] = &[
     &loaded_depth::STYLE,
     &alpha_to_coverage::STYLE,
     &frag_depth::STYLE,
+    &msaa_passes::STYLE,
+    &msaa_passes::COVERING,
 ];

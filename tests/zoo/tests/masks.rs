@@ -103,7 +103,9 @@ fn masked(
     assert!(on.findings.vulkan.is_empty(), "{:#?}\n{}", on.findings.vulkan, on.log);
     assert!(on.record.errors.is_empty(), "{:#?}", on.record.errors);
     let noted = Noted::read(&file)?;
-    let others = noted.iter().filter(|pass| pass.eyes == "none");
+    // A pre-pass has a template for the passes that go on with its depth, where that has several samples.
+    let is_prepass = |pass: &Noted| pass.samples > 1 && pass.format.starts_with('D');
+    let others = noted.iter().filter(|pass| pass.eyes == "none" && !is_prepass(pass));
     assert_eq!(
         others.filter(|pass| pass.unmasked.is_none()).count(),
         0,

@@ -14,6 +14,7 @@ fn judged(
         usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
         clear: 1.0,
         is_loaded: false,
+        is_covered: false,
         is_read_within: false,
         stores_stencil: false,
         is_loaded_later: false,
@@ -26,7 +27,7 @@ fn judged(
     let mut pipelines = PipelineFacts::default();
     pipelines.directions.see(vk::CompareOp::LESS);
     change(&mut pass, &mut depth, &mut color, &mut pipelines);
-    eligible(&MaskFacts { pass, depth: Some(depth), colors: &[color], pipelines })
+    eligible(&MaskFacts { pass, depth: Some(depth), colors: &[color], pipelines, prefers_return: false })
 }
 
 fn refused(
@@ -85,7 +86,7 @@ fn no_depth() {
     let color =
         ColorFacts { format: vk::Format::R8G8B8A8_SRGB, samples: ONE, is_stored: true, is_fillable: true };
     let (pass, pipelines) = (PassFacts::default(), PipelineFacts::default());
-    let facts = MaskFacts { pass, depth: None, colors: &[color], pipelines };
+    let facts = MaskFacts { pass, depth: None, colors: &[color], pipelines, prefers_return: false };
     assert_eq!(eligible(&facts), Err(Reason::NoDepth));
 }
 
@@ -102,6 +103,9 @@ fn loaded_depth_is_covered() {
     assert_eq!(loaded(|_| ()), Ok(covered));
     assert_eq!(loaded(|depth| depth.is_loaded = false), Err(Reason::DepthUndefined));
     assert_eq!(loaded(|depth| depth.samples = FOUR), Err(Reason::DepthLoaded));
+    let drawn = Some((vk::Format::D32_SFLOAT, FOUR));
+    let goes_on = loaded(|depth| (depth.samples, depth.is_covered) = (FOUR, true));
+    assert_eq!(goes_on, Ok(Eligible { drawn, ..covered }));
     assert_eq!(loaded(|depth| depth.clear = f32::NAN), Err(Reason::DepthUncleared));
     assert_eq!(loaded(|depth| depth.is_read_within = true), Err(Reason::DepthReadWithin));
     assert_eq!(loaded(|depth| depth.is_readable = false), Err(Reason::NotReadable));
@@ -143,7 +147,8 @@ fn stored_depth_that_is_needed_is_filled() {
             })
         };
         assert_eq!(stored(|_| ()), Ok(FILLED));
-        assert_eq!(stored(|depth| depth.samples = FOUR), Err(Reason::DepthRead));
+        let drawn = Some((vk::Format::D32_SFLOAT, FOUR));
+        assert_eq!(stored(|depth| depth.samples = FOUR), Ok(Eligible { drawn, ..FILLED }));
         assert_eq!(stored(|depth| depth.is_readable = false), Err(Reason::NotReadable));
     }
 }
@@ -208,7 +213,24 @@ fn integer_colours() {
 
 #[test]
 fn stored_samples() {
-    assert_eq!(refused(|_, _, color, _| color.samples = FOUR), Reason::ColorSamples(FOUR));
+    assert_eq!(judged(|_, _, color, _| color.samples = FOUR), Ok(FORWARD));
+    assert_eq!(
+        refused(|_, _, color, _| (color.samples, color.is_fillable) = (FOUR, false)),
+        Reason::NotFillable
+    );
+}
+
+#[test]
+fn a_depth_prepass_has_nothing_to_fill_but_depth() {
+    let prepass = judged(|pass, depth, _, _| (pass.stores_depth, depth.is_loaded_later) = (true, true));
+    let pass = PassFacts { clears_depth: true, stores_depth: true, ..PassFacts::default() };
+    let mut facts = None;
+    let _ = judged(|_, depth, _, pipelines| facts = Some((*depth, *pipelines)));
+    let (depth, pipelines) = facts.unwrap();
+    let depth = DepthFacts { is_loaded_later: true, ..depth };
+    let without_color =
+        eligible(&MaskFacts { pass, depth: Some(depth), colors: &[], pipelines, prefers_return: false });
+    assert_eq!((without_color, without_color.map(|found| found.work.fills)), (prepass, Ok(true)));
 }
 
 #[test]

@@ -6,7 +6,9 @@
 use crate::vk::masks::layouts;
 use crate::vk::objects::{framebuffers, images, queues, render_passes, views};
 use crate::vk::rates::{commands, identifiers, pipelines, shader_objects};
-use crate::vk::recording::{buffers, compute, image_layouts, passes, queries, rendering, transfers};
+use crate::vk::recording::{
+    buffers, compute, drawing, image_layouts, passes, pending, queries, rendering, transfers,
+};
 use crate::vk::submit;
 use ash::vk;
 use std::ffi::CStr;
@@ -95,6 +97,7 @@ armed_functions! {
     allocate_command_buffers: PFN_vkAllocateCommandBuffers = c"vkAllocateCommandBuffers" => buffers::allocate;
     free_command_buffers: PFN_vkFreeCommandBuffers = c"vkFreeCommandBuffers" => buffers::free;
     begin_command_buffer: PFN_vkBeginCommandBuffer = c"vkBeginCommandBuffer" => buffers::begin;
+    end_command_buffer: PFN_vkEndCommandBuffer = c"vkEndCommandBuffer" => pending::end_buffer;
     reset_command_buffer: PFN_vkResetCommandBuffer = c"vkResetCommandBuffer" => buffers::reset;
     cmd_execute_commands: PFN_vkCmdExecuteCommands = c"vkCmdExecuteCommands" => buffers::execute;
 
@@ -125,6 +128,9 @@ armed_functions! {
     destroy_shader: PFN_vkDestroyShaderEXT = c"vkDestroyShaderEXT" => shader_objects::destroy;
     cmd_bind_shaders: PFN_vkCmdBindShadersEXT = c"vkCmdBindShadersEXT" => shader_objects::bind;
 
+    cmd_set_viewport: PFN_vkCmdSetViewport = c"vkCmdSetViewport" => drawing::set_viewport;
+    cmd_set_scissor: PFN_vkCmdSetScissor = c"vkCmdSetScissor" => drawing::set_scissor;
+
     cmd_bind_descriptor_sets: PFN_vkCmdBindDescriptorSets = c"vkCmdBindDescriptorSets" => compute::bind_sets;
     cmd_push_descriptor_set: PFN_vkCmdPushDescriptorSetKHR = c"vkCmdPushDescriptorSetKHR" => compute::push_set;
     cmd_push_descriptor_set_with_template: PFN_vkCmdPushDescriptorSetWithTemplateKHR =
@@ -154,6 +160,10 @@ armed_functions! {
     cmd_pipeline_barrier: PFN_vkCmdPipelineBarrier = c"vkCmdPipelineBarrier" => image_layouts::pipeline_barrier;
     cmd_pipeline_barrier2: PFN_vkCmdPipelineBarrier2 = c"vkCmdPipelineBarrier2"
         since API_VERSION_1_3, before c"vkCmdPipelineBarrier2KHR" => image_layouts::pipeline_barrier2;
+
+    cmd_wait_events: PFN_vkCmdWaitEvents = c"vkCmdWaitEvents" => pending::wait_events;
+    cmd_wait_events2: PFN_vkCmdWaitEvents2 = c"vkCmdWaitEvents2"
+        since API_VERSION_1_3, before c"vkCmdWaitEvents2KHR" => pending::wait_events2;
 
     cmd_copy_image: PFN_vkCmdCopyImage = c"vkCmdCopyImage" => transfers::copy;
     cmd_copy_image2: PFN_vkCmdCopyImage2 = c"vkCmdCopyImage2"

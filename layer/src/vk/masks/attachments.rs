@@ -2,7 +2,7 @@
 
 use super::Masks;
 use crate::mask::{ColorFacts, DepthFacts, Reason};
-use crate::scene::Target;
+use crate::scene::{ImageKey, Target};
 use crate::vk::objects::{Objects, RenderPass};
 use ash::vk;
 use smallvec::SmallVec;
@@ -84,8 +84,29 @@ impl Attachments {
         Self { depth, colors: colors.collect() }
     }
 
+    /// Whether an image is among them.
+    pub fn have(&self, image: ImageKey) -> bool {
+        let targets =
+            self.depth.iter().map(|depth| depth.target).chain(self.colors.iter().map(|color| color.target));
+        targets.into_iter().any(|target| target.image == image)
+    }
+
+    /// Whether it is a pass that does nothing but clear, draw and store depth of several samples, for others to go on with.
+    pub fn are_a_prepass(&self, objects: &Objects) -> Option<DepthAttachment> {
+        let depth = self.depth.filter(|depth| depth.is_cleared && self.colors.is_empty())?;
+        let image = objects.image_of(depth.target.image)?;
+        (image.description.samples > 1).then_some(depth)
+    }
+
+    /// Depth of several samples that a pass goes on with.
+    pub fn loaded_samples(&self, objects: &Objects) -> Option<DepthAttachment> {
+        let depth = self.depth.filter(|depth| depth.is_loaded)?;
+        let image = objects.image_of(depth.target.image)?;
+        (image.description.samples > 1).then_some(depth)
+    }
+
     /// What is known of depth, where it is of a live image.
-    pub fn depth_facts(&self, masks: &Masks, objects: &Objects) -> Option<DepthFacts> {
+    pub fn depth_facts(&self, masks: &Masks, objects: &Objects, is_covered: bool) -> Option<DepthFacts> {
         let depth = self.depth.as_ref()?;
         let image = objects.image_of(depth.target.image)?;
         let usage =
@@ -99,6 +120,7 @@ impl Attachments {
                 false => masks.cleared.get(depth.target.image).unwrap_or(f32::NAN),
             },
             is_loaded: depth.is_loaded,
+            is_covered,
             is_read_within: depth.is_input || !is_written(depth.layouts[1]),
             stores_stencil: depth.stores_stencil,
             is_loaded_later: masks.loaded.get(depth.target.image).is_some(),
@@ -120,7 +142,10 @@ impl Attachments {
                 format: color.format,
                 samples: vk::SampleCountFlags::from_raw(image.description.samples),
                 is_stored: color.is_stored,
-                is_fillable: image.granted.contains(crate::passes::fill::USAGE),
+                is_fillable: image.granted.contains(match image.description.samples {
+                    1 => crate::passes::fill::USAGE,
+                    _ => crate::passes::samples::USAGE,
+                }),
             })
         });
         facts.collect()
@@ -128,7 +153,7 @@ impl Attachments {
 }
 
 /// Whether depth in this layout can be an attachment and nothing else (Vulkan specification, "Image Layouts").
-fn is_written(layout: vk::ImageLayout) -> bool {
+pub(super) fn is_written(layout: vk::ImageLayout) -> bool {
     use vk::ImageLayout as Layout;
     matches!(
         layout,

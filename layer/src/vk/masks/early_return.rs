@@ -5,8 +5,9 @@
 //! - Blocks of 4x4 pixels are counted from the framebuffer's corner, whatever viewport and render area are, and so are quads
 //!   of 2x2: all invocations of a quad, helpers too, have their own FragCoord and take the same way. Derivatives need no more
 //!   (Vulkan specification, "Derivative Operations": control flow that is uniform within the quad).
-//! - Operations on subgroups see fewer invocations than before; modules that have any but the election of one, and quads', are
-//!   left alone.
+//! - Operations on subgroups see fewer invocations than before, unless each lies in one block; modules that have any but the election of one, and
+//!   quads', are left alone. On the CPU each does: llvmpipe shades stamps of 4x4 pixels, aligned to four, by one or more vectors each, and SwiftShader
+//!   quads. What subgroups hold is up to the device (Vulkan specification, "Subgroup").
 //! - Nothing is discarded. Where the shader itself neither discards nor writes depth or coverage, the samples that pass depth
 //!   tests are those that would, and their depth is written. An early fragment's outputs are zero.
 //!
@@ -29,6 +30,9 @@ pub struct EarlyReturn<'a> {
     pub set: u32,
     /// Whether the layer is the view that is drawn (multiview), else 0.
     pub by_view: bool,
+    /// Whether no subgroup of the device lies in two blocks of 4x4 pixels that are counted from the framebuffer's corner: all invocations of
+    /// one take the same way, as those of a quad do.
+    pub has_whole_subgroups: bool,
 }
 
 /// Why a shader cannot return early.
@@ -91,9 +95,10 @@ pub fn discards(words: &[u32]) -> bool {
 /// What stands against it.
 pub fn returning_early(words: &[u32], wanted: EarlyReturn<'_>) -> Result<Vec<u32>, NoEarlyReturn> {
     let parsed = Parsed::of(words).ok_or(NoEarlyReturn::Unknown)?;
-    if parsed.instructions.iter().any(|found| {
+    let is_over_subgroups = |found: &Instruction<'_>| {
         found.op == op::CAPABILITY && found.operands.first().is_some_and(|of| OVER_SUBGROUPS.contains(of))
-    }) {
+    };
+    if !wanted.has_whole_subgroups && parsed.instructions.iter().any(is_over_subgroups) {
         return Err(NoEarlyReturn::Subgroups);
     }
     Patch::new(&parsed, wanted)?.finish(&parsed)

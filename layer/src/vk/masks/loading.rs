@@ -116,8 +116,9 @@ impl Masks {
 fn cleared_depth(pass: &RenderPass) -> Option<(usize, vk::ImageLayout)> {
     let (index, layout) = pass.subpasses.iter().find_map(|subpass| subpass.depth)?;
     let depth = pass.attachments.get(index as usize)?;
-    let may =
-        depth.load == vk::AttachmentLoadOp::CLEAR && !pass.colors.is_empty() && !resolves_one_sample(pass);
+    // One without colour may be a pre-pass for others, which matters where depth has several samples.
+    let is_drawn = !pass.colors.is_empty() || depth.samples != vk::SampleCountFlags::TYPE_1;
+    let may = depth.load == vk::AttachmentLoadOp::CLEAR && is_drawn && !resolves_one_sample(pass);
     may.then_some((index as usize, layout))
 }
 
@@ -183,6 +184,9 @@ mod tests {
         assert_eq!(cleared_depth(&pass(one, false, clear)), Some((1, within)));
         assert_eq!(cleared_depth(&pass(four, true, clear)), Some((1, within)));
         assert_eq!(cleared_depth(&pass(one, true, clear)), None);
+        let prepass = |samples| RenderPass { colors: smallvec![], ..pass(samples, false, clear) };
+        assert_eq!(cleared_depth(&prepass(one)), None);
+        assert_eq!(cleared_depth(&prepass(four)), Some((1, within)));
         assert_eq!(cleared_depth(&pass(four, true, vk::AttachmentLoadOp::LOAD)), None);
     }
 }

@@ -1,10 +1,10 @@
 //! One pass with a mask, from its begin to its end.
 
 use super::attachments::DepthAttachment;
-use super::{Attachments, Masks, TargetMask, follow_graphics};
-use crate::gpu::{AppCommands, ImagePart};
+use super::{Attachments, Masks, Pending, TargetMask, follow_graphics};
+use crate::gpu::{AppCommands, GpuError, ImagePart};
 use crate::mask::{DepthWork, Eligible, MaskFacts, MaskMap, Reason, Way, way};
-use crate::scene::{Pass, PassFacts, Target};
+use crate::scene::{ImageKey, Pass, PassFacts, Target};
 use crate::vk::armed::Armed;
 use crate::vk::backend::RateMap as _;
 use crate::vk::candidates::Candidate;
@@ -22,6 +22,8 @@ pub struct OpenMask {
     is_unfilled: bool,
     /// What is filled after it, with its format and layout then.
     fills: SmallVec<[(ImagePart, vk::Format, vk::ImageLayout); 4]>,
+    /// The same of several samples, depth among it.
+    pending: SmallVec<[Pending; 2]>,
 }
 
 /// How fragments are kept from being shaded in it.
@@ -45,6 +47,10 @@ pub struct Return {
 struct OpenDepth {
     /// Its depth, as the template takes it.
     depth: ImagePart,
+    /// Whether an earlier pass of the command buffer had the template, which still holds.
+    is_covered: bool,
+    /// Whether it has several samples.
+    is_multisampled: bool,
     layouts: [vk::ImageLayout; 2],
     /// What else is done with that, in this area, and the layout in which it is after the pass.
     work: DepthWork,
@@ -56,6 +62,19 @@ impl OpenMask {
     /// Why it has no template, if it has none.
     fn instead(&self) -> Option<Reason> {
         self.returns().map(|by| by.instead)
+    }
+
+    /// The mask of a template.
+    pub fn template(&self) -> Option<&Arc<MaskMap>> {
+        match self.way {
+            OpenWay::Template(_) => Some(&self.map),
+            OpenWay::Return(_) => None,
+        }
+    }
+
+    /// What of several samples is filled after it.
+    pub fn pending(&self) -> &[Pending] {
+        &self.pending
     }
 
     /// What fragment shaders return early by, if they do.
@@ -77,8 +96,8 @@ struct How {
 }
 
 /// What holds where a pass begins.
-#[derive(Debug, Clone, Copy)]
-pub struct Place {
+#[derive(Clone, Copy)]
+pub struct Place<'a> {
     /// The command buffer is a primary one.
     pub is_primary: bool,
     /// What is bound for compute can be bound again.
@@ -91,6 +110,10 @@ pub struct Place {
     pub is_conditional: bool,
     /// The pass's own render area.
     pub area: vk::Rect2D,
+    /// The mask of an earlier pass of the command buffer whose template depth of several samples still holds.
+    pub covered_by: Option<&'a Arc<MaskMap>>,
+    /// How many passes of the command buffer cleared that depth for others to go on with.
+    pub prepasses: u32,
 }
 
 impl Masks {
@@ -119,29 +142,66 @@ impl Masks {
         candidate: &Candidate,
         pass: &Pass,
         attachments: &Attachments,
-        place: Place,
+        place: Place<'_>,
     ) -> Result<OpenMask, Reason> {
         if !armed.frame.is_on() {
             return Err(Reason::Off);
         }
         let target = candidate.map.mask().ok_or(Reason::New)?;
-        let (facts, pipelines) = target.evidence()?;
+        if attachments.colors.is_empty() {
+            return self.judged(armed, target, pass, attachments, place);
+        }
+        if let Some(depth) = attachments.loaded_samples(&armed.objects)
+            && place.covered_by.is_none()
+        {
+            let key = (depth.target.image, place.prepasses);
+            let known = self.chains.get(key);
+            if known != Some(candidate.target) {
+                // In later frames the pass that clears it has a template for this one.
+                self.chains.insert(key, candidate.target);
+            }
+            if known.is_none() {
+                return Err(Reason::New);
+            }
+        }
+        let outcome = match self.judged(armed, target, pass, attachments, place) {
+            Err(Reason::DepthLoaded) => Err(target.prepass_refusal().unwrap_or(Reason::DepthLoaded)),
+            outcome => outcome,
+        };
+        target.tell(outcome.as_ref().map(OpenMask::instead).map_err(|reason| *reason));
+        outcome
+    }
+
+    /// The mask of a pass, by what earlier ones to its target have shown.
+    fn judged(
+        &self,
+        armed: &Armed,
+        target: &TargetMask,
+        pass: &Pass,
+        attachments: &Attachments,
+        place: Place<'_>,
+    ) -> Result<OpenMask, Reason> {
+        let (facts, pipelines) = target.evidence(attachments.colors.is_empty())?;
         let is_layered = pass.view_mask == 0 && target.layers() > 1;
         let pass = PassFacts {
             is_queried: pass.facts.is_queried || facts.is_queried,
             clears_depth_later: pass.facts.clears_depth_later || facts.clears_depth_later,
             ..pass.facts
         };
-        let coarsens = armed.frame.coarsens();
-        let how = How { coarsens, is_layered };
-        let outcome = self.opened(&armed.objects, (target, how), attachments, place, |colors| MaskFacts {
+        let how = How { coarsens: armed.frame.coarsens(), is_layered };
+        // Measured with llvmpipe of Mesa 26.2.6 (tests/baselines/engines.md).
+        let prefers_return = self.is_cpu && pipelines.returns.keeping_coverage && !target.fails_to_return();
+        if prefers_return && attachments.colors.is_empty() {
+            // Passes that go on with its depth find it as it is.
+            return Err(Reason::ShadesHidden);
+        }
+        self.opened(&armed.objects, (target, how), attachments, place, |colors| MaskFacts {
             pass,
-            depth: attachments.depth_facts(self, &armed.objects),
+            depth: attachments.depth_facts(self, &armed.objects, place.covered_by.is_some()),
             colors,
             pipelines,
-        });
-        target.tell(outcome.as_ref().map(OpenMask::instead).map_err(|reason| *reason));
-        outcome
+            prefers_return,
+        })
     }
 
     fn opened(
@@ -149,7 +209,7 @@ impl Masks {
         objects: &Objects,
         (target, how): (&TargetMask, How),
         attachments: &Attachments,
-        place: Place,
+        place: Place<'_>,
         facts: impl for<'a> FnOnce(&'a [crate::mask::ColorFacts]) -> MaskFacts<'a>,
     ) -> Result<OpenMask, Reason> {
         if !place.is_primary {
@@ -170,25 +230,77 @@ impl Masks {
         let layers = target.layers();
         // Copying all of a picture there and back costs more than many a pass.
         let is_unfilled = target.leaves_out() && !how.coarsens;
-        let mut fills = SmallVec::new();
-        for color in attachments.colors.iter().filter(|color| color.is_stored) {
-            map.prepare(color.format).map_err(|error| {
-                error.tell("no mask for a render pass");
-                Reason::Failed
-            })?;
+        let failed = |error: GpuError| {
+            error.tell("no mask for a render pass");
+            Reason::Failed
+        };
+        let (mut fills, mut pending) = (SmallVec::new(), SmallVec::new());
+        for (color, facts) in attachments.colors.iter().zip(&colors).filter(|(color, _)| color.is_stored) {
             let part = part(objects, color.target, vk::ImageAspectFlags::COLOR, layers)?;
-            if !is_unfilled {
-                fills.push((part, color.format, color.layout));
+            if facts.samples == vk::SampleCountFlags::TYPE_1 {
+                map.prepare(color.format).map_err(failed)?;
+            }
+            if is_unfilled {
+                continue;
+            }
+            match facts.samples {
+                vk::SampleCountFlags::TYPE_1 => fills.push((part, color.format, color.layout)),
+                _ => pending.push(self.pending(
+                    objects,
+                    (&map, target),
+                    (color.target, part),
+                    place,
+                    color.layout,
+                )?),
             }
         }
-        Ok(OpenMask { map, way, is_unfilled, fills })
+        if let OpenWay::Template(depth) = &way
+            && let Some(attachment) = attachments.depth
+            && depth.is_multisampled
+            && depth.work.fills
+        {
+            let of = (attachment.target, depth.depth);
+            pending.push(self.pending(objects, (&map, target), of, place, depth.final_layout)?);
+        }
+        Ok(OpenMask { map, way, is_unfilled, fills, pending })
+    }
+
+    /// The fill, after a pass, of an image of several samples.
+    fn pending(
+        &self,
+        objects: &Objects,
+        (map, target): (&Arc<MaskMap>, &TargetMask),
+        (of, part): (Target, ImagePart),
+        place: Place<'_>,
+        layout: vk::ImageLayout,
+    ) -> Result<Pending, Reason> {
+        if !place.follows_graphics {
+            // From the next command buffers on.
+            follow_graphics();
+            return Err(Reason::New);
+        }
+        if !place.restores_graphics || target.loses_graphics() || self.extends_dynamic.load(Ordering::Relaxed)
+        {
+            return Err(Reason::GraphicsState);
+        }
+        let image = objects.image_of(of.image).ok_or(Reason::Unknown)?.description;
+        let [width, height] = map.extent();
+        if of.level != 0 || image.extent[0] < width || image.extent[1] < height {
+            return Err(Reason::Area);
+        }
+        let samples = vk::SampleCountFlags::from_raw(image.samples);
+        let fill = map.prepare_samples(of, part, (image.format, samples)).map_err(|error| {
+            error.tell("no mask for a render pass");
+            Reason::Failed
+        })?;
+        Ok(Pending { map: Arc::clone(map), target: of, part, format: image.format, layout, fill })
     }
 
     /// The map of a pass with an early return.
     fn early_return(
         &self,
         target: &TargetMask,
-        place: Place,
+        place: Place<'_>,
         keeps_coverage: bool,
         instead: Reason,
     ) -> Result<(Arc<MaskMap>, OpenWay), Reason> {
@@ -211,6 +323,11 @@ impl Masks {
         if instead == Reason::NoDepth && target.is_history() {
             return Err(Reason::History);
         }
+        if instead == Reason::ShadesHidden {
+            // Where no shader can, there is a template, of another kind.
+            target.returns_early(keeps_coverage, Reason::New)?;
+            self.has_template.store(true, Ordering::Relaxed);
+        }
         let map = target.map_to_return(instead)?;
         target.returns_early(keeps_coverage, instead)?;
         let set = self.return_layout().and_then(|layout| map.return_set(&layout)).ok_or(Reason::Failed)?;
@@ -223,7 +340,7 @@ impl Masks {
         objects: &Objects,
         target: &TargetMask,
         attachments: &Attachments,
-        place: Place,
+        place: Place<'_>,
         eligible: Eligible,
     ) -> Result<(Arc<MaskMap>, OpenWay), Reason> {
         let depth = attachments.depth.ok_or(Reason::NoDepth)?;
@@ -234,7 +351,14 @@ impl Masks {
             return Err(Reason::Layouts);
         }
         let map = target.map(eligible)?;
-        if eligible.work.is_any() && !map.prepare_depth() {
+        let is_multisampled = eligible.drawn.is_some();
+        if place
+            .covered_by
+            .is_some_and(|by| is_multisampled && eligible.work.covers && !Arc::ptr_eq(by, &map))
+        {
+            return Err(Reason::DepthLoaded);
+        }
+        if eligible.work.is_any() && !is_multisampled && !map.prepare_depth() {
             return Err(Reason::Failed);
         }
         // A map that leaves tiles out has to be laid anew first.
@@ -247,6 +371,8 @@ impl Masks {
         let aspects = aspects(objects, depth.target)?;
         let open = OpenDepth {
             depth: part(objects, depth.target, aspects, target.layers())?,
+            is_covered: is_multisampled && eligible.work.covers,
+            is_multisampled,
             layouts: depth.layouts,
             work: eligible.work,
             area: place.area,
@@ -258,7 +384,7 @@ impl Masks {
 
     /// Records what comes ahead of a pass that may have a mask, and returns that with what `loading` makes the pass begin
     /// with, which is nothing where it begins as the application says; nothing where it has no mask, for the reason that `pass` then
-    /// says.
+    /// says. `settle` is called before, with the mask if it has a template: what waits in what it draws to is filled, or goes on waiting.
     ///
     /// # Safety
     ///
@@ -271,8 +397,8 @@ impl Masks {
         candidate: Option<&Candidate>,
         pass: &mut Pass,
         attachments: &Attachments,
-        place: Place,
-        loading: impl FnOnce(DepthWork) -> Result<T, Reason>,
+        place: Place<'_>,
+        (loading, settle): (impl FnOnce(DepthWork) -> Result<T, Reason>, impl FnOnce(Option<&Arc<MaskMap>>)),
     ) -> Option<(OpenMask, Option<T>)> {
         self.note(attachments);
         let open = candidate
@@ -286,6 +412,12 @@ impl Masks {
                 Ok((open, loading))
             });
         let open = open.and_then(|(open, loading)| Ok((self.gpu().ok_or(Reason::Failed)?, open, loading)));
+        if attachments.colors.is_empty()
+            && let Some(target) = candidate.and_then(|candidate| candidate.map.mask())
+        {
+            target.note_prepass(open.as_ref().map(drop).map_err(|reason| *reason));
+        }
+        settle(open.as_ref().ok().and_then(|(_, open, _)| open.template()));
         match open {
             Ok((gpu, open, loading)) => {
                 // SAFETY: the caller vouches for the command buffer; the map is kept by the candidate, which the command
@@ -293,6 +425,7 @@ impl Masks {
                 let commands = unsafe { AppCommands::new(gpu, commands) };
                 pass.facts.is_unfilled = open.is_unfilled;
                 match &open.way {
+                    OpenWay::Template(depth) if depth.is_covered => {}
                     OpenWay::Template(depth) if depth.work.covers => {
                         open.map.cover(&commands, depth.depth, place.area, depth.layouts[0]);
                     }
@@ -324,9 +457,16 @@ impl Masks {
         }
         if let OpenWay::Template(depth) = &open.way
             && depth.work.fills
+            && !depth.is_multisampled
         {
             open.map.fill_depth(&commands, depth.depth, depth.area, depth.final_layout);
         }
+    }
+
+    /// The colour of the passes that are to go on with the depth of a pre-pass, if earlier frames have shown one: by the depth that it clears, and
+    /// how many passes of the command buffer cleared that before, this one counted.
+    pub fn chained(&self, depth: ImageKey, prepasses: u32) -> Option<Target> {
+        self.chains.get((depth, prepasses))
     }
 
     /// The begin of a render pass that loads depth.

@@ -2,12 +2,14 @@
 
 use super::recipe::{Ingredients, PassOf, Recipe, dynamic_states};
 use super::{Masks, Returning};
+use crate::gpu::is_left;
 use crate::mask::PipelineFacts;
 use crate::vk::rates::pipeline::{Parts, is_discarded, libraries, own_parts};
 use crate::vk::shader_modules::ShaderModules;
 use ash::vk;
 use std::slice;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 impl Masks {
     /// A shader module was created.
@@ -54,6 +56,9 @@ impl Masks {
             let infos = slice::from_raw_parts(infos, count as usize);
             let pipelines = slice::from_raw_parts(pipelines, count as usize);
             for (info, &pipeline) in infos.iter().zip(pipelines) {
+                if !dynamic_states(info).iter().all(|state| is_left(*state)) {
+                    self.extends_dynamic.store(true, Ordering::Relaxed);
+                }
                 if pipeline != vk::Pipeline::null() {
                     let mut facts = self.facts(info);
                     match self.recipe(info, facts) {

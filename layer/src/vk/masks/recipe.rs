@@ -150,15 +150,15 @@ impl Recipe {
         discards(self.codes[self.fragment.stage].words())
     }
 
-    /// Makes the pipeline whose fragment shader returns early.
+    /// Makes the pipeline whose fragment shader returns early, see [`EarlyReturn::has_whole_subgroups`].
     ///
     /// # Errors
     /// [`GpuError::Unsupported`] where the shader cannot; a failed call.
-    pub fn make(&self, gpu: &Arc<Gpu>) -> Result<Owned<vk::Pipeline>, GpuError> {
+    pub fn make(&self, gpu: &Arc<Gpu>, has_whole_subgroups: bool) -> Result<Owned<vk::Pipeline>, GpuError> {
         let Fragment { stage, entry, by_view } = &self.fragment;
         let unknown = GpuError::Unsupported("an early return from a shader that the layer cannot parse");
         let entry = entry.to_str().map_err(|_| unknown)?;
-        let wanted = EarlyReturn { entry, set: self.layout.set(), by_view: *by_view };
+        let wanted = EarlyReturn { entry, set: self.layout.set(), by_view: *by_view, has_whole_subgroups };
         let returning = returning_early(self.codes[*stage].words(), wanted).map_err(|reason| {
             tracing::debug!("no early return: {reason}");
             unknown

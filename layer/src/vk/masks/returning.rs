@@ -66,9 +66,10 @@ impl Masks {
         }
         if known.made.get().is_none() {
             let (gpu, recipe) = (Arc::clone(self.gpu()?), Arc::clone(&known.recipe));
+            let is_cpu = self.is_cpu;
             let make = move |compilation: &Arc<Compilation>| {
                 gpu.compile_with(compilation);
-                recipe.make(&gpu)
+                recipe.make(&gpu, is_cpu)
             };
             let new = self.compiler().ask("a fragment shader does not return early", make);
             known.made.get_or_init(|| new);

@@ -36,6 +36,8 @@ pub struct Ended {
     pub restores_graphics: bool,
     /// Whether it has depth.
     pub has_depth: bool,
+    /// Whether it draws no colour.
+    pub is_prepass: bool,
 }
 
 /// Something that passes need before they have a mask.
@@ -66,6 +68,10 @@ struct Seen {
     loses_graphics: bool,
     /// Whether a pass has depth.
     has_depth: bool,
+    /// Whether a depth pre-pass was recorded to its end.
+    has_prepass: bool,
+    /// Why the last depth pre-pass had no template, if there was one.
+    prepass_refusal: Option<Reason>,
     /// Fragment shaders that shall return early: of any kind, and such that keep their coverage.
     returns: [Wanted; 2],
     /// Whether the last pass that was submitted was the scene.
@@ -93,14 +99,15 @@ impl TargetMask {
         self.target.layers
     }
 
-    /// What is known of passes to it before they are recorded.
+    /// What is known of passes to it, or of depth pre-passes for them, before they are recorded.
     ///
     /// # Errors
     ///
     /// Nothing yet that would make them the scene.
-    pub(super) fn evidence(&self) -> Result<(PassFacts, PipelineFacts), Reason> {
+    pub(super) fn evidence(&self, is_prepass: bool) -> Result<(PassFacts, PipelineFacts), Reason> {
         let seen = self.seen();
         match *seen {
+            Seen { has_prepass: false, .. } if is_prepass => Err(Reason::New),
             Seen { is_recorded: true, is_scene: true, loses_compute: false, facts, pipelines, .. } => {
                 Ok((facts, pipelines))
             }
@@ -111,15 +118,31 @@ impl TargetMask {
 
     /// A pass to it was recorded.
     pub fn recorded(&self, ended: Ended) {
-        let Ended { facts, pipelines, restores_compute, restores_graphics, has_depth } = ended;
+        let Ended { facts, pipelines, restores_compute, restores_graphics, has_depth, is_prepass } = ended;
         let mut seen = self.seen();
         seen.loses_compute |= !restores_compute;
         seen.loses_graphics |= !restores_graphics;
         seen.has_depth |= has_depth;
-        seen.is_recorded = true;
+        seen.has_prepass |= is_prepass;
+        seen.is_recorded |= !is_prepass;
         seen.facts.is_queried |= facts.is_queried;
         seen.facts.clears_depth_later |= facts.clears_depth_later;
         seen.pipelines.see(pipelines);
+    }
+
+    /// Whether after a pass something was bound for drawing that cannot be bound again.
+    pub(super) fn loses_graphics(&self) -> bool {
+        self.seen().loses_graphics
+    }
+
+    /// Notes whether a depth pre-pass has a template.
+    pub(super) fn note_prepass(&self, outcome: Result<(), Reason>) {
+        self.seen().prepass_refusal = outcome.err();
+    }
+
+    /// Why the last depth pre-pass had no template; None if it had, or there was none.
+    pub(super) fn prepass_refusal(&self) -> Option<Reason> {
+        self.seen().prepass_refusal
     }
 
     /// Notes that depth of its passes is older than those, or outlives them; whether that was known.
@@ -148,6 +171,11 @@ impl TargetMask {
                 Err(Reason::New)
             }
         }
+    }
+
+    /// Whether no fragment shader that was tried returns early with its coverage kept.
+    pub(super) fn fails_to_return(&self) -> bool {
+        self.seen().returns[usize::from(true)] == Wanted::Failed
     }
 
     /// Whether a fragment shader that returns early is waited for, with its coverage kept or not.

@@ -208,6 +208,9 @@ pub unsafe extern "system" fn execute(
         || unsafe { pass_on!(with_buffer: handle, cmd_execute_commands(handle, count, secondaries), ()) },
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_execute_commands) else { return };
+            if let Some(known) = known.as_ref().filter(|known| !known.recorded().is_within_pass()) {
+                known.fill_all(handle);
+            }
             next(handle, count, secondaries);
             answer.made();
             let Some(known) = known else { return };

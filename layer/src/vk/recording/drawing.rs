@@ -5,10 +5,14 @@
 //! or those of another layout, so that what the application has bound is bound again before another layout counts, and after the
 //! pass. Both pipelines have the same state, dynamic or not, and the same push constants.
 
-use super::Buffer;
 use super::sets::BoundSets;
+use super::{Buffer, with_buffer};
+use crate::abi::guard;
+use crate::vk::dispatch::ArmedTable;
 use crate::vk::masks::Returning;
 use ash::vk;
+use smallvec::SmallVec;
+use std::slice;
 use std::sync::Arc;
 
 const GRAPHICS: vk::PipelineBindPoint = vk::PipelineBindPoint::GRAPHICS;
@@ -21,6 +25,9 @@ pub struct Drawing {
     /// The application's pipeline.
     pipeline: vk::Pipeline,
     sets: BoundSets,
+    /// Its viewports and scissors, from number 0 on, as far as they were set.
+    viewports: SmallVec<[Option<vk::Viewport>; 2]>,
+    scissors: SmallVec<[Option<vk::Rect2D>; 2]>,
     /// What is bound in place of the pipeline.
     in_place: Option<InPlace>,
 }
@@ -41,6 +48,8 @@ impl Drawing {
     pub fn forget(&mut self) {
         self.pipeline = vk::Pipeline::null();
         self.sets.clear();
+        self.viewports.clear();
+        self.scissors.clear();
         self.in_place = None;
     }
 
@@ -73,6 +82,113 @@ impl Drawing {
             self.sets.bind(layout, first, sets, offsets);
         }
     }
+}
+
+/// What is bound for drawing outside of passes.
+pub struct Bound {
+    pipeline: vk::Pipeline,
+    sets: BoundSets,
+    viewport: Option<vk::Viewport>,
+    scissor: Option<vk::Rect2D>,
+}
+
+impl Drawing {
+    /// What may have to be bound again after a pipeline of ours, that draws with one viewport and one scissor.
+    pub fn bound(&self) -> Bound {
+        Bound {
+            pipeline: self.pipeline,
+            sets: self.sets.clone(),
+            viewport: self.viewports.first().copied().flatten(),
+            scissor: self.scissors.first().copied().flatten(),
+        }
+    }
+}
+
+impl Bound {
+    /// Binds it again, with the next layer's functions: state that a pipeline has not as dynamic counts from when it is bound.
+    ///
+    /// # Safety
+    ///
+    /// `commands` is recording, outside of a render pass, and this is what it had bound.
+    pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
+        // SAFETY: the caller vouches for the command buffer; what was bound stays valid as long as that does.
+        unsafe {
+            if let (Some(viewport), Some(set)) = (&self.viewport, next.cmd_set_viewport) {
+                set(commands, 0, 1, viewport);
+            }
+            if let (Some(scissor), Some(set)) = (&self.scissor, next.cmd_set_scissor) {
+                set(commands, 0, 1, scissor);
+            }
+            if let Some(bind) = next.cmd_bind_pipeline
+                && self.pipeline != vk::Pipeline::null()
+            {
+                bind(commands, GRAPHICS, self.pipeline);
+            }
+            self.sets.restore(next, commands, GRAPHICS);
+        }
+    }
+}
+
+/// Keeps values from number `first` on.
+fn keep<T: Copy>(kept: &mut SmallVec<[Option<T>; 2]>, first: u32, values: &[T]) {
+    for (index, value) in (first as usize..).zip(values) {
+        if kept.len() <= index {
+            kept.resize(index + 1, None);
+        }
+        kept[index] = Some(*value);
+    }
+}
+
+/// `vkCmdSetViewport`.
+pub unsafe extern "system" fn set_viewport(
+    handle: vk::CommandBuffer,
+    first: u32,
+    count: u32,
+    viewports: *const vk::Viewport,
+) {
+    guard(
+        "vkCmdSetViewport",
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_set_viewport(handle, first, count, viewports), ()) },
+        // SAFETY: the application's own arguments: `count` viewports.
+        |answer| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_set_viewport) else { return };
+            next(handle, first, count, viewports);
+            answer.made();
+            if let Some(known) = known.filter(|_| count > 0) {
+                let drawing = &mut known.recorded().drawing;
+                if drawing.is_followed {
+                    keep(&mut drawing.viewports, first, slice::from_raw_parts(viewports, count as usize));
+                }
+            }
+        },
+    );
+}
+
+/// `vkCmdSetScissor`.
+pub unsafe extern "system" fn set_scissor(
+    handle: vk::CommandBuffer,
+    first: u32,
+    count: u32,
+    scissors: *const vk::Rect2D,
+) {
+    guard(
+        "vkCmdSetScissor",
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_set_scissor(handle, first, count, scissors), ()) },
+        // SAFETY: the application's own arguments: `count` rectangles.
+        |answer| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_set_scissor) else { return };
+            next(handle, first, count, scissors);
+            answer.made();
+            if let Some(known) = known.filter(|_| count > 0) {
+                let drawing = &mut known.recorded().drawing;
+                if drawing.is_followed {
+                    keep(&mut drawing.scissors, first, slice::from_raw_parts(scissors, count as usize));
+                }
+            }
+        },
+    );
 }
 
 /// The application binds a pipeline, which `bind` binds: that, or what has its place.
@@ -250,6 +366,15 @@ mod tests {
         assert_eq!(of(layout(1), layout(1)), (!own, !restored), "ours stays where it is");
         assert_eq!(of(layout(1), layout(2)), (!own, restored));
         assert_eq!(of(layout(1), None), (own, restored));
+    }
+
+    #[test]
+    fn viewports_are_kept_by_their_numbers() {
+        let mut kept = SmallVec::new();
+        keep(&mut kept, 1, &[10, 11]);
+        assert_eq!(kept.as_slice(), [None, Some(10), Some(11)]);
+        keep(&mut kept, 0, &[20, 21]);
+        assert_eq!(kept.as_slice(), [Some(20), Some(21), Some(11)]);
     }
 
     #[test]

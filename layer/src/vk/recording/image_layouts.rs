@@ -1,5 +1,6 @@
 //! Barriers and passes that leave images of XR swapchains in another layout.
 
+use super::pending::{barriers, barriers2};
 use super::{Buffer, with_buffer};
 use crate::abi::guard;
 use crate::scene::Target;
@@ -36,6 +37,9 @@ pub unsafe extern "system" fn pipeline_barrier(
         // SAFETY: the application's own arguments, valid for the next layer as for us; `images` are `count`, as the specification demands.
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_pipeline_barrier) else { return };
+            if let Some(known) = known.as_ref().filter(|_| count > 0) {
+                known.fill_for(handle, barriers(slice::from_raw_parts(images, count as usize)));
+            }
             next(handle, from, to, flags, memory_count, memory, buffer_count, buffers, count, images);
             answer.made();
             if let Some(known) = known.filter(|known| count > 0 && !known.armed.layouts.is_empty()) {
@@ -59,6 +63,9 @@ pub unsafe extern "system" fn pipeline_barrier2(
         // SAFETY: as above: `info` is valid, with as many barriers as it says.
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_pipeline_barrier2) else { return };
+            if let Some(known) = &known {
+                known.fill_for(handle, barriers2(&*info));
+            }
             next(handle, info);
             answer.made();
             let count = (*info).image_memory_barrier_count as usize;

@@ -2,7 +2,9 @@
 
 use super::{Buffer, Within, drawing, timed, with_buffer};
 use crate::abi::guard;
+use crate::mask::{DepthWork, MaskMap};
 use crate::scene::{Pass, Target};
+use crate::vk::candidates::Candidate;
 use crate::vk::chain::extension;
 use crate::vk::masks::{Attachments, Place};
 use crate::vk::objects::{Objects, RenderPass};
@@ -160,12 +162,15 @@ unsafe fn begin_noted(
             image.map(|image| armed.candidates.with_map(image.key.target, image))
         }
         (None, Some(masks)) => {
-            let candidate = pass.as_ref().and_then(|pass| armed.candidates.of(armed, pass));
             // SAFETY: as above; the command buffer is recording outside of render passes, as one begins.
             unsafe {
                 let attachments = instance.as_ref().map(|instance| instance.attachments(&*info));
+                let candidate = pass.as_ref().zip(attachments.as_ref());
+                let candidate = candidate.and_then(|(pass, attachments)| buffer.candidate(pass, attachments));
                 if let (Some(pass), Some(attachments)) = (&mut pass, &attachments) {
-                    let place = buffer.place((*info).render_area);
+                    let area = (*info).render_area;
+                    let covering = buffer.covering(attachments.depth.map(|depth| depth.target.image));
+                    let place = buffer.place(area, attachments, covering.as_ref());
                     match masks.begin_pass(
                         armed,
                         handle,
@@ -173,10 +178,13 @@ unsafe fn begin_noted(
                         pass,
                         attachments,
                         place,
-                        |work| match work.covers {
-                            true => Ok(*info),
-                            false => masks.loading_begin(&*info),
-                        },
+                        (
+                            |work: DepthWork| match work.covers {
+                                true => Ok(*info),
+                                false => masks.loading_begin(&*info),
+                            },
+                            |mask: Option<&_>| buffer.settle(handle, attachments, area, mask),
+                        ),
                     ) {
                         Some((open, loading)) => {
                             begin(loading.as_ref().map_or(info, std::ptr::from_ref));
@@ -185,10 +193,11 @@ unsafe fn begin_noted(
                         None => begin(info),
                     }
                 } else {
+                    buffer.fill_all(handle);
                     begin(info);
                 }
+                candidate
             }
-            candidate
         }
         (None, None) => {
             begin(info);
@@ -219,6 +228,8 @@ pub unsafe fn end_noted(buffer: &Buffer, handle: vk::CommandBuffer) {
         unsafe {
             masks.end_pass(&mask, handle);
             bound.restore(&buffer.armed.next, handle);
+            buffer.recorded().pending.extend(mask.pending().iter().cloned());
+            buffer.fill_where(handle, |pending| !pending.may_wait());
         }
     }
     // SAFETY: as above. What a mask costs is part of the pass.
@@ -226,10 +237,29 @@ pub unsafe fn end_noted(buffer: &Buffer, handle: vk::CommandBuffer) {
 }
 
 impl Buffer {
-    /// Where a pass of this render area begins.
-    pub(super) fn place(&self, area: vk::Rect2D) -> Place {
+    /// What a pass draws to that may be the scene; of a depth pre-pass, what the passes that go on with its depth draw to.
+    pub(super) fn candidate(&self, pass: &Pass, attachments: &Attachments) -> Option<Arc<Candidate>> {
+        let armed = &self.armed;
+        let Some(depth) = attachments.are_a_prepass(&armed.objects) else {
+            return armed.candidates.of(armed, pass);
+        };
+        let depth = depth.target.image;
+        let count = self.recorded().prepasses.count(depth);
+        armed.candidates.known(armed.masks.as_ref()?.chained(depth, count)?)
+    }
+
+    /// Where a pass of this render area begins, whose depth of several samples holds the template of a mask, or of none.
+    pub(super) fn place<'a>(
+        &self,
+        area: vk::Rect2D,
+        attachments: &Attachments,
+        covered_by: Option<&'a Arc<MaskMap>>,
+    ) -> Place<'a> {
         let recorded = self.recorded();
+        let prepasses = attachments.depth.map_or(0, |depth| recorded.prepasses.last(depth.target.image));
         Place {
+            covered_by,
+            prepasses,
             is_primary: self.is_primary,
             restores_compute: recorded.compute.is_whole(),
             restores_graphics: recorded.drawing.is_whole(),

@@ -1,6 +1,6 @@
 //! Occlusion queries and conditional rendering: what they see depends on what is drawn.
 
-use super::{Recorded, Within, with_buffer};
+use super::{Buffer, Recorded, Within, with_buffer};
 use crate::abi::guard;
 use ash::vk;
 
@@ -18,6 +18,7 @@ pub unsafe extern "system" fn begin(
         || unsafe { pass_on!(with_buffer: handle, cmd_begin_query(handle, pool, query, flags), ()) },
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_query) else { return };
+            fill_before(known.as_deref(), handle);
             next(handle, pool, query, flags);
             answer.made();
             if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
@@ -27,6 +28,18 @@ pub unsafe extern "system" fn begin(
             }
         },
     );
+}
+
+/// Fills what waits, which must be neither counted nor left out.
+///
+/// # Safety
+///
+/// The command buffer is recording.
+unsafe fn fill_before(known: Option<&Buffer>, handle: vk::CommandBuffer) {
+    if let Some(known) = known.filter(|known| !known.recorded().is_within_pass()) {
+        // SAFETY: the caller vouches for the command buffer; before a pass that is not known nothing waits.
+        unsafe { known.fill_all(handle) };
+    }
 }
 
 /// `vkCmdEndQuery`.
@@ -62,6 +75,7 @@ pub unsafe extern "system" fn begin_conditional(
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_begin_conditional_rendering) else {
                 return;
             };
+            fill_before(known.as_deref(), handle);
             next(handle, info);
             answer.made();
             if let Some(known) = known {

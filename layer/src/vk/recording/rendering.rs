@@ -3,7 +3,7 @@
 use super::passes::end_noted;
 use super::{drawing, timed, with_buffer};
 use crate::abi::guard;
-use crate::mask::Reason;
+use crate::mask::{DepthWork, Reason};
 use crate::scene::{Pass, PassFacts, Target};
 use crate::vk::chain::extension;
 use crate::vk::masks::rendering_attachments;
@@ -35,9 +35,11 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
                     image.map(|image| armed.candidates.with_map(image.key.target, image))
                 }
                 (None, Some(masks)) => {
-                    let candidate = armed.candidates.of(armed, &pass);
                     let attachments = rendering_attachments(&armed.objects, &*info);
-                    let place = known.place((*info).render_area);
+                    let candidate = known.candidate(&pass, &attachments);
+                    let area = (*info).render_area;
+                    let covering = known.covering(attachments.depth.map(|depth| depth.target.image));
+                    let place = known.place(area, &attachments, covering.as_ref());
                     match masks.begin_pass(
                         armed,
                         handle,
@@ -45,7 +47,10 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
                         &mut pass,
                         &attachments,
                         place,
-                        |_| loading(&*info),
+                        (
+                            |_: DepthWork| loading(&*info),
+                            |mask: Option<&_>| known.settle(handle, &attachments, area, mask),
+                        ),
                     ) {
                         Some((open, Some(depth))) => {
                             begin(&vk::RenderingInfo { p_depth_attachment: &depth, ..*info });

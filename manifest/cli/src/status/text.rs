@@ -46,7 +46,7 @@ fn of_one(status: &Status, environment: &Environment) -> String {
             _ => gate(told),
         };
         line("rates", &gate(&status.rates_gate));
-        line("re-use", &gate(&status.reuse_gate));
+        line("re-use", &format!("{}{}", gate(&status.reuse_gate), slow(status)));
         line("chroma", if status.attenuates_colour { "attenuated in the periphery" } else { "unchanged" });
         line("view", &view(status));
         line("passes", &format!("{} with shading rates in the last frame", status.passes_matched));
@@ -81,8 +81,11 @@ fn rates(rates: &Rates) -> String {
     if rates.tiles.is_empty() {
         return "no frame planned yet".to_owned();
     }
-    let tiles: Vec<String> =
-        rates.tiles.iter().map(|(rate, share)| format!("{rate} {:.0} %", share * 100.0)).collect();
+    let share = |(rate, share): &(String, f32)| match rate.as_str() {
+        "skipped" => format!("4x4 blocks skipped {:.0} %", share * 100.0),
+        rate => format!("{rate} {:.0} %", share * 100.0),
+    };
+    let tiles: Vec<String> = rates.tiles.iter().map(share).collect();
     let shaded = format!("{:.0} % of the pixels shaded; tiles: {}", rates.shaded * 100.0, tiles.join(", "));
     let shaded = match rates.decided_on_gpu {
         true => format!("decided on the GPU by contrast; by eccentricity alone: {shaded}"),
@@ -116,6 +119,20 @@ pub fn why_not_drawn(status: &Status) -> &'static str {
             "re-use is off, or was dropped"
         }
         _ => "its swapchains are not eligible, or no frame is rendered",
+    }
+}
+
+/// The rate from which on regions can be left out of a frame and still be rendered 30 times a second, Hz
+/// (`parafovea_core::schedule::MIN_UPDATE_HZ`): twice that.
+const LEAST_RATE_HZ: f32 = 60.0;
+
+/// Says that the safety limit of the update rate keeps re-use from doing anything.
+fn slow(status: &Status) -> &'static str {
+    let is_on = status.reuse_gate.mode != "off" && status.reuse_gate.is_kept;
+    let is_slow = status.frame_rate_hz > 0.0 && status.frame_rate_hz < LEAST_RATE_HZ;
+    match is_on && is_slow && status.rates.rendered >= 1.0 {
+        true => "; safety limit: below 60 frames per second every region is rendered in each",
+        false => "",
     }
 }
 
@@ -194,6 +211,33 @@ mod tests {
             "  settings  defaults; no configuration file",
         ] {
             assert!(text.lines().any(|found| found == line), "{line}\nin\n{text}");
+        }
+    }
+
+    #[test]
+    fn masks_say_how_many_blocks_are_skipped() {
+        let active = active();
+        let tiles = vec![("skipped".to_owned(), 0.4), ("1x1".to_owned(), 0.6)];
+        let rates = Rates { tiles, shaded: 0.6, ..active.rates.clone() };
+        let text = shown(Status { rates, ..active });
+        let line = "  tiles     60 % of the pixels shaded; tiles: 4x4 blocks skipped 40 %, 1x1 60 %";
+        assert!(text.lines().any(|found| found == line), "{text}");
+    }
+
+    #[test]
+    fn a_frame_rate_below_the_safety_limit_is_said_to_stop_re_use() {
+        let of = |frame_rate_hz, mode: &str, rendered| {
+            let active = active();
+            let rates = Rates { rendered, ..active.rates.clone() };
+            let reuse_gate = Gate { mode: mode.to_owned(), is_kept: true, ..Gate::default() };
+            shown(Status { frame_rate_hz, rates, reuse_gate, ..active })
+        };
+        let line = "safety limit: below 60 frames per second every region is rendered in each";
+        for hz in [2.0, 10.0, 30.0, 59.0] {
+            assert!(of(hz, "on", 1.0).contains(line), "{hz}");
+        }
+        for other in [of(0.0, "on", 1.0), of(90.0, "on", 1.0), of(30.0, "off", 1.0), of(30.0, "on", 0.5)] {
+            assert!(!other.contains(line), "{other}");
         }
     }
 

@@ -34,7 +34,7 @@ fn code(source: &str, lang_version: (u8, u8)) -> Vec<u32> {
 }
 
 fn wanted(entry: &str) -> EarlyReturn<'_> {
-    EarlyReturn { entry, set: 3, by_view: false }
+    EarlyReturn { entry, set: 3, by_view: false, has_whole_subgroups: false }
 }
 
 fn count(words: &[u32], op: u32) -> usize {
@@ -111,6 +111,8 @@ fn what_is_not_understood_is_left_alone() {
     let mut over_subgroups = before.clone();
     over_subgroups.splice(5..5, [2 << 16 | op::CAPABILITY, OVER_SUBGROUPS[1]]);
     assert_eq!(returning_early(&over_subgroups, wanted("two")), Err(NoEarlyReturn::Subgroups));
+    let whole = EarlyReturn { has_whole_subgroups: true, ..wanted("two") };
+    assert!(returning_early(&over_subgroups, whole).is_ok());
     let mut relaxed = before.clone();
     let parsed = Parsed::of(&before).unwrap();
     let first = parsed.instructions.iter().position(|found| found.op == op::DECORATE).unwrap();

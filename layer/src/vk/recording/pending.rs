@@ -1,0 +1,241 @@
+//! Fills that wait in a command buffer for a reader, see [`crate::vk::masks::Pending`].
+
+use super::{Buffer, with_buffer};
+use crate::abi::guard;
+use crate::mask::MaskMap;
+use crate::scene::ImageKey;
+use crate::vk::masks::{Attachments, Pending};
+use ash::vk;
+use smallvec::SmallVec;
+use std::slice;
+use std::sync::Arc;
+
+impl Buffer {
+    /// Records the fills that `ends` holds for, and binds again what was bound.
+    ///
+    /// # Safety
+    ///
+    /// `handle` is this command buffer, which is recording, outside of a render pass.
+    pub unsafe fn fill_where(&self, handle: vk::CommandBuffer, ends: impl Fn(&Pending) -> bool) {
+        let mut ended: SmallVec<[Pending; 2]> = SmallVec::new();
+        let bound = {
+            let mut recorded = self.recorded();
+            if recorded.pending.is_empty() {
+                return;
+            }
+            recorded.pending.retain(|pending| {
+                let ends = ends(pending);
+                if ends {
+                    ended.push(pending.clone());
+                }
+                !ends
+            });
+            if ended.is_empty() {
+                return;
+            }
+            (recorded.compute.clone(), recorded.drawing.bound())
+        };
+        let Some(masks) = &self.armed.masks else { return };
+        // SAFETY: the caller vouches for the command buffer; an image of which something waits is live, as it is in use.
+        unsafe {
+            for pending in &ended {
+                masks.fill(pending, handle);
+            }
+            let (compute, drawing) = bound;
+            compute.restore(&self.armed.next, handle);
+            drawing.restore(&self.armed.next, handle);
+        }
+    }
+
+    /// All of them.
+    ///
+    /// # Safety
+    ///
+    /// As for [`Self::fill_where`].
+    pub unsafe fn fill_all(&self, handle: vk::CommandBuffer) {
+        // SAFETY: as above.
+        unsafe { self.fill_where(handle, |_| true) };
+    }
+
+    /// Those of images that barriers bring to other layouts or queue families.
+    ///
+    /// # Safety
+    ///
+    /// As for [`Self::fill_where`], unless nothing waits.
+    pub(super) unsafe fn fill_for(
+        &self,
+        handle: vk::CommandBuffer,
+        barriers: impl Iterator<Item = (vk::Image, vk::ImageLayout, [u32; 2])> + Clone,
+    ) {
+        let ends = |pending: &Pending| {
+            barriers.clone().any(|(image, layout, families)| pending.ends_with(image, layout, families))
+        };
+        // SAFETY: the caller vouches for the command buffer. Within render passes, barriers change no layout (Vulkan specification,
+        // VUID-vkCmdPipelineBarrier-oldLayout-01181).
+        unsafe { self.fill_where(handle, ends) };
+    }
+
+    /// A pass begins that has these attachments, with this mask if it has a template: of what it draws to, fills go on waiting where that is
+    /// the mask's own, and those of depth that it clears throughout are void.
+    ///
+    /// # Safety
+    ///
+    /// As for [`Self::fill_where`].
+    pub(super) unsafe fn settle(
+        &self,
+        handle: vk::CommandBuffer,
+        attachments: &Attachments,
+        area: vk::Rect2D,
+        mask: Option<&Arc<MaskMap>>,
+    ) {
+        let is_void = |pending: &Pending| {
+            let [width, height] = pending.map.extent();
+            let is_all = area.offset == vk::Offset2D::default()
+                && area.extent.width >= width
+                && area.extent.height >= height;
+            let cleared = attachments.depth.filter(|depth| depth.is_cleared);
+            is_all && cleared.is_some_and(|depth| depth.target == pending.target)
+        };
+        let is_own = |pending: &Pending| mask.is_some_and(|mask| Arc::ptr_eq(mask, &pending.map));
+        self.recorded().pending.retain(|pending| !is_void(pending));
+        // SAFETY: the caller vouches for the command buffer.
+        unsafe {
+            self.fill_where(handle, |pending| attachments.have(pending.target.image) && !is_own(pending));
+        }
+        // What the pass leaves is known when it ends.
+        self.recorded().pending.retain(|pending| !attachments.have(pending.target.image));
+    }
+
+    /// The mask whose template waits in depth of several samples.
+    pub(super) fn covering(&self, depth: Option<ImageKey>) -> Option<Arc<MaskMap>> {
+        let depth = depth?;
+        let recorded = self.recorded();
+        let holds = recorded.pending.iter().find(|pending| pending.target.image == depth);
+        holds.map(|pending| Arc::clone(&pending.map))
+    }
+}
+
+/// `vkEndCommandBuffer`.
+pub unsafe extern "system" fn end_buffer(handle: vk::CommandBuffer) -> vk::Result {
+    const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
+    // SAFETY: the application's own argument.
+    guard(
+        "vkEndCommandBuffer",
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, end_command_buffer(handle), FAILED) },
+        |answer| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.end_command_buffer) else {
+                return FAILED;
+            };
+            if let Some(known) = known {
+                known.fill_all(handle);
+            }
+            answer.record(next(handle))
+        },
+    )
+}
+
+/// `vkCmdWaitEvents`.
+#[allow(clippy::too_many_arguments, reason = "the arguments of vkCmdWaitEvents")]
+pub unsafe extern "system" fn wait_events(
+    handle: vk::CommandBuffer,
+    event_count: u32,
+    events: *const vk::Event,
+    from: vk::PipelineStageFlags,
+    to: vk::PipelineStageFlags,
+    memory_count: u32,
+    memory: *const vk::MemoryBarrier<'_>,
+    buffer_count: u32,
+    buffers: *const vk::BufferMemoryBarrier<'_>,
+    count: u32,
+    images: *const vk::ImageMemoryBarrier<'_>,
+) {
+    guard(
+        "vkCmdWaitEvents",
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                with_buffer: handle,
+                cmd_wait_events(
+                    handle, event_count, events, from, to, memory_count, memory, buffer_count, buffers, count, images
+                ),
+                ()
+            )
+        },
+        // SAFETY: the application's own arguments; `images` are `count`, as the specification demands.
+        |answer| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_wait_events) else { return };
+            if let Some(known) = known.filter(|_| count > 0) {
+                known.fill_for(handle, barriers(slice::from_raw_parts(images, count as usize)));
+            }
+            next(
+                handle,
+                event_count,
+                events,
+                from,
+                to,
+                memory_count,
+                memory,
+                buffer_count,
+                buffers,
+                count,
+                images,
+            );
+            answer.made();
+        },
+    );
+}
+
+/// `vkCmdWaitEvents2`.
+pub unsafe extern "system" fn wait_events2(
+    handle: vk::CommandBuffer,
+    count: u32,
+    events: *const vk::Event,
+    infos: *const vk::DependencyInfo<'_>,
+) {
+    guard(
+        "vkCmdWaitEvents2",
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_wait_events2(handle, count, events, infos), ()) },
+        // SAFETY: the application's own arguments: a structure for each event.
+        |answer| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_wait_events2) else { return };
+            if let Some(known) = known.filter(|_| count > 0) {
+                for info in slice::from_raw_parts(infos, count as usize) {
+                    known.fill_for(handle, barriers2(info));
+                }
+            }
+            next(handle, count, events, infos);
+            answer.made();
+        },
+    );
+}
+
+/// What barriers of images do.
+pub(super) fn barriers<'a>(
+    images: &'a [vk::ImageMemoryBarrier<'_>],
+) -> impl Iterator<Item = (vk::Image, vk::ImageLayout, [u32; 2])> + Clone + 'a {
+    images.iter().map(|barrier| {
+        let families = [barrier.src_queue_family_index, barrier.dst_queue_family_index];
+        (barrier.image, barrier.new_layout, families)
+    })
+}
+
+/// The same of a dependency.
+///
+/// # Safety
+///
+/// As many barriers of images are there as it says.
+pub(super) unsafe fn barriers2<'a>(
+    info: &'a vk::DependencyInfo<'_>,
+) -> impl Iterator<Item = (vk::Image, vk::ImageLayout, [u32; 2])> + Clone + 'a {
+    let images = match info.image_memory_barrier_count {
+        0 => &[][..],
+        // SAFETY: the caller vouches for the array.
+        count => unsafe { slice::from_raw_parts(info.p_image_memory_barriers, count as usize) },
+    };
+    images.iter().map(|barrier| {
+        let families = [barrier.src_queue_family_index, barrier.dst_queue_family_index];
+        (barrier.image, barrier.new_layout, families)
+    })
+}
