@@ -60,17 +60,32 @@ fn build(uniforms: &[Declared]) -> Result<(), String> {
     let mut checksum = FNV_BASIS;
     for stem in complete_kernels(repository)? {
         let path = layer.join("shaders").join(format!("{stem}.wgsl"));
-        let words = compile(&path, uniforms).map_err(|error| format!("{}: {error}", path.display()))?;
-        let bytes: Vec<u8> = without_storage_class(&words).into_iter().flat_map(u32::to_ne_bytes).collect();
-        checksum =
-            bytes.iter().fold(checksum, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(FNV_PRIME));
-        let target = out.join(format!("{stem}.spv"));
-        fs::write(&target, bytes).map_err(|error| format!("{}: {error}", target.display()))?;
+        let source = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let mut shaders = vec![(stem.clone(), source.clone())];
+        for (_, suffix, constant) in VARIANTS.iter().filter(|(of, ..)| *of == stem) {
+            let [is, becomes] = ["false", "true"].map(|value| format!("const {constant}: bool = {value};"));
+            if !source.contains(&is) {
+                return Err(format!("{}: no `{is}`", path.display()));
+            }
+            shaders.push((format!("{stem}_{suffix}"), source.replace(&is, &becomes)));
+        }
+        for (name, source) in shaders {
+            let words = compile(&source, uniforms).map_err(|error| format!("{}: {error}", path.display()))?;
+            let bytes: Vec<u8> =
+                without_storage_class(&words).into_iter().flat_map(u32::to_ne_bytes).collect();
+            checksum =
+                bytes.iter().fold(checksum, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(FNV_PRIME));
+            let target = out.join(format!("{name}.spv"));
+            fs::write(&target, bytes).map_err(|error| format!("{}: {error}", target.display()))?;
+        }
     }
     // Of the pipelines that are kept on disk.
     println!("cargo::rustc-env=SHADERS_CHECKSUM={checksum:016x}");
     Ok(())
 }
+
+/// Shaders that are compiled once more: the stem, what the name of the other one ends in, and the constant that is true there.
+const VARIANTS: [(&str, &str, &str); 1] = [("compose", "gpu", "PIXELS_READ_PARAMETERS")];
 
 /// FNV-1a, 64 bits.
 const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
@@ -106,13 +121,12 @@ fn stems(folder: &Path, extension: &str) -> Result<BTreeSet<String>, String> {
         .collect())
 }
 
-fn compile(path: &Path, uniforms: &[Declared]) -> Result<Vec<u32>, String> {
-    let source = fs::read_to_string(path).map_err(|error| error.to_string())?;
-    let module = naga::front::wgsl::parse_str(&source).map_err(|error| error.emit_to_string(&source))?;
+fn compile(source: &str, uniforms: &[Declared]) -> Result<Vec<u32>, String> {
+    let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
     // Packing of half floats is an instruction of GLSL.std.450, which needs no feature of the device.
     let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
         .validate(&module)
-        .map_err(|error| error.emit_to_string(&source))?;
+        .map_err(|error| error.emit_to_string(source))?;
     check_parameters(&module, uniforms)?;
     let options = spv::Options {
         lang_version: (1, 0),

@@ -45,6 +45,11 @@ impl FixedFoveation {
     /// 9.44 and 18.39 degrees.
     pub const L3_C3: Self = Self::pilot(2, 2);
 
+    /// For a gaze that nobody knows: full rate to 30 degrees from straight ahead and 2x2 from 40 on, beyond what eyes turn to
+    /// without the head (Carpenter 1988).
+    pub const WITHOUT_TRACKER: Self =
+        Self { foveal_deg: 30.0, transitional_deg: 40.0, peripheral: ShadingRate::R2X2 };
+
     /// The nine of paper A's pilot study (section 3.2.1) in its order, all with a periphery of 4x4.
     pub const PILOT: [Self; 9] = [
         Self::L1_C1,

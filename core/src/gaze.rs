@@ -36,7 +36,7 @@ pub enum GazePhase {
     Pursuit,
     /// Tracked, and too fast to see fine detail.
     Saccade,
-    /// Just landed (or just found again): nothing may become coarser now.
+    /// Just landed, or just found again.
     PostSaccade,
     /// Not seen, for less than [`GazeSettings::hold_ms`]: most likely a blink. The last directions are held.
     Blink,
@@ -61,6 +61,9 @@ pub struct GazeState {
     pub prediction_error_deg: Option<f32>,
     /// What the eyes are doing.
     pub phase: GazePhase,
+    /// Whether what changes in the picture goes unnoticed ([`GazeSettings::post_saccade_ms`]): from the second sample of a saccade
+    /// on, until so long after its landing, by the times of the samples and not by those of their arrival.
+    pub is_suppressed: bool,
     /// How far the directions may be relied on: 1 tracked .. 0 lost. Ramps, so that what follows it never jumps.
     pub trust: f32,
 }
@@ -73,6 +76,7 @@ impl GazeState {
         velocity_deg_s: 0.0,
         prediction_error_deg: None,
         phase: GazePhase::Lost,
+        is_suppressed: false,
         trust: 0.0,
     };
 
@@ -88,7 +92,7 @@ impl GazeState {
     /// Whether a tile may become coarser, or be rendered less often, than a frame ago. Becoming finer is always
     /// allowed.
     pub fn may_coarsen(&self) -> bool {
-        matches!(self.phase, GazePhase::Fixation | GazePhase::Pursuit)
+        self.is_suppressed || matches!(self.phase, GazePhase::Fixation | GazePhase::Pursuit)
     }
 
     /// How far the eyes may be from [`Self::directions`] because they move, degrees: velocity * latency, where `latency_s` is

@@ -6,13 +6,14 @@
 //! | balanced | 14.34 to 27.08 degrees, 4x4 | .148 | 11223 | full |
 //! | performance | 14.34 to 18.39 degrees, 4x4 | .107 | 11233 | full |
 //! | streaming | as balanced | | | attenuated |
-//! | paper | 14.34 to 27.08 degrees, 4x4 | .162 | 11223, aligned | full |
+//! | fixed | 30 to 40 degrees, 2x2 | .466 | 11223 | full |
+//! | paper | 14.34 to 27.08 degrees, 4x4 | .162 | 11223, aligned | attenuated, as published |
 //!
 //! "Shades" is the mean rate that a PICO 4 (2160 x 2160 at 105 degrees, tiles of 16 x 16, gaze ahead) has with the
 //! preset's rates. The safety rails of the plan come on top: they widen the radii by tracker error, motion and latency.
 
 use crate::avpm::BudgetSettings;
-use crate::chroma::ChromaSettings;
+use crate::chroma::{self, ChromaSettings};
 use crate::fixed_foveation::FixedFoveation;
 use crate::rate::{PAPER_RATES, ShadingRate, VULKAN_RATES};
 use crate::schedule::{Phase, Regions, UpdateConfiguration};
@@ -35,8 +36,11 @@ pub enum Preset {
     Performance,
     /// [`Self::Balanced`] for pictures that are sent over a network: less colour saves bits.
     Streaming,
-    /// Papers A and B to the letter, to compare with their results: their rates, their sensitivity function, all regions
-    /// in step, and no concession to pursuit.
+    /// For headsets without an eye tracker: coarse only beyond what eyes turn to without the head, as
+    /// [`RailSettings::lost`](crate::plan::RailSettings::lost).
+    Fixed,
+    /// Papers A, B and C to the letter, to compare with their results: their rates, their sensitivity function, all regions
+    /// in step, no concession to pursuit, and their curves of colour.
     Paper,
 }
 
@@ -64,8 +68,8 @@ pub struct PresetSettings {
 
 impl Preset {
     /// All, in the order in which they are offered.
-    pub const ALL: [Self; 5] =
-        [Self::Quality, Self::Balanced, Self::Performance, Self::Streaming, Self::Paper];
+    pub const ALL: [Self; 6] =
+        [Self::Quality, Self::Balanced, Self::Performance, Self::Streaming, Self::Fixed, Self::Paper];
 
     /// Its name in configurations, lower case.
     pub const fn name(self) -> &'static str {
@@ -74,6 +78,7 @@ impl Preset {
             Self::Balanced => "balanced",
             Self::Performance => "performance",
             Self::Streaming => "streaming",
+            Self::Fixed => "fixed",
             Self::Paper => "paper",
         }
     }
@@ -109,7 +114,9 @@ impl Preset {
                 ..balanced
             },
             Self::Streaming => PresetSettings { chroma: Some(ChromaSettings::default()), ..balanced },
+            Self::Fixed => PresetSettings { fixed_foveation: FixedFoveation::WITHOUT_TRACKER, ..balanced },
             Self::Paper => PresetSettings {
+                chroma: Some(ChromaSettings { mode: chroma::Mode::Paper, ..ChromaSettings::default() }),
                 rates: &PAPER_RATES,
                 faster_in_pursuit: false,
                 phase: Phase::Aligned,
@@ -128,7 +135,7 @@ impl fmt::Display for Preset {
 
 /// A name that no preset has.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{0:?} is no preset; allowed are quality, balanced, performance, streaming and paper")]
+#[error("{0:?} is not a preset; allowed: quality, balanced, performance, streaming, fixed and paper")]
 pub struct UnknownPreset(pub String);
 
 impl FromStr for Preset {

@@ -4,7 +4,7 @@
 //! was rendered ([`Reuse`]), so that nothing is ever sampled from what was itself re-used. [`TileLists`] sorts tiles by where
 //! they are taken from.
 
-mod bits;
+pub(crate) mod bits;
 mod compared;
 mod history;
 mod lists;

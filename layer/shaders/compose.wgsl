@@ -66,8 +66,11 @@ fn tile_has_work(low: vec2<f32>, high: vec2<f32>) -> bool {
     return farthest > params.plateau || params.plateau + params.radius >= HALF_PI;
 }
 
-// What pixels need of the parameters is handed on by the vertices: a parameter that each pixel reads by itself costs lavapipe
-// of Mesa 22.3 some 25 instructions a vector, and there are over twenty.
+// Whether each pixel reads its parameters by itself, or the vertices hand them on; the build makes one shader of each. A parameter that a
+// pixel reads costs lavapipe of Mesa 22.3 some 25 instructions a vector, and there are over twenty; on a GPU it is read once for
+// all pixels of a subgroup, while each that is handed on takes two or three instructions a pixel.
+const PIXELS_READ_PARAMETERS: bool = false;
+
 struct Seen {
     @builtin(position) position: vec4<f32>,
     // direction(): linear in the position.
@@ -86,7 +89,7 @@ struct Seen {
     @location(7) @interpolate(flat) gamut: vec3<f32>,
 }
 
-fn seen(point: vec2<f32>) -> Seen {
+fn seen_at(point: vec2<f32>) -> Seen {
     let weights = vec2(params.red_weight, params.blue_weight);
     let green_weight = 1.0 - weights.x - weights.y;
     return Seen(
@@ -100,6 +103,17 @@ fn seen(point: vec2<f32>) -> Seen {
         vec4(weights, weights / green_weight),
         vec3(params.gamut_floor, params.gamut_ceiling, green_weight / weights.y),
     );
+}
+
+// With the parameters that a pixel reads.
+fn seen_by_pixel(handed: Seen) -> Seen {
+    if !PIXELS_READ_PARAMETERS {
+        return handed;
+    }
+    var seen = seen_at(vec2(0.0));
+    seen.position = handed.position;
+    seen.direction = handed.direction;
+    return seen;
 }
 
 fn unseen() -> Seen {
@@ -126,7 +140,7 @@ fn tile(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u
     if !tile_has_work(vec2<f32>(low), vec2<f32>(high)) {
         return unseen();
     }
-    return seen(vec2<f32>(select(low, high, is_far(vertex))));
+    return seen_at(vec2<f32>(select(low, high, is_far(vertex))));
 }
 
 // What chroma::Polynomials::gains leave to 1, in proportion to the strength: of Cb in x, of Cr in y. The angle is above the plateau.
@@ -163,7 +177,8 @@ fn attenuate(rgb: vec3<f32>, loss: vec2<f32>, seen: Seen) -> vec3<f32> {
 
 // Alpha is masked off by the pipeline.
 @fragment
-fn pixel(seen: Seen) -> @location(0) vec4<f32> {
+fn pixel(handed: Seen) -> @location(0) vec4<f32> {
+    let seen = seen_by_pixel(handed);
     let angle = eccentricity(seen.direction, seen.gaze.xyz, seen.gaze.w);
     if angle <= seen.range.x {
         discard;
@@ -227,7 +242,7 @@ fn listed_with_work(@builtin(vertex_index) vertex: u32, @builtin(instance_index)
     if !tile_has_work(rect.low, rect.high) {
         return unseen();
     }
-    return seen(select(rect.low, rect.high, is_far(vertex)));
+    return seen_at(select(rect.low, rect.high, is_far(vertex)));
 }
 
 // `Seen`, and where in an earlier picture.
@@ -254,8 +269,8 @@ struct Found {
     @location(12) @interpolate(flat) offsets: vec4<i32>,
 }
 
-fn found(point: vec2<f32>, at: vec3<f32>, share: vec2<f32>) -> Found {
-    let seen = seen(point);
+fn found_at(point: vec2<f32>, at: vec3<f32>, share: vec2<f32>) -> Found {
+    let seen = seen_at(point);
     let offset = vec2<i32>(reuse.earlier_offset);
     return Found(
         seen.position,
@@ -275,12 +290,23 @@ fn found(point: vec2<f32>, at: vec3<f32>, share: vec2<f32>) -> Found {
     );
 }
 
+// With the parameters that a pixel reads.
+fn found_by_pixel(handed: Found) -> Found {
+    if !PIXELS_READ_PARAMETERS {
+        return handed;
+    }
+    var found = found_at(vec2(0.0), handed.at, handed.share);
+    found.position = handed.position;
+    found.direction = handed.direction;
+    return found;
+}
+
 // One instance for each entry of a list, for pixels one by one.
 @vertex
 fn listed(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
     let rect = tile_rect(instance);
     let point = select(rect.low, rect.high, is_far(vertex));
-    return found(point, homogeneous(reuse.matrix, point), vec2(1.0));
+    return found_at(point, homogeneous(reuse.matrix, point), vec2(1.0));
 }
 
 // The same for the texture.
@@ -288,7 +314,7 @@ fn listed(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance:
 fn listed_found(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
     let rect = tile_rect(instance);
     let point = select(rect.low, rect.high, is_far(vertex));
-    return found(point, homogeneous(reuse.to_texture, point), vec2(1.0));
+    return found_at(point, homogeneous(reuse.to_texture, point), vec2(1.0));
 }
 
 struct BorderCorner {
@@ -311,14 +337,14 @@ fn border_corner(vertex: u32, instance: u32) -> BorderCorner {
 @vertex
 fn listed_border(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
     let corner = border_corner(vertex, instance);
-    return found(corner.point, homogeneous(reuse.to_texture, corner.point), corner.share);
+    return found_at(corner.point, homogeneous(reuse.to_texture, corner.point), corner.share);
 }
 
 // The same for pixels one by one.
 @vertex
 fn listed_moved_border(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Found {
     let corner = border_corner(vertex, instance);
-    return found(corner.point, homogeneous(reuse.matrix, corner.point), corner.share);
+    return found_at(corner.point, homogeneous(reuse.matrix, corner.point), corner.share);
 }
 
 fn seen_of(found: Found) -> Seen {
@@ -465,27 +491,32 @@ fn attenuated(found: Found, rgba: vec4<f32>) -> vec4<f32> {
 
 // Where nothing has moved. What is not attenuated there is copied.
 @fragment
-fn still_attenuated(found: Found) -> @location(0) vec4<f32> {
+fn still_attenuated(handed: Found) -> @location(0) vec4<f32> {
+    let found = found_by_pixel(handed);
     return attenuated(found, textureLoad(source, vec2<i32>(found.position.xy) + found.offsets.xy, 0));
 }
 
 @fragment
-fn whole(found: Found) -> @location(0) vec4<f32> {
+fn whole(handed: Found) -> @location(0) vec4<f32> {
+    let found = found_by_pixel(handed);
     return whole_pixel(found);
 }
 
 @fragment
-fn whole_attenuated(found: Found) -> @location(0) vec4<f32> {
+fn whole_attenuated(handed: Found) -> @location(0) vec4<f32> {
+    let found = found_by_pixel(handed);
     return attenuated(found, whole_pixel(found));
 }
 
 @fragment
-fn mixed(found: Found) -> @location(0) vec4<f32> {
+fn mixed(handed: Found) -> @location(0) vec4<f32> {
+    let found = found_by_pixel(handed);
     return mixed_pixel(found);
 }
 
 @fragment
-fn mixed_attenuated(found: Found) -> @location(0) vec4<f32> {
+fn mixed_attenuated(handed: Found) -> @location(0) vec4<f32> {
+    let found = found_by_pixel(handed);
     return attenuated(found, mixed_pixel(found));
 }
 
@@ -496,31 +527,37 @@ fn border_pixel(found: Found, rgba: vec4<f32>) -> vec4<f32> {
 }
 
 @fragment
-fn border(found: Found) -> @location(0) vec4<f32> {
+fn border(handed: Found) -> @location(0) vec4<f32> {
+    let found = found_by_pixel(handed);
     return border_pixel(found, whole_pixel(found));
 }
 
 @fragment
-fn border_attenuated(found: Found) -> @location(0) vec4<f32> {
+fn border_attenuated(handed: Found) -> @location(0) vec4<f32> {
+    let found = found_by_pixel(handed);
     return border_pixel(found, attenuated(found, whole_pixel(found)));
 }
 
 @fragment
-fn moved(found: Found) -> @location(0) vec4<f32> {
+fn moved(handed: Found) -> @location(0) vec4<f32> {
+    let found = found_by_pixel(handed);
     return moved_pixel(found);
 }
 
 @fragment
-fn moved_attenuated(found: Found) -> @location(0) vec4<f32> {
+fn moved_attenuated(handed: Found) -> @location(0) vec4<f32> {
+    let found = found_by_pixel(handed);
     return attenuated(found, moved_pixel(found));
 }
 
 @fragment
-fn moved_border(found: Found) -> @location(0) vec4<f32> {
+fn moved_border(handed: Found) -> @location(0) vec4<f32> {
+    let found = found_by_pixel(handed);
     return border_pixel(found, moved_pixel(found));
 }
 
 @fragment
-fn moved_border_attenuated(found: Found) -> @location(0) vec4<f32> {
+fn moved_border_attenuated(handed: Found) -> @location(0) vec4<f32> {
+    let found = found_by_pixel(handed);
     return border_pixel(found, attenuated(found, moved_pixel(found)));
 }

@@ -117,7 +117,7 @@ impl LiveConfig {
                 Some(view) => {
                     tracing::info!("debug.view = \"{}\", requested by parafovea status", view.name())
                 }
-                None => tracing::info!("debug.view is the configured one again"),
+                None => tracing::info!("debug.view is back to the configured view"),
             }
             watched.view = view;
         }
@@ -141,7 +141,7 @@ impl LiveConfig {
 fn accept(read: Result<Config, ConfigErrors>, watch: &Watch) -> (Option<Config>, Settings) {
     if let Err(errors) = &read {
         for line in errors.lines() {
-            tracing::error!("configuration not used: {line}");
+            tracing::error!("configuration ignored: {line}");
         }
     }
     let file = watch.file().map(|file| file.display().to_string()).unwrap_or_default();
@@ -149,5 +149,7 @@ fn accept(read: Result<Config, ConfigErrors>, watch: &Watch) -> (Option<Config>,
     (read.ok(), source)
 }
 
+#[cfg(test)]
+mod monotony;
 #[cfg(test)]
 mod tests;

@@ -120,7 +120,7 @@ impl Gpu {
         // The barriers name the stages of both.
         let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
         if !families.get(queue_family as usize).is_some_and(|family| family.queue_flags.contains(needed)) {
-            return Err(GpuError::Unsupported("a queue that cannot draw and compute"));
+            return Err(GpuError::Unsupported("a queue without graphics and compute"));
         }
         // SAFETY: the caller says that the device was created with this queue, which the loader's callback
         // may see again: it writes the same pointer.
@@ -232,7 +232,7 @@ impl Gpu {
             return Err(GpuError::Abandoned);
         }
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
-        let ring = commands.as_mut().ok_or(GpuError::Invalid("a submit without a queue"))?;
+        let ring = commands.as_mut().ok_or(GpuError::Invalid("a submission without a queue"))?;
         let result = ring.submit(&self.device, self.queue, record);
         // A device that is behind comes again, and nothing was touched that it still uses.
         if result == Err(GpuError::Timeout) { result } else { self.abandon_if_stuck(result) }

@@ -7,6 +7,7 @@ mod frame_rate;
 mod handed;
 mod offer;
 mod seen;
+mod signal;
 mod told;
 mod views;
 mod watched;
@@ -14,6 +15,7 @@ mod watched;
 pub use benefit::{Benefit, Clock, EndedFrame};
 pub use offer::Offer;
 pub use seen::Seen;
+pub use signal::SignalQuality;
 pub use views::{ShownView, View, Views, head_of};
 pub use watched::Watched;
 
@@ -28,6 +30,8 @@ use parafovea_core::gate::Techniques;
 use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker, Rejection};
 use parafovea_core::geometry;
 use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings, tile_of};
+use parafovea_core::reuse::StaleTiles;
+use signal::Signal;
 use told::LastLook;
 
 /// A display time that is earlier than the one before by less than this belongs to another thread that is behind; by more,
@@ -85,6 +89,7 @@ pub struct Planning {
     /// What the tracker was not believed for, each of [`Rejection::ALL`].
     rejected: [bool; Rejection::ALL.len()],
     last_look: LastLook,
+    signal: Signal,
 }
 
 /// When the newest plan was made, and of what.
@@ -117,6 +122,7 @@ impl Default for Planning {
             begun_ns: None,
             rejected: Default::default(),
             last_look: LastLook::default(),
+            signal: Signal::default(),
         }
     }
 }
@@ -178,6 +184,14 @@ impl Planning {
         self.gaze.head_turned(head, time_ns);
         self.gaze.set_views(self.views.seen());
         self.last_look.note(&look, time_ns);
+        let rejection = self.follow(look, time_ns);
+        self.signal.note(&look, self.gaze.state(time_ns).phase, time_ns);
+        let place = Rejection::ALL.iter().position(|other| Some(*other) == rejection)?;
+        rejection.filter(|_| !std::mem::replace(&mut self.rejected[place], true))
+    }
+
+    /// Hands the filter what the source says; why it is not believed, where the source itself stands by it.
+    fn follow(&mut self, look: Look, time_ns: i64) -> Option<Rejection> {
         let sample = match look {
             Look::NoTracker => {
                 self.gaze.source_ended(time_ns);
@@ -189,9 +203,7 @@ impl Planning {
             }
         };
         self.gaze.push_at(&sample, time_ns);
-        let rejection = self.gaze.rejection().filter(|rejection| *rejection != Rejection::NotTracked)?;
-        let place = Rejection::ALL.iter().position(|other| *other == rejection)?;
-        (!std::mem::replace(&mut self.rejected[place], true)).then_some(rejection)
+        self.gaze.rejection().filter(|rejection| *rejection != Rejection::NotTracked)
     }
 
     /// Takes what is heard now, as far as it can be relied on.
@@ -215,7 +227,7 @@ impl Planning {
         }
         let gaze = match config.gaze.source {
             // One ray, of eyes that look at something whose distance nobody knows.
-            GazeSource::Eyes | GazeSource::File => {
+            GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => {
                 self.gaze.state(time_ns).with_nearest(self.views.positions(), self.views.nearest_m())
             }
             GazeSource::Centre => STRAIGHT_AHEAD,
@@ -264,7 +276,9 @@ impl Planning {
     /// What the eyes do at `time_ns`.
     pub fn phase(&self, config: &Config, time_ns: i64) -> GazePhase {
         match config.gaze.source {
-            GazeSource::Eyes | GazeSource::File => self.gaze.state(time_ns).phase,
+            GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => {
+                self.gaze.state(time_ns).phase
+            }
             GazeSource::Centre => STRAIGHT_AHEAD.phase,
         }
     }
@@ -291,6 +305,11 @@ impl Planning {
         self.handed
             .update(&plan.eyes, self.techniques, orientations, plan.frame)
             .then(|| self.handed.record(serial()))
+    }
+
+    /// The stale tiles of an eye in the maps that were handed over last.
+    pub fn stale(&self, eye: usize, tiles: &mut StaleTiles) {
+        self.handed.stale(eye, tiles);
     }
 
     /// Where an eye keeps colour by the newest plan, in the space of the head.
@@ -320,7 +339,7 @@ impl Planning {
         });
         let settings = plan_settings(config, self.offer.rates(), tile_of(self.offer.texel(), extent));
         let rails = match config.gaze.source {
-            GazeSource::Eyes | GazeSource::File => settings.rails,
+            GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => settings.rails,
             // Nothing moves: there is no change that could be seen, and every frame has the same rings.
             GazeSource::Centre => RailSettings { coarsening_octaves_per_s: f32::INFINITY, ..settings.rails },
         };

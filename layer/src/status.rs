@@ -60,7 +60,7 @@ impl Telling {
             .name("parafovea-tell".to_owned())
             .spawn(tell)
             .inspect_err(|error| {
-                tracing::warn!("parafovea status will not show this session: no thread: {error}")
+                tracing::warn!("parafovea status will not show this session: cannot start a thread: {error}")
             })
             .ok()?;
         Some(Self(shared))

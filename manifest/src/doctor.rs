@@ -9,6 +9,7 @@ mod containers;
 mod created;
 mod device;
 mod finding;
+mod gaze;
 mod layers;
 mod loaders;
 mod log;
@@ -36,6 +37,7 @@ pub fn examine(surroundings: &Surroundings) -> Vec<Finding> {
     findings.extend(device::examine(surroundings, &layers));
     findings.extend(created::examine(surroundings, &layers));
     findings.extend(configuration::examine(surroundings));
+    findings.extend(gaze::examine(surroundings));
     findings.extend(audio::examine(surroundings, &layers));
     findings.extend(log::examine(surroundings));
     findings.extend(containers::examine(surroundings, &layers));

@@ -1,9 +1,11 @@
 //! The options, each stated once: the table below makes the typed [`Config`], its defaults, what is
 //! allowed, the error texts and the commented default file.
 
+mod angles;
 mod choice;
 mod default_file;
 mod file_path;
+mod listen_address;
 mod pass_rules;
 mod periods;
 mod preset;
@@ -11,8 +13,10 @@ mod reference;
 mod setting;
 mod table;
 
+pub use angles::Angles;
 pub use default_file::default_file;
 pub use file_path::FilePath;
+pub use listen_address::ListenAddress;
 pub use pass_rules::{
     COLOR_FORMATS, ColorFormat, MOST_RULES, PassKind, PassRule, PassRules, PassRulesError, WayUp,
 };
@@ -28,13 +32,13 @@ use table::options;
 choice! {
     /// Amount of detail in the log.
     LogLevel {
-        /// failures, and the features that they turned off
+        /// failures, and the features that they turn off
         Error = "error",
         /// also features that work only in part
         Warn = "warn",
-        /// also findings and decisions
+        /// also results of detection, and decisions
         Info = "info",
-        /// also every step, for a bug report
+        /// also every step, for bug reports
         Debug = "debug",
     }
 }
@@ -42,9 +46,13 @@ choice! {
 choice! {
     /// Source of the gaze.
     GazeSource {
-        /// the eye tracker; without one, wide fixed foveation and no chroma attenuation
+        /// the eye tracker of the OpenXR runtime; else OSC packets, while they arrive; else wide fixed foveation and no chroma attenuation
+        Auto = "auto",
+        /// the eye tracker of the OpenXR runtime; without one, wide fixed foveation and no chroma attenuation
         Eyes = "eyes",
-        /// the centre of the view, always: for headsets without an eye tracker
+        /// OSC packets at gaze.osc_listen, as eye trackers send them to VRChat; without any, wide fixed foveation and no chroma attenuation
+        Osc = "osc",
+        /// always the centre of the view: fixed foveation, for headsets without an eye tracker
         Centre = "centre",
         /// the recording in gaze.file: for tests and demonstrations
         File = "file",
@@ -58,7 +66,7 @@ choice! {
         Off = "off",
         /// foveation in rings, by the angle from the gaze alone
         Fixed = "fixed",
-        /// foveation by the contrast of the picture and by sound; needs audio.source, and is like "fixed" in silence
+        /// foveation by image contrast and sound; requires audio.source; in silence, rates.silence applies
         AudioVisual = "audio-visual",
         /// the published audio-visual model without a limit on the effect of sound: for comparison
         Paper = "paper",
@@ -78,7 +86,7 @@ choice! {
 choice! {
     /// Backend for shading rates.
     RatesBackend {
-        /// a rate attachment if the device supports it, else a mask
+        /// a rate attachment if the device supports it, otherwise a mask
         Auto = "auto",
         /// a rate attachment (VK_KHR_fragment_shading_rate) or nothing
         Attachment = "attachment",
@@ -92,11 +100,11 @@ choice! {
 choice! {
     /// Reaction of rates and re-use to a slowdown.
     RatesGate {
-        /// drop the technique that slows frames down, by measured GPU or CPU time; retry from time to time
+        /// drop a technique that slows frames down, by measured GPU or CPU time, and retry it from time to time
         Auto = "auto",
-        /// keep both, at any cost
+        /// keep both, even with a slowdown
         On = "on",
-        /// drop both, with everything else in place: for comparison
+        /// drop both, but keep everything else active: for comparison
         Off = "off",
     }
 }
@@ -118,9 +126,9 @@ choice! {
 choice! {
     /// Temporal re-use of the periphery.
     ReuseMode {
-        /// no re-use
+        /// no temporal re-use
         Off = "off",
-        /// re-use, with reprojection as the head turns
+        /// temporal re-use, with reprojection for head rotation, and for head movement if the application submits depth
         On = "on",
         /// the published method without reprojection, a whole region at a time: for comparison
         Paper = "paper",
@@ -134,7 +142,7 @@ choice! {
         Staggered = "staggered",
         /// a whole region in one frame
         Aligned = "aligned",
-        /// a whole region in one frame, the right eye half a period later; motion may then look like depth
+        /// a whole region in one frame, the right eye half a period after the left; motion may then look like depth
         AlternateEye = "alternate-eye",
     }
 }
@@ -144,9 +152,9 @@ choice! {
     ChromaMode {
         /// no chroma attenuation
         Off = "off",
-        /// the published curves, with a plateau of full colour, visible large fields and slow fades
+        /// the published curves, modified: a plateau of full colour, slow fades, and large colour fields that stay visible
         Default = "default",
-        /// the published curves unchanged: for comparison
+        /// the published curves, unmodified: for comparison
         Paper = "paper",
     }
 }
@@ -168,9 +176,9 @@ choice! {
     AudioSource {
         /// none
         Off = "off",
-        /// the system's output (PulseAudio, PipeWire with pipewire-pulse, ALSA's loop-back card); never a microphone
+        /// the system's output (PulseAudio, PipeWire with pipewire-pulse, or an ALSA loopback card); never a microphone
         System = "system",
-        /// the WAV file in audio.file, in a loop
+        /// the WAV file in audio.file, looped
         File = "file",
     }
 }
@@ -178,9 +186,9 @@ choice! {
 choice! {
     /// Summary of the last seconds of sound.
     AudioMode {
-        /// the more cautious of the last 400 ms and the whole of audio.window_s
+        /// the more cautious of two summaries: of the last 400 ms, and of all of audio.window_s
         Default = "default",
-        /// the published summary: all of audio.window_s, with the gates of BS.1770: for comparison
+        /// the published summary of all of audio.window_s, with the gating of BS.1770: for comparison
         Paper = "paper",
     }
 }
@@ -190,35 +198,48 @@ choice! {
     DebugView {
         /// no overlay
         None = "none",
-        /// shading rate of each tile: from green for half of the pixels to violet for a sixteenth
+        /// shading rate of each tile: from green for one half to violet for one sixteenth
         Rates = "rates",
-        /// angle from the gaze: a line every 10 degrees
+        /// angle from the gaze, with a line every 10 degrees
         Eccentricity = "eccentricity",
         /// age of each tile in frames: clear for new tiles, then yellow to red
         Age = "age",
-        /// a dot at the gaze, visible to every viewer of the picture
+        /// a dot at the gaze, visible to every viewer of the image
         Gaze = "gaze",
     }
 }
 
 presets! {
-    /// Set of values for all options that the file does not set.
+    /// Preset that provides the values of all options that the file does not set.
     Preset {
         /// every technique off
         None = "none" { rates.mode = RatesMode::Off; }
-        /// a quarter of the shading in the periphery; few users notice it
+        /// a quarter of the shading in the periphery, which few users notice
         Quality = "quality" { rates.peripheral = PeripheralRate::R2x2; }
         /// a sixteenth of the shading from 27 degrees on
         Balanced = "balanced" {}
-        /// a sixteenth of the shading from 18 degrees on; users notice it at times
+        /// a sixteenth of the shading from 18 degrees on, which users notice at times
         Performance = "performance" {
             rates.transitional_deg = 18.39;
             reuse.periods = Periods::of([1, 1, 2, 3, 3]);
         }
-        /// balanced with chroma attenuation, for pictures sent to the headset as video
+        /// balanced with chroma attenuation, for frames that are streamed to the headset as video
         Streaming = "streaming" { chroma.mode = ChromaMode::Default; }
-        /// balanced as published, without its safeguards: for comparison
-        Paper = "paper" {}
+        /// no eye tracker: a quarter of the shading beyond 40 degrees from the centre, where eyes turn only with the head
+        Fixed = "fixed" {
+            gaze.source = GazeSource::Centre;
+            rates.foveal_deg = 30.0;
+            rates.transitional_deg = 40.0;
+            rates.peripheral = PeripheralRate::R2x2;
+        }
+        /// the three published methods together, without safeguards and at any cost: for comparison; needs audio.source
+        Paper = "paper" {
+            audio.mode = AudioMode::Paper;
+            rates.mode = RatesMode::Paper;
+            rates.gate = RatesGate::On;
+            reuse.mode = ReuseMode::Paper;
+            chroma.mode = ChromaMode::Paper;
+        }
     }
 }
 
@@ -227,7 +248,7 @@ options! {
     Config {
         /// Master switch; false leaves the application unchanged.
         enabled: bool = true;
-        /// Set of values for all options that the file does not set.
+        /// Preset that provides the values of all options that the file does not set.
         preset: Preset = Preset::Balanced;
     }
 
@@ -240,14 +261,20 @@ options! {
     /// The gaze of the user.
     gaze: Gaze {
         /// Source of the gaze.
-        source: GazeSource = GazeSource::Eyes;
-        /// Time for which the last gaze stays in use after the tracker loses the eyes, as in a blink.
+        source: GazeSource = GazeSource::Auto;
+        /// Time for which the last gaze stays in use after the tracker loses the eyes, for instance in a blink.
         hold_ms: u32 = 500, 0..=500 "milliseconds";
-        /// Delay before the layer attaches the eye tracker in an application without OpenXR input; input that the application sets up later does not work; 0: never attach.
+        /// Delay before the layer attaches the eye tracker in an application without OpenXR input; OpenXR input that the application sets up later does not work; 0 means never.
         attach_alone_after_s: u32 = 30, 0..=600 "seconds";
-        /// Recording for source = "file": lines of seconds, degrees left and degrees up, separated by commas; seconds alone for lost eyes.
+        /// Correction of the eye tracker: angles to the left and upwards, which are added to the gaze.
+        offset_deg: Angles = Angles::NONE;
+        /// Address and port for source = "osc" or "auto"; other computers can send to any address but one of the loopback, such as 127.0.0.1.
+        osc_listen: ListenAddress = ListenAddress::loopback(9020);
+        /// Angle of the value 1 in OSC messages without a unit, those of VRCFaceTracking and Baballonia.
+        osc_scale_deg: f32 = 45.0, 10.0..=60.0 "degrees";
+        /// Recording for source = "file": each line has seconds, degrees left and degrees up, separated by commas, or seconds alone while the eyes are lost.
         file: FilePath = FilePath::NONE;
-        /// New file for a recording of the gaze, in the format of gaze.file; without it, no file holds the gaze.
+        /// New file for a recording of the gaze, in the format of gaze.file; without this option, no file contains the gaze.
         record: FilePath = FilePath::NONE;
     }
 
@@ -257,11 +284,11 @@ options! {
         source: AudioSource = AudioSource::Off;
         /// WAV file for audio.source = "file".
         file: FilePath = FilePath::NONE;
-        /// Summary of the last seconds of sound.
+        /// Method of summarising the last seconds of sound.
         mode: AudioMode = AudioMode::Default;
-        /// Length of sound that the summary covers.
+        /// Length of the sound that the summary covers.
         window_s: f32 = 3.0, 0.4..=120.0 "seconds";
-        /// Interval between updates of loudness and pitch, in steps of 0.1.
+        /// Interval between updates of loudness and pitch, a multiple of 0.1.
         interval_s: f32 = 0.1, 0.1..=1.0 "seconds";
         /// Lower bound of loudness; quieter sound counts as this loud.
         least_lufs: f32 = -35.0, -70.0..=0.0 "LUFS";
@@ -275,19 +302,19 @@ options! {
         mode: RatesMode = RatesMode::Fixed;
         /// Backend for shading rates.
         backend: RatesBackend = RatesBackend::Auto;
-        /// Reaction of rates and re-use, each by itself, to a slowdown of the application.
+        /// Reaction to a slowdown of the application by shading rates or re-use, which are judged separately.
         gate: RatesGate = RatesGate::Auto;
-        /// Rules that name the render passes of the scene; empty: automatic recognition.
+        /// Rules that name the scene's render passes; empty for automatic recognition.
         passes: PassRules = PassRules::default();
-        /// Radius of full shading rate around the gaze; the layer adds the tracker's error and the motion of the eyes.
+        /// Radius of full shading rate around the gaze; the layer adds a margin for the tracker's error and for eye movement.
         foveal_deg: f32 = 14.34, 5.0..=110.0 "degrees";
-        /// Angle from the gaze at which the peripheral rate begins; rates in between fall step by step.
+        /// Angle from the gaze at which the peripheral rate begins; between foveal_deg and this angle, rates become coarser step by step.
         transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
         /// Coarsest shading rate, in pixels; a device without it uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::R4x4;
-        /// Greatest contrast loss for mode = "audio-visual", in just noticeable differences; above 1, some users notice it.
-        greatest_loss: f32 = 1.0, 0.0..=4.0 "";
-        /// Shading rates in silence for mode = "audio-visual".
+        /// Greatest contrast loss for mode = "audio-visual", in just-noticeable differences; some users notice a loss above 1.
+        greatest_loss: f32 = 1.0, 0.0..=1.75 "";
+        /// Shading rates in silence, for mode = "audio-visual".
         silence: SilenceRule = SilenceRule::Fixed;
         /// Luminance of white in the headset, for modes that measure contrast.
         white_cd_m2: f32 = 100.0, 10.0..=10_000.0 "cd/m^2";
@@ -297,13 +324,13 @@ options! {
     reuse: Reuse {
         /// Temporal re-use of the periphery.
         mode: ReuseMode = ReuseMode::Off;
-        /// Frames from one rendering to the next for each of five regions around the gaze, innermost first; they end at 6.3, 9.1, 18.1 and 31.1 degrees.
+        /// Update periods, in frames, of five regions around the gaze, innermost first; the first four regions end at 6.3, 9.1, 18.1 and 31.1 degrees.
         periods: Periods = Periods::of([1, 1, 2, 2, 3]);
-        /// Order of re-use over frames, for mode = "on".
+        /// Order in which regions are updated, for mode = "on".
         phase: ReusePhase = ReusePhase::Staggered;
-        /// Permission to render a region less than 30 times per second, where flicker is worst; always given in mode = "paper".
+        /// Permission to update regions less than 30 times per second, although flicker is then at its worst; always given in mode = "paper".
         below_30_hz: bool = false;
-        /// Rendering of visible changes in the periphery in every frame, within the saved time; never in mode = "paper".
+        /// Rendering of tiles with visible changes in every frame, within the time that re-use saves; never in mode = "paper".
         refresh: bool = true;
     }
 
@@ -311,25 +338,25 @@ options! {
     chroma: Chroma {
         /// Chroma attenuation.
         mode: ChromaMode = ChromaMode::Off;
-        /// Fall-off of blue-yellow (Cb), the Z of its curve; higher values remove more colour.
+        /// Fall-off of blue-yellow (Cb): Z of its curve, for mode = "paper"; higher values remove more colour.
         cb_bound: f32 = 0.70, 0.70..=0.85 "";
-        /// Fall-off of red-green (Cr), the Z of its curve; higher values remove less colour.
+        /// Fall-off of red-green (Cr): Z of its curve, for mode = "paper"; higher values remove less colour.
         cr_bound: f32 = 0.55, 0.35..=0.55 "";
-        /// Radius of full colour around the gaze; at least the tracker's error.
+        /// Radius of full colour around the gaze; never less than the tracker's error.
         plateau_deg: f32 = 6.3, 1.1..=30.0 "degrees";
-        /// Angle from the gaze at which the curves end; in default mode at least 15 degrees beyond the plateau.
+        /// Angle from the gaze at which the curves end; with mode = "default", at least 15 degrees more than plateau_deg.
         max_eccentricity_deg: f32 = 55.0, 20.0..=110.0 "degrees";
-        /// Least width of the colour edge, as a share of the way from plateau_deg to max_eccentricity_deg; higher values are softer.
+        /// Minimum width of the transition from full to attenuated colour, as a fraction of the distance from plateau_deg to max_eccentricity_deg; higher values are softer.
         rim_fade: f32 = 0.5, 0.25..=1.0 "";
-        /// Fastest loss of colour after the gaze has left, as a share of full colour; colour returns at once.
+        /// Fastest loss of colour after the gaze has moved away, as a fraction of full colour; colour returns at once.
         max_change_per_s: f32 = 0.5, 0.1..=100.0 "per second";
-        /// Standard for luma and chroma.
+        /// Standard that defines luma and chroma.
         matrix: ChromaMatrix = ChromaMatrix::Bt709;
     }
 
     /// Debug views in the headset.
     debug: Debugging {
-        /// Overlay on the pictures in the headset; `parafovea status --view` changes it in a running application.
+        /// Overlay on the images in the headset; `parafovea status --view` changes it in a running application.
         view: DebugView = DebugView::None;
     }
 }

@@ -6,6 +6,7 @@
 
 mod effect;
 mod folder;
+mod gaze;
 mod view;
 
 pub use effect::effect;
@@ -73,16 +74,54 @@ pub struct Settings {
     pub has_error: bool,
 }
 
-/// Where the gaze comes from.
+/// Where the gaze comes from, and how good it is: numbers about the signal, from which no direction follows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Gaze {
     /// `gaze.source`.
     pub source: String,
+    /// Which source had the last frame's gaze: "eyes", "osc", "file" or "centre".
+    pub holder: String,
     /// Whether there was one in the last frame.
     pub is_valid: bool,
     /// How old the last one was when that frame was shown, milliseconds; `None`: there was none, or it is straight ahead.
     pub age_ms: Option<f32>,
+    /// Samples a second, Hz; `None`: not known.
+    pub rate_hz: Option<f32>,
+    /// Share of the last frames with a gaze, 0..=1; `None`: not known.
+    pub valid: Option<f32>,
+    /// Noise in fixations, degrees: root mean square of the angles from sample to sample; `None`: not known.
+    pub noise_deg: Option<f32>,
+    /// Blinks since the session began.
+    pub blinks: u32,
+    /// Saccades since the session began.
+    pub saccades: u32,
+    /// OSC packets.
+    pub osc: Osc,
+}
+
+/// The OSC packets that a session received.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Osc {
+    /// Address and port; empty: the session receives none, and was not to.
+    pub address: String,
+    /// Why it receives none; empty: it does.
+    pub failure: String,
+    /// The format of the sender, such as "VRChat"; empty without one.
+    pub format: String,
+    /// All of them.
+    pub packets: u64,
+    /// Of these: no OSC, or too large.
+    pub malformed: u64,
+    /// Messages about the eyes that are no gaze.
+    pub implausible: u64,
+    /// Packets about the eyes, from another sender than the one in use.
+    pub other_senders: u64,
+    /// Packets that came late, by their own time.
+    pub late: u64,
+    /// Intervals with more packets than the layer reads.
+    pub floods: u64,
 }
 
 /// Where the sound comes from.

@@ -42,7 +42,7 @@ impl Request {
                 "--size" => request.effort.size = number()? as u32,
                 other => {
                     return Err(format!(
-                        "there is no `{other}`; there are --json, --turns, --frames, --run-up, --size"
+                        "unknown argument `{other}`; allowed: --json, --turns, --frames, --run-up, --size"
                     ));
                 }
             }

@@ -53,7 +53,7 @@ impl App {
         let style = || STYLES.iter().copied().find(|style| style.name == name).map(Self::Style);
         let app = scene.or((name == "hello_xr").then_some(Self::HelloXr)).or_else(style);
         let app = app.ok_or_else(|| {
-            format!("there is no scene `{name}`; there are {known}, hello_xr, styles and each of the zoo's")
+            format!("unknown scene `{name}`; allowed: {known}, hello_xr, styles and each of the zoo's")
         });
         Ok(vec![app?])
     }
@@ -137,7 +137,7 @@ impl Request {
                 "--error-frames" => request.judged.frames = number("--error-frames", &value(), 0)?,
                 "--error-size" => request.judged.size = number("--error-size", &value(), 16)? as u32,
                 "--head" => request.head_deg_per_s = Some(number("--head", &value(), 0)? as f32),
-                other => return Err(format!("unknown argument `{other}`; there are {ARGUMENTS}")),
+                other => return Err(format!("unknown argument `{other}`; allowed: {ARGUMENTS}")),
             }
         }
         if request.head_deg_per_s.is_some() && request.judged.frames > 0 {
@@ -160,7 +160,7 @@ fn against(text: &str) -> Result<(String, PathBuf), String> {
 
 fn tracker(name: &str) -> Result<Tracker, String> {
     let known = Tracker::NAMED.map(|(name, _)| name).join(", ");
-    Tracker::named(name).ok_or_else(|| format!("there is no tracker `{name}`; there are {known}"))
+    Tracker::named(name).ok_or_else(|| format!("unknown tracker `{name}`; allowed: {known}"))
 }
 
 /// An error with what caused it.
@@ -201,7 +201,7 @@ fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
     let known = |name: &String| techniques.iter().any(|technique| technique.name == *name);
     if let Some(unknown) = wanted.iter().find(|name| !known(name)) {
         let names: Vec<&str> = techniques.iter().map(|technique| technique.name.as_str()).collect();
-        return Err(format!("there is no technique `{unknown}`; there are {}", names.join(", ")));
+        return Err(format!("unknown technique `{unknown}`; allowed: {}", names.join(", ")));
     }
     let first = techniques.first().map(|technique| technique.name.clone());
     techniques

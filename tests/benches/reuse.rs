@@ -83,7 +83,7 @@ impl Request {
                     let speeds: Result<_, _> = value().split(',').map(str::parse).collect();
                     request.speeds = speeds.map_err(|error| format!("{argument}: {error}"))?;
                 }
-                other => return Err(format!("unknown argument `{other}`; there are {ARGUMENTS}")),
+                other => return Err(format!("unknown argument `{other}`; allowed: {ARGUMENTS}")),
             }
         }
         Ok(request)

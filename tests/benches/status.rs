@@ -41,7 +41,7 @@ fn measure(mut arguments: impl Iterator<Item = String>) -> Result<(), Failure> {
                 let value = arguments.next().unwrap_or_default();
                 seconds = value.parse().map_err(|_| format!("--seconds needs a number, not `{value}`"))?;
             }
-            other => return Err(format!("there is no `{other}`; there are --json, --seconds").into()),
+            other => return Err(format!("unknown argument `{other}`; allowed: --json, --seconds").into()),
         }
     }
     if !json {

@@ -90,10 +90,10 @@ pub fn run(exhibit: &Exhibit, folder: &Path, progress: &mut Progress) -> Result<
     let off = Observed::of(exhibit, &Technique::off(), progress)?;
     let on = Observed::of(exhibit, &Technique::layer("balanced", &settled), progress)?;
     let view = format!("{settled}[debug]\nview = \"rates\"\n");
-    let drawn = Observed::picture_of(exhibit, &Technique::layer("rates drawn over", &view), progress)?;
+    let drawn = Observed::picture_of(exhibit, &Technique::layer("shading rates", &view), progress)?;
     strip::save(&folder.join(format!("{}.png", exhibit.name())), [&off.picture, &on.picture, &drawn])?;
 
-    progress.next(&format!("{}: judging the pictures", exhibit.name()));
+    progress.next(&format!("{}: comparing the images", exhibit.name()));
     let errors = off.judge(&on)?;
     progress.add(work::judging(exhibit));
     Ok(Finding {

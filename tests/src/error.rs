@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 pub enum HarnessError {
     /// A library or program of this workspace is not there: only a build of the whole workspace makes them all.
     #[error(
-        "{name} is not built in {folder}; `cargo build --workspace` builds it, `cargo dev` does so by itself"
+        "{name} is not built in {folder}; build it with `cargo build --workspace`, or run a task of `cargo dev`, which does so"
     )]
     NotBuilt {
         /// File name.
@@ -16,14 +16,14 @@ pub enum HarnessError {
         folder: PathBuf,
     },
     /// A program of the system is not in `PATH`.
-    #[error("{name} is not in PATH; `cargo dev setup` installs it, or says how")]
+    #[error("{name} is not in PATH; `cargo dev setup` installs it, or prints the command")]
     NotInstalled {
         /// The program.
         name: String,
     },
     /// Mesa's drivers over shims of the kernel's devices are not unpacked.
     #[error(
-        "there are no drivers in {path}; `cargo dev setup` or `cargo dev drivers` unpacks them, or says why not"
+        "there are no drivers in {path}; `cargo dev setup` or `cargo dev drivers` unpacks them, or prints the reason against it"
     )]
     NoDriver {
         /// Their folder.

@@ -21,6 +21,7 @@ mod loader_1_1;
 mod memory;
 mod mock_runtime_readme;
 mod native;
+mod osc;
 mod overhead;
 mod panics;
 mod pictures;

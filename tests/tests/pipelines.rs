@@ -44,7 +44,7 @@ fn bytes_read(outcome: &Outcome) -> usize {
     let line = outcome
         .log
         .lines()
-        .find_map(|line| line.split_once("pipelines: ")?.1.split_once(" bytes of earlier"));
+        .find_map(|line| line.split_once("pipeline cache: ")?.1.split_once(" bytes from earlier"));
     line.unwrap_or_else(|| panic!("nothing is said of the cache\n{}", outcome.log)).0.parse().unwrap()
 }
 

@@ -281,7 +281,7 @@ fn what_is_near_is_followed_by_its_depth() {
         let followed = finish(run(&arguments, 0.8, &saved).on(CONFIG), frames);
         let error = error(&off, &followed, &saved);
         println!("mean squared error {error:.2} with {arrangement} swapchains");
-        assert!(followed.log.contains("used for reprojection as the head moves"), "{}", followed.log);
+        assert!(followed.log.contains("used for reprojection of head movement"), "{}", followed.log);
         assert!(error <= 20.0, "{error} with {arrangement} swapchains");
     }
     // Without pictures, which are saved in passes of their own.

@@ -67,7 +67,7 @@ fn tells_what_it_does(application: &Application) {
         &*status.application,
         "backend   mask",
         "gaze      fixed at the centre of the view",
-        "rates     on, set by rates.gate",
+        "rates     on, because of rates.gate",
     ] {
         assert!(output.contains(expected), "{expected} in\n{output}");
     }

@@ -25,7 +25,7 @@ fn an_application_that_cannot_have_rates_says_why() {
         Application::ours("parafovea-zoo", &["--style", "prerecorded", "--size", "128", "--frames", "240"])
             .unwrap();
     let lines = log(&prerecorded, RATES);
-    assert!(lines.len() == 1 && lines[0].contains("recorded before that and not again"), "{lines:?}");
+    assert!(lines.len() == 1 && lines[0].contains("recorded before recognition"), "{lines:?}");
 }
 
 /// Vulkan 1.0 has all that masks need.

@@ -25,8 +25,23 @@ const DOCUMENTS: [&str; 7] = [
 ];
 
 /// Sources with messages and help texts.
-const SOURCES: [&str; 5] =
-    ["manifest/cli/src", "manifest/src", "layer/src", "layer/audio/src", "tests/dev/src"];
+const SOURCES: [&str; 15] = [
+    "core/src",
+    "layer/audio/src",
+    "layer/probe/src",
+    "layer/src",
+    "manifest/cli/src",
+    "manifest/src",
+    "tests/dev/src",
+    "tests/ears/src",
+    "tests/errors/src",
+    "tests/fuzz/src",
+    "tests/report/src",
+    "tests/scene/src",
+    "tests/src",
+    "tests/trial/src",
+    "tests/zoo/src",
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -167,12 +182,16 @@ fn planted_sentences_are_found() {
         "dropped, because it does not pay",
         "active, but nothing is to\nbe seen of it",
         "Those that are left",
+        "the size of a texel is no power of two",
+        "a device that has room for no more",
+        "it takes root's rights",
+        "the log says why",
     ] {
         assert!(count(planted) > 0, "{planted}");
     }
     for fine in [
         "Where does it work?",
-        "It says which passes are left alone, and where.",
+        "It lists which passes are left alone, and where.",
         "shading rates: dropped: a slowdown of 20 %",
         "a theme song; thosemes",
         "an impayable sum does not payload",

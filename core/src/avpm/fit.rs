@@ -60,13 +60,13 @@ pub enum FitError {
         index: usize,
     },
     /// Not enough combinations of features.
-    #[error("{found} entries with different features; {UNKNOWNS} coefficients need as many at least")]
+    #[error("{found} entries with different features; {UNKNOWNS} coefficients need at least as many")]
     TooFewRows {
         /// Entries after averaging.
         found: usize,
     },
     /// Features that are the same in every entry.
-    #[error("{} never vary, so that their weight cannot be told (rank {rank} of {UNKNOWNS})", list(.features))]
+    #[error("{} never vary, so their weight cannot be determined (rank {rank} of {UNKNOWNS})", list(.features))]
     Constant {
         /// Which.
         features: Vec<Feature>,
@@ -75,7 +75,7 @@ pub enum FitError {
     },
     /// Every feature varies, but together with others: one follows from the rest.
     #[error(
-        "loudness, 1/frequency and visual loss vary together, so that their weights cannot be told apart \
+        "loudness, 1/frequency and visual loss vary together, so their weights cannot be separated \
          (rank {rank} of {UNKNOWNS})"
     )]
     Dependent {

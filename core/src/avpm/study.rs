@@ -44,7 +44,7 @@ pub enum StudyError {
         found: String,
     },
     /// A column is there twice, or in two units.
-    #[error("line {line}: {columns} say the same; leave one of them out")]
+    #[error("line {line}: {columns} have the same meaning; remove one of them")]
     RepeatedColumn {
         /// Line of the header.
         line: u64,
@@ -52,7 +52,9 @@ pub enum StudyError {
         columns: String,
     },
     /// A value is not a number, or out of range.
-    #[error("line {line}, column {column}: {value:?} is not allowed; a number from {least} to {greatest} is")]
+    #[error(
+        "line {line}, column {column}: {value:?} is not allowed; allowed: a number from {least} to {greatest}"
+    )]
     Value {
         /// Line of the text.
         line: u64,

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 /// A share of the pixels that no scaling of the radii shades.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("no radii shade {wanted} of the picture; possible is {least} to {greatest}")]
+#[error("no radii shade {wanted} of the image; possible: {least} to {greatest}")]
 pub struct MeanRateError {
     /// What was asked for.
     pub wanted: f32,

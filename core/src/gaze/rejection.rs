@@ -44,13 +44,13 @@ impl fmt::Display for Rejection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::NotTracked => "the eyes are not tracked",
-            Self::NotADirection => "gaze is no direction",
-            Self::Behind => "gaze points backwards",
-            Self::OutOfReach => "gaze is farther to the side than eyes turn",
-            Self::OutsideViews => "gaze is outside of what the views show",
-            Self::TooFast => "gaze jumped faster than eyes turn",
-            Self::Frozen => "gaze has not changed in any bit although the head turned",
-            Self::OutOfOrder => "gaze is older than the one before",
+            Self::NotADirection => "the gaze is not a direction",
+            Self::Behind => "the gaze points backwards",
+            Self::OutOfReach => "the gaze is farther to the side than eyes can turn",
+            Self::OutsideViews => "the gaze is outside the field of view",
+            Self::TooFast => "the gaze moved faster than eyes can",
+            Self::Frozen => "the gaze is identical although the head turned",
+            Self::OutOfOrder => "the sample is older than the previous one",
         })
     }
 }

@@ -11,8 +11,10 @@ pub struct GazeSettings {
     pub ramp_down_ms: f32,
     /// How long trust takes from 0 to 1 once samples are valid again, milliseconds.
     pub ramp_up_ms: f32,
-    /// How long after a saccade nothing may become coarser, milliseconds: the 60 ms within which an update after
-    /// landing goes unnoticed (Loschky and Wolverton 2007).
+    /// How long after the landing of a saccade changes of the picture go unnoticed, milliseconds: an update of a gaze-contingent
+    /// display is not detected more often than one in time up to 60 ms after landing (Loschky and Wolverton 2007), as sensitivity
+    /// recovers from saccadic suppression within 50 to 100 ms (Volkmann 1986; Diamond, Ross and Morrone 2000). What is found
+    /// again after a blink may not become coarser for as long.
     pub post_saccade_ms: f32,
     /// Smallest jump that is taken for a saccade, degrees, however quiet the tracker is. What is smaller stays within the
     /// least fovea, and the filter follows it.

@@ -72,17 +72,71 @@ fn a_saccade_is_followed_by_60_ms_of_care() {
         tracker.push(&sample(yaw_deg, now));
     }
     for (later_ms, phase) in [(0, GazePhase::PostSaccade), (20, GazePhase::PostSaccade)] {
-        assert_eq!(tracker.state(now + later_ms * MS).phase, phase);
-        assert!(!tracker.state(now).may_coarsen());
+        let state = tracker.state(now + later_ms * MS);
+        assert!(state.phase == phase && state.is_suppressed, "{state:?}");
     }
     let landed = now;
     while now < landed + 60 * MS {
-        assert_eq!(tracker.state(now).phase, GazePhase::PostSaccade, "{} ns after", now - landed);
+        let state = tracker.state(now);
+        assert!(state.phase == GazePhase::PostSaccade && state.is_suppressed, "{} ns after", now - landed);
         now += 10 * MS;
         tracker.push(&sample(15.0, now));
     }
-    assert_eq!(tracker.state(now).phase, GazePhase::Fixation);
-    assert!(tracker.state(now).may_coarsen());
+    let state = tracker.state(now);
+    assert_eq!(state.phase, GazePhase::Fixation);
+    assert!(state.may_coarsen() && !state.is_suppressed);
+}
+
+/// A saccade of 15 degrees and 54 ms, which is known to 3 ms, whose samples arrive so late, by a source that tells their times or does not: when changes are
+/// taken to go unnoticed, milliseconds after its start.
+fn suppressed_ms(latency_ms: i64, is_dated: bool) -> Vec<i64> {
+    let mut tracker = GazeTracker::new(GazeSettings::default());
+    let arrival = |index: i64| 1_000 * MS + index * 9 * MS;
+    let mut suppressed = Vec::new();
+    for index in 0..80 {
+        // Least jerk from sample 40 on.
+        let s = ((index - 40).clamp(0, 6) as f32) / 6.0;
+        let yaw_deg = 15.0 * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+        let taken = arrival(index) - latency_ms * MS;
+        tracker.push_at(&sample(yaw_deg, if is_dated { taken } else { 0 }), arrival(index));
+        if tracker.state(arrival(index)).is_suppressed {
+            suppressed.push((arrival(index) - (arrival(40) - latency_ms * MS)) / MS);
+        }
+    }
+    suppressed
+}
+
+#[test]
+fn changes_go_unnoticed_until_60_ms_after_the_landing_and_not_after_its_arrival() {
+    for latency_ms in [0, 30, 50, 80] {
+        let suppressed = suppressed_ms(latency_ms, true);
+        let latest = suppressed.iter().copied().max().unwrap_or(0);
+        assert!(latest <= 54 + 60 + 3, "{latency_ms} ms late: {suppressed:?}");
+        assert!(latest > 80, "{latency_ms} ms late: {suppressed:?}");
+    }
+    assert_eq!(suppressed_ms(140, true), Vec::<i64>::new(), "too late");
+    // What is not dated may be older than it is taken for.
+    for latency_ms in [50, 81] {
+        let suppressed = suppressed_ms(latency_ms, false);
+        assert!(suppressed.iter().all(|after| *after <= 54 + 60 + 3), "{latency_ms} ms late: {suppressed:?}");
+    }
+}
+
+#[test]
+fn nothing_goes_unnoticed_after_a_blink_and_for_a_sample_alone() {
+    let (mut tracker, now) = followed(vec![7.0; 100], 10);
+    tracker.push(&missing(now + 10 * MS));
+    tracker.push(&sample(-20.0, now + 200 * MS));
+    let found = tracker.state(now + 200 * MS);
+    assert!(found.phase == GazePhase::PostSaccade && !found.is_suppressed && !found.may_coarsen());
+    for jump_deg in [3.0, 25.0] {
+        let (mut tracker, now) = followed(vec![1.0; 60], 8);
+        tracker.push(&sample(1.0 + jump_deg, now + 8 * MS));
+        let state = tracker.state(now + 8 * MS);
+        assert!(!state.is_suppressed && !state.may_coarsen(), "{state:?}");
+        tracker.push(&sample(1.0, now + 16 * MS));
+        assert!(!tracker.state(now + 16 * MS).is_suppressed);
+    }
 }
 
 #[test]

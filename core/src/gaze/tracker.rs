@@ -23,6 +23,10 @@ const SILENT_NS: i64 = 50_000_000;
 /// The same of a slower tracker, in times between its samples.
 const SILENT_INTERVALS: f32 = 2.5;
 
+/// By how much a sample whose time is not known may be older than [`GazeSettings::latency_ms`], nanoseconds: 81 ms in the slowest
+/// of three headsets (Stein et al. 2021), beside 50.
+const UNKNOWN_AGE_NS: i64 = 31_000_000;
+
 /// Longest that a motion is carried on, and that a new time between samples counts: what lasts longer is an interruption.
 const LONGEST_NS: i64 = 150_000_000;
 
@@ -55,12 +59,14 @@ struct Seen {
     head: Option<Quat>,
     /// When the newest sample came, on the clock of the samples.
     arrived_ns: i64,
-    /// When one came last of which nothing was known before, or that ended a saccade.
+    /// When one came last of which nothing was known before, or was taken that ended a saccade.
     settled_ns: i64,
     /// Trust when the newest came.
     trust: f32,
     /// Whether an unusable sample came since.
     interrupted: bool,
+    /// Whether the source tells when its samples were taken.
+    is_dated: bool,
 }
 
 /// A plausible sample.
@@ -100,7 +106,7 @@ impl GazeTracker {
 
     /// Takes one sample at its own time: [`Self::push_at`] for a source without latency.
     pub fn push(&mut self, sample: &GazeSample) {
-        self.take(sample, sample.time_ns);
+        self.take(sample, sample.time_ns, true);
     }
 
     /// Takes one sample that was the newest when the source was asked about `now_ns` (in a frame, the time when it is shown,
@@ -109,7 +115,7 @@ impl GazeTracker {
     /// without `valid` or without a plausible direction is a missing gaze, see [`Self::rejection`].
     pub fn push_at(&mut self, sample: &GazeSample, now_ns: i64) {
         if sample.time_ns > 0 {
-            return self.take(sample, now_ns);
+            return self.take(sample, now_ns, true);
         }
         let time_ns = now_ns.saturating_sub(nanoseconds(self.settings.latency_ms));
         let repeated = sample.valid && self.freeze.is_same(sample.directions);
@@ -119,7 +125,7 @@ impl GazeTracker {
             Some(seen) if repeated && self.rejection.is_none() && seen.is_fresh(time_ns) => {
                 seen.arrived_ns = now_ns;
             }
-            _ => self.take(&GazeSample { time_ns, ..*sample }, now_ns),
+            _ => self.take(&GazeSample { time_ns, ..*sample }, now_ns, false),
         }
     }
 
@@ -180,12 +186,14 @@ impl GazeTracker {
             velocity_deg_s: if visible { motion.speed_deg_s() } else { 0.0 },
             prediction_error_deg: prediction_error_deg.filter(|_| visible),
             phase,
+            is_suppressed: self.is_suppressed(seen, phase, now_ns),
             trust: self.trust_at(now_ns),
         }
     }
 
-    fn take(&mut self, sample: &GazeSample, now_ns: i64) {
-        self.rejection = self.check(sample, now_ns).and_then(|sighting| self.follow(sighting, now_ns)).err();
+    fn take(&mut self, sample: &GazeSample, now_ns: i64, is_dated: bool) {
+        let checked = self.check(sample, now_ns);
+        self.rejection = checked.and_then(|sighting| self.follow(sighting, now_ns, is_dated)).err();
         match self.rejection {
             None => self.ended = false,
             Some(Rejection::Frozen) => self.source_ended(now_ns),
@@ -219,7 +227,7 @@ impl GazeTracker {
     }
 
     /// The state after a plausible sample.
-    fn follow(&mut self, sighting: Sighting, now_ns: i64) -> Result<(), Rejection> {
+    fn follow(&mut self, sighting: Sighting, now_ns: i64, is_dated: bool) -> Result<(), Rejection> {
         let Sighting { in_world: moment, from_head } = sighting;
         let trust = self.trust_at(now_ns);
         let head = self.head.at(moment.time_ns);
@@ -231,8 +239,12 @@ impl GazeTracker {
             settled_ns: now_ns,
             trust,
             interrupted: false,
+            is_dated,
         };
         let (settings, head_deg_s) = (&self.settings, self.head.deg_s());
+        if let Some(seen) = &mut self.seen {
+            seen.is_dated = is_dated;
+        }
         match &mut self.seen {
             None => self.seen = Some(found([moment, from_head].map(Motion::new), trust)),
             Some(seen) => {
@@ -259,7 +271,7 @@ impl GazeTracker {
                     let (before, settled) = (seen.motion.newest().time_ns, seen.motion.settled_ns());
                     seen.motion.add(settings, moment, head_deg_s).map_err(|_| Rejection::TooFast)?;
                     if seen.motion.settled_ns() != settled {
-                        seen.settled_ns = now_ns;
+                        seen.settled_ns = seen.motion.landing_ns().unwrap_or(now_ns);
                     }
                     if seen.motion.newest().time_ns != before {
                         seen.arrived_ns = now_ns;
@@ -291,6 +303,18 @@ impl GazeTracker {
             Course::Turning if !seen.looks_along() => GazePhase::Pursuit,
             Course::Turning | Course::Resting => GazePhase::Fixation,
         }
+    }
+
+    /// Whether what changes in a picture that is shown now goes unnoticed.
+    fn is_suppressed(&self, seen: &Seen, phase: GazePhase, now: i64) -> bool {
+        let window_ns = nanoseconds(self.settings.post_saccade_ms);
+        let age_ns = if seen.is_dated { 0 } else { UNKNOWN_AGE_NS };
+        matches!(phase, GazePhase::Saccade | GazePhase::PostSaccade)
+            && seen.motion.in_doubt().is_none()
+            && seen
+                .motion
+                .landing_ns()
+                .is_some_and(|landing| now.saturating_sub(landing) < window_ns - age_ns)
     }
 
     /// As it was with the newest usable sample until the hold is over, then falling.

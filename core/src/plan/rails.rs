@@ -17,6 +17,8 @@ pub(super) struct FrameRails {
     pub(super) area: Area,
     /// By how much every radius is wider, degrees, 0..=180.
     pub(super) inflation_deg: f32,
+    /// How far outside of its ring a tile has to be to become coarser, degrees.
+    pub(super) hysteresis_deg: f32,
     /// Most that a tile may become coarser, in [`STEPS_PER_OCTAVE`].
     pub(super) coarsening: u32,
     /// Time since the frame before, milliseconds, 0..=100.
@@ -62,10 +64,15 @@ impl RailMemory {
         reasons.insert_if(lost, Reason::GazeLost);
         reasons.insert_if(trust < 1.0 && matches!(area, Area::AroundGaze(_)), Reason::GazeFading);
         let seconds = self.elapsed_s(time_ns, reasons);
-        let speed = if is_judged { settings.judged_octaves_per_s } else { settings.coarsening_octaves_per_s };
+        let speed = match is_judged {
+            _ if gaze.is_suppressed => settings.suppressed_octaves_per_s,
+            true => settings.judged_octaves_per_s,
+            false => settings.coarsening_octaves_per_s,
+        };
         FrameRails {
             area,
             inflation_deg: if lost { 0.0 } else { inflation_deg(settings, gaze, trust) },
+            hysteresis_deg: hysteresis_deg(settings, gaze),
             elapsed_ms: (seconds * 1e3) as u32,
             coarsening: self.coarsening(speed, seconds, lost || may_coarsen(gaze, reasons)),
             pursuit: gaze.phase == GazePhase::Pursuit,
@@ -114,9 +121,16 @@ fn inflation_deg(settings: &RailSettings, gaze: &GazeState, trust: f32) -> f32 {
     (radius - base + (1.0 - trust) * 180.0).clamp(0.0, 180.0)
 }
 
+/// What becomes coarser on the way to a landing is twice as far from it as that may be off.
+fn hysteresis_deg(settings: &RailSettings, gaze: &GazeState) -> f32 {
+    let error_deg = gaze.prediction_error_deg.filter(|_| gaze.is_suppressed).unwrap_or(0.0);
+    settings.hysteresis_deg + if error_deg.is_nan() { 180.0 } else { error_deg.max(0.0) }
+}
+
 fn may_coarsen(gaze: &GazeState, reasons: &mut Reasons) -> bool {
     reasons.insert_if(gaze.phase == GazePhase::Blink, Reason::GazeHeld);
-    reasons.insert_if(gaze.phase == GazePhase::Saccade, Reason::Saccade);
-    reasons.insert_if(gaze.phase == GazePhase::PostSaccade, Reason::AfterSaccade);
+    reasons.insert_if(gaze.is_suppressed, Reason::Suppressed);
+    reasons.insert_if(gaze.phase == GazePhase::Saccade && !gaze.is_suppressed, Reason::Saccade);
+    reasons.insert_if(gaze.phase == GazePhase::PostSaccade && !gaze.is_suppressed, Reason::AfterSaccade);
     gaze.may_coarsen()
 }

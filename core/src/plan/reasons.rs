@@ -14,9 +14,11 @@ pub enum Reason {
     GazeFading,
     /// The gaze is lost: wide fixed rates around straight ahead, no re-use, full colour.
     GazeLost,
-    /// The eyes are in a saccade: nothing becomes coarser.
+    /// The eyes are in a saccade, or have just landed, and changes go unnoticed: coarser at once outside of the place of landing.
+    Suppressed,
+    /// The eyes may be in a saccade, or it may be over by now: nothing becomes coarser.
     Saccade,
-    /// A saccade has just ended: nothing becomes coarser.
+    /// The gaze has just been found again, or is in doubt: nothing becomes coarser.
     AfterSaccade,
     /// The eyes follow something: regions are updated more often.
     Pursuit,
@@ -44,11 +46,12 @@ pub enum Reason {
 
 impl Reason {
     /// All of them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::GazeInvalid,
         Self::GazeHeld,
         Self::GazeFading,
         Self::GazeLost,
+        Self::Suppressed,
         Self::Saccade,
         Self::AfterSaccade,
         Self::Pursuit,
@@ -72,18 +75,19 @@ impl fmt::Display for Reason {
             Self::GazeHeld => "blink: map held",
             Self::GazeFading => "gaze lost: ramping to uniform full rate",
             Self::GazeLost => "gaze lost: wide fixed rates, no re-use, full colour",
-            Self::Saccade => "saccade: no coarsening",
-            Self::AfterSaccade => "after a saccade: no coarsening",
+            Self::Suppressed => "saccade: coarsening at once outside of the landing",
+            Self::Saccade => "saccade in doubt: no coarsening",
+            Self::AfterSaccade => "gaze just found again: no coarsening",
             Self::Pursuit => "pursuit: updated one step faster",
             Self::LeastFovea => "area of full rate kept at its least radius",
             Self::FixedCap => "rates capped at fixed foveation",
             Self::Silence => "silence",
-            Self::NothingMeasured => "no sound or contrast known: fixed foveation",
+            Self::NothingMeasured => "sound and contrast unknown: fixed foveation",
             Self::LeastFrequency => "periphery kept at its least frequency",
-            Self::HeadMoves => "head moves: regions updated before that shows",
-            Self::ContentChanges => "content changes: rendered in each frame there",
-            Self::Refresh => "refresh demanded: every tile rendered",
-            Self::ClockStopped => "clock stands: no coarsening",
+            Self::HeadMoves => "head movement: regions updated early",
+            Self::ContentChanges => "changing content: rendered in every frame",
+            Self::Refresh => "refresh requested: every tile rendered",
+            Self::ClockStopped => "the clock does not advance: no coarsening",
             Self::ViewMalformed => "view without a usable field of view: full rate",
         })
     }

@@ -167,7 +167,7 @@ fn ring_map(settings: &PlanSettings, map: &FixedFoveation) -> Rings {
 
 fn permit(settings: &PlanSettings, rings: Rings, rails: &FrameRails) -> Permit {
     let rings = rings.widened(settings.rails.least_foveal_deg, rails.inflation_deg);
-    Permit { rings, growing: rings.widened(0.0, settings.rails.hysteresis_deg), budget: None }
+    Permit { rings, growing: rings.widened(0.0, rails.hysteresis_deg), budget: None }
 }
 
 /// What contrast may permit, if sound is known and does not ask for fixed foveation.

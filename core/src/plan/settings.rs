@@ -176,11 +176,14 @@ pub struct RailSettings {
     /// Times the budget that a tile may lose for [`STEADY_MS`](crate::kernels::decide::STEADY_MS) after its rate has changed, 1..=16: noise
     /// that lasts for a frame does not take a change back at once.
     pub holding_budget: f32,
-    /// Fastest that a tile becomes coarser, octaves of [`ShadingRate::octaves`] a second; infinite: at once, in and
-    /// after saccades and blinks too.
+    /// Fastest that a tile becomes coarser, octaves of [`ShadingRate::octaves`] a second; infinite: at once, in blinks and with a
+    /// gaze that was just found again too.
     pub coarsening_octaves_per_s: f32,
     /// The same where contrast decides, which noise in the pictures changes too.
     pub judged_octaves_per_s: f32,
+    /// The same while changes go unnoticed ([`GazeState::is_suppressed`](crate::gaze::GazeState::is_suppressed)), whoever decides: then a tile
+    /// that the eyes have left may be as coarse in the next frame as it may ever be.
+    pub suppressed_octaves_per_s: f32,
     /// Rates around straight ahead once the gaze is lost; 1x1 everywhere without.
     pub lost: Option<FixedFoveation>,
 }
@@ -196,6 +199,7 @@ impl RailSettings {
         holding_budget: 1.0,
         coarsening_octaves_per_s: f32::INFINITY,
         judged_octaves_per_s: f32::INFINITY,
+        suppressed_octaves_per_s: f32::INFINITY,
         lost: None,
     };
 }
@@ -214,6 +218,7 @@ impl RailSettings {
             holding_budget: or(self.holding_budget, usual.holding_budget).clamp(1.0, 16.0),
             coarsening_octaves_per_s: or(self.coarsening_octaves_per_s, usual.coarsening_octaves_per_s),
             judged_octaves_per_s: or(self.judged_octaves_per_s, usual.judged_octaves_per_s),
+            suppressed_octaves_per_s: or(self.suppressed_octaves_per_s, usual.suppressed_octaves_per_s),
             lost: self.lost,
         }
     }
@@ -222,7 +227,8 @@ impl RailSettings {
 impl Default for RailSettings {
     /// A fovea of 5 degrees; 1.1 degrees of error (vendor of the Vive Pro Eye, as paper B takes it); 60 ms from eye to
     /// image, within the 50 to 70 that Albert et al. 2017 found tolerable. One octave takes an
-    /// eighth of a second, so that no tile becomes coarser twice within a tenth, and a quarter where contrast decides.
+    /// eighth of a second, so that no tile becomes coarser twice within a tenth, and a quarter where contrast decides; no time where
+    /// nobody sees it.
     /// Once the gaze is lost, 2x2 from 40 degrees on, beyond what eyes turn to without the head.
     fn default() -> Self {
         Self {
@@ -234,11 +240,8 @@ impl Default for RailSettings {
             holding_budget: 1.35,
             coarsening_octaves_per_s: 8.0,
             judged_octaves_per_s: 4.0,
-            lost: Some(FixedFoveation {
-                foveal_deg: 30.0,
-                transitional_deg: 40.0,
-                peripheral: ShadingRate::R2X2,
-            }),
+            suppressed_octaves_per_s: f32::INFINITY,
+            lost: Some(FixedFoveation::WITHOUT_TRACKER),
         }
     }
 }

@@ -30,6 +30,7 @@ fn presets_shade_what_their_table_says() {
         (Preset::Balanced, 0.148),
         (Preset::Performance, 0.107),
         (Preset::Streaming, 0.148),
+        (Preset::Fixed, 0.466),
         (Preset::Paper, 0.162),
     ] {
         let found = shades(&preset.settings());
@@ -60,6 +61,6 @@ fn every_fovea_is_wide_enough_and_rates_are_coarsest_first() {
         assert_eq!(settings.fixed_foveation.rate_at(LEAST_FOVEA_DEG), 1.0, "{preset}");
         assert!(settings.rates.is_sorted_by(|a, b| a.fraction() <= b.fraction()));
         assert!(settings.rates.contains(&settings.fixed_foveation.peripheral));
-        assert_eq!(settings.chroma.is_some(), preset == Preset::Streaming);
+        assert_eq!(settings.chroma.is_some(), [Preset::Streaming, Preset::Paper].contains(&preset));
     }
 }

@@ -22,10 +22,22 @@ pub(super) fn range(word: usize, [begin, end]: [u32; 2]) -> u64 {
 /// 64 bits of a row from a column on, which may lie before its first one; 0 for columns that the row does not have.
 #[inline]
 pub(super) fn read(row: &[u64], column: i32) -> u64 {
-    let word =
-        |index: i32| usize::try_from(index).ok().and_then(|index| row.get(index).copied()).unwrap_or(0);
+    // What lies before the first word has an index beyond the last one.
+    let word = |index: i32| row.get(index as usize).copied().unwrap_or(0);
     let (index, skipped) = (column >> u64::BITS.trailing_zeros(), column as u32 % u64::BITS);
-    if skipped == 0 { word(index) } else { word(index) >> skipped | word(index + 1) << (u64::BITS - skipped) }
+    // Shifted twice, as a shift by all bits is none.
+    word(index) >> skipped | word(index.wrapping_add(1)) << 1 << (u64::BITS - 1 - skipped)
+}
+
+/// One bit of each of up to 64 bytes, that of the first one lowest.
+pub(crate) fn pack(bytes: &[u8], bit: usize) -> u64 {
+    // One of each byte, and the product has them side by side in its last byte.
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    const GATHER: u64 = 0x0102_0408_1020_4080;
+    let (eights, rest) = bytes.as_chunks::<8>();
+    let of_rest = rest.iter().rev().fold(0, |word, byte| word << 1 | u64::from(byte >> bit & 1));
+    let of_eight = |eight: &[u8; 8]| (u64::from_le_bytes(*eight) >> bit & ONES).wrapping_mul(GATHER) >> 56;
+    eights.iter().rev().fold(of_rest, |word, eight| word << 8 | of_eight(eight))
 }
 
 /// Column and length of each run of bits in a row, from the left; a run ends where its word does.
@@ -59,6 +71,15 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        #[test]
+        fn bytes_are_packed_bit_by_bit(bytes in prop::collection::vec(any::<u8>(), 0..=64), bit in 0usize..8) {
+            let packed = pack(&bytes, bit);
+            for column in 0..64 {
+                let expected = bytes.get(column).map_or(0, |byte| u64::from(byte >> bit & 1));
+                prop_assert_eq!(packed >> column & 1, expected, "column {}", column);
+            }
+        }
+
         #[test]
         fn bits_of_a_row_are_those_of_its_columns(
             row in prop::collection::vec(any::<bool>(), 0..200), column in -300i32..300, ends in prop::array::uniform2(0u32..200),

@@ -21,8 +21,80 @@ pub struct TileLists {
     pub border: [[TileRects; Edge::ALL.len()]; MAX_AGES],
     places: TilePlaces,
     row: Row,
-    /// Ages whose lists have been filled since [`Self::clear`].
-    ages: usize,
+    touched: TouchedLists,
+}
+
+/// Which lists need work, so that those without tiles cost nothing.
+#[derive(Clone, Copy, Debug, Default)]
+struct TouchedLists {
+    /// Not empty.
+    filled: ListSet,
+    /// With tiles in the row that is being sorted, or in the one before.
+    open: ListSet,
+}
+
+impl TouchedLists {
+    fn insert(&mut self, list: List) {
+        self.filled.insert(list);
+        self.open.insert(list);
+    }
+}
+
+/// One of the lists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum List {
+    Fresh,
+    /// By place of the earlier picture.
+    Whole(usize),
+    Mixed(usize),
+    /// By place of the earlier picture and of the edge in [`Edge::ALL`].
+    Border(usize, usize),
+}
+
+impl List {
+    /// Those of one age.
+    const OF_AGE: usize = 2 + Edge::ALL.len();
+
+    fn index(self) -> usize {
+        match self {
+            Self::Fresh => 0,
+            Self::Whole(age) => 1 + age * Self::OF_AGE,
+            Self::Mixed(age) => 2 + age * Self::OF_AGE,
+            Self::Border(age, edge) => 3 + age * Self::OF_AGE + edge,
+        }
+    }
+
+    fn of_index(index: usize) -> Self {
+        let Some(index) = index.checked_sub(1) else { return Self::Fresh };
+        let age = index / Self::OF_AGE;
+        match index % Self::OF_AGE {
+            0 => Self::Whole(age),
+            1 => Self::Mixed(age),
+            edge => Self::Border(age, edge - 2),
+        }
+    }
+}
+
+const _: () = assert!(MAX_AGES * List::OF_AGE < u128::BITS as usize);
+
+/// Some lists, a bit for each index.
+#[derive(Clone, Copy, Debug, Default)]
+struct ListSet(u128);
+
+impl ListSet {
+    fn insert(&mut self, list: List) {
+        self.0 |= 1 << list.index();
+    }
+
+    fn iter(self) -> impl Iterator<Item = List> {
+        let mut left = self.0;
+        std::iter::from_fn(move || {
+            let index = left.trailing_zeros();
+            // A set that is empty has as many zeros as bits.
+            left = left.checked_shr(index).map_or(0, |_| left & left.wrapping_sub(1));
+            (index < u128::BITS).then(|| List::of_index(index as usize))
+        })
+    }
 }
 
 /// Sets of tiles of a row, as bits.
@@ -39,8 +111,8 @@ struct Row {
     left: Vec<u64>,
     /// What each earlier picture has of those.
     found: [Found; MAX_AGES],
-    /// Tiles of which an earlier picture has an edge.
-    found_edges: Vec<u64>,
+    /// Tiles of which an earlier picture has an edge, by place in [`Edge::ALL`].
+    found_edges: [Vec<u64>; Edge::ALL.len()],
     /// Tiles for [`TileLists::fresh`].
     fresh: Vec<u64>,
     /// Tiles of which parts are taken.
@@ -74,23 +146,35 @@ impl TileLists {
                 }
             }
             self.row.add_rest();
+            self.touched.insert(List::Fresh);
             push_all(&mut self.fresh, &self.row.fresh, row, None);
             self.add_parts(reuse, row, looked_into);
-            self.each(TileRects::end_row);
+            self.end_row();
         }
     }
 
     /// Nothing is in any list.
     pub fn clear(&mut self) {
-        self.each(TileRects::clear);
-        self.ages = 0;
+        for list in std::mem::take(&mut self.touched).filled.iter() {
+            self.list(list).clear();
+        }
     }
 
-    fn each(&mut self, act: impl FnMut(&mut TileRects)) {
-        let ages = self.ages;
-        let of_ages = self.whole[..ages].iter_mut().chain(&mut self.mixed[..ages]);
-        let of_ages = of_ages.chain(self.border[..ages].as_flattened_mut());
-        std::iter::once(&mut self.fresh).chain(of_ages).for_each(act);
+    fn list(&mut self, list: List) -> &mut TileRects {
+        match list {
+            List::Fresh => &mut self.fresh,
+            List::Whole(age) => &mut self.whole[age],
+            List::Mixed(age) => &mut self.mixed[age],
+            List::Border(age, edge) => &mut self.border[age][edge],
+        }
+    }
+
+    fn end_row(&mut self) {
+        for list in std::mem::take(&mut self.touched.open).iter() {
+            if self.list(list).end_row() {
+                self.touched.open.insert(list);
+            }
+        }
     }
 
     /// How many words all lists have.
@@ -111,7 +195,7 @@ impl TileLists {
             parts[word] |= if has_moved || is_old { whole } else { 0 };
         }
         if listed.iter().any(|tiles| *tiles != 0) {
-            self.ages = self.ages.max(index + 1);
+            self.touched.insert(List::Whole(index));
             push_all(&mut self.whole[index], listed, row, None);
         }
     }
@@ -121,23 +205,19 @@ impl TileLists {
     fn add_borders(&mut self, reuse: &Reuse, picture: (usize, &Earlier), row: u32) {
         let Row { borders, open_borders, found_edges, .. } = &mut self.row;
         let (index, _) = picture;
-        for (kind, edge) in Edge::ALL.into_iter().enumerate() {
-            if *open_borders >> kind & 1 == 0 {
-                continue;
-            }
-            let open = &mut borders[kind];
-            self.places.find_edges(reuse, picture, edge, row, open, found_edges);
+        self.places.find_edges(reuse, picture, row, borders, found_edges);
+        for (kind, (open, found)) in borders.iter_mut().zip(&*found_edges).enumerate() {
             let mut is_open = false;
             let mut is_found = false;
-            for (open, found) in open.iter_mut().zip(&*found_edges) {
+            for (open, found) in open.iter_mut().zip(found) {
                 *open &= !found;
                 is_open |= *open != 0;
                 is_found |= *found != 0;
             }
             *open_borders &= !(u32::from(!is_open) << kind);
             if is_found {
-                self.ages = self.ages.max(index + 1);
-                push_all(&mut self.border[index][kind], found_edges, row, Some(edge));
+                self.touched.insert(List::Border(index, kind));
+                push_all(&mut self.border[index][kind], found, row, Some(Edge::ALL[kind]));
             }
         }
     }
@@ -156,7 +236,7 @@ impl TileLists {
                 *parts &= !all;
             }
             if listed.iter().any(|tiles| *tiles != 0) {
-                self.ages = self.ages.max(index + 1);
+                self.touched.insert(List::Mixed(index));
                 push_all(&mut self.mixed[index], listed, row, None);
             }
         }
@@ -168,7 +248,7 @@ fn push_all(list: &mut TileRects, tiles: &[u64], row: u32, edge: Option<Edge>) {
 }
 
 impl Row {
-    /// Goes on to a row of the newest picture; nothing was looked for yet.
+    /// Goes on to the first row of the newest picture, or to the one below; nothing was looked for yet.
     fn begin(&mut self, reuse: &Reuse, row: u32, has_borders: bool) {
         let tiles = reuse.now().stale;
         let [columns, _] = tiles.tiles();
@@ -180,9 +260,13 @@ impl Row {
             );
             into.resize(bits::words(columns), 0);
         };
+        if row == 0 {
+            set(&mut self.stale, -1);
+            set(&mut self.below, 0);
+        }
         let row = row as i32;
-        set(&mut self.stale, row);
-        set(&mut self.above, row - 1);
+        std::mem::swap(&mut self.above, &mut self.stale);
+        std::mem::swap(&mut self.stale, &mut self.below);
         set(&mut self.below, row + 1);
         self.left.clone_from(&self.stale);
         self.fresh.clear();

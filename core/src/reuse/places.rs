@@ -6,7 +6,7 @@
 //! a part of it, and never the other way round.
 
 use super::history::Earlier;
-use super::reach::{Frame, Placed, ROUNDING, Reach};
+use super::reach::{EdgeReach, Frame, Placed, ROUNDING, Reach, Reaches, greatest, least};
 use super::rects::Edge;
 use super::{MAX_AGES, Reuse, bits};
 use crate::geometry::PixelRect;
@@ -38,43 +38,60 @@ pub(super) struct Found {
 #[derive(Clone, Debug, Default)]
 pub(super) struct TilePlaces {
     ages: [AgePlaces; MAX_AGES],
-    /// x of the edges between blocks, tiles.
-    edges: Vec<f32>,
+    blocks: Blocks,
     /// Width of edges of tiles, pixels.
     border: f32,
+}
+
+/// How the newest picture is cut into blocks.
+#[derive(Clone, Debug, Default)]
+struct Blocks {
+    /// x of the edges between them, tiles.
+    edges: Vec<f32>,
+    /// Columns of tiles.
+    columns: u32,
+    /// Width and height of the picture, tiles.
+    across: Vec2,
+    /// Width and height of edges of tiles, tiles; none where no edge is asked for.
+    strip: Option<Vec2>,
 }
 
 /// The places in one earlier picture.
 #[derive(Clone, Debug, Default)]
 struct AgePlaces {
-    /// Row of blocks after row of blocks.
-    stretches: Vec<Stretch>,
-    /// The end of each row of blocks that is worked out in `stretches`.
-    ends: Vec<usize>,
-    /// Of each block of these rows: how it lies; `None` where its tiles are looked at one by one.
-    blocks: Vec<Option<Placed>>,
+    frame: Frame,
+    /// What tiles meet.
+    tiles: Stretches<Reach>,
+    /// What their edges meet.
+    edges: Stretches<EdgeReach>,
+    reaches: Reaches,
     far: Bounds,
     /// Of content as near as can be, where the head has moved.
     near: Bounds,
 }
 
-/// Tiles of a row, from the end of the stretch before.
-#[derive(Clone, Copy, Debug)]
-struct Stretch {
-    end: u32,
-    /// `None` where each tile has its own.
-    reach: Option<Reach>,
+/// Rows of blocks, in stretches that are alike.
+#[derive(Clone, Debug, Default)]
+struct Stretches<Reach> {
+    /// Row of blocks after row of blocks: the column of tiles after the last one, and what each tile meets, from the end of the stretch
+    /// before; `None` where each tile has its own.
+    all: Vec<(u32, Option<Reach>)>,
+    /// The end of each row of blocks in `all`.
+    ends: Vec<usize>,
 }
 
 impl TilePlaces {
-    /// Begins with another newest picture, whose tiles have edges of `border` pixels, or half of a tile where that is less.
+    /// Begins with another newest picture, whose tiles have edges of `border` pixels, or half of a tile where that is less; of no
+    /// pixels where no edge is asked for.
     pub(super) fn begin(&mut self, reuse: &Reuse, border: f32) {
         let now = reuse.now();
-        let across = now.stale.tiles_across().x;
+        let (across, [columns, _]) = (now.stale.tiles_across(), now.stale.tiles());
         self.border = border;
-        self.edges.clear();
-        let blocks = now.stale.tiles()[0].div_ceil(BLOCK);
-        self.edges.extend((0..=blocks).map(|block| least((block * BLOCK) as f32, across)));
+        let Blocks { edges, .. } = &mut self.blocks;
+        edges.clear();
+        edges.extend((0..=columns.div_ceil(BLOCK)).map(|block| least((block * BLOCK) as f32, across.x)));
+        (self.blocks.columns, self.blocks.across) = (columns, across);
+        self.blocks.strip = (border > 0.0).then(|| (now.tiles_per_pixel() * border).min(Vec2::splat(0.5)));
         for (age, earlier) in self.ages.iter_mut().zip(reuse.earlier()) {
             age.begin(reuse, earlier);
         }
@@ -94,129 +111,153 @@ impl TilePlaces {
             bits.clear();
             bits.resize(wanted.len(), 0);
         }
-        let (frame, stale) = (Frame::of(earlier), earlier.picture.stale);
-        let mut begin = 0;
-        for stretch in self.ages[index].row(reuse, earlier, &self.edges, row) {
-            let ends = [begin, stretch.end];
-            begin = stretch.end;
-            for word in ends[0] as usize / bits::WORD..bits::words(ends[1]) {
-                let of_word = wanted[word] & bits::range(word, ends);
-                if of_word == 0 {
-                    continue;
-                }
-                let column = (word * bits::WORD) as u32;
-                match stretch.reach {
-                    Some(reach) => {
-                        let at = [column as i32, row as i32];
-                        let (mut is_all, is_any) = reach.fresh(at, |row| stale.fresh_row(row));
-                        for bit in bits::columns(&[is_all & of_word & reach.meets_cut(&frame, word, row)]) {
-                            let has = earlier.has_rect(&reuse.tiles([column + bit, row], [1, 1]));
-                            is_all &= !(u64::from(has != Has::All) << bit);
+        let Self { ages, blocks, .. } = self;
+        let age = &mut ages[index];
+        age.work_out(blocks, row);
+        let stale = earlier.picture.stale;
+        let has = |column: u32| earlier.has_rect(&reuse.tiles([column, row], [1, 1]));
+        for (word, of_word, reach) in age.tiles.words(row) {
+            let of_word = wanted[word] & of_word;
+            if of_word == 0 {
+                continue;
+            }
+            let column = (word * bits::WORD) as u32;
+            match reach {
+                Some(reach) => {
+                    let (mut is_all, is_any) =
+                        reach.fresh([column as i32, row as i32], |row| stale.fresh_row(row));
+                    is_all &= of_word;
+                    if is_all != 0 {
+                        let leaving = is_all & reach.beyond().leaving(&age.frame, blocks.across, word, row);
+                        for bit in bits::columns(&[leaving]) {
+                            is_all &= !(u64::from(has(column + bit) != Has::All) << bit);
                         }
-                        all[word] |= is_all & of_word;
-                        any[word] |= is_any & of_word;
                     }
-                    None => {
-                        for bit in bits::columns(&[of_word]) {
-                            let has = earlier.has_rect(&reuse.tiles([column + bit, row], [1, 1]));
-                            all[word] |= u64::from(has == Has::All) << bit;
-                            any[word] |= u64::from(has != Has::Nothing) << bit;
-                        }
+                    all[word] |= is_all;
+                    any[word] |= is_any & of_word;
+                }
+                None => {
+                    for bit in bits::columns(&[of_word]) {
+                        let has = has(column + bit);
+                        all[word] |= u64::from(has == Has::All) << bit;
+                        any[word] |= u64::from(has != Has::Nothing) << bit;
                     }
                 }
             }
         }
     }
 
-    /// Of which of the `wanted` tiles of a row the earlier picture at place `index` has all of an edge.
+    /// Of which of the `wanted` tiles of a row the earlier picture at place `index` has all of an edge, for each of [`Edge::ALL`].
     pub(super) fn find_edges(
         &mut self,
         reuse: &Reuse,
         (index, earlier): (usize, &Earlier),
-        edge: Edge,
         row: u32,
-        wanted: &[u64],
-        found: &mut Vec<u64>,
+        wanted: &[Vec<u64>; Edge::ALL.len()],
+        found: &mut [Vec<u64>; Edge::ALL.len()],
     ) {
-        found.clear();
-        found.resize(wanted.len(), 0);
-        let age = &mut self.ages[index];
-        age.row(reuse, earlier, &self.edges, row);
-        let blocks = &age.blocks[(row / BLOCK) as usize * (self.edges.len() - 1)..];
-        let (frame, stale) = (Frame::of(earlier), earlier.picture.stale);
-        let strip = (reuse.now().tiles_per_pixel() * self.border).min(Vec2::splat(0.5));
-        let has_edge =
-            |column: u32| earlier.has_rect(&reuse.edge([column, row], edge, self.border)) == Has::All;
-        for column in bits::columns(wanted) {
-            let is_had = match blocks.get((column / BLOCK) as usize).copied().flatten() {
-                Some(placed) => {
-                    let reach = placed.edge_reach(&frame, edge, strip);
-                    let word = column as usize / bits::WORD;
-                    let is_cut =
-                        reach.meets_cut(&frame, word, row) >> (column as usize % bits::WORD) & 1 == 1;
-                    reach.is_fresh([column as i32, row as i32], |row| stale.fresh_row(row))
-                        && (!is_cut || has_edge(column))
-                }
-                None => has_edge(column),
-            };
-            found[column as usize / bits::WORD] |= u64::from(is_had) << (column as usize % bits::WORD);
+        for (found, wanted) in found.iter_mut().zip(wanted) {
+            found.clear();
+            found.resize(wanted.len(), 0);
         }
+        let Self { ages, blocks, border } = self;
+        let age = &mut ages[index];
+        age.work_out(blocks, row);
+        let stale = earlier.picture.stale;
+        for (word, of_word, reach) in age.edges.words(row) {
+            let wanted = wanted.each_ref().map(|wanted| wanted[word] & of_word);
+            if wanted.iter().all(|wanted| *wanted == 0) {
+                continue;
+            }
+            let column = (word * bits::WORD) as u32;
+            let (fresh, leaving) = match reach {
+                Some(reach) => (
+                    reach.fresh([column as i32, row as i32], |row| stale.fresh_row(row)),
+                    reach.beyond().leaving(&age.frame, blocks.across, word, row),
+                ),
+                None => ([u64::MAX; Edge::ALL.len()], u64::MAX),
+            };
+            for ((wanted, fresh), (found, edge)) in
+                wanted.into_iter().zip(fresh).zip(found.iter_mut().zip(Edge::ALL))
+            {
+                let mut had = wanted & fresh & !leaving;
+                for bit in bits::columns(&[wanted & fresh & leaving]) {
+                    let rect = reuse.edge([column + bit, row], edge, *border);
+                    had |= u64::from(earlier.has_rect(&rect) == Has::All) << bit;
+                }
+                found[word] |= had;
+            }
+        }
+    }
+}
+
+impl<Reach> Stretches<Reach> {
+    fn clear(&mut self) {
+        self.all.clear();
+        self.ends.clear();
+    }
+
+    /// Adds a row of blocks, by the blocks after the last ones of its stretches.
+    fn add_row(&mut self, columns: u32, stretches: impl Iterator<Item = (usize, Option<Reach>)>) {
+        self.all.extend(stretches.map(|(end, reach)| ((end as u32 * BLOCK).min(columns), reach)));
+        self.ends.push(self.all.len());
+    }
+
+    /// For each stretch of a row of tiles and each word that it has tiles in: the word, these tiles, and what they meet.
+    fn words(&self, row: u32) -> impl Iterator<Item = (usize, u64, Option<&Reach>)> {
+        let block = (row / BLOCK) as usize;
+        let first = block.checked_sub(1).map_or(0, |above| self.ends[above]);
+        let mut begin = 0;
+        self.all[first..self.ends[block]].iter().flat_map(move |(end, reach)| {
+            let ends = [begin, *end];
+            begin = *end;
+            let words = ends[0] as usize / bits::WORD..bits::words(ends[1]);
+            words.map(move |word| (word, bits::range(word, ends), reach.as_ref()))
+        })
     }
 }
 
 impl AgePlaces {
     fn begin(&mut self, reuse: &Reuse, earlier: &Earlier) {
-        self.stretches.clear();
-        self.ends.clear();
-        self.blocks.clear();
+        self.frame = Frame::of(earlier);
+        self.tiles.clear();
+        self.edges.clear();
         // A picture without tiles counts as one tile, which no block has a share in.
         let has_tiles = earlier.picture.stale.tiles() != [0; 2];
         self.far.begin(has_tiles.then_some(earlier.matrix), reuse, earlier);
         self.near.begin(earlier.near_matrix().filter(|_| has_tiles), reuse, earlier);
     }
 
-    /// The stretches of a row of tiles.
-    fn row(&mut self, reuse: &Reuse, earlier: &Earlier, edges: &[f32], row: u32) -> &[Stretch] {
-        let block = (row / BLOCK) as usize;
-        while self.ends.len() <= block {
-            self.add_row(reuse, earlier, edges);
+    /// Works out the rows of blocks up to that of a row of tiles.
+    #[inline]
+    fn work_out(&mut self, blocks: &Blocks, row: u32) {
+        while self.tiles.ends.len() <= (row / BLOCK) as usize {
+            self.add_row(blocks);
         }
-        let begin = block.checked_sub(1).map_or(0, |above| self.ends[above]);
-        &self.stretches[begin..self.ends[block]]
     }
 
     /// Works out the next row of blocks.
     #[cold]
-    fn add_row(&mut self, reuse: &Reuse, earlier: &Earlier, edges: &[f32]) {
-        let now = reuse.now();
-        let [columns, _] = now.stale.tiles();
-        let block = self.ends.len() as u32;
-        let lines = [block, block + 1].map(|line| least((line * BLOCK) as f32, now.stale.tiles_across().y));
-        if self.far.set(edges, lines) {
-            if self.near.map.is_some() {
-                self.near.set(edges, lines);
-                self.far.enclose(&self.near);
-            }
-            let frame = Frame::of(earlier);
-            let Bounds { low: [low_x, low_y], high: [high_x, high_y], .. } = &self.far;
-            let places = low_x.iter().zip(low_y).zip(high_x.iter().zip(high_y));
-            let mut last = None;
-            for (index, ((low_x, low_y), (high_x, high_y))) in places.enumerate() {
-                let placed = Placed { low: Vec2::new(*low_x, *low_y), high: Vec2::new(*high_x, *high_y) };
-                let reach = placed.reach(&frame);
-                let end = ((index as u32 + 1) * BLOCK).min(columns);
-                self.blocks.push(reach.map(|_| placed));
-                match self.stretches.last_mut().filter(|_| last == Some(reach)) {
-                    Some(stretch) => stretch.end = end,
-                    None => self.stretches.push(Stretch { end, reach }),
-                }
-                last = Some(reach);
-            }
-        } else {
-            self.stretches.push(Stretch { end: columns, reach: None });
-            self.blocks.resize(self.blocks.len() + edges.len() - 1, None);
+    fn add_row(&mut self, blocks: &Blocks) {
+        let Blocks { edges, columns, across, strip } = blocks;
+        let block = self.tiles.ends.len() as u32;
+        let lines = [block, block + 1].map(|line| least((line * BLOCK) as f32, across.y));
+        if !self.far.set(edges, lines) {
+            let unknown = [edges.len() - 1];
+            self.tiles.add_row(*columns, unknown.into_iter().map(|end| (end, None)));
+            self.edges.add_row(*columns, unknown.into_iter().map(|end| (end, None)));
+            return;
         }
-        self.ends.push(self.stretches.len());
+        if self.near.map.is_some() {
+            self.near.set(edges, lines);
+            self.far.enclose(&self.near);
+        }
+        let Bounds { low, high, .. } = &self.far;
+        let placed =
+            Placed { low: low.each_ref().map(Vec::as_slice), high: high.each_ref().map(Vec::as_slice) };
+        self.reaches.set(&placed, &self.frame, *strip);
+        self.tiles.add_row(*columns, self.reaches.stretches());
+        self.edges.add_row(*columns, self.reaches.edge_stretches());
     }
 }
 
@@ -341,16 +382,6 @@ fn bend(matrix: &Mat3, across: Vec2) -> Vec2 {
         (steepest(0) + steepest(1)) / (nearest * nearest * nearest) * (side * side / 8.0)
     };
     Vec2::new(of(rows.x_axis), of(rows.y_axis))
-}
-
-/// The smaller one, as one instruction: `f32::min` has to look for NaN.
-fn least(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// The greater one, likewise.
-fn greatest(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 impl Earlier<'_> {

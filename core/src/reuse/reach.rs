@@ -4,6 +4,7 @@ use super::bits;
 use super::history::Earlier;
 use super::rects::Edge;
 use glam::Vec2;
+use std::ops;
 
 /// Pixels around a tile that its re-used pixels may be interpolated from, with room for rounding.
 const MARGIN: f32 = 1.0;
@@ -18,6 +19,7 @@ pub(super) const ROUNDING: f32 = 1.0 / 1024.0;
 const MOST: i32 = 4;
 
 /// An earlier picture, in its tiles.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Frame {
     pub(super) margin: [f32; 2],
     pub(super) end: [f32; 2],
@@ -47,26 +49,28 @@ impl Frame {
             given: if earlier.is_still { ROUNDING } else { -ROUNDING },
         }
     }
-
-    /// What is added to the end of a tile of a block.
-    fn taken(&self, axis: usize) -> f32 {
-        ROUNDING - self.given - self.end[axis]
-    }
 }
 
-/// The tiles of an earlier picture that a tile of a block meets, counted from the tile at its own place on: first and last column, and row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Reach([[i32; 2]; 2]);
+/// Columns, or rows, of an earlier picture from the first to the last one, counted from the one at a tile's own place on.
+type Range = [i32; 2];
+
+/// The tiles of an earlier picture that a tile of a block meets.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Reach {
+    columns: Range,
+    rows: Range,
+    beyond: Beyond,
+}
 
 impl Reach {
     /// For 64 tiles in a row from one on, as bits: whether all tiles are fresh that a tile meets, and whether any is.
     #[inline]
     pub(super) fn fresh<'a>(
-        self,
+        &self,
         [column, row]: [i32; 2],
         fresh_row: impl Fn(i32) -> &'a [u64],
     ) -> (u64, u64) {
-        let Self([[left, right], [top, bottom]]) = self;
+        let ([left, right], [top, bottom]) = (self.columns, self.rows);
         let (mut all, mut any) = (u64::MAX, 0);
         for down in top..=bottom {
             let line = fresh_row(row + down);
@@ -79,69 +83,228 @@ impl Reach {
         (all, any)
     }
 
-    /// The tiles of a word of a row that meet a tile cut off by the border of the earlier picture, as bits: that has no pixels beyond the
-    /// border, unlike its bit, so that such tiles have to be looked at one by one.
-    pub(super) fn meets_cut(self, frame: &Frame, word: usize, row: u32) -> u64 {
-        let Self([[_, right], [_, bottom]]) = self;
-        let meets = |axis: usize, last: i32| frame.is_cut[axis] && last >= frame.last[axis] as i32;
-        if meets(1, row as i32 + bottom) {
+    /// How far the tiles reach beyond their own ends.
+    pub(super) fn beyond(&self) -> &Beyond {
+        &self.beyond
+    }
+}
+
+/// The tiles of an earlier picture that the edges of a tile of a block meet.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct EdgeReach {
+    columns: EdgeRanges,
+    rows: EdgeRanges,
+    beyond: Beyond,
+}
+
+/// What edges meet at the left (or upper) side of a tile, from side to side, and at its right (or lower) side.
+type EdgeRanges = [Range; 3];
+
+impl EdgeReach {
+    /// For 64 tiles in a row from one on, as bits: whether all tiles are fresh that an edge of a tile meets, of each of [`Edge::ALL`].
+    #[inline]
+    pub(super) fn fresh<'a>(
+        &self,
+        [column, row]: [i32; 2],
+        fresh_row: impl Fn(i32) -> &'a [u64],
+    ) -> [u64; Edge::ALL.len()] {
+        // By side of the tile, down and across; the middle of both is the whole tile.
+        let mut all = [[u64::MAX; 3]; 3];
+        let ([_, [left, right], _], [_, [top, bottom], _]) = (self.columns, self.rows);
+        for down in top..=bottom {
+            let line = fresh_row(row + down);
+            let mut of_line = [u64::MAX; 3];
+            for across in left..=right {
+                let fresh = bits::read(line, column + across);
+                for (all, [first, last]) in of_line.iter_mut().zip(self.columns) {
+                    *all &= if (first..=last).contains(&across) { fresh } else { u64::MAX };
+                }
+            }
+            for (all, [first, last]) in all.iter_mut().zip(self.rows) {
+                if (first..=last).contains(&down) {
+                    all.iter_mut().zip(of_line).for_each(|(all, of_line)| *all &= of_line);
+                }
+            }
+        }
+        Edge::ALL.map(|Edge { across, down }| all[(down + 1) as usize][(across + 1) as usize])
+    }
+
+    /// How far the tiles reach beyond their own ends.
+    pub(super) fn beyond(&self) -> &Beyond {
+        &self.beyond
+    }
+}
+
+/// How far tiles reach beyond their own right and lower ends in an earlier picture, with room for rounding, tiles.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Beyond([f32; 2]);
+
+impl Beyond {
+    /// The tiles of a word of a row, as bits, that may reach beyond the border of an earlier picture within a tile which that cuts
+    /// off: such a tile has no pixels there, unlike its bit. `across` is the newest picture's size, tiles.
+    pub(super) fn leaving(&self, frame: &Frame, across: Vec2, word: usize, row: u32) -> u64 {
+        let [x, y] = self.0;
+        let is_beyond = |axis: usize, end: f32| frame.is_cut[axis] && end > frame.across[axis];
+        if is_beyond(1, least((row + 1) as f32, across.y) + y) {
             return u64::MAX;
         }
-        let first = (frame.last[0] as i32 - right).max(0) as u32;
-        if frame.is_cut[0] { bits::range(word, [first, u32::MAX]) } else { 0 }
-    }
-
-    /// Whether all tiles are fresh that one tile meets.
-    #[inline]
-    pub(super) fn is_fresh<'a>(self, [column, row]: [i32; 2], fresh_row: impl Fn(i32) -> &'a [u64]) -> bool {
-        let Self([[left, right], [top, bottom]]) = self;
-        let wanted = bits::first((right - left + 1) as u32);
-        (top..=bottom).all(|down| bits::read(fresh_row(row + down), column + left) & wanted == wanted)
-    }
-}
-
-/// How a block of tiles lies in an earlier picture: by how far its points lie from their own place, in tiles.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Placed {
-    pub(super) low: Vec2,
-    pub(super) high: Vec2,
-}
-
-impl Placed {
-    /// What its tiles meet; `None` where they have to be looked at one by one.
-    #[inline]
-    pub(super) fn reach(&self, frame: &Frame) -> Option<Reach> {
-        let mut reach = Reach([[0; 2]; 2]);
-        for axis in 0..2 {
-            let (low, high) = self.range(frame, axis);
-            // Not `<=`: either may be NaN.
-            let is_near = high - low < (MOST + 1) as f32 && low.abs() < frame.across[axis] + MOST as f32;
-            let first = floor(low);
-            let last = floor(1.0 + high + frame.taken(axis));
-            if !is_near || last - first >= MOST {
-                return None;
-            }
-            reach.0[axis] = [first, last];
+        if !is_beyond(0, across.x + x) {
+            return 0;
         }
-        Some(reach)
+        // A column ends one after its beginning.
+        let first = floor(frame.across[0] - x).max(0) as u32;
+        bits::range(word, [first, u32::MAX])
+    }
+}
+
+/// How a row of blocks lies in an earlier picture: by how far the points of each lie from their own place, tiles, x and y. The least is NaN
+/// for blocks that the picture does not show all of.
+pub(super) struct Placed<'a> {
+    pub(super) low: [&'a [f32]; 2],
+    pub(super) high: [&'a [f32]; 2],
+}
+
+/// What the tiles of a row of blocks meet, field by field, so that vector instructions do all of it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Reaches {
+    sides: [Sides; 2],
+    beyond: [Vec<f32>; 2],
+    /// All bits of a block whose tiles need not be looked at one by one, none of another.
+    is_known: Vec<i32>,
+    /// Not 0 where what the tiles of a block meet differs from the block before it.
+    differs: Vec<i32>,
+    /// The same of what their edges meet.
+    edges_differ: Vec<i32>,
+}
+
+/// Of each block: first and last of the columns (or rows) that a tile meets.
+#[derive(Clone, Debug, Default)]
+struct Sides {
+    first: Vec<i32>,
+    last: Vec<i32>,
+    /// The first one that an edge at the tile's right (or lower) side meets.
+    first_of_end: Vec<i32>,
+    /// The last one that an edge at the tile's left (or upper) side meets.
+    last_of_begin: Vec<i32>,
+}
+
+impl Reaches {
+    /// Takes a row of blocks, whose tiles have edges that are `strip` of a tile wide and high, if edges are asked for.
+    pub(super) fn set(&mut self, placed: &Placed, frame: &Frame, strip: Option<Vec2>) {
+        let count = placed.low[0].len();
+        refill(&mut self.is_known, count, -1);
+        refill(&mut self.differs, count, 0);
+        for axis in 0..2 {
+            let (low, high) = (placed.low[axis], placed.high[axis]);
+            let Sides { first, last, .. } = &mut self.sides[axis];
+            let taken = ROUNDING - frame.given - frame.end[axis];
+            let (before, after) = (frame.given - frame.margin[axis], frame.margin[axis]);
+            set_floor(first, low, before);
+            set_floor(last, high, 1.0 + after + taken);
+            let beyond = &mut self.beyond[axis];
+            beyond.clear();
+            beyond.extend(high.iter().map(|high| high + (after - frame.given)));
+            let most = (MOST + 1) as f32 + before - after;
+            let farthest = frame.across[axis] + MOST as f32;
+            let ranges = low.iter().zip(high).zip(first.iter().zip(&*last));
+            for (is_known, ((low, high), (first, last))) in self.is_known.iter_mut().zip(ranges) {
+                // Comparing so makes blocks unknown whose numbers are none.
+                let is_near = (high - low < most) & ((low + before).abs() < farthest);
+                *is_known &= -i32::from(is_near & (last.wrapping_sub(*first) < MOST));
+            }
+            compare(&mut self.differs, first);
+            compare(&mut self.differs, last);
+        }
+        refill(&mut self.edges_differ, 0, 0);
+        if let Some(strip) = strip {
+            self.edges_differ.extend_from_slice(&self.differs);
+            for axis in 0..2 {
+                let Sides { first_of_end, last_of_begin, .. } = &mut self.sides[axis];
+                let taken = ROUNDING - frame.given - frame.end[axis];
+                set_floor(
+                    first_of_end,
+                    placed.low[axis],
+                    1.0 - strip[axis] + frame.given - frame.margin[axis],
+                );
+                set_floor(last_of_begin, placed.high[axis], strip[axis] + frame.margin[axis] + taken);
+                compare(&mut self.edges_differ, first_of_end);
+                compare(&mut self.edges_differ, last_of_begin);
+            }
+        }
+        for differs in [&mut self.differs, &mut self.edges_differ] {
+            let pairs = self.is_known.windows(2).zip(differs.iter_mut().skip(1));
+            pairs.for_each(|(pair, differs)| *differs = *differs & pair[1] | (pair[0] ^ pair[1]));
+        }
     }
 
-    /// What an edge of its tiles meets that is so wide and high, tiles; only where there is [`Self::reach`].
-    #[inline]
-    pub(super) fn edge_reach(&self, frame: &Frame, Edge { across, down }: Edge, strip: Vec2) -> Reach {
-        let side = |axis: usize, side: i8| {
-            let (low, high) = self.range(frame, axis);
-            let begin = if side > 0 { 1.0 - strip[axis] } else { 0.0 };
-            let end = if side < 0 { strip[axis] } else { 1.0 };
-            [floor(begin + low), floor(end + high + frame.taken(axis))]
-        };
-        Reach([side(0, across), side(1, down)])
+    /// For each stretch of blocks whose tiles meet the same: the block after its last one, and what they meet; `None` where they have to
+    /// be looked at one by one.
+    pub(super) fn stretches(&self) -> impl Iterator<Item = (usize, Option<Reach>)> {
+        stretches(&self.differs).map(|blocks| {
+            let reach = (self.is_known[blocks.start] != 0).then(|| {
+                let [columns, rows] = self.sides.each_ref().map(|sides| sides.whole(blocks.start));
+                Reach { columns, rows, beyond: self.beyond(&blocks) }
+            });
+            (blocks.end, reach)
+        })
     }
 
-    #[inline]
-    fn range(&self, frame: &Frame, axis: usize) -> (f32, f32) {
-        (self.low[axis] - frame.margin[axis] + frame.given, self.high[axis] + frame.margin[axis])
+    /// The same of the edges of tiles; none where no edge was asked for.
+    pub(super) fn edge_stretches(&self) -> impl Iterator<Item = (usize, Option<EdgeReach>)> {
+        stretches(&self.edges_differ).map(|blocks| {
+            let reach = (self.is_known[blocks.start] != 0).then(|| {
+                let [columns, rows] = self.sides.each_ref().map(|sides| sides.edges(blocks.start));
+                EdgeReach { columns, rows, beyond: self.beyond(&blocks) }
+            });
+            (blocks.end, reach)
+        })
     }
+
+    fn beyond(&self, blocks: &ops::Range<usize>) -> Beyond {
+        let most = |ends: &Vec<f32>| ends[blocks.clone()].iter().copied().fold(f32::NEG_INFINITY, greatest);
+        Beyond(self.beyond.each_ref().map(most))
+    }
+}
+
+impl Sides {
+    fn whole(&self, block: usize) -> Range {
+        [self.first[block], self.last[block]]
+    }
+
+    fn edges(&self, block: usize) -> EdgeRanges {
+        let [first, last] = self.whole(block);
+        [[first, self.last_of_begin[block]], [first, last], [self.first_of_end[block], last]]
+    }
+}
+
+/// Ranges of blocks, each of which but the first does not differ from that before it.
+fn stretches(differs: &[i32]) -> impl Iterator<Item = ops::Range<usize>> {
+    let mut begin = 0;
+    std::iter::from_fn(move || {
+        let first = begin;
+        let others = differs.get(first + 1..).unwrap_or_default();
+        begin = first + 1 + others.iter().position(|differs| *differs != 0).unwrap_or(others.len());
+        (first < differs.len()).then_some(first..begin)
+    })
+}
+
+fn refill(values: &mut Vec<i32>, count: usize, value: i32) {
+    values.clear();
+    values.resize(count, value);
+}
+
+/// The [`floor`] of numbers that are greater by so much. A function of its own, as vector instructions take slices that are known to be apart.
+#[inline(never)]
+fn set_floor(out: &mut Vec<i32>, numbers: &[f32], more: f32) {
+    out.clear();
+    out.extend(numbers.iter().map(|number| floor(number + more)));
+}
+
+/// Adds where values differ from those before them.
+#[inline(never)]
+fn compare(differs: &mut [i32], values: &[i32]) {
+    let pairs = values.iter().zip(values.iter().skip(1));
+    differs.iter_mut().skip(1).zip(pairs).for_each(|(differs, (before, value))| *differs |= before ^ value);
 }
 
 /// The greatest whole number that is not above one of up to 2^22, or the one below that where it is whole itself. Rounds as the sum leaves no
@@ -150,4 +313,14 @@ impl Placed {
 fn floor(number: f32) -> i32 {
     const SHIFT: f32 = (3 << 22) as f32;
     (number - 0.5 + SHIFT).to_bits().wrapping_sub(SHIFT.to_bits()) as i32
+}
+
+/// The smaller one, as one instruction: `f32::min` has to look for NaN.
+pub(super) fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The greater one, likewise.
+pub(super) fn greatest(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }

@@ -126,11 +126,8 @@ impl TileRects {
         }
     }
 
-    /// All of a row was added; the next one is that below.
-    pub(super) fn end_row(&mut self) {
-        if self.row.is_empty() && self.open.is_empty() {
-            return;
-        }
+    /// All of a row was added; the next one is that below. Whether the row has any tile.
+    pub(super) fn end_row(&mut self) -> bool {
         self.next.clear();
         let mut open = self.open.iter().copied().peekable();
         for rect in self.row.drain(..) {
@@ -143,6 +140,7 @@ impl TileRects {
             self.next.push(above.unwrap_or(self.rects.len() - 1));
         }
         std::mem::swap(&mut self.open, &mut self.next);
+        !self.open.is_empty()
     }
 
     pub(super) fn clear(&mut self) {

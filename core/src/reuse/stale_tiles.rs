@@ -47,8 +47,7 @@ impl StaleTiles {
     ///
     /// Where the numbers contradict each other everything is fresh.
     pub fn set(&mut self, extent: [u32; 2], texel: [u32; 2], map: &[u8]) {
-        let word =
-            |tiles: &[u8]| tiles.iter().rev().fold(0, |word, tile| word << 1 | u32::from(tile & STALE != 0));
+        let word = |tiles: &[u8]| bits::pack(tiles, STALE.trailing_zeros() as usize) as u32;
         if self.shape(extent, texel, |tiles| tiles == map.len() as u64) {
             self.words.extend(map.chunks(u32::BITS as usize).map(word));
             self.set_fresh();

@@ -58,7 +58,7 @@ impl fmt::Display for Arming {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Inert => "nothing",
-            Self::Pictures => "work on finished pictures",
+            Self::Pictures => "re-use, chroma attenuation or debug views",
             Self::Masks => "masks",
             Self::Rates => "shading rates",
         })

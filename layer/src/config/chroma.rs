@@ -12,10 +12,19 @@ pub fn chroma_settings(config: &Config) -> Option<ChromaSettings> {
         ChromaMode::Default => Mode::Default,
         ChromaMode::Paper => Mode::Paper,
     };
+    // In default mode floor and rim are above the curves nearly everywhere, whatever their bounds.
+    let ChromaSettings { cb_bound, cr_bound, .. } = match mode {
+        Mode::Default => ChromaSettings::default(),
+        Mode::Paper => ChromaSettings {
+            cb_bound: chroma.cb_bound,
+            cr_bound: chroma.cr_bound,
+            ..ChromaSettings::default()
+        },
+    };
     Some(ChromaSettings {
         mode,
-        cb_bound: chroma.cb_bound,
-        cr_bound: chroma.cr_bound,
+        cb_bound,
+        cr_bound,
         plateau_deg: chroma.plateau_deg,
         max_eccentricity_deg: chroma.max_eccentricity_deg,
         rim_fade: chroma.rim_fade,

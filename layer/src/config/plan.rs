@@ -86,7 +86,7 @@ pub fn images_for_reuse(config: &Config) -> u32 {
 pub fn gaze_settings(config: &Config) -> GazeSettings {
     let settings = GazeSettings { hold_ms: config.gaze.hold_ms as f32, ..GazeSettings::default() };
     match config.gaze.source {
-        GazeSource::Eyes | GazeSource::Centre => settings,
+        GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::Centre => settings,
         GazeSource::File => GazeSettings { frozen_ms: f32::INFINITY, ..settings },
     }
 }
@@ -110,6 +110,7 @@ fn preset(preset: Preset) -> presets::Preset {
         Preset::Quality => presets::Preset::Quality,
         Preset::Performance => presets::Preset::Performance,
         Preset::Streaming => presets::Preset::Streaming,
+        Preset::Fixed => presets::Preset::Fixed,
         Preset::Paper => presets::Preset::Paper,
     }
 }
@@ -166,12 +167,19 @@ mod tests {
             (Preset::Balanced, presets::Preset::Balanced),
             (Preset::Performance, presets::Preset::Performance),
             (Preset::Streaming, presets::Preset::Streaming),
+            (Preset::Fixed, presets::Preset::Fixed),
             (Preset::Paper, presets::Preset::Paper),
         ] {
-            let expected = PlanSettings::of(theirs, false, &VULKAN_RATES, [16, 16]);
+            let is_paper = ours == Preset::Paper;
+            let expected = PlanSettings {
+                contrast_on_gpu: is_paper,
+                ..PlanSettings::of(theirs, is_paper, &VULKAN_RATES, [16, 16])
+            };
             let mut config = Config::of_preset(ours);
+            assert_eq!(config.reuse.mode != ReuseMode::Off, is_paper, "{theirs}");
+            config.reuse.mode = ReuseMode::Off;
             assert_eq!(settings(&config), PlanSettings { schedule: None, ..expected }, "{theirs}");
-            config.reuse.mode = if ours == Preset::Paper { ReuseMode::Paper } else { ReuseMode::On };
+            config.reuse.mode = if is_paper { ReuseMode::Paper } else { ReuseMode::On };
             let schedule = expected.schedule.map(|updates| match ours {
                 Preset::Paper => UpdateSettings { turns: Turns::Tiles, uncapped: true, ..updates },
                 _ => updates,
@@ -206,11 +214,11 @@ mod tests {
         let mut config = Config::default();
         config.rates.mode = RatesMode::AudioVisual;
         assert_eq!(model(&config), AudioVisual::default());
-        config.rates.greatest_loss = 2.5;
+        config.rates.greatest_loss = 1.5;
         config.rates.silence = SilenceRule::Strict;
         config.rates.peripheral = PeripheralRate::R2x2;
         let edited = model(&config);
-        assert_eq!((edited.greatest_loss, edited.budget.silence), (2.5, avpm::SilenceRule::Strict));
+        assert_eq!((edited.greatest_loss, edited.budget.silence), (1.5, avpm::SilenceRule::Strict));
         assert_eq!(edited.cap.unwrap().peripheral, ShadingRate::R2X2, "no coarser than in silence");
         config.rates.peripheral = PeripheralRate::R4x4;
         config.rates.mode = RatesMode::Paper;

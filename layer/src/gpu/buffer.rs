@@ -57,7 +57,7 @@ impl MappedBuffer {
     /// Writes at an offset, bytes, what the GPU does not read now.
     fn write(&mut self, offset: u64, bytes: &[u8]) -> Result<(), GpuError> {
         if offset.checked_add(bytes.len() as u64).is_none_or(|end| end > self.size) {
-            return Err(GpuError::Invalid("more parameters than a submit has room for"));
+            return Err(GpuError::Invalid("more parameters than fit in one submission"));
         }
         // SAFETY: this stays within the mapped buffer.
         unsafe {
@@ -143,7 +143,7 @@ impl<T: bytemuck::Pod> UniformRing<T> {
     /// read that part now, as the slot's last submit was waited for.
     pub(crate) fn write(&mut self, recorder: &Recorder, index: u32, value: &T) -> Result<u32, GpuError> {
         if index >= self.per_submit {
-            return Err(GpuError::Invalid("more regions than a submit has room for"));
+            return Err(GpuError::Invalid("more regions than fit in one submission"));
         }
         let offset = (recorder.slot() as u32 * self.per_submit + index) * self.stride;
         self.buffer.write(offset.into(), bytemuck::bytes_of(value))?;
@@ -185,7 +185,7 @@ impl WordRing {
     /// not read that part now, as the slot's last submit was waited for.
     pub(crate) fn write(&mut self, recorder: &Recorder, at: u32, words: &[u32]) -> Result<u32, GpuError> {
         if u64::from(at) + words.len() as u64 > u64::from(self.per_submit) {
-            return Err(GpuError::Invalid("more words than a submit has room for"));
+            return Err(GpuError::Invalid("more words than fit in one submission"));
         }
         let place = recorder.slot() as u32 * self.per_submit + at;
         self.buffer.write(u64::from(place) * size_of::<u32>() as u64, bytemuck::cast_slice(words))?;

@@ -105,7 +105,9 @@ impl Compiler {
             let work = Arc::clone(&self.work);
             match Builder::new().name("parafovea-compile".to_owned()).spawn(move || work.run()) {
                 Ok(thread) => (queue.thread, queue.is_working) = (Some(thread), true),
-                Err(error) => tracing::warn!("all is off that needs pipelines: no thread: {error}"),
+                Err(error) => tracing::warn!(
+                    "all techniques that need pipelines of the layer are off: cannot start a thread: {error}"
+                ),
             }
         }
     }

@@ -124,7 +124,7 @@ impl ComputeSet {
             let kind = *layout
                 .kinds
                 .get(*binding as usize)
-                .ok_or(GpuError::Invalid("a binding that the layout does not have"))?;
+                .ok_or(GpuError::Invalid("a binding that is missing from the layout"))?;
             let write =
                 vk::WriteDescriptorSet::default().dst_set(handle).dst_binding(*binding).descriptor_type(kind);
             match *bound {

@@ -12,7 +12,7 @@ impl Gpu {
         needed: vk::MemoryPropertyFlags,
     ) -> Result<Owned<vk::DeviceMemory>, GpuError> {
         let kind = memory_type(&self.memory, requirements.memory_type_bits, needed)
-            .ok_or(GpuError::Unsupported("a device without a fitting memory type"))?;
+            .ok_or(GpuError::Unsupported("a device without a suitable memory type"))?;
         let info =
             vk::MemoryAllocateInfo::default().allocation_size(requirements.size).memory_type_index(kind);
         // SAFETY: the device is live and has that memory type.

@@ -125,7 +125,7 @@ impl Listening {
         match Builder::new().name("parafovea-hear".to_owned()).spawn(run) {
             Ok(_) => Some(Self { wanted, shared }),
             Err(error) => {
-                tracing::warn!("sound: not captured: no thread: {error}");
+                tracing::warn!("sound: not captured: cannot start a thread: {error}");
                 None
             }
         }

@@ -1,10 +1,12 @@
 //! Directions of the gaze, as unit vectors. Quaternions rotate from a view to the space that it is posed in; views and
 //! the head look along -z.
 
+pub mod auto;
+pub mod osc;
 pub mod recording;
 pub mod script;
 
-use glam::{Quat, Vec3};
+use glam::{EulerRot, Quat, Vec3};
 
 /// Where a view looks, in its own space.
 pub const FORWARD: Vec3 = Vec3::NEG_Z;
@@ -14,6 +16,22 @@ pub fn rotation(x: f32, y: f32, z: f32, w: f32) -> Option<Quat> {
     let quaternion = Quat::from_xyzw(x, y, z, w);
     let length = quaternion.length();
     (length.is_finite() && length > 0.5).then(|| quaternion.normalize())
+}
+
+/// A unit vector of angles from the centre of the view, degrees: to the left about +y, then upwards about the new +x.
+pub fn direction([left, up]: [f32; 2]) -> Vec3 {
+    turn([left, up]) * FORWARD
+}
+
+/// The turn by such angles.
+pub fn turn([left, up]: [f32; 2]) -> Quat {
+    Quat::from_euler(EulerRot::YXZ, left.to_radians(), up.to_radians(), 0.0)
+}
+
+/// Such angles of a direction of any length but 0.
+pub fn degrees(direction: Vec3) -> [f32; 2] {
+    let across = direction.x.hypot(direction.z);
+    [(-direction.x).atan2(-direction.z), direction.y.atan2(across)].map(f32::to_degrees)
 }
 
 /// `direction` as seen from a view.

@@ -66,7 +66,7 @@ impl DepthTemplate {
         };
         let image = drawn.map(|image| {
             if !is_storage {
-                return Err(GpuError::Unsupported("a template of this size with several samples"));
+                return Err(GpuError::Unsupported("a multisampled template of this size"));
             }
             let layer_words = (layer_size(format, extent) / 4) as u32;
             let params = TemplateParams::new(extent[0], layer_words, format, depths);

@@ -218,7 +218,7 @@ impl Analyze {
         (tiles, levels): (&Arc<ViewTiles>, &Arc<Levels>),
     ) -> Result<AnalyzeTarget, GpuError> {
         if params.tiles != tiles.tiles || params.extent != levels.extent || params.extent.contains(&0) {
-            return Err(GpuError::Invalid("a picture with other tiles, or of another size"));
+            return Err(GpuError::Invalid("an image of another size or tile layout"));
         }
         let gpu = &self.gpu;
         let view = color_view(gpu, image, format, layer)?;

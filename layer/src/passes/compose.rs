@@ -16,6 +16,7 @@ mod shape;
 pub use app_images::{APP_USAGE, AppImages};
 pub use depth::{DEPTH_USAGE, DepthShape, DepthSource, KeptDepth, PictureDepth};
 pub use parafovea_core::kernels::compose::ComposeParams;
+pub use pipelines::Parameters;
 pub use reuse::{EarlierImage, ReuseRegion};
 pub use runtime_images::{RUNTIME_USAGE, RuntimeImages};
 pub use shape::{SwapchainShape, stores_unit_range};
@@ -72,6 +73,7 @@ pub struct ComposeJob<'a> {
 pub struct Compose {
     // First: waits before the rest is destroyed.
     uses: Uses,
+    parameters: Parameters,
     pipelines: Vec<(vk::Format, Pipelines)>,
     reuse: Option<ReuseBuffers>,
     comparisons: Option<Later<Comparisons>>,
@@ -96,10 +98,20 @@ impl Compose {
     /// # Errors
     /// [`GpuError::Call`] or [`GpuError::Unsupported`] when memory or objects cannot be had.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, GpuError> {
+        let parameters = if gpu.is_software() { Parameters::OfVertices } else { Parameters::OfPixels };
+        Self::with_parameters(gpu, parameters)
+    }
+
+    /// The same with one of two shaders, that draw the same.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
+    pub fn with_parameters(gpu: Arc<Gpu>, parameters: Parameters) -> Result<Self, GpuError> {
         let uniforms = UniformRing::new(&gpu, MAX_REGIONS as u32)?;
         let uniform_set = UniformSet::new(&uniforms)?;
         Ok(Self {
             uses: Uses::new(&gpu),
+            parameters,
             pipelines: Vec::new(),
             reuse: None,
             comparisons: None,
@@ -128,7 +140,7 @@ impl Compose {
         let index = match known {
             Some(index) => index,
             None => {
-                self.pipelines.push((format, Pipelines::new(&self.gpu, format)?));
+                self.pipelines.push((format, Pipelines::new(&self.gpu, format, self.parameters)?));
                 self.pipelines.len() - 1
             }
         };
@@ -141,7 +153,8 @@ impl Compose {
     /// As there.
     pub fn prepare_reuse(&mut self, format: vk::Format) -> Result<(), GpuError> {
         let gpu = Arc::clone(&self.gpu);
-        self.prepared(format)?.ask_for_reuse(&gpu, format)?;
+        let parameters = self.parameters;
+        self.prepared(format)?.ask_for_reuse(&gpu, format, parameters)?;
         self.prepare_change()
     }
 
@@ -201,7 +214,7 @@ impl Compose {
                 _ => self.completes(format),
             };
             if !is_there {
-                return Err(GpuError::Invalid("pipelines that are not there yet"));
+                return Err(GpuError::Invalid("pipelines that are not compiled yet"));
             }
         }
         let draws = Draws::new(jobs)?;
@@ -295,7 +308,7 @@ fn check(jobs: &[ComposeJob]) -> Result<(), GpuError> {
             return Err(GpuError::Invalid("an image index out of range"));
         }
         if !job.app.shape().fits(job.runtime.shape()) {
-            return Err(GpuError::Invalid("two swapchains of different shape"));
+            return Err(GpuError::Invalid("two swapchains of different sizes"));
         }
         let twice = |other: &ComposeJob| {
             other.app_image() == job.app_image() || other.runtime_image() == job.runtime_image()
@@ -308,7 +321,7 @@ fn check(jobs: &[ComposeJob]) -> Result<(), GpuError> {
     let reused: usize = jobs.iter().map(|job| job.reuse.len()).sum();
     let compared: usize = jobs.iter().map(|job| job.changes.len()).sum();
     if reused > MAX_REUSED || compared > MAX_COMPARED {
-        return Err(GpuError::Invalid("more regions than a submit has room for"));
+        return Err(GpuError::Invalid("more regions than fit in one submission"));
     }
     Ok(())
 }
@@ -327,7 +340,7 @@ fn check_reuse(job: &ComposeJob) -> Result<(), GpuError> {
     let lacks = moved.any(|(region, age)| region.reuse.has_moved_since(age) && !has_depth(region, age));
     let has_moved = |region: &ChangeRegion| (1..=MAX_AGES).any(|age| region.reuse.has_moved_since(age));
     if lacks || job.changes.iter().any(|region| has_moved(region) && region.depth.is_none()) {
-        return Err(GpuError::Invalid("a head that moved, and no depth"));
+        return Err(GpuError::Invalid("head movement without depth"));
     }
     depths(job).try_for_each(PictureDepth::check)
 }
@@ -355,7 +368,7 @@ fn check_earlier(
             && fits(0, shape.extent.width)
             && fits(1, shape.extent.height);
         if !is_there {
-            return Err(GpuError::Invalid("an earlier picture that is not there"));
+            return Err(GpuError::Invalid("a missing history image"));
         }
     }
     Ok(())

@@ -90,7 +90,7 @@ impl DebugViewPass {
             self.let_maps_go();
             self.maps = Some(larger);
         }
-        let maps = self.maps.as_ref().ok_or(GpuError::Invalid("no room for maps"))?;
+        let maps = self.maps.as_ref().ok_or(GpuError::Invalid("no memory for maps"))?;
         Ok((maps.buffer.handle(), eye as u64 * u64::from(maps.bytes)))
     }
 
@@ -131,7 +131,7 @@ impl DebugViewPass {
         }
         let is_second = |number: usize| jobs[..number].iter().any(|earlier| earlier.eye == jobs[number].eye);
         if jobs.iter().any(|job| job.eye >= MOST_PICTURES) || (0..jobs.len()).any(is_second) {
-            return Err(GpuError::Invalid("two pictures of one eye, or one of none"));
+            return Err(GpuError::Invalid("two images for one eye, or an image for no eye"));
         }
         jobs.retain(|job| job.params.drawn().is_some());
         if jobs.is_empty() {
@@ -148,7 +148,7 @@ impl DebugViewPass {
         // Also where there are none: the set has to be there.
         self.place(0, bytes as u32)?;
         let Self { pipelines, maps: Some(maps), uniforms, gpu, .. } = self else {
-            return Err(GpuError::Invalid("no room for maps"));
+            return Err(GpuError::Invalid("no memory for maps"));
         };
         let mut draws: SmallVec<[(&DebugViewJob, u32); MOST_PICTURES]> = SmallVec::new();
         let submit = gpu.submit(|recorder| {

@@ -102,7 +102,7 @@ impl Decide {
         let [columns, rows] = target.tiles.tiles();
         let has_stale = !stale.is_empty();
         if params.tiles != [columns, rows] || (has_stale && stale.len() != stale_words([columns, rows])) {
-            return Err(GpuError::Invalid("parameters of other tiles"));
+            return Err(GpuError::Invalid("parameters for other tiles"));
         }
         let by_sensitivity = self.pipelines.get(params.sensitivity as usize);
         let [still, turned] = by_sensitivity.ok_or(GpuError::Invalid("an unknown sensitivity"))?;

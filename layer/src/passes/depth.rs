@@ -65,7 +65,7 @@ impl DepthCopy {
         list: &SkipBuffer,
     ) -> Result<Self, GpuError> {
         let params = DepthParams::new(extent, format, near)
-            .ok_or(GpuError::Unsupported("depth of this size that is loaded or read"))?;
+            .ok_or(GpuError::Unsupported("loaded or read depth of this size"))?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let copied = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
         let size = u64::from(params.layer_words) * 4 * u64::from(layers);

@@ -151,7 +151,7 @@ impl Fill {
         list: &SkipBuffer,
     ) -> Result<FillTarget, GpuError> {
         let (kind, stored) =
-            fill_format(format).ok_or(GpuError::Unsupported("filling pictures of this format"))?;
+            fill_format(format).ok_or(GpuError::Unsupported("filling images of this format"))?;
         let extent = vk::Extent2D { width, height };
         let description = ImageDescription {
             format: stored,

@@ -72,7 +72,7 @@ impl MaskPass {
         views: &[MaskView],
     ) -> Result<MaskTarget, GpuError> {
         let gpu = &self.gpu;
-        let unsupported = GpuError::Unsupported("a mask of this kind, made on the GPU");
+        let unsupported = GpuError::Unsupported("a mask of this kind that is generated on the GPU");
         let template = map.template().ok_or(unsupported)?;
         let kind = map.eligible();
         let extent = map.extent();

@@ -133,7 +133,7 @@ fn news(technique: &str, gate: &Gate) -> Option<String> {
     let (ratio, [low, high]) = gate.evidence().ratio()?;
     let change = match (gate.is_kept(), gate.evidence().verdict()) {
         (true, _) => "resumed",
-        (false, Verdict::Unclear) => "off, no saving is certain",
+        (false, Verdict::Unclear) => "off, no clear saving",
         (false, _) => "dropped",
     };
     let effect = effect([ratio, low, high].map(|ratio| ratio as f32));

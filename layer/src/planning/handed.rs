@@ -5,7 +5,7 @@ use glam::Quat;
 use parafovea_core::gate::Techniques;
 use parafovea_core::kernels::decide::DecideParams;
 use parafovea_core::plan::EyePlan;
-use parafovea_core::reuse::STALE;
+use parafovea_core::reuse::{STALE, StaleTiles};
 use std::ptr;
 
 /// Frames after which each tile whose contrast counts was seen at full rate once.
@@ -68,6 +68,12 @@ impl Handed {
             is_news |= map.take(eye, &mut self.newest);
         }
         is_news
+    }
+
+    /// The stale tiles of an eye.
+    pub fn stale(&self, eye: usize, tiles: &mut StaleTiles) {
+        let Map { extent, texel, bytes, .. } = &self.eyes[eye];
+        tiles.set(*extent, *texel, bytes);
     }
 
     /// The maps as a record.

@@ -1,5 +1,7 @@
 use super::*;
 use crate::config::{ChromaMode, Preset, RatesBackend, RatesMode, ReuseMode};
+use crate::inputs::gaze::auto::SampleTimes;
+use crate::inputs::gaze::osc::{Heard, OscGaze, read};
 use crate::link::{BACKEND_RATE_ATTACHMENT, EyeMapRecord, OfferRecord};
 use parafovea_core::geometry::Fov;
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
@@ -82,6 +84,69 @@ impl Session {
 
     fn rates(&self, eye: usize) -> &[u8] {
         self.planning.planner.as_ref().unwrap().newest().eyes[eye].rates.texels()
+    }
+}
+
+/// A packet of one message with these numbers.
+fn packet(address: &str, numbers: &[f32]) -> Vec<u8> {
+    let args = numbers.iter().map(|number| rosc::OscType::Float(*number)).collect();
+    rosc::encoder::encode(&rosc::OscPacket::Message(rosc::OscMessage { addr: address.to_owned(), args }))
+        .unwrap()
+}
+
+/// The packets by which each format says that the eyes look to the left and up, degrees.
+fn said([left, up]: [f32; 2]) -> Vec<Vec<Vec<u8>>> {
+    let Vec3 { x, y, z } = crate::inputs::gaze::direction([left, up]);
+    let [right, share_up] = [-left / 45.0, up / 45.0];
+    let of_eyes = |name: fn(&str, &str) -> String| {
+        let axes = [("X", right), ("Y", share_up)];
+        let both = ["Left", "Right"].map(|eye| axes.map(|(axis, share)| packet(&name(eye, axis), &[share])));
+        both.concat()
+    };
+    vec![
+        vec![packet("/tracking/eye/CenterPitchYaw", &[-up, -left])],
+        vec![packet("/tracking/eye/CenterPitchYawDist", &[-up, -left, 2.0])],
+        vec![packet("/tracking/eye/LeftRightPitchYaw", &[-up, -left, -up, -left])],
+        vec![packet("/tracking/eye/CenterVec", &[x, y, -z])],
+        vec![packet("/tracking/eye/CenterVecFull", &[2.0 * x, 2.0 * y, -2.0 * z])],
+        vec![packet("/tracking/eye/LeftRightVec", &[x, y, -z, x, y, -z])],
+        of_eyes(|eye, axis| format!("/avatar/parameters/FT/v2/Eye{eye}{axis}")),
+        of_eyes(|eye, axis| format!("/{eye}Eye{axis}")),
+    ]
+}
+
+/// The rate of an eye's tile in a direction.
+fn rate_at(session: &Session, eye: usize, direction: Vec3) -> u8 {
+    let seen = session.planning.views.orientation(eye).inverse() * direction;
+    let tile = |tangent: f32| ((1.0 + tangent) / 2.0 * 32.0) as usize;
+    session.rates(eye)[32 * tile(seen.y / seen.z) + tile(-seen.x / seen.z)]
+}
+
+#[test]
+fn a_gaze_in_packets_is_in_the_map_of_the_next_frame() {
+    let sender = std::net::SocketAddr::from(([127, 0, 0, 1], 9));
+    let (from, to) = ([25.0, 0.0], [-25.0, 10.0]);
+    for (format, (here, there)) in said(from).iter().zip(said(to)).enumerate() {
+        let mut config = Config::of_preset(Preset::Balanced);
+        config.gaze.source = GazeSource::Osc;
+        let mut session = Session::new(config);
+        let (mut gaze, mut times) = (OscGaze::new(45.0), SampleTimes::default());
+        for frame in 0..61 {
+            // Packets come 2 ms before the frame is planned. The last ones are elsewhere.
+            let came_ns = session.time_ns + FRAME_NS - 2_000_000;
+            let packets = if frame < 60 { here } else { &there };
+            packets.iter().for_each(|bytes| gaze.take(sender, read(bytes), came_ns));
+            session.begin();
+            let heard = Heard { look: gaze.look(), age: Some(std::time::Duration::from_millis(2)) };
+            session.plan(heard.look(&mut times, session.time_ns, 50_000_000));
+            let [is_here, is_there] = [from, to].map(crate::inputs::gaze::direction).map(|direction| {
+                [0, 1].map(|eye| rate_at(&session, eye, direction) == ShadingRate::R1X1.texel())
+            });
+            if frame > 30 {
+                let expected = ([true; 2], [frame == 60; 2]);
+                assert_eq!((is_here, is_there), expected, "format {format}, frame {frame}");
+            }
+        }
     }
 }
 

@@ -33,6 +33,7 @@ impl Planning {
             let age_ns = |sampled_ns| Some(self.begun_ns?.saturating_sub(sampled_ns).max(0));
             moment.gaze_age_ms = self.last_look.sampled_ns.and_then(age_ns).map(|age| age as f32 / 1e6);
         }
+        moment.signal = self.signal.quality();
         moment.audio_source = config.audio.source;
         moment.is_heard = self.audio.is_some();
         let Some(plan) = self.planner.as_ref().map(|planner| planner.newest()) else { return };

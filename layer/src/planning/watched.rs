@@ -41,6 +41,12 @@ fn eye_watched_in(frame: u64) -> usize {
 }
 
 impl Watched {
+    /// Of everything farther from a direction than the angle with this cosine.
+    #[cfg(test)]
+    pub fn beyond(cosine: f32, centre: Vec3) -> Self {
+        Self { orientation: Quat::IDENTITY, centres: [centre; 2], cosine }
+    }
+
     /// How the view was turned in the world when its picture was planned.
     pub fn orientation(&self) -> Quat {
         self.orientation

@@ -6,7 +6,7 @@
 //! that it meets are stale.
 
 mod eye_map;
-mod limits;
+mod layout;
 mod rates;
 mod span;
 mod table;
@@ -16,11 +16,9 @@ pub use rates::{DeviceRates, refine_fresh};
 pub use table::lay_table;
 
 use super::{Eyes, Orientation, Part};
-use limits::Limits;
+use layout::Layouts;
 use parafovea_core::reuse::STALE;
-use rates::FULL;
 use smallvec::SmallVec;
-use span::Span;
 
 /// The rate image of a pass, and where the pass draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,19 +52,9 @@ impl RateImage {
 /// Space to work in, kept so that a frame allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
-    /// For each limit of a layer and each column of the rate image, the columns of the plan that it meets.
-    columns: Vec<Span>,
+    layouts: Layouts,
     /// The finest of some rows of the plan.
     row: Vec<u8>,
-}
-
-/// What decides a row of texels: rows that agree in it are alike.
-#[derive(Clone, PartialEq, Eq, Default)]
-struct RowKey {
-    /// For each limit, the rows of the plan that it meets.
-    met: SmallVec<[Span; 8]>,
-    /// For each part, whether it has all pixels of the row within the render area, or none.
-    covers: SmallVec<[bool; 8]>,
 }
 
 /// Writes the texels of `image` to `out`, row by row, layer by layer: [`parafovea_core::rate::ShadingRate::texel`], with
@@ -111,28 +99,8 @@ fn lay_layer(
         texels.copy_from_slice(rates);
         return;
     }
-    let Scratch { columns, row: finest } = scratch;
-    let limits = Limits::new(eyes, places, image, columns);
-    let width = image.tiles[0] as usize;
-    let mut last: Option<RowKey> = None;
-    for row in 0..image.tiles[1] {
-        let begin = row as usize * width;
-        let key = limits.row_key(places, image, row);
-        if key.is_some() && key == last {
-            texels.copy_within(begin - width..begin, begin);
-            continue;
-        }
-        last = key;
-        let texels = &mut texels[begin..begin + width];
-        if !limits.apply_only(image, row, columns, rates, finest, texels) {
-            texels.fill(COARSEST);
-            limits.apply(image, row, columns, finest, texels);
-            for texel in texels.iter_mut() {
-                *texel = rates.of_unary(*texel);
-            }
-        }
-        uncover(places, image, row, texels);
-    }
+    let Scratch { layouts, row: finest } = scratch;
+    layouts.of(eyes, places, image).fill(eyes, rates, finest, texels);
 }
 
 /// Stale, and unary of 4x4: no limit.
@@ -174,7 +142,7 @@ fn identity<'a>(
 }
 
 /// A part in pixels: first and end on each axis.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Place {
     eyes: Eyes,
     orientation: Orientation,
@@ -214,39 +182,12 @@ impl Place {
             () => None,
         }
     }
-
-    /// The texels of which all pixels within the render area lie in the part.
-    fn inner(&self, axis: usize, image: &RateImage) -> Span {
-        let (first, end) = self.axes[axis];
-        let texel = i64::from(image.texel[axis]);
-        let (area, area_end) = area(image, axis);
-        let from = if first <= area { area.div_euclid(texel) } else { -(-first).div_euclid(texel) };
-        let to = if end >= area_end { -(-area_end).div_euclid(texel) } else { end.div_euclid(texel) };
-        Span::within(from, to, image.tiles[axis])
-    }
 }
 
 /// First pixel and end of the render area on an axis.
 fn area(image: &RateImage, axis: usize) -> (i64, i64) {
     let first = i64::from(image.area[axis]);
     (first, first + i64::from(image.area[axis + 2]))
-}
-
-/// Makes texels of a row 1x1 that have a pixel of the render area in no part or lie outside of it. 1x1 is [`FULL`], in unary and as a rate.
-fn uncover(places: &Places, image: &RateImage, row: u32, texels: &mut [u8]) {
-    let inner = |place: &Place| [place.inner(0, image), place.inner(1, image)];
-    let inner: SmallVec<[[Span; 2]; 8]> = places.iter().map(inner).collect();
-    let mut column = 0;
-    while column < texels.len() {
-        // Whole runs of texels within one part are by far the most.
-        let run = inner.iter().find_map(|[columns, rows]| {
-            (rows.contains(row) && columns.range().contains(&column)).then_some(columns.range().end)
-        });
-        if run.is_none() && !is_covered(places, image, [column as u32, row]) {
-            texels[column] = FULL;
-        }
-        column = run.unwrap_or(column + 1);
-    }
 }
 
 /// Whether some pixel of a texel is in the render area, and each of those is in a part.

@@ -68,7 +68,7 @@ impl fmt::Display for How {
         f.write_str(match self {
             Self::Swapchain => "draws into the swapchain",
             Self::Transferred => "is copied, blitted or resolved into the swapchain",
-            Self::Shape => "has the shape of the eye buffer and is drawn before it",
+            Self::Shape => "matches the size of the eye buffer and is drawn before it",
             Self::Profile => "named by rates.passes",
         })
     }
@@ -123,22 +123,22 @@ impl fmt::Display for Unmatched {
             Self::NoColour => "no colour: a shadow map or a depth pre-pass",
             Self::Cube => "a cube map",
             Self::Level(level) => return write!(f, "draws into mip level {level}"),
-            Self::Flat => "shown in a quad or another flat layer",
+            Self::Flat => "shown in a quad layer or another layer without projection",
             Self::NotShown => "draws into a part of a swapchain that no projection layer shows",
             Self::Inset => "an inset of quad views",
             Self::UnknownImage => "its image is unknown",
-            Self::Small => "smaller than half of the eye buffer",
-            Self::Large => "larger than twice the eye buffer",
-            Self::Aspect => "another aspect ratio than the eye buffer",
+            Self::Small => "less than half the size of the eye buffer",
+            Self::Large => "more than twice the size of the eye buffer",
+            Self::Aspect => "its aspect ratio differs from that of the eye buffer",
             Self::Layers(layers) => return write!(f, "{layers} array layers"),
-            Self::Format(format) => return write!(f, "{format:?} holds no colours"),
-            Self::Viewport => "the shown picture fills only a part of the render area",
-            Self::After => "nothing visible is drawn after it",
-            Self::DrawnDirectly => "the scene is drawn straight into the swapchain",
-            Self::Ambiguous => "images of this shape have different uses",
-            Self::Unsteady => "the shown rectangle changes, but the render area does not",
+            Self::Format(format) => return write!(f, "{format:?} is not a colour format"),
+            Self::Viewport => "the displayed image fills only part of the render area",
+            Self::After => "no visible pass follows it",
+            Self::DrawnDirectly => "the scene is drawn directly into the swapchain",
+            Self::Ambiguous => "images of this size and format serve different purposes",
+            Self::Unsteady => "the displayed rectangle changes, but the render area does not",
             Self::Excluded => "excluded by rates.passes",
-            Self::New => "not seen in an earlier frame",
+            Self::New => "absent from earlier frames",
         })
     }
 }

@@ -1,7 +1,10 @@
 //! What changes from frame to frame.
 
 use crate::config::{AudioSource, DebugView, GazeSource};
+use crate::inputs::gaze::auto::Holder;
+use crate::inputs::gaze::osc::OscTold;
 use crate::link::{BACKEND_MASK, BACKEND_RATE_ATTACHMENT};
+use crate::planning::SignalQuality;
 use parafovea_core::gate::{Gate, GateMode};
 use parafovea_core::mask::Pattern;
 use parafovea_core::rate::ShadingRate;
@@ -21,12 +24,18 @@ pub struct Moment {
     pub backend: u32,
     /// Passes that had maps in the last frame.
     pub passes_matched: u32,
-    /// Where the gaze comes from.
+    /// Where the gaze may come from.
     pub gaze_source: GazeSource,
+    /// Where it comes from.
+    pub gaze_holder: Holder,
+    /// What is known of its packets.
+    pub osc: OscTold,
     /// Whether there was one in this frame.
     pub gaze_is_valid: bool,
     /// How old the last one is, milliseconds.
     pub gaze_age_ms: Option<f32>,
+    /// How good it is.
+    pub signal: SignalQuality,
     /// Where the sound comes from.
     pub audio_source: AudioSource,
     /// Whether something is known of the last seconds.
@@ -60,9 +69,12 @@ impl Default for Moment {
             frame_rate_hz: 0.0,
             backend: 0,
             passes_matched: 0,
-            gaze_source: GazeSource::Eyes,
+            gaze_source: GazeSource::Auto,
+            gaze_holder: Holder::Centre,
+            osc: OscTold::default(),
             gaze_is_valid: false,
             gaze_age_ms: None,
+            signal: SignalQuality::default(),
             audio_source: AudioSource::Off,
             is_heard: false,
             tiles: [0; TEXELS],
@@ -125,11 +137,7 @@ impl Moment {
         }
         .to_owned();
         status.passes_matched = self.passes_matched;
-        status.gaze = status::Gaze {
-            source: self.gaze_source.name().to_owned(),
-            is_valid: self.gaze_is_valid,
-            age_ms: self.gaze_age_ms.map(f32::round),
-        };
+        status.gaze = self.gaze_told();
         status.sound = status::Sound { source: self.audio_source.name().to_owned(), is_heard: self.is_heard };
         status.rates = self.rates_told();
         status.rates_gate = self.rates.told();
@@ -140,6 +148,39 @@ impl Moment {
             is_asked: self.debug_view_is_asked,
             is_drawn: self.debug_view_is_drawn,
         };
+    }
+
+    fn gaze_told(&self) -> status::Gaze {
+        let SignalQuality { rate_hz, valid, noise_deg, blinks, saccades } = self.signal;
+        let of_packets = self.gaze_holder == Holder::Osc && self.osc.rate_hz > 0.0;
+        status::Gaze {
+            source: self.gaze_source.name().to_owned(),
+            holder: self.gaze_holder.name().to_owned(),
+            is_valid: self.gaze_is_valid,
+            age_ms: self.gaze_age_ms.map(f32::round),
+            // Frames see at most one sample each; the packets say how many there are.
+            rate_hz: if of_packets { Some(self.osc.rate_hz) } else { rate_hz }.map(f32::round),
+            valid: valid.map(|share| rounded(share, 100.0)),
+            noise_deg: noise_deg.map(|noise| rounded(noise, 100.0)),
+            blinks,
+            saccades,
+            osc: self.osc_told(),
+        }
+    }
+
+    fn osc_told(&self) -> status::Osc {
+        let OscTold { address, failure, format, counts, .. } = self.osc;
+        status::Osc {
+            address: address.map(|address| address.to_string()).unwrap_or_default(),
+            failure: failure.map(|kind| kind.to_string()).unwrap_or_default(),
+            format: format.map(|format| format.name().to_owned()).unwrap_or_default(),
+            packets: counts.packets,
+            malformed: counts.malformed,
+            implausible: counts.implausible,
+            other_senders: counts.other_senders,
+            late: counts.late,
+            floods: counts.floods,
+        }
     }
 
     /// What passes obeyed in the last frame: where none did, everything was shaded; a mask knows shaded and skipped blocks alone, so many of a

@@ -90,7 +90,7 @@ fn maps(moment: &Moment, known: &Known) -> Option<String> {
             format!("the scene was recognised; the mask backend left it alone: {}", refusals.join(", "))
         }
         (true, true) if moment.backend == BACKEND_MASK => "the scene was recognised, but has no mask yet: its \
-                         command buffers were recorded before that and not again, or pipelines are still being compiled"
+                         command buffers were recorded before recognition, or pipelines are still being compiled"
             .to_owned(),
         (true, true) => {
             "the scene was recognised, but none of its render passes could get rates; the reason is \
@@ -132,7 +132,7 @@ fn chroma(config: &Config, moment: &Moment, known: &Known) -> Option<String> {
         false if is_blind(moment) && config.gaze.source != GazeSource::Centre => {
             "the gaze is unknown; gaze.source = \"centre\" needs no eye tracker".to_owned()
         }
-        false => "not faded out yet, or the gaze is unreliable".to_owned(),
+        false => "colour has not faded yet, or the gaze is unreliable".to_owned(),
     })
 }
 
@@ -199,7 +199,7 @@ mod tests {
         assert!(why(&off, &seen(), &NONE).ends_with("enabled = false"));
         assert!(why(&Config::of_preset(Preset::None), &seen(), &NONE).contains("enables nothing"));
 
-        let decisions = [decision(Topic::NoBackend, "no masks: a queue that can draw and not compute")];
+        let decisions = [decision(Topic::NoBackend, "no masks: a queue with graphics but without compute")];
         let device = Moment { backend: BACKEND_NONE, ..seen() };
         let line = why(&config, &device, &Known { decisions: &decisions, ..NONE });
         assert!(line.contains("shading rates: no backend") && line.contains("a queue"), "{line}");
@@ -220,7 +220,7 @@ mod tests {
         let line = why(&config, &seen(), &Known { decisions: &decisions, ..unmatched });
         assert!(line.ends_with("the mask backend left it alone: depth is multisampled, it blends"), "{line}");
         let line = why(&config, &seen(), &Known { decisions: &decisions[..1], ..unmatched });
-        assert!(line.contains("recorded before that and not again"), "{line}");
+        assert!(line.contains("recorded before recognition"), "{line}");
         let attached = Moment { backend: BACKEND_RATE_ATTACHMENT, ..seen() };
         let line = why(&config, &attached, &Known { decisions: &decisions[..1], ..unmatched });
         assert!(line.contains("none of its render passes could get rates"), "{line}");

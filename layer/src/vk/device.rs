@@ -36,7 +36,7 @@ impl Device {
     /// Marks the device active (an OpenXR session is bound to it) or armed again.
     pub fn set_active(&self, active: bool) {
         if self.active.swap(active, Ordering::Relaxed) != active {
-            tracing::info!("Vulkan device {}", if active { "active" } else { "armed again" });
+            tracing::info!("Vulkan device {}", if active { "active" } else { "idle" });
         }
     }
 

@@ -104,7 +104,7 @@ impl KnownShaders {
             known.write();
         };
         if let Err(error) = Builder::new().name("parafovea-facts".to_owned()).spawn(write) {
-            tracing::debug!("facts of shaders could not be stored: no thread: {error}");
+            tracing::debug!("results of shader analysis could not be stored: cannot start a thread: {error}");
         }
     }
 
@@ -119,7 +119,7 @@ impl KnownShaders {
         }
         drop(state);
         if let Err(error) = file::write(path, &facts) {
-            tracing::debug!("facts of shaders could not be stored: {error}");
+            tracing::debug!("results of shader analysis could not be stored: {error}");
         }
     }
 

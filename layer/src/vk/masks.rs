@@ -107,7 +107,7 @@ impl Masks {
             let gpu = unsafe { Gpu::without_queue(&self.record) }?;
             match gpu.computes_where_it_draws() {
                 true => Ok(gpu),
-                false => Err(GpuError::Unsupported("a queue that can draw and not compute")),
+                false => Err(GpuError::Unsupported("a queue with graphics but without compute")),
             }
         };
         let make_or_log = || make().inspect_err(|reason| reason.tell("no masks")).ok();

@@ -89,7 +89,7 @@ impl Perception {
         let Some(tools) = self.tools(armed) else { return };
         let [_, _, width, height] = record.rect;
         if [width, height] != extent {
-            self.tell("the eye buffers have another size than planned");
+            self.tell("the size of the eye buffers differs from the plan");
             return self.forget_eye(eye);
         }
         // SAFETY: the caller vouches for the device's queue.
@@ -325,7 +325,7 @@ impl Perception {
         match pictures::target(tools, record, texel, tiles) {
             Ok(new) => Some(self.state().pictures.keep(record, tiles, new)),
             Err(error) => {
-                error.tell("a picture was not analysed");
+                error.tell("an image was not analysed");
                 None
             }
         }

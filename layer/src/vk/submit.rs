@@ -98,7 +98,7 @@ unsafe fn prepare_or_leave(
     buffers: impl Iterator<Item = vk::CommandBuffer>,
 ) {
     // SAFETY: the caller vouches for the queue.
-    guard("the maps of a submit", || (), |_| unsafe { prepare(armed, is_active, queue, buffers) });
+    guard("the maps of a submission", || (), |_| unsafe { prepare(armed, is_active, queue, buffers) });
 }
 
 /// Notes what is about to be submitted, and brings the maps of its candidates up to date.

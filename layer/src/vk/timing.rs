@@ -142,7 +142,7 @@ impl Timing {
                     false
                 }
                 Err(error) => {
-                    tracing::debug!("passes are not timed: {error}");
+                    tracing::debug!("render passes are not timed: {error}");
                     lock(&self.frames).read(one.frame, None);
                     false
                 }
@@ -212,7 +212,7 @@ impl Timer {
             match unsafe { Queries::new(&functions.device, self.mask) } {
                 Ok(queries) => self.queries = Some(Arc::new(queries)),
                 Err(error) => {
-                    error.tell("passes are not timed");
+                    error.tell("render passes are not timed");
                     self.mask = 0;
                 }
             }

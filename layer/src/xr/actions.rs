@@ -166,7 +166,7 @@ pub unsafe extern "system" fn attach(
             }
             let own = answer.record(below(info));
             tracing::info!(
-                "no eye tracker: attaching its action set returned {result:?}, and {own:?} without it"
+                "no eye tracker: xrAttachSessionActionSets returned {result:?} with its action set, and {own:?} without"
             );
             known.actions.attached_without(own);
             own

@@ -11,8 +11,9 @@ mod regions;
 mod shown;
 mod work;
 
+pub use complete::expect;
 pub use debug_view::{DebugViews, draw_over_released};
-pub use history::History;
+pub use history::{Ahead, History};
 
 use super::instance::next_of_any;
 use super::plan;
@@ -44,7 +45,7 @@ pub unsafe extern "system" fn wait(
         if let Some(known) = &known {
             known.instance.config.poll(Instant::now());
             if known.active.is_some() {
-                known.gaze.open_files(&known.instance.config.get());
+                known.gaze.open(&known.instance.config.get(), known.actions.may_have_gaze(), Instant::now());
             }
         }
         let result = answer.record(below());
@@ -101,7 +102,7 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
                 // SAFETY: as above.
                 info.map_or(Ok(()), |info| unsafe { deliver(known, active, info) })
             };
-            if guard("the pictures of a frame", || Ok(()), |_| deliver()) == Err(Undeliverable) {
+            if guard("the images of a frame", || Ok(()), |_| deliver()) == Err(Undeliverable) {
                 return UNDELIVERABLE;
             }
         }
@@ -215,12 +216,12 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) -
         // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
         // it gets its image as it is.
         Err(error @ GpuError::Timeout) => {
-            error.tell("earlier pictures are shown until the device catches up");
+            error.tell("earlier images are shown until the device catches up");
             works.retain(|work| !work.has_picture());
         }
         Err(error) => {
             error.tell(
-                "frames fail from now on, because no new pictures can be shown; restart the application, with preset = \"none\" if this happens again",
+                "all further frames fail, because no new images can be shown; restart the application, with preset = \"none\" if this happens again",
             );
             active.worsen_to(Health::Stopped);
             tools.gpu.give_up();

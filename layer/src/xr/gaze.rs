@@ -1,19 +1,25 @@
-//! Where a session's gaze comes from, as `gaze.source` says: the eye tracker through actions ([`super::actions`]), or a file.
-//! Another way to ask a tracker would be one more arm of [`SessionGaze::look`].
+//! Where a session's gaze comes from, as `gaze.source` says: the eye tracker through actions ([`super::actions`]), OSC packets, or a
+//! file. Another way to ask a tracker would be one more arm of [`SessionGaze::look`].
 //!
 //! What a user asked for by name is recorded here.
 
 use super::session::Session;
 use crate::config::{Config, FilePath, GazeSource};
+use crate::inputs::gaze::auto::{Auto, Holder};
+use crate::inputs::gaze::osc::{Listener, OscSource};
 use crate::inputs::gaze::recording::Recording;
 use crate::inputs::gaze::script::GazeScript;
+use crate::inputs::gaze::{degrees, direction};
 use crate::planning::Look;
+use crate::status::Moment;
 use openxr_sys as xr;
+use parafovea_core::gaze::GazeSettings;
 use std::fs::OpenOptions;
 use std::io::Read;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 /// The largest file that is read: a day at 100 Hz.
 const MOST_BYTES: u64 = 1 << 28;
@@ -30,6 +36,10 @@ struct State {
     recording: Option<Recording>,
     /// When the gaze was asked for first: the 0 of files.
     begin_ns: Option<i64>,
+    osc: OscSource,
+    auto: Auto,
+    /// Where the newest gaze came from.
+    holder: Holder,
 }
 
 impl SessionGaze {
@@ -37,8 +47,10 @@ impl SessionGaze {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Opens the files that the configuration names, where these are others than before. Waits for the disk.
-    pub fn open_files(&self, config: &Config) {
+    /// Opens the files and the port that the configuration names, where these are others than before. Waits for the disk.
+    /// `may_have_eyes`: the runtime may have an eye tracker.
+    pub fn open(&self, config: &Config, may_have_eyes: bool, now: Instant) {
+        self.open_port(config, may_have_eyes, now);
         let (file, record) = (wanted_file(config), config.gaze.record);
         // Whoever sees the change first opens the file, without the lock.
         let (file_is_new, record_is_new, before) = {
@@ -60,10 +72,64 @@ impl SessionGaze {
         }
     }
 
+    /// Receives OSC packets, or receives none any more, as the configuration and the runtime's eye tracker ask for.
+    fn open_port(&self, config: &Config, may_have_eyes: bool, now: Instant) {
+        let address = config.gaze.osc_listen.socket();
+        let (is_due, ended) = {
+            let mut state = self.state();
+            let is_wanted = match config.gaze.source {
+                GazeSource::Osc => true,
+                // A port is opened only if nothing else has a gaze; then it stays.
+                GazeSource::Auto => !may_have_eyes || state.auto.misses_eyes() || state.osc.is_open(),
+                GazeSource::Eyes | GazeSource::Centre | GazeSource::File => false,
+            };
+            state.osc.want(is_wanted.then_some(address), config.gaze.osc_scale_deg, now)
+        };
+        // It waits for the thread, without the lock.
+        drop(ended);
+        if !is_due {
+            return;
+        }
+        let listener = Listener::begin(address, config.gaze.osc_scale_deg);
+        let told = listener.as_ref().map(drop).map_err(ToString::to_string);
+        let is_news = self.state().osc.opened(address, listener, now);
+        match told {
+            Ok(()) if config.gaze.osc_listen.is_loopback() => {
+                tracing::info!("receiving the gaze from OSC packets at {address}");
+            }
+            Ok(()) => tracing::warn!(
+                "receiving the gaze from OSC packets at {address}: other computers can send them, too"
+            ),
+            // Nobody asked for packets by name.
+            Err(error) if is_news && config.gaze.source == GazeSource::Auto => {
+                tracing::info!("no gaze from OSC packets: gaze.osc_listen = \"{address}\": {error}")
+            }
+            Err(error) if is_news => {
+                tracing::error!("no gaze from OSC packets: gaze.osc_listen = \"{address}\": {error}");
+            }
+            Err(_) => {}
+        }
+    }
+
+    /// The session ends: no packet is received any more, and the port is free.
+    pub fn close(&self) {
+        let listener = self.state().osc.close();
+        drop(listener);
+    }
+
+    /// Tells where the gaze comes from, and of packets how many there are.
+    pub fn tell(&self, moment: &mut Moment) {
+        let state = self.state();
+        moment.gaze_holder = state.holder;
+        moment.osc = state.osc.told();
+    }
+
     /// Whether there is a gaze to be had, as far as is known.
     pub fn may_have_gaze(&self, session: &Session, config: &Config) -> bool {
         match config.gaze.source {
+            GazeSource::Auto => session.actions.may_have_gaze() || self.state().osc.is_open(),
             GazeSource::Eyes => session.actions.may_have_gaze(),
+            GazeSource::Osc => self.state().osc.is_open(),
             GazeSource::Centre => true,
             GazeSource::File => self.state().script.is_some(),
         }
@@ -72,12 +138,23 @@ impl SessionGaze {
     /// Where the eyes look at `time`. Locates on this thread.
     pub fn look(&self, session: &Session, config: &Config, time: xr::Time) -> Look {
         let time_ns = time.as_nanos();
-        let look = match config.gaze.source {
-            GazeSource::Eyes => session.actions.look(session, time),
-            GazeSource::Centre => Look::NoTracker,
-            GazeSource::File => self.scripted(time_ns),
+        let packets = || self.state().osc.look(time_ns, latency_ns());
+        let (holder, look) = match config.gaze.source {
+            GazeSource::Auto => {
+                let (eyes, packets) = (session.actions.look(session, time), packets());
+                self.state().auto.choose(eyes, packets, time_ns)
+            }
+            GazeSource::Eyes => (Holder::Eyes, session.actions.look(session, time)),
+            GazeSource::Osc => (Holder::Osc, packets()),
+            GazeSource::Centre => (Holder::Centre, Look::NoTracker),
+            GazeSource::File => (Holder::File, self.scripted(time_ns)),
+        };
+        let look = match holder {
+            Holder::Eyes | Holder::Osc => corrected(look, config.gaze.offset_deg.left_up_deg()),
+            Holder::Centre | Holder::File => look,
         };
         let mut state = self.state();
+        state.holder = holder;
         if state.recording.is_some() {
             let begin = *state.begin_ns.get_or_insert(time_ns);
             if let Some(recording) = &mut state.recording {
@@ -108,6 +185,22 @@ impl SessionGaze {
     }
 }
 
+/// From the eye to the packet and from the plan of a frame to its display, nanoseconds: as for any sample whose time is not known.
+fn latency_ns() -> i64 {
+    (f64::from(GazeSettings::default().latency_ms) * 1e6) as i64
+}
+
+/// A gaze farther to the left and upwards by so many degrees.
+fn corrected(look: Look, [left, up]: [f32; 2]) -> Look {
+    match look {
+        Look::At { direction: seen, sampled_ns } if [left, up] != [0.0; 2] => {
+            let [seen_left, seen_up] = degrees(seen);
+            Look::At { direction: direction([seen_left + left, seen_up + up]), sampled_ns }
+        }
+        other => other,
+    }
+}
+
 fn seconds_since(begin_ns: i64, time_ns: i64) -> f64 {
     time_ns.saturating_sub(begin_ns) as f64 * 1e-9
 }
@@ -123,7 +216,7 @@ fn read(path: &Path) -> Option<GazeScript> {
         let file = OpenOptions::new().read(true).custom_flags(libc::O_NONBLOCK).open(path);
         let file = file.map_err(|error| error.to_string())?;
         if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
-            return Err("not a file".to_owned());
+            return Err("not a regular file".to_owned());
         }
         let mut text = String::new();
         file.take(MOST_BYTES).read_to_string(&mut text).map_err(|error| error.to_string())?;
@@ -137,4 +230,25 @@ fn record_to(path: &Path) -> Option<Recording> {
         .inspect(|_| tracing::info!("recording the gaze to the file in gaze.record"))
         .inspect_err(|error| tracing::error!("no recording of the gaze: gaze.record = {path:?}: {error}"))
         .ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn a_correction_turns_a_gaze_that_is_there_and_nothing_else() {
+        let at = |left_up| Look::At { direction: direction(left_up), sampled_ns: 7 };
+        let Look::At { direction: turned, sampled_ns: 7 } = corrected(at([10.0, -5.0]), [1.5, -0.5]) else {
+            panic!("no gaze");
+        };
+        assert!(turned.abs_diff_eq(direction([11.5, -5.5]), 1e-6), "{turned}");
+        for look in [Look::NoTracker, Look::Unseen] {
+            assert_eq!(corrected(look, [1.5, -0.5]), look);
+        }
+        // Without one, a tracker's answer is judged as it is.
+        let zero = Look::At { direction: Vec3::ZERO, sampled_ns: 7 };
+        assert_eq!(corrected(zero, [0.0; 2]), zero);
+    }
 }

@@ -5,6 +5,7 @@
 //! Gaze is located on these threads, never inside a call of Vulkan: engines hold the locks of their queues there, and a
 //! locate may wait for another process. No lock of ours is held meanwhile.
 
+use super::frame;
 use super::instance::next_of_any;
 use super::session::{self, Active, Health, Session, Tools};
 use super::swapchain;
@@ -211,6 +212,7 @@ pub fn moment(session: &Session, active: &Active) -> Moment {
         ..Moment::default()
     };
     state.planning().tell(&config, &mut moment);
+    session.gaze.tell(&mut moment);
     let benefit = state.benefit.lock().unwrap_or_else(PoisonError::into_inner);
     let Techniques { rates, reuse } = benefit.gates().gates();
     (moment.rates, moment.reuse) = (rates.into(), reuse.into());
@@ -307,6 +309,9 @@ fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr
     if is_first && !is_planned {
         plan(session, active, time);
     }
+    if is_first && state.planning().is_planned() {
+        frame::expect(session, active, &views);
+    }
 }
 
 /// Projection views are shown at `time`: the frame is planned now if that was not possible before. Nothing is shown that is
@@ -396,7 +401,9 @@ pub fn head_in_layer(
     match config.gaze.source {
         // Straight ahead of the picture, whenever it was drawn.
         GazeSource::Centre => of_views(),
-        GazeSource::Eyes | GazeSource::File => session.head_in(space, time).or_else(of_views),
+        GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => {
+            session.head_in(space, time).or_else(of_views)
+        }
     }
 }
 

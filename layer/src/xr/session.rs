@@ -22,6 +22,7 @@ use crate::status::Telling;
 use openxr_sys as xr;
 use parafovea_manifest::status::Status;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// A session of an instance that is not inert.
 pub struct Session {
@@ -164,7 +165,7 @@ pub(super) unsafe fn track(
     }
     let gaze = SessionGaze::default();
     if active.is_some() {
-        gaze.open_files(&instance.config.get());
+        gaze.open(&instance.config.get(), actions.may_have_gaze(), Instant::now());
     }
     let known = Status {
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -182,8 +183,12 @@ pub(super) unsafe fn track(
 /// The source of a session's gaze, as the log names it.
 fn gaze_of(source: GazeSource, has_tracker: bool) -> &'static str {
     match (source, has_tracker) {
-        (GazeSource::Eyes, true) => "with an eye tracker",
+        (GazeSource::Auto | GazeSource::Eyes, true) => "with an eye tracker",
+        (GazeSource::Auto, false) => {
+            "without an eye tracker: rates are fixed around the centre of the view until OSC packets arrive"
+        }
         (GazeSource::Eyes, false) => "without an eye tracker: rates are fixed around the centre of the view",
+        (GazeSource::Osc, _) => "gaze from OSC packets (gaze.source = \"osc\")",
         (GazeSource::Centre, _) => "gaze fixed at the centre of the view (gaze.source = \"centre\")",
         (GazeSource::File, _) => "gaze from a file (gaze.source = \"file\")",
     }
@@ -217,6 +222,7 @@ pub unsafe extern "system" fn destroy(handle: xr::Session) -> xr::Result {
 /// Ends our part in a session that is about to be destroyed.
 fn end(session: &Session) {
     swapchain::forget_all_of(session.handle);
+    session.gaze.close();
     if let Some(active) = &session.active {
         active.device.set_active(false);
     }
@@ -231,6 +237,9 @@ mod tests {
         for (source, has_tracker, is_missed) in [
             (GazeSource::Eyes, false, true),
             (GazeSource::Eyes, true, false),
+            (GazeSource::Auto, false, true),
+            (GazeSource::Auto, true, false),
+            (GazeSource::Osc, false, false),
             (GazeSource::File, false, false),
             (GazeSource::Centre, false, false),
         ] {

@@ -25,7 +25,7 @@ pub fn activate() {
             return;
         }
         let Some(folder) = own_folder().and_then(|folder| manifest_folder(&folder)) else {
-            tracing::info!("the Vulkan half is not enabled: its manifest is not near this library");
+            tracing::info!("the Vulkan half is not enabled: its manifest was not found near this library");
             return;
         };
         for (name, value) in settings(variable, &folder) {

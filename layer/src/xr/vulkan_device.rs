@@ -32,7 +32,7 @@ pub enum NotLinked {
     #[error("the Vulkan half of this layer is not active on the device")]
     NoVulkanHalf,
     /// The Vulkan half comes from another version of this library.
-    #[error("the Vulkan half has version {0} of the link, this half {LINK_VERSION}")]
+    #[error("the Vulkan half has interface version {0}, the OpenXR half {LINK_VERSION}")]
     OtherVersion(u32),
     /// The Vulkan half is there, but keeps this device inert.
     #[error("the Vulkan half keeps this device inert")]

@@ -22,7 +22,7 @@ mod vulkan;
 use ash::vk;
 use glam::{UVec2, Vec2, Vec3};
 use parafovea::gpu::GpuError;
-use parafovea::passes::compose::{Compose, ComposeRegion, MAX_REGIONS};
+use parafovea::passes::compose::{Compose, ComposeRegion, MAX_REGIONS, Parameters};
 use parafovea_core::chroma::{ChromaSettings, Focus, Mode};
 use parafovea_core::geometry::{ImagePlane, eccentricity};
 use parafovea_trial::{Lack, skip};
@@ -58,12 +58,19 @@ fn is_untouched(index: usize, width: u32, layer: u32, regions: &[ComposeRegion])
 #[test]
 fn matches_the_reference() {
     let vulkan = Vulkan::new();
-    let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
+    for parameters in [Parameters::OfVertices, Parameters::OfPixels] {
+        assert_matches_the_reference(&vulkan, parameters);
+    }
+    vulkan.assert_valid();
+}
+
+fn assert_matches_the_reference(vulkan: &Vulkan, parameters: Parameters) {
+    let mut compose = Compose::with_parameters(vulkan.gpu.clone(), parameters).unwrap();
     let paper = ChromaSettings { mode: Mode::Paper, ..ChromaSettings::default() };
     for format in FORMATS {
         assert!(compose.supports(format), "{format:?}");
         for (width, height) in [(37, 53), (256, 192), (1, 1)] {
-            let swapchain = Swapchain::new(&vulkan, &shape(format, width, height, 2));
+            let swapchain = Swapchain::new(vulkan, &shape(format, width, height, 2));
             for (frame, settings) in [ChromaSettings::default(), paper].iter().enumerate() {
                 let layers = [picture(width, height, 1), picture(width, height, 2)];
                 let gaze = Vec3::new(0.2, -0.1, -1.0);
@@ -73,7 +80,7 @@ fn matches_the_reference() {
                     region(1, [half, 0, width - half, height], Vec3::NEG_Z, format, settings),
                 ];
                 let index = frame as u32 % 2;
-                let result = swapchain.frame(&vulkan, &mut compose, index, &layers, &regions).unwrap();
+                let result = swapchain.frame(vulkan, &mut compose, index, &layers, &regions).unwrap();
                 assert_eq!(result[0], layers[0], "the layer without a region");
                 let expected = reference(&layers[1], width, format, 1, &regions);
                 assert_matches(&layers[1], &expected, &result[1], |index| {
@@ -85,7 +92,6 @@ fn matches_the_reference() {
             }
         }
     }
-    vulkan.assert_valid();
 }
 
 /// What is looked at is wide, far aside or nearly all around, and attenuated in part.

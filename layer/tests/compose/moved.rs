@@ -10,8 +10,8 @@ use glam::{Quat, Vec2, Vec3};
 use parafovea::gpu::GpuError;
 use parafovea::passes::change::ChangeRegion;
 use parafovea::passes::compose::{
-    Compose, ComposeJob, ComposeParams, ComposeRegion, DepthShape, DepthSource, EarlierImage, PictureDepth,
-    ReuseRegion,
+    Compose, ComposeJob, ComposeParams, ComposeRegion, DepthShape, DepthSource, EarlierImage, Parameters,
+    PictureDepth, ReuseRegion,
 };
 use parafovea_core::chroma::ChromaSettings;
 use parafovea_core::geometry::{DepthRange, Nearness, View};
@@ -250,7 +250,8 @@ fn moved_pictures_match_the_reference() {
             render(&vulkan, &swapchain, &depth, &frames);
             let lists = lists(&frames);
             let region = [reuse_region(&frames, &lists, &depth)];
-            let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
+            let parameters = if coarse { Parameters::OfPixels } else { Parameters::OfVertices };
+            let mut compose = Compose::with_parameters(vulkan.gpu.clone(), parameters).unwrap();
             compose.submit(&[ComposeJob { reuse: &region, ..swapchain.job(0, regions) }]).unwrap();
             let result = swapchain.shown(&vulkan, 1, 1, 4).swap_remove(0);
             let expected = reference(&frames, pixel_format(format), regions);

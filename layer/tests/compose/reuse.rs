@@ -9,7 +9,7 @@ use ash::vk;
 use glam::{Quat, Vec3};
 use parafovea::gpu::GpuError;
 use parafovea::passes::compose::{
-    Compose, ComposeJob, ComposeParams, ComposeRegion, EarlierImage, ReuseRegion,
+    Compose, ComposeJob, ComposeParams, ComposeRegion, EarlierImage, Parameters, ReuseRegion,
 };
 use parafovea_core::chroma::ChromaSettings;
 use parafovea_core::geometry::View;
@@ -91,15 +91,19 @@ fn completed(
     frames: &[Frame],
     (regions, turns, border): (&[ComposeRegion], bool, f32),
 ) -> Vec<u8> {
-    let mut compose = Compose::new(vulkan.gpu.clone()).unwrap();
     for (index, frame) in (0..).zip(frames) {
         swapchain.render(vulkan, index, std::slice::from_ref(&frame.pixels));
     }
     let mut lists = TileLists::default();
     lists.update(&reuse(frames, turns), border, OLDEST);
     let region = [reuse_region(frames, &lists, turns, border)];
-    compose.submit(&[ComposeJob { reuse: &region, ..swapchain.job(0, regions) }]).unwrap();
-    swapchain.shown(vulkan, 1, 1, 4).swap_remove(0)
+    let [picture, same] = [Parameters::OfVertices, Parameters::OfPixels].map(|parameters| {
+        let mut compose = Compose::with_parameters(vulkan.gpu.clone(), parameters).unwrap();
+        compose.submit(&[ComposeJob { reuse: &region, ..swapchain.job(0, regions) }]).unwrap();
+        swapchain.shown(vulkan, 1, 1, 4).swap_remove(0)
+    });
+    assert!(picture == same, "both shaders draw the same");
+    picture
 }
 
 fn reference(

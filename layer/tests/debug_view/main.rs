@@ -205,7 +205,7 @@ fn senseless_jobs_are_refused() {
         let result = pass.submit(&[job]);
         assert!(matches!(result, Err(GpuError::Invalid(_))), "{what}: {result:?}");
     }
-    assert!(matches!(pass.submit(&[good, good]), Err(GpuError::Invalid(_))), "two pictures of one eye");
+    assert!(matches!(pass.submit(&[good, good]), Err(GpuError::Invalid(_))), "two images for one eye");
     pass.submit(&[good]).unwrap();
     vulkan.assert_valid();
 }

@@ -20,7 +20,7 @@ pub struct Options {
     /// Print one JSON object per line: id, severity, found, means, advice, fixable
     #[arg(long)]
     json: bool,
-    /// Print passed checks, too
+    /// Also print passed checks
     #[arg(long, short)]
     verbose: bool,
 }

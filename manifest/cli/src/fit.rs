@@ -38,21 +38,21 @@ fn fitted(study: &Path) -> Result<Fit, Failure> {
 fn text(fit: &Fit) -> String {
     let found = &fit.coefficients;
     let lines = [
-        ("a", found.a, "score for each loudness unit"),
+        ("a", found.a, "score per loudness unit"),
         ("b", found.b, "score times kilo-mel"),
-        ("c", found.c, "score that 10,000 units of visual loss cost"),
-        ("d", found.d, "score of full rendering without sound"),
+        ("c", found.c, "score lost per 10,000 units of visual loss"),
+        ("d", found.d, "score of full-rate rendering without sound"),
     ];
     let held = fit.held_at_zero;
     let mut text: String = lines
         .into_iter()
         .zip(held)
         .map(|((name, value, meaning), held)| {
-            let held = if held { "; held at 0: the study contradicts its sign" } else { "" };
+            let held = if held { "; set to 0, because the study suggests the opposite sign" } else { "" };
             format!("{name} = {value:.4}  # {meaning}{held}\n")
         })
         .collect();
     let (rows, rmse, r_squared) = (fit.rows, fit.rmse, fit.r_squared);
-    text += &format!("# {rows} rows, root of the mean squared error {rmse:.3}, R squared {r_squared:.3}\n");
+    text += &format!("# {rows} rows, root-mean-square error {rmse:.3}, R squared {r_squared:.3}\n");
     text
 }

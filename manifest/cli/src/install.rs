@@ -11,9 +11,9 @@ use std::process::ExitCode;
 enum Failure {
     #[error(transparent)]
     Install(#[from] InstallError),
-    #[error("neither XDG_DATA_HOME nor HOME names an absolute path, so there is no folder to install to")]
+    #[error("neither XDG_DATA_HOME nor HOME names an absolute path, so there is no folder to install into")]
     NoHome,
-    #[error("{LIBRARY_NAME} is not at {}; name it with --library", list(.0))]
+    #[error("{LIBRARY_NAME} is not at {}; give its path with --library", list(.0))]
     NoLibrary(Vec<PathBuf>),
 }
 
@@ -24,7 +24,7 @@ fn list(places: &[PathBuf]) -> String {
 /// Whom it is installed for.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct Scope {
-    /// Install for all users, below /usr/local/share; needs root
+    /// Installation for all users, below /usr/local/share; needs root
     #[arg(long)]
     system: bool,
     /// Print the steps without taking them

@@ -3,6 +3,7 @@
 mod config;
 mod doctor;
 mod fit;
+mod gaze;
 mod generate;
 mod install;
 mod profile;
@@ -25,28 +26,28 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Install the layer for this user, or for all with --system; applications use it only on request
+    /// Install the layer for the current user, or for all users with --system; applications use it only on request
     Install {
-        /// The library to install [default: libparafovea.so beside this program, in ../lib or in ../lib/parafovea]
+        /// Library to install [default: libparafovea.so beside this program, in ../lib or in ../lib/parafovea]
         #[arg(long, value_name = "FILE")]
         library: Option<PathBuf>,
         #[command(flatten)]
         scope: install::Scope,
     },
-    /// Remove the installed layer; configuration and logs stay
+    /// Remove the installed layer, and keep configuration and logs
     Uninstall {
         #[command(flatten)]
         scope: install::Scope,
     },
     /// Run an application with the layer
     Run {
-        /// The application and its arguments
+        /// Application and its arguments
         #[arg(trailing_var_arg = true, required = true, value_name = "COMMAND")]
         command: Vec<OsString>,
     },
     /// Check the installation and suggest fixes
     Doctor {
-        /// Application to check: its OpenXR application name or its executable's name
+        /// Application to check, by OpenXR application name or executable name
         #[arg(value_name = "APPLICATION")]
         application: Option<String>,
         #[command(flatten)]
@@ -54,23 +55,28 @@ enum Command {
     },
     /// Fit the audio-visual model to the scores of a user study, and print its coefficients
     Fit {
-        /// Comma-separated text with the columns loudness_lufs (or gamma_ld), frequency_khz (or gamma_fq), gamma_vis and mu
+        /// CSV file with the columns loudness_lufs (or gamma_ld), frequency_khz (or gamma_fq), gamma_vis and mu
         study: PathBuf,
     },
-    /// Show the layer's state in running applications, every second
+    /// Show the state of the layer in running applications, updated every second
     Status {
         #[command(flatten)]
         options: status::Options,
     },
+    /// Show source and quality of the gaze in running applications, every second
+    Gaze {
+        #[command(flatten)]
+        options: gaze::Options,
+    },
     /// List, show, change and check configuration files
     #[command(subcommand)]
     Profile(profile::Command),
-    /// Print shell completions or the manual page
+    /// Print shell completions, the manual page or the reference of options
     Generate {
         /// Kind of output
         what: generate::What,
     },
-    /// Check or write configuration files
+    /// Check a configuration file, or print the default one
     #[command(subcommand)]
     Config(ConfigCommand),
 }
@@ -94,6 +100,7 @@ fn main() -> ExitCode {
         Command::Doctor { application, options } => doctor::doctor(application, options),
         Command::Fit { study } => fit::fit(&study),
         Command::Status { options } => status::status(options),
+        Command::Gaze { options } => gaze::gaze(options),
         Command::Profile(command) => profile::profile(&command),
         Command::Generate { what } => generate::generate(what, &mut Arguments::command()),
         Command::Config(ConfigCommand::Validate { file }) => config::validate(&file),
@@ -101,7 +108,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Writes to standard output. That nobody reads it, as in `| head`, is no failure.
+/// Writes to standard output. A reader that ends early, as in `| head`, is not a failure.
 fn print(text: &str) {
     let _ = io::stdout().write_all(text.as_bytes());
 }

@@ -24,13 +24,13 @@ pub enum Command {
     List,
     /// Show an application's settings and their sources
     Show {
-        /// Application: its OpenXR application name or its executable's name; `all` for applications without a file of their own
+        /// OpenXR application name or executable name; `all` for applications without a file of their own
         application: String,
-        /// Show options at their defaults, too
+        /// Also show options at their defaults
         #[arg(long)]
         effective: bool,
     },
-    /// Set an option in an application's file; comments stay
+    /// Set an option in an application's file, and keep its comments
     Set {
         /// Application, as for show; `all` for config.toml
         application: String,
@@ -39,14 +39,14 @@ pub enum Command {
         /// Value of the option
         value: String,
     },
-    /// Remove an option from an application's file; its preset or default then holds
+    /// Remove an option from an application's file, and return to the value of the preset
     Unset {
         /// Application, as for show; `all` for config.toml
         application: String,
         /// Option to remove
         key: String,
     },
-    /// Write a new, commented file with suitable settings for a kind of application
+    /// Create a commented file with suitable settings for a kind of application
     New {
         /// Application, as for show
         application: String,
@@ -63,13 +63,13 @@ pub enum Command {
 enum Failure {
     #[error("neither XDG_CONFIG_HOME nor HOME names an absolute path, so there is no folder for profiles")]
     NoHome,
-    #[error("{0:?} is not usable as a file name")]
+    #[error("{0:?} cannot be used as a file name")]
     NoName(String),
     #[error("there is no option {0}; parafovea config default lists all{did_you_mean}", did_you_mean = near(.0))]
     NoOption(String),
     #[error("{}: {}", .0.display(), .1)]
     Read(PathBuf, std::io::Error),
-    #[error("{} exists already; parafovea profile set changes it", .0.display())]
+    #[error("{} already exists; to change it: parafovea profile set", .0.display())]
     Exists(PathBuf),
     #[error("{}: {}", .0.display(), .1)]
     Edit(PathBuf, EditError),
@@ -121,7 +121,10 @@ fn list(files: &Files) -> Result<String, Failure> {
                 format!("preset {preset}, {count} option{} set", if count == 1 { "" } else { "s" })
             }
             Err(errors) => {
-                format!("not used: {} errors; see parafovea profile validate", errors.errors().len())
+                format!(
+                    "ignored because of errors ({}); to list them: parafovea profile validate",
+                    errors.errors().len()
+                )
             }
         };
         // Writing to a String cannot fail.
@@ -187,7 +190,7 @@ fn change(files: &Files, application: &str, key: &str, change: Change<'_>) -> Re
     if let Some(from) = from {
         let _ = writeln!(
             text,
-            "This new file begins as a copy of {}, which no longer applies to {application}.",
+            "This new file starts as a copy of {}, which no longer applies to {application}.",
             from.display()
         );
     }

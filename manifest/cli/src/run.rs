@@ -27,7 +27,7 @@ pub fn run(command: &[OsString]) -> ExitCode {
     let program = program.to_string_lossy();
     if error.kind() == ErrorKind::NotFound {
         eprintln!(
-            "parafovea: {program}: not found in PATH; give the whole path of a program in another folder"
+            "parafovea: {program}: not found in PATH; to run a program in another folder, give its full path"
         );
         return ExitCode::from(127);
     }

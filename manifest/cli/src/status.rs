@@ -14,16 +14,16 @@ use std::time::{Duration, SystemTime};
 /// How it is shown.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Options {
-    /// Application to show: its OpenXR application name, its executable's name or its process ID
+    /// Application to show, by OpenXR application name, executable name or process ID
     #[arg(value_name = "APPLICATION")]
     application: Option<String>,
-    /// Show this debug view in the headset until the application ends; "settings": the configured one
+    /// Show this debug view in the headset until the application ends; "settings" returns to the configured view
     #[arg(long, value_name = "VIEW", value_parser = view::parser())]
     view: Option<String>,
     /// Show the state once, instead of every second
     #[arg(long)]
     once: bool,
-    /// Print one JSON object per application and second, each on its own line
+    /// Print one JSON object per line, for each application and second
     #[arg(long)]
     json: bool,
 }
@@ -31,8 +31,43 @@ pub struct Options {
 /// Back to the top left corner, and all below it cleared.
 const CLEAR: &str = "\x1b[H\x1b[2J";
 
-/// Shows the applications with the layer, until it is interrupted or nobody reads.
+/// How the applications that were found are shown.
+pub struct Watched<Text, Json> {
+    /// For people.
+    pub text: Text,
+    /// For scripts: an object on each line.
+    pub json: Json,
+}
+
+/// Shows the applications with the layer, until it is interrupted or its reader ends.
 pub fn status(options: Options) -> ExitCode {
+    let application = options.application.as_deref();
+    if let Some(view) = &options.view {
+        let ask = |environment: &Environment| view::ask(environment, application, view);
+        return with_folder(ask);
+    }
+    with_folder(|environment| {
+        let text = |found: &[Found], gone| text::of_all(found, gone, application, environment);
+        repeat(environment, application, options.once, options.json, &Watched { text, json: as_json })
+    })
+}
+
+/// Shows `application`, or all, once or every second.
+pub fn watch(
+    application: Option<&str>,
+    once: bool,
+    json: bool,
+    shown: Watched<impl Fn(&[Found]) -> String, impl Fn(&[Found]) -> String>,
+) -> ExitCode {
+    with_folder(|environment| {
+        let Watched { text, json: as_json } = &shown;
+        let shown = Watched { text: |found: &[Found], _| text(found), json: as_json };
+        repeat(environment, application, once, json, &shown)
+    })
+}
+
+/// Calls `show`, unless applications have no folder for their state.
+fn with_folder(show: impl FnOnce(&Environment) -> ExitCode) -> ExitCode {
     let environment = Environment::of_process(false);
     if environment.runtime_dir().is_none() {
         eprintln!(
@@ -40,14 +75,21 @@ pub fn status(options: Options) -> ExitCode {
         );
         return ExitCode::FAILURE;
     }
-    if let Some(view) = &options.view {
-        return view::ask(&environment, options.application.as_deref(), view);
-    }
-    let is_screen = io::stdout().is_terminal() && !options.json && !options.once;
+    show(&environment)
+}
+
+fn repeat(
+    environment: &Environment,
+    application: Option<&str>,
+    once: bool,
+    json: bool,
+    shown: &Watched<impl Fn(&[Found], Gone) -> String, impl Fn(&[Found]) -> String>,
+) -> ExitCode {
+    let is_screen = io::stdout().is_terminal() && !json && !once;
     loop {
-        let shown = match read(&environment, options.application.as_deref()) {
-            Ok((found, _)) if options.json => as_json(&found),
-            Ok((found, gone)) => text::of_all(&found, gone, options.application.as_deref(), &environment),
+        let shown = match read(environment, application) {
+            Ok((found, _)) if json => (shown.json)(&found),
+            Ok((found, gone)) => (shown.text)(&found, gone),
             Err(error) => {
                 eprintln!("parafovea: {error}");
                 return ExitCode::FAILURE;
@@ -56,7 +98,7 @@ pub fn status(options: Options) -> ExitCode {
         let clear = if is_screen { CLEAR } else { "" };
         let mut stdout = io::stdout().lock();
         let written = stdout.write_all(format!("{clear}{shown}").as_bytes()).and_then(|()| stdout.flush());
-        if options.once || written.is_err() {
+        if once || written.is_err() {
             return ExitCode::SUCCESS;
         }
         drop(stdout);

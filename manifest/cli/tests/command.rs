@@ -169,7 +169,7 @@ fn a_profile_is_changed_by_the_command_as_by_hand() {
     }
     assert!(!shown.contains("gaze.source"));
     assert!(
-        printed(&profile(&["show", "game", "--effective"])).contains("gaze.source = \"eyes\"  # default")
+        printed(&profile(&["show", "game", "--effective"])).contains("gaze.source = \"auto\"  # default")
     );
 
     let before = file("apps/game.toml");
@@ -187,7 +187,7 @@ fn a_profile_is_changed_by_the_command_as_by_hand() {
     assert_eq!(file("apps/game.toml"), "preset = \"performance\"\n\n[chroma]\n");
 
     printed(&profile(&["new", "sim", "flight-simulator"]));
-    assert!(complained(&profile(&["new", "sim", "proton"])).contains("exists already"));
+    assert!(complained(&profile(&["new", "sim", "proton"])).contains("already exists"));
     let listed = printed(&profile(&["list"]));
     let names: Vec<_> = listed.lines().filter(|line| !line.starts_with(' ')).collect();
     assert_eq!(names[..3], ["game", "sim", "all others"], "{listed}");

@@ -60,7 +60,7 @@ pub enum ConfigError {
     /// The plateau of full colour is not smaller than the angle at which the curves end.
     #[error(
         "line {line}: chroma.plateau_deg = {plateau} and chroma.max_eccentricity_deg = {max}: \
-         allowed: a plateau_deg below max_eccentricity_deg"
+         plateau_deg must be less than max_eccentricity_deg"
     )]
     Misordered {
         /// The line, from 1, of the later of the two.

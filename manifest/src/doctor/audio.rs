@@ -30,9 +30,9 @@ fn library(surroundings: &Surroundings, layers: &Layers) -> Option<Finding> {
         Finding::problem(
             "no-audio-library",
             format!("{} is missing, or not a Parafovea library", path.display()),
-            "Sound cannot be captured without it.",
+            "Without it, sound cannot be captured.",
         )
-        .advise("build or unpack it beside libparafovea.so, then: parafovea install")
+        .advise("put it beside libparafovea.so (to build it: cargo build --release -p parafovea-audio), then: parafovea install")
     })
 }
 
@@ -54,7 +54,7 @@ fn server(surroundings: &Surroundings) -> Finding {
         Some(server) => match server.strip_prefix("unix:") {
             Some(path) => PathBuf::from(path),
             None if server.starts_with('/') => PathBuf::from(server),
-            None => return Finding::good("sound", format!("sound is taken from {server} (PULSE_SERVER)")),
+            None => return Finding::good("sound", format!("sound is captured from {server} (PULSE_SERVER)")),
         },
         None => match surroundings.variable("XDG_RUNTIME_DIR") {
             Some(folder) => PathBuf::from(folder).join("pulse/native"),
@@ -62,12 +62,12 @@ fn server(surroundings: &Surroundings) -> Finding {
         },
     };
     if fs::metadata(&socket).is_ok() {
-        return Finding::good("sound", format!("sound is taken from {}", socket.display()));
+        return Finding::good("sound", format!("sound is captured from {}", socket.display()));
     }
     Finding::warning(
         "no-sound-server",
         format!("no PulseAudio or PipeWire server: no socket {}", socket.display()),
-        "Without an ALSA loop-back card, sound cannot be captured and has no effect.",
+        "Without an ALSA loopback card, sound cannot be captured and has no effect.",
     )
     .advise("start it: systemctl --user start pipewire-pulse, or pulseaudio")
 }

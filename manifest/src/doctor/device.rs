@@ -1,9 +1,12 @@
 //! What only Vulkan and OpenXR know: whether the loaders list the layers, what the GPU can do, whether eyes are tracked.
 
+use super::configuration::in_force;
 use super::layers::Layers;
 use super::manifests::called;
 use super::{Device, Finding, RuntimeAnswer, Surroundings, runtime};
+use crate::config::Config;
 use crate::json::Half;
+use crate::options::GazeSource;
 use crate::quirks::{Driver, Quirk, Quirks};
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {
@@ -24,7 +27,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
         Err(reason) => findings.push(unknown("capabilities of the GPU", reason)),
         Ok(vulkan) if vulkan.devices.is_empty() => findings.push(
             Finding::problem("no-device", "Vulkan finds no device", "Games that use Vulkan do not start.")
-                .advise("install a driver (Debian, Ubuntu: mesa-vulkan-drivers, or that of NVIDIA)"),
+                .advise("install a driver (Debian, Ubuntu: mesa-vulkan-drivers, or the NVIDIA driver)"),
         ),
         Ok(vulkan) => {
             findings.extend(of_devices(&vulkan.devices));
@@ -42,7 +45,7 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
         Err(reason) => findings.push(unknown("capabilities of the OpenXR runtime", reason)),
         // Without one set, that is what is told.
         Ok(runtime) if !runtime.name.is_empty() || runtime::is_set(surroundings) => {
-            findings.extend(of_runtime(runtime));
+            findings.extend(of_runtime(runtime, &in_force(surroundings).1.unwrap_or_default()));
         }
         Ok(_) => {}
     }
@@ -79,7 +82,7 @@ fn of_devices(devices: &[Device]) -> Vec<Finding> {
                 "Virtual reality is too slow on it, with or without Parafovea.",
             )
             .advise(
-                "install the driver of your GPU (Debian, Ubuntu: mesa-vulkan-drivers, or that of NVIDIA)",
+                "install the driver of your GPU (Debian, Ubuntu: mesa-vulkan-drivers, or the NVIDIA driver)",
             ),
         );
     }
@@ -95,7 +98,7 @@ fn of_device(device: &Device) -> Option<Finding> {
     if device.rates.is_empty() {
         let finding = Finding::warning(
             "no-shading-rates",
-            format!("{name} has no shading rates (VK_KHR_fragment_shading_rate with attachments)"),
+            format!("{name} does not support shading-rate attachments (VK_KHR_fragment_shading_rate)"),
             "Parafovea uses a mask instead, which suits fewer games and saves less.",
         )
         .advise(
@@ -111,8 +114,9 @@ fn of_device(device: &Device) -> Option<Finding> {
         0 => String::new(),
         samples => format!(", with up to {samples} samples a pixel"),
     };
-    let found =
-        format!("{name} has shading rates up to {coarsest}, in tiles of {texel} pixels, {layers}{samples}");
+    let found = format!(
+        "{name} supports shading rates up to {coarsest}, in tiles of {texel} pixels, {layers}{samples}"
+    );
     Some(match coarsest {
         "4x4" => Finding::good("shading-rates", found),
         _ => {
@@ -135,7 +139,7 @@ fn quirks(device: &Device, changes: &str) -> Vec<Finding> {
     }
     let finding = |quirk: &&Quirk| {
         let found = format!("{}: quirk {}: {}", device.name, quirk.name, quirk.doc);
-        Finding::note("quirk", found, format!("Known from: {}.", quirk.source))
+        Finding::note("quirk", found, format!("Source: {}.", quirk.source))
     };
     quirks_of(device, changes).rows.iter().map(finding).collect()
 }
@@ -146,20 +150,20 @@ fn coarsest(rates: &[String]) -> &str {
     rates.iter().max_by_key(pixels).map_or("1x1", String::as_str)
 }
 
-fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
+fn of_runtime(runtime: &RuntimeAnswer, config: &Config) -> Vec<Finding> {
     let has = |name: &str| runtime.extensions.iter().any(|extension| extension == name);
     if runtime.name.is_empty() {
         return vec![
             Finding::problem(
                 "runtime-refuses",
-                format!("the OpenXR runtime creates no instance: {}", runtime.failure),
+                format!("the OpenXR runtime cannot create an instance: {}", runtime.failure),
                 "Games find no headset.",
             )
             .advise("start the runtime (SteamVR, or the service of WiVRn or Monado), then run parafovea doctor again"),
         ];
     }
     let version = runtime.version.map(|part| part.to_string()).join(".");
-    let mut findings = vec![Finding::good("runtime-answers", format!("{} {version} answers", runtime.name))];
+    let mut findings = vec![Finding::good("runtime-answers", format!("{} {version} responds", runtime.name))];
     if !has("XR_KHR_vulkan_enable") && !has("XR_KHR_vulkan_enable2") {
         findings.push(
             Finding::problem(
@@ -170,15 +174,22 @@ fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
             .advise("use another runtime, such as SteamVR, WiVRn or Monado"),
         );
     }
-    let straight_ahead = "for fixed foveation, set gaze.source = \"centre\"";
-    if !has("XR_EXT_eye_gaze_interaction") {
+    let needs_eyes = matches!(config.gaze.source, GazeSource::Auto | GazeSource::Eyes);
+    let without_eyes = without_eyes(config);
+    if !needs_eyes {
+        let source = config.gaze.source.name();
+        findings.push(Finding::good(
+            "no-eye-gaze-needed",
+            format!("gaze.source = \"{source}\" needs no eye tracker of the runtime"),
+        ));
+    } else if !has("XR_EXT_eye_gaze_interaction") {
         findings.push(
             Finding::warning(
                 "no-eye-gaze",
                 format!("{} does not offer eye tracking (XR_EXT_eye_gaze_interaction)", runtime.name),
                 "Shading rates are fixed around the centre of the view.",
             )
-            .advise(straight_ahead),
+            .advise(without_eyes),
         );
     } else if runtime.tracks_eyes == Some(false) {
         let headset = runtime.system.as_deref().unwrap_or("the headset");
@@ -189,7 +200,7 @@ fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
                 "Shading rates are fixed around the centre of the view.",
             )
             .advise(format!(
-                "turn on eye tracking in the headset and its runtime, if available; {straight_ahead}"
+                "turn on eye tracking in the headset and its runtime, if available; {without_eyes}"
             )),
         );
     } else if let Some(headset) = &runtime.system {
@@ -207,4 +218,14 @@ fn of_runtime(runtime: &RuntimeAnswer) -> Vec<Finding> {
         );
     }
     findings
+}
+
+/// Sources of the gaze without an eye tracker of the runtime.
+fn without_eyes(config: &Config) -> String {
+    let address = config.gaze.osc_listen.socket();
+    let auto = if config.gaze.source == GazeSource::Eyes { "set gaze.source = \"auto\" and " } else { "" };
+    format!(
+        "for an eye tracker with a program of its own, {auto}have that send OSC packets to {address}; for fixed foveation, set \
+         gaze.source = \"centre\""
+    )
 }

@@ -31,8 +31,10 @@ pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Findi
     if findings.is_empty()
         && let Some(library) = layers.library(surroundings, Half::OpenXr)
     {
-        findings
-            .push(Finding::good("installed", format!("both halves are installed, as {}", library.display())));
+        findings.push(Finding::good(
+            "installed",
+            format!("both halves of the layer are installed: {}", library.display()),
+        ));
     }
     findings
 }
@@ -187,7 +189,7 @@ fn is_outdated(surroundings: &Surroundings) -> Option<Finding> {
     (is_installed && differs).then(|| {
         Finding::warning(
             "outdated",
-            format!("the installed files differ from {} and its companions", shipped.display()),
+            format!("the installed files differ from {} and the files beside it", shipped.display()),
             "Games use the installed files, not those of this program.",
         )
         .advise("parafovea install")

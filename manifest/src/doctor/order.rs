@@ -57,7 +57,11 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
         );
     } else if !nearer.is_empty() || !farther.is_empty() {
         let all = [nearer, vec!["Parafovea"], farther].concat().join(", ");
-        findings.push(Finding::note("other-layers", format!("{name} layers, from the game on: {all}"), ""));
+        findings.push(Finding::note(
+            "other-layers",
+            format!("{name} layers, in order from the game: {all}"),
+            "",
+        ));
     }
     findings
 }

@@ -16,8 +16,8 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
             "Games find no headset: the OpenXR loader finds no active_runtime.json.",
         )
         .advise(
-            "make one the active runtime: in SteamVR under Settings, OpenXR; WiVRn and Monado do so when they start, \
-             or link their openxr_*.json as ~/.config/openxr/1/active_runtime.json",
+            "make a runtime the active one: in SteamVR under Settings > OpenXR; WiVRn and Monado do so at startup; \
+             or link its openxr_*.json to ~/.config/openxr/1/active_runtime.json",
         ),
     }]
 }

@@ -138,7 +138,7 @@ fn a_healthy_machine_has_nothing_to_do() {
         "OpenXR loader 1.0.20: ",
         "Vulkan loader 1.3.239: ",
         "OpenXR runtime: Monado ",
-        "A GPU has shading rates up to 4x4, in tiles of 8 to 16 pixels, a layer for each eye, with up to 4 samples a pixel",
+        "A GPU supports shading rates up to 4x4, in tiles of 8 to 16 pixels, a layer for each eye, with up to 4 samples a pixel",
         "A GPU: a device was created with the layer",
         "A headset is connected and tracks eyes",
         "configuration: ",
@@ -177,7 +177,7 @@ fn what_a_gpu_can_give_and_its_quirks_are_told() {
         found[0],
         (
             "shading-rates",
-            "AMD Radeon RX 6800 (RADV NAVI21) has shading rates up to 2x2, in tiles of 8 pixels, one layer for both eyes, with up to 8 samples a pixel".to_owned()
+            "AMD Radeon RX 6800 (RADV NAVI21) supports shading rates up to 2x2, in tiles of 8 pixels, one layer for both eyes, with up to 8 samples a pixel".to_owned()
         )
     );
     let quirks = |found: &[(&str, String)]| found.iter().filter(|(id, _)| *id == "quirk").count();
@@ -216,7 +216,7 @@ fn other_layers_are_told_in_the_order_of_the_loaders() {
     let findings = machine.findings();
     assert_eq!(findings.len(), 1, "{findings:#?}");
     assert_eq!((findings[0].id, findings[0].severity), ("other-layers", Severity::Note));
-    assert_eq!(findings[0].found, "Vulkan layers, from the game on: VK_LAYER_other, Parafovea");
+    assert_eq!(findings[0].found, "Vulkan layers, in order from the game: VK_LAYER_other, Parafovea");
 }
 
 #[test]

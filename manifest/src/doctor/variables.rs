@@ -19,7 +19,7 @@ fn disabled(surroundings: &Surroundings) -> Option<Finding> {
         Finding::problem(
             "disabled",
             format!("the variable {DISABLE_VARIABLE} is set"),
-            "It turns the layer off in all programs started from here, whatever else is set.",
+            "It turns the layer off in all programs started from here, regardless of other settings.",
         )
         .advise(format!(
             "unset {DISABLE_VARIABLE}; look for it in the start-up files of the shell and the desktop session"
@@ -32,7 +32,7 @@ fn half_enabled(surroundings: &Surroundings) -> Option<Finding> {
     Some(
         Finding::problem(
             "half-enabled",
-            format!("{ENABLE_VARIABLE} is {:?}, and not 1", value.to_string_lossy()),
+            format!("{ENABLE_VARIABLE} is {:?} instead of 1", value.to_string_lossy()),
             "The OpenXR loader checks only that it is set, the Vulkan loader that it is 1: only one half is loaded, and has no effect alone.",
         )
         .advise(format!("{ENABLE_VARIABLE}=1 turns it on; to turn it off, unset it")),
@@ -56,7 +56,7 @@ fn filtered(surroundings: &Surroundings) -> Option<Finding> {
             "The Vulkan loader skips the Vulkan half, and the OpenXR half has no effect alone.",
         )
         .advise(format!(
-            "take it out of that variable, or set VK_LOADER_LAYERS_ALLOW={}",
+            "remove it from that variable, or set VK_LOADER_LAYERS_ALLOW={}",
             Half::Vulkan.layer_name()
         )),
     )

@@ -18,7 +18,7 @@ pub enum InstallError {
     #[error("{}: not a Parafovea library", .0.display())]
     NotTheLayer(PathBuf),
     /// In our place is something that this program did not write. It is left alone.
-    #[error("{}: not installed by Parafovea, and left alone; move it away first", .0.display())]
+    #[error("{}: not installed by Parafovea, so it stays unchanged; move it away first", .0.display())]
     NotOurs(PathBuf),
     /// A manifest is text and cannot name this path.
     #[error("{}: the path is not UTF-8, as manifests require", .0.display())]

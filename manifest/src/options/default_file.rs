@@ -9,7 +9,7 @@ use super::{Allowed, Config, OPTIONS};
 pub fn default_file() -> String {
     let defaults = Config::default();
     let mut text = String::from(
-        "# Parafovea. Remove the # before a setting to change it; a running application follows within a second.\n",
+        "# Parafovea. Remove the # before a setting to change it; a running application applies the change within a second.\n",
     );
     let mut section = "";
     for option in OPTIONS {

@@ -44,8 +44,8 @@ pub const QUIRKS: [Quirk; 4] = [
     },
     Quirk {
         name: "first-layer-only",
-        doc: "rate attachments with one layer, and the finer rates of both eyes in multiview, because the driver uses array \
-              slice 0 alone",
+        doc: "rate attachments with one layer, and the finer rates of both eyes in multiview, because the driver uses \
+              only array slice 0",
         driver: RADV,
         devices: RDNA2,
         fixed_in: None,

@@ -12,7 +12,7 @@ pub fn archive() -> Result<String, String> {
     let codename = release.lines().find_map(|line| line.strip_prefix("VERSION_CODENAME="));
     let codename = codename.unwrap_or_default().trim_matches('"');
     if codename.is_empty() || !release.lines().any(|line| line == "ID=debian" || line == "ID=\"debian\"") {
-        return Err("this is not a release of Debian".to_owned());
+        return Err("this system is not Debian".to_owned());
     }
     let folder = Path::new("/etc/apt");
     let entries = fs::read_dir(folder.join("sources.list.d")).into_iter().flatten().flatten();
@@ -20,7 +20,7 @@ pub fn archive() -> Result<String, String> {
     files.sort();
     files.insert(0, folder.join("sources.list"));
     let found = files.iter().find_map(|file| source_of(&fs::read_to_string(file).ok()?, codename));
-    found.ok_or_else(|| format!("apt's sources have no archive with the suite {codename}"))
+    found.ok_or_else(|| format!("the sources of apt have no archive with the suite {codename}"))
 }
 
 /// The address that a file of apt's sources gives for a suite, in either of their formats (sources.list(5)).

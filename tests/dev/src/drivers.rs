@@ -12,13 +12,15 @@ use std::process::Command;
 pub fn unpack_release() {
     let text = fs::read_to_string("/etc/os-release").unwrap_or_default();
     let Some(suite) = suite_with_shims(&text) else {
-        eprintln!("cargo dev: no drivers over kernel shims: this is neither Debian bookworm nor trixie");
+        eprintln!(
+            "cargo dev: Mesa's hardware drivers are not available: this is neither Debian bookworm nor trixie"
+        );
         return;
     };
     let packages = &["libdrm-amdgpu1", "libdrm2", "mesa-drm-shim", "mesa-vulkan-drivers"];
     let set = Set { folder: "drivers/release", suite, packages, with_dependencies: false };
     if let Err(reason) = unpack(&set) {
-        eprintln!("cargo dev: no drivers over kernel shims: {reason}");
+        eprintln!("cargo dev: Mesa's hardware drivers are not available: {reason}");
     }
 }
 

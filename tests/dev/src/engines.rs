@@ -36,7 +36,7 @@ const SYSTEM: Set = Set {
 pub fn engines(arguments: &[String]) -> Result<(), String> {
     setup(Voice::Implied)?;
     if !Command::new("id").arg("-u").output().is_ok_and(|id| id.stdout.trim_ascii() == b"0") {
-        println!("skipped: it takes root's rights");
+        println!("skipped: needs root");
         return Ok(());
     }
     let root = match unpack(&SYSTEM) {

@@ -22,56 +22,59 @@ mod unpack;
 use std::process::ExitCode;
 
 const HELP: &str = "\
-cargo dev <task>, run anywhere in the repository:
+Usage: cargo dev TASK, in any folder of the repository
 
-  setup                 install missing programs and libraries (Debian and Ubuntu; elsewhere: name them). Every task does this first
-  demo [--json]         our scene, a style of the zoo and unmodified hello_xr with the default preset and without the layer, while the
-                        gaze moves: CPU time, shaded samples, errors and the layer's decisions; pictures in target/demo/. Installs
-                        and builds only what it runs
+  setup                 install missing programs and libraries (on Debian and Ubuntu; on other systems, name them). Every task does this
+                        first
+  demo [--json]         run three applications (our test scene, a rendering style of the zoo, and unmodified hello_xr) without the layer and
+                        with its default preset, while the gaze moves: CPU time, shaded samples, errors, and decisions of the layer;
+                        pictures in target/demo/. Installs and builds only its own dependencies
   test [--strict] [PART]
-                        formatting, clippy, build, docs, all tests: the checks of CI; with PART, only the build and the tests with this in their
-                        names. Each test is a process of its own, which is killed after 10 minutes. A test that needs something that is not
-                        here is skipped, and listed with its reason; with --strict, or the variable CI, it fails if `setup` should have
-                        installed that
+                        run the checks of CI: formatting, clippy, build, documentation and all tests; with PART, only the build, and tests
+                        with PART in their names. Each test runs in its own process, with a time limit of 10 minutes. Tests whose
+                        requirements are missing are skipped, and listed with the reason; with --strict, or if the variable CI is set,
+                        they fail if `setup` should have installed the requirement
   drivers [--json] [PART] | --profiles
-                        run programs on Mesa's real drivers (RADV, NVK, Turnip) over no-op kernel shims, without a GPU: programs x other
-                        layers x configurations, or the cells with PART in `DEVICE PROGRAM`. --profiles writes the drivers' shading-rate
-                        capabilities to tests/layers/profiles/
+                        run programs on Mesa's hardware drivers (RADV, NVK, Turnip) with no-op kernel shims, without a GPU: all combinations of
+                        programs, other layers and configurations, or those with PART in `DEVICE PROGRAM`. --profiles writes the
+                        shading-rate capabilities of the drivers to tests/layers/profiles/
   engines [--json] [--turns N] [--scale PERCENT] [PART]
-                        as root: run Godot of Debian sid with each of its renderers on Monado and lavapipe, in target/engines/, with the
-                        layer and without, or those with PART in their names: engaged passes, CPU time, samples, validation messages
+                        run Godot from Debian sid with each of its renderers, or those with PART in their names, on Monado and lavapipe, with
+                        and without the layer: engaged passes, CPU time, samples, validation messages. Works in target/engines/, as root
   run [--runtime mock|system] [--config FILE] -- CMD...
-                        run any OpenXR program with the layer (default: the mock runtime on lavapipe)
-  zoo [STYLE]           run every style of rendering at full length, on both backends, under validation; `test` runs a share
+                        run any OpenXR program with the layer (default: on the mock runtime and lavapipe)
+  zoo [STYLE]           run every rendering style at full length, on both backends, with validation; `test` runs a part
   faults [--validated] [PART]
-                        run the whole fault matrix, call by fault by technique, or the cells with PART in their names; `test` runs a
-                        share. --validated adds synchronization validation
+                        run the whole fault matrix (calls, faults and techniques), or the cells with PART in their names; `test` runs a part.
+                        --validated adds synchronization validation
   fuzz [TARGET] [--minutes N]
-                        fuzz the readers of files, chains and shaders, a minute or N minutes each; `test` runs a few thousand inputs
-  gpu [--json]          compare the layer's rates with an application's own rates on a GPU with VK_KHR_fragment_shading_rate: pictures and
-                        GPU time, kept in tests/gpu-results/; then the matrix of `drivers`
-  bench NAME [--json]   run a bench:
-                        break-even (pixel cost from which the layer gains), ears (cost and latency of sound capture),
-                        frame (savings of each technique), kernels (cost per view of rates by contrast, and of chroma attenuation),
-                        models (cost and accuracy of the models), reuse (errors of re-use as the head turns),
-                        overhead (cost of the layer; --driver NAME [CASE...]: on one of Mesa's real drivers, release build),
-                        status (cost of parafovea status)
+                        fuzz the parsers of files, structure chains and shaders, for one minute or N minutes each; `test` runs a few thousand
+                        inputs
+  gpu [--json]          compare the layer's shading rates with an application's own rates, on a GPU with VK_KHR_fragment_shading_rate: images
+                        and GPU time, written to tests/gpu-results/; then run the matrix of `drivers`
+  bench NAME [--json]   run a benchmark:
+                        break-even (pixel cost above which the layer saves time), ears (cost and latency of sound capture),
+                        frame (saving of each technique), kernels (cost per view of audio-visual rates and of chroma attenuation),
+                        models (cost and accuracy of the models), rails (shading and loss of contrast while the eyes move),
+                        reuse (errors of temporal re-use during head rotation),
+                        overhead (cost of the layer; with --driver NAME [CASE...], on one of Mesa's hardware drivers, with a release
+                        build), status (cost of `parafovea status`)
   bench --compare REV [ARGUMENTS]
-                        run the bench `frame` with this tree and with a commit, alternating: ratios with their spread
-  monado [PART]         as root, with debootstrap: run hello_xr, our scene and every style on Monado in a Debian trixie in
-                        target/monado/, with the layer and without
-  dist                  pack a release build in target/dist/: an archive with an installer, and a Debian package
+                        run the benchmark `frame` on the working tree and on a commit, in turns: ratios with their spread
+  monado [PART]         run hello_xr, our test scene and every rendering style on Monado, with and without the layer, on a Debian trixie
+                        system in target/monado/; needs root and debootstrap
+  dist                  write a release build to target/dist/, as an archive with an installer and as a Debian package
   report [--quick | --all] [--json]
-                        measure speed against error, beside the alternatives of users: a page, tables and plots in target/report/; an
-                        hour, 5 minutes with --quick, longer with --all
+                        measure speed against error, compared with the alternatives of users: a web page, tables and plots in
+                        target/report/. Takes an hour, 5 minutes with --quick, longer with --all
   sanitize [address | miri | thread]
-                        check unsafe code with a nightly toolchain, if one is installed
+                        check unsafe code, if a nightly toolchain is installed
   sequences [COUNT]     run 100000, or COUNT, random sequences of OpenXR calls with and without the layer, hostile sequences, and random
-                        Vulkan recordings
-  soak [--minutes N]    start and end an application for half an hour, or N minutes: memory must not grow
+                        Vulkan command buffers
+  soak [--minutes N]    start and end an application repeatedly for half an hour, or N minutes: memory must not grow
   soak ears [--seconds N]
                         capture sound for an hour, or N seconds: memory must not grow
-  help                  print this text
+  help                  print this help
 ";
 
 fn main() -> ExitCode {
@@ -99,7 +102,7 @@ fn main() -> ExitCode {
             print!("{HELP}");
             Ok(())
         }
-        Some(other) => Err(format!("no task `{other}`; cargo dev help lists the tasks")),
+        Some(other) => Err(format!("unknown task `{other}`; to list all tasks: cargo dev help")),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -81,19 +81,19 @@ pub fn monado(arguments: &[String]) -> Result<(), String> {
     let mut wrong = 0;
     for case in &cases {
         match compare(&root, case) {
-            Ok(()) => println!("{}: the same", case.join(" ")),
+            Ok(()) => println!("{}: same behaviour", case.join(" ")),
             Err(reason) => {
                 wrong += 1;
                 println!("{}: {reason}", case.join(" "));
             }
         }
     }
-    println!("{} applications, {wrong} not the same", cases.len());
+    println!("{} applications, {wrong} with different behaviour", cases.len());
     steps.summary();
     if wrong == 0 && !cases.is_empty() {
         Ok(())
     } else {
-        Err(format!("{wrong} of {} applications", cases.len()))
+        Err(format!("different behaviour in {wrong} of {} applications", cases.len()))
     }
 }
 
@@ -102,7 +102,8 @@ fn passes(steps: &mut Steps, root: &Path) -> Result<(), String> {
     let rustc =
         Command::new("rustc").arg("-vV").output().map_err(|error| format!("cannot start rustc: {error}"))?;
     let rustc = String::from_utf8_lossy(&rustc.stdout).into_owned();
-    let host = rustc.lines().find_map(|line| line.strip_prefix("host: ")).ok_or("rustc names no host")?;
+    let host =
+        rustc.lines().find_map(|line| line.strip_prefix("host: ")).ok_or("rustc does not name its host")?;
     let runner = format!("CARGO_TARGET_{}_RUNNER", host.to_uppercase().replace(['-', '.'], "_"));
     let enter = root.join("opt/parafovea/enter.sh");
     let mut command = cargo();
@@ -131,7 +132,7 @@ fn cases() -> Result<Vec<Vec<String>>, String> {
 fn prepared(steps: &mut Steps) -> Result<Option<PathBuf>, String> {
     let is_root = Command::new("id").arg("-u").output().is_ok_and(|id| id.stdout.trim_ascii() == b"0");
     if !is_root || Command::new("debootstrap").arg("--version").output().is_err() {
-        println!("skipped: it takes root's rights and debootstrap");
+        println!("skipped: needs root and debootstrap");
         return Ok(None);
     }
     let folder = profile_folder()?;

@@ -76,10 +76,11 @@ fn install_with_apt(root: &[&str], missing: &[&Need]) {
     eprintln!("cargo dev: installing {}", wanted.join(" "));
     let apt = |arguments: &[&str]| {
         // `env` because sudo drops variables of its own accord.
-        let words =
-            [root, &["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "--quiet"], arguments].concat();
+        let apt_get: &[&str] =
+            &["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "--quiet", "-o", "APT::Status-Fd=9"];
+        let words = [root, &STATUS_APART, apt_get, arguments].concat();
         if !run_with_progress(&words).is_ok_and(|status| status.success()) {
-            eprintln!("cargo dev: apt-get {} did not succeed", arguments.join(" "));
+            eprintln!("cargo dev: apt-get {} failed", arguments.join(" "));
         }
     };
     apt(&["update"]);
@@ -87,18 +88,21 @@ fn install_with_apt(root: &[&str], missing: &[&Need]) {
     let (known, unknown): (Vec<&str>, Vec<&str>) =
         wanted.into_iter().partition(|package| has_candidate(package));
     for package in unknown {
-        eprintln!("cargo dev: this release has no package {package}");
+        eprintln!("cargo dev: this release of the system has no package {package}");
     }
     if !known.is_empty() {
         apt(&[&["install", "--yes", "--no-install-recommends"], known.as_slice()].concat());
     }
 }
 
-/// Runs apt-get, and shows how far it is: it writes its state to standard output, among its messages, which are dropped. Its errors go to
-/// standard error.
+/// Before a command: what it writes to descriptor 9 goes to standard output, and its messages are dropped. If apt-get's state went to its own
+/// standard output, installation scripts that print would fail on systems without /dev/pts. The shell is behind sudo, which closes descriptors.
+const STATUS_APART: [&str; 4] = ["sh", "-c", "exec \"$@\" 9>&1 >/dev/null", "sh"];
+
+/// Runs apt-get, whose state comes from standard output, and shows its progress. Its errors go to standard error.
 fn run_with_progress(words: &[&str]) -> std::io::Result<ExitStatus> {
     let mut command = Command::new(words[0]);
-    command.args(&words[1..]).args(["-o", "APT::Status-Fd=1"]).stdin(Stdio::null()).stdout(Stdio::piped());
+    command.args(&words[1..]).stdin(Stdio::null()).stdout(Stdio::piped());
     let mut child = command.spawn()?;
     let mut meter = Meter::new("apt-get");
     for line in child.stdout.take().into_iter().flat_map(|output| BufReader::new(output).split(b'\n')) {
@@ -143,17 +147,17 @@ fn report(missing: &[&Need], manager: Option<Manager>) -> Result<(), String> {
     if missing.is_empty() {
         return Ok(());
     }
-    eprintln!("cargo dev: missing on this machine, continuing without:");
+    eprintln!("cargo dev: missing on this machine; continuing without:");
     for need in missing {
         eprintln!("  {}: without it {}", need.what, need.without);
     }
     match manager {
         Some(manager) => {
-            eprintln!("as root: {}", manager.install_command(&packages(missing, manager)));
+            eprintln!("to install, as root: {}", manager.install_command(&packages(missing, manager)));
         }
         None => {
             for manager in Manager::ALL {
-                eprintln!("as root: {}", manager.install_command(&packages(missing, manager)));
+                eprintln!("to install, as root: {}", manager.install_command(&packages(missing, manager)));
             }
         }
     }
@@ -188,5 +192,13 @@ mod tests {
         assert_eq!(apt_progress("pmstatus:libc6:50.0:Unpacking libc6"), Some((0.75, "Unpacking libc6")));
         assert_eq!(apt_progress("Reading package lists..."), None);
         assert_eq!(apt_progress("Setting up x: a: b: c"), None);
+    }
+    #[test]
+    fn the_state_of_apt_is_apart_from_its_messages() {
+        let apt_get = ["sh", "-c", "echo message; echo pmstatus:a:50.0:Unpacking a >&9"];
+        let words = [&STATUS_APART[..], &apt_get].concat();
+        let output = Command::new(words[0]).args(&words[1..]).output().unwrap();
+        assert_eq!(output.stdout, b"pmstatus:a:50.0:Unpacking a\n");
+        assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
     }
 }

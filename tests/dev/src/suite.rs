@@ -36,10 +36,14 @@ impl Options {
             match argument.as_str() {
                 "--strict" => options.is_strict = true,
                 option if option.starts_with('-') => {
-                    return Err(format!("`test` takes --strict and a part of tests' names, not `{option}`"));
+                    return Err(format!(
+                        "`test` accepts --strict and a part of the test names, not `{option}`"
+                    ));
                 }
                 part if options.part.is_none() => options.part = Some(part.to_owned()),
-                extra => return Err(format!("`test` takes one part of tests' names, and got `{extra}` too")),
+                extra => {
+                    return Err(format!("`test` accepts one part of the test names; unexpected: `{extra}`"));
+                }
             }
         }
         Ok(options)
@@ -63,10 +67,10 @@ struct Named {
 pub fn run(options: &Options) -> Result<Summary, String> {
     let named = all(options)?;
     if named.is_empty() {
-        return Err("there is no such test".to_owned());
+        return Err("no test has this in its name".to_owned());
     }
     let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    eprintln!("cargo dev: {} tests, {workers} at once", named.len());
+    eprintln!("cargo dev: {} tests, {workers} at a time", named.len());
     let (queue, done) = (Mutex::new(named.into_iter()), Mutex::new(Vec::new()));
     let start = Instant::now();
     std::thread::scope(|scope| {
@@ -92,7 +96,7 @@ fn run_one(test: Named, is_strict: bool) -> Done {
     let Named { name, trial } = test;
     let (ending, time, output) = match trial.run(LIMIT) {
         Ok((ending, watched)) => (ending, watched.time, watched.output),
-        Err(error) => (Ending::Failed(format!("cannot be run: {error}")), Duration::ZERO, String::new()),
+        Err(error) => (Ending::Failed(format!("cannot be started: {error}")), Duration::ZERO, String::new()),
     };
     let done = Done { name, ending, time, limit: LIMIT };
     let seconds = done.time.as_secs_f64();
@@ -143,7 +147,7 @@ fn listed(binary: &Binary) -> Result<Vec<Option<String>>, String> {
     match watched.status {
         Some(status) if status.success() => Ok(names(&watched.output).into_iter().map(Some).collect()),
         Some(status) => Err(failed(format!("{status}\n{}", watched.output))),
-        None => Err(failed(format!("not within {} s", LIST_LIMIT.as_secs()))),
+        None => Err(failed(format!("no answer within {} s", LIST_LIMIT.as_secs()))),
     }
 }
 

@@ -11,13 +11,14 @@ use std::path::Path;
 use std::process::Command;
 
 /// The benches, and the packages that they are in.
-const BENCHES: [(&str, &str); 8] = [
+const BENCHES: [(&str, &str); 9] = [
     ("break-even", "parafovea-tests"),
     ("ears", "parafovea-ears"),
     ("frame", "parafovea-tests"),
     ("kernels", "parafovea-layer"),
     ("models", "parafovea-models"),
     ("overhead", "parafovea-tests"),
+    ("rails", "parafovea-models"),
     ("reuse", "parafovea-tests"),
     ("status", "parafovea-tests"),
 ];
@@ -34,7 +35,7 @@ pub fn demo(arguments: &[String]) -> Result<(), String> {
     setup_for_demo()?;
     let mut steps = Steps::default();
     eprintln!(
-        "cargo dev: building the layer, a runtime without a headset, our scene (with wgpu), the zoo of rendering styles, and the judge of pictures"
+        "cargo dev: building the layer, the mock runtime, our test scene (with wgpu), the zoo of rendering styles, and the image comparison"
     );
     let mut cargo = workspace("build");
     DEMO.iter().for_each(|program| _ = cargo.args(["--bin", program]));
@@ -53,7 +54,7 @@ pub fn test(arguments: &[String]) -> Result<(), String> {
     eprint!("{summary}");
     match summary.failed() {
         0 => Ok(()),
-        failed => Err(format!("{failed} of the tests")),
+        failed => Err(format!("{failed} tests")),
     }
 }
 
@@ -101,7 +102,7 @@ pub fn faults(arguments: &[String]) -> Result<(), String> {
         [] => "",
         [wanted] => wanted,
         [_, extra, ..] => {
-            return Err(format!("`faults` takes one part of a cell's name, and got `{extra}` too"));
+            return Err(format!("`faults` accepts one part of the cell names; unexpected: `{extra}`"));
         }
     };
     setup(Voice::Implied)?;
@@ -160,13 +161,13 @@ pub fn gpu(arguments: &[String]) -> Result<(), String> {
 /// One bench, by name.
 pub fn bench(arguments: &[String]) -> Result<(), String> {
     let Some((name, rest)) = arguments.split_first() else {
-        return Err(format!("bench needs a name: {}", bench_names()));
+        return Err(format!("`bench` needs a name: {}", bench_names()));
     };
     if name == "--compare" {
         return compare(rest);
     }
     let Some((name, package)) = BENCHES.into_iter().find(|(known, _)| known == name) else {
-        return Err(format!("no bench `{name}`; benches: {}", bench_names()));
+        return Err(format!("unknown benchmark `{name}`; allowed: {}", bench_names()));
     };
     setup(Voice::Implied)?;
     let mut steps = Steps::default();
@@ -240,7 +241,7 @@ pub fn soak(arguments: &[String]) -> Result<(), String> {
 /// What users get: a release build, packed.
 pub fn dist(arguments: &[String]) -> Result<(), String> {
     if let Some(extra) = arguments.first() {
-        return Err(format!("`dist` takes no arguments, and got `{extra}`"));
+        return Err(format!("`dist` accepts no arguments; unexpected: `{extra}`"));
     }
     setup(Voice::Implied)?;
     let mut steps = Steps::default();

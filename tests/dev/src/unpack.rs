@@ -36,7 +36,7 @@ pub fn unpack(set: &Set) -> Result<PathBuf, String> {
     if !Path::new(KEYS).is_file() {
         return Err(format!("{KEYS} is missing"));
     }
-    eprintln!("cargo dev: unpacking packages of Debian {} to target/{}", set.suite, set.folder);
+    eprintln!("cargo dev: unpacking packages of Debian {} into target/{}", set.suite, set.folder);
     let work = to.with_extension("part");
     remove(&work)?;
     let apt = Apt::new(&work.join("apt"), set)?;

@@ -87,7 +87,7 @@ impl PipeWire {
         let log = File::options().create(true).append(true).open(self.path("log.txt"))?;
         let mut command = self.command(program);
         command.args(arguments).stdin(Stdio::null()).stdout(log.try_clone()?).stderr(log).process_group(0);
-        let process = command.spawn().with_context(|| format!("{program} (cargo dev setup brings it)"))?;
+        let process = command.spawn().with_context(|| format!("{program} (cargo dev setup installs it)"))?;
         self.processes.insert(0, (program, process));
         Ok(())
     }

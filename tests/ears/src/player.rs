@@ -68,8 +68,8 @@ impl Player {
             ..PlaybackStreamParams::default()
         };
         let stream = client.create_playback_stream(params, source.as_playback_source());
-        let stream =
-            block_on(stream, PATIENCE).context("the server makes no stream; has it an output?")??;
+        let stream = block_on(stream, PATIENCE)
+            .context("the server cannot create a stream; does it have an output?")??;
         Ok(Self { playing, _client: client, _stream: stream })
     }
 

@@ -87,7 +87,7 @@ impl Server {
             .env("XDG_RUNTIME_DIR", folder)
             .env("PULSE_RUNTIME_PATH", folder.join("pulse"));
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(log);
-        self.process = Some(command.spawn().context("pulseaudio (cargo dev setup brings it)")?);
+        self.process = Some(command.spawn().context("pulseaudio (cargo dev setup installs it)")?);
         let start = Instant::now();
         // The server answers when all is loaded.
         while self.command("stat").is_err() {

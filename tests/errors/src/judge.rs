@@ -44,7 +44,7 @@ pub enum JudgeError {
         eye: usize,
     },
     /// A view without extent, or a gaze without a direction.
-    #[error("frame {frame}, eye {eye}: the field of view spans no angle, or the gaze is no direction")]
+    #[error("frame {frame}, eye {eye}: the field of view is empty, or the gaze is not a direction")]
     View {
         /// Index of the frame.
         frame: usize,

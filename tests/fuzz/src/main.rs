@@ -47,7 +47,7 @@ fn parse(arguments: &[String]) -> Result<(Vec<&'static Target>, f64), String> {
             targets.retain(|target| target.name == argument);
             if targets.is_empty() {
                 return Err(format!(
-                    "no target {argument}; there are: {}",
+                    "unknown target {argument}; allowed: {}",
                     TARGETS.map(|target| target.name).join(", ")
                 ));
             }

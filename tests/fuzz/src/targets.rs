@@ -1,6 +1,7 @@
 //! What reads inputs of others, and what must hold of it.
 
 use parafovea::abi::pnext::{Header, MAX_LENGTH, Structure, chain};
+use parafovea::inputs::gaze::osc::{OscGaze, read};
 use parafovea::inputs::gaze::script::GazeScript;
 use parafovea::vk::FragmentShaders;
 use parafovea_audio::wav::Wav;
@@ -10,6 +11,7 @@ use parafovea_manifest::json::Half;
 use parafovea_mock_runtime::scenario::Scenario;
 use std::borrow::Cow;
 use std::io::Cursor;
+use std::net::SocketAddr;
 use std::path::Path;
 use std::ptr::null;
 
@@ -23,10 +25,11 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 8] = [
+pub const TARGETS: [Target; 9] = [
     Target { name: "config", execute: config },
     Target { name: "gaze", execute: gaze },
     Target { name: "manifest", execute: manifest },
+    Target { name: "osc", execute: osc },
     Target { name: "pnext", execute: pnext },
     Target { name: "scenario", execute: scenario },
     Target { name: "spirv", execute: spirv },
@@ -65,6 +68,26 @@ fn manifest(input: &[u8]) {
     let text = text(input);
     let taken = [Half::OpenXr, Half::Vulkan].map(|half| half.is_manifest(&text));
     assert!(taken != [true; 2] || text.matches("name").count() >= 2, "{taken:?}");
+}
+
+/// Packets from two senders give a direction or none, and each is counted. Lines of an input are packets; the first byte of each says
+/// whose it is, and how much later it came.
+fn osc(input: &[u8]) {
+    let (mut gaze, mut now_ns) = (OscGaze::new(45.0), 0i64);
+    // No text has this byte.
+    let packets = input.split(|byte| *byte == 0xf8);
+    for (number, packet) in (1..).zip(packets) {
+        let (first, bytes) = packet.split_first().unwrap_or((&0, &[]));
+        now_ns += i64::from(*first) * 5_000_000 - 100_000_000;
+        let sender = SocketAddr::from(([127, 0, 0, 1], 9000 + u16::from(first & 1)));
+        gaze.take(sender, read(bytes), now_ns);
+        let look = gaze.look();
+        assert_eq!(look.counts.packets, number);
+        assert!(look.rate_hz.is_finite() && look.rate_hz >= 0.0, "{look:?}");
+        if let Some(direction) = look.direction {
+            assert!((direction.length() - 1.0).abs() < 1e-3, "{direction}");
+        }
+    }
 }
 
 struct Sought;

@@ -17,7 +17,7 @@ pub use path::{Event, EyePath, HALF_IPD_M, Look};
 pub use region::{Region, union_area_deg2};
 pub use report::{Row, rows, table};
 pub use score::{Follower, Method, Radius, Score, follow, rail_bases_deg};
-pub use tracker::{LATENCY_S, Report, TrackerModel, nanoseconds};
+pub use tracker::{LATENCY_S, Report, TrackerErrors, TrackerModel, nanoseconds};
 
 /// Seeds of what is reported.
 pub const SEEDS: [u64; 5] = [7, 19, 42, 77, 105];

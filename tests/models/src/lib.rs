@@ -8,5 +8,6 @@ pub mod checks;
 pub mod debug_views;
 pub mod eyes;
 pub mod hard_cases;
+pub mod rails;
 pub mod reference;
 pub mod room;

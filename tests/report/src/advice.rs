@@ -30,8 +30,8 @@ pub fn advice(results: &Results, gpus: &[Results]) -> Vec<Advice> {
         reused(row("re-use 11223").or(row(EVERYTHING)), row("rates balanced")),
         Advice {
             application: "Limited by its own work on the CPU, or by few and cheap pixels",
-            setting: "nothing: start it without the layer".to_owned(),
-            measured: "what is saved are shaded pixels; `cargo dev bench break-even` says from which cost of a pixel on that pays"
+            setting: "nothing: run it without the layer".to_owned(),
+            measured: "the layer saves shaded pixels; `cargo dev bench break-even` measures the pixel cost above which that saves time"
                 .to_owned(),
         },
     ]
@@ -41,16 +41,16 @@ fn on_a_gpu(rates: Option<&Row>, gpus: &[Results]) -> Advice {
     let measured = gpus.iter().filter(|results| !results.conditions.device_is_cpu).find_map(|results| {
         let rows = mean_rows(results);
         let ratio = rows.iter().find(|row| row.technique == "rates balanced")?.ratio?;
-        Some((ratio, format!("{ratio:.2} of the GPU time on {}", results.conditions.device)))
+        Some((ratio, format!("{ratio:.2} times the GPU time on {}", results.conditions.device)))
     });
     let shades = rates.and_then(|row| row.samples.map(|samples| (samples, row.loss)));
     let (setting, measured) = match (measured, shades) {
         (Some((ratio, text)), _) if ratio < GAIN => (BALANCED, text),
-        (Some((_, text)), _) => ("nothing: it does not gain there", text),
+        (Some((_, text)), _) => ("nothing: the layer saves no time there", text),
         (None, Some((samples, loss))) => (
             BALANCED,
             format!(
-                "no GPU yet; the same map shades {samples:.2} of the samples here and loses {loss:.2} JND"
+                "no GPU yet; the same map shades {samples:.2} of the samples here, with a loss of {loss:.2} JND"
             ),
         ),
         (None, None) => (BALANCED, "no GPU yet".to_owned()),
@@ -67,12 +67,12 @@ const BALANCED: &str = "preset = \"balanced\", which is the default";
 fn by_the_mask(results: &Results, rates: Option<&Row>) -> Advice {
     let ratio = rates.and_then(|row| row.ratio).filter(|_| results.conditions.backend == "mask");
     let (setting, measured) = match ratio {
-        Some(ratio) if ratio < GAIN => (BALANCED, format!("{ratio:.2} of the time here, by the mask")),
-        Some(ratio) => ("rates.mode = \"off\"", format!("{ratio:.2} times the time here, by the mask")),
-        None => (BALANCED, "not measured here; the gate drops it where it does not pay".to_owned()),
+        Some(ratio) if ratio < GAIN => (BALANCED, format!("{ratio:.2} times the time here, with the mask")),
+        Some(ratio) => ("rates.mode = \"off\"", format!("{ratio:.2} times the time here, with the mask")),
+        None => (BALANCED, "not measured here; rates.gate drops it if it causes a slowdown".to_owned()),
     };
     Advice {
-        application: "Limited by its pixels, on a device without that extension, or drawn by the CPU",
+        application: "Limited by its pixels, on a device without that extension, or on a CPU",
         setting: setting.to_owned(),
         measured,
     }
@@ -99,7 +99,7 @@ fn streamed(results: &Results, chroma: Option<&Row>) -> Advice {
         _ => ("chroma.mode = \"off\"", "bits were not measured".to_owned()),
     };
     Advice {
-        application: "Shown over a network, as video (WiVRn, ALVR, Steam Link)",
+        application: "Streamed to the headset as video (WiVRn, ALVR, Steam Link)",
         setting: setting.to_owned(),
         measured,
     }
@@ -111,20 +111,20 @@ fn reused(reuse: Option<&Row>, rates: Option<&Row>) -> Advice {
     let (setting, measured) = match (reuse, ratio(reuse), ratio(rates)) {
         (Some(row), Some(own), _) if own >= GAIN => (
             "reuse.mode = \"off\", which is the default",
-            format!("{} takes {own:.2} of the time", row.technique),
+            format!("{} takes {own:.2} times as long", row.technique),
         ),
         (Some(row), Some(own), Some(rates)) if own >= rates => (
-            "reuse.mode = \"off\", which is the default: rates gain more",
-            format!("{} takes {own:.2} of the time, rates alone {rates:.2}", row.technique),
+            "reuse.mode = \"off\", which is the default: rates save more",
+            format!("{} takes {own:.2} times as long, rates alone {rates:.2}", row.technique),
         ),
         (Some(row), Some(own), _) => (
             "reuse.mode = \"on\"",
-            format!("{} takes {own:.2} of the time and loses {:.2} JND", row.technique, row.loss),
+            format!("{} takes {own:.2} times as long, with a loss of {:.2} JND", row.technique, row.loss),
         ),
         _ => ("reuse.mode = \"off\", which is the default", "not measured".to_owned()),
     };
     Advice {
-        application: "Seated, with the head mostly still, and the periphery dear (a cockpit, a cinema)",
+        application: "Seated, with a mostly still head and an expensive periphery (a cockpit, a cinema)",
         setting: setting.to_owned(),
         measured,
     }

@@ -138,7 +138,7 @@ fn plan(arguments: &Arguments) -> Result<Plan, String> {
         for wanted in &arguments.techniques {
             if !all.iter().any(|point| point.technique.name == *wanted) {
                 let names: Vec<&str> = all.iter().map(|point| point.technique.name.as_str()).collect();
-                return Err(format!("there is no technique `{wanted}`; there are {}", names.join(", ")));
+                return Err(format!("unknown technique `{wanted}`; allowed: {}", names.join(", ")));
             }
         }
         let is_wanted = |name: &String| name == "off" || arguments.techniques.contains(name);

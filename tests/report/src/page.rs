@@ -45,7 +45,7 @@ pub fn page(results: &Results, gpus: &[Results], pictures: &Pictures) -> Result<
             }
             body {
                 h1 { "Parafovea: speed against error" }
-                p { "How much faster, how wrong, on what, and against what a user would do instead." }
+                p { "Speed and error of each technique, compared with the alternatives that users have." }
                 (first_screen(results, gpus, &contests))
                 h2 { "All techniques, mean of " (results.scenes.len()) " scenes" }
                 (table(results, &mean_rows(results), &gpu_rows))
@@ -84,7 +84,7 @@ fn first_screen(results: &Results, gpus: &[Results], contests: &[(&SceneResults,
     let conditions = &results.conditions;
     html! {
         table.words {
-            tr { th { "Your application is ..." } th { "Switch on" } th { "Measured" } }
+            tr { th { "Your application is ..." } th { "Setting" } th { "Measured" } }
             @for advice in advice(results, gpus) {
                 tr { td { (advice.application) } td { (advice.setting) } td { (advice.measured) } }
             }
@@ -96,13 +96,13 @@ fn first_screen(results: &Results, gpus: &[Results], contests: &[(&SceneResults,
         }
         @if conditions.device_is_cpu {
             p.note {
-                "This device is a CPU that draws in software. Its times are those of the fallback, the mask, on such a device: "
-                b { "they are not the speed that a user with a GPU sees." } " Errors are those of any device."
+                "This device renders on the CPU. Times are those of the fallback, the mask, on such a device: "
+                b { "they do not show the speed on a GPU." } " Errors are the same on every device."
             }
         }
         p.note {
-            "Estimates, of 2 x 2160 x 2160 pixels: nobody measured them. By instructions that Mesa's compilers make, and data sheets, the least and the \
-             greatest of " (estimates::gpus()) " (tests/baselines/drivers.md)."
+            "Estimates for 2 x 2160 x 2160 pixels, not measurements: from the instructions that Mesa's compilers generate and from data sheets, the least \
+             and the greatest of " (estimates::gpus()) " (tests/baselines/drivers.md)."
         }
     }
 }
@@ -121,9 +121,9 @@ fn who_wins(results: &Results, contests: &[(&SceneResults, Contest)]) -> Markup 
     };
     html! {
         @if !techniques.is_empty() {
-            p { "In how many of " (results.scenes.len()) " scenes less contrast is lost than by what costs as much on this device:" }
+            p { "Number of scenes, out of " (results.scenes.len()) ", with a lower contrast loss than the alternative at equal cost on this device:" }
             table.words {
-                tr { th { "ours" } @for (rival, measure) in &columns { th { "than by " (rival.title()) ", " (measure.text()) } } }
+                tr { th { "ours" } @for (rival, measure) in &columns { th { "than " (rival.title()) ", " (measure.text()) } } }
                 @for technique in techniques {
                     tr {
                         td { (technique) }
@@ -155,19 +155,19 @@ fn how_to_read(conditions: &Conditions) -> Markup {
         ul.note {
             li {
                 "Times are medians of " (frames) " frames with both eyes at " (size) " x " (size) ", after a run-up of " (run_up)
-                ", in " (turns) " turns. In a turn all techniques run side by side, a frame each, so that what else the machine does falls on all; \"x off\" is the ratio of the sums of a turn, in the mean of the middle half of the turns. What a process does while others have their turn, such as listening to sound, is not counted. p99 is what one frame in a hundred exceeds."
+                ", in " (turns) " turns. In a turn all techniques alternate, one frame each, so that other load on the machine affects all of them; \"x off\" is the ratio of the sums of a turn, as the mean of the middle half of the turns. Work of a process while others have their turn, such as sound capture, is not counted. p99 is the 99th percentile."
             }
             li {
                 "Errors are of " (judged) " of these frames at " (side) " x " (side) ", with a saccade of at least 10 degrees in their middle, against the same frames of the application "
-                "alone, at where the eyes truly look; the application sees a tracker that is 58 ms late, half a degree off, and noisy. JND: change of "
-                "contrast that stays, in just noticeable differences of castleCSF, by ring of degrees from the gaze. Contrast loss: that and what comes and goes, in the mean of the whole view. Detected: the same, but added up over the view as "
-                "probability summation has it, by powers of 3.5 (Robson and Graham 1981), so that what is far below what is just seen does not count, however much there is of it."
+                "alone, at the true gaze; the application gets a gaze that is 58 ms late, half a degree off, and noisy. JND: sustained change of "
+                "contrast, in just-noticeable differences of castleCSF, by ring of degrees from the gaze. Contrast loss: sustained and transient change, as the mean of the whole view. Detected: the same, but summed over the view by "
+                "probability summation with an exponent of 3.5 (Robson and Graham 1981), so that losses far below the threshold do not count, however many there are."
             }
             li {
-                "Flicker is RMS contrast at 8 to 30 Hz. Fragments are as the device counts them, which on lavapipe 22.3.6 is before the early depth test; samples are what passes it. "
-                "With FR they contain the application's own template and fill."
+                "Flicker is RMS contrast at 8 to 30 Hz. Fragments are as the device counts them, on lavapipe 22.3.6 before the early depth test; samples are those that pass the test. "
+                "With FR they include the template and fill of the application."
             }
-            li { "The layer's gate is open: nothing is dropped because it does not pay. By default it would be." }
+            li { "rates.gate is \"on\", so that no technique is dropped. By default, a technique that causes a slowdown is dropped." }
         }
     }
 }
@@ -179,12 +179,12 @@ fn plots(results: &Results, gpus: &[Results]) -> Result<Markup, String> {
     }
     Ok(html! {
         @for (backend, results, svg) in all {
-            h3 { "By " (backend) ", on " (results.conditions.device) @if results.conditions.device_is_cpu { " (the fallback)" } }
+            h3 { "With " (backend) ", on " (results.conditions.device) @if results.conditions.device_is_cpu { " (the fallback)" } }
             (PreEscaped(svg))
         }
-        p.note { "Thin: a line a scene. Thick, with dots: the mean of the scenes. Left is cheaper, down is better." }
+        p.note { "Thin lines: one scene each. Thick lines with dots: the mean of the scenes. Further left is faster, further down is better." }
         @if gpus.is_empty() {
-            p.note { "By rate attachments on a GPU: none yet (" code { "cargo dev report --system-driver --keep" } " on one makes it)." }
+            p.note { "With rate attachments on a GPU: none yet (" code { "cargo dev report --system-driver --keep" } " measures it)." }
         }
     })
 }
@@ -192,11 +192,11 @@ fn plots(results: &Results, gpus: &[Results]) -> Result<Markup, String> {
 fn equal_cost(results: &Results, contests: &[(&SceneResults, Contest)]) -> Markup {
     html! {
         p.note {
-            "What each other sweep loses where it costs the same, on a line over the logarithm of the cost between its points, of which the application alone is one. "
-            "Intervals hold 95 % of 1000 draws of blocks of 5 frames, both from the same frames; one that has 0 in it is a tie."
+            "Contrast loss of each alternative at equal cost, interpolated over the logarithm of the cost between its points, which include the application alone. "
+            "Intervals contain 95 % of 1000 bootstrap samples of blocks of 5 frames, the same frames for both; an interval that contains 0 is a tie."
         }
         table {
-            tr { @for title in ["scene", "ours", "x off", "loss, JND", "which", "against", "its loss there", "difference", "verdict"] { th { (title) } } }
+            tr { @for title in ["scene", "ours", "x off", "loss, JND", "which", "against", "loss of the alternative", "difference", "verdict"] { th { (title) } } }
             @for (scene, contest) in contests {
                 tr {
                     td { (scene.scene) }
@@ -215,7 +215,7 @@ fn equal_cost(results: &Results, contests: &[(&SceneResults, Contest)]) -> Marku
             }
         }
         @if contests.iter().any(|(_, contest)| contest.verdict != Verdict::Wins) {
-            h3 { "Where it does not win, and why" }
+            h3 { "Scenes without a win, and the reasons" }
             ul {
                 @for (scene, contest) in contests.iter().filter(|(_, contest)| contest.verdict != Verdict::Wins) {
                     li {
@@ -248,11 +248,11 @@ fn bits(results: &Results) -> Markup {
     html! {
         @if rows.is_empty() { p { "Not measured." } } @else {
             p.note {
-                "BD-rate: the mean difference in bits at equal PSNR of luma, decoded against what was encoded, at four settings of quality, of the pictures that the eyes see; chroma's bits are what is left without those of "
+                "BD-rate: the mean difference in bits at equal PSNR of luma, of the decoded against the encoded image, at four quality settings, for the eye buffers; chroma bits are all bits without those of "
                 "luma alone. Chroma attenuation saves no time."
             }
             table {
-                tr { @for title in ["scene", "codec", "all bits", "chroma's bits"] { th { (title) } } }
+                tr { @for title in ["scene", "codec", "all bits", "chroma bits"] { th { (title) } } }
                 @for (scene, bits) in &rows {
                     tr { td { (scene) } td { (bits.codec) } td { (percent(bits.total)) } td { (percent(bits.chroma)) } }
                 }
@@ -306,7 +306,7 @@ fn finely(fine: &Fine) -> Markup {
     html! {
         h2 { "At " (format!("{:.1}", fine.pixels_per_degree)) " pixels per degree" }
         p.note {
-            (fine.scene) ", " (frames) " frames at " (size) " x " (size) " after " (run_up) ", while the eyes rest: errors alone, in JND that stay, by ring."
+            (fine.scene) ", " (frames) " frames at " (size) " x " (size) " after " (run_up) ", while the eyes rest: errors only, in sustained JND, by ring."
         }
         table {
             tr { th { "technique" } @for ring in RING_NAMES { th { (ring) "°" } } th { "contrast loss" } }
@@ -320,7 +320,7 @@ fn finely(fine: &Fine) -> Markup {
 fn hard_cases(cases: &[HardCase]) -> Markup {
     let wrong = cases.iter().filter(|case| !case.passed).count();
     html! {
-        p { (cases.len()) " cases, " (wrong) " wrong. The last column is the difference of single from double precision." }
+        p { (cases.len()) " cases, " (wrong) " wrong. The last column is the difference between single and double precision." }
         div.wide {
             table.words {
                 tr { @for title in ["model", "case", "expected", "got", "f32 error"] { th { (title) } } }

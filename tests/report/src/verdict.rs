@@ -177,10 +177,8 @@ fn in_frames(
 pub fn why_not(scene: &SceneResults, contest: &Contest) -> String {
     let mut reasons = Vec::new();
     if contest.cost >= 1.0 {
-        reasons.push(format!(
-            "it costs {:.2} times as much as the application alone, so that doing nothing is better",
-            contest.cost
-        ));
+        reasons
+            .push(format!("it costs {:.2} times as much as the application alone, a slowdown", contest.cost));
     }
     for sweep in [Sweep::Rates, Sweep::Reuse] {
         let alone = scene.points.iter().filter(|point| point.sweep == sweep);
@@ -193,7 +191,7 @@ pub fn why_not(scene: &SceneResults, contest: &Contest) -> String {
     let rates = scene.point("rates balanced").and_then(PointResults::cost_and_loss);
     if let Some(rates) = rates.filter(|rates| rates.cost < contest.cost && contest.measure == Measure::Mean) {
         reasons.push(format!(
-            "rates alone cost {:.2} and lose {:.2} JND, so that what is added to them costs {:.2} more than it saves",
+            "rates alone cost {:.2} and lose {:.2} JND, so that the other techniques add {:.2} to the cost",
             rates.cost,
             rates.loss,
             contest.cost - rates.cost
@@ -203,7 +201,10 @@ pub fn why_not(scene: &SceneResults, contest: &Contest) -> String {
         let sum = |rings: &[Option<f64>]| rings.iter().flatten().sum::<f64>();
         let (stays, comes_and_goes) = (sum(&errors.sustained), sum(&errors.transient));
         if comes_and_goes > stays {
-            reasons.push("most of what it loses comes and goes: the eyes have jumped ahead of the map, or re-used tiles alternate".to_owned());
+            reasons.push(
+                "most of its loss is transient: the eyes move ahead of the map, or re-used tiles alternate"
+                    .to_owned(),
+            );
         }
     }
     if reasons.is_empty() {

@@ -126,7 +126,7 @@ pub fn parse_foveation(text: &str) -> Result<Foveation, String> {
         text.split(',').collect::<Vec<_>>().try_into().map_err(|_| expected())?;
     let angle = |text: &str| match text.parse::<f32>() {
         Ok(angle @ 0.0..=180.0) => Ok(angle),
-        _ => Err(format!("{text:?} is no angle from 0 to 180 degrees")),
+        _ => Err(format!("{text:?} is not an angle from 0 to 180 degrees")),
     };
     let (foveal_deg, transitional_deg) = (angle(foveal)?, angle(transitional)?);
     if foveal_deg > transitional_deg {

@@ -37,6 +37,6 @@ fn show(json: bool) -> Result<(), HarnessError> {
         return demo::print_json(&findings, &savings);
     }
     demo::print_tables(&findings, &savings);
-    println!("\nPictures (off | on | difference x 8 | rates drawn over): {}", folder.display());
+    println!("\nPictures (off | on | difference x 8 | shading rates): {}", folder.display());
     Ok(())
 }

@@ -70,9 +70,9 @@ fn check(request: &Request) -> Result<(), String> {
         println!("{}\n{}", matrix.table(), matrix.summary());
     }
     match (matrix.runs().count(), matrix.faults().len()) {
-        (0, _) => Err(format!("no device and program have `{}` in their names", request.part)),
+        (0, _) => Err(format!("no combination of device and program has `{}` in its name", request.part)),
         (_, 0) => Ok(()),
-        (runs, faults) => Err(format!("something was wrong in {faults} of {runs} runs")),
+        (runs, faults) => Err(format!("{faults} of {runs} runs failed")),
     }
 }
 

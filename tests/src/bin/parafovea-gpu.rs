@@ -53,7 +53,7 @@ impl Request {
                 "--frames" => request.timed.frames = number("--frames", &value(), 20)?,
                 "--size" => request.timed.size = number("--size", &value(), 16)? as u32,
                 "--turns" => request.turns = number("--turns", &value(), 0)? as usize,
-                other => return Err(format!("unknown argument `{other}`; there are {ARGUMENTS}")),
+                other => return Err(format!("unknown argument `{other}`; allowed: {ARGUMENTS}")),
             }
         }
         Ok(request)

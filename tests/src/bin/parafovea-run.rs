@@ -38,7 +38,7 @@ fn parse(arguments: Vec<OsString>) -> Result<Request, String> {
                     Some("system") => false,
                     _ => {
                         return Err(format!(
-                            "--runtime is mock or system, not {}\n{USAGE}",
+                            "--runtime must be mock or system, not {}\n{USAGE}",
                             runtime.display()
                         ));
                     }
@@ -51,7 +51,7 @@ fn parse(arguments: Vec<OsString>) -> Result<Request, String> {
                 request.config = Some(absolute);
             }
             Some("--") => request.command.extend(arguments.by_ref()),
-            _ => return Err(format!("{} is not understood\n{USAGE}", argument.display())),
+            _ => return Err(format!("unknown argument {}\n{USAGE}", argument.display())),
         }
     }
     if request.command.is_empty() { Err(USAGE.to_owned()) } else { Ok(request) }

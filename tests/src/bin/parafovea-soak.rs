@@ -107,13 +107,13 @@ impl Trend {
         let lives: Vec<Life> = lives.collect();
         let part = lives.len() / 5;
         if part == 0 {
-            eprintln!("{name}: too short, only {} lives", lives.len());
+            eprintln!("{name}: too short, only {} runs of the application", lives.len());
             return None;
         }
         let [first, last] = [&lives[part..2 * part], &lives[lives.len() - part..]].map(typical);
         let growth = last.resident as i64 - first.resident as i64;
         println!(
-            "{name}: {} lives, then {} to {} kB resident ({:+} kB), {} to {} threads, {} to {} descriptors",
+            "{name}: {} runs of the application, then {} to {} kB resident ({:+} kB), {} to {} threads, {} to {} descriptors",
             lives.len(),
             first.resident / 1024,
             last.resident / 1024,

@@ -18,7 +18,7 @@ impl Decision {
         let Some(status) = status else { return Self::left_alone("the layer reported no status") };
         let gate = &status.rates_gate;
         let measured = gate.ratio.map_or(String::new(), |[ratio, low, high]| {
-            format!("frames cost {ratio:.2} ({low:.2} to {high:.2}) times as much with coarser shading")
+            format!("{ratio:.2} times the cost per frame ({low:.2} to {high:.2}) with coarser shading")
         });
         if !status.inert.is_empty() {
             return Self::left_alone(&status.inert);
@@ -26,22 +26,29 @@ impl Decision {
         if status.backend == "none" {
             let refused = status.decisions.iter().rfind(|decision| decision.starts_with("no "));
             return Self::left_alone(
-                refused.map_or("the device has no way to shade coarsely", String::as_str),
+                refused.map_or("the device does not support coarser shading", String::as_str),
             );
         }
         if !gate.is_kept {
-            return Self::left_alone(&format!("by the gate's trials {measured}"));
+            return Self::left_alone(&format!("trials measured {measured}"));
         }
         if status.passes_matched == 0 {
-            let last = status.decisions.last().map_or("no pass was recognised as the scene", String::as_str);
-            return Self::left_alone(last);
+            let has = |words: &str| status.decisions.iter().rfind(|decision| decision.contains(words));
+            let refused =
+                has("left alone by the mask backend: ").or(has("active, but without visible effect"));
+            let why = match (refused, has(": the scene: ")) {
+                (Some(refused), _) => refused.as_str(),
+                (None, Some(_)) => "the scene was recognised, but not shaded coarsely in the last frame",
+                (None, None) => "no render pass was recognised as the scene",
+            };
+            return Self::left_alone(why);
         }
         let passes =
             if status.passes_matched == 1 { "1 pass" } else { &format!("{} passes", status.passes_matched) };
         let trials = if measured.is_empty() {
-            "the gate's trials have shown nothing yet".to_owned()
+            "trials have no result yet".to_owned()
         } else {
-            format!("by the gate's trials {measured}")
+            format!("trials measured {measured}")
         };
         let decided = format!("engaged: {} in {passes}; {trials}", status.backend);
         Self { engaged: true, decided }
@@ -75,13 +82,15 @@ mod tests {
             pays,
             (
                 true,
-                "engaged: mask in 2 passes; by the gate's trials frames cost 0.70 (0.65 to 0.75) times as much with coarser shading"
+                "engaged: mask in 2 passes; trials measured 0.70 times the cost per frame (0.65 to 0.75) with coarser shading"
                     .to_owned()
             )
         );
         let (engaged, dear) = told(&status(false, Some([1.3, 1.2, 1.4]), 0));
         assert!(
-            !engaged && dear.starts_with("left alone: ") && dear.contains("1.30 (1.20 to 1.40)"),
+            !engaged
+                && dear.starts_with("left alone: ")
+                && dear.contains("1.30 times the cost per frame (1.20 to 1.40)"),
             "{dear}"
         );
         let unclear = told(&status(true, None, 1));
@@ -95,10 +104,16 @@ mod tests {
                     .to_owned()
             )
         );
+        // A decision in favour of coarse shading is no reason against it.
+        let decisions = ["pass 8x8: the scene: left eye: named", "scene passes of 8x8: masked"];
+        let masked = Status { decisions: decisions.map(str::to_owned).into(), ..status(true, None, 0) };
+        assert!(told(&masked).1.contains("not shaded coarsely in the last frame"));
+        let unrecognised = Status { decisions: Vec::new(), ..status(true, None, 0) };
+        assert!(told(&unrecognised).1.contains("no render pass was recognised"));
         let inert = Status { inert: "Direct3D".to_owned(), ..status(true, None, 2) };
         assert_eq!(told(&inert), (false, "left alone: Direct3D".to_owned()));
         let backend = Status { backend: "none".to_owned(), ..status(true, None, 2) };
-        assert!(told(&backend).1.contains("no way to shade coarsely"));
+        assert!(told(&backend).1.contains("does not support coarser shading"));
         let decisions = ["no rate attachments", "no masks either: Vulkan 1.0"].map(str::to_owned).into();
         let refused = Status { decisions, ..backend };
         assert_eq!(told(&refused), (false, "left alone: no masks either: Vulkan 1.0".to_owned()));

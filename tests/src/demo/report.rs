@@ -6,7 +6,7 @@ use parafovea_errors::RING_NAMES;
 
 /// Prints costs, decisions and errors, an application a row.
 pub fn print_tables(findings: &[Finding], savings: &[Saving]) {
-    println!("\nCost of a frame with both eyes, without and with the layer (preset \"balanced\"):\n");
+    println!("\nCost per frame, both eyes, without and with the layer (preset \"balanced\"):\n");
     println!(
         "{:<14}{:>11}{:>11}{:>15}{:>15}{:>15}{:>8}",
         "application", "CPU ms off", "on", "ratio", "samples off", "on", "ratio"
@@ -31,9 +31,9 @@ pub fn print_tables(findings: &[Finding], savings: &[Saving]) {
         println!("{:<14}{}", finding.app, finding.decision.decided);
     }
     println!(
-        "\nError: largest difference within 5 degrees of the gaze (of 255), and lost contrast in just noticeable"
+        "\nError: largest difference within 5 degrees of the gaze (of 255), and contrast loss in just-noticeable"
     );
-    println!("differences (JND), by degrees from the gaze, in the mean of the view, and as detected:\n");
+    println!("differences (JND): by degrees from the gaze, as the mean of the view, and as detected:\n");
     print!("{:<14}{:>7}", "application", "fovea");
     RING_NAMES.iter().for_each(|ring| print!("{ring:>8}"));
     println!("{:>8}{:>10}", "view", "detected");
@@ -44,12 +44,12 @@ pub fn print_tables(findings: &[Finding], savings: &[Saving]) {
         }
         println!("{:>8.2}{:>10.2}", finding.jnd_view, finding.jnd_detected);
     }
-    println!("\nOff in that preset, each alone:\n");
+    println!(
+        "\nTechniques that are off in that preset, each alone, relative to the application without the layer:\n"
+    );
     for Saving { app, technique, saves, left, ratio } in savings {
         let left = left.map_or("-".to_owned(), |left| format!("{left:.2}"));
-        println!(
-            "{app}: {technique}: {saves}: {left} of those without; CPU time: {ratio:.2} of that without"
-        );
+        println!("{app}: {technique}: {saves} x {left}, CPU time x {ratio:.2}");
     }
 }
 

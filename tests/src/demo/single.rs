@@ -46,7 +46,7 @@ pub fn savings(
 
     let off = Observed::of(exhibit, &techniques[0], progress)?;
     let reused = Observed::of(exhibit, &reuse, progress)?;
-    let ages = Technique::layer("ages drawn over", &format!("{REUSE}[debug]\nview = \"age\"\n"));
+    let ages = Technique::layer("tile ages", &format!("{REUSE}[debug]\nview = \"age\"\n"));
     let ages = Observed::picture_of(exhibit, &ages, progress)?;
     strip::save(&folder.join("reuse_saves_shading.png"), [&off.picture, &reused.picture, &ages])?;
 

@@ -1,8 +1,10 @@
 //! The gaze is private: unless a recording is asked for by name, nothing that is written, to a file or elsewhere, has it.
 
 use super::{following, scenario};
+use crate::osc::{Sender, message};
 use parafovea_tests::run::{Application, Run};
 use parafovea_trial::{Lack, skip};
+use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -126,6 +128,18 @@ fn no_write_has_the_gaze_in_it_and_nothing_is_sent() {
     assert!(followed.len() > 3, "{followed:#?}");
     assert_eq!(betraying(&followed, &signs()), Vec::<&String>::new());
     assert_eq!(sockets(&followed), sockets(&reference));
+
+    // A gaze from packets is received, and never sent on or written: one socket, and no connection.
+    let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let sender = Sender::tracker(address, vec![message("/tracking/eye/CenterPitchYaw", &[-UP, -LEFT])]);
+    let lines = format!("osc_listen = \"{address}\"");
+    let config = following(&lines).replace("\"eyes\"", "\"osc\"");
+    let received = trace(Some(&format!("{config}[log]\nlevel = \"debug\"\n")), folder.path());
+    drop(sender);
+    assert_eq!(betraying(&received, &signs()), Vec::<&String>::new());
+    assert_eq!(sockets(&received), sockets(&reference) + 1);
+    let sent = |line: &&String| line.contains("sendto(") && !line.contains(", \"\", 0,");
+    assert_eq!(received.iter().filter(sent).count(), reference.iter().filter(sent).count());
 
     // The same search finds a recording that was asked for.
     let file: PathBuf = folder.path().join("gaze.csv");

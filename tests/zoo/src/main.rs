@@ -20,7 +20,7 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     };
     let Some(style) = style(name) else {
-        eprintln!("no style {name}: --list prints the names");
+        eprintln!("unknown style {name}; to list the styles: --list");
         return ExitCode::from(2);
     };
     match run(style, &options) {

@@ -39,7 +39,7 @@ const EVERYTHING: &str = "[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n[debug]\nview = \"eccentricity\"\n";
 
 /// A software device that compiles on a busy machine is behind for seconds, which is told, and no error.
-const LATE: &str = "earlier pictures are shown until the device catches up";
+const LATE: &str = "earlier images are shown until the device catches up";
 
 /// How the device looks: as it is, for masks, or as if it had shading rates.
 type Device = Option<ShadingRateProfile>;

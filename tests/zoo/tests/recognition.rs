@@ -73,7 +73,7 @@ fn is_elsewhere(pass: &PassTruth) -> bool {
 /// Whether a pass is taken for what it is. An image that serves one eye after the other is both eyes': what is finer of both
 /// holds. Passes without colours that could be coarser (depth, numbers) are left alone, whose eye's they may be.
 fn is_right(noted: &Noted, truth: &PassTruth) -> bool {
-    let is_left_alone = noted.why.starts_with("no colour") || noted.why.contains("holds no colours");
+    let is_left_alone = noted.why.starts_with("no colour") || noted.why.contains("is not a colour format");
     let expected: &[&str] = match truth.eyes {
         Eyes::Left => &["left", "both"],
         Eyes::Right => &["right", "both"],

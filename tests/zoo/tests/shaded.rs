@@ -43,7 +43,7 @@ const COUNTS_ITSELF: &str = "occlusion";
 
 /// What the log says where a template keeps fragments out, and where shaders return early.
 const TEMPLATE: &str = ": masked";
-const EARLY_RETURN: &str = "masked in their shaders";
+const EARLY_RETURN: &str = "masked in their fragment shaders";
 
 /// Looking straight ahead, never dropped.
 const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n";

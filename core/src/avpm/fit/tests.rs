@@ -78,7 +78,7 @@ fn too_few_entries_are_an_error() {
     assert_eq!(fit(&repeated), Err(FitError::TooFewRows { found: 3 }));
     assert_eq!(
         fit(&three).unwrap_err().to_string(),
-        "3 entries with different features; 4 coefficients need as many at least"
+        "3 entries with different features; 4 coefficients need at least as many"
     );
 }
 
@@ -92,7 +92,7 @@ fn features_that_cannot_be_told_apart_are_named() {
     assert_eq!(error, FitError::Constant { features: vec![Feature::VisualLoss], rank: 3 });
     assert_eq!(
         error.to_string(),
-        "visual loss (gamma_vis) never vary, so that their weight cannot be told (rank 3 of 4)"
+        "visual loss (gamma_vis) never vary, so their weight cannot be determined (rank 3 of 4)"
     );
     let loudness_only: Vec<Entry> =
         (0..9).map(|i| entry(i as f32, 1.5, 700.0, 3.0 + i as f32 * 0.1)).collect();

@@ -27,20 +27,23 @@ fn a_study_is_read_in_either_unit_and_any_order() {
 #[test]
 fn errors_say_where_what_and_what_is_allowed() {
     for (row, message) in [
-        ("-18.5,5.4,0,good", "line 3, column mu: \"good\" is not allowed; a number from 0 to 100 is"),
+        ("-18.5,5.4,0,good", "line 3, column mu: \"good\" is not allowed; allowed: a number from 0 to 100"),
         (
             "-18.5,5420,0,4",
-            "line 3, column frequency_khz: \"5420\" is not allowed; a number from 0.02 to 20 is",
+            "line 3, column frequency_khz: \"5420\" is not allowed; allowed: a number from 0.02 to 20",
         ),
         (
             "-inf,5.4,0,4",
-            "line 3, column loudness_lufs: \"-inf\" is not allowed; a number from -200 to 20 is",
+            "line 3, column loudness_lufs: \"-inf\" is not allowed; allowed: a number from -200 to 20",
         ),
         (
             "-18.5,5.4,NaN,4",
-            "line 3, column gamma_vis: \"NaN\" is not allowed; a number from 0 to 1000000000 is",
+            "line 3, column gamma_vis: \"NaN\" is not allowed; allowed: a number from 0 to 1000000000",
         ),
-        ("-18.5,5.4,,4", "line 3, column gamma_vis: \"\" is not allowed; a number from 0 to 1000000000 is"),
+        (
+            "-18.5,5.4,,4",
+            "line 3, column gamma_vis: \"\" is not allowed; allowed: a number from 0 to 1000000000",
+        ),
         ("-18.5,5.4,0", "line 3 has 3 fields; the header has 4"),
     ] {
         assert_eq!(rejected(&format!("{HEADER}-20,1,0,3\n{row}\n")), message);
@@ -51,11 +54,11 @@ fn errors_say_where_what_and_what_is_allowed() {
     );
     assert_eq!(
         rejected("gamma_fq,loudness_lufs,frequency_khz,gamma_vis,mu\n"),
-        "line 1: frequency_khz and gamma_fq say the same; leave one of them out",
+        "line 1: frequency_khz and gamma_fq have the same meaning; remove one of them",
     );
     assert_eq!(
         rejected("loudness_lufs,frequency_khz,gamma_vis,mu,mu\n"),
-        "line 1: mu and mu say the same; leave one of them out",
+        "line 1: mu and mu have the same meaning; remove one of them",
     );
     for newline in ["\n", "\r\n"] {
         let text = format!("# a\n\n{HEADER}-20,1,0,3\n\n# b\n#c\n-20,1,0,x\n").replace('\n', newline);

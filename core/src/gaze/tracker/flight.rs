@@ -55,6 +55,8 @@ pub(super) struct Landing {
     pub(super) directions: [Vec3; 2],
     /// Standard deviation, degrees.
     pub(super) error_deg: f32,
+    /// When, by the main sequence from the last sample before the saccade showed: no later than it is expected.
+    pub(super) time_ns: i64,
 }
 
 impl Flight {
@@ -62,7 +64,7 @@ impl Flight {
     pub(super) fn new(start: Moment, first: Moment, noise_deg: f32) -> Self {
         let seconds = first.seconds_since(start.time_ns);
         let speed_deg_s = first.angle_deg(start.directions) / seconds;
-        let landing = Landing { directions: first.directions, error_deg: 0.0 };
+        let landing = Landing { directions: first.directions, error_deg: 0.0, time_ns: start.time_ns };
         let mut flight =
             Self { start, moments: [first; KEPT], count: 1, newest: first, speed_deg_s, landing };
         flight.landing = flight.predicted(noise_deg);
@@ -109,6 +111,7 @@ impl Flight {
         Landing {
             directions: self.start.directions.map(|from| (turn * from).normalize_or(from)),
             error_deg: deviation_deg.hypot(across_deg),
+            time_ns: self.start.time_ns.saturating_add((f64::from(duration_s(mean_deg)) * 1e9) as i64),
         }
     }
 
@@ -128,7 +131,7 @@ impl Flight {
         let mut amplitude = LEAST_AMPLITUDE_DEG;
         for _ in 0..AMPLITUDES {
             let scatter = noise_deg.hypot(PATH_ERROR * amplitude);
-            let duration = 0.021 + 0.0022 * amplitude;
+            let duration = duration_s(amplitude);
             let mut ways = 0.0f32;
             for departure in 0..DEPARTURES {
                 let left = window * f32::from(departure) / f32::from(DEPARTURES - 1) - UNSEEN_S;
@@ -155,6 +158,11 @@ impl Flight {
         let mean = mean / weights;
         (mean, (square / weights - mean * mean).max(0.0).sqrt())
     }
+}
+
+/// How long a saccade of an amplitude in degrees takes, seconds: the main sequence (Carpenter 1988).
+fn duration_s(amplitude_deg: f32) -> f32 {
+    0.021 + 0.0022 * amplitude_deg
 }
 
 /// The direction between both eyes'.

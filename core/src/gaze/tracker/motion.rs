@@ -52,6 +52,8 @@ pub(super) struct Motion {
     flight: Option<Flight>,
     /// When nothing was known last, or a saccade ended.
     settled_ns: i64,
+    /// Whether that was the landing of a saccade.
+    has_landed: bool,
     turning: bool,
     /// A sample that was too far away, until the next one says whether the eyes are there.
     suspect: Option<Moment>,
@@ -74,6 +76,7 @@ impl Motion {
             line: Line::new(moment),
             flight: None,
             settled_ns: moment.time_ns,
+            has_landed: false,
             turning: false,
             suspect: None,
             noise_deg: USUAL_NOISE_DEG,
@@ -156,6 +159,15 @@ impl Motion {
         self.settled_ns
     }
 
+    /// When the eyes land or have landed, by the clock of the samples: of a saccade in flight once a second sample has confirmed
+    /// it, and of the last thing that they did if that was a saccade.
+    pub(super) fn landing_ns(&self) -> Option<i64> {
+        match &self.flight {
+            Some(flight) => (!flight.is_single()).then_some(flight.landing.time_ns),
+            None => self.has_landed.then_some(self.settled_ns),
+        }
+    }
+
     /// Mean time between samples, seconds; 0 before there are two.
     pub(super) fn interval_s(&self) -> f32 {
         self.interval_s
@@ -212,10 +224,12 @@ impl Motion {
             self.flight = None;
             self.line = Line::new(moment);
             self.settled_ns = moment.time_ns;
+            self.has_landed = true;
         } else if moment.time_ns.saturating_sub(flight.first_ns()) > LONGEST_SACCADE_NS {
             self.flight = None;
             self.line = Line::through(&before, moment);
             self.settled_ns = moment.time_ns;
+            self.has_landed = false;
             self.turning = true;
         } else {
             let mut flight = flight;

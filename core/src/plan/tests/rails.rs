@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn nothing_coarsens_in_blinks_and_after_saccades() {
+fn nothing_coarsens_in_blinks_and_where_a_saccade_is_in_doubt() {
     for phase in [GazePhase::Blink, GazePhase::Saccade, GazePhase::PostSaccade] {
         let mut planner = Planner::new(fixed());
         settled(&mut planner, input());
@@ -21,6 +21,42 @@ fn nothing_coarsens_in_blinks_and_after_saccades() {
         let at_gaze = before.eyes[0].gaze_pixel().expect("the gaze is in view");
         let [x, y] = before.eyes[0].tile_of([at_gaze.x as u32, at_gaze.y as u32]);
         assert_eq!(before.eyes[0].rate(x, y), ShadingRate::R1X1, "refined where the gaze went");
+    }
+}
+
+#[test]
+fn where_the_eyes_left_is_coarse_at_once_in_a_saccade_outside_of_where_they_may_land() {
+    let ahead = input().gaze.directions[0];
+    let right = Vec3::new(0.6, 0.0, -0.8);
+    for (suppressed_octaves_per_s, error_deg, is_coarse) in [
+        (f32::INFINITY, 1.0, true),
+        (f32::INFINITY, 30.0, false),
+        (f32::INFINITY, f32::NAN, false),
+        (0.0, 1.0, false),
+    ] {
+        let rails = RailSettings { suppressed_octaves_per_s, ..RailSettings::default() };
+        let mut planner = Planner::new(PlanSettings { rails, ..fixed() });
+        settled(&mut planner, input());
+        let before = planner.newest().eyes[0].gaze_pixel().expect("the gaze is in view");
+        let phase = GazePhase::Saccade;
+        let gaze = GazeState {
+            phase,
+            is_suppressed: true,
+            velocity_deg_s: 300.0,
+            prediction_error_deg: Some(error_deg),
+            ..gaze(right, right)
+        };
+        let plan = planner.plan(&PlanInput { frame: 101, time_ns: 101 * FRAME_NS, gaze, ..input() });
+        assert!(plan.reasons.contains(Reason::Suppressed) && !plan.reasons.contains(Reason::Saccade));
+        let [x, y] = plan.eyes[0].tile_of([before.x as u32, before.y as u32]);
+        let left_behind = plan.eyes[0].rate(x, y) != ShadingRate::R1X1;
+        assert_eq!(
+            left_behind, is_coarse,
+            "{suppressed_octaves_per_s} octaves, {error_deg} degrees, from {ahead}"
+        );
+        let landing = plan.eyes[0].gaze_pixel().expect("the landing is in view");
+        let [x, y] = plan.eyes[0].tile_of([landing.x as u32, landing.y as u32]);
+        assert_eq!(plan.eyes[0].rate(x, y), ShadingRate::R1X1);
     }
 }
 
@@ -129,6 +165,7 @@ fn presets_are_one_step_faster_in_pursuit_but_for_the_paper_s() {
         (Preset::Balanced, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
         (Preset::Performance, [1, 1, 2, 3, 3], [1, 1, 1, 2, 2]),
         (Preset::Streaming, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
+        (Preset::Fixed, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
         (Preset::Paper, [1, 1, 2, 2, 3], [1, 1, 2, 2, 3]),
     ] {
         let periods = |phase: GazePhase| {

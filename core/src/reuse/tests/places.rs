@@ -48,10 +48,13 @@ fn counted(reuse: &Reuse, border: f32) -> Result<[usize; 2], TestCaseError> {
             counts = [counts[0] + usize::from(has == Has::All), counts[1] + usize::from(all)];
         }
     }
-    let mut had = Vec::new();
-    for (row, edge) in (0..rows).flat_map(|row| Edge::ALL.map(|edge| (row, edge))) {
-        places.find_edges(reuse, (0, earlier), edge, row, &wanted, &mut had);
-        for tile in (0..columns).map(|column| [column, row]).filter(|tile| is_set(&had, *tile)) {
+    let (wanted, mut had) = (Edge::ALL.map(|_| wanted.clone()), Edge::ALL.map(|_| Vec::new()));
+    for row in 0..rows {
+        places.find_edges(reuse, (0, earlier), row, &wanted, &mut had);
+        let tiles =
+            (0..columns).flat_map(|column| (0..Edge::ALL.len()).map(move |kind| ([column, row], kind)));
+        for (tile, kind) in tiles.filter(|(tile, kind)| is_set(&had[*kind], *tile)) {
+            let edge = Edge::ALL[kind];
             // Beside a tile that is cut off there is none, so that its end is no border.
             if (edge.across > 0 && tile[0] + 1 == columns) || (edge.down > 0 && tile[1] + 1 == rows) {
                 continue;

@@ -1,5 +1,6 @@
 //! From cells that are due to tiles that are: one look-up for each tile.
 
+use crate::reuse::bits::pack;
 use crate::schedule::cells::SIDE;
 use crate::schedule::tiles::{Block, First};
 
@@ -41,31 +42,4 @@ impl DueLines {
     }
 }
 
-/// A bit of each byte of a line.
-fn pack(line: &[u8], bit: usize) -> u64 {
-    // One of each byte, and the product has them side by side in its last byte.
-    const ONES: u64 = 0x0101_0101_0101_0101;
-    const GATHER: u64 = 0x0102_0408_1020_4080;
-    let (eights, _) = line.as_chunks::<8>();
-    let of_eight = |eight: &[u8; 8]| (u64::from_le_bytes(*eight) >> bit & ONES).wrapping_mul(GATHER) >> 56;
-    eights.iter().rev().fold(0, |word, eight| word << 8 | of_eight(eight))
-}
-
-const _: () = assert!(SIDE.is_multiple_of(8) && SIDE < u64::BITS as usize);
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn a_line_is_packed_bit_by_bit(line in prop::collection::vec(0u8..4, SIDE), eye in 0usize..2) {
-            let packed = pack(&line, eye);
-            prop_assert!(packed <= LINE);
-            for (column, due) in line.iter().enumerate() {
-                prop_assert_eq!(packed >> column & 1, u64::from(due >> eye & 1), "column {}", column);
-            }
-        }
-    }
-}
+const _: () = assert!(SIDE < u64::BITS as usize);

@@ -19,13 +19,13 @@ const CARDS: &str = "/proc/asound/cards";
 #[derive(Debug, Error)]
 pub enum NotHeard {
     /// There is none.
-    #[error("no ALSA loop-back card (snd-aloop)")]
+    #[error("no ALSA loopback card (snd-aloop)")]
     NoCard,
     /// It cannot be listened to.
-    #[error("the ALSA loop-back card cannot be captured: {0}")]
+    #[error("the ALSA loopback card cannot be captured: {0}")]
     Refused(#[from] cpal::Error),
     /// Its samples are not understood.
-    #[error("the ALSA loop-back card has an unsupported sample format ({0})")]
+    #[error("the ALSA loopback card has an unsupported sample format ({0})")]
     Samples(SampleFormat),
 }
 
@@ -62,7 +62,7 @@ pub fn listen(shared: &Shared, is_better: impl Fn() -> bool) -> Result<(), NotHe
     )?;
     stream.play()?;
     let Format { sample_rate_hz, channels } = format;
-    shared.news.say(format!("capturing ALSA's loop-back card ({sample_rate_hz} Hz, {channels} channels)"));
+    shared.news.say(format!("capturing the ALSA loopback card ({sample_rate_hz} Hz, {channels} channels)"));
     while !(shared.is_stopped() || is_better() || has_failed.load(Ordering::Relaxed)) {
         shared.sleep(Duration::from_millis(250));
     }

@@ -109,7 +109,9 @@ impl Listener<'_> {
             Some(News::Happened(Event::Ended(channel))) => {
                 self.is_stale = true;
                 match &self.stream {
-                    Some(stream) if stream.channel == channel => self.nothing_to_hear("the output is gone"),
+                    Some(stream) if stream.channel == channel => {
+                        self.nothing_to_hear("the output device was removed")
+                    }
                     _ => Ok(()),
                 }
             }
@@ -132,7 +134,9 @@ impl Listener<'_> {
                 Ok(())
             }
             // It went away between two questions: the next look tells.
-            Some(News::Refused(_, PulseError::NoEntity)) => self.nothing_to_hear("the output is gone"),
+            Some(News::Refused(_, PulseError::NoEntity)) => {
+                self.nothing_to_hear("the output device was removed")
+            }
             Some(News::Refused(question, error)) => {
                 let what = match question {
                     Question::Server | Question::Output => "does not name its output",

@@ -48,10 +48,12 @@ impl Compilation {
         };
         match make(&data) {
             Ok(handle) => {
-                tracing::debug!("pipelines: {} bytes of earlier launches", data.len());
+                tracing::debug!("pipeline cache: {} bytes from earlier launches", data.len());
                 *self.opened() = Some(Open { device, handle, file, written_bytes: data.len() });
             }
-            Err(error) => tracing::debug!("pipelines are not kept: vkCreatePipelineCache returned {error:?}"),
+            Err(error) => {
+                tracing::debug!("pipelines are not cached: vkCreatePipelineCache returned {error:?}")
+            }
         }
     }
 
@@ -74,7 +76,9 @@ impl Compilation {
         let data = match unsafe { device.get_pipeline_cache_data(*handle) } {
             Ok(data) => data,
             Err(error) => {
-                return tracing::debug!("pipelines are not kept: vkGetPipelineCacheData returned {error:?}");
+                return tracing::debug!(
+                    "pipelines are not cached: vkGetPipelineCacheData returned {error:?}"
+                );
             }
         };
         if data.len() == *written_bytes {
@@ -82,7 +86,7 @@ impl Compilation {
         }
         *written_bytes = data.len();
         if let Err(error) = file.write(&data) {
-            tracing::debug!("pipelines are not kept: {error}");
+            tracing::debug!("pipelines are not cached: {error}");
         }
     }
 

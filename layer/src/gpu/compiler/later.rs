@@ -68,7 +68,7 @@ impl<T: Send + Sync> Task for Slot<T> {
                 State::Never
             }
             Err(_) => {
-                tracing::error!("{}: a panic while pipelines were made", self.otherwise);
+                tracing::error!("{}: internal error while pipelines were compiled", self.otherwise);
                 State::Never
             }
         };

@@ -4,7 +4,8 @@
 //! say that the eyes are not seen, until the next line. In between the gaze moves evenly; before the first line and after the
 //! last one it is as there. What begins with `#` is for people.
 
-use glam::{EulerRot, Quat, Vec3};
+use super::{degrees, direction};
+use glam::Vec3;
 use std::fmt;
 use std::str::FromStr;
 
@@ -104,16 +105,6 @@ impl fmt::Display for GazeLine {
             }
         }
     }
-}
-
-/// To the left about +y, then upwards about the new +x.
-fn direction([left, up]: [f32; 2]) -> Vec3 {
-    Quat::from_euler(EulerRot::YXZ, left.to_radians(), up.to_radians(), 0.0) * Vec3::NEG_Z
-}
-
-fn degrees(direction: Vec3) -> [f32; 2] {
-    let across = direction.x.hypot(direction.z);
-    [(-direction.x).atan2(-direction.z), direction.y.atan2(across)].map(f32::to_degrees)
 }
 
 #[cfg(test)]

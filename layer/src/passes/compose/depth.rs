@@ -176,7 +176,7 @@ impl PictureDepth<'_> {
         let is_inside = fits(0, extent.width) && fits(1, extent.height) && self.array_layer < array_layers;
         match is_inside && self.kept.is_there(self.turn) {
             true => Ok(()),
-            false => Err(GpuError::Invalid("depth that is not there")),
+            false => Err(GpuError::Invalid("missing depth")),
         }
     }
 

@@ -4,6 +4,7 @@ use super::reuse::{EarlierImage, Placed, ReuseRegion};
 use super::{ComposeJob, ComposeParams, ComposeRegion, MAX_REGIONS, SwapchainShape};
 use crate::gpu::GpuError;
 use ash::vk;
+use smallvec::SmallVec;
 use std::cell::{Cell, RefCell};
 
 /// One region with work, inside its image.
@@ -33,30 +34,37 @@ pub(super) struct Draw<'a> {
 
 /// The draws of all jobs, in order.
 pub(super) struct Draws<'a> {
-    draws: [Option<Draw<'a>>; MAX_REGIONS],
+    draws: SmallVec<[Draw<'a>; FEW]>,
 }
+
+/// So many draws need no allocation: an application has one for each eye.
+const FEW: usize = 4;
 
 impl<'a> Draws<'a> {
     pub(super) fn new(jobs: &[ComposeJob<'a>]) -> Result<Self, GpuError> {
-        let mut draws = [const { None }; MAX_REGIONS];
-        let mut free = draws.iter_mut();
+        let mut draws = SmallVec::new();
+        let mut add = |draw| match draws.len() {
+            MAX_REGIONS => Err(GpuError::Invalid("more regions than fit in one submission")),
+            _ => {
+                draws.push(draw);
+                Ok(())
+            }
+        };
         for (number, job) in jobs.iter().enumerate() {
             for region in
                 job.regions.iter().filter(|region| !job.reuse.iter().any(|reuse| is_same(reuse, region)))
             {
-                if let Some(draw) = draw(number, job.app.shape(), region)? {
-                    *next(&mut free)? = Some(draw);
-                }
+                draw(number, job.app.shape(), region)?.map_or(Ok(()), &mut add)?;
             }
             for reuse in job.reuse {
-                *next(&mut free)? = Some(reuse_draw(number, job, reuse)?);
+                add(reuse_draw(number, job, reuse)?)?;
             }
         }
         Ok(Self { draws })
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &Draw<'a>> {
-        self.draws.iter().map_while(Option::as_ref)
+        self.draws.iter()
     }
 
     /// Whether the job of this index draws anything.
@@ -142,15 +150,6 @@ impl<'a> FromIterator<&'a EarlierImage> for EarlierImages {
     fn from_iter<T: IntoIterator<Item = &'a EarlierImage>>(images: T) -> Self {
         Self(images.into_iter().fold(0, |bits, image| bits | 1 << image.app_index))
     }
-}
-
-fn next<'a, 'b>(
-    free: &mut impl Iterator<Item = &'b mut Option<Draw<'a>>>,
-) -> Result<&'b mut Option<Draw<'a>>, GpuError>
-where
-    'a: 'b,
-{
-    free.next().ok_or(GpuError::Invalid("more regions than a submit has room for"))
 }
 
 fn is_same(reuse: &ReuseRegion, region: &ComposeRegion) -> bool {

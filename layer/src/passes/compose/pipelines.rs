@@ -5,7 +5,23 @@ use ash::vk;
 use std::ffi::CStr;
 use std::sync::Arc;
 
-const SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/compose.spv"));
+/// Which of two shaders, that draw the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parameters {
+    /// Vertices hand the parameters of pixels on: cheaper on a CPU.
+    OfVertices,
+    /// Pixels read them by themselves: cheaper on a GPU.
+    OfPixels,
+}
+
+impl Parameters {
+    fn spirv(self) -> &'static [u8] {
+        match self {
+            Self::OfVertices => include_bytes!(concat!(env!("OUT_DIR"), "/compose.spv")),
+            Self::OfPixels => include_bytes!(concat!(env!("OUT_DIR"), "/compose_gpu.spv")),
+        }
+    }
+}
 
 /// Pipelines that draw to images of one format, each there some time after it was asked for.
 pub(super) struct Pipelines {
@@ -41,7 +57,7 @@ pub(super) struct Borders {
 }
 
 impl Pipelines {
-    pub(super) fn new(gpu: &Gpu, format: vk::Format) -> Result<Self, GpuError> {
+    pub(super) fn new(gpu: &Gpu, format: vk::Format, parameters: Parameters) -> Result<Self, GpuError> {
         let shader = TileShader {
             vertex: c"tile",
             fragment: c"pixel",
@@ -49,14 +65,19 @@ impl Pipelines {
             has_depth: false,
             output: Output::Color,
         };
-        let make = move |shared: &Shared| shared.tile_pipeline(format, SPIRV, &shader);
+        let make = move |shared: &Shared| shared.tile_pipeline(format, parameters.spirv(), &shader);
         Ok(Self { chroma: gpu.shared()?.ask("chroma attenuation is off", make), reuse: None })
     }
 
     /// Asks for what completes pictures.
-    pub(super) fn ask_for_reuse(&mut self, gpu: &Gpu, format: vk::Format) -> Result<(), GpuError> {
+    pub(super) fn ask_for_reuse(
+        &mut self,
+        gpu: &Gpu,
+        format: vk::Format,
+        parameters: Parameters,
+    ) -> Result<(), GpuError> {
         if self.reuse.is_none() {
-            let make = move |shared: &Shared| ReusePipelines::new(shared, format);
+            let make = move |shared: &Shared| ReusePipelines::new(shared, format, parameters);
             self.reuse = Some(gpu.shared()?.ask("re-use is off", make));
         }
         Ok(())
@@ -74,10 +95,10 @@ impl Pipelines {
 }
 
 impl ReusePipelines {
-    fn new(shared: &Shared, format: vk::Format) -> Result<Self, GpuError> {
+    fn new(shared: &Shared, format: vk::Format, parameters: Parameters) -> Result<Self, GpuError> {
         let pipeline = |vertex: &'static CStr, fragment: &'static CStr, has_depth: bool, output: Output| {
             let shader = TileShader { vertex, fragment, has_lists: true, has_depth, output };
-            shared.tile_pipeline(format, SPIRV, &shader)
+            shared.tile_pipeline(format, parameters.spirv(), &shader)
         };
         let both = |vertex, [plain, attenuated]: [&'static CStr; 2], has_depth, output| {
             let pipeline = |fragment| pipeline(vertex, fragment, has_depth, output);

@@ -1,6 +1,6 @@
 //! The plan of one eye.
 
-use super::rates::{FULL, RateSet, TILE_BYTES};
+use super::rates::{FULL, RateSet, TILE_BYTES, TileBytes, UsedRates};
 use parafovea_core::reuse::StaleTiles;
 
 /// Rates of one eye's picture, see [`crate::link::EyeMapRecord`].
@@ -11,9 +11,7 @@ pub struct EyeMap {
     tiles: [u32; 2],
     texels: Vec<u8>,
     unary: Vec<u8>,
-    used: RateSet,
-    /// Whether a tile that is not stale is coarser than 1x1.
-    coarsens: bool,
+    used: UsedRates,
     stale: StaleTiles,
 }
 
@@ -32,15 +30,11 @@ impl EyeMap {
             return;
         }
         (self.extent, self.texel, self.tiles) = (extent, texel, tiles);
-        let bytes = &*TILE_BYTES;
-        self.texels.resize(texels.len(), 0);
-        self.unary.resize(texels.len(), 0);
-        for ((texel, unary), byte) in self.texels.iter_mut().zip(&mut self.unary).zip(texels) {
-            let byte = &bytes[usize::from(*byte)];
-            (*texel, *unary) = (byte.texel, byte.unary);
-            self.used = self.used.union(byte.used);
-            self.coarsens |= byte.coarsens;
-        }
+        let TileBytes { texels: clean, unary, used } = &*TILE_BYTES;
+        self.texels.extend(texels.iter().map(|byte| clean[usize::from(*byte)]));
+        self.unary.extend(texels.iter().map(|byte| unary[usize::from(*byte)]));
+        let used = texels.iter().map(|byte| used[usize::from(*byte)]);
+        self.used = used.fold(UsedRates::default(), UsedRates::union);
         self.stale.set(extent, texel, &self.texels);
     }
 
@@ -49,8 +43,7 @@ impl EyeMap {
         (self.extent, self.texel, self.tiles) = ([0; 2], [0; 2], [0; 2]);
         self.texels.clear();
         self.unary.clear();
-        self.used = RateSet::default();
-        self.coarsens = false;
+        self.used = UsedRates::default();
         self.stale.clear();
     }
 
@@ -81,11 +74,11 @@ impl EyeMap {
 
     /// Whether a tile that is not stale is coarser than 1x1.
     pub fn coarsens(&self) -> bool {
-        self.coarsens
+        self.used.coarsens()
     }
 
     pub(super) fn used(&self) -> RateSet {
-        self.used
+        self.used.rates()
     }
 
     /// Unary rates of a row, with [`parafovea_core::reuse::STALE`]; 1x1 beyond the plan.

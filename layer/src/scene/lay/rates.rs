@@ -71,11 +71,6 @@ pub fn refine_fresh(texels: &mut [u8]) {
 pub(super) struct RateSet(u16);
 
 impl RateSet {
-    /// The set with the bits of another too.
-    pub(super) fn union(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
     pub(super) fn insert(&mut self, rate: ShadingRate) {
         self.0 |= 1 << rate.texel();
     }
@@ -88,31 +83,48 @@ pub(super) fn unary(rate: ShadingRate) -> u8 {
     side(rate.width()) << 2 | side(rate.height())
 }
 
-/// A tile's byte in the map of an eye's rates, in the forms that laying needs.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TileByte {
-    /// Its texel with [`STALE`]; 1x1 for a byte that is no rate.
-    pub(super) texel: u8,
+/// Tiles' bytes in the map of an eye's rates, by byte, in the forms that laying needs.
+pub(super) struct TileBytes {
+    /// The texel with [`STALE`]; 1x1 for a byte that is no rate.
+    pub(super) texels: [u8; 256],
     /// Unary, with [`STALE`].
-    pub(super) unary: u8,
+    pub(super) unary: [u8; 256],
     /// The rate, and whether it is coarser than 1x1 and not stale.
-    pub(super) used: RateSet,
-    pub(super) coarsens: bool,
+    pub(super) used: [UsedRates; 256],
 }
 
-/// By byte.
-pub(super) static TILE_BYTES: LazyLock<[TileByte; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|byte| {
-        let byte = byte as u8;
-        let stale = byte & STALE;
-        let rate = ShadingRate::from_texel(byte & !STALE).unwrap_or(ShadingRate::R1X1);
-        let mut used = RateSet::default();
-        used.insert(rate);
-        TileByte {
-            texel: rate.texel() | stale,
-            unary: unary(rate) | stale,
-            used,
-            coarsens: stale == 0 && rate != ShadingRate::R1X1,
-        }
-    })
+/// Some rates, and whether any tile with one of them is coarser than 1x1 and not stale.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct UsedRates(u32);
+
+impl UsedRates {
+    const COARSENS: u32 = 1 << 16;
+
+    /// Those of both.
+    pub(super) fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    pub(super) fn rates(self) -> RateSet {
+        RateSet(self.0 as u16)
+    }
+
+    pub(super) fn coarsens(self) -> bool {
+        self.0 & Self::COARSENS != 0
+    }
+}
+
+pub(super) static TILE_BYTES: LazyLock<TileBytes> = LazyLock::new(|| {
+    let rate = |byte: u8| ShadingRate::from_texel(byte & !STALE).unwrap_or(ShadingRate::R1X1);
+    TileBytes {
+        texels: std::array::from_fn(|byte| rate(byte as u8).texel() | byte as u8 & STALE),
+        unary: std::array::from_fn(|byte| unary(rate(byte as u8)) | byte as u8 & STALE),
+        used: std::array::from_fn(|byte| {
+            let (byte, rate) = (byte as u8, rate(byte as u8));
+            let mut used = RateSet::default();
+            used.insert(rate);
+            let coarsens = byte & STALE == 0 && rate != ShadingRate::R1X1;
+            UsedRates(u32::from(used.0) | if coarsens { UsedRates::COARSENS } else { 0 })
+        }),
+    }
 });

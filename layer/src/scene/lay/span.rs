@@ -21,10 +21,6 @@ impl Span {
         self.first >= self.end
     }
 
-    pub(super) fn contains(self, at: u32) -> bool {
-        (self.first..self.end).contains(&at)
-    }
-
     /// As numbers of tiles; empty ones begin and end at 0.
     pub(super) fn tiles(self) -> Range<u32> {
         if self.is_empty() { 0..0 } else { self.first..self.end }

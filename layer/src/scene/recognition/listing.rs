@@ -53,7 +53,7 @@ impl Listing {
                 let topic = if outcome.is_ok() { Topic::Scene } else { Topic::OtherPass };
                 tell(topic, &Line { shape, outcome });
                 if self.lines == MOST_LINES {
-                    tell(Topic::OtherPass, &"no further passes are listed");
+                    tell(Topic::OtherPass, &"further passes are not listed");
                 }
             }
         }
@@ -77,12 +77,12 @@ impl fmt::Display for Line<'_> {
                     let eyes = match part.eyes {
                         Eyes::Left => "left eye",
                         Eyes::Right => "right eye",
-                        Eyes::Finer => "either eye",
+                        Eyes::Finer => "both eyes (finer rate)",
                     };
                     let way_up = match part.orientation {
                         Orientation::Upright => "",
                         Orientation::UpsideDown => ", upside-down",
-                        Orientation::Unknown => ", either way up",
+                        Orientation::Unknown => ", unknown orientation",
                     };
                     write!(f, "{separator}{eyes}{way_up}")?;
                 }

@@ -172,16 +172,15 @@ impl Content {
         self.unfilled.1
     }
 
-    /// Takes what the map on the GPU is to be made of: these texels, laid over `parts` of `area`. Whether that is news: else the
-    /// map is so already.
-    pub fn lay(&mut self, area: [u32; 4], parts: &[Part], texels: &[u8]) -> bool {
+    /// Takes what the map on the GPU is to be made of: these texels, laid over `parts` of `area`, in exchange for others. Whether that
+    /// is news: else the map is so already.
+    pub fn lay(&mut self, area: [u32; 4], parts: &[Part], texels: &mut Vec<u8>) -> bool {
         let laid = &mut self.laid;
-        let is_same = laid.area == area && laid.parts.as_slice() == parts && laid.texels == texels;
+        let is_same = laid.area == area && laid.parts.as_slice() == parts && laid.texels == *texels;
         if !is_same {
             laid.area = area;
             laid.parts = parts.into();
-            laid.texels.clear();
-            laid.texels.extend_from_slice(texels);
+            std::mem::swap(&mut laid.texels, texels);
         }
         !(std::mem::replace(&mut self.is_laid, true) && is_same)
     }
@@ -192,7 +191,6 @@ impl Content {
     }
 
     /// The texels that the map on the GPU was made of.
-    #[cfg(any(test, debug_assertions))]
     pub fn texels(&self) -> &[u8] {
         &self.laid.texels
     }

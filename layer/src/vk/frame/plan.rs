@@ -94,6 +94,11 @@ impl Plan {
         self.eyes.each_ref().map(EyeMap::stale)
     }
 
+    /// Whether any tile is stale.
+    pub fn leaves_out(&self) -> bool {
+        self.stale().iter().any(|stale| !stale.is_empty())
+    }
+
     /// Whether any tile that is not stale is coarser than 1x1, or may be, by what is decided on the GPU.
     pub fn coarsens(&self) -> bool {
         self.decisions.iter().any(Option::is_some) || self.eyes.iter().any(EyeMap::coarsens)
@@ -101,11 +106,11 @@ impl Plan {
 
     /// Lays the plan over what a pass draws; `texels` becomes the content of `image`.
     pub fn lay(&mut self, parts: &[Part], image: &RateImage, rates: &DeviceRates, texels: &mut Vec<u8>) {
-        texels.clear();
         texels.resize(image.len(), 0);
         let [left, right] = &self.eyes;
-        if !parts.is_empty() {
-            lay([left, right], parts, image, rates, &mut self.scratch, texels);
+        match parts {
+            [] => texels.fill(0),
+            parts => lay([left, right], parts, image, rates, &mut self.scratch, texels),
         }
     }
 }

@@ -39,13 +39,13 @@ pub struct EarlyReturn<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum NoEarlyReturn {
     /// It is no SPIR-V of a kind that is known.
-    #[error("a shader that is not understood")]
+    #[error("a shader that the layer cannot parse")]
     Unknown,
     /// It computes over a subgroup.
-    #[error("a shader that computes over subgroups")]
+    #[error("a shader with subgroup operations")]
     Subgroups,
     /// It takes the position of its fragment in a way that cannot be shared, or with less than its precision.
-    #[error("a shader whose fragment's position is not at hand")]
+    #[error("a shader without access to the position of its fragment")]
     Position,
 }
 

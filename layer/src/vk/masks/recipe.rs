@@ -156,7 +156,7 @@ impl Recipe {
     /// [`GpuError::Unsupported`] where the shader cannot; a failed call.
     pub fn make(&self, gpu: &Arc<Gpu>, has_whole_subgroups: bool) -> Result<Owned<vk::Pipeline>, GpuError> {
         let Fragment { stage, entry, by_view } = &self.fragment;
-        let unknown = GpuError::Unsupported("an early return from a shader that is not understood");
+        let unknown = GpuError::Unsupported("an early return from a shader that the layer cannot parse");
         let entry = entry.to_str().map_err(|_| unknown)?;
         let wanted = EarlyReturn { entry, set: self.layout.set(), by_view: *by_view, has_whole_subgroups };
         let returning = returning_early(self.codes[*stage].words(), wanted).map_err(|reason| {

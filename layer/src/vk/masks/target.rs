@@ -254,7 +254,9 @@ impl TargetMask {
                 Ok(None) => decided(Topic::Mask, &format_args!("scene passes of {width}x{height}: masked")),
                 Ok(Some(instead)) => decided(
                     Topic::Mask,
-                    &format_args!("scene passes of {width}x{height}: masked in their shaders: {instead}"),
+                    &format_args!(
+                        "scene passes of {width}x{height}: masked in their fragment shaders: {instead}"
+                    ),
                 ),
                 Err(reason) => decided(
                     Topic::NoMask(reason.to_string()),

@@ -74,7 +74,7 @@ impl Laid {
         eyes: [Arc<EyeTiles>; 2],
     ) -> Self {
         let targets = targets(armed, tools, place, laying, &shapes, &eyes)
-            .inspect_err(|error| error.tell("a map is that of the plan"));
+            .inspect_err(|error| error.tell("a map comes from the plan alone"));
         Self {
             parts: place.parts.into(),
             image: *place.image,

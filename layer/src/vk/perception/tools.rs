@@ -33,7 +33,7 @@ impl Tools {
     fn new(gpu: Arc<Gpu>, compilation: &Arc<Compilation>) -> Result<Self, GpuError> {
         gpu.compile_with(compilation);
         if !gpu.computes_where_it_draws() {
-            return Err(GpuError::Unsupported("a queue that can draw and not compute"));
+            return Err(GpuError::Unsupported("a queue with graphics but without compute"));
         }
         let (analyze, decide) = (Analyze::new(&gpu)?, Decide::new(&gpu)?);
         let (lay, mask) = (Lay::new(&gpu)?, MaskPass::new(&gpu)?);

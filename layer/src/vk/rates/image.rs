@@ -300,7 +300,7 @@ impl RateImages {
             }
             Err(reason) => {
                 self.failures.fetch_add(1, Ordering::Relaxed);
-                reason.tell("a picture has no shading rates");
+                reason.tell("an image has no shading rates");
                 None
             }
         }
@@ -382,7 +382,7 @@ impl Maker {
         let requirements = unsafe { device.get_image_memory_requirements(image) };
         let local = vk::MemoryPropertyFlags::DEVICE_LOCAL;
         let kind = memory_type(&self.memory_types, requirements.memory_type_bits, local)
-            .ok_or(GpuError::Unsupported("a device without a fitting memory type"))?;
+            .ok_or(GpuError::Unsupported("a device without a suitable memory type"))?;
         let place = self.place(&requirements, kind)?;
         // SAFETY: the place is as the image requires, and nobody else's.
         let bound = unsafe { device.bind_image_memory(image, place.memory, place.offset) };

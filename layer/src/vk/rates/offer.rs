@@ -60,7 +60,7 @@ pub enum NoRates {
     #[error("the device reports impossible shading rates: {0}")]
     Properties(&'static str),
     /// The device could not be created with what we add.
-    #[error("the driver refuses to create the device with it: {0:?}")]
+    #[error("the driver refuses to create the device with shading rates: {0:?}")]
     Refused(vk::Result),
 }
 
@@ -188,7 +188,7 @@ impl Offer {
         let side = |least: u32, most: u32| WANTED_TEXEL.clamp(least.min(most), most);
         let texel = [side(least.width, most.width), side(least.height, most.height)];
         if !texel.iter().all(|side| side.is_power_of_two()) {
-            return Err(NoRates::Properties("the size of a texel is no power of two"));
+            return Err(NoRates::Properties("the texel size is not a power of two"));
         }
         // The sides may differ by this factor; a device where both cannot be alike has a reason to allow more.
         let aspect = properties.max_fragment_shading_rate_attachment_texel_size_aspect_ratio;

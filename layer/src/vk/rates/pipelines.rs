@@ -61,7 +61,7 @@ impl Rates {
                 // Structures of the application that were amended in place become its own again.
                 drop((amended, copies));
                 GpuError::Call { call: "vkCreateGraphicsPipelines", result }
-                    .tell("pipelines stay at 1x1, as the application describes them");
+                    .tell("pipelines stay unchanged, at 1x1");
                 for &pipeline in slice(made.cast_const(), count) {
                     if let (Some(destroy), true) = (destroy, pipeline != vk::Pipeline::null()) {
                         destroy(device, pipeline, allocator);

@@ -25,10 +25,10 @@ pub enum LeftAlone {
     #[error("it draws no colour")]
     NoColour,
     /// It has a rate attachment of the application's.
-    #[error("it has shading rates of its own")]
+    #[error("it sets its own shading rates")]
     OwnRates,
     /// A structure that we do not know how to convert.
-    #[error("it has a structure of type {0:?} that is not known here")]
+    #[error("it has a structure of the unknown type {0:?}")]
     Unknown(vk::StructureType),
 }
 

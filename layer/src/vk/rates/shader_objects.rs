@@ -40,8 +40,7 @@ impl Rates {
             let amended: Vec<_> = asked.iter().map(flagged).collect();
             let result = next(device, count, amended.as_ptr(), allocator, made);
             if may_be_ours(result) {
-                GpuError::Call { call: "vkCreateShadersEXT", result }
-                    .tell("shaders stay at 1x1, as the application describes them");
+                GpuError::Call { call: "vkCreateShadersEXT", result }.tell("shaders stay unchanged, at 1x1");
                 for &shader in slice(made.cast_const(), count) {
                     if let (Some(destroy), true) = (destroy, shader != vk::ShaderEXT::null()) {
                         destroy(device, shader, allocator);

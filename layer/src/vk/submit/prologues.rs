@@ -193,19 +193,21 @@ unsafe fn fill(
                 let mut content = candidate.content();
                 let mut plan = armed.frame.plan();
                 plan.lay(&parts, &image, &armed.rates, &mut slot.texels);
-                if !leaves_out {
+                if !leaves_out && plan.leaves_out() {
                     armed.rates.coarsen_stale(&mut slot.texels);
                 }
                 if content.is_unfilled() {
                     refine_fresh(&mut slot.texels);
                 }
                 content.uploaded(plan.serial(), &parts, plan.stale());
-                content.lay(area, &parts, &slot.texels)
+                content.lay(area, &parts, &mut slot.texels)
             };
             if !is_news {
                 continue;
             }
-            slot.stage(offset, len, |texels, staging| candidate.map.stage(&parts, &image, texels, staging));
+            let content = candidate.content();
+            slot.stage(offset, len, |staging| candidate.map.stage(&parts, &image, content.texels(), staging));
+            drop(content);
             let staging = slot.buffer();
             candidate.map.record_upload(Upload { commands, staging, offset: offset as vk::DeviceSize, len });
             offset += len.next_multiple_of(ALIGNMENT);

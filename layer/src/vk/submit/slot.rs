@@ -169,13 +169,13 @@ impl Slot {
         Ok(())
     }
 
-    /// Writes staging memory from `texels`.
-    pub fn stage(&mut self, offset: usize, len: usize, write: impl FnOnce(&[u8], &mut [u8])) {
+    /// Writes staging memory.
+    pub fn stage(&mut self, offset: usize, len: usize, write: impl FnOnce(&mut [u8])) {
         let Some(staging) = &self.staging else { return };
         if offset + len <= staging.len {
             // SAFETY: within the mapped memory, which nobody else writes, and the GPU does not read: not pending.
             let bytes = unsafe { std::slice::from_raw_parts_mut(staging.mapped.add(offset), len) };
-            write(&self.texels, bytes);
+            write(bytes);
         }
     }
 
@@ -267,7 +267,7 @@ impl Staging {
         unsafe {
             let requirements = device.get_buffer_memory_requirements(self.buffer);
             let kind = memory_type(memory, requirements.memory_type_bits, coherent)
-                .ok_or(GpuError::Unsupported("a device without a fitting memory type"))?;
+                .ok_or(GpuError::Unsupported("a device without a suitable memory type"))?;
             let info =
                 vk::MemoryAllocateInfo::default().allocation_size(requirements.size).memory_type_index(kind);
             self.memory =

@@ -91,7 +91,7 @@ impl SessionActions {
     pub fn prepare(&self, session: &Session) -> Option<GazeAction> {
         let is_wanted = session.active.is_some()
             && self.has_tracker
-            && session.instance.config.get().gaze.source == GazeSource::Eyes
+            && matches!(session.instance.config.get().gaze.source, GazeSource::Auto | GazeSource::Eyes)
             && matches!(self.state().attachment, Attachment::Not);
         if is_wanted { session.instance.actions.gaze_action(&session.instance) } else { None }
     }
@@ -117,7 +117,7 @@ impl SessionActions {
                 }
             }
             Attachment::Alone { .. } => tracing::error!(
-                "the application attached action sets after the layer did, and has no input now: {result:?}; set \
+                "the application attached action sets after the layer did, so its input does not work: {result:?}; set \
                  gaze.attach_alone_after_s = 0"
             ),
             _ => {}
@@ -158,7 +158,7 @@ impl SessionActions {
             Due::Sync(gaze) => self.sync_ours(session, gaze),
             Due::SyncAhead(gaze) => {
                 tracing::info!(
-                    "the application does not synchronise its actions: the layer synchronises the eye tracker's alone"
+                    "the application does not synchronise its actions: the layer synchronises those of the eye tracker"
                 );
                 self.profiles.synchronised_ahead(session);
                 self.sync_ours(session, gaze);
@@ -207,7 +207,9 @@ impl SessionActions {
             self.profiles.attached_alone();
             space(session, gaze)
         };
-        tracing::info!("the application has no action sets; attaching the eye tracker's returned {result:?}");
+        tracing::info!(
+            "the application has no action sets; attaching that of the eye tracker returned {result:?}"
+        );
         self.state().attachment = match space {
             Some(space) => Attachment::Alone { gaze, space },
             None => Attachment::Never,

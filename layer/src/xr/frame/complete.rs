@@ -2,12 +2,14 @@
 
 use super::Works;
 use super::depth;
-use super::history::{Completing, History, ShownPicture};
+use super::history::{Completing, Expected, History, ShownPicture};
 use super::layers::{self, Projection, Shown};
 use super::work::Work;
-use crate::config::{ReuseMode, longest_period, wants_reuse};
+use crate::config::{Config, longest_period, wants_reuse};
+use crate::planning::{Planning, View, Watched};
 use crate::xr::session::{Active, Health, Session, Tools};
 use openxr_sys as xr;
+use parafovea_core::reuse::StaleTiles;
 
 /// Notes the pictures that a frame shows, completes those of which not all was rendered, and tells the planner which ones
 /// the next frame's can be made of.
@@ -28,57 +30,50 @@ pub unsafe fn complete<'a>(
     if active.health() != Health::Works || !(wants_reuse || (0..2).any(|eye| history.has_pictures(eye))) {
         return;
     }
-    let how = if config.reuse.mode == ReuseMode::Paper { Completing::PAPER } else { Completing::TURNED };
-    let how = Completing { oldest: longest_period(&config) as usize, ..how };
+    let how = Completing::of(&config);
     // SAFETY: the caller vouches for `info`.
     let scene = unsafe { only_projection(info) };
-    let watched = {
-        let planning = active.plan.planning();
-        let is_watched = wants_reuse && config.reuse.refresh;
-        [0, 1].map(|eye| planning.watched(eye).filter(|_| is_watched))
-    };
+    let watched = watched(&active.plan.planning(), &config);
     let mut kept = [false; 2];
-    for eye in 0..2 {
-        let shown = scene.as_ref().and_then(|scene| picture(scene, eye, info.display_time, works));
-        let is_others = |(other, _): (ShownPicture, &Work)| {
-            shown.is_some_and(|(shown, _)| {
-                (shown.substitute, shown.array_layer, shown.rect)
-                    == (other.substitute, other.array_layer, other.rect)
-            })
-        };
-        // One picture for both eyes is completed once.
-        let is_both = eye == 1
-            && scene
-                .as_ref()
-                .and_then(|scene| picture(scene, 0, info.display_time, works))
-                .is_some_and(is_others);
-        kept[eye] = if is_both {
-            history.show(eye, None, |_| false, |_, _| {});
-            kept[0]
-        } else {
-            let is_intact = |release| shown.is_some_and(|(_, work)| work.is_intact(release));
-            let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
-            // SAFETY: the caller vouches for `info`, and what it points to.
-            let depth = view.and_then(|view| unsafe { depth::of(view) });
-            let picture = shown.as_ref().map(|(picture, _)| (picture, depth));
-            history.show(eye, picture, is_intact, |words, stale| active.device.stale(eye, words, stale));
-            shown.is_some_and(|(_, work)| {
-                work.keeps(longest_period(&config))
-                    && (!wants_reuse || tools.compose().completes(work.format()))
-            })
-        };
-        if !wants_reuse && history.region(eye, how).is_none() {
-            history.show(eye, None, |_| false, |_, _| {});
-        }
-        history.complete(eye, how);
-        match &watched[eye] {
-            Some(watched) => history.compare(eye, how, |direction| watched.is_watched(direction)),
-            None => history.compare_nothing(eye),
-        }
-        if kept[eye] && wants_reuse {
-            active.plan.planning().history_kept(eye);
-        }
-    }
+    active.ahead.finish(|mut ahead| {
+        (0..2).for_each(|eye| {
+            let shown = scene.as_ref().and_then(|scene| picture(scene, eye, info.display_time, works));
+            let is_others = |(other, _): (ShownPicture, &Work)| {
+                shown.is_some_and(|(shown, _)| {
+                    (shown.substitute, shown.array_layer, shown.rect)
+                        == (other.substitute, other.array_layer, other.rect)
+                })
+            };
+            // One picture for both eyes is completed once.
+            let is_both = eye == 1
+                && scene
+                    .as_ref()
+                    .and_then(|scene| picture(scene, 0, info.display_time, works))
+                    .is_some_and(is_others);
+            kept[eye] = if is_both {
+                history.show(eye, None, |_| false, |_, _| {});
+                kept[0]
+            } else {
+                let is_intact = |release| shown.is_some_and(|(_, work)| work.is_intact(release));
+                let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
+                // SAFETY: the caller vouches for `info`, and what it points to.
+                let depth = view.and_then(|view| unsafe { depth::of(view) });
+                let picture = shown.as_ref().map(|(picture, _)| (picture, depth));
+                history.show(eye, picture, is_intact, |words, stale| active.device.stale(eye, words, stale));
+                shown.is_some_and(|(_, work)| {
+                    work.keeps(longest_period(&config))
+                        && (!wants_reuse || tools.compose().completes(work.format()))
+                })
+            };
+            if !wants_reuse && history.region(eye, how).is_none() {
+                history.show(eye, None, |_| false, |_, _| {});
+            }
+            history.complete(eye, how, watched[eye].as_ref(), ahead.as_deref_mut());
+            if kept[eye] && wants_reuse {
+                active.plan.planning().history_kept(eye);
+            }
+        })
+    });
     let follows = |eye: usize| history.has_depth(eye) || (eye == 1 && !history.has_pictures(eye));
     active.plan.planning().views.set_followed((0..2).all(follows));
     let history: &'a History = history;
@@ -95,6 +90,32 @@ pub unsafe fn complete<'a>(
             work.changes.extend(changes.flatten());
         }
     }
+}
+
+/// The frame that was just planned will show these views, if the application draws as it should: what completing its pictures takes is
+/// worked out ahead.
+pub fn expect(session: &Session, active: &Active, views: &[View]) {
+    let config = session.instance.config.get();
+    if active.health() != Health::Works || !wants_reuse(&config) {
+        return;
+    }
+    // A frame that another thread is ending has pictures that this one needs.
+    let Some(history) = active.free_history() else { return };
+    active.ahead.begin(|job| {
+        let planning = active.plan.planning();
+        let watched = watched(&planning, &config);
+        for ((eye, view), watched) in views.iter().take(2).enumerate().zip(watched) {
+            let stale = |tiles: &mut StaleTiles| planning.stale(eye, tiles);
+            let how = Completing::of(&config);
+            history.expect(eye, job, Expected { how, watched, view: *view, stale: &stale });
+        }
+    });
+}
+
+/// What of the pictures of both eyes is watched for changes.
+fn watched(planning: &Planning, config: &Config) -> [Option<Watched>; 2] {
+    let is_watched = wants_reuse(config) && config.reuse.refresh;
+    [0, 1].map(|eye| planning.watched(eye).filter(|_| is_watched))
 }
 
 /// The projection layer of a frame that has only one: with more it is not known whose passes were whose.

@@ -4,15 +4,23 @@
 //! left out, until the application draws to its image again. No colour is copied, and what was re-used is never re-used again.
 //! Depth, where it is submitted, is the runtime's image after its frame: of that there are copies.
 
+mod ahead;
+mod lists;
+
+pub use ahead::{Ahead, Expected, Job};
+
+use crate::config::{Config, ReuseMode, longest_period};
 use crate::passes::change::ChangeRegion;
 use crate::passes::compose::{EarlierImage, PictureDepth, ReuseRegion};
+use crate::planning::Watched;
 use crate::xr::swapchain::NewestDepth;
 use ash::vk;
-use glam::{Quat, Vec2, Vec3};
+use glam::Quat;
+use lists::EyeLists;
 use openxr_sys as xr;
-use parafovea_core::geometry::{ImagePlane, View};
+use parafovea_core::geometry::View;
 use parafovea_core::kernels::compose::DepthRect;
-use parafovea_core::reuse::{ComparedTiles, MAX_AGES, Picture, Reuse, StaleTiles, TileLists, Viewpoint};
+use parafovea_core::reuse::{MAX_AGES, Picture, Reuse, StaleTiles, Viewpoint};
 use std::array;
 
 /// Pictures that are further apart than this, nanoseconds, are not of one run: the application paused, or was hidden.
@@ -32,6 +40,12 @@ pub struct Completing {
 impl Completing {
     /// As paper B does.
     pub const PAPER: Self = Self { turns: false, border: 0.0, oldest: MAX_AGES };
+    /// As a configuration says.
+    pub fn of(config: &Config) -> Self {
+        let how = if config.reuse.mode == ReuseMode::Paper { Self::PAPER } else { Self::TURNED };
+        Self { oldest: longest_period(config) as usize, ..how }
+    }
+
     /// Turned with the head.
     pub const TURNED: Self = Self { turns: true, border: 4.0, oldest: MAX_AGES };
 
@@ -113,36 +127,32 @@ impl History {
         self.eyes[eye].len > 0
     }
 
-    /// Works out what of the newest picture of an eye is taken from which earlier one.
-    pub fn complete(&mut self, eye: usize, how: Completing) {
+    /// Works out what of the newest picture of an eye is taken from which earlier one; and which of its tiles are compared with
+    /// earlier ones: those that were rendered, and whose middle is watched; none where `how` does not turn pictures. What `ahead` has
+    /// worked out already is taken from there.
+    pub fn complete(
+        &mut self,
+        eye: usize,
+        how: Completing,
+        watched: Option<&Watched>,
+        ahead: Option<&mut Job>,
+    ) {
         let EyeHistory { pictures, len, lists, .. } = &mut self.eyes[eye];
-        match reuse(&pictures[..*len], how) {
-            Some(reuse) => lists.update(&reuse, how.border_of(&reuse), how.oldest),
-            None => lists.clear(),
+        let pictures = &pictures[..*len];
+        if ahead.is_none_or(|job| !job.take(eye, pictures, how, watched, lists)) {
+            lists.update(pictures.iter().map(Kept::picture), how, watched);
         }
     }
 
-    /// Works out which tiles of the newest picture of an eye are compared with earlier ones: those that were rendered, and whose
-    /// middle looks in a direction, in the view's space, of which `is_wanted` says so; none where `how` does not turn pictures.
-    pub fn compare(&mut self, eye: usize, how: Completing, is_wanted: impl Fn(Vec3) -> bool) {
-        let EyeHistory { pictures, len, compared, .. } = &mut self.eyes[eye];
-        compared.clear();
-        let Some((newest, earlier)) = pictures[..*len].split_first().filter(|_| how.turns) else { return };
-        let reuse = Reuse::new(newest.picture(), earlier.iter().map(Kept::picture), how.turns);
-        let plane = of_tiles(&reuse);
-        compared.update(&reuse, how.oldest, |[column, row]| {
-            is_wanted(plane.direction(Vec2::new(column as f32, row as f32) + 0.5))
-        });
+    /// Sets an eye's part of `job` to what [`Self::complete`] will be asked next if its next picture is as `expected`.
+    pub fn expect(&self, eye: usize, job: &mut Job, expected: Expected) {
+        let EyeHistory { pictures, len, lost, .. } = &self.eyes[eye];
+        job.expect(eye, &pictures[..*len], *lost, expected);
     }
 
-    /// Compares nothing of an eye.
-    pub fn compare_nothing(&mut self, eye: usize) {
-        self.eyes[eye].compared.clear();
-    }
-
-    /// What [`Self::compare`] worked out, of a view that is turned so in the world; none where there is nothing to compare.
+    /// What [`Self::complete`] found to compare, of a view that is turned so in the world; none where there is nothing to compare.
     pub fn changes(&self, eye: usize, how: Completing, orientation: Quat) -> Option<ChangeRegion<'_>> {
-        let EyeHistory { pictures, len, compared, .. } = &self.eyes[eye];
+        let EyeHistory { pictures, len, lists: EyeLists { compared, .. }, .. } = &self.eyes[eye];
         let (newest, earlier) = pictures[..*len].split_first().filter(|_| compared.count() > 0)?;
         let reuse = Reuse::new(newest.picture(), earlier.iter().map(Kept::picture), how.turns);
         Some(ChangeRegion {
@@ -150,7 +160,7 @@ impl History {
             offset: newest.image.offset,
             tiles: compared,
             earlier: earlier_images(&pictures[..*len]),
-            view: View { orientation, plane: of_tiles(&reuse) },
+            view: View { orientation, plane: lists::of_tiles(&reuse) },
             depth: newest.picture_depth(),
             reuse,
         })
@@ -158,11 +168,11 @@ impl History {
 
     /// What [`Self::complete`] worked out; none where the newest picture is whole.
     pub fn region(&self, eye: usize, how: Completing) -> Option<ReuseRegion<'_>> {
-        let EyeHistory { pictures, len, lists, .. } = &self.eyes[eye];
+        let EyeHistory { pictures, len, lists: EyeLists { lists, .. }, .. } = &self.eyes[eye];
         let pictures = &pictures[..*len];
         let [width, height] = pictures.first()?.extent;
         let EarlierImage { array_layer, offset: [x, y], .. } = pictures[0].image;
-        let reuse = reuse(pictures, how)?;
+        let reuse = lists::reuse(pictures.iter().map(Kept::picture), how)?;
         Some(ReuseRegion {
             array_layer,
             rect: vk::Rect2D {
@@ -191,13 +201,18 @@ struct EyeHistory {
     len: usize,
     /// The swapchain and the space of all of them.
     of: Option<(u64, xr::Space)>,
-    lists: TileLists,
-    compared: ComparedTiles,
+    /// How many pictures were pushed so far.
+    pushed: u64,
+    /// How many pictures were given up when the newest one was shown.
+    lost: usize,
+    lists: EyeLists,
 }
 
 /// One picture.
 #[derive(Debug)]
 struct Kept {
+    /// Which picture of the eye it is, counted from 1: what lies there stays the same, but for its depth.
+    number: u64,
     release: u64,
     image: EarlierImage,
     extent: [u32; 2],
@@ -208,9 +223,10 @@ struct Kept {
 }
 
 impl Kept {
-    fn new((shown, depth): (&ShownPicture, Option<ShownDepth>), stale: StaleTiles) -> Self {
+    fn new(number: u64, (shown, depth): (&ShownPicture, Option<ShownDepth>), stale: StaleTiles) -> Self {
         let vk::Rect2D { offset, extent } = shown.rect;
         Self {
+            number,
             release: shown.release,
             image: EarlierImage {
                 app_index: shown.image_index,
@@ -226,8 +242,11 @@ impl Kept {
     }
 
     fn picture(&self) -> Picture<'_> {
-        let viewpoint = self.depth.as_ref().map(|depth| depth.viewpoint);
-        Picture { view: self.view, extent: self.extent, stale: &self.stale, viewpoint }
+        Picture { view: self.view, extent: self.extent, stale: &self.stale, viewpoint: self.viewpoint() }
+    }
+
+    fn viewpoint(&self) -> Option<Viewpoint> {
+        self.depth.as_ref().map(|depth| depth.viewpoint)
     }
 
     fn picture_depth(&self) -> Option<PictureDepth<'_>> {
@@ -260,7 +279,9 @@ impl EyeHistory {
             _ => self.push((shown, depth), stale),
         }
         let earlier = self.pictures[1..self.len].iter();
-        self.keep(1 + earlier.take_while(|kept| is_intact(kept.release)).count());
+        let intact = 1 + earlier.take_while(|kept| is_intact(kept.release)).count();
+        self.lost = self.len - intact;
+        self.keep(intact);
     }
 
     /// Keeps so many pictures, with the depth that is still there.
@@ -278,22 +299,10 @@ impl EyeHistory {
             false => StaleTiles::default(),
         };
         stale(&mut tiles);
-        self.pictures.insert(0, Kept::new(shown, tiles));
+        self.pushed += 1;
+        self.pictures.insert(0, Kept::new(self.pushed, shown, tiles));
         self.len = (self.len + 1).min(self.pictures.len());
     }
-}
-
-/// The image of a picture, one of tiles in place of pixels.
-fn of_tiles(reuse: &Reuse) -> ImagePlane {
-    let now = reuse.now();
-    ImagePlane { step: now.view.plane.step / now.tiles_per_pixel(), ..now.view.plane }
-}
-
-/// Of pictures, the newest first, where something of that is stale.
-fn reuse(pictures: &[Kept], how: Completing) -> Option<Reuse<'_>> {
-    let (newest, earlier) = pictures.split_first()?;
-    let is_stale = !newest.stale.is_empty();
-    is_stale.then(|| Reuse::new(newest.picture(), earlier.iter().map(Kept::picture), how.turns))
 }
 
 #[cfg(test)]

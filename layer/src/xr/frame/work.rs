@@ -152,7 +152,7 @@ impl<'a> Work<'a> {
                 index.is_some()
             }
             Err(result) => {
-                tracing::debug!("no image of the runtime: {result:?}");
+                tracing::debug!("the runtime provided no image: {result:?}");
                 false
             }
         }

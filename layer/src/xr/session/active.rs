@@ -3,7 +3,7 @@
 use super::shared;
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::compose::Compose;
-use crate::xr::frame::{DebugViews, History};
+use crate::xr::frame::{Ahead, DebugViews, History};
 use crate::xr::plan::SessionPlan;
 use crate::xr::vulkan_device::VulkanDevice;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -15,6 +15,8 @@ pub struct Active {
     pub device: VulkanDevice,
     /// What its frames shall do.
     pub plan: SessionPlan,
+    /// What sorts the tiles of its pictures while they are drawn.
+    pub ahead: Ahead,
     history: Mutex<History>,
     debug_views: Mutex<DebugViews>,
     tools: OnceLock<Option<Tools>>,
@@ -50,6 +52,7 @@ impl Active {
         Self {
             device,
             plan: SessionPlan::default(),
+            ahead: Ahead::default(),
             history: Mutex::default(),
             debug_views: Mutex::default(),
             tools: OnceLock::new(),
@@ -70,7 +73,7 @@ impl Active {
             make()
                 .inspect_err(|error: &GpuError| {
                     error.tell(
-                        "re-use, chroma attenuation and debug views are off: the layer cannot create its objects on this device",
+                        "re-use, chroma attenuation and debug views are off: the layer cannot create its Vulkan objects on this device",
                     );
                 })
                 .ok()
@@ -86,6 +89,11 @@ impl Active {
     /// What its frames showed last.
     pub fn history(&self) -> MutexGuard<'_, History> {
         self.history.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The same, unless another thread has it.
+    pub fn free_history(&self) -> Option<MutexGuard<'_, History>> {
+        self.history.try_lock().ok()
     }
 
     /// What is drawn over its pictures for people to see.

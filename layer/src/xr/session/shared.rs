@@ -30,7 +30,7 @@ pub unsafe fn on(device: &VulkanDevice) -> Result<Arc<Shared>, GpuError> {
 
 unsafe extern "C" fn ended(device: vk::Device) {
     guard(
-        "the end of a device",
+        "the destruction of a device",
         || (),
         |_| {
             if let Some(shared) = SHARED.remove(device) {

@@ -32,7 +32,7 @@ impl Depth {
             // The device is behind: this picture goes without.
             Err(GpuError::Timeout) => Self::There { source, newest: None },
             Err(error) => {
-                error.tell("no reprojection by depth");
+                error.tell("no reprojection with depth");
                 Self::Never
             }
         }
@@ -101,12 +101,12 @@ impl Swapchain {
                 let DepthShape { format, extent, array_layers } = *source.kept().shape();
                 let (width, height) = (extent.width, extent.height);
                 tracing::info!(
-                    "depth of {width}x{height}x{array_layers} {format:?}: used for reprojection as the head moves"
+                    "depth of {width}x{height}x{array_layers} {format:?}: used for reprojection of head movement"
                 );
                 Depth::There { source, newest: None }
             }
             Err(reason) => {
-                tracing::info!("no reprojection by depth: {reason}");
+                tracing::info!("no reprojection with depth: {reason}");
                 Depth::Never
             }
         }

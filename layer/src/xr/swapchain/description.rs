@@ -45,7 +45,7 @@ impl Description {
             return Err("it is static or protected");
         }
         if self.samples != 1 || self.faces != 1 {
-            return Err("it has several samples, or faces");
+            return Err("it is multisampled, or a cube map");
         }
         if !self.granted.contains(vk::ImageUsageFlags::COLOR_ATTACHMENT) {
             return Err("its images cannot be drawn to");

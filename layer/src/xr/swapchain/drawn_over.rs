@@ -45,7 +45,7 @@ impl Swapchain {
             Err(reason) => {
                 let (width, height) = (extent.width, extent.height);
                 tracing::warn!(
-                    "debug.view is not drawn over a swapchain of {width}x{height}x{layers}: {reason}"
+                    "debug.view is not drawn on a swapchain of {width}x{height}x{layers}: {reason}"
                 );
                 DrawnOver::Never
             }

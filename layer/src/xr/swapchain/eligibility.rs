@@ -42,7 +42,7 @@ impl fmt::Display for NotSubstituted {
             }
             Self::Format(format) => write!(f, "format {format:?}"),
             Self::Chain(structure) => write!(f, "unknown structure {structure:?}"),
-            Self::Usage(result) => write!(f, "the runtime refused more usage flags: {result:?}"),
+            Self::Usage(result) => write!(f, "the runtime refused additional usage flags: {result:?}"),
         }
     }
 }

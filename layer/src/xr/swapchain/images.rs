@@ -184,7 +184,7 @@ pub unsafe extern "system" fn release_image(
                 // SAFETY: in this call the queue is the runtime's, hence ours, and until it returns the image is the application's,
                 // which has submitted all that draws to it.
                 attempt("the debug view", || unsafe { draw_over_released(known) });
-                attempt("the depth of a picture", || known.keep_depth());
+                attempt("the depth of an image", || known.keep_depth());
             }
             let result = answer.record(below());
             if let (true, Some(known)) = (result.into_raw() >= 0, &known) {

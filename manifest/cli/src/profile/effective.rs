@@ -10,7 +10,7 @@ use toml_edit::{Document, Item};
 pub enum Origin {
     /// The file sets it.
     File,
-    /// The preset has another value than the default.
+    /// The preset has a value that differs from the default.
     Preset,
     /// Nothing sets it.
     Default,

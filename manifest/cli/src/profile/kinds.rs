@@ -24,14 +24,14 @@ const KINDS: &[Kind] = &[
         name: "proton",
         about: &[
             "Windows games that Proton runs with DXVK or vkd3d-proton.",
-            "They use dynamic rendering, and their own input, which the eye tracker joins.",
+            "They use dynamic rendering, and OpenXR input of their own, to which the layer adds the eye tracker.",
             "Launch options in Steam: PARAFOVEA=1 %command%",
-            "The log is named after the .exe.",
+            "The log has the name of the .exe file.",
         ],
         settings: &[Suited {
             key: "gaze.attach_alone_after_s",
             value: "0",
-            why: "Games that load for long set up their input late: never assume that they have none.",
+            why: "Games with long loading times set up their OpenXR input late; the layer must not do so before them.",
         }],
     },
     Kind {
@@ -45,20 +45,20 @@ const KINDS: &[Kind] = &[
         settings: &[Suited {
             key: "rates.backend",
             value: "\"auto\"",
-            why: "Multisampled render passes, usual in Unity, need rate attachments; the mask backend leaves them alone.",
+            why: "Multisampled render passes, common in Unity, need rate attachments; the mask backend leaves them alone.",
         }],
     },
     Kind {
         name: "unreal",
         about: &[
             "Unreal games: deferred shading and temporal anti-aliasing, which smooths coarse blocks over",
-            "several frames, and shimmers where they are large.",
+            "several frames, but shimmers if the blocks are large.",
         ],
         settings: &[
             Suited {
                 key: "rates.peripheral",
                 value: "\"2x2\"",
-                why: "Temporal anti-aliasing keeps up with blocks of two pixels; with larger ones edges flicker.",
+                why: "Temporal anti-aliasing copes with blocks of two pixels; with larger blocks, edges flicker.",
             },
             Suited {
                 key: "rates.transitional_deg",
@@ -76,14 +76,14 @@ const KINDS: &[Kind] = &[
         settings: &[Suited {
             key: "preset",
             value: "\"balanced\"",
-            why: "The default works; if the project uses foveation too, turn one of them off.",
+            why: "The default works; if the project has foveation of its own, turn one of the two off.",
         }],
     },
     Kind {
         name: "wgpu",
         about: &[
             "wgpu and Bevy programs: dynamic rendering or Vulkan render passes of their own.",
-            "They enable few device features; Parafovea adds its own.",
+            "They enable few device features; Parafovea adds those that it needs.",
         ],
         settings: &[Suited {
             key: "gaze.attach_alone_after_s",
@@ -94,7 +94,7 @@ const KINDS: &[Kind] = &[
     Kind {
         name: "flight-simulator",
         about: &[
-            "Flight and racing simulators: instruments with small text, read at a glance, far from the last gaze.",
+            "Flight and racing simulators: instruments with small text far from the gaze, read at a glance.",
             "A larger area around the gaze stays sharp, and no area becomes very coarse.",
         ],
         settings: &[
@@ -103,7 +103,11 @@ const KINDS: &[Kind] = &[
                 value: "20.0",
                 why: "The instrument next to the gaze stays legible.",
             },
-            Suited { key: "rates.transitional_deg", value: "35.0", why: "Rates fall off more slowly." },
+            Suited {
+                key: "rates.transitional_deg",
+                value: "35.0",
+                why: "Shading rates become coarse more gradually.",
+            },
             Suited {
                 key: "rates.peripheral",
                 value: "\"2x2\"",

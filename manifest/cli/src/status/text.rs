@@ -1,7 +1,7 @@
 //! The status, for people.
 
 use parafovea_manifest::paths::Environment;
-use parafovea_manifest::status::{Found, Gate, Gaze, Rates, Settings, Sound, Status, effect};
+use parafovea_manifest::status::{Found, Gate, Rates, Settings, Sound, Status, effect};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -17,7 +17,7 @@ pub fn of_all(found: &[Found], gone: usize, asked: Option<&str>, environment: &E
         ));
     }
     if gone > 0 {
-        text.push(format!("Not responding: {gone}. They crashed, or hang.\n"));
+        text.push(format!("Not responding: {gone} (crashed or hanging).\n"));
     }
     text.join("\n")
 }
@@ -37,7 +37,7 @@ fn of_one(status: &Status, environment: &Environment) -> String {
             &format!("active, {:.0} frames per second, {} in total", status.frame_rate_hz, status.frames),
         );
         line("backend", &status.backend);
-        line("gaze", &gaze(&status.gaze));
+        line("gaze", &status.gaze.to_string());
         line("sound", &sound(&status.sound));
         line("tiles", &rates(&status.rates));
         // Without a backend there is nothing to judge.
@@ -69,31 +69,17 @@ fn settings(settings: &Settings) -> String {
     }
 }
 
-fn gaze(gaze: &Gaze) -> String {
-    let source = match gaze.source.as_str() {
-        "eyes" => "eye tracker",
-        "centre" => return "fixed at the centre of the view".to_owned(),
-        other => other,
-    };
-    match (gaze.is_valid, gaze.age_ms) {
-        (true, Some(age)) => format!("{source}: valid, {age:.0} ms old at display time"),
-        (true, None) => format!("{source}: valid"),
-        (false, Some(age)) => format!("{source}: lost for {:.1} s", age / 1000.0),
-        (false, None) => format!("{source}: none"),
-    }
-}
-
 fn sound(sound: &Sound) -> String {
     match (sound.source.as_str(), sound.is_heard) {
         ("off", _) => "off".to_owned(),
-        (source, true) => format!("{source}: heard"),
-        (source, false) => format!("{source}: no reliable features"),
+        (source, true) => format!("{source}: valid"),
+        (source, false) => format!("{source}: no valid loudness and pitch"),
     }
 }
 
 fn rates(rates: &Rates) -> String {
     if rates.tiles.is_empty() {
-        return "no plan".to_owned();
+        return "no frame planned yet".to_owned();
     }
     let share = |(rate, share): &(String, f32)| match rate.as_str() {
         "skipped" => format!("4x4 blocks skipped {:.0} %", share * 100.0),
@@ -102,7 +88,7 @@ fn rates(rates: &Rates) -> String {
     let tiles: Vec<String> = rates.tiles.iter().map(share).collect();
     let shaded = format!("{:.0} % of the pixels shaded; tiles: {}", rates.shaded * 100.0, tiles.join(", "));
     let shaded = match rates.decided_on_gpu {
-        true => format!("decided on the GPU by contrast; without a contrast estimate: {shaded}"),
+        true => format!("decided on the GPU by contrast; by eccentricity alone: {shaded}"),
         false => shaded,
     };
     if rates.rendered < 1.0 {
@@ -153,22 +139,22 @@ fn slow(status: &Status) -> &'static str {
 fn gate(gate: &Gate) -> String {
     let saved = match gate.ratio {
         Some(ratio) => format!(": {}", effect(ratio)),
-        None if gate.mode == "auto" => ": effect not measured yet".to_owned(),
+        None if gate.mode == "auto" => ": not measured yet".to_owned(),
         None => String::new(),
     };
-    let saved = if gate.is_on_trial { format!("{saved}; trial under way") } else { saved };
+    let saved = if gate.is_on_trial { format!("{saved}; trial in progress") } else { saved };
     match (gate.mode.as_str(), gate.is_kept) {
         ("off", _) => "off".to_owned(),
         ("auto", true) => format!("on{saved}"),
         ("auto", false) => format!("dropped{saved}"),
-        (_, _) => format!("on, set by rates.gate{saved}"),
+        (_, _) => format!("on, because of rates.gate{saved}"),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use parafovea_manifest::status::View;
+    use parafovea_manifest::status::{Gaze, View};
     use std::time::Duration;
 
     fn shown(status: Status) -> String {
@@ -185,7 +171,13 @@ mod tests {
             backend: "mask".to_owned(),
             passes_matched: 2,
             decisions: ["no rates", "pass 64x64: the scene"].map(str::to_owned).to_vec(),
-            gaze: Gaze { source: "eyes".to_owned(), is_valid: true, age_ms: Some(11.6) },
+            gaze: Gaze {
+                source: "eyes".to_owned(),
+                is_valid: true,
+                age_ms: Some(11.6),
+                rate_hz: Some(90.0),
+                ..Gaze::default()
+            },
             sound: Sound { source: "off".to_owned(), is_heard: false },
             rates: Rates {
                 tiles: vec![("4x4".to_owned(), 0.25), ("1x1".to_owned(), 0.75)],
@@ -210,7 +202,7 @@ mod tests {
         for line in [
             "Game (process 7, game.exe)",
             "  state     active, 90 frames per second, 900 in total",
-            "  gaze      eye tracker: valid, 12 ms old at display time",
+            "  gaze      eye tracker: valid, 90 Hz, 12 ms old at display time",
             "  tiles     77 % of the pixels shaded; tiles: 4x4 25 %, 1x1 75 %",
             "  rates     on: a saving of 35 % (30 to 40 %)",
             "  re-use    off",
@@ -254,8 +246,7 @@ mod tests {
         let active = active();
         let rates = Rates { decided_on_gpu: true, ..active.rates.clone() };
         let text = shown(Status { rates, ..active });
-        let line =
-            "tiles     decided on the GPU by contrast; without a contrast estimate: 77 % of the pixels";
+        let line = "tiles     decided on the GPU by contrast; by eccentricity alone: 77 % of the pixels";
         assert!(text.contains(line), "{text}");
     }
 
@@ -281,7 +272,7 @@ mod tests {
     fn what_was_dropped_and_what_is_inert_say_why() {
         let tried = Gate { mode: "auto".to_owned(), is_kept: true, is_on_trial: true, ratio: None };
         let text = shown(Status { rates_gate: tried, ..active() });
-        assert!(text.contains("on: effect not measured yet; trial under way"), "{text}");
+        assert!(text.contains("on: not measured yet; trial in progress"), "{text}");
         let dropped = Gate {
             mode: "auto".to_owned(),
             is_kept: false,

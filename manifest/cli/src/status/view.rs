@@ -23,7 +23,7 @@ pub fn parser() -> PossibleValuesParser {
     PossibleValuesParser::new(DebugView::ALL.iter().map(|view| view.name()).chain([SETTINGS]))
 }
 
-/// Asks the applications for the view, and says of each what came of it.
+/// Requests the view from the applications, and prints the outcome for each.
 pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> ExitCode {
     let view = DebugView::of_name(name);
     let found = match read(environment, application) {
@@ -38,7 +38,7 @@ pub fn ask(environment: &Environment, application: Option<&str>, name: &str) -> 
             format!("No running application named {name}")
         });
         eprintln!(
-            "parafovea: {which} has an OpenXR session with Parafovea; parafovea status lists all that have"
+            "parafovea: {which} has an OpenXR session with Parafovea; to list all that have one: parafovea status"
         );
         return ExitCode::FAILURE;
     }
@@ -83,7 +83,7 @@ fn outcome(environment: &Environment, asked: &Status, view: Option<DebugView>) -
             }
             (false, ..) => {
                 return Err(
-                    "no reaction: the application hangs, shows no frames, or uses another version of Parafovea"
+                    "no response: the application hangs, shows no frames, or uses another version of Parafovea"
                         .to_owned(),
                 );
             }

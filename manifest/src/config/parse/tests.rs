@@ -35,7 +35,7 @@ fn a_preset_sets_what_the_file_does_not() {
     assert_eq!(
         rejected("preset = 'steaming'"),
         "game.toml: line 1: preset = 'steaming' is not allowed; allowed: \"none\", \"quality\", \"balanced\", \
-         \"performance\", \"streaming\" or \"paper\""
+         \"performance\", \"streaming\", \"fixed\" or \"paper\""
     );
     assert_eq!(
         rejected("[chroma]\npreset = 'streaming'"),
@@ -209,6 +209,14 @@ fn every_option_takes_its_default_and_its_bounds_and_nothing_beyond() {
             Allowed::Text(_) if option.key() == "reuse.periods" => (
                 vec!["\"11111\"".into(), "\"56789\"".into()],
                 vec!["\"\"".into(), "\"11113\"".into(), "11223".into()],
+            ),
+            Allowed::Text(_) if option.key() == "gaze.osc_listen" => (
+                vec!["\"127.0.0.1:1\"".into(), "\"[::1]:65535\"".into()],
+                vec!["\"\"".into(), "\"127.0.0.1:0\"".into(), "\"localhost:9020\"".into(), "9020".into()],
+            ),
+            Allowed::Text(_) if option.key() == "gaze.offset_deg" => (
+                vec!["\"-20, 20\"".into(), "\"0.25, -1.5\"".into()],
+                vec!["\"\"".into(), "\"0, 20.1\"".into(), "1.5".into()],
             ),
             // An empty text is no rules, no names, ...: the one value that each such option takes.
             Allowed::Text(_) => (vec!["\"\"".into()], vec!["1".into(), "true".into()]),

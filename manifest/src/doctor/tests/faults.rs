@@ -174,6 +174,33 @@ const FAULTS: &[Fault] = &[
         &["runtime-refuses"],
         false,
     ),
+    (
+        "an eye tracker that is not used",
+        |machine| machine.put("home/.config/parafovea/config.toml", "gaze.source = 'centre'\n"),
+        &["eye-tracker-unused"],
+        false,
+    ),
+    (
+        "OSC packets from the network",
+        |machine| {
+            let config = "gaze.source = 'osc'\ngaze.osc_listen = '0.0.0.0:9020'\n";
+            machine.put("home/.config/parafovea/config.toml", config);
+            answer(machine).extensions.truncate(1);
+        },
+        &["osc-from-network"],
+        false,
+    ),
+    (
+        "a port for OSC packets that is taken",
+        |machine| {
+            machine.put("home/.config/parafovea/config.toml", "gaze.source = 'osc'\n");
+            answer(machine).extensions.truncate(1);
+            // The same digits in either byte order.
+            machine.put("proc/net/udp", "  sl  local_address\n  9: 00000000:233C 00000000:0000 07\n");
+        },
+        &["osc-port-taken"],
+        false,
+    ),
     ("no gaze extension", |machine| answer(machine).extensions.truncate(1), &["no-eye-gaze"], false),
     (
         "a headset without eye tracker",

@@ -28,9 +28,7 @@ impl Done {
     pub fn failure(&self, is_strict: bool) -> Option<String> {
         match &self.ending {
             Ending::Failed(how) => Some(how.clone()),
-            Ending::OverLimit => {
-                Some(format!("still running after its limit of {} s, and killed", self.limit.as_secs()))
-            }
+            Ending::OverLimit => Some(format!("killed at its time limit of {} s", self.limit.as_secs())),
             Ending::Skipped(lack @ Lack::Setup(_)) if is_strict => Some(format!("skipped: {lack}")),
             Ending::Skipped(_) | Ending::Ignored(_) | Ending::Passed => None,
         }
@@ -125,7 +123,7 @@ mod tests {
     fn every_failure_is_named_with_its_cause() {
         let text = summary(false).to_string();
         assert!(text.contains("test result: FAILED. 20 passed; 2 failed; 3 ignored; 0 measured; 0 filtered out; finished in 100.00s"), "{text}");
-        assert!(text.contains("layer compose hangs: still running after its limit of 60 s"), "{text}");
+        assert!(text.contains("layer compose hangs: killed at its time limit of 60 s"), "{text}");
         assert!(text.contains("layer compose fails: exit status: 101"), "{text}");
         assert!(text.contains("not on this machine: a GPU (layer compose no GPU)"), "{text}");
         assert!(text.contains("minutes: cargo dev faults (layer compose matrix)"), "{text}");

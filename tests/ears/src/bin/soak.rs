@@ -19,7 +19,7 @@ fn main() -> Result<()> {
     };
     let cost = capture_cost(Duration::from_secs(seconds))?;
     println!(
-        "listened for {:.0} s, {} sets of features: the longest wait for one {} ms, {:.2} % of a core, {} kB at first, at most {} kB",
+        "captured sound for {:.0} s, {} sets of features: longest wait {} ms, {:.2} % of a core, {} kB at first, at most {} kB",
         cost.time.as_secs_f64(),
         cost.sets,
         cost.longest_wait.as_millis(),

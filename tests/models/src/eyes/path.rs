@@ -104,6 +104,13 @@ impl EyePath {
         Self { looks, shapes, blinks: blinks(&mut Random::new(seed, 2), duration_s) }
     }
 
+    /// The eyes rest on one thing, far away and straight ahead.
+    pub fn resting(duration_s: f64) -> Self {
+        let (from, turn) = (DVec3::NEG_Z, DVec3::ZERO);
+        let look = Look { start_s: 0.0, end_s: duration_s, from, turn, distance_m: f64::INFINITY };
+        Self { looks: vec![look], shapes: Vec::new(), blinks: Vec::new() }
+    }
+
     /// All that is looked at, in order.
     pub fn looks(&self) -> &[Look] {
         &self.looks

@@ -23,6 +23,28 @@ pub struct TrackerModel {
     pub tells_time: bool,
 }
 
+/// What a tracker is off by, and how late it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackerErrors {
+    /// From the eye to the first image that can be made with a sample, seconds.
+    pub latency_s: f64,
+    /// By how much it is off in one fixation, degrees, in a direction that differs from each to the next.
+    pub bias_deg: f64,
+    /// Standard deviation of each sample along either axis, degrees.
+    pub jitter_deg: f64,
+}
+
+impl TrackerErrors {
+    /// None.
+    pub const NONE: Self = Self { latency_s: 0.0, bias_deg: 0.0, jitter_deg: 0.0 };
+}
+
+impl Default for TrackerErrors {
+    fn default() -> Self {
+        Self { latency_s: LATENCY_S, bias_deg: BIAS_DEG, jitter_deg: JITTER_DEG }
+    }
+}
+
 /// One sample, and when it is known.
 #[derive(Clone, Copy, Debug)]
 pub struct Report {
@@ -33,8 +55,19 @@ pub struct Report {
 }
 
 impl TrackerModel {
-    /// What it reports of a path until `duration_s`.
+    /// What it reports of a path until `duration_s`, with the usual errors.
     pub fn reports(&self, path: &EyePath, seed: u64, duration_s: f64) -> Vec<Report> {
+        self.reports_with(TrackerErrors::default(), path, seed, duration_s)
+    }
+
+    /// What it reports of a path until `duration_s`.
+    pub fn reports_with(
+        &self,
+        errors: TrackerErrors,
+        path: &EyePath,
+        seed: u64,
+        duration_s: f64,
+    ) -> Vec<Report> {
         let random = &mut Random::new(seed, 3);
         let phase = random.within(0.0, 1.0);
         let biases: Vec<f64> =
@@ -45,15 +78,15 @@ impl TrackerModel {
                 // Its clock is no better than its samples are even.
                 let t = (f64::from(number) + phase + random.within(-0.03, 0.03)) / self.rate_hz;
                 let (truth, _) = path.at(t);
-                let off = |look: usize| turned(truth, biases[look], BIAS_DEG) - truth;
+                let off = |look: usize| turned(truth, biases[look], errors.bias_deg) - truth;
                 let bias = match path.event(t) {
                     Event::Looking(look) => off(look),
                     Event::Jumping(look) => off(look).lerp(off(look + 1), path.way(t)),
                 };
                 let (right, up) = truth.any_orthonormal_pair();
-                let jitter = [right, up].map(|axis| axis * random.normal() * JITTER_DEG.to_radians());
+                let jitter = [right, up].map(|axis| axis * random.normal() * errors.jitter_deg.to_radians());
                 let seen = (truth + bias + jitter[0] + jitter[1]).normalize();
-                Report { sample: self.sample(seen, t, !path.is_blink(t)), known_s: t + LATENCY_S }
+                Report { sample: self.sample(seen, t, !path.is_blink(t)), known_s: t + errors.latency_s }
             })
             .collect()
     }

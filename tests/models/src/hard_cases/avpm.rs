@@ -175,17 +175,17 @@ fn studies() -> Vec<Case> {
         with(
             "2,1.2,0,nan\n",
             "a score NaN",
-            "line 2, column mu: \"nan\" is not allowed; a number from 0 to 100 is",
+            "line 2, column mu: \"nan\" is not allowed; allowed: a number from 0 to 100",
         ),
         with(
             "2,0,0,3\n",
             "gamma_fq 0",
-            "line 2, column gamma_fq: \"0\" is not allowed; a number from 0.0317 to 3.817 is",
+            "line 2, column gamma_fq: \"0\" is not allowed; allowed: a number from 0.0317 to 3.817",
         ),
         with(
             "2,1,1e30,3\n",
             "gamma_vis huge",
-            "line 2, column gamma_vis: \"1e30\" is not allowed; a number from 0 to 1000000000 is",
+            "line 2, column gamma_vis: \"1e30\" is not allowed; allowed: a number from 0 to 1000000000",
         ),
     ]
 }

@@ -13,7 +13,7 @@ use ash::vk;
 
 pub const STYLE: Style = Style {
     name: "hidden-area",
-    says: "what the lenses hide is covered first, by XR_KHR_visibility_mask",
+    says: "the area hidden by the lenses is covered first, by XR_KHR_visibility_mask",
     needs: Needs { openxr: OpenXr { hidden_area: true, ..OpenXr::NOTHING }, ..Needs::NOTHING },
     // The corners are black.
     likeness: Some(30.0),

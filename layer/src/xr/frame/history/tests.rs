@@ -1,5 +1,5 @@
 use super::*;
-use glam::Quat;
+use glam::{Quat, Vec2, Vec3};
 use openxr_sys::Handle;
 use parafovea_core::geometry::Fov;
 use parafovea_core::reuse::STALE;
@@ -39,7 +39,7 @@ fn nothing_is_stale(_: &mut Vec<u32>, stale: &mut StaleTiles) {
 fn of_two() -> History {
     let mut history = History::default();
     history.show(0, Some((&shown(1), None)), ALWAYS, nothing_is_stale);
-    history.complete(0, Completing::TURNED);
+    history.complete(0, Completing::TURNED, None, None);
     assert!(history.region(0, Completing::TURNED).is_none(), "a whole picture needs nothing");
     history.show(0, Some((&shown(2), None)), ALWAYS, left_half_is_stale);
     history
@@ -53,7 +53,7 @@ fn ages(history: &History) -> usize {
 #[test]
 fn stale_pictures_are_completed_from_earlier_ones() {
     let mut history = of_two();
-    history.complete(0, Completing::PAPER);
+    history.complete(0, Completing::PAPER, None, None);
     let region = history.region(0, Completing::PAPER).unwrap();
     assert_eq!(region.rect, shown(2).rect);
     let offset = [64, 0];
@@ -114,7 +114,8 @@ fn what_was_rendered_is_compared() {
     history.show(0, Some((&still(1), None)), ALWAYS, nothing_is_stale);
     history.show(0, Some((&still(2), None)), ALWAYS, left_half_is_stale);
     history.show(0, Some((&still(3), None)), ALWAYS, left_half_is_stale);
-    history.compare(0, Completing::TURNED, |_| true);
+    let everything = Watched::beyond(2.0, Vec3::NEG_Z);
+    history.complete(0, Completing::TURNED, Some(&everything), None);
     let orientation = Quat::from_rotation_y(0.5);
     let region = history.changes(0, Completing::TURNED, orientation).unwrap();
     assert_eq!((region.offset, region.view.orientation), ([64, 0], orientation));
@@ -123,12 +124,11 @@ fn what_was_rendered_is_compared() {
     // The middle of the picture is that of its four by two tiles.
     let middle = region.view.plane.direction(Vec2::new(2.0, 1.0));
     assert!(middle.truncate().length() < 1e-5, "{middle}");
-    history.compare(0, Completing::TURNED, |direction| direction.x < 0.0);
+    history.complete(0, Completing::TURNED, Some(&Watched::beyond(0.0, Vec3::X)), None);
     assert!(history.changes(0, Completing::TURNED, orientation).is_none(), "nothing of the left half");
-    history.compare(0, Completing::PAPER, |_| true);
+    history.complete(0, Completing::PAPER, Some(&everything), None);
     assert!(history.changes(0, Completing::PAPER, orientation).is_none(), "never in the paper's mode");
-    history.compare(0, Completing::TURNED, |_| true);
-    history.compare_nothing(0);
+    history.complete(0, Completing::TURNED, None, None);
     assert!(history.changes(0, Completing::TURNED, orientation).is_none());
 }
 

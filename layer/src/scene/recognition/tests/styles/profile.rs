@@ -60,7 +60,7 @@ fn every_kind_of_pass_is_listed_once() {
     });
     let expected = [
         "pass 256x256 D32_SFLOAT: not the scene: no colour: a shadow map or a depth pre-pass",
-        "pass 64x48 R16G16B16A16_SFLOAT: not the scene: another aspect ratio than the eye buffer",
+        "pass 64x48 R16G16B16A16_SFLOAT: not the scene: its aspect ratio differs from that of the eye buffer",
         "pass 200x240 R8G8B8A8_SRGB, 2 layers: the scene: left eye and right eye: draws into the swapchain",
     ];
     assert_eq!(lines, expected.map(|line| (SETTLED, line.to_owned())));

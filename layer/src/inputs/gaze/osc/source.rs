@@ -1,0 +1,161 @@
+//! The listener of a session, as its configuration wants it.
+
+use super::assembly::OscCounts;
+use super::listener::{Heard, Listener};
+use super::message::Format;
+use crate::inputs::gaze::auto::SampleTimes;
+use crate::planning::Look;
+use std::io::ErrorKind;
+use std::net::SocketAddr;
+use std::time::{Duration, Instant};
+
+/// After this long without a direction there is no sender any more: longer than the eyes stay closed in a blink, and than a gaze is
+/// held.
+const ENDED: Duration = Duration::from_secs(1);
+
+/// How long a port that is taken is left alone: whoever has it may end.
+const RETRY: Duration = Duration::from_secs(5);
+
+/// Packets as a source of the gaze.
+#[derive(Debug, Default)]
+pub struct OscSource {
+    wanted: Option<SocketAddr>,
+    listener: Option<Listener>,
+    /// Why there is no listener, and since when.
+    failure: Option<(ErrorKind, Instant)>,
+    heard: Option<Heard>,
+    times: SampleTimes,
+}
+
+/// What is told of it. No direction is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OscTold {
+    /// Where it receives, or was to; `None`: it was not to.
+    pub address: Option<SocketAddr>,
+    /// Why it does not.
+    pub failure: Option<ErrorKind>,
+    /// Of the sender's messages.
+    pub format: Option<Format>,
+    /// Directions a second, Hz; 0: not known, or there are none.
+    pub rate_hz: f32,
+    /// Packets.
+    pub counts: OscCounts,
+}
+
+impl OscSource {
+    /// Takes where to listen, or nowhere; whether that calls for a listener to be begun, by [`Listener::begin`] and
+    /// [`OscSource::opened`]. What is returned is to be dropped, for which it may wait.
+    pub fn want(
+        &mut self,
+        wanted: Option<SocketAddr>,
+        scale_deg: f32,
+        now: Instant,
+    ) -> (bool, Option<Listener>) {
+        let mut ended = None;
+        if self.wanted != wanted {
+            ended = self.close();
+            self.wanted = wanted;
+        }
+        if let Some(listener) = &self.listener {
+            listener.set_scale(scale_deg);
+        }
+        let may_try = self.failure.is_none_or(|(_, since)| now.saturating_duration_since(since) >= RETRY);
+        (wanted.is_some() && self.listener.is_none() && may_try, ended)
+    }
+
+    /// A listener was begun at `address`, or could not be. Whether a failure is news.
+    pub fn opened(&mut self, address: SocketAddr, listener: std::io::Result<Listener>, now: Instant) -> bool {
+        if self.wanted != Some(address) {
+            return false;
+        }
+        match listener {
+            Ok(listener) => {
+                self.listener = Some(listener);
+                self.failure = None;
+                false
+            }
+            Err(error) => {
+                let is_news = self.failure.is_none_or(|(kind, _)| kind != error.kind());
+                self.failure = Some((error.kind(), now));
+                is_news
+            }
+        }
+    }
+
+    /// Ends it; what is returned is to be dropped.
+    pub fn close(&mut self) -> Option<Listener> {
+        let listener = self.listener.take();
+        *self = Self::default();
+        listener
+    }
+
+    /// Whether it receives.
+    pub fn is_open(&self) -> bool {
+        self.listener.is_some()
+    }
+
+    /// Where the eyes look, for a frame that is shown at `time_ns`; `latency_ns` as for [`SampleTimes::of`].
+    pub fn look(&mut self, time_ns: i64, latency_ns: i64) -> Look {
+        self.heard = self.listener.as_ref().and_then(Listener::heard).or(self.heard);
+        match self.heard.filter(|_| self.is_open()) {
+            Some(heard) => heard.look(&mut self.times, time_ns, latency_ns),
+            None => Look::NoTracker,
+        }
+    }
+
+    /// What is told of it.
+    pub fn told(&self) -> OscTold {
+        let look = self.heard.map(|heard| heard.look).unwrap_or_default();
+        let is_there = self.heard.is_some_and(|heard| heard.age.is_some_and(|age| age < ENDED));
+        OscTold {
+            address: self.wanted,
+            failure: self.failure.map(|(kind, _)| kind),
+            format: look.format.filter(|_| is_there),
+            rate_hz: if is_there { look.rate_hz } else { 0.0 },
+            counts: look.counts,
+        }
+    }
+}
+
+impl Heard {
+    /// Where the eyes look by it, for a frame that is shown at `time_ns`; `latency_ns` as for [`SampleTimes::of`].
+    pub fn look(self, times: &mut SampleTimes, time_ns: i64, latency_ns: i64) -> Look {
+        let Some(age) = self.age.filter(|age| *age < ENDED) else { return Look::NoTracker };
+        let sampled_ns = times.of(self.look.serial, age.as_nanos() as i64, time_ns, latency_ns);
+        self.look.direction.map_or(Look::Unseen, |direction| Look::At { direction, sampled_ns })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_port_that_is_taken_is_tried_again_and_told_once() {
+        let (address, now) = (SocketAddr::from(([127, 0, 0, 1], 9)), Instant::now());
+        let mut source = OscSource::default();
+        let fails = || Err(ErrorKind::AddrInUse.into());
+        assert!(source.want(Some(address), 45.0, now).0);
+        assert!(source.opened(address, fails(), now));
+        assert_eq!(source.told().failure, Some(ErrorKind::AddrInUse));
+        assert!(!source.want(Some(address), 45.0, now + RETRY / 2).0);
+        assert!(source.want(Some(address), 45.0, now + RETRY).0);
+        assert!(!source.opened(address, fails(), now + RETRY), "known already");
+        assert_eq!(source.look(0, 0), Look::NoTracker);
+        // Another address is tried at once; nowhere, nothing is.
+        let other = SocketAddr::from(([127, 0, 0, 1], 10));
+        assert!(source.want(Some(other), 45.0, now + RETRY).0);
+        assert!(!source.want(None, 45.0, now + 9 * RETRY).0);
+        assert_eq!(source.told(), OscTold::default());
+    }
+
+    #[test]
+    fn a_listener_ends_where_none_is_wanted() {
+        let (now, any) = (Instant::now(), SocketAddr::from(([127, 0, 0, 1], 0)));
+        let mut source = OscSource::default();
+        assert!(source.want(Some(any), 45.0, now).0);
+        assert!(!source.opened(any, Listener::begin(any, 45.0), now));
+        assert!(source.is_open() && !source.want(Some(any), 30.0, now).0);
+        assert!(source.want(None, 45.0, now).1.is_some() && !source.is_open());
+    }
+}

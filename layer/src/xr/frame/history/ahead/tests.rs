@@ -1,0 +1,125 @@
+use super::*;
+use crate::xr::frame::history::{History, ShownPicture};
+use ash::vk;
+use glam::Vec3;
+use openxr_sys::{self as xr, Handle};
+use parafovea_core::geometry::Fov;
+use parafovea_core::reuse::{STALE, TileLists};
+
+const EXTENT: [u32; 2] = [128, 64];
+const FOV: Fov = Fov { left: -0.8, right: 0.8, up: 0.5, down: -0.5 };
+/// The application draws to so many images in turn.
+const IMAGES: u64 = 4;
+
+/// How the head of frame `number` is turned.
+fn view(number: u64) -> planning::View {
+    planning::View {
+        orientation: Quat::from_rotation_y(number as f32 * 0.02),
+        position: Vec3::new(0.1, 1.7, 0.0),
+        fov: FOV,
+    }
+}
+
+fn shown(number: u64, view: planning::View) -> ShownPicture {
+    ShownPicture {
+        substitute: 1,
+        space: xr::Space::from_raw(7),
+        time: xr::Time::from_nanos(number as i64 * 11_111_111),
+        release: number,
+        image_index: (number % IMAGES) as u32,
+        array_layer: 0,
+        rect: vk::Rect2D {
+            offset: vk::Offset2D::default(),
+            extent: vk::Extent2D { width: EXTENT[0], height: EXTENT[1] },
+        },
+        view: View { orientation: view.orientation, plane: view.fov.tangents().plane(EXTENT) },
+    }
+}
+
+/// Every third tile is fresh, others in each frame.
+fn stale(number: u64) -> impl Fn(&mut StaleTiles) {
+    move |tiles| {
+        let map: Vec<u8> =
+            (0..32).map(|tile| if (tile + number).is_multiple_of(3) { 0 } else { STALE }).collect();
+        tiles.set(EXTENT, [16, 16], &map);
+    }
+}
+
+/// A frame's lists, as words: of tiles that are fresh and taken as a whole, in part and for borders, and of those that are compared.
+fn lists(history: &History) -> Vec<Vec<u32>> {
+    let region = history.region(0, Completing::TURNED);
+    let changes = history.changes(0, Completing::TURNED, Quat::IDENTITY);
+    let sorted = region.iter().flat_map(|region| {
+        let TileLists { fresh, whole, mixed, border, .. } = region.lists;
+        let of_ages = whole.iter().chain(mixed).chain(border.as_flattened());
+        std::iter::once(fresh).chain(of_ages).map(|list| list.words().to_vec())
+    });
+    let compared = changes.iter().flat_map(|changes| (1..9).map(|age| changes.tiles.with_age(age).to_vec()));
+    sorted.chain(compared).collect()
+}
+
+/// Runs frames with work done ahead and without, which have to end alike; says of each whether it was taken. A frame is expected as
+/// `expected` has it, and ends as `ended` has it: number, view and stale tiles of that number.
+fn taken(
+    frames: u64,
+    expected: impl Fn(u64) -> (u64, planning::View),
+    ended: impl Fn(u64) -> (u64, planning::View),
+) -> Vec<bool> {
+    let (how, watched) = (Completing::TURNED, Watched::beyond(2.0, Vec3::NEG_Z));
+    let [mut history, mut alone] = [History::default(), History::default()];
+    let ahead = Ahead::default();
+    let frame = |number: u64| {
+        ahead.begin(|job| {
+            let (pattern, view) = expected(number);
+            history.expect(0, job, Expected { how, watched: Some(watched), view, stale: &stale(pattern) });
+        });
+        let (pattern, view) = ended(number);
+        let is_intact = |release: u64| release + IMAGES > number;
+        for history in [&mut history, &mut alone] {
+            history.show(0, Some((&shown(number, view), None)), is_intact, |_, tiles| stale(pattern)(tiles));
+        }
+        // A frame of an application takes its time.
+        let is_open = || matches!(*ahead.shared.lock(), State::Waiting(_));
+        while is_open() {
+            std::thread::yield_now();
+        }
+        let is_taken = ahead.finish(|job| {
+            let mut job = job.filter(|job| job.eyes[0].how.is_some());
+            history.complete(0, how, Some(&watched), job.as_deref_mut());
+            job.is_some_and(|job| job.eyes[0].how.is_none())
+        });
+        alone.complete(0, how, Some(&watched), None);
+        assert_eq!(lists(&history), lists(&alone), "frame {number}");
+        is_taken
+    };
+    (1..=frames).map(frame).collect()
+}
+
+#[test]
+fn a_frame_that_is_as_expected_takes_what_was_worked_out() {
+    let as_it_is = |number| (number, view(number));
+    let taken = taken(20, as_it_is, as_it_is);
+    // The first frame has no picture before it, and when pictures are given up for the first time, nobody expects that.
+    let others: Vec<usize> = (0..20).filter(|frame| !taken[*frame]).collect();
+    assert!(others.len() <= 3 && others.iter().all(|frame| *frame < 6), "{others:?}");
+}
+
+#[test]
+fn a_frame_that_is_another_is_worked_out_anew() {
+    let as_it_is = |number| (number, view(number));
+    let turned = |number| (number, view(number + 1));
+    assert!(taken(12, as_it_is, turned).iter().all(|taken| !taken), "another view");
+    let with_others_stale = |number| (number + 1, view(number));
+    assert!(taken(12, as_it_is, with_others_stale).iter().all(|taken| !taken), "other tiles");
+    let at_times = |number| (number, view(number + number % 2));
+    assert!(taken(20, as_it_is, at_times).iter().skip(8).any(|taken| *taken), "every other frame");
+}
+
+#[test]
+fn work_that_was_not_begun_is_not_waited_for() {
+    let ahead = Ahead::default();
+    assert!(ahead.finish(|job| job.is_none()), "before the first frame");
+    ahead.begin(|_| {});
+    ahead.finish(|_| ());
+    assert!(ahead.finish(|job| job.is_none()), "twice");
+}

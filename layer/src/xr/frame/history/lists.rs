@@ -1,0 +1,56 @@
+//! What a picture of an eye takes from earlier ones, and which of its tiles are compared with them.
+
+use super::Completing;
+use crate::planning::Watched;
+use glam::Vec2;
+use parafovea_core::geometry::ImagePlane;
+use parafovea_core::reuse::{ComparedTiles, Picture, Reuse, TileLists};
+
+/// The tiles of the newest picture of an eye, by what is done with them.
+#[derive(Debug, Default)]
+pub(super) struct EyeLists {
+    /// By where they are taken from; empty where the picture is whole.
+    pub(super) lists: TileLists,
+    /// Those that are compared with earlier pictures.
+    pub(super) compared: ComparedTiles,
+}
+
+impl EyeLists {
+    /// Sorts the tiles of the first of `pictures`, which come newest first. Those that are compared were rendered, and their middles are
+    /// watched; there are none where `how` does not turn pictures.
+    pub(super) fn update<'a>(
+        &mut self,
+        pictures: impl Iterator<Item = Picture<'a>> + Clone,
+        how: Completing,
+        watched: Option<&Watched>,
+    ) {
+        match reuse(pictures.clone(), how) {
+            Some(reuse) => self.lists.update(&reuse, how.border_of(&reuse), how.oldest),
+            None => self.lists.clear(),
+        }
+        self.compared.clear();
+        let mut pictures = pictures;
+        if let (Some(newest), Some(watched), true) = (pictures.next(), watched, how.turns) {
+            let reuse = Reuse::new(newest, pictures, how.turns);
+            let plane = of_tiles(&reuse);
+            self.compared.update(&reuse, how.oldest, |[column, row]| {
+                watched.is_watched(plane.direction(Vec2::new(column as f32, row as f32) + 0.5))
+            });
+        }
+    }
+}
+
+/// The image of a picture, one of tiles in place of pixels.
+pub(super) fn of_tiles(reuse: &Reuse) -> ImagePlane {
+    let now = reuse.now();
+    ImagePlane { step: now.view.plane.step / now.tiles_per_pixel(), ..now.view.plane }
+}
+
+/// Of pictures, the newest first, where something of that is stale.
+pub(super) fn reuse<'a>(
+    mut pictures: impl Iterator<Item = Picture<'a>>,
+    how: Completing,
+) -> Option<Reuse<'a>> {
+    let newest = pictures.next()?;
+    (!newest.stale.is_empty()).then(|| Reuse::new(newest, pictures, how.turns))
+}

@@ -1,0 +1,81 @@
+//! The gaze of an application, in words.
+
+use super::Gaze;
+use std::fmt;
+
+/// Source, rate and age in one line.
+impl fmt::Display for Gaze {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let source = match (self.source.as_str(), self.holder.as_str()) {
+            ("centre", _) => return f.write_str("fixed at the centre of the view"),
+            ("auto", "centre") => {
+                f.write_str("no eye tracker: fixed around the centre of the view")?;
+                return f.write_str(&self.packets());
+            }
+            ("eyes", _) | (_, "eyes") => "eye tracker".to_owned(),
+            ("osc", _) | (_, "osc") => match self.osc.format.as_str() {
+                "" => "OSC".to_owned(),
+                format => format!("OSC ({format})"),
+            },
+            (other, _) => other.to_owned(),
+        };
+        let rate = self.rate_hz.map_or(String::new(), |rate| format!(", {rate:.0} Hz"));
+        let state = match (self.is_valid, self.age_ms) {
+            (true, Some(age)) => format!("valid{rate}, {age:.0} ms old at display time"),
+            (true, None) => format!("valid{rate}"),
+            (false, Some(age)) => format!("lost for {:.1} s", age / 1000.0),
+            (false, None) => "none".to_owned(),
+        };
+        write!(f, "{source}: {state}{}", self.packets())
+    }
+}
+
+impl Gaze {
+    /// Why there are no packets; empty if there are, or if the application asks for none.
+    fn packets(&self) -> String {
+        match (self.osc.failure.as_str(), self.osc.address.as_str()) {
+            ("", address) if !address.is_empty() && self.osc.packets == 0 => {
+                format!("; no OSC packets at {address}")
+            }
+            ("", _) => String::new(),
+            (failure, address) => format!("; no OSC packets: {address}: {failure}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::status::{Gaze, Osc};
+
+    #[test]
+    fn the_source_in_use_is_named_and_why_packets_are_missing() {
+        let gaze = |source: &str, holder: &str, osc| Gaze {
+            source: source.to_owned(),
+            holder: holder.to_owned(),
+            osc,
+            ..Gaze::default()
+        };
+        let at = |failure: &str, packets| Osc {
+            address: "127.0.0.1:9020".to_owned(),
+            failure: failure.to_owned(),
+            packets,
+            ..Osc::default()
+        };
+        let vrchat = Osc { format: "VRChat".to_owned(), ..at("", 9) };
+        let fresh =
+            Gaze { is_valid: true, age_ms: Some(58.0), rate_hz: Some(120.0), ..gaze("auto", "osc", vrchat) };
+        for (gaze, line) in [
+            (fresh, "OSC (VRChat): valid, 120 Hz, 58 ms old at display time"),
+            (gaze("auto", "eyes", Osc::default()), "eye tracker: none"),
+            (gaze("file", "file", Osc::default()), "file: none"),
+            (gaze("centre", "centre", Osc::default()), "fixed at the centre of the view"),
+            (gaze("osc", "osc", at("", 0)), "OSC: none; no OSC packets at 127.0.0.1:9020"),
+            (
+                gaze("auto", "centre", at("address in use", 0)),
+                "no eye tracker: fixed around the centre of the view; no OSC packets: 127.0.0.1:9020: address in use",
+            ),
+        ] {
+            assert_eq!(gaze.to_string(), line);
+        }
+    }
+}

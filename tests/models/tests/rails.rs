@@ -1,0 +1,37 @@
+//! The safety rails on synthetic gaze with known truth: what `cargo dev bench rails` prints, asserted of shorter scripts.
+
+use parafovea_models::rails::{Case, When, cases, follow};
+
+const SEEDS: [u64; 1] = [42];
+const DURATION_S: f64 = 12.0;
+
+fn case(name: &str) -> Case {
+    cases().into_iter().find(|case| case.name == name).expect("a case of this name")
+}
+
+/// Less is shaded, and no more is lost where the eyes are once they have landed.
+#[test]
+fn what_coarsens_in_saccades_saves_and_costs_nothing_after_landing() {
+    for (name, most_share) in
+        [("moving, 120 Hz", 0.95), ("moving, 60 Hz", 0.96), ("contrast, moving, 120 Hz", 0.90)]
+    {
+        let [before, after] = [false, true].map(|at_once| follow(&case(name), at_once, &SEEDS, DURATION_S));
+        let ratio = after.all.share() / before.all.share();
+        assert!(ratio < most_share, "{name}: {ratio} of what is shaded without");
+        let lost = |when: When| [before, after].map(|score| score.when[when as usize].central_loss());
+        let [before, after] = lost(When::Looking);
+        assert!(after < 1e-4 && before < 1e-4, "{name}: {before} and {after} lost while looking");
+        let [before, after] = lost(When::Landing);
+        assert!(after < 1.15 * before + 1e-4, "{name}: {before} and {after} lost at landing");
+    }
+}
+
+/// Bare rings around the true gaze lose nothing there: the measure is worth no more than that.
+#[test]
+fn the_true_gaze_loses_nothing_in_its_own_rings() {
+    let score = follow(&case("moving, true gaze, no rails"), true, &SEEDS, 3.0);
+    for when in When::ALL {
+        assert_eq!(score.when[when as usize].central_loss(), 0.0, "{when:?}");
+    }
+    assert!(score.all.loss() > 0.0 && score.all.share() < 0.3, "{score:?}");
+}

@@ -1,0 +1,270 @@
+//! The gaze from OSC packets: a sender of the tests drives unmodified applications on the mock runtime, in each format; and what a
+//! sender of anything else sends costs nothing but a count.
+
+use parafovea_manifest::paths::Environment;
+use parafovea_manifest::status::{Status, read_all};
+use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
+use parafovea_tests::run::{Application, Outcome, Run, Running};
+use parafovea_tests::scenario::{Scenario, ScenarioExt};
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant, SystemTime};
+
+/// Where the eyes look, degrees to the left and upwards.
+const LOOK: [f32; 2] = [-18.0, 9.0];
+
+/// Frames until filter and rails have settled, and more.
+const FRAMES: u64 = 150;
+
+/// Long enough on a machine that does much else.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A port that nobody has at this moment.
+fn free_address() -> SocketAddr {
+    UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap()
+}
+
+/// A text of OSC 1.0: with a zero at its end, and filled up to whole words.
+fn text(text: &str) -> Vec<u8> {
+    let mut bytes = text.as_bytes().to_vec();
+    bytes.resize((bytes.len() + 1).next_multiple_of(4), 0);
+    bytes
+}
+
+/// A message of OSC 1.0 with numbers.
+pub fn message(address: &str, numbers: &[f32]) -> Vec<u8> {
+    let numbers_text = numbers.iter().flat_map(|number| number.to_be_bytes());
+    let tags = format!(",{}", "f".repeat(numbers.len()));
+    [text(address), text(&tags)].concat().into_iter().chain(numbers_text).collect()
+}
+
+/// A bundle of OSC 1.0, for at once.
+fn bundle(messages: &[Vec<u8>]) -> Vec<u8> {
+    let mut bytes = [text("#bundle"), 1u64.to_be_bytes().to_vec()].concat();
+    for message in messages {
+        bytes.extend((message.len() as u32).to_be_bytes());
+        bytes.extend(message);
+    }
+    bytes
+}
+
+/// Each format's packets for [`LOOK`], with its name in the status.
+fn formats() -> Vec<(&'static str, &'static str, Vec<Vec<u8>>)> {
+    let [left, up] = LOOK;
+    let turn = glam::Quat::from_euler(glam::EulerRot::YXZ, left.to_radians(), up.to_radians(), 0.0);
+    let glam::Vec3 { x, y, z } = turn * glam::Vec3::NEG_Z;
+    let native = |name: &str, numbers: &[f32]| vec![message(&format!("/tracking/eye/{name}"), numbers)];
+    let of_eyes = |name: &dyn Fn(&str, &str) -> String| -> Vec<Vec<u8>> {
+        let axes = [("X", -left / 45.0), ("Y", up / 45.0)];
+        let eyes = ["Left", "Right"].map(|eye| axes.map(|(axis, share)| message(&name(eye, axis), &[share])));
+        eyes.concat()
+    };
+    let vrcft = of_eyes(&|eye, axis| format!("/avatar/parameters/v2/Eye{eye}{axis}"));
+    let prefixed = of_eyes(&|eye, axis| format!("/avatar/parameters/FT/v2/Eye{eye}{axis}"));
+    let both = [("X", -left / 45.0), ("Y", up / 45.0)]
+        .map(|(axis, share)| message(&format!("/avatar/parameters/v2/Eye{axis}"), &[share]));
+    vec![
+        ("CenterPitchYaw", "VRChat", native("CenterPitchYaw", &[-up, -left])),
+        ("CenterPitchYawDist", "VRChat", native("CenterPitchYawDist", &[-up, -left, 1.5])),
+        ("LeftRightPitchYaw", "VRChat", native("LeftRightPitchYaw", &[-up, -left, -up, -left])),
+        ("CenterVec", "VRChat", native("CenterVec", &[x, y, -z])),
+        ("CenterVecFull", "VRChat", native("CenterVecFull", &[1.5 * x, 1.5 * y, -1.5 * z])),
+        ("LeftRightVec", "VRChat", native("LeftRightVec", &[x, y, -z, x, y, -z])),
+        ("v2, one by one", "VRCFaceTracking", vrcft),
+        ("v2 with a prefix, bundled", "VRCFaceTracking", vec![bundle(&prefixed)]),
+        ("v2 of both eyes", "VRCFaceTracking", both.to_vec()),
+        ("Baballonia", "Baballonia", of_eyes(&|eye, axis| format!("/{eye}Eye{axis}"))),
+    ]
+}
+
+/// Sends the same again and again, from one port, until it is dropped.
+pub struct Sender {
+    is_ending: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Sender {
+    fn new(to: SocketAddr, packets: Vec<Vec<u8>>, pause: Duration) -> Self {
+        let is_ending = Arc::new(AtomicBool::new(false));
+        let theirs = is_ending.clone();
+        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let thread = std::thread::spawn(move || {
+            while !theirs.load(Ordering::Relaxed) {
+                for packet in &packets {
+                    // Before the listener is there, it is refused.
+                    let _ = socket.send_to(packet, to);
+                }
+                std::thread::sleep(pause);
+            }
+        });
+        Self { is_ending, thread: Some(thread) }
+    }
+
+    /// As fast as an eye tracker, and more, as frames of simulated time are fast.
+    pub fn tracker(to: SocketAddr, packets: Vec<Vec<u8>>) -> Self {
+        Self::new(to, packets, Duration::from_millis(1))
+    }
+}
+
+impl Drop for Sender {
+    fn drop(&mut self) {
+        self.is_ending.store(true, Ordering::Relaxed);
+        self.thread.take().unwrap().join().unwrap();
+    }
+}
+
+fn config(source: &str, address: SocketAddr) -> String {
+    format!("[gaze]\nsource = \"{source}\"\nosc_listen = \"{address}\"\n[rates]\ngate = \"on\"\n")
+}
+
+fn scene(config: &str) -> Outcome {
+    let application = Application::ours("parafovea-scene", &["--lights", "0"]).unwrap();
+    let scenario = Scenario::new(FRAMES).sized(128, 128);
+    let run = Run::new(&application, &scenario).shading_rates(ShadingRateProfile::NvkTuring).on(config);
+    run.finish().unwrap().expect_frames(FRAMES).unwrap()
+}
+
+/// The last map.
+fn last_map(outcome: &Outcome) -> String {
+    let lines = outcome.shading_rates().unwrap();
+    let mut maps = lines.into_iter().map(|line| match line {
+        ShadingRateLine::Pass(pass) => pass.map.unwrap().texels.unwrap(),
+        ShadingRateLine::Finding(finding) => panic!("{finding:?}"),
+    });
+    maps.next_back().unwrap()
+}
+
+#[test]
+fn each_format_drives_the_rates_of_an_application() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("gaze.csv");
+    let [left, up] = LOOK;
+    std::fs::write(&file, format!("0,{left},{up}\n")).unwrap();
+    let played = format!("[gaze]\nsource = \"file\"\nfile = {file:?}\n[rates]\ngate = \"on\"\n");
+    let expected = last_map(&scene(&played));
+    let nobody = last_map(&scene(&config("osc", free_address())));
+    assert!(expected.contains("0a") && expected != nobody, "{expected} {nobody}");
+    for (name, _, packets) in formats() {
+        let address = free_address();
+        let _sender = Sender::tracker(address, packets);
+        let outcome = scene(&config("osc", address));
+        assert_eq!(last_map(&outcome), expected, "{name}: {}", outcome.log);
+    }
+}
+
+#[test]
+fn a_correction_moves_the_gaze_of_packets() {
+    let rates_of = |lines: &str, [left, up]: [f32; 2]| {
+        let address = free_address();
+        let packets = vec![message("/tracking/eye/CenterPitchYaw", &[-up, -left])];
+        let _sender = Sender::tracker(address, packets);
+        last_map(&scene(&config("osc", address).replace("[gaze]\n", &format!("[gaze]\n{lines}"))))
+    };
+    let [left, up] = LOOK;
+    let expected = rates_of("", LOOK);
+    assert_eq!(rates_of("offset_deg = \"4, -2.5\"\n", [left - 4.0, up + 2.5]), expected);
+    assert_ne!(rates_of("", [left - 4.0, up + 2.5]), expected);
+}
+
+fn start(config: &str, scenario: &Scenario) -> Running {
+    let application = Application::hello_xr("Vulkan2").unwrap();
+    Run::new(&application, scenario).on(config).start().unwrap()
+}
+
+fn long() -> Scenario {
+    Scenario::new(1_000_000).sized(128, 128)
+}
+
+/// A headset whose runtime has no eye tracker.
+fn without_tracker() -> Scenario {
+    let mut scenario = long();
+    scenario.system.eye_gaze = false;
+    scenario
+}
+
+/// The status, once that is so; panics where it never is.
+fn told(running: &Running, is_so: impl Fn(&Status) -> bool) -> Status {
+    let begin = Instant::now();
+    let environment =
+        Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| running.runtime_folder().into()));
+    loop {
+        let (found, _) = read_all(&environment, SystemTime::now()).unwrap();
+        match found.as_slice() {
+            [found] if is_so(&found.status) => return found.status.clone(),
+            other => assert!(begin.elapsed() < PATIENCE, "{other:#?}\n{}", running.log()),
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+#[test]
+fn hello_xr_follows_packets_while_they_arrive() {
+    let address = free_address();
+    let running = start(&config("auto", address), &without_tracker());
+    let none = told(&running, |status| status.frames > 0 && status.gaze.holder == "centre");
+    assert!(!none.gaze.is_valid && none.gaze.osc.address == address.to_string(), "{none:#?}");
+    for (name, format, packets) in formats().into_iter().rev().step_by(4) {
+        let sender = Sender::tracker(address, packets);
+        let status = told(&running, |status| {
+            let gaze = &status.gaze;
+            gaze.holder == "osc" && gaze.is_valid && gaze.osc.format == format && gaze.rate_hz > Some(0.0)
+        });
+        assert_eq!((status.gaze.osc.failure.as_str(), status.gaze.osc.malformed), ("", 0), "{name}");
+        drop(sender);
+        told(&running, |status| status.gaze.holder == "centre" && !status.gaze.is_valid);
+    }
+}
+
+#[test]
+fn floods_and_nonsense_are_counted_and_the_application_goes_on() {
+    let address = free_address();
+    let running = start(&config("osc", address), &without_tracker());
+    let (_, _, packets) = formats().remove(0);
+    let _tracker = Sender::tracker(address, packets);
+    let before = told(&running, |status| status.gaze.is_valid && status.gaze.holder == "osc");
+    let nonsense: Vec<Vec<u8>> = vec![
+        b"\xff\xff\xff\xff".to_vec(),
+        vec![b'#'; 60_000],
+        message("/tracking/eye/CenterPitchYaw", &[f32::NAN, f32::INFINITY]),
+        message("/tracking/eye/CenterPitchYaw", &[30.0, 30.0]),
+        bundle(&vec![message("/jawOpen", &[1.0]); 20]),
+    ];
+    // More than 10 000 packets a second.
+    let flood = Sender::new(address, vec![nonsense; 100].concat(), Duration::from_millis(10));
+    let during = told(&running, |status| {
+        let osc = &status.gaze.osc;
+        [osc.malformed, osc.implausible, osc.other_senders, osc.floods].iter().all(|count| *count > 10)
+            && status.frames > before.frames
+    });
+    drop(flood);
+    told(&running, |status| status.frames > during.frames && status.gaze.is_valid);
+    assert!(!running.log().contains("panic"), "{}", running.log());
+}
+
+#[test]
+fn a_port_that_is_taken_is_told_and_costs_no_more() {
+    let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap();
+    let running = start(&config("osc", address), &without_tracker());
+    let status = told(&running, |status| !status.gaze.osc.failure.is_empty() && status.frames > 3);
+    assert_eq!((status.gaze.holder.as_str(), status.gaze.is_valid), ("osc", false));
+    let log = running.log();
+    let line = format!("no gaze from OSC packets: gaze.osc_listen = \"{address}\"");
+    assert_eq!(log.matches(&line).count(), 1, "{log}");
+    // Whoever had it ends.
+    drop(taken);
+    told(&running, |status| status.gaze.osc.failure.is_empty() && status.frames > 3);
+}
+
+#[test]
+fn the_runtime_s_eye_tracker_comes_first_and_opens_no_port() {
+    let address = free_address();
+    let (_, _, packets) = formats().remove(0);
+    let _sender = Sender::tracker(address, packets);
+    let config = config("auto", address).replace("[gaze]\n", "[gaze]\nattach_alone_after_s = 1\n");
+    let running = start(&config, &long().gazing(5.0, 0.0));
+    let status = told(&running, |status| status.gaze.holder == "eyes" && status.gaze.is_valid);
+    assert_eq!((status.gaze.osc.address.as_str(), status.gaze.osc.packets), ("", 0));
+}
