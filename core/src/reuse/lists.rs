@@ -75,7 +75,7 @@ impl List {
     }
 }
 
-const _: () = assert!(1 + MAX_AGES * List::OF_AGE <= u128::BITS as usize);
+const _: () = assert!(MAX_AGES * List::OF_AGE < u128::BITS as usize);
 
 /// Some lists, a bit for each index.
 #[derive(Clone, Copy, Debug, Default)]

@@ -39,7 +39,8 @@ fn shown(number: u64, view: planning::View) -> ShownPicture {
 /// Every third tile is fresh, others in each frame.
 fn stale(number: u64) -> impl Fn(&mut StaleTiles) {
     move |tiles| {
-        let map: Vec<u8> = (0..32).map(|tile| if (tile + number) % 3 == 0 { 0 } else { STALE }).collect();
+        let map: Vec<u8> =
+            (0..32).map(|tile| if (tile + number).is_multiple_of(3) { 0 } else { STALE }).collect();
         tiles.set(EXTENT, [16, 16], &map);
     }
 }
