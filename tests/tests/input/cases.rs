@@ -195,11 +195,11 @@ variants! {
     },
     the_gaze_is_outside_of_the_views: "attaches_early" {
         scenario: |scenario| scenario.gaze = vec![Gaze { yaw_deg: 62.0, ..scenario.gaze[0] }],
-        log: "a gaze sample was rejected: gaze is outside",
+        log: "a gaze sample was rejected: the gaze is outside",
     },
     the_gaze_comes_out_of_the_back_of_the_head: "attaches_early" {
         scenario: |scenario| scenario.tracker.backwards = true,
-        log: "a gaze sample was rejected: gaze points backwards",
+        log: "a gaze sample was rejected: the gaze points backwards",
     },
     the_gaze_has_no_time: "attaches_early" {
         scenario: |scenario| scenario.tracker.sample_time = false,
