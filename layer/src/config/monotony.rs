@@ -108,7 +108,7 @@ fn effects(key: &str) -> Vec<Effect> {
             vec![(mean, true, attenuated), (mean, true, paper)]
         }
         "chroma.max_change_per_s" => vec![(strength, true, attenuated)],
-        other => panic!("{other}: nobody says what it changes"),
+        other => panic!("{other}: no expected direction is listed"),
     }
 }
 

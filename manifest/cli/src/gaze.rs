@@ -20,7 +20,7 @@ pub struct Options {
     json: bool,
 }
 
-/// Shows source and quality of the gaze in running applications, until it is interrupted or nobody reads.
+/// Shows source and quality of the gaze in running applications, until it is interrupted or its reader ends.
 pub fn gaze(options: Options) -> ExitCode {
     let Options { application, once, json } = options;
     status::watch(application.as_deref(), once, json, Watched { text: of_all, json: as_json })

@@ -126,7 +126,7 @@ pub fn why_not_drawn(status: &Status) -> &'static str {
 /// (`parafovea_core::schedule::MIN_UPDATE_HZ`): twice that.
 const LEAST_RATE_HZ: f32 = 60.0;
 
-/// Says that the safety limit of the update rate keeps re-use from doing anything.
+/// Names the safety limit of the update rate, where it keeps re-use from doing anything.
 fn slow(status: &Status) -> &'static str {
     let is_on = status.reuse_gate.mode != "off" && status.reuse_gate.is_kept;
     let is_slow = status.frame_rate_hz > 0.0 && status.frame_rate_hz < LEAST_RATE_HZ;
