@@ -11,6 +11,7 @@ use parafovea_core::geometry::{ImagePlane, View};
 use parafovea_core::reuse::{Picture, StaleTiles, Viewpoint};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 /// What the next picture of an eye is expected to be.
 pub struct Expected<'a> {
@@ -153,6 +154,10 @@ struct Shared {
     changed: Condvar,
 }
 
+/// A thread takes about so long to wake up. Frames that end that soon after they were planned wait for it: to sort the tiles takes as long,
+/// and the time of the application's thread.
+const LONGEST_WAKE: Duration = Duration::from_micros(150);
+
 /// Who has the work.
 #[derive(Debug, Default)]
 enum State {
@@ -195,15 +200,19 @@ impl Ahead {
         self.shared.changed.notify_all();
     }
 
-    /// Does something with the work of this frame, which is waited for if it is under way; `None` where it was not begun.
+    /// Does something with the work of this frame, which is waited for if it is under way; `None` where it has not begun, even after the
+    /// time that a thread takes to wake up.
     pub fn finish<T>(&self, act: impl FnOnce(Option<&mut Job>) -> T) -> T {
-        let mut state = self.shared.lock();
+        let Shared { changed, .. } = &*self.shared;
+        let is_open = |state: &mut State| matches!(state, State::Waiting(_));
+        let waited = changed.wait_timeout_while(self.shared.lock(), LONGEST_WAKE, is_open);
+        let (mut state, _) = waited.unwrap_or_else(PoisonError::into_inner);
         while matches!(*state, State::UnderWay) {
-            state = self.shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+            state = changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
         let (mut job, is_done) = match std::mem::take(&mut *state) {
             State::Done(job) => (job, true),
-            // It is not worth waiting for what has not begun.
+            // The machine is busy: here it is done as fast.
             State::Idle(job) | State::Waiting(job) => (job, false),
             other => {
                 *state = other;
