@@ -62,7 +62,7 @@ pub struct GazeState {
     /// What the eyes are doing.
     pub phase: GazePhase,
     /// Whether what changes in the picture goes unnoticed ([`GazeSettings::post_saccade_ms`]): from the second sample of a saccade
-    /// on, until so long after its landing, by the times of the samples and not by those of their arrival.
+    /// on, for that time beyond its landing, by the timestamps of the samples, not of their arrival.
     pub is_suppressed: bool,
     /// How far the directions may be relied on: 1 tracked .. 0 lost. Ramps, so that what follows it never jumps.
     pub trust: f32,

@@ -115,7 +115,7 @@ fn changes_go_unnoticed_until_60_ms_after_the_landing_and_not_after_its_arrival(
         assert!(latest > 80, "{latency_ms} ms late: {suppressed:?}");
     }
     assert_eq!(suppressed_ms(140, true), Vec::<i64>::new(), "too late");
-    // What is not dated may be older than it is taken for.
+    // An undated sample may be older than its estimated time.
     for latency_ms in [50, 81] {
         let suppressed = suppressed_ms(latency_ms, false);
         assert!(suppressed.iter().all(|after| *after <= 54 + 60 + 3), "{latency_ms} ms late: {suppressed:?}");

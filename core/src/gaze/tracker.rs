@@ -59,7 +59,7 @@ struct Seen {
     head: Option<Quat>,
     /// When the newest sample came, on the clock of the samples.
     arrived_ns: i64,
-    /// When one came last of which nothing was known before, or was taken that ended a saccade.
+    /// Arrival of the last sample after a gap, or at the end of a saccade.
     settled_ns: i64,
     /// Trust when the newest came.
     trust: f32,

@@ -52,7 +52,7 @@ enum List {
 }
 
 impl List {
-    /// Those of one age.
+    /// Number of lists of one age.
     const OF_AGE: usize = 2 + Edge::ALL.len();
 
     fn index(self) -> usize {
@@ -111,7 +111,7 @@ struct Row {
     left: Vec<u64>,
     /// What each earlier picture has of those.
     found: [Found; MAX_AGES],
-    /// Tiles of which an earlier picture has an edge, by place in [`Edge::ALL`].
+    /// Tiles with an edge in an earlier picture, by place in [`Edge::ALL`].
     found_edges: [Vec<u64>; Edge::ALL.len()],
     /// Tiles for [`TileLists::fresh`].
     fresh: Vec<u64>,

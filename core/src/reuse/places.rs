@@ -147,7 +147,7 @@ impl TilePlaces {
         }
     }
 
-    /// Of which of the `wanted` tiles of a row the earlier picture at place `index` has all of an edge, for each of [`Edge::ALL`].
+    /// Finds, for each of [`Edge::ALL`], the `wanted` tiles of a row whose whole edge is in the earlier picture at place `index`.
     pub(super) fn find_edges(
         &mut self,
         reuse: &Reuse,
@@ -203,7 +203,7 @@ impl<Reach> Stretches<Reach> {
         self.ends.push(self.all.len());
     }
 
-    /// For each stretch of a row of tiles and each word that it has tiles in: the word, these tiles, and what they meet.
+    /// For each stretch of a row and each of its words: the word's index, its tiles as bits, and their reach.
     fn words(&self, row: u32) -> impl Iterator<Item = (usize, u64, Option<&Reach>)> {
         let block = (row / BLOCK) as usize;
         let first = block.checked_sub(1).map_or(0, |above| self.ends[above]);

@@ -164,14 +164,14 @@ pub(super) struct Placed<'a> {
     pub(super) high: [&'a [f32]; 2],
 }
 
-/// What the tiles of a row of blocks meet, field by field, so that vector instructions do all of it.
+/// Reaches of a row of blocks, field by field for vector instructions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reaches {
     sides: [Sides; 2],
     beyond: [Vec<f32>; 2],
     /// All bits of a block whose tiles need not be looked at one by one, none of another.
     is_known: Vec<i32>,
-    /// Not 0 where what the tiles of a block meet differs from the block before it.
+    /// Not 0 for a block with another reach than the block before it.
     differs: Vec<i32>,
     /// The same of what their edges meet.
     edges_differ: Vec<i32>,

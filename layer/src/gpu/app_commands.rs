@@ -85,6 +85,18 @@ pub struct ImagePart {
     pub layers: u32,
 }
 
+impl ImagePart {
+    /// The part as commands that copy take it.
+    fn subresource(self) -> vk::ImageSubresourceLayers {
+        vk::ImageSubresourceLayers {
+            aspect_mask: self.aspects,
+            mip_level: self.level,
+            base_array_layer: self.first_layer,
+            layer_count: self.layers,
+        }
+    }
+}
+
 impl<'a> AppCommands<'a> {
     /// Adds to `commands`.
     ///
@@ -154,15 +166,9 @@ impl<'a> AppCommands<'a> {
     /// Copies a part of an image, from its corner on, to as large a part of another of which texels have as many bits; they
     /// are in TRANSFER_SRC_OPTIMAL and TRANSFER_DST_OPTIMAL.
     pub(crate) fn copy_image(&self, from: ImagePart, to: ImagePart, extent: vk::Extent2D) {
-        let layers = |part: ImagePart| vk::ImageSubresourceLayers {
-            aspect_mask: part.aspects,
-            mip_level: part.level,
-            base_array_layer: part.first_layer,
-            layer_count: part.layers,
-        };
         let region = vk::ImageCopy::default()
-            .src_subresource(layers(from))
-            .dst_subresource(layers(to))
+            .src_subresource(from.subresource())
+            .dst_subresource(to.subresource())
             .extent(extent.into());
         let layouts = [vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL];
         // SAFETY: the command buffer is being recorded outside of a render pass, and the images are live, as `new` demands.
@@ -181,15 +187,9 @@ impl<'a> AppCommands<'a> {
     /// Resolves a part of an image of several samples, from its corner on, to as large a part of one of one sample and the same format; they
     /// are in TRANSFER_SRC_OPTIMAL and TRANSFER_DST_OPTIMAL.
     pub(crate) fn resolve_image(&self, from: ImagePart, to: ImagePart, extent: vk::Extent2D) {
-        let layers = |part: ImagePart| vk::ImageSubresourceLayers {
-            aspect_mask: part.aspects,
-            mip_level: part.level,
-            base_array_layer: part.first_layer,
-            layer_count: part.layers,
-        };
         let region = vk::ImageResolve::default()
-            .src_subresource(layers(from))
-            .dst_subresource(layers(to))
+            .src_subresource(from.subresource())
+            .dst_subresource(to.subresource())
             .extent(extent.into());
         let layouts = [vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL];
         // SAFETY: the command buffer is being recorded outside of a render pass, and the images are live, as `new` demands.

@@ -1,7 +1,7 @@
-//! Completing pictures ahead. As soon as a frame is planned it is known, but for what the application may still do otherwise, which of
-//! its tiles will be stale and how its pictures will be seen. While the application draws them, a thread of ours sorts their tiles; at the
-//! frame's end that is taken if everything was as expected, and worked out anew if not. So it costs the application's thread nothing,
-//! and the result never depends on it.
+//! Sorting the tiles of eye images ahead of xrEndFrame. A planned frame has known stale tiles, and views that applications rarely change. A
+//! thread of ours sorts the tiles while the application draws; xrEndFrame takes its lists if stale tiles, views and earlier images are as
+//! expected, and sorts the tiles itself if not: the result is the same. The application's thread copies one set of tiles for each eye,
+//! wakes the thread, and may wait for it.
 
 use super::lists::EyeLists;
 use super::{Completing, Kept};
@@ -13,15 +13,15 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// What the next picture of an eye is expected to be.
+/// The expected next picture of an eye.
 pub struct Expected<'a> {
-    /// How it is completed, ...
+    /// Settings of its completion.
     pub how: Completing,
-    /// ... and what of it is compared.
+    /// The directions to compare with earlier pictures.
     pub watched: Option<Watched>,
-    /// How it is seen, in an image that is as large as the last one.
+    /// Pose and field of view; the image has the size of the last one.
     pub view: planning::View,
-    /// Takes its stale tiles.
+    /// Writes its stale tiles.
     pub stale: &'a dyn Fn(&mut StaleTiles),
 }
 
@@ -31,18 +31,18 @@ pub struct Job {
     eyes: [EyeJob; 2],
 }
 
-/// That for a picture of an eye.
+/// The work for a picture of an eye.
 #[derive(Debug, Default)]
 struct EyeJob {
     how: Option<Completing>,
     watched: Option<Watched>,
-    /// The newest first. What lies beyond `len` is memory to be used again.
+    /// The newest first; entries from `len` on are spare memory.
     pictures: Vec<Input>,
     len: usize,
     lists: EyeLists,
 }
 
-/// What tiles are sorted by of a picture.
+/// The properties of a picture that tiles are sorted by.
 #[derive(Clone, Debug)]
 struct Input {
     /// [`Kept::number`]; 0 of the expected one.
@@ -200,8 +200,7 @@ impl Ahead {
         self.shared.changed.notify_all();
     }
 
-    /// Does something with the work of this frame, which is waited for if it is under way; `None` where it has not begun, even after the
-    /// time that a thread takes to wake up.
+    /// Calls `act` with the work of this frame, after waiting for its end; with `None` if it has not begun within [`LONGEST_WAKE`].
     pub fn finish<T>(&self, act: impl FnOnce(Option<&mut Job>) -> T) -> T {
         let Shared { changed, .. } = &*self.shared;
         let is_open = |state: &mut State| matches!(state, State::Waiting(_));
