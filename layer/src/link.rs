@@ -8,9 +8,9 @@
 mod records;
 
 pub use records::{
-    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, EyeMapRecord, FrameTimeRecord, NO_EYE,
-    NO_IMAGE, OfferRecord, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord,
-    ShownViewRecord, StaleRecord, SwapchainRecord,
+    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, DecisionRecord, EyeMapRecord,
+    FrameTimeRecord, NO_EYE, NO_IMAGE, OfferRecord, PictureRecord, PlanRecord, RatesCopyRecord,
+    SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord, SwapchainRecord,
 };
 
 use ash::vk;
@@ -21,7 +21,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"vkGetParafoveaLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 13;
+pub const LINK_VERSION: u32 = 14;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
@@ -84,6 +84,9 @@ pub struct LinkTable {
     /// The layout in which the application's submits left a swapchain's image; COLOR_ATTACHMENT_OPTIMAL, as OpenXR has it, for an image
     /// with an unknown layout.
     pub layout: unsafe extern "C" fn(device: vk::Device, image: vk::Image) -> vk::ImageLayout,
+    /// Writes the decision of that index, counted from 0 over all devices of the process, to `record`; returns 1, or 0 if there are fewer.
+    /// It waits for nothing.
+    pub decision: unsafe extern "C" fn(index: u32, record: *mut DecisionRecord) -> u32,
 }
 
 /// One device as the Vulkan half tracked it.
@@ -107,6 +110,8 @@ pub struct DeviceRecord {
     /// (command buffers, queues) before it is used with the next layer's functions.
     pub set_device_loader_data:
         unsafe extern "system" fn(device: vk::Device, object: *mut c_void) -> vk::Result,
+    /// [`Arming`](crate::config::Arming) of the device.
+    pub arming: u32,
 }
 
 /// `vkGetDeviceProcAddr` as the application's Vulkan loader exports it.

@@ -215,3 +215,19 @@ pub struct RatesCopyRecord {
     /// Where in it, bytes, a multiple of 4: a byte for each tile (`ShadingRate::texel`), rows that begin with whole words.
     pub offset: u64,
 }
+
+/// A decision of the Vulkan half on a device or a pass. Its texts are UTF-8, and valid for the life of the process.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct DecisionRecord {
+    /// Its subject: [`Topic::number`](crate::status::Topic::number).
+    pub topic: u32,
+    /// One line, as in the log.
+    pub line: *const u8,
+    /// Bytes of `line`.
+    pub line_len: u32,
+    /// [`Topic::reason`](crate::status::Topic::reason) of the subject.
+    pub reason: *const u8,
+    /// Bytes of `reason`.
+    pub reason_len: u32,
+}

@@ -5,9 +5,11 @@ use super::timing::FrameTime;
 use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
-    DeviceEnds, DeviceRecord, FrameTimeRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord, PictureRecord,
-    PlanRecord, RATES_OF_PLAN, RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
+    DecisionRecord, DeviceEnds, DeviceRecord, FrameTimeRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord,
+    PictureRecord, PlanRecord, RATES_OF_PLAN, RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord,
+    SwapchainRecord,
 };
+use crate::status;
 use ash::vk;
 
 static TABLE: LinkTable = LinkTable {
@@ -30,6 +32,7 @@ static TABLE: LinkTable = LinkTable {
     copy_rates,
     when_it_ends,
     layout,
+    decision,
 };
 
 /// The function behind [`crate::link::GET_LINK_NAME`].
@@ -304,6 +307,28 @@ unsafe extern "C" fn layout(device: vk::Device, image: vk::Image) -> vk::ImageLa
             armed
                 .and_then(|armed| armed.layouts.of(image))
                 .unwrap_or(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+        },
+    )
+}
+
+unsafe extern "C" fn decision(index: u32, record: *mut DecisionRecord) -> u32 {
+    // SAFETY: the other half passes a record to write to (link.rs).
+    guard(
+        "vkGetParafoveaLink.decision",
+        || 0,
+        |_| unsafe {
+            let (Some(found), Some(record)) = (status::decision(index as usize), record.as_mut()) else {
+                return 0;
+            };
+            let reason = found.topic.reason();
+            *record = DecisionRecord {
+                topic: found.topic.number(),
+                line: found.line.as_ptr(),
+                line_len: found.line.len() as u32,
+                reason: reason.as_ptr(),
+                reason_len: reason.len() as u32,
+            };
+            1
         },
     )
 }

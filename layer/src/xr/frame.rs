@@ -119,6 +119,7 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
                 // SAFETY: as above.
                 unsafe {
                     shown::tell(active, info);
+                    active.take_over_decisions();
                     plan::frame_ended(active, &known.instance.config.get(), info.display_time);
                     show_views(known, active, info);
                     delivered = deliver(known, active, info);

@@ -159,6 +159,7 @@ pub(super) unsafe fn track(
     let spaces = active.as_ref().and_then(|_| Spaces::create(&instance.next, handle));
     if let Some(active) = &active {
         active.device.set_active(true);
+        active.take_over_decisions();
         active.plan.tell_settings(active, &instance.config.get());
         let source = instance.config.get().gaze.source;
         tracing::info!("session active, {}", gaze_of(source, actions.may_have_gaze()));

@@ -2,11 +2,13 @@
 //! holds it (see [`crate::link`]).
 
 use super::structures::VulkanBinding;
+use crate::config::{Arming, device_armed};
 use crate::link::{
-    DeviceEnds, DeviceRecord, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable,
-    LoaderGetDeviceProcAddr, OfferRecord, PictureRecord, PlanRecord, RATES_COPIED, RATES_COPY_LEFT_OUT,
-    RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
+    DecisionRecord, DeviceEnds, DeviceRecord, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION,
+    LinkTable, LoaderGetDeviceProcAddr, OfferRecord, PictureRecord, PlanRecord, RATES_COPIED,
+    RATES_COPY_LEFT_OUT, RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
 };
+use crate::status::{Decision, Topic};
 use ash::vk;
 use ash::vk::Handle;
 use parafovea_core::reuse::StaleTiles;
@@ -72,10 +74,13 @@ impl VulkanDevice {
             let table = *table;
             let mut record = MaybeUninit::uninit();
             if (table.device)(device, record.as_mut_ptr()) != 1 {
+                device_armed(Arming::Inert);
                 return Err(NotLinked::Inert);
             }
+            let record: DeviceRecord = record.assume_init();
+            Arming::from_number(record.arming).inspect(|arming| device_armed(*arming));
             let queue = (binding.queue_family_index, binding.queue_index);
-            Ok(Self { table, record: record.assume_init(), queue })
+            Ok(Self { table, record, queue })
         }
     }
 
@@ -217,6 +222,19 @@ impl VulkanDevice {
         }
     }
 
+    /// The Vulkan half's decision of that index, from 0; `None` if there are fewer.
+    pub fn decision(&self, index: u32) -> Option<Decision> {
+        let mut record = MaybeUninit::<DecisionRecord>::uninit();
+        // SAFETY: the function takes any index at any time, and writes the record if it returns 1.
+        let record = unsafe {
+            ((self.table.decision)(index, record.as_mut_ptr()) == 1).then(|| record.assume_init())
+        }?;
+        // SAFETY: the texts of a record are valid for the life of the process (link/records.rs).
+        let (line, reason) =
+            unsafe { (text(record.line, record.line_len), text(record.reason, record.reason_len)) };
+        Some(Decision { topic: Topic::from_number(record.topic, &reason)?, line })
+    }
+
     /// The layout in which the application left an image of a swapchain.
     pub fn layout(&self, image: vk::Image) -> vk::ImageLayout {
         // SAFETY: the device is live, as above.
@@ -229,6 +247,19 @@ impl VulkanDevice {
         unsafe { (self.table.runtime_section)(1) };
         RuntimeSection(self.table.runtime_section)
     }
+}
+
+/// A text of a record.
+///
+/// # Safety
+///
+/// `first` is null, or `len` bytes begin there.
+unsafe fn text(first: *const u8, len: u32) -> String {
+    if first.is_null() {
+        return String::new();
+    }
+    // SAFETY: the caller vouches for the bytes.
+    String::from_utf8_lossy(unsafe { std::slice::from_raw_parts(first, len as usize) }).into_owned()
 }
 
 /// What became of a copy of rates.

@@ -3,10 +3,11 @@
 use super::shared;
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::compose::Compose;
+use crate::status::take_over_decision;
 use crate::xr::frame::{Ahead, DebugViews, History};
 use crate::xr::plan::SessionPlan;
 use crate::xr::vulkan_device::VulkanDevice;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// A session whose device has both halves.
@@ -21,6 +22,8 @@ pub struct Active {
     debug_views: Mutex<DebugViews>,
     tools: OnceLock<Option<Tools>>,
     health: AtomicU8,
+    /// Number of decisions of the Vulkan half that were taken over.
+    decisions: AtomicU32,
 }
 
 /// Our objects on the device, made when a swapchain first needs them: a session without work has none.
@@ -57,6 +60,7 @@ impl Active {
             debug_views: Mutex::default(),
             tools: OnceLock::new(),
             health: AtomicU8::new(Health::Works as u8),
+            decisions: AtomicU32::new(0),
         }
     }
 
@@ -84,6 +88,17 @@ impl Active {
     /// Our objects on the device, if they were made.
     pub fn made_tools(&self) -> Option<&Tools> {
         self.tools.get()?.as_ref()
+    }
+
+    /// Takes the Vulkan half's new decisions over, for `parafovea status`: that half may be another copy of this library, with a list of
+    /// its own.
+    pub fn take_over_decisions(&self) {
+        let mut next = self.decisions.load(Ordering::Relaxed);
+        while let Some(decision) = self.device.decision(next) {
+            take_over_decision(&decision);
+            next += 1;
+        }
+        self.decisions.store(next, Ordering::Relaxed);
     }
 
     /// What its frames showed last.

@@ -8,9 +8,10 @@ mod swapchains;
 use super::fake::frames::{
     self, DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, IMAGES, IN_LOCATE, SAMPLE_AGE_NS, fov, pose,
 };
-use super::fake::vulkan_half::{self, GPU_NS, PASSES, STALE_WORDS, Told, told};
+use super::fake::vulkan_half::{self, DECISIONS, GPU_NS, PASSES, STALE_WORDS, Told, told};
 use super::{create_instance, fake};
 use crate::link::{BACKEND_ANY, NO_EYE, NO_IMAGE, ShownViewRecord};
+use crate::status::{Topic, all_decisions};
 use crate::xr::vulkan_device::VulkanDevice;
 use crate::xr::{actions, frame, instance, plan, session, swapchain};
 use application::{Application, FRAME_NS, SIDE, create_swapchain, locate, look, plans, session_of_tests};
@@ -65,6 +66,20 @@ fn a_plan_has_the_size_of_what_is_shown_and_serials_rise() {
         assert!(plans[0].0 > last && plans.windows(2).all(|pair| pair[0].0 < pair[1].0), "{yaw}");
         last = plans[plans.len() - 1].0;
     }
+}
+
+/// The stand-in is another copy of the library, with a list of its own.
+#[test]
+fn decisions_of_the_other_half_are_known_to_this_one() {
+    let is_known = |line: &str| all_decisions().iter().any(|decision| decision.line == line);
+    DECISIONS.set(vec![(Topic::Quirk.number(), "a quirk, before the session", "")]);
+    let application = Application::new();
+    assert!(is_known("a quirk, before the session"));
+    DECISIONS.with_borrow_mut(|decisions| decisions.push((5, "left alone, in a frame", "it blends")));
+    assert!(!is_known("left alone, in a frame"));
+    application.frame();
+    let left_alone = all_decisions().into_iter().find(|decision| decision.line == "left alone, in a frame");
+    assert_eq!(left_alone.unwrap().topic, Topic::NoMask("it blends".to_owned()));
 }
 
 #[test]

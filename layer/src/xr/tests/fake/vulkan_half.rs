@@ -1,9 +1,10 @@
 //! A stand-in for the Vulkan half: it notes what it is told.
 
+use crate::config::Arming;
 use crate::link::{
-    BACKEND_RATE_ATTACHMENT, DeviceEnds, DeviceRecord, FrameTimeRecord, LINK_VERSION, LinkTable, OfferRecord,
-    PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
-    SwapchainRecord,
+    BACKEND_RATE_ATTACHMENT, DecisionRecord, DeviceEnds, DeviceRecord, FrameTimeRecord, LINK_VERSION,
+    LinkTable, OfferRecord, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord,
+    ShownViewRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -28,6 +29,8 @@ thread_local! {
     pub static GPU_NS: Cell<Option<[u64; 2]>> = const { Cell::new(None) };
     /// What is left out of the right eye's pictures, in rows of 32 tiles.
     pub static STALE_WORDS: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
+    /// Decisions of this half: number of the topic, line and reason.
+    pub static DECISIONS: RefCell<Vec<(u32, &'static str, &'static str)>> = const { RefCell::new(Vec::new()) };
     static IS_ON: Cell<bool> = const { Cell::new(false) };
     static FRAMES: Cell<u64> = const { Cell::new(0) };
     /// What the frame before last took.
@@ -66,6 +69,7 @@ pub fn table() -> LinkTable {
         copy_rates,
         when_it_ends,
         layout,
+        decision,
     }
 }
 
@@ -79,6 +83,7 @@ pub fn record() -> DeviceRecord {
         next_get_instance_proc_addr: no_instance_function,
         next_get_device_proc_addr: no_device_function,
         set_device_loader_data,
+        arming: Arming::Rates as u32,
     }
 }
 
@@ -110,6 +115,19 @@ unsafe extern "C" fn copy_rates(_: vk::Device, _: *const RatesCopyRecord) -> u32
 
 unsafe extern "C" fn layout(_: vk::Device, _: vk::Image) -> vk::ImageLayout {
     vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL
+}
+
+unsafe extern "C" fn decision(index: u32, record: *mut DecisionRecord) -> u32 {
+    let Some((topic, line, reason)) =
+        DECISIONS.with_borrow(|decisions| decisions.get(index as usize).copied())
+    else {
+        return 0;
+    };
+    let [(line, line_len), (reason, reason_len)] =
+        [line, reason].map(|text| (text.as_ptr(), text.len() as u32));
+    // SAFETY: the other half passes a place for the record.
+    unsafe { *record = DecisionRecord { topic, line, line_len, reason, reason_len } };
+    1
 }
 
 unsafe extern "C" fn when_it_ends(_: vk::Device, _: DeviceEnds) -> u32 {
