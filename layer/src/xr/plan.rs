@@ -8,6 +8,7 @@
 use super::frame;
 use super::instance::next_of_any;
 use super::session::{self, Active, Health, Session, Tools};
+use super::submission::{self, Projection, ProjectionView};
 use super::swapchain;
 use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
@@ -23,7 +24,6 @@ use glam::{Quat, Vec3};
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::Techniques;
-use parafovea_core::geometry::Fov;
 use smallvec::SmallVec;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -320,13 +320,13 @@ pub fn views_shown(
     session: &Session,
     active: &Active,
     time: xr::Time,
-    views: &[xr::CompositionLayerProjectionView],
+    views: &[ProjectionView],
     nearest_m: Option<f32>,
 ) {
     let shown = views.iter().map(|view| {
         let extent = view.sub_image.image_rect.extent;
         let extent = [extent.width.max(0) as u32, extent.height.max(0) as u32];
-        Some(ShownView { view: of_pose(&view.pose, &view.fov)?, extent })
+        Some(ShownView { view: view.view()?, extent })
     });
     let Some(shown) = shown.collect::<Option<SmallVec<[ShownView; 4]>>>() else { return };
     let is_planned = {
@@ -343,9 +343,12 @@ pub fn views_shown(
 /// A pose and a field of view, if the pose makes sense.
 fn of_pose(pose: &xr::Posef, fov: &xr::Fovf) -> Option<View> {
     let xr::Quaternionf { x, y, z, w } = pose.orientation;
-    let fov = Fov { left: fov.angle_left, right: fov.angle_right, up: fov.angle_up, down: fov.angle_down };
     let xr::Vector3f { x: right, y: up, z: back } = pose.position;
-    Some(View { orientation: rotation(x, y, z, w)?, position: Vec3::new(right, up, back), fov })
+    Some(View {
+        orientation: rotation(x, y, z, w)?,
+        position: Vec3::new(right, up, back),
+        fov: submission::fov(fov),
+    })
 }
 
 /// Plans the frame that is shown at `time`, and hands its rates over.
@@ -390,19 +393,15 @@ fn plan(session: &Session, active: &Active, time: xr::Time) {
 pub fn head_in_layer(
     session: &Session,
     config: &Config,
-    space: xr::Space,
+    layer: &Projection<'_>,
     time: xr::Time,
-    views: &[xr::CompositionLayerProjectionView],
 ) -> Option<Quat> {
-    let of_views = || {
-        let poses = views.iter().take(2).map(|view| of_pose(&view.pose, &view.fov));
-        head_of(poses.flatten().map(|view| view.orientation))
-    };
+    let of_views = || head_of(layer.views.iter().take(2).filter_map(|view| view.orientation));
     match config.gaze.source {
         // Straight ahead of the picture, whenever it was drawn.
         GazeSource::Centre => of_views(),
         GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => {
-            session.head_in(space, time).or_else(of_views)
+            session.head_in(layer.space, time).or_else(of_views)
         }
     }
 }

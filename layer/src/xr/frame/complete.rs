@@ -1,43 +1,32 @@
 //! What of a frame's pictures is taken from earlier ones.
 
-use super::Works;
 use super::depth;
 use super::history::{Completing, Expected, History, ShownPicture};
-use super::layers::{self, Projection, Shown};
 use super::work::Work;
+use super::{FrameEnd, Works};
 use crate::config::{Config, longest_period, wants_reuse};
 use crate::planning::{Planning, View, Watched};
 use crate::xr::session::{Active, Health, Session, Tools};
+use crate::xr::submission::Projection;
 use openxr_sys as xr;
 use parafovea_core::reuse::StaleTiles;
 
 /// Notes the pictures that a frame shows, completes those of which not all was rendered, and tells the planner which ones
 /// the next frame's can be made of.
-///
-/// # Safety
-///
-/// `info` and what it points to are valid, as `xrEndFrame` demands.
-pub unsafe fn complete<'a>(
-    session: &Session,
-    active: &Active,
-    tools: &Tools,
-    info: &xr::FrameEndInfo,
-    works: &mut Works<'a>,
-    history: &'a mut History,
-) {
+pub fn complete<'a>(frame: &FrameEnd, tools: &Tools, works: &mut Works<'a>, history: &'a mut History) {
+    let FrameEnd { session, active, submission } = *frame;
     let config = session.instance.config.get();
     let wants_reuse = wants_reuse(&config);
     if active.health() != Health::Works || !(wants_reuse || (0..2).any(|eye| history.has_pictures(eye))) {
         return;
     }
     let how = Completing::of(&config);
-    // SAFETY: the caller vouches for `info`.
-    let scene = unsafe { only_projection(info) };
+    let scene = submission.only_projection();
     let watched = watched(&active.plan.planning(), &config);
     let mut kept = [false; 2];
     active.ahead.finish(|mut ahead| {
         (0..2).for_each(|eye| {
-            let shown = scene.as_ref().and_then(|scene| picture(scene, eye, info.display_time, works));
+            let shown = scene.as_ref().and_then(|scene| picture(scene, eye, submission.time, works));
             let is_others = |(other, _): (ShownPicture, &Work)| {
                 shown.is_some_and(|(shown, _)| {
                     (shown.substitute, shown.array_layer, shown.rect)
@@ -48,7 +37,7 @@ pub unsafe fn complete<'a>(
             let is_both = eye == 1
                 && scene
                     .as_ref()
-                    .and_then(|scene| picture(scene, 0, info.display_time, works))
+                    .and_then(|scene| picture(scene, 0, submission.time, works))
                     .is_some_and(is_others);
             kept[eye] = if is_both {
                 history.show(eye, None, |_| false, |_, _| {});
@@ -56,8 +45,7 @@ pub unsafe fn complete<'a>(
             } else {
                 let is_intact = |release| shown.is_some_and(|(_, work)| work.is_intact(release));
                 let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
-                // SAFETY: the caller vouches for `info`, and what it points to.
-                let depth = view.and_then(|view| unsafe { depth::of(view) });
+                let depth = view.and_then(depth::of);
                 let picture = shown.as_ref().map(|(picture, _)| (picture, depth));
                 history.show(eye, picture, is_intact, |words, stale| active.device.stale(eye, words, stale));
                 shown.is_some_and(|(_, work)| {
@@ -116,20 +104,6 @@ pub fn expect(session: &Session, active: &Active, views: &[View]) {
 fn watched(planning: &Planning, config: &Config) -> [Option<Watched>; 2] {
     let is_watched = wants_reuse(config) && config.reuse.refresh;
     [0, 1].map(|eye| planning.watched(eye).filter(|_| is_watched))
-}
-
-/// The projection layer of a frame that has only one: with more it is not known whose passes were whose.
-///
-/// # Safety
-///
-/// As for [`complete`].
-pub(super) unsafe fn only_projection(info: &xr::FrameEndInfo) -> Option<Projection<'_>> {
-    // SAFETY: the caller vouches for `info`.
-    let mut projections = unsafe { layers::of(info) }.filter_map(|shown| match shown {
-        Shown::Projection(layer) => Some(layer),
-        Shown::Flat(_) | Shown::Cube(_) => None,
-    });
-    projections.next().filter(|_| projections.next().is_none())
 }
 
 /// The picture of an eye, where it is in a virtual swapchain.

@@ -4,8 +4,8 @@
 //! the call that returns their image, because the image is the runtime's after it: where the eyes' pictures are in it is known from
 //! the frame before.
 
-use super::layers::{self, Projection, Shown};
-use super::regions::{Images, fov, rect_within};
+use super::FrameEnd;
+use super::regions::{Images, rect_within};
 use super::work::Work;
 use crate::config::debug_view;
 use crate::gpu::GpuError;
@@ -14,6 +14,7 @@ use crate::passes::compose::RuntimeImages;
 use crate::passes::debug_view::{DebugView, DebugViewJob, DebugViewParams, DebugViewPass, MOST_PICTURES};
 use crate::planning::Seen;
 use crate::xr::session::{Active, Health, Session};
+use crate::xr::submission::Projection;
 use crate::xr::swapchain::Swapchain;
 use crate::xr::vulkan_device::RatesCopy;
 use ash::vk;
@@ -76,16 +77,12 @@ pub fn is_wanted(session: &Session, active: &Active) -> bool {
 }
 
 /// Takes where the eyes' pictures are, for those that are drawn over before the next frame ends.
-///
-/// # Safety
-///
-/// `info` and what it points to are valid, as `xrEndFrame` demands.
-pub unsafe fn note_shown(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
+pub fn note_shown(frame: &FrameEnd) {
+    let FrameEnd { session, active, submission } = *frame;
     if debug_view(&session.instance.config.get()).is_none() {
         return;
     }
-    // SAFETY: the caller vouches for `info`.
-    if let Some(scene) = unsafe { first_projection(info) } {
+    if let Some(scene) = submission.scene() {
         active.debug_views().shown = shown_eyes(&scene);
     }
 }
@@ -94,10 +91,10 @@ pub unsafe fn note_shown(session: &Session, active: &Active, info: &xr::FrameEnd
 ///
 /// # Safety
 ///
-/// As for [`note_shown`]; this thread may use the session's queue.
-pub unsafe fn draw(session: &Session, active: &Active, info: &xr::FrameEndInfo, works: &[Work]) {
-    // SAFETY: the caller vouches for `info`.
-    let Some(scene) = (unsafe { first_projection(info) }) else { return };
+/// This thread may use the session's queue.
+pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
+    let FrameEnd { session, active, submission } = *frame;
+    let Some(scene) = submission.scene() else { return };
     let pictures = shown_eyes(&scene).into_iter().enumerate().filter_map(|(eye, shown)| {
         let shown = shown?;
         let work = works.iter().find(|work| work.swapchain.handle == shown.sub_image.swapchain)?;
@@ -237,19 +234,6 @@ unsafe fn draw_eyes(
 fn shown_eyes(scene: &Projection<'_>) -> [Option<ShownEye>; 2] {
     [0, 1].map(|eye| {
         let view = scene.views.get(eye)?;
-        Some(ShownEye { sub_image: view.sub_image, fov: fov(view) })
-    })
-}
-
-/// The projection layer that is the scene.
-///
-/// # Safety
-///
-/// As for [`note_shown`].
-unsafe fn first_projection(info: &xr::FrameEndInfo) -> Option<Projection<'_>> {
-    // SAFETY: the caller vouches for `info`.
-    unsafe { layers::of(info) }.find_map(|shown| match shown {
-        Shown::Projection(layer) => Some(layer),
-        Shown::Flat(_) | Shown::Cube(_) => None,
+        Some(ShownEye { sub_image: view.sub_image, fov: view.fov })
     })
 }
