@@ -19,12 +19,14 @@ use super::session::{self, Active, Health, Session, Tools};
 use super::submission::{Layer, Projection, Submission};
 use super::swapchain;
 use crate::abi::guard;
+use crate::config::ConfigSnapshot;
 use crate::gpu::GpuError;
 use crate::passes::compose::ComposeJob;
 use openxr_sys as xr;
 use parafovea_core::chroma::Focus;
 use smallvec::SmallVec;
 use std::cell::OnceCell;
+use std::sync::Arc;
 use std::time::Instant;
 use work::Work;
 
@@ -44,7 +46,11 @@ pub unsafe extern "system" fn wait(
         if let Some(known) = &known {
             known.instance.config.poll(Instant::now());
             if known.active.is_some() {
-                known.gaze.open(&known.instance.config.get(), known.actions.may_have_gaze(), Instant::now());
+                known.gaze.open(
+                    &known.instance.config.snapshot(),
+                    known.actions.may_have_gaze(),
+                    Instant::now(),
+                );
             }
         }
         let result = answer.record(below());
@@ -95,7 +101,7 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
         let (session, active) = active?;
         // SAFETY: valid usage: `info` and what it points to are valid.
         let submission = read.get_or_init(|| unsafe { info.as_ref().map(|info| Submission::read(info)) });
-        Some(FrameEnd { session, active, submission: submission.as_ref()? })
+        Some(FrameEnd { session, active, config: active.plan.config(), submission: submission.as_ref()? })
     };
     // After a panic the runtime's images are still written, from what the application drew as it is.
     let pass_on = || {
@@ -120,25 +126,26 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
 struct FrameEnd<'a> {
     session: &'a Session,
     active: &'a Active,
+    config: Arc<ConfigSnapshot>,
     submission: &'a Submission,
 }
 
 impl FrameEnd<'_> {
     /// Reports the frame to the Vulkan half and to the planner, and delivers its images.
     fn end(&self) -> Result<(), Undeliverable> {
-        let Self { session, active, submission } = *self;
+        let Self { session, active, submission, ref config } = *self;
         let time = submission.time;
-        session.actions.frame_ended(session, time);
+        session.actions.frame_ended(session, config, time);
         shown::tell(active, submission);
         active.take_over_decisions();
-        plan::frame_ended(active, &session.instance.config.get(), time);
+        plan::frame_ended(active, config, time);
         if let Some(scene) = submission.scene() {
-            plan::views_shown(session, active, time, scene.views, submission.nearest_m());
+            plan::views_shown(session, (active, config), time, scene.views, submission.nearest_m());
         }
         let delivered = deliver(self);
-        plan::tell_unseen(session, active, &session.instance.config.get(), time);
+        plan::tell_unseen(session, active, config, time);
         if let Some(telling) = session.telling.as_ref().filter(|telling| telling.is_asked()) {
-            telling.tell(plan::moment(session, active), session.instance.config.source());
+            telling.tell(plan::moment(session, active, config), Arc::clone(&config.source));
         }
         delivered
     }
@@ -161,10 +168,10 @@ type Works<'a> = SmallVec<[Work<'a>; 8]>;
 ///
 /// A layer shows a virtual swapchain, whose images cannot be written any more.
 fn deliver(frame: &FrameEnd) -> Result<(), Undeliverable> {
-    let FrameEnd { session, active, submission } = *frame;
+    let FrameEnd { session, active, submission, ref config } = *frame;
     let swapchains = swapchain::virtual_ones(session.handle);
     debug_view::note_shown(frame);
-    let is_drawn_over = debug_view::is_wanted(session, active);
+    let is_drawn_over = debug_view::is_wanted(active, config);
     if swapchains.is_empty() {
         return Ok(());
     }
@@ -245,13 +252,12 @@ fn process(frame: &FrameEnd, tools: &Tools, works: &mut Works) {
 
 /// Adds the rectangles of a projection layer in which colour is attenuated.
 fn process_layer(frame: &FrameEnd, tools: &Tools, layer: &Projection<'_>, works: &mut Works) {
-    let FrameEnd { session, active, submission } = *frame;
+    let FrameEnd { session, active, submission, ref config } = *frame;
     let focuses = active.plan.focuses();
     if focuses.iter().all(Option::is_none) {
         return;
     }
-    let config = session.instance.config.get();
-    let Some(head) = plan::head_in_layer(session, &config, layer, submission.time) else { return };
+    let Some(head) = plan::head_in_layer(session, config, layer, submission.time) else { return };
     for (index, view) in layer.views.iter().enumerate() {
         let shows = |work: &&mut Work| work.swapchain.handle == view.sub_image.swapchain;
         // Of quad views, the third and fourth are insets of the first two.

@@ -12,7 +12,7 @@ use super::submission::{self, Projection, ProjectionView};
 use super::swapchain;
 use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
-use crate::config::{Config, GazeSource, PassRules, RatesBackend, debug_view, gate_modes};
+use crate::config::{Config, ConfigSnapshot, GazeSource, PassRules, RatesBackend, debug_view, gate_modes};
 use crate::inputs::audio::Ears;
 use crate::inputs::gaze::rotation;
 use crate::link::{
@@ -26,7 +26,7 @@ use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::Techniques;
 use smallvec::SmallVec;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Numbers of plans rise in all sessions alike: one device may have one session after the other.
 static SERIAL: AtomicU64 = AtomicU64::new(0);
@@ -42,34 +42,49 @@ pub struct SessionPlan {
     ears: Mutex<Ears>,
     /// Display time of the frame that xrWaitFrame returned last.
     awaited: AtomicI64,
-    /// Display time of the frame that xrBeginFrame began last.
-    begun: AtomicI64,
-    /// Whether the views of that frame were located since.
-    is_located: AtomicBool,
+    frame: Mutex<Frame>,
     /// Since when recognition is quiet.
     quiet: Mutex<Quiet>,
     has_looked: AtomicBool,
     has_failed: AtomicBool,
 }
 
-impl Default for SessionPlan {
-    fn default() -> Self {
+/// The frame that xrBeginFrame began last.
+#[derive(Clone, Debug)]
+struct Frame {
+    /// The configuration of all that is done for it.
+    config: Arc<ConfigSnapshot>,
+    /// Its display time; `None` before the first.
+    time: Option<xr::Time>,
+    /// Whether its views were located.
+    is_located: bool,
+}
+
+impl SessionPlan {
+    /// Begins without a frame; `config` holds until the first.
+    pub fn new(config: Arc<ConfigSnapshot>) -> Self {
         Self {
             planning: Mutex::default(),
             told: Mutex::default(),
             benefit: Mutex::default(),
             ears: Mutex::default(),
             awaited: AtomicI64::new(NEVER),
-            begun: AtomicI64::new(NEVER),
-            is_located: AtomicBool::new(false),
+            frame: Mutex::new(Frame { config, time: None, is_located: false }),
             quiet: Mutex::default(),
             has_looked: AtomicBool::new(false),
             has_failed: AtomicBool::new(false),
         }
     }
-}
 
-impl SessionPlan {
+    /// The configuration of the frame that xrBeginFrame began last.
+    pub fn config(&self) -> Arc<ConfigSnapshot> {
+        Arc::clone(&self.frame().config)
+    }
+
+    fn frame(&self) -> MutexGuard<'_, Frame> {
+        self.frame.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// What is planned with.
     pub fn planning(&self) -> MutexGuard<'_, Planning> {
         self.planning.lock().unwrap_or_else(PoisonError::into_inner)
@@ -198,20 +213,20 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
 }
 
 /// What holds at the end of a frame, for `parafovea status`.
-pub fn moment(session: &Session, active: &Active) -> Moment {
-    let (state, config) = (&active.plan, session.instance.config.get());
+pub fn moment(session: &Session, active: &Active, config: &ConfigSnapshot) -> Moment {
+    let state = &active.plan;
     let frames = active.device.frames_ended();
     let mut moment = Moment {
         frames,
         backend: active.device.offer().map_or(BACKEND_NONE, |offer| offer.backend),
         passes_matched: active.device.passes_with_rates(),
         debug_view: config.debug.view,
-        debug_view_is_asked: session.instance.config.is_view_asked(),
-        debug_view_is_drawn: debug_view(&config)
+        debug_view_is_asked: config.is_view_asked,
+        debug_view_is_drawn: debug_view(config)
             .is_some_and(|view| active.debug_views().is_drawn(view, frames)),
         ..Moment::default()
     };
-    state.planning().tell(&config, &mut moment);
+    state.planning().tell(config, &mut moment);
     session.gaze.tell(&mut moment);
     let benefit = state.benefit.lock().unwrap_or_else(PoisonError::into_inner);
     let Techniques { rates, reuse } = benefit.gates().gates();
@@ -220,7 +235,7 @@ pub fn moment(session: &Session, active: &Active) -> Moment {
 }
 
 /// Says once, when recognition has settled, why an active session has no visible effect, if that is so.
-pub fn tell_unseen(session: &Session, active: &Active, config: &Config, time: xr::Time) {
+pub fn tell_unseen(session: &Session, active: &Active, config: &ConfigSnapshot, time: xr::Time) {
     let state = &active.plan;
     if state.has_looked.load(Ordering::Relaxed) {
         return;
@@ -238,7 +253,7 @@ pub fn tell_unseen(session: &Session, active: &Active, config: &Config, time: xr
         is_healthy: active.health() == Health::Works && !state.has_failed(),
         decisions: &all_decisions(),
     };
-    if let Some(why) = why_unseen(config, &moment(session, active), &known) {
+    if let Some(why) = why_unseen(config, &moment(session, active, config), &known) {
         decided(Topic::Unseen, &why);
     }
 }
@@ -246,13 +261,14 @@ pub fn tell_unseen(session: &Session, active: &Active, config: &Config, time: xr
 /// xrBeginFrame succeeded, for the frame that is shown at `time`.
 pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     let state = &active.plan;
-    state.tell_settings(active, &session.instance.config.get());
-    state.begun.store(time.as_nanos(), Ordering::Relaxed);
-    let was_located = state.is_located.swap(false, Ordering::Relaxed);
+    let config = session.instance.config.snapshot();
+    let frame = Frame { config: Arc::clone(&config), time: Some(time), is_located: false };
+    let was_located = std::mem::replace(&mut *state.frame(), frame).is_located;
+    state.tell_settings(active, &config);
     state.planning().frame_begins(time.as_nanos());
     // An application that located the last frame's views will locate this frame's too, and the gaze is newer then.
     if !was_located {
-        plan(session, active, time);
+        plan(session, (active, &config), time);
     }
 }
 
@@ -302,15 +318,18 @@ fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr
         planning.views.located(&views);
         planning.is_planned()
     };
-    if state.begun.load(Ordering::Relaxed) != time.as_nanos() {
-        return;
-    }
-    let is_first = !state.is_located.swap(true, Ordering::Relaxed);
+    let (config, is_first) = {
+        let mut frame = state.frame();
+        if frame.time != Some(time) {
+            return;
+        }
+        (Arc::clone(&frame.config), !std::mem::replace(&mut frame.is_located, true))
+    };
     if is_first && !is_planned {
-        plan(session, active, time);
+        plan(session, (active, &config), time);
     }
     if is_first && state.planning().is_planned() {
-        frame::expect(session, active, &views);
+        frame::expect(active, &config, &views);
     }
 }
 
@@ -318,7 +337,7 @@ fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr
 /// nearer than `nearest_m`, where that is known.
 pub fn views_shown(
     session: &Session,
-    active: &Active,
+    (active, config): (&Active, &Config),
     time: xr::Time,
     views: &[ProjectionView],
     nearest_m: Option<f32>,
@@ -336,7 +355,7 @@ pub fn views_shown(
         planning.is_planned()
     };
     if !is_planned {
-        plan(session, active, time);
+        plan(session, (active, config), time);
     }
 }
 
@@ -352,21 +371,20 @@ fn of_pose(pose: &xr::Posef, fov: &xr::Fovf) -> Option<View> {
 }
 
 /// Plans the frame that is shown at `time`, and hands its rates over.
-fn plan(session: &Session, active: &Active, time: xr::Time) {
+fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time) {
     let state = &active.plan;
     if state.has_failed() {
         return;
     }
     let _give_up = GiveUpOnPanic(state);
-    let config = session.instance.config.get();
     let can_attenuate = active.health() == Health::Works;
-    if !state.planning().has_work(&config, can_attenuate) {
+    if !state.planning().has_work(config, can_attenuate) {
         state.ears().rest();
         return state.planning().idle();
     }
-    let look = session.gaze.look(session, &config, time);
+    let look = session.gaze.look(session, config, time);
     let head = session.head_in_world(time);
-    let heard = state.ears().hear(&config);
+    let heard = state.ears().hear(config);
 
     if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {
         compose.changes(|view, tiles, changes| state.planning().content_changed(view, tiles, changes));
@@ -374,13 +392,13 @@ fn plan(session: &Session, active: &Active, time: xr::Time) {
 
     let mut planning = state.planning();
     let time = time.as_nanos();
-    if let Some(reason) = planning.look(&config, look, head, time) {
+    if let Some(reason) = planning.look(config, look, head, time) {
         tracing::info!("a gaze sample was rejected: {reason}");
     }
     planning.listen(heard);
-    if planning.plan(&config, can_attenuate, head, time) {
+    if planning.plan(config, can_attenuate, head, time) {
         let serial = || SERIAL.fetch_add(1, Ordering::Relaxed) + 1;
-        if let Some(record) = planning.new_rates(&config, serial) {
+        if let Some(record) = planning.new_rates(config, serial) {
             // SAFETY: what the record points to is `planning`'s, which is locked. The Vulkan half copies it, and calls
             // nobody.
             unsafe { active.device.tell_plan(&record) };

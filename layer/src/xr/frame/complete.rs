@@ -6,7 +6,7 @@ use super::work::Work;
 use super::{FrameEnd, Works};
 use crate::config::{Config, longest_period, wants_reuse};
 use crate::planning::{Planning, View, Watched};
-use crate::xr::session::{Active, Health, Session, Tools};
+use crate::xr::session::{Active, Health, Tools};
 use crate::xr::submission::Projection;
 use openxr_sys as xr;
 use parafovea_core::reuse::StaleTiles;
@@ -14,15 +14,14 @@ use parafovea_core::reuse::StaleTiles;
 /// Notes the pictures that a frame shows, completes those of which not all was rendered, and tells the planner which ones
 /// the next frame's can be made of.
 pub fn complete<'a>(frame: &FrameEnd, tools: &Tools, works: &mut Works<'a>, history: &'a mut History) {
-    let FrameEnd { session, active, submission } = *frame;
-    let config = session.instance.config.get();
-    let wants_reuse = wants_reuse(&config);
+    let FrameEnd { active, submission, ref config, .. } = *frame;
+    let wants_reuse = wants_reuse(config);
     if active.health() != Health::Works || !(wants_reuse || (0..2).any(|eye| history.has_pictures(eye))) {
         return;
     }
-    let how = Completing::of(&config);
+    let how = Completing::of(config);
     let scene = submission.only_projection();
-    let watched = watched(&active.plan.planning(), &config);
+    let watched = watched(&active.plan.planning(), config);
     let mut kept = [false; 2];
     active.ahead.finish(|mut ahead| {
         (0..2).for_each(|eye| {
@@ -49,7 +48,7 @@ pub fn complete<'a>(frame: &FrameEnd, tools: &Tools, works: &mut Works<'a>, hist
                 let picture = shown.as_ref().map(|(picture, _)| (picture, depth));
                 history.show(eye, picture, is_intact, |words, stale| active.device.stale(eye, words, stale));
                 shown.is_some_and(|(_, work)| {
-                    work.keeps(longest_period(&config))
+                    work.keeps(longest_period(config))
                         && (!wants_reuse || tools.compose().completes(work.format()))
                 })
             };
@@ -82,19 +81,18 @@ pub fn complete<'a>(frame: &FrameEnd, tools: &Tools, works: &mut Works<'a>, hist
 
 /// The frame that was just planned will show these views, if the application draws as it should: what completing its pictures takes is
 /// worked out ahead.
-pub fn expect(session: &Session, active: &Active, views: &[View]) {
-    let config = session.instance.config.get();
-    if active.health() != Health::Works || !wants_reuse(&config) {
+pub fn expect(active: &Active, config: &Config, views: &[View]) {
+    if active.health() != Health::Works || !wants_reuse(config) {
         return;
     }
     // A frame that another thread is ending has pictures that this one needs.
     let Some(history) = active.free_history() else { return };
     active.ahead.begin(|job| {
         let planning = active.plan.planning();
-        let watched = watched(&planning, &config);
+        let watched = watched(&planning, config);
         for ((eye, view), watched) in views.iter().take(2).enumerate().zip(watched) {
             let stale = |tiles: &mut StaleTiles| planning.stale(eye, tiles);
-            let how = Completing::of(&config);
+            let how = Completing::of(config);
             history.expect(eye, job, Expected { how, watched, view: *view, stale: &stale });
         }
     });

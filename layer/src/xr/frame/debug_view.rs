@@ -7,13 +7,13 @@
 use super::FrameEnd;
 use super::regions::{Images, rect_within};
 use super::work::Work;
-use crate::config::debug_view;
+use crate::config::{Config, debug_view};
 use crate::gpu::GpuError;
 use crate::link::RatesCopyRecord;
 use crate::passes::compose::RuntimeImages;
 use crate::passes::debug_view::{DebugView, DebugViewJob, DebugViewParams, DebugViewPass, MOST_PICTURES};
 use crate::planning::Seen;
-use crate::xr::session::{Active, Health, Session};
+use crate::xr::session::{Active, Health};
 use crate::xr::submission::Projection;
 use crate::xr::swapchain::Swapchain;
 use crate::xr::vulkan_device::RatesCopy;
@@ -63,8 +63,8 @@ impl DebugViews {
 }
 
 /// Whether anything is to be drawn over pictures. What was made for it goes when it is not asked for any more.
-pub fn is_wanted(session: &Session, active: &Active) -> bool {
-    let is_asked = debug_view(&session.instance.config.get()).is_some();
+pub fn is_wanted(active: &Active, config: &Config) -> bool {
+    let is_asked = debug_view(config).is_some();
     let mut views = active.debug_views();
     if !is_asked && (views.pass.is_some() || views.drawn.is_some()) {
         let pass = views.pass.take();
@@ -78,8 +78,8 @@ pub fn is_wanted(session: &Session, active: &Active) -> bool {
 
 /// Takes where the eyes' pictures are, for those that are drawn over before the next frame ends.
 pub fn note_shown(frame: &FrameEnd) {
-    let FrameEnd { session, active, submission } = *frame;
-    if debug_view(&session.instance.config.get()).is_none() {
+    let FrameEnd { active, submission, ref config, .. } = *frame;
+    if debug_view(config).is_none() {
         return;
     }
     if let Some(scene) = submission.scene() {
@@ -93,7 +93,7 @@ pub fn note_shown(frame: &FrameEnd) {
 ///
 /// This thread may use the session's queue.
 pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
-    let FrameEnd { session, active, submission } = *frame;
+    let FrameEnd { active, submission, ref config, .. } = *frame;
     let Some(scene) = submission.scene() else { return };
     let pictures = shown_eyes(&scene).into_iter().enumerate().filter_map(|(eye, shown)| {
         let shown = shown?;
@@ -102,7 +102,7 @@ pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
         Some(EyePicture { eye, shown, runtime, runtime_index, rect })
     });
     // SAFETY: the caller vouches for the queue.
-    unsafe { draw_over(session, active, pictures.collect()) };
+    unsafe { draw_over(active, config, pictures.collect()) };
 }
 
 /// Draws over the pictures of the eyes in the image that the application is about to return to the runtime.
@@ -111,11 +111,11 @@ pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
 ///
 /// This thread may use the session's queue; of the image that `swapchain` returns next, what the application draws to it is submitted.
 pub unsafe fn draw_over_released(swapchain: &Swapchain) {
-    let session = swapchain.session();
-    if debug_view(&session.instance.config.get()).is_none() {
+    let Some(active) = &swapchain.session().active else { return };
+    let config = active.plan.config();
+    if debug_view(&config).is_none() || !is_wanted(active, &config) {
         return;
     }
-    let Some(active) = session.active.as_ref().filter(|active| is_wanted(session, active)) else { return };
     let shown = active.debug_views().shown;
     let is_its =
         |shown: &Option<ShownEye>| shown.is_some_and(|shown| shown.sub_image.swapchain == swapchain.handle);
@@ -132,7 +132,7 @@ pub unsafe fn draw_over_released(swapchain: &Swapchain) {
             Some(EyePicture { eye, shown, runtime, runtime_index, rect })
         });
         // SAFETY: the caller vouches for queue and image.
-        unsafe { draw_over(session, active, pictures.collect()) };
+        unsafe { draw_over(active, &config, pictures.collect()) };
     });
 }
 
@@ -140,12 +140,11 @@ pub unsafe fn draw_over_released(swapchain: &Swapchain) {
 ///
 /// This thread may use the session's queue.
 unsafe fn draw_over(
-    session: &Session,
     active: &Active,
+    config: &Config,
     mut pictures: SmallVec<[EyePicture<'_>; MOST_PICTURES]>,
 ) {
-    let config = session.instance.config.get();
-    let Some(view) = debug_view(&config) else { return };
+    let Some(view) = debug_view(config) else { return };
     let is_same = |one: &EyePicture, other: &EyePicture| {
         let (one, other) = (&one.shown.sub_image, &other.shown.sub_image);
         one.swapchain == other.swapchain
@@ -158,7 +157,7 @@ unsafe fn draw_over(
     let DebugViews { pass, maps, drawn, has_failed, .. } = &mut *views;
     let seen: [Option<Seen>; 2] = {
         let planning = active.plan.planning();
-        [0, 1].map(|eye| planning.seen(&config, eye, view, &mut maps[eye]))
+        [0, 1].map(|eye| planning.seen(config, eye, view, &mut maps[eye]))
     };
     // SAFETY: the caller vouches for the queue.
     match unsafe { draw_eyes(active, pass, view, &pictures, seen, maps) } {

@@ -18,16 +18,15 @@ use openxr_sys::Handle;
 ///
 /// This thread may use the session's queue.
 pub unsafe fn tell(frame: &FrameEnd, works: &[Work]) {
-    let FrameEnd { session, active, submission } = *frame;
-    let config = session.instance.config.get();
-    if !wants_contrast(&config) || active.health() != Health::Works {
+    let FrameEnd { session, active, submission, ref config } = *frame;
+    if !wants_contrast(config) || active.health() != Health::Works {
         return;
     }
     let Some(scene) = submission.only_projection() else { return };
-    let Some(to_world) = to_world(session, &config, &scene, submission.time) else { return };
+    let Some(to_world) = to_world(session, config, &scene, submission.time) else { return };
     for (eye, view) in (0..2).zip(scene.views) {
         let work = works.iter().find(|work| work.swapchain.handle == view.sub_image.swapchain);
-        if let Some(record) = work.and_then(|work| record(active, &config, eye, view, work, to_world)) {
+        if let Some(record) = work.and_then(|work| record(active, config, eye, view, work, to_world)) {
             // SAFETY: the image lives until its swapchain ends, which is said; it was just written, and is in that layout.
             unsafe { active.device.tell_picture(&record) };
         }

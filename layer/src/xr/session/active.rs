@@ -1,6 +1,7 @@
 //! What an active session has: our work on its device.
 
 use super::shared;
+use crate::config::ConfigSnapshot;
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::compose::Compose;
 use crate::status::take_over_decision;
@@ -46,15 +47,15 @@ pub enum Health {
 }
 
 impl Active {
-    /// Begins with nothing made on the device.
+    /// Begins with nothing made on the device. `config` holds until the first xrBeginFrame.
     ///
     /// # Safety
     ///
     /// The device is live, and outlives the result, as `XrGraphicsBindingVulkanKHR` demands of a session.
-    pub unsafe fn new(device: VulkanDevice) -> Self {
+    pub unsafe fn new(device: VulkanDevice, config: Arc<ConfigSnapshot>) -> Self {
         Self {
             device,
-            plan: SessionPlan::default(),
+            plan: SessionPlan::new(config),
             ahead: Ahead::default(),
             history: Mutex::default(),
             debug_views: Mutex::default(),
