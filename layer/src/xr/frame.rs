@@ -6,7 +6,7 @@ mod depth;
 mod history;
 mod pictures;
 mod regions;
-mod shown;
+mod report;
 mod work;
 
 pub use complete::expect;
@@ -18,6 +18,7 @@ use super::plan;
 use super::session::{self, Active, Health, Session, Tools};
 use super::submission::{Layer, Projection, Submission};
 use super::swapchain;
+use super::vulkan_device::FrameReport;
 use crate::abi::guard;
 use crate::config::ConfigSnapshot;
 use crate::gpu::GpuError;
@@ -109,7 +110,7 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
         if let Some((_, active)) = active {
             active.worsen_to(Health::CopyOnly);
         }
-        let deliver = || frame().map_or(Ok(()), |frame| deliver(&frame));
+        let deliver = || frame().map_or(Ok(()), |frame| deliver(&frame, &mut FrameReport::default()));
         if guard("the images of a frame", || Ok(()), |_| deliver()) == Err(Undeliverable) {
             return UNDELIVERABLE;
         }
@@ -136,16 +137,17 @@ impl FrameEnd<'_> {
         let Self { session, active, submission, ref config } = *self;
         let time = submission.time;
         session.actions.frame_ended(session, config, time);
-        shown::tell(active, submission);
-        active.take_over_decisions();
-        plan::frame_ended(active, config, time);
+        let mut report = active.report();
+        report::end_frame(&active.device, submission, &mut report);
+        active.take_over_decisions(report.decisions);
+        plan::frame_ended(active, config, time, &report);
         if let Some(scene) = submission.scene() {
             plan::views_shown(session, (active, config), time, scene.views, submission.nearest_m());
         }
-        let delivered = deliver(self);
-        plan::tell_unseen(session, active, config, time);
+        let delivered = deliver(self, &mut report);
+        plan::tell_unseen(session, (active, config), time, &report);
         if let Some(telling) = session.telling.as_ref().filter(|telling| telling.is_asked()) {
-            telling.tell(plan::moment(session, active, config), Arc::clone(&config.source));
+            telling.tell(plan::moment(session, active, config, &report), Arc::clone(&config.source));
         }
         delivered
     }
@@ -167,10 +169,10 @@ type Works<'a> = SmallVec<[Work<'a>; 8]>;
 /// # Errors
 ///
 /// A layer shows a virtual swapchain, whose images cannot be written any more.
-fn deliver(frame: &FrameEnd) -> Result<(), Undeliverable> {
+fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverable> {
     let FrameEnd { session, active, submission, ref config } = *frame;
     let swapchains = swapchain::virtual_ones(session.handle);
-    debug_view::note_shown(frame);
+    debug_view::note_shown(frame, report.frame);
     let is_drawn_over = debug_view::is_wanted(active, config);
     if swapchains.is_empty() {
         return Ok(());
@@ -187,7 +189,7 @@ fn deliver(frame: &FrameEnd) -> Result<(), Undeliverable> {
     let mut history = active.history();
     let mut works: Works = swapchains.iter().filter_map(|swapchain| Work::begin(swapchain)).collect();
     process(frame, tools, &mut works);
-    complete::complete(frame, tools, &mut works, &mut history);
+    complete::complete(frame, tools, report, &mut works, &mut history);
     works.retain(|work| work.is_due(is_drawn_over));
     works.retain(|work| work.take_image(next));
     works.iter().for_each(|work| work.ask_layout(&active.device));

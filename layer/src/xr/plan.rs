@@ -10,13 +10,14 @@ use super::instance::next_of_any;
 use super::session::{self, Active, Health, Session, Tools};
 use super::submission::{self, Projection, ProjectionView};
 use super::swapchain;
+use super::vulkan_device::FrameReport;
 use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
 use crate::config::{Config, ConfigSnapshot, GazeSource, PassRules, RatesBackend, debug_view, gate_modes};
 use crate::inputs::audio::Ears;
 use crate::inputs::gaze::rotation;
 use crate::link::{
-    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameTimeRecord, SettingsRecord,
+    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameStart, SettingsRecord,
 };
 use crate::planning::{Benefit, Clock, EndedFrame, Offer, Planning, ShownView, View, head_of};
 use crate::status::{Known, Moment, Quiet, Topic, all_decisions, decided, decision_count, why_unseen};
@@ -25,6 +26,7 @@ use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::Techniques;
 use smallvec::SmallVec;
+use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -61,10 +63,10 @@ struct Frame {
 }
 
 impl SessionPlan {
-    /// Begins without a frame; `config` holds until the first.
-    pub fn new(config: Arc<ConfigSnapshot>) -> Self {
+    /// Begins without a frame, on a device with these rates; `config` holds until the first frame.
+    pub fn new(config: Arc<ConfigSnapshot>, offer: Offer) -> Self {
         Self {
-            planning: Mutex::default(),
+            planning: Mutex::new(Planning::new(offer)),
             told: Mutex::default(),
             benefit: Mutex::default(),
             ears: Mutex::default(),
@@ -119,7 +121,7 @@ impl SessionPlan {
         self.has_failed.load(Ordering::Relaxed)
     }
 
-    /// Tells the Vulkan half what the configuration asks for, and hears what it can do, where that is news.
+    /// Tells the Vulkan half the settings of the configuration and of the gates where they are new.
     pub fn tell_settings(&self, active: &Active, config: &Config) {
         let (pays, wants_costs) = {
             let mut benefit = self.benefit.lock().unwrap_or_else(PoisonError::into_inner);
@@ -143,9 +145,7 @@ impl SessionPlan {
                 passes_len: passes.len() as u32,
             };
             // SAFETY: the record points to `passes`.
-            unsafe { active.device.tell_settings(&record) };
-            let offer = active.device.offer().as_ref().map(Offer::from).unwrap_or_default();
-            self.planning().set_offer(offer);
+            unsafe { active.device.begin_frame(&FrameStart { settings: &record, plan: ptr::null() }) };
         }
     }
 }
@@ -176,11 +176,8 @@ impl Wanted {
     }
 }
 
-/// Times of so many frames are taken at the end of one; what is more comes with the next.
-const MOST_TIMES: usize = 8;
-
-/// A frame that is shown at `time` ended: what it cost goes to the gate, whose answer the next xrBeginFrame tells.
-pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
+/// A frame that is shown at `time` ended: its cost goes to the gate, whose answer the next xrBeginFrame tells.
+pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &FrameReport) {
     let state = &active.plan;
     let time_ns = time.as_nanos();
     let (phase, on_cpu) = {
@@ -189,37 +186,30 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
     };
     let told = *state.told.lock().unwrap_or_else(PoisonError::into_inner);
     let is_timed = told.is_some_and(|told| told.times_passes);
-    let clock = if on_cpu {
-        Clock::Cpu(is_timed.then(process_cpu_ns).flatten())
-    } else {
-        Clock::Gpu(active.device.frames_ended())
-    };
+    let clock =
+        if on_cpu { Clock::Cpu(is_timed.then(process_cpu_ns).flatten()) } else { Clock::Gpu(report.frame) };
     let frame = EndedFrame {
         time_ns,
         clock,
         wanted: told.map(|told| told.techniques).unwrap_or_default(),
-        passes: active.device.passes_with_rates(),
-        eye_passes: active.device.eye_passes(),
+        passes: report.passes_with_rates,
+        eye_passes: report.eye_passes,
         phase,
     };
-    let mut times = SmallVec::<[FrameTimeRecord; MOST_TIMES]>::new();
-    if !on_cpu {
-        times.extend(std::iter::from_fn(|| active.device.frame_time()).take(MOST_TIMES));
-    }
-    let news = state.benefit.lock().unwrap_or_else(PoisonError::into_inner).frame_ended(&frame, &times);
+    let news =
+        state.benefit.lock().unwrap_or_else(PoisonError::into_inner).frame_ended(&frame, &report.times);
     if let Some(news) = news {
         tracing::info!("{news}");
     }
 }
 
 /// What holds at the end of a frame, for `parafovea status`.
-pub fn moment(session: &Session, active: &Active, config: &ConfigSnapshot) -> Moment {
-    let state = &active.plan;
-    let frames = active.device.frames_ended();
+pub fn moment(session: &Session, active: &Active, config: &ConfigSnapshot, report: &FrameReport) -> Moment {
+    let (state, frames) = (&active.plan, report.frame);
     let mut moment = Moment {
         frames,
-        backend: active.device.offer().map_or(BACKEND_NONE, |offer| offer.backend),
-        passes_matched: active.device.passes_with_rates(),
+        backend: active.device.offer.backend,
+        passes_matched: report.passes_with_rates,
         debug_view: config.debug.view,
         debug_view_is_asked: config.is_view_asked,
         debug_view_is_drawn: debug_view(config)
@@ -235,7 +225,12 @@ pub fn moment(session: &Session, active: &Active, config: &ConfigSnapshot) -> Mo
 }
 
 /// Says once, when recognition has settled, why an active session has no visible effect, if that is so.
-pub fn tell_unseen(session: &Session, active: &Active, config: &ConfigSnapshot, time: xr::Time) {
+pub fn tell_unseen(
+    session: &Session,
+    (active, config): (&Active, &ConfigSnapshot),
+    time: xr::Time,
+    report: &FrameReport,
+) {
     let state = &active.plan;
     if state.has_looked.load(Ordering::Relaxed) {
         return;
@@ -253,7 +248,7 @@ pub fn tell_unseen(session: &Session, active: &Active, config: &ConfigSnapshot, 
         is_healthy: active.health() == Health::Works && !state.has_failed(),
         decisions: &all_decisions(),
     };
-    if let Some(why) = why_unseen(config, &moment(session, active, config), &known) {
+    if let Some(why) = why_unseen(config, &moment(session, active, config, report), &known) {
         decided(Topic::Unseen, &why);
     }
 }
@@ -401,7 +396,7 @@ fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time)
         if let Some(record) = planning.new_rates(config, serial) {
             // SAFETY: what the record points to is `planning`'s, which is locked. The Vulkan half copies it, and calls
             // nobody.
-            unsafe { active.device.tell_plan(&record) };
+            unsafe { active.device.begin_frame(&FrameStart { settings: ptr::null(), plan: &record }) };
         }
     }
 }

@@ -64,8 +64,7 @@ impl Session {
     }
 
     fn has_backend(&self) -> bool {
-        let offer = self.active.as_ref().and_then(|active| active.device.offer());
-        offer.is_some_and(|offer| offer.backend != BACKEND_NONE)
+        self.active.as_ref().is_some_and(|active| active.device.offer.backend != BACKEND_NONE)
     }
 
     /// Marks what this thread submits as the runtime's, while it is in a call down.
@@ -159,7 +158,6 @@ pub(super) unsafe fn track(
     let spaces = active.as_ref().and_then(|_| Spaces::create(&instance.next, handle));
     if let Some(active) = &active {
         active.device.set_active(true);
-        active.take_over_decisions();
         active.plan.tell_settings(active, &config);
         tracing::info!("session active, {}", gaze_of(config.gaze.source, actions.may_have_gaze()));
     }

@@ -8,12 +8,19 @@ use crate::config::{Config, longest_period, wants_reuse};
 use crate::planning::{Planning, View, Watched};
 use crate::xr::session::{Active, Health, Tools};
 use crate::xr::submission::Projection;
+use crate::xr::vulkan_device::FrameReport;
 use openxr_sys as xr;
 use parafovea_core::reuse::StaleTiles;
 
 /// Notes the pictures that a frame shows, completes those of which not all was rendered, and tells the planner which ones
 /// the next frame's can be made of.
-pub fn complete<'a>(frame: &FrameEnd, tools: &Tools, works: &mut Works<'a>, history: &'a mut History) {
+pub fn complete<'a>(
+    frame: &FrameEnd,
+    tools: &Tools,
+    report: &mut FrameReport,
+    works: &mut Works<'a>,
+    history: &'a mut History,
+) {
     let FrameEnd { active, submission, ref config, .. } = *frame;
     let wants_reuse = wants_reuse(config);
     if active.health() != Health::Works || !(wants_reuse || (0..2).any(|eye| history.has_pictures(eye))) {
@@ -39,30 +46,33 @@ pub fn complete<'a>(frame: &FrameEnd, tools: &Tools, works: &mut Works<'a>, hist
                     .and_then(|scene| picture(scene, 0, submission.time, works))
                     .is_some_and(is_others);
             kept[eye] = if is_both {
-                history.show(eye, None, |_| false, |_, _| {});
+                history.show(eye, None, |_| false, |_| {});
                 kept[0]
             } else {
                 let is_intact = |release| shown.is_some_and(|(_, work)| work.is_intact(release));
                 let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
                 let depth = view.and_then(depth::of);
                 let picture = shown.as_ref().map(|(picture, _)| (picture, depth));
-                history.show(eye, picture, is_intact, |words, stale| active.device.stale(eye, words, stale));
+                history.show(eye, picture, is_intact, |stale| {
+                    std::mem::swap(stale, &mut report.stale[eye]);
+                });
                 shown.is_some_and(|(_, work)| {
                     work.keeps(longest_period(config))
                         && (!wants_reuse || tools.compose().completes(work.format()))
                 })
             };
             if !wants_reuse && history.region(eye, how).is_none() {
-                history.show(eye, None, |_| false, |_, _| {});
+                history.show(eye, None, |_| false, |_| {});
             }
             history.complete(eye, how, watched[eye].as_ref(), ahead.as_deref_mut());
-            if kept[eye] && wants_reuse {
-                active.plan.planning().history_kept(eye);
-            }
         })
     });
     let follows = |eye: usize| history.has_depth(eye) || (eye == 1 && !history.has_pictures(eye));
-    active.plan.planning().views.set_followed((0..2).all(follows));
+    {
+        let mut planning = active.plan.planning();
+        (0..2).filter(|eye| kept[*eye] && wants_reuse).for_each(|eye| planning.history_kept(eye));
+        planning.views.set_followed((0..2).all(follows));
+    }
     let history: &'a History = history;
     for eye in 0..2 {
         let view = scene.as_ref().and_then(|scene| scene.views.get(eye));

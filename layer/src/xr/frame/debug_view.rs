@@ -31,7 +31,9 @@ pub struct DebugViews {
     maps: [Vec<u8>; 2],
     /// Where each eye's picture was in the last frame.
     shown: [Option<ShownEye>; 2],
-    /// What was drawn last, and how many frames had ended by then.
+    /// Number of that frame.
+    frame: u64,
+    /// What was drawn last, and the number of the last frame by then.
     drawn: Option<(DebugView, u64)>,
     has_failed: bool,
 }
@@ -76,14 +78,15 @@ pub fn is_wanted(active: &Active, config: &Config) -> bool {
     is_asked && !views.has_failed && active.health() == Health::Works
 }
 
-/// Takes where the eyes' pictures are, for those that are drawn over before the next frame ends.
-pub fn note_shown(frame: &FrameEnd) {
+/// Takes where the eyes' pictures are, for those that are drawn over before the next frame ends; `number` is the frame's.
+pub fn note_shown(frame: &FrameEnd, number: u64) {
     let FrameEnd { active, submission, ref config, .. } = *frame;
     if debug_view(config).is_none() {
         return;
     }
     if let Some(scene) = submission.scene() {
-        active.debug_views().shown = shown_eyes(&scene);
+        let mut views = active.debug_views();
+        (views.shown, views.frame) = (shown_eyes(&scene), number);
     }
 }
 
@@ -154,14 +157,14 @@ unsafe fn draw_over(
     // One picture for both eyes is drawn over once.
     pictures.dedup_by(|other, one| is_same(one, other));
     let mut views = active.debug_views();
-    let DebugViews { pass, maps, drawn, has_failed, .. } = &mut *views;
+    let DebugViews { pass, maps, frame, drawn, has_failed, .. } = &mut *views;
     let seen: [Option<Seen>; 2] = {
         let planning = active.plan.planning();
         [0, 1].map(|eye| planning.seen(config, eye, view, &mut maps[eye]))
     };
     // SAFETY: the caller vouches for the queue.
     match unsafe { draw_eyes(active, pass, view, &pictures, seen, maps) } {
-        Ok(true) => *drawn = Some((view, active.device.frames_ended())),
+        Ok(true) => *drawn = Some((view, *frame)),
         // The device is behind: this frame goes without.
         Ok(false) | Err(GpuError::Timeout) => {}
         Err(error) => {

@@ -4,10 +4,11 @@ use super::shared;
 use crate::config::ConfigSnapshot;
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::compose::Compose;
+use crate::planning::Offer;
 use crate::status::take_over_decision;
 use crate::xr::frame::{Ahead, DebugViews, History};
 use crate::xr::plan::SessionPlan;
-use crate::xr::vulkan_device::VulkanDevice;
+use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
 use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -20,6 +21,7 @@ pub struct Active {
     /// What sorts the tiles of its pictures while they are drawn.
     pub ahead: Ahead,
     history: Mutex<History>,
+    report: Mutex<FrameReport>,
     debug_views: Mutex<DebugViews>,
     tools: OnceLock<Option<Tools>>,
     health: AtomicU8,
@@ -55,9 +57,10 @@ impl Active {
     pub unsafe fn new(device: VulkanDevice, config: Arc<ConfigSnapshot>) -> Self {
         Self {
             device,
-            plan: SessionPlan::new(config),
+            plan: SessionPlan::new(config, Offer::from(&device.offer)),
             ahead: Ahead::default(),
             history: Mutex::default(),
+            report: Mutex::default(),
             debug_views: Mutex::default(),
             tools: OnceLock::new(),
             health: AtomicU8::new(Health::Works as u8),
@@ -91,15 +94,18 @@ impl Active {
         self.tools.get()?.as_ref()
     }
 
-    /// Takes the Vulkan half's new decisions over, for `parafovea status`: that half may be another copy of this library, with a list of
-    /// its own.
-    pub fn take_over_decisions(&self) {
-        let mut next = self.decisions.load(Ordering::Relaxed);
-        while let Some(decision) = self.device.decision(next) {
+    /// Takes over the Vulkan half's decisions from the last one taken up to number `count`, for `parafovea status`: that half may be another
+    /// copy of this library, with a list of its own.
+    pub fn take_over_decisions(&self, count: u32) {
+        let taken = self.decisions.fetch_max(count, Ordering::Relaxed);
+        for decision in (taken..count).map_while(|index| self.device.decision(index)) {
             take_over_decision(&decision);
-            next += 1;
         }
-        self.decisions.store(next, Ordering::Relaxed);
+    }
+
+    /// Memory for the report on a frame: that of the last one.
+    pub fn report(&self) -> MutexGuard<'_, FrameReport> {
+        self.report.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What its frames showed last.

@@ -105,7 +105,7 @@ fn more_usage(
 /// Whether passes that draw to a swapchain may have masks.
 fn may_be_filled(active: &Active, config: &Config, info: &xr::SwapchainCreateInfo) -> bool {
     wants_maps(config)
-        && active.device.offer().is_some_and(|offer| offer.backend == BACKEND_MASK)
+        && active.device.offer.backend == BACKEND_MASK
         && info.sample_count == 1
         && info.usage_flags.contains(xr::SwapchainUsageFlags::COLOR_ATTACHMENT)
         && !info.create_flags.contains(xr::SwapchainCreateFlags::PROTECTED_CONTENT)

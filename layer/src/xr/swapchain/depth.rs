@@ -60,7 +60,7 @@ pub fn may_be_kept(active: &Active, config: &Config, info: &xr::SwapchainCreateI
 fn is_wanted(active: &Active, config: &Config) -> bool {
     wants_reuse(config)
         && config.reuse.mode == ReuseMode::On
-        && active.device.offer().is_some_and(|offer| offer.backend == BACKEND_RATE_ATTACHMENT)
+        && active.device.offer.backend == BACKEND_RATE_ATTACHMENT
 }
 
 impl Swapchain {

@@ -1,15 +1,15 @@
-//! What a frame shows, as the Vulkan half is told.
+//! The end of a frame for the Vulkan half: it takes the submission, and reports on the frame.
 
 use crate::link::{NO_EYE, NO_IMAGE, ShownRecord, ShownViewRecord};
-use crate::xr::session::Active;
 use crate::xr::submission::{Layer, ProjectionView, Submission};
 use crate::xr::swapchain;
+use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
 use openxr_sys as xr;
 use openxr_sys::Handle;
 use smallvec::SmallVec;
 
-/// Tells what is submitted.
-pub fn tell(active: &Active, submission: &Submission) {
+/// Ends a frame of the Vulkan half with its submission, and takes its report.
+pub fn end_frame(device: &VulkanDevice, submission: &Submission, report: &mut FrameReport) {
     let mut views: SmallVec<[ShownViewRecord; 8]> = SmallVec::new();
     let mut flat: SmallVec<[u64; 16]> = SmallVec::new();
     let mut depth: SmallVec<[u64; 8]> = SmallVec::new();
@@ -34,7 +34,7 @@ pub fn tell(active: &Active, submission: &Submission) {
         depth_count: depth.len() as u32,
     };
     // SAFETY: the arrays live until the end of this function.
-    unsafe { active.device.tell_shown(&record) };
+    unsafe { device.end_frame(&record, report) };
 }
 
 /// One view; `None` for a rectangle that the runtime refuses.
