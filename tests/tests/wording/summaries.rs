@@ -15,7 +15,8 @@ pub(super) fn summaries(source: &str) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let mut marker_before = None;
     for line in source.lines().map(str::trim_start) {
-        let marker = ["///", "//!"].into_iter().find(|marker| line.starts_with(marker) && !line.starts_with("////"));
+        let marker =
+            ["///", "//!"].into_iter().find(|marker| line.starts_with(marker) && !line.starts_with("////"));
         if let Some(marker) = marker {
             if marker_before != Some(marker) {
                 found.push(String::new());
