@@ -87,12 +87,12 @@ impl SessionPlan {
         self.frame.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What is planned with.
+    /// The planner.
     pub fn planning(&self) -> MutexGuard<'_, Planning> {
         self.planning.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What hears.
+    /// The source of sound.
     fn ears(&self) -> MutexGuard<'_, Ears> {
         self.ears.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -150,7 +150,7 @@ impl SessionPlan {
     }
 }
 
-/// What the Vulkan half shall do.
+/// Settings of the Vulkan half.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Wanted {
     techniques: Techniques<bool>,
@@ -203,7 +203,7 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &Fr
     }
 }
 
-/// What holds at the end of a frame, for `parafovea status`.
+/// The status at the end of a frame, for `parafovea status`.
 pub fn moment(session: &Session, active: &Active, config: &ConfigSnapshot, report: &FrameReport) -> Moment {
     let (state, frames) = (&active.plan, report.frame);
     let mut moment = Moment {
@@ -267,7 +267,7 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     }
 }
 
-/// `xrLocateViews`: what the application will draw, and with it the newest gaze.
+/// `xrLocateViews`: the views that the application will draw, and with them the newest gaze.
 pub unsafe extern "system" fn locate_views(
     handle: xr::Session,
     info: *const xr::ViewLocateInfo,
