@@ -101,10 +101,17 @@ struct Last {
 
 impl Default for Planning {
     fn default() -> Self {
+        Self::new(Offer::default())
+    }
+}
+
+impl Planning {
+    /// Begins without views or gaze, for a device's rates.
+    pub fn new(offer: Offer) -> Self {
         let gaze_settings = GazeSettings::default();
         Self {
             views: Views::default(),
-            offer: Offer::default(),
+            offer,
             gaze_settings,
             gaze: GazeTracker::new(gaze_settings),
             audio: None,
@@ -124,13 +131,6 @@ impl Default for Planning {
             last_look: LastLook::default(),
             signal: Signal::default(),
         }
-    }
-}
-
-impl Planning {
-    /// What the device's backend can do, as it was told last.
-    pub fn set_offer(&mut self, offer: Offer) {
-        self.offer = offer;
     }
 
     /// A frame begins, to be shown at `time_ns`.

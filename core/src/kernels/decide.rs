@@ -71,14 +71,14 @@ uniform! {
         /// Contrast, of both octaves that rates remove together, that is within every budget however well it is seen: the tile is
         /// flat, and decided without a sensitivity. Negative where there is no such contrast.
         pub flat_contrast: f32,
-        /// What both are divided by: > 0 for what lies ahead of the view in which contrast was measured.
+        /// Divisor of both: > 0 for directions ahead of the view in which contrast was measured.
         pub measured_depth: [f32; 3],
         /// Reserved, up to a multiple of 16 bytes; 0.
         pub reserved_depth: u32,
     }
 }
 
-/// A tile whose rate changed less than so long ago, milliseconds, is not looked at, and what it shows counts by
+/// A tile whose rate changed less than so long ago, milliseconds, is not looked at, and its contrast counts by
 /// [`DecideParams::holding_budget`].
 pub const STEADY_MS: u8 = 100;
 
@@ -130,7 +130,7 @@ impl DecideParams {
         (depth > 0.0).then_some(at - 0.5)
     }
 
-    /// The contrast of what tile `index`, counted row by row, shows in this frame: where it lay between tiles when it was measured, the
+    /// The contrast of tile `index`, counted row by row, in this frame: where it lay between tiles when it was measured, the
     /// greatest of all of them; beyond the picture of then, that of its border. Contrast is NaN for what was behind it.
     pub(crate) fn contrast(&self, map: &ContrastMap, index: u32) -> TileContrast {
         let [columns, rows] = self.tiles;
@@ -160,7 +160,7 @@ impl DecideParams {
     }
 }
 
-/// What a view's tiles remember from frame to frame, and the space in which a frame is worked out.
+/// State of a view's tiles from frame to frame, and the space in which a frame is worked out.
 #[derive(Clone, Debug, Default)]
 pub struct TileMemory {
     /// Coarseness, in [`crate::plan::STEPS_PER_OCTAVE`]; between two rates while it grows.

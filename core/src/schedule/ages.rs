@@ -15,7 +15,7 @@ pub(super) const CELL_RADIUS_DEG: f32 = 1.56;
 /// Both eyes, as bits.
 const BOTH: u8 = 0b11;
 
-/// What is known of each cell: how often it is to be rendered, when it last was, and whether it is now.
+/// State of each cell: how often it is to be rendered, when it last was, and whether it is now.
 ///
 /// A frame goes: [`Self::advance`]; then what is to be refreshed beyond the schedule ([`Self::require`],
 /// [`Self::want`], [`super::refresh`]); then [`Self::finish`]; then the answers. Directions are in the space of
@@ -67,7 +67,7 @@ impl CellAges {
         }
     }
 
-    /// Goes on to `frame`: ages grow by the frames that passed, and what is due by `schedule`, or would become older
+    /// Goes on to `frame`: ages grow by the frames that passed, and cells due by `schedule`, or would become older
     /// than its period, is rendered anew.
     ///
     /// `gaze` is where each eye looks, of any length; one without a meaning (zero, not finite) is left out, and without
