@@ -167,8 +167,10 @@ pub struct TileMemory {
     levels: Vec<u8>,
     /// Time since the rate changed, milliseconds, as far as it can be counted.
     ages_ms: Vec<u8>,
-    /// Squared chord of each tile in this frame.
+    /// Squared chord of each tile to the nearer of [`Self::gazes`].
     chords: Vec<f32>,
+    /// Both gazes as they were last; `None` before the first frame.
+    gazes: Option<[Vec3; 2]>,
     /// Coarseness that contrast permits each tile to keep, and to grow to.
     permitted: [Vec<u8>; 2],
 }
@@ -182,6 +184,7 @@ impl TileMemory {
         self.ages_ms.resize(tiles, 0);
         self.chords.clear();
         self.chords.resize(tiles, 0.0);
+        self.gazes = None;
         for permitted in &mut self.permitted {
             permitted.clear();
             permitted.resize(tiles, u8::MAX);
@@ -201,7 +204,11 @@ pub fn decide(
     memory: &mut TileMemory,
     out: &mut EyePlan,
 ) {
-    lattice.nearest([params.gaze_left.into(), params.gaze_right.into()], &mut memory.chords);
+    let gazes = [params.gaze_left, params.gaze_right].map(Vec3::from);
+    // Without an eye tracker it is the same gaze in each frame.
+    if memory.gazes.replace(gazes) != Some(gazes) {
+        lattice.nearest(gazes, &mut memory.chords);
+    }
     match contrast {
         Some(contrast) => {
             let TileMemory { ages_ms, chords, permitted, .. } = memory;
@@ -222,7 +229,7 @@ fn coarsen(params: &DecideParams, is_judged: bool, memory: &mut TileMemory) {
     let step = params.coarsening.min(255) as u8;
     let elapsed_ms = params.elapsed_ms.min(255) as u8;
     let limits = params.levels.map(|level| level as u8);
-    let TileMemory { levels, ages_ms, chords, permitted: [keep, grow] } = memory;
+    let TileMemory { levels, ages_ms, chords, permitted: [keep, grow], .. } = memory;
     limit_by_rings(keep, chords, &params.ring_chords, &params.levels);
     limit_by_rings(grow, chords, &params.coarsening_chords, &params.levels);
     if is_judged {

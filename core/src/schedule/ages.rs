@@ -229,7 +229,7 @@ impl CellAges {
     #[inline]
     pub fn any_due(&self, touched: &Touched, eye: usize) -> bool {
         match &touched.0 {
-            &Cells::Block { first, block } => self.lines[eye & 1].any(first, block),
+            &Cells::Block { lines, columns } => self.lines[eye & 1].any(lines, columns),
             Cells::Ranges(ranges) => ranges
                 .iter()
                 .enumerate()
@@ -239,11 +239,11 @@ impl CellAges {
 
     /// [`Self::any_due`] of all tiles of an image at once, row by row. A slice that is shorter gets the first ones.
     pub fn due_tiles(&self, tiles: &TileCells, eye: usize, due: &mut [bool]) {
-        let (first, blocks) = tiles.blocks();
-        let lines = &self.lines[eye & 1];
-        for ((due, &first), &block) in due.iter_mut().zip(first).zip(blocks) {
-            // Where the block is none the answer has no meaning, and is replaced below.
-            *due = lines.any(first, block);
+        let (lines, columns) = tiles.blocks();
+        let due_lines = &self.lines[eye & 1];
+        for ((due, &lines), &columns) in due.iter_mut().zip(lines).zip(columns) {
+            // Of a tile without a block the answer has no meaning, and is replaced below.
+            *due = due_lines.any(lines, columns);
         }
         for (index, touched) in tiles.large() {
             if let Some(due) = due.get_mut(index) {
