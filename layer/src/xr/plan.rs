@@ -121,8 +121,8 @@ impl SessionPlan {
         self.has_failed.load(Ordering::Relaxed)
     }
 
-    /// Tells the Vulkan half the settings of the configuration and of the gates where they are new.
-    pub fn tell_settings(&self, active: &Active, config: &Config) {
+    /// Tells the Vulkan half the settings of the configuration and of the gates where they are new. Returns the techniques of the maps.
+    pub fn tell_settings(&self, active: &Active, config: &Config) -> Techniques<bool> {
         let (pays, wants_costs) = {
             let mut benefit = self.benefit.lock().unwrap_or_else(PoisonError::into_inner);
             benefit.set_mode(gate_modes(config));
@@ -130,7 +130,6 @@ impl SessionPlan {
         };
         let techniques = if self.has_failed() { Techniques::default() } else { pays };
         let wanted = Wanted::new(config, techniques, wants_costs);
-        self.planning().set_techniques(wanted.techniques);
         let is_news = {
             let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
             told.replace(wanted) != Some(wanted)
@@ -147,6 +146,7 @@ impl SessionPlan {
             // SAFETY: the record points to `passes`.
             unsafe { active.device.begin_frame(&FrameStart { settings: &record, plan: ptr::null() }) };
         }
+        techniques
     }
 }
 
@@ -259,11 +259,15 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     let config = session.instance.config.snapshot();
     let frame = Frame { config: Arc::clone(&config), time: Some(time), is_located: false };
     let was_located = std::mem::replace(&mut *state.frame(), frame).is_located;
-    state.tell_settings(active, &config);
-    state.planning().frame_begins(time.as_nanos());
+    let techniques = state.tell_settings(active, &config);
+    {
+        let mut planning = state.planning();
+        planning.set_techniques(techniques);
+        planning.frame_begins(time.as_nanos());
+    }
     // An application that located the last frame's views will locate this frame's too, and the gaze is newer then.
     if !was_located {
-        plan(session, (active, &config), time);
+        _ = plan(session, (active, &config), time);
     }
 }
 
@@ -320,10 +324,7 @@ fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr
         }
         (Arc::clone(&frame.config), !std::mem::replace(&mut frame.is_located, true))
     };
-    if is_first && !is_planned {
-        plan(session, (active, &config), time);
-    }
-    if is_first && state.planning().is_planned() {
+    if is_first && (is_planned || plan(session, (active, &config), time)) {
         frame::expect(active, &config, &views);
     }
 }
@@ -350,7 +351,7 @@ pub fn views_shown(
         planning.is_planned()
     };
     if !is_planned {
-        plan(session, (active, config), time);
+        _ = plan(session, (active, config), time);
     }
 }
 
@@ -365,27 +366,34 @@ fn of_pose(pose: &xr::Posef, fov: &xr::Fovf) -> Option<View> {
     })
 }
 
-/// Plans the frame that is shown at `time`, and hands its rates over.
-fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time) {
+/// Plans the frame that is shown at `time`, and hands its rates over. Whether the frame has a plan.
+fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time) -> bool {
     let state = &active.plan;
     if state.has_failed() {
-        return;
+        return false;
     }
     let _give_up = GiveUpOnPanic(state);
     let can_attenuate = active.health() == Health::Works;
-    if !state.planning().has_work(config, can_attenuate) {
+    let has_work = {
+        let mut planning = state.planning();
+        let has_work = planning.has_work(config, can_attenuate);
+        if !has_work {
+            planning.idle();
+        }
+        has_work
+    };
+    if !has_work {
         state.ears().rest();
-        return state.planning().idle();
+        return false;
     }
     let look = session.gaze.look(session, config, time);
     let head = session.head_in_world(time);
     let heard = state.ears().hear(config);
 
-    if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {
-        compose.changes(|view, tiles, changes| state.planning().content_changed(view, tiles, changes));
-    }
-
     let mut planning = state.planning();
+    if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {
+        compose.changes(|view, tiles, changes| planning.content_changed(view, tiles, changes));
+    }
     let time = time.as_nanos();
     if let Some(reason) = planning.look(config, look, head, time) {
         tracing::info!("a gaze sample was rejected: {reason}");
@@ -399,6 +407,7 @@ fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time)
             unsafe { active.device.begin_frame(&FrameStart { settings: ptr::null(), plan: &record }) };
         }
     }
+    planning.is_planned()
 }
 
 /// How the head was turned when a projection layer's pictures were drawn, in the layer's space: the direction of the gaze
