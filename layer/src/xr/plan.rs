@@ -130,7 +130,7 @@ impl SessionPlan {
         };
         let techniques = if self.has_failed() { Techniques::default() } else { pays };
         let wanted = Wanted::new(config, techniques, wants_costs);
-        self.planning().set_techniques(wanted.techniques);
+        self.planning().set_techniques(wanted.techniques, wants_costs);
         let is_news = {
             let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
             told.replace(wanted) != Some(wanted)
@@ -260,7 +260,14 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     let frame = Frame { config: Arc::clone(&config), time: Some(time), is_located: false };
     let was_located = std::mem::replace(&mut *state.frame(), frame).is_located;
     state.tell_settings(active, &config);
-    state.planning().frame_begins(time.as_nanos());
+    let only_watches = {
+        let mut planning = state.planning();
+        planning.frame_begins(time.as_nanos());
+        planning.only_watches(&config, active.health() == Health::Works)
+    };
+    if only_watches {
+        look(session, state, &config, time);
+    }
     // An application that located the last frame's views will locate this frame's too, and the gaze is newer then.
     if !was_located {
         plan(session, (active, &config), time);
@@ -377,8 +384,7 @@ fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time)
         state.ears().rest();
         return state.planning().idle();
     }
-    let look = session.gaze.look(session, config, time);
-    let head = session.head_in_world(time);
+    let head = look(session, state, config, time);
     let heard = state.ears().hear(config);
 
     if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {
@@ -387,9 +393,6 @@ fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time)
 
     let mut planning = state.planning();
     let time = time.as_nanos();
-    if let Some(reason) = planning.look(config, look, head, time) {
-        tracing::info!("a gaze sample was rejected: {reason}");
-    }
     planning.listen(heard);
     if planning.plan(config, can_attenuate, head, time) {
         let serial = || SERIAL.fetch_add(1, Ordering::Relaxed) + 1;
@@ -399,6 +402,16 @@ fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time)
             unsafe { active.device.begin_frame(&FrameStart { settings: ptr::null(), plan: &record }) };
         }
     }
+}
+
+/// Asks the eye tracker, and returns how the head is turned at `time`.
+fn look(session: &Session, state: &SessionPlan, config: &Config, time: xr::Time) -> Quat {
+    let look = session.gaze.look(session, config, time);
+    let head = session.head_in_world(time);
+    if let Some(reason) = state.planning().look(config, look, head, time.as_nanos()) {
+        tracing::info!("a gaze sample was rejected: {reason}");
+    }
+    head
 }
 
 /// How the head was turned when a projection layer's pictures were drawn, in the layer's space: the direction of the gaze
