@@ -1,5 +1,5 @@
 use super::*;
-use crate::config::{ChromaMode, Preset, RatesBackend, RatesMode, ReuseMode};
+use crate::config::{ChromaMode, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode};
 use crate::inputs::gaze::auto::SampleTimes;
 use crate::inputs::gaze::osc::{Heard, OscGaze, read};
 use crate::link::{BACKEND_RATE_ATTACHMENT, EyeMapRecord, OfferRecord};
@@ -306,6 +306,25 @@ fn nothing_is_planned_for_what_is_off_or_not_there() {
         config.enabled = off == RatesBackend::Off;
         assert!(!wants_maps(&config));
     }
+}
+
+/// From the beginning of a trial on rates are planned, so that they are coarse when they are tried.
+#[test]
+fn maps_are_planned_while_a_technique_is_on_or_on_trial() {
+    let off = Techniques { rates: false, reuse: false };
+    let mut session = Session::new(Config::default());
+    for (techniques, wants_costs) in [(Techniques { rates: true, reuse: false }, false), (off, true)] {
+        session.planning.set_techniques(techniques, wants_costs);
+        assert!(session.planning.has_work(&session.config, true));
+        assert!(!session.planning.only_watches(&session.config, true));
+    }
+    session.planning.set_techniques(off, false);
+    assert!(!session.planning.has_work(&session.config, true));
+    assert!(session.planning.only_watches(&session.config, true));
+    session.config.rates.gate = RatesGate::Off;
+    assert!(!session.planning.only_watches(&session.config, true), "there will be no trial");
+    session.config.chroma.mode = ChromaMode::Default;
+    assert!(session.planning.has_work(&session.config, true), "chroma has no gate");
 }
 
 #[test]

@@ -121,8 +121,8 @@ impl SessionPlan {
         self.has_failed.load(Ordering::Relaxed)
     }
 
-    /// Tells the Vulkan half the settings of the configuration and of the gates where they are new. Returns the techniques of the maps.
-    pub fn tell_settings(&self, active: &Active, config: &Config) -> Techniques<bool> {
+    /// Tells the Vulkan half the settings of the configuration and of the gates where they are new.
+    pub fn tell_settings(&self, active: &Active, config: &Config) {
         let (pays, wants_costs) = {
             let mut benefit = self.benefit.lock().unwrap_or_else(PoisonError::into_inner);
             benefit.set_mode(gate_modes(config));
@@ -130,6 +130,7 @@ impl SessionPlan {
         };
         let techniques = if self.has_failed() { Techniques::default() } else { pays };
         let wanted = Wanted::new(config, techniques, wants_costs);
+        self.planning().set_techniques(wanted.techniques, wants_costs);
         let is_news = {
             let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
             told.replace(wanted) != Some(wanted)
@@ -146,7 +147,6 @@ impl SessionPlan {
             // SAFETY: the record points to `passes`.
             unsafe { active.device.begin_frame(&FrameStart { settings: &record, plan: ptr::null() }) };
         }
-        techniques
     }
 }
 
@@ -259,11 +259,14 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     let config = session.instance.config.snapshot();
     let frame = Frame { config: Arc::clone(&config), time: Some(time), is_located: false };
     let was_located = std::mem::replace(&mut *state.frame(), frame).is_located;
-    let techniques = state.tell_settings(active, &config);
-    {
+    state.tell_settings(active, &config);
+    let only_watches = {
         let mut planning = state.planning();
-        planning.set_techniques(techniques);
         planning.frame_begins(time.as_nanos());
+        planning.only_watches(&config, active.health() == Health::Works)
+    };
+    if only_watches {
+        look(session, state, &config, time);
     }
     // An application that located the last frame's views will locate this frame's too, and the gaze is newer then.
     if !was_located {
@@ -386,8 +389,7 @@ fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time)
         state.ears().rest();
         return false;
     }
-    let look = session.gaze.look(session, config, time);
-    let head = session.head_in_world(time);
+    let head = look(session, state, config, time);
     let heard = state.ears().hear(config);
 
     let mut planning = state.planning();
@@ -395,9 +397,6 @@ fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time)
         compose.changes(|view, tiles, changes| planning.content_changed(view, tiles, changes));
     }
     let time = time.as_nanos();
-    if let Some(reason) = planning.look(config, look, head, time) {
-        tracing::info!("a gaze sample was rejected: {reason}");
-    }
     planning.listen(heard);
     if planning.plan(config, can_attenuate, head, time) {
         let serial = || SERIAL.fetch_add(1, Ordering::Relaxed) + 1;
@@ -408,6 +407,16 @@ fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time)
         }
     }
     planning.is_planned()
+}
+
+/// Asks the eye tracker, and returns how the head is turned at `time`.
+fn look(session: &Session, state: &SessionPlan, config: &Config, time: xr::Time) -> Quat {
+    let look = session.gaze.look(session, config, time);
+    let head = session.head_in_world(time);
+    if let Some(reason) = state.planning().look(config, look, head, time.as_nanos()) {
+        tracing::info!("a gaze sample was rejected: {reason}");
+    }
+    head
 }
 
 /// How the head was turned when a projection layer's pictures were drawn, in the layer's space: the direction of the gaze

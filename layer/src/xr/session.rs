@@ -158,8 +158,7 @@ pub(super) unsafe fn track(
     let spaces = active.as_ref().and_then(|_| Spaces::create(&instance.next, handle));
     if let Some(active) = &active {
         active.device.set_active(true);
-        let techniques = active.plan.tell_settings(active, &config);
-        active.plan.planning().set_techniques(techniques);
+        active.plan.tell_settings(active, &config);
         tracing::info!("session active, {}", gaze_of(config.gaze.source, actions.may_have_gaze()));
     }
     let gaze = SessionGaze::default();
