@@ -71,6 +71,7 @@ fn eligible(application: &Application) -> Eligible {
         usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
         clear: setup.clear,
         is_loaded: false,
+        is_loadable: true,
         is_covered: false,
         is_read_within: false,
         stores_stencil: false,
