@@ -10,6 +10,7 @@ mod early_return;
 #[path = "../fill/picture.rs"]
 #[allow(dead_code, reason = "shared with the tests of fill")]
 mod picture;
+mod samples;
 #[path = "../compose/transfer.rs"]
 #[allow(dead_code, reason = "shared with the tests of compose")]
 mod transfer;
