@@ -5,7 +5,6 @@
 mod audio_visual;
 mod break_even;
 mod canaries;
-mod capture;
 mod configuration;
 mod container;
 mod counting;

@@ -219,8 +219,11 @@ pub fn print_table(findings: &[Finding]) {
     }
 }
 
-/// Prints how far pictures are from those without the layer, a table for an engine.
+/// Prints how far pictures are from those without the layer, if any were compared.
 fn print_pictures(findings: &[Finding]) {
+    if findings.iter().all(|finding| finding.pictures.is_empty()) {
+        return;
+    }
     println!("\n| engine | look | by ring | {} | view | detected |", RING_NAMES.join(" | "));
     println!("|---|---|---|{}---:|---:|", "---:|".repeat(RING_NAMES.len()));
     let ring = |(_, value): &(&str, Option<f64>), digits: usize| {
