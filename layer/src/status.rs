@@ -5,6 +5,7 @@
 
 mod decisions;
 mod moment;
+mod obeyed;
 mod quiet;
 mod unseen;
 
@@ -16,6 +17,7 @@ pub use moment::{GateMoment, Moment};
 pub use quiet::Quiet;
 pub use unseen::{Known, why_unseen};
 
+use obeyed::Obeyed;
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{EVERY_S, Settings, Status, StatusFile};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -52,8 +54,11 @@ impl Telling {
         });
         let theirs = shared.clone();
         let tell = move || {
-            let mut status = known;
+            let (mut status, mut obeyed) = (known, Obeyed::default());
             while theirs.write(&mut status) {
+                if let Some(line) = obeyed.news(&status) {
+                    tracing::info!("{line}");
+                }
                 sleep(Duration::from_secs(EVERY_S) - ASKED_BEFORE);
                 theirs.is_asked.store(true, Ordering::Relaxed);
                 sleep(ASKED_BEFORE);

@@ -1,14 +1,16 @@
 //! Unmodified engines on a real runtime: Debian sid's Godot on Monado and lavapipe, without the layer and with it.
 //!
 //! `cargo dev engines` unpacks the [`System`]. An engine renders a scene of ours (`tests/engines`), heavy in fragment shading, with the head
-//! held still. Each [`Engine`] has timed turns (without the layer, with the gate deciding, and with it open, one after the other), counted runs
-//! and validated runs; a [`Finding`] has what came of them for one gate.
+//! held still. Each [`Engine`] has timed turns (without the layer, with the gate deciding, and with it open, one after the other), counted runs,
+//! runs whose pictures are saved, and validated runs; a [`Finding`] has what came of them for one gate.
 
 mod engine;
 mod finding;
+mod pictures;
 mod seen;
 mod system;
 
 pub use engine::{Engine, Mode, Settings};
-pub use finding::{Finding, judge, print_table};
+pub use finding::{Checks, Finding, judge, print_table};
+pub use pictures::Errors;
 pub use system::System;

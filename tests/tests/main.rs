@@ -5,6 +5,7 @@
 mod audio_visual;
 mod break_even;
 mod canaries;
+mod capture;
 mod configuration;
 mod container;
 mod counting;

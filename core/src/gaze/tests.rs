@@ -319,3 +319,18 @@ fn a_head_that_is_told_twice_for_one_frame_keeps_its_speed() {
         assert!(tracker.state(now).phase != GazePhase::Saccade, "step {step}");
     }
 }
+
+/// Samples are taken once a frame: further apart than an interruption is long, they are no fixation.
+#[test]
+fn a_gaze_is_relied_on_from_seven_frames_a_second_on() {
+    let trust = |hz: i64| {
+        let mut tracker = GazeTracker::new(GazeSettings::default());
+        let frames = (0..hz * 10).map(|frame| frame * 1_000_000_000 / hz + 20 * MS);
+        frames.fold(0.0, |_, now| {
+            tracker.push_at(&sample(3.0, now - 12 * MS), now);
+            tracker.state(now).trust
+        })
+    };
+    assert_eq!([2, 5, 6].map(trust), [0.0; 3]);
+    assert_eq!([7, 10, 15, 30].map(trust), [1.0; 4]);
+}

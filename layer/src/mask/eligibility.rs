@@ -37,6 +37,8 @@ pub struct DepthFacts {
     pub clear: f32,
     /// Whether it is loaded.
     pub is_loaded: bool,
+    /// Whether the pass can begin with depth that is loaded.
+    pub is_loadable: bool,
     /// Whether an earlier pass of the command buffer had a template in it, which it still holds.
     pub is_covered: bool,
     /// Whether shaders of the pass may read it, by its layout in the pass.
@@ -174,7 +176,8 @@ pub enum Reason {
     GraphicsState,
     /// Pictures are drawn to in turn, frame by frame, as temporal filters do, which read what they drew.
     History,
-    /// No render pass that loads depth could be made of its own.
+    /// No render pass that loads depth could be made of its own: colour of one sample is resolved in it, which breaks a rule (Vulkan
+    /// specification, VUID-VkSubpassDescription-pResolveAttachments-00848), or its depth has more to say than is known.
     RenderPass,
     /// Depth and stencil are in different layouts.
     Layouts,
@@ -344,6 +347,7 @@ fn of_depth(depth: &DepthFacts, facts: &MaskFacts) -> Result<(DepthFormat, Depth
     let is_transient = depth.usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT);
     first(&[
         (work.covers && !depth.is_loaded, Reason::DepthUndefined),
+        (!depth.is_loadable, Reason::RenderPass),
         (work.covers && is_multisampled && !depth.is_covered, Reason::DepthLoaded),
         (work.covers && depth.is_read_within, Reason::DepthReadWithin),
         (work.covers && depth.clear.is_nan(), Reason::DepthUncleared),

@@ -4,7 +4,7 @@ use super::{DepthTemplate, Eligible, MaskKernels, lay_mask};
 use crate::gpu::{AppCommands, Gpu, GpuError, ImagePart, ReturnLayout, ReturnSet};
 use crate::passes::depth::DepthCopy;
 use crate::passes::fill::{FillTarget, SkipBuffer, fill_format};
-use crate::passes::samples::{SampleFill, Skipped};
+use crate::passes::samples::{SampleFill, SampleKernel, Skipped};
 use crate::scene::lay::RateImage;
 use crate::scene::{Part, Target};
 use ash::vk;
@@ -209,7 +209,7 @@ impl MaskMap {
         }
     }
 
-    /// Prepares the fill of an image of several samples, whose layers `part` are `target`.
+    /// Prepares the fill of an image of several samples, whose layers `part` are `target`, by the kernel for its kind.
     ///
     /// # Errors
     /// As for [`SampleFill::new`] and [`Self::prepare`]; or the template cannot be read by shaders.
@@ -217,7 +217,7 @@ impl MaskMap {
         &self,
         target: Target,
         part: ImagePart,
-        (format, samples): (vk::Format, vk::SampleCountFlags),
+        (kernel, format): (&Arc<SampleKernel>, vk::Format),
     ) -> Result<Arc<SampleFill>, GpuError> {
         let known =
             self.kept_samples().iter().find(|(known, _)| *known == target).map(|(_, fill)| Arc::clone(fill));
@@ -234,7 +234,7 @@ impl MaskMap {
         };
         let skipped = Skipped { params, words };
         // Made without the lock, as above.
-        let new = Arc::new(SampleFill::new(&self.gpu, part, (format, samples), skipped)?);
+        let new = Arc::new(SampleFill::new(&self.gpu, kernel, part, skipped)?);
         self.kept_samples().push((target, Arc::clone(&new)));
         Ok(new)
     }

@@ -72,6 +72,7 @@ fn allows_return(reason: Reason) -> bool {
             | Reason::Queried
             | Reason::SideEffects
             | Reason::ShadesHidden
+            | Reason::RenderPass
             | Reason::DepthUndefined
             | Reason::DepthLoaded
             | Reason::DepthUncleared
@@ -110,6 +111,7 @@ mod tests {
             usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
             clear: 1.0,
             is_loaded: false,
+            is_loadable: true,
             is_covered: false,
             is_read_within: false,
             stores_stencil: false,
@@ -161,6 +163,14 @@ mod tests {
         let way = Way::Return { keeps_coverage: true, instead: Reason::Transient };
         assert_eq!(of(Some(transient), false, KEEPING, color()), Ok(way));
         assert_eq!(of(Some(transient), false, ANY, color()), Err(Reason::Transient));
+    }
+
+    #[test]
+    fn a_pass_that_cannot_load_its_depth_returns_early() {
+        let unloadable = Some(DepthFacts { is_loadable: false, ..depth() });
+        let way = Way::Return { keeps_coverage: true, instead: Reason::RenderPass };
+        assert_eq!(of(unloadable, false, KEEPING, color()), Ok(way));
+        assert_eq!(of(unloadable, false, ANY, color()), Err(Reason::RenderPass));
     }
 
     /// A template keeps no work from a CPU that tests depth of several samples.

@@ -22,6 +22,46 @@ const BINDINGS: [vk::DescriptorType; 4] = [
 /// What images of several samples must have been created with.
 pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::TRANSFER_SRC;
 
+/// Images that one pipeline fills.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SampleKind {
+    /// Their format.
+    pub format: vk::Format,
+    /// Their samples.
+    pub samples: vk::SampleCountFlags,
+    /// Whether they are colour, or depth.
+    pub is_color: bool,
+}
+
+/// The pass, compiled for images of one kind.
+pub struct SampleKernel {
+    // In the order in which each may be destroyed.
+    pass: SamplePass,
+    layout: ComputeLayout,
+    kind: SampleKind,
+}
+
+impl SampleKernel {
+    /// Compiles it.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(gpu: &Arc<Gpu>, kind: SampleKind) -> Result<Self, GpuError> {
+        let entry: &CStr = if kind.is_color { c"color" } else { c"depth" };
+        let layout = ComputeLayout::for_stage(gpu, &BINDINGS, vk::ShaderStageFlags::FRAGMENT)?;
+        let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/samples.spv"));
+        let shaders = (&spirv[..], [c"corner", entry]);
+        let pass = SamplePass::new(gpu, &layout, shaders, (kind.format, kind.samples), kind.aspect())?;
+        Ok(Self { pass, layout, kind })
+    }
+}
+
+impl SampleKind {
+    fn aspect(self) -> SampleAspect {
+        if self.is_color { SampleAspect::Color } else { SampleAspect::Depth }
+    }
+}
+
 /// One image of the application's that is drawn to.
 pub struct SampleFill {
     // In the order in which each may be destroyed.
@@ -30,9 +70,7 @@ pub struct SampleFill {
     _views: Vec<Owned<vk::ImageView>>,
     copy: OwnedImage,
     target: SampleTarget,
-    pass: SamplePass,
-    layout: ComputeLayout,
-    aspect: SampleAspect,
+    kernel: Arc<SampleKernel>,
     aspects: vk::ImageAspectFlags,
     extent: vk::Extent2D,
     layers: u32,
@@ -48,25 +86,21 @@ pub struct Skipped {
 }
 
 impl SampleFill {
-    /// Prepares to fill an image of this format and number of samples, of at least the size that is said; `picture` has the layers to be
-    /// filled, and all of its aspects.
+    /// Prepares to fill an image of the kernel's kind, of at least the size that is said; `picture` has the layers to be filled, and all of its
+    /// aspects.
     ///
     /// # Errors
     /// A failed call, or [`GpuError::Unsupported`] where there can be no copy of such an image.
     pub fn new(
         gpu: &Arc<Gpu>,
+        kernel: &Arc<SampleKernel>,
         picture: ImagePart,
-        (format, samples): (vk::Format, vk::SampleCountFlags),
         Skipped { params, words }: Skipped,
     ) -> Result<Self, GpuError> {
+        let SampleKind { format, samples, is_color } = kernel.kind;
         let extent = vk::Extent2D { width: params.width, height: params.height };
-        let is_color = picture.aspects == vk::ImageAspectFlags::COLOR;
-        let (aspect, entry): (_, &CStr) =
-            if is_color { (SampleAspect::Color, c"color") } else { (SampleAspect::Depth, c"depth") };
-        let layout = ComputeLayout::for_stage(gpu, &BINDINGS, vk::ShaderStageFlags::FRAGMENT)?;
-        let spirv = include_bytes!(concat!(env!("OUT_DIR"), "/samples.spv"));
-        let pass = SamplePass::new(gpu, &layout, (spirv, [c"corner", entry]), (format, samples), aspect)?;
-        let target = SampleTarget::new(gpu, &pass, picture, format, (extent, aspect))?;
+        let aspect = kernel.kind.aspect();
+        let target = SampleTarget::new(gpu, &kernel.pass, picture, format, (extent, aspect))?;
         let transfers = vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST;
         let copy = OwnedImage::new(
             gpu,
@@ -98,23 +132,11 @@ impl SampleFill {
                 (1, Bound::Buffer(words)),
                 (binding, Bound::Image(view.handle())),
             ];
-            ComputeSet::new(&layout, &bound)
+            ComputeSet::new(&kernel.layout, &bound)
         };
         let sets = views.iter().map(set).collect::<Result<_, _>>()?;
-        let layers = picture.layers;
-        Ok(Self {
-            sets,
-            _params: params,
-            _views: views,
-            copy,
-            target,
-            pass,
-            layout,
-            aspect,
-            aspects,
-            extent,
-            layers,
-        })
+        let (kernel, layers) = (Arc::clone(kernel), picture.layers);
+        Ok(Self { sets, _params: params, _views: views, copy, target, kernel, aspects, extent, layers })
     }
 
     /// Records the fill of a picture, which is in `layout` before and after, by `list`, with which `resolved` was made, for pictures of one
@@ -153,9 +175,9 @@ impl SampleFill {
 
     /// Draws from the copy to an image that is in TRANSFER_SRC_OPTIMAL, and in `layout` afterwards.
     fn draw(&self, commands: &AppCommands, part: ImagePart, layout: vk::ImageLayout) {
-        let within = self.aspect.layout();
+        let within = self.kernel.kind.aspect().layout();
         commands.barrier(part, (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, READS), (within, Scope::ALL));
-        commands.draw_samples(&self.target, &self.pass, (&self.layout, &self.sets));
+        commands.draw_samples(&self.target, &self.kernel.pass, (&self.kernel.layout, &self.sets));
         commands.barrier(part, (within, Scope::ALL), (layout, Scope::ALL));
     }
 
@@ -171,7 +193,7 @@ impl SampleFill {
 
     /// Whether it fills colour.
     pub fn is_color(&self) -> bool {
-        self.aspect == SampleAspect::Color
+        self.kernel.kind.is_color
     }
 }
 

@@ -5,9 +5,12 @@
 //! What is skipped is a question of the template's content, as rates are of a rate image's.
 
 mod attachments;
+mod decision;
 pub mod early_return;
 pub mod layouts;
 mod loading;
+mod open_mask;
+mod parts;
 mod pass;
 mod pending;
 mod pipelines;
@@ -17,7 +20,8 @@ mod target;
 mod usage;
 
 pub use attachments::{Attachments, rendering_attachments};
-pub use pass::{OpenMask, Place};
+pub use decision::Place;
+pub use open_mask::OpenMask;
 pub use pending::{Pending, Prepasses};
 pub use returning::{Returning, follow_graphics, follows_graphics};
 pub use target::{Ended, TargetMask};
@@ -30,6 +34,7 @@ use super::table::Table;
 use crate::gpu::{AppendedLayout, Compilation, Compiler, Gpu, GpuError, Later, ReturnLayout};
 use crate::link::{BACKEND_MASK, DeviceRecord, OfferRecord};
 use crate::mask::{MaskKernels, PipelineFacts};
+use crate::passes::samples::{SampleKernel, SampleKind};
 use crate::scene::{ImageKey, Pass, Target};
 use ash::vk;
 use parafovea_core::rate::VULKAN_RATES;
@@ -49,6 +54,8 @@ pub struct Masks {
     has_template: AtomicBool,
     /// Asked for with the first mask; nothing where there is no device to compile on.
     kernels: Mutex<Option<Later<MaskKernels>>>,
+    /// Those for images of several samples, asked for with the first mask of a pass that draws to such.
+    sample_kernels: Table<SampleKind, Arc<Later<SampleKernel>>>,
     /// Render passes that load depth where the application's clear it, by those.
     loading: Table<vk::RenderPass, vk::RenderPass>,
     modules: ShaderModules,
@@ -84,6 +91,7 @@ impl Masks {
             is_cpu,
             has_template: AtomicBool::new(false),
             kernels: Mutex::default(),
+            sample_kernels: Table::default(),
             loading: Table::default(),
             modules: ShaderModules::default(),
             pipelines: Table::default(),
@@ -159,6 +167,7 @@ impl Masks {
         }
         let kernels = self.kept_kernels().take();
         drop(kernels);
+        drop(self.sample_kernels.remove_where(|_, _| true));
         drop(self.returning.remove_where(|_, _| true));
         drop(self.compatible.remove_where(|_, _| true));
         drop(self.layouts.remove_where(|_, _| true));

@@ -112,13 +112,42 @@ impl Vulkan {
             .array_layers(1)
             .samples(vk::SampleCountFlags::TYPE_1)
             .usage(usage | vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST);
+        self.image_of(&info)
+    }
+
+    /// An image with memory, whose content is undefined.
+    pub fn image_of(&self, info: &vk::ImageCreateInfo<'_>) -> vk::Image {
         // SAFETY: plain use of Vulkan; the image is never destroyed.
         unsafe {
-            let image = self.device.create_image(&info, None).unwrap();
+            let image = self.device.create_image(info, None).unwrap();
             let memory = self.allocate(self.device.get_image_memory_requirements(image));
             self.device.bind_image_memory(image, memory, 0).unwrap();
             image
         }
+    }
+
+    /// A view of a layer of an image, for all of its usage.
+    pub fn layer_view(
+        &self,
+        image: vk::Image,
+        format: vk::Format,
+        aspects: vk::ImageAspectFlags,
+        layer: u32,
+    ) -> vk::ImageView {
+        let range = vk::ImageSubresourceRange {
+            aspect_mask: aspects,
+            base_mip_level: 0,
+            level_count: 1,
+            base_array_layer: layer,
+            layer_count: 1,
+        };
+        let info = vk::ImageViewCreateInfo::default()
+            .image(image)
+            .view_type(vk::ImageViewType::TYPE_2D)
+            .format(format)
+            .subresource_range(range);
+        // SAFETY: plain use of Vulkan; the view is never destroyed.
+        unsafe { self.device.create_image_view(&info, None) }.unwrap()
     }
 
     /// A view of an image's first layer, for one usage.

@@ -10,6 +10,7 @@ mod early_return;
 #[path = "../fill/picture.rs"]
 #[allow(dead_code, reason = "shared with the tests of fill")]
 mod picture;
+mod samples;
 #[path = "../compose/transfer.rs"]
 #[allow(dead_code, reason = "shared with the tests of compose")]
 mod transfer;
@@ -71,6 +72,7 @@ fn eligible(application: &Application) -> Eligible {
         usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
         clear: setup.clear,
         is_loaded: false,
+        is_loadable: true,
         is_covered: false,
         is_read_within: false,
         stores_stencil: false,

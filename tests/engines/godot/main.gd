@@ -51,6 +51,7 @@ func _process(_delta: float) -> void:
 	var turned := 0.4 * sin(frame * 0.2) if arguments.head == "moving" else 0.0
 	origin.transform = Transform3D(Basis(Vector3.UP, turned), Vector3(0, 1.6, 4)) * camera.transform.affine_inverse()
 	room.move(frame)
+	save_picture()
 	frame += 1
 	if rounds < 0:
 		if frame >= int(arguments.warm) and Time.get_ticks_msec() >= 1000 * int(arguments.settle):
@@ -62,6 +63,13 @@ func _process(_delta: float) -> void:
 		if rounds >= int(arguments.rounds):
 			room = null
 			get_tree().quit()
+
+
+## Has the frames of the first round saved, where a layer of tests waits for their numbers (`parafovea_test_layers::CAPTURE_FOLDER_VARIABLE`).
+func save_picture() -> void:
+	var folder := OS.get_environment("PARAFOVEA_TEST_CAPTURE_FOLDER")
+	if rounds == 0 and folder != "":
+		FileAccess.open(folder.path_join("next"), FileAccess.WRITE).store_string(str(frame))
 
 
 ## Says why it cannot go on, and quits.

@@ -1,4 +1,4 @@
-//! Ten Vulkan layers for tests and benches, in one library. Each is explicit, found through a manifest of its
+//! Ten Vulkan layers for tests and benches, and an OpenXR layer ([`CAPTURE_LAYER`]), in one library. Each is explicit, found through a manifest of its
 //! own ([`TestLayer::manifest`]), which maps the loader's entry point to that layer's.
 //!
 //! - `VK_LAYER_PARAFOVEA_TEST_pass_through` does nothing: the baseline for what any layer costs.
@@ -25,6 +25,7 @@
 //! that layer, and leave its implicit manifest out; or make that layer implicit ([`TestLayer::implicit_manifest`])
 //! and put its manifest into `XDG_CONFIG_HOME`, which is searched before `XDG_DATA_HOME`.
 
+mod capture;
 mod count;
 mod cpu_time;
 mod drop_barrier;
@@ -40,6 +41,7 @@ mod two_queues;
 pub mod validation;
 mod variable;
 
+pub use capture::{CAPTURE_FOLDER_VARIABLE, CAPTURE_LAYER, CapturedView, capture_manifest};
 pub use count::{
     COUNT_FILE_VARIABLE, Count, Counted, GpuTime, GpuTimes, SAMPLES_FILE_VARIABLE, SampleCount,
     TIMES_FILE_VARIABLE,

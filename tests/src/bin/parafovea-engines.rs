@@ -1,10 +1,11 @@
-//! `cargo dev engines [--json] [--turns N] [--scale PERCENT] [PART]`: unmodified engines on Monado, without the layer and with it.
+//! `cargo dev engines [--json] [--turns N] [--scale PERCENT] [--without CHECKS] [PART]`: unmodified engines on Monado, without the layer and with it.
 
-use parafovea_tests::engines::{Engine, System, judge, print_table};
+use parafovea_tests::engines::{Checks, Engine, System, judge, print_table};
 use std::path::Path;
 use std::process::ExitCode;
 
-const USAGE: &str = "usage: cargo dev engines [--json] [--turns N] [--scale PERCENT] [PART]";
+const USAGE: &str = "usage: cargo dev engines [--json] [--turns N] [--scale PERCENT] [--without CHECKS] [PART]; CHECKS are some of samples, \
+                     pictures and messages, with commas in between";
 
 fn main() -> ExitCode {
     match Request::read(std::env::args().skip(1)).and_then(|request| run(&request)) {
@@ -25,14 +26,23 @@ struct Request {
     turns: u32,
     /// Size of an eye's picture, per cent of Monado's 320x240.
     scale: u32,
+    /// What is found out beside time.
+    checks: Checks,
     part: String,
 }
 
 impl Request {
     fn read(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
         let root = arguments.next().ok_or(USAGE)?;
-        let mut request = Self { root, json: false, turns: 2, scale: 200, part: String::new() };
+        let mut request =
+            Self { root, json: false, turns: 2, scale: 200, checks: Checks::ALL, part: String::new() };
         while let Some(argument) = arguments.next() {
+            if argument == "--without" {
+                let named = arguments.next().unwrap_or_default();
+                request.checks =
+                    Checks::without(&named).map_err(|unknown| format!("`{unknown}`: {USAGE}"))?;
+                continue;
+            }
             let mut number = || {
                 let number = arguments.next().and_then(|text| text.parse().ok()).filter(|number| *number > 0);
                 number.ok_or(format!("`{argument}` takes a number from 1; {USAGE}"))
@@ -59,7 +69,7 @@ fn run(request: &Request) -> Result<(), String> {
     let mut findings = Vec::new();
     let mut failures = Vec::new();
     for engine in engines {
-        match judge(&system, engine, request.scale, request.turns) {
+        match judge(&system, engine, (request.scale, request.turns), request.checks) {
             // At once: the next engine takes minutes.
             Ok(found) if request.json => {
                 // Structures of strings and numbers always serialise.

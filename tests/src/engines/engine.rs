@@ -123,6 +123,12 @@ impl Settings {
         Self { scale, warm: 30, settle_s: 0, frames: 4, rounds: 1 }
     }
 
+    /// A run whose pictures are saved: a quarter of a second, over which changes are seen together. The last frame may end after the engine
+    /// has quit.
+    pub fn pictured(scale: u32) -> Self {
+        Self { scale, warm: 30, settle_s: 0, frames: 16, rounds: 1 }
+    }
+
     /// A run under validation, which is slow: a small picture.
     pub fn validated() -> Self {
         Self { scale: 50, warm: 30, settle_s: 0, frames: 10, rounds: 1 }

@@ -1,11 +1,13 @@
 //! An engine without the layer and with it.
 
 use super::engine::{Engine, Mode, Settings};
+use super::pictures::Errors;
 use super::seen::Seen;
 use super::system::{System, Watch};
 use crate::HarnessError;
 use crate::demo::{Cost, Decision};
 use crate::measure::{Ratio, Samples};
+use parafovea_errors::RING_NAMES;
 use serde::Serialize;
 
 /// What an engine's frames cost without the layer and with it, for one gate.
@@ -39,15 +41,57 @@ pub struct Finding {
     pub passes: Vec<String>,
     /// Reasons for which scene passes were left alone.
     pub refusals: Vec<String>,
-    /// Rules that validation found broken with the preset, or with everything on, in ways in which they are not without the layer.
-    pub messages: Vec<String>,
+    /// How far the pictures of looks are from those without the layer.
+    pub pictures: Vec<Errors>,
+    /// Rules that validation found broken with the preset, or with everything on, in ways in which they are not without the layer; None where
+    /// that was not checked.
+    pub messages: Option<Vec<String>>,
 }
 
-/// Times, counts and validates an engine: a finding for the gate that decides, and one for the open gate.
+/// What is found out of an engine beside its time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Checks {
+    /// How many samples are shaded.
+    pub samples: bool,
+    /// How far pictures are from those without the layer.
+    pub pictures: bool,
+    /// What validation says.
+    pub messages: bool,
+}
+
+impl Checks {
+    /// All of it.
+    pub const ALL: Self = Self { samples: true, pictures: true, messages: true };
+
+    /// All but those that are named, with commas in between.
+    ///
+    /// # Errors
+    /// A name that is unknown.
+    pub fn without(named: &str) -> Result<Self, String> {
+        let mut checks = Self::ALL;
+        for name in named.split(',') {
+            match name {
+                "samples" => checks.samples = false,
+                "pictures" => checks.pictures = false,
+                "messages" => checks.messages = false,
+                unknown => return Err(unknown.to_owned()),
+            }
+        }
+        Ok(checks)
+    }
+}
+
+/// Times an engine in turns with pictures of a size ([`Settings::scale`]), and checks it: a finding for the gate that decides, and one for the
+/// open gate.
 ///
 /// # Errors
 /// An engine that does not come to its end.
-pub fn judge(system: &System, engine: Engine, scale: u32, turns: u32) -> Result<Vec<Finding>, HarnessError> {
+pub fn judge(
+    system: &System,
+    engine: Engine,
+    (scale, turns): (u32, u32),
+    checks: Checks,
+) -> Result<Vec<Finding>, HarnessError> {
     const MODES: [Mode; 3] = [Mode::Off, Mode::Auto, Mode::On];
     let mut samples: [Samples; 3] = Default::default();
     let mut last: [Seen; 3] = Default::default();
@@ -62,12 +106,13 @@ pub fn judge(system: &System, engine: Engine, scale: u32, turns: u32) -> Result<
     let small = Settings { scale: SMALL, ..Settings::timed(scale, Mode::Off) };
     eprintln!("{}: small pictures", engine.name());
     let small = system.run(engine, Mode::Off, &small, Watch::Time)?;
-    let [off, on] = [Mode::Off, Mode::On].map(|mode| {
+    let count = |mode: Mode| {
         eprintln!("{}: counting samples, {}", engine.name(), mode.name());
-        system.run(engine, mode, &Settings::counted(scale), Watch::Samples)
-    });
-    let counted = [off?.samples, on?.samples];
-    let messages = messages(system, engine)?;
+        system.run(engine, mode, &Settings::counted(scale), Watch::Samples).map(|seen| seen.samples)
+    };
+    let counted = if checks.samples { [count(Mode::Off)?, count(Mode::On)?] } else { [None; 2] };
+    let pictures = if checks.pictures { pictures(system, engine, scale)? } else { Vec::new() };
+    let messages = if checks.messages { Some(messages(system, engine)?) } else { None };
     let mut findings = Vec::new();
     for (index, mode) in [(1, Mode::Auto), (2, Mode::On)] {
         let Ratio { value, spread } = samples[index].ratio_to(&samples[0]);
@@ -92,6 +137,7 @@ pub fn judge(system: &System, engine: Engine, scale: u32, turns: u32) -> Result<
             backend: seen.status.as_ref().map_or_else(String::new, |status| status.backend.clone()),
             passes: seen.scene_passes(),
             refusals: seen.refusals(),
+            pictures: pictures.clone(),
             messages: messages.clone(),
         });
     }
@@ -100,6 +146,25 @@ pub fn judge(system: &System, engine: Engine, scale: u32, turns: u32) -> Result<
 
 /// A scale at which hardly any time goes with pixels: 64x48.
 const SMALL: u32 = 20;
+
+/// How far pictures are from those without the layer: those of another run without it, which shows what differs anyway, and those of masks.
+fn pictures(system: &System, engine: Engine, scale: u32) -> Result<Vec<Errors>, HarnessError> {
+    let settings = Settings::pictured(scale);
+    let clip = |look: &str, mode: Mode| {
+        eprintln!("{}: pictures, {look}", engine.name());
+        system.run(engine, mode, &settings, Watch::Pictures)?;
+        system.pictures(settings.frames - 1)
+    };
+    let reference = clip("off", Mode::Off)?;
+    let errors = |(look, mode)| {
+        Errors::of(look, &reference, &clip(look, mode)?).map_err(|reason| HarnessError::Application {
+            application: format!("{}, {look}", engine.name()),
+            reason,
+            output: String::new(),
+        })
+    };
+    [("off again", Mode::Off), ("mask", Mode::On)].into_iter().map(errors).collect()
+}
 
 /// Rules that are broken with the layer and not without it.
 fn messages(system: &System, engine: Engine) -> Result<Vec<String>, HarnessError> {
@@ -142,13 +207,52 @@ pub fn print_table(findings: &[Finding]) {
             count(finding.off.samples),
             count(finding.on.samples),
             if finding.engaged { "yes" } else { "no" },
-            finding.messages.len(),
+            finding.messages.as_ref().map_or("–".to_owned(), |messages| messages.len().to_string()),
         );
     }
+    print_pictures(findings);
     for finding in findings {
         println!("\n{}, gate {}: {}", finding.app, finding.gate, finding.reason);
         finding.passes.iter().for_each(|pass| println!("    recognised: {pass}"));
         finding.refusals.iter().for_each(|reason| println!("    left alone: {reason}"));
-        finding.messages.iter().for_each(|message| println!("    validation: {message}"));
+        finding.messages.iter().flatten().for_each(|message| println!("    validation: {message}"));
+    }
+}
+
+/// Prints how far pictures are from those without the layer, if any were compared.
+fn print_pictures(findings: &[Finding]) {
+    if findings.iter().all(|finding| finding.pictures.is_empty()) {
+        return;
+    }
+    println!("\n| engine | look | by ring | {} | view | detected |", RING_NAMES.join(" | "));
+    println!("|---|---|---|{}---:|---:|", "---:|".repeat(RING_NAMES.len()));
+    let ring = |(_, value): &(&str, Option<f64>), digits: usize| {
+        value.map_or("–".to_owned(), |value| format!("{value:.digits$}"))
+    };
+    // Both gates have the same.
+    for finding in findings.iter().filter(|finding| finding.gate == Mode::On.name()) {
+        for errors in &finding.pictures {
+            let psnr: Vec<_> = errors.psnr_db.iter().map(|found| ring(found, 1)).collect();
+            let jnd: Vec<_> = errors.jnd.iter().map(|found| ring(found, 2)).collect();
+            let Errors { look, jnd_view, jnd_detected, .. } = errors;
+            println!("| {} | {look} | PSNR, dB | {} | – | – |", finding.app, psnr.join(" | "));
+            println!(
+                "| {} | {look} | JND | {} | {jnd_view:.2} | {jnd_detected:.2} |",
+                finding.app,
+                jnd.join(" | ")
+            );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn checks_are_left_out_by_their_names() {
+        let timed = Checks { samples: false, pictures: true, messages: false };
+        assert_eq!(Checks::without("samples,messages"), Ok(timed));
+        assert_eq!(Checks::without("samples,picture"), Err("picture".to_owned()));
     }
 }

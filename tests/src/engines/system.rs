@@ -2,13 +2,17 @@
 
 use super::Engine;
 use super::engine::{Mode, Settings};
+use super::pictures;
 use super::seen::Seen;
 use crate::HarnessError;
 use crate::artifacts::{Library, program};
+use parafovea_errors::Clip;
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{Status, read_all};
 use parafovea_test_layers::validation::VALIDATION_LAYER;
-use parafovea_test_layers::{SAMPLES_FILE_VARIABLE, TestLayer};
+use parafovea_test_layers::{
+    CAPTURE_FOLDER_VARIABLE, CAPTURE_LAYER, SAMPLES_FILE_VARIABLE, TestLayer, capture_manifest,
+};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -27,9 +31,14 @@ pub enum Watch {
     Time,
     /// Samples of the application's render passes.
     Samples,
+    /// The pictures of the first round.
+    Pictures,
     /// Valid usage, with synchronization.
     Validation,
 }
+
+/// The folder of saved pictures in the system.
+const PICTURES: &str = "tmp/pictures";
 
 /// Enters the system with the kernel's folders for as long as a program runs: its folder, the program, its arguments.
 const ENTER: &str = r#"mount --bind /proc "$0/proc" && mount --bind /dev "$0/dev" && exec chroot "$0" "$@""#;
@@ -54,6 +63,7 @@ impl System {
         let library = Path::new("/opt/layers/libparafovea_test_layers.so");
         let manifests = root.join("root/.local/share/vulkan/explicit_layer.d");
         TestLayer::write_manifests(library, &manifests).map_err(HarnessError::file(&manifests))?;
+        write(&layers.join("capture.json"), &capture_manifest(library))?;
         // Implicit layers from the configuration folder come above those from the data folder, and so this above ours: it tells the layer that
         // counts samples which passes are the application's.
         let above = root.join("root/.config/vulkan/implicit_layer.d/count.json");
@@ -100,6 +110,15 @@ impl System {
                 command.arg(format!("{}=1", TestLayer::Count.implicit_variable()));
                 command.arg(format!("{SAMPLES_FILE_VARIABLE}=/tmp/samples.jsonl"));
             }
+            Watch::Pictures => {
+                let folder = self.root.join(PICTURES);
+                // Of an earlier run, if there was one.
+                let _ = fs::remove_dir_all(&folder);
+                fs::create_dir_all(&folder).map_err(HarnessError::file(&folder))?;
+                command.arg("XR_API_LAYER_PATH=/opt/layers");
+                command.arg(format!("XR_ENABLE_API_LAYERS={CAPTURE_LAYER}"));
+                command.arg(format!("{CAPTURE_FOLDER_VARIABLE}=/{PICTURES}"));
+            }
             Watch::Validation => {
                 command.arg(format!("VK_INSTANCE_LAYERS={VALIDATION_LAYER}"));
                 command.arg("VK_KHRONOS_VALIDATION_VALIDATE_SYNC=true");
@@ -134,6 +153,14 @@ impl System {
         let log = self.log();
         let samples = self.read("tmp/samples.jsonl");
         Seen::of(&output, &log, &samples, status).map_err(failed)
+    }
+
+    /// Pictures of the last run that saved any, of so many frames.
+    ///
+    /// # Errors
+    /// One is not there.
+    pub fn pictures(&self, frames: u32) -> Result<Clip, HarnessError> {
+        pictures::clip(&self.root.join(PICTURES), frames)
     }
 
     /// The folder.

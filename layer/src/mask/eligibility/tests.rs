@@ -14,6 +14,7 @@ fn judged(
         usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
         clear: 1.0,
         is_loaded: false,
+        is_loadable: true,
         is_covered: false,
         is_read_within: false,
         stores_stencil: false,

@@ -27,6 +27,8 @@ pub struct DepthAttachment {
     /// Whether it is cleared, or loaded.
     pub is_cleared: bool,
     pub is_loaded: bool,
+    /// Whether the pass can begin with depth that is loaded.
+    pub is_loadable: bool,
     /// Whether stencil is stored.
     pub stores_stencil: bool,
     /// Whether a subpass reads it.
@@ -52,8 +54,14 @@ pub struct ColorAttachment {
 }
 
 impl Attachments {
-    /// Of an instance of a render pass with these attachments and clear values.
-    pub fn of_render_pass(pass: &RenderPass, targets: &[Option<Target>], clears: &[vk::ClearValue]) -> Self {
+    /// Of an instance of a render pass with these attachments and clear values; `is_loadable` if there is a render pass that loads depth where
+    /// it clears it.
+    pub fn of_render_pass(
+        pass: &RenderPass,
+        targets: &[Option<Target>],
+        clears: &[vk::ClearValue],
+        is_loadable: bool,
+    ) -> Self {
         let at = |index: u32| {
             let index = index as usize;
             Some((targets.get(index).copied().flatten()?, pass.attachments.get(index)?))
@@ -75,6 +83,7 @@ impl Attachments {
                     .map_or(f32::NAN, |value| unsafe { value.depth_stencil.depth }),
                 is_cleared: attachment.load == vk::AttachmentLoadOp::CLEAR,
                 is_loaded: attachment.load == vk::AttachmentLoadOp::LOAD,
+                is_loadable: attachment.load == vk::AttachmentLoadOp::LOAD || is_loadable,
                 stores_stencil: attachment.stores_stencil(),
                 is_input: pass.subpasses.iter().any(|subpass| subpass.inputs.contains(&Some(index))),
                 layouts: [attachment.initial_layout, within],
@@ -120,6 +129,7 @@ impl Attachments {
                 false => masks.cleared.get(depth.target.image).unwrap_or(f32::NAN),
             },
             is_loaded: depth.is_loaded,
+            is_loadable: depth.is_loadable,
             is_covered,
             is_read_within: depth.is_input || !is_written(depth.layouts[1]),
             stores_stencil: depth.stores_stencil,
@@ -202,6 +212,7 @@ pub unsafe fn rendering_attachments(objects: &Objects, info: &vk::RenderingInfo<
                 clear: found.clear_value.depth_stencil.depth,
                 is_cleared: found.load_op == vk::AttachmentLoadOp::CLEAR,
                 is_loaded: found.load_op == vk::AttachmentLoadOp::LOAD,
+                is_loadable: true,
                 stores_stencil: stencil.is_some_and(|found| found.store_op == vk::AttachmentStoreOp::STORE),
                 is_input: false,
                 layouts: [found.image_layout, within],

@@ -106,6 +106,11 @@ impl Masks {
         self.loading.remove(pass)
     }
 
+    /// Whether there is a render pass that loads depth where `pass` clears it.
+    pub fn can_load(&self, pass: vk::RenderPass) -> bool {
+        self.loading(pass).is_some()
+    }
+
     /// The render pass that loads depth where `pass` clears it.
     pub(super) fn loading(&self, pass: vk::RenderPass) -> Option<vk::RenderPass> {
         self.loading.get(pass)

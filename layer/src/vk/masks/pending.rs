@@ -6,10 +6,9 @@
 
 use super::Masks;
 use super::attachments::is_written;
-use crate::gpu::AppCommands;
-use crate::gpu::ImagePart;
-use crate::mask::MaskMap;
-use crate::passes::samples::SampleFill;
+use crate::gpu::{AppCommands, Compilation, ImagePart};
+use crate::mask::{MaskMap, Reason};
+use crate::passes::samples::{SampleFill, SampleKernel, SampleKind};
 use crate::scene::{ImageKey, Target};
 use ash::vk;
 use smallvec::SmallVec;
@@ -49,6 +48,32 @@ impl Pending {
 }
 
 impl Masks {
+    /// The kernel that fills images of a kind, once it is compiled; asks for it the first time.
+    ///
+    /// # Errors
+    ///
+    /// It is not compiled yet, or cannot be: passes that need it are left alone.
+    pub(super) fn sample_kernel(&self, kind: SampleKind) -> Result<Arc<SampleKernel>, Reason> {
+        let known = match self.sample_kernels.get(kind) {
+            Some(known) => known,
+            None => {
+                let gpu = Arc::clone(self.gpu().ok_or(Reason::Failed)?);
+                let make = move |compilation: &Arc<Compilation>| {
+                    gpu.compile_with(compilation);
+                    SampleKernel::new(&gpu, kind)
+                };
+                // Asked for without a lock: another thread may have been faster.
+                let new = Arc::new(self.compiler().ask("no masks in passes of several samples", make));
+                self.sample_kernels.get_or_insert(kind, new)
+            }
+        };
+        match known.get() {
+            Some(kernel) => Ok(Arc::clone(kernel)),
+            None if known.has_failed() => Err(Reason::Failed),
+            None => Err(Reason::New),
+        }
+    }
+
     /// Records a fill: what is bound for compute and for drawing changes.
     ///
     /// # Safety

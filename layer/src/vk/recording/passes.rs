@@ -6,7 +6,7 @@ use crate::mask::{DepthWork, MaskMap};
 use crate::scene::{Pass, Target};
 use crate::vk::candidates::Candidate;
 use crate::vk::chain::extension;
-use crate::vk::masks::{Attachments, Place};
+use crate::vk::masks::{Attachments, Masks, Place};
 use crate::vk::objects::{Objects, RenderPass};
 use ash::vk;
 use smallvec::SmallVec;
@@ -164,7 +164,7 @@ unsafe fn begin_noted(
         (None, Some(masks)) => {
             // SAFETY: as above; the command buffer is recording outside of render passes, as one begins.
             unsafe {
-                let attachments = instance.as_ref().map(|instance| instance.attachments(&*info));
+                let attachments = instance.as_ref().map(|instance| instance.attachments(masks, &*info));
                 let candidate = pass.as_ref().zip(attachments.as_ref());
                 let candidate = candidate.and_then(|(pass, attachments)| buffer.candidate(pass, attachments));
                 if let (Some(pass), Some(attachments)) = (&mut pass, &attachments) {
@@ -324,7 +324,7 @@ impl Instance {
     /// # Safety
     ///
     /// Valid usage of vkCmdBeginRenderPass.
-    unsafe fn attachments(&self, info: &vk::RenderPassBeginInfo<'_>) -> Attachments {
+    unsafe fn attachments(&self, masks: &Masks, info: &vk::RenderPassBeginInfo<'_>) -> Attachments {
         // SAFETY: the caller vouches for the array.
         let clears = unsafe {
             match info.clear_value_count {
@@ -332,6 +332,7 @@ impl Instance {
                 count => slice::from_raw_parts(info.p_clear_values, count as usize),
             }
         };
-        Attachments::of_render_pass(&self.render_pass, &self.targets, clears)
+        let is_loadable = masks.can_load(info.render_pass);
+        Attachments::of_render_pass(&self.render_pass, &self.targets, clears, is_loadable)
     }
 }

@@ -37,7 +37,7 @@ fn of_one(status: &Status, environment: &Environment) -> String {
             &format!("active, {:.0} frames per second, {} in total", status.frame_rate_hz, status.frames),
         );
         line("backend", &status.backend);
-        line("gaze", &status.gaze.to_string());
+        line("gaze", &format!("{}{}", status.gaze, sparse(status)));
         line("sound", &sound(&status.sound));
         line("tiles", &rates(&status.rates));
         // Without a backend there is nothing to judge.
@@ -132,6 +132,22 @@ fn slow(status: &Status) -> &'static str {
     let is_slow = status.frame_rate_hz > 0.0 && status.frame_rate_hz < LEAST_RATE_HZ;
     match is_on && is_slow && status.rates.rendered >= 1.0 {
         true => "; safety limit: below 60 frames per second every region is rendered in each",
+        false => "",
+    }
+}
+
+/// The rate from which on samples of the gaze, one a frame, are no interruptions of each other, Hz: 1 s / 150 ms
+/// (`parafovea_core::gaze`).
+const LEAST_GAZE_RATE_HZ: f32 = 6.7;
+
+/// Names the safety limit that keeps a tracker's gaze from being relied on.
+fn sparse(status: &Status) -> &'static str {
+    let is_tracked = !matches!(status.gaze.holder.as_str(), "" | "centre");
+    let is_slow = status.frame_rate_hz > 0.0 && status.frame_rate_hz < LEAST_GAZE_RATE_HZ;
+    match is_tracked && is_slow {
+        true => {
+            "; safety limit: below 7 frames per second the gaze is not relied on, and its surroundings are not shaded coarsely"
+        }
         false => "",
     }
 }
@@ -237,6 +253,22 @@ mod tests {
             assert!(of(hz, "on", 1.0).contains(line), "{hz}");
         }
         for other in [of(0.0, "on", 1.0), of(90.0, "on", 1.0), of(30.0, "off", 1.0), of(30.0, "on", 0.5)] {
+            assert!(!other.contains(line), "{other}");
+        }
+    }
+
+    #[test]
+    fn a_frame_rate_below_the_safety_limit_is_said_to_stop_a_tracker() {
+        let of = |frame_rate_hz, holder: &str| {
+            let active = active();
+            let gaze = Gaze { holder: holder.to_owned(), ..active.gaze.clone() };
+            shown(Status { frame_rate_hz, gaze, ..active })
+        };
+        let line = "safety limit: below 7 frames per second the gaze is not relied on";
+        for (hz, holder) in [(2.0, "eyes"), (6.0, "osc")] {
+            assert!(of(hz, holder).contains(line), "{hz}");
+        }
+        for other in [of(0.0, "eyes"), of(7.0, "eyes"), of(2.0, "centre"), of(2.0, "")] {
             assert!(!other.contains(line), "{other}");
         }
     }

@@ -1,0 +1,67 @@
+//! The log's lines about the rates that passes obeyed.
+
+use parafovea_manifest::status::Status;
+use std::collections::HashSet;
+
+/// What was logged of one session.
+#[derive(Default)]
+pub struct Obeyed {
+    /// Names of rates that were logged together.
+    logged: HashSet<String>,
+    /// Those of the status before.
+    last: String,
+}
+
+impl Obeyed {
+    /// The line for the next status of the session; none if its rates were logged before, or are not those of the status before: they ramp
+    /// after a start, and trials switch them.
+    pub fn news(&mut self, status: &Status) -> Option<String> {
+        if status.passes_matched == 0 {
+            self.last.clear();
+            return None;
+        }
+        let names: Vec<_> = status.rates.tiles.iter().map(|(name, _)| name.as_str()).collect();
+        let names = names.join(", ");
+        let is_settled = std::mem::replace(&mut self.last, names.clone()) == names;
+        if !is_settled || !self.logged.insert(names) {
+            return None;
+        }
+        let share = |(name, share): &(String, f32)| format!("{name} {:.0} %", share * 100.0);
+        let tiles: Vec<_> = status.rates.tiles.iter().map(share).collect();
+        let passes =
+            if status.passes_matched == 1 { "1 pass" } else { &format!("{} passes", status.passes_matched) };
+        Some(format!(
+            "rates in {passes} ({}): {}; {:.0} % of the pixels shaded",
+            status.backend,
+            tiles.join(", "),
+            status.rates.shaded * 100.0
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use parafovea_manifest::status::Rates;
+
+    #[test]
+    fn rates_are_logged_once_they_have_settled() {
+        let status = |passes_matched, tiles: &[(&str, f32)]| {
+            let tiles = tiles.iter().map(|(name, share)| ((*name).to_owned(), *share)).collect();
+            let rates = Rates { tiles, shaded: 0.4, ..Rates::default() };
+            Status { backend: "mask".to_owned(), passes_matched, rates, ..Status::default() }
+        };
+        let all = status(2, &[("1x1", 1.0)]);
+        let masked = status(2, &[("skipped", 0.56), ("1x1", 0.44)]);
+        let alone = status(0, &[("1x1", 1.0)]);
+        let mut obeyed = Obeyed::default();
+        let mut told = |status: &Status| obeyed.news(status);
+        assert_eq!([told(&alone), told(&all), told(&masked)], [None, None, None]);
+        let line = "rates in 2 passes (mask): skipped 56 %, 1x1 44 %; 40 % of the pixels shaded";
+        assert_eq!(told(&masked).as_deref(), Some(line));
+        assert_eq!([told(&masked), told(&alone), told(&masked), told(&masked)], [None, None, None, None]);
+        let more = status(1, &[("skipped", 0.6), ("2x2", 0.4)]);
+        assert_eq!(told(&more), None);
+        assert!(told(&more).is_some_and(|line| line.starts_with("rates in 1 pass ")));
+    }
+}

@@ -1,0 +1,305 @@
+//! Whether a pass that begins has a mask, and which, by what earlier frames have shown.
+
+use super::open_mask::{OpenDepth, OpenMask, OpenWay, Return};
+use super::parts::{aspects, is_separate, part};
+use super::{Attachments, Masks, Pending, TargetMask, follow_graphics};
+use crate::gpu::{GpuError, ImagePart};
+use crate::mask::{Eligible, MaskFacts, MaskMap, Reason, Way, way};
+use crate::passes::samples::SampleKind;
+use crate::scene::{Pass, PassFacts, Target};
+use crate::vk::armed::Armed;
+use crate::vk::backend::RateMap as _;
+use crate::vk::candidates::Candidate;
+use crate::vk::objects::Objects;
+use ash::vk;
+use smallvec::SmallVec;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// What else a pass's mask depends on.
+#[derive(Debug, Clone, Copy)]
+struct How {
+    /// Whether anything is coarse, or only left out.
+    coarsens: bool,
+    /// Whether it draws to several layers that are no views.
+    is_layered: bool,
+}
+
+/// What holds where a pass begins.
+#[derive(Clone, Copy)]
+pub struct Place<'a> {
+    /// The command buffer is a primary one.
+    pub is_primary: bool,
+    /// What is bound for compute can be bound again.
+    pub restores_compute: bool,
+    /// What is bound for drawing is followed, and can be bound again.
+    pub restores_graphics: bool,
+    /// Whether it is followed.
+    pub follows_graphics: bool,
+    /// Whether conditional rendering is active: it would decide on our commands, too.
+    pub is_conditional: bool,
+    /// The pass's own render area.
+    pub area: vk::Rect2D,
+    /// The mask of an earlier pass of the command buffer whose template depth of several samples still holds.
+    pub covered_by: Option<&'a Arc<MaskMap>>,
+    /// How many passes of the command buffer cleared that depth for others to go on with.
+    pub prepasses: u32,
+}
+
+impl Masks {
+    /// The mask of a pass that begins.
+    ///
+    /// # Errors
+    ///
+    /// Why it has none.
+    pub(super) fn open(
+        &self,
+        armed: &Armed,
+        candidate: &Candidate,
+        pass: &Pass,
+        attachments: &Attachments,
+        place: Place<'_>,
+    ) -> Result<OpenMask, Reason> {
+        if !armed.frame.is_on() {
+            return Err(Reason::Off);
+        }
+        let target = candidate.map.mask().ok_or(Reason::New)?;
+        if attachments.colors.is_empty() {
+            return self.judged(armed, target, pass, attachments, place);
+        }
+        if let Some(depth) = attachments.loaded_samples(&armed.objects)
+            && place.covered_by.is_none()
+        {
+            let key = (depth.target.image, place.prepasses);
+            let known = self.chains.get(key);
+            if known != Some(candidate.target) {
+                // In later frames the pass that clears it has a template for this one.
+                self.chains.insert(key, candidate.target);
+            }
+            if known.is_none() {
+                return Err(Reason::New);
+            }
+        }
+        let outcome = match self.judged(armed, target, pass, attachments, place) {
+            Err(Reason::DepthLoaded) => Err(target.prepass_refusal().unwrap_or(Reason::DepthLoaded)),
+            outcome => outcome,
+        };
+        target.tell(outcome.as_ref().map(OpenMask::instead).map_err(|reason| *reason));
+        outcome
+    }
+
+    /// The mask of a pass, by what earlier ones to its target have shown.
+    fn judged(
+        &self,
+        armed: &Armed,
+        target: &TargetMask,
+        pass: &Pass,
+        attachments: &Attachments,
+        place: Place<'_>,
+    ) -> Result<OpenMask, Reason> {
+        let (facts, pipelines) = target.evidence(attachments.colors.is_empty())?;
+        let is_layered = pass.view_mask == 0 && target.layers() > 1;
+        let pass = PassFacts {
+            is_queried: pass.facts.is_queried || facts.is_queried,
+            clears_depth_later: pass.facts.clears_depth_later || facts.clears_depth_later,
+            ..pass.facts
+        };
+        let how = How { coarsens: armed.frame.coarsens(), is_layered };
+        // Measured with llvmpipe of Mesa 26.2.6 (tests/baselines/engines.md).
+        let prefers_return = self.is_cpu && pipelines.returns.keeping_coverage && !target.fails_to_return();
+        if prefers_return && attachments.colors.is_empty() {
+            // Passes that go on with its depth find it as it is.
+            return Err(Reason::ShadesHidden);
+        }
+        self.opened(&armed.objects, (target, how), attachments, place, |colors| MaskFacts {
+            pass,
+            depth: attachments.depth_facts(self, &armed.objects, place.covered_by.is_some()),
+            colors,
+            pipelines,
+            prefers_return,
+        })
+    }
+
+    fn opened(
+        &self,
+        objects: &Objects,
+        (target, how): (&TargetMask, How),
+        attachments: &Attachments,
+        place: Place<'_>,
+        facts: impl for<'a> FnOnce(&'a [crate::mask::ColorFacts]) -> MaskFacts<'a>,
+    ) -> Result<OpenMask, Reason> {
+        if !place.is_primary {
+            return Err(Reason::Secondary);
+        }
+        if !place.restores_compute {
+            return Err(Reason::ComputeState);
+        }
+        let colors = attachments.color_facts(objects)?;
+        let (map, way) = match way(&facts(&colors))? {
+            Way::Template(eligible) => self.template(objects, target, attachments, place, eligible)?,
+            // Of several layers that are no views, the shader does not know which it draws to.
+            Way::Return { instead, .. } if how.is_layered => return Err(instead),
+            Way::Return { keeps_coverage, instead } => {
+                self.early_return(target, place, keeps_coverage, instead)?
+            }
+        };
+        let layers = target.layers();
+        // Copying all of a picture there and back costs more than many a pass.
+        let is_unfilled = target.leaves_out() && !how.coarsens;
+        let failed = |error: GpuError| {
+            error.tell("no mask for a render pass");
+            Reason::Failed
+        };
+        let (mut fills, mut pending) = (SmallVec::new(), SmallVec::new());
+        for (color, facts) in attachments.colors.iter().zip(&colors).filter(|(color, _)| color.is_stored) {
+            let part = part(objects, color.target, vk::ImageAspectFlags::COLOR, layers)?;
+            if facts.samples == vk::SampleCountFlags::TYPE_1 {
+                map.prepare(color.format).map_err(failed)?;
+            }
+            if is_unfilled {
+                continue;
+            }
+            match facts.samples {
+                vk::SampleCountFlags::TYPE_1 => fills.push((part, color.format, color.layout)),
+                _ => pending.push(self.pending(
+                    objects,
+                    (&map, target),
+                    (color.target, part),
+                    place,
+                    color.layout,
+                )?),
+            }
+        }
+        if let OpenWay::Template(depth) = &way
+            && let Some(attachment) = attachments.depth
+            && depth.is_multisampled
+            && depth.work.fills
+        {
+            let of = (attachment.target, depth.depth);
+            pending.push(self.pending(objects, (&map, target), of, place, depth.final_layout)?);
+        }
+        Ok(OpenMask { map, way, is_unfilled, fills, pending })
+    }
+
+    /// The fill, after a pass, of an image of several samples.
+    fn pending(
+        &self,
+        objects: &Objects,
+        (map, target): (&Arc<MaskMap>, &TargetMask),
+        (of, part): (Target, ImagePart),
+        place: Place<'_>,
+        layout: vk::ImageLayout,
+    ) -> Result<Pending, Reason> {
+        if !place.follows_graphics {
+            // From the next command buffers on.
+            follow_graphics();
+            return Err(Reason::New);
+        }
+        if !place.restores_graphics || target.loses_graphics() || self.extends_dynamic.load(Ordering::Relaxed)
+        {
+            return Err(Reason::GraphicsState);
+        }
+        let image = objects.image_of(of.image).ok_or(Reason::Unknown)?.description;
+        let [width, height] = map.extent();
+        if of.level != 0 || image.extent[0] < width || image.extent[1] < height {
+            return Err(Reason::Area);
+        }
+        let kind = SampleKind {
+            format: image.format,
+            samples: vk::SampleCountFlags::from_raw(image.samples),
+            is_color: part.aspects == vk::ImageAspectFlags::COLOR,
+        };
+        let kernel = self.sample_kernel(kind)?;
+        let fill = map.prepare_samples(of, part, (&kernel, image.format)).map_err(|error| {
+            error.tell("no mask for a render pass");
+            Reason::Failed
+        })?;
+        Ok(Pending { map: Arc::clone(map), target: of, part, format: image.format, layout, fill })
+    }
+
+    /// The map of a pass with an early return.
+    fn early_return(
+        &self,
+        target: &TargetMask,
+        place: Place<'_>,
+        keeps_coverage: bool,
+        instead: Reason,
+    ) -> Result<(Arc<MaskMap>, OpenWay), Reason> {
+        if place.is_conditional {
+            return Err(instead);
+        }
+        // Behind a pass with a template, a pass without depth mostly maps tones or scales: it costs little, and reads a filled picture.
+        if instead == Reason::NoDepth && self.has_template.load(Ordering::Relaxed) {
+            return Err(instead);
+        }
+        if !place.follows_graphics {
+            // From the next command buffers on.
+            follow_graphics();
+            return Err(Reason::New);
+        }
+        if !place.restores_graphics {
+            return Err(Reason::GraphicsState);
+        }
+        // What temporal filters keep they read again: what is filled would go on from frame to frame.
+        if instead == Reason::NoDepth && target.is_history() {
+            return Err(Reason::History);
+        }
+        if instead == Reason::ShadesHidden {
+            // Where no shader can, there is a template, of another kind.
+            target.returns_early(keeps_coverage, Reason::New)?;
+            self.has_template.store(true, Ordering::Relaxed);
+        }
+        let map = target.map_to_return(instead)?;
+        target.returns_early(keeps_coverage, instead)?;
+        let set = self.return_layout().and_then(|layout| map.return_set(&layout)).ok_or(Reason::Failed)?;
+        Ok((map, OpenWay::Return(Return { set, keeps_coverage, instead })))
+    }
+
+    /// The map of a pass with a template, and what is done with its depth.
+    fn template(
+        &self,
+        objects: &Objects,
+        target: &TargetMask,
+        attachments: &Attachments,
+        place: Place<'_>,
+        eligible: Eligible,
+    ) -> Result<(Arc<MaskMap>, OpenWay), Reason> {
+        let depth = attachments.depth.ok_or(Reason::NoDepth)?;
+        if depth.layouts[1] == vk::ImageLayout::UNDEFINED {
+            return Err(Reason::Layouts);
+        }
+        if is_separate(objects, &depth) {
+            return Err(Reason::Layouts);
+        }
+        let map = target.map(eligible)?;
+        let is_multisampled = eligible.drawn.is_some();
+        if place
+            .covered_by
+            .is_some_and(|by| is_multisampled && eligible.work.covers && !Arc::ptr_eq(by, &map))
+        {
+            return Err(Reason::DepthLoaded);
+        }
+        if eligible.work.is_any() && !is_multisampled && !map.prepare_depth() {
+            return Err(Reason::Failed);
+        }
+        // A map that leaves tiles out has to be laid anew first.
+        if !map.is_ready() || (eligible.work.is_any() && !target.note_depth()) {
+            return Err(Reason::Undrawn);
+        }
+        if !map.takes(place.area) {
+            return Err(Reason::Area);
+        }
+        let aspects = aspects(objects, depth.target)?;
+        let open = OpenDepth {
+            depth: part(objects, depth.target, aspects, target.layers())?,
+            is_covered: is_multisampled && eligible.work.covers,
+            is_multisampled,
+            layouts: depth.layouts,
+            work: eligible.work,
+            area: place.area,
+            final_layout: depth.final_layout,
+        };
+        self.has_template.store(true, Ordering::Relaxed);
+        Ok((map, OpenWay::Template(open)))
+    }
+}
