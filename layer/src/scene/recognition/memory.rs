@@ -2,6 +2,8 @@
 
 use super::placement::{self, Areas, Placement, Placements};
 use super::projected::UNSTEADY;
+use super::provenance::Role;
+use super::roles::Roles;
 use super::{HOLD, Parts};
 use crate::scene::{Event, ImageDescription, ImageKey, SwapchainKey, Target, Unmatched};
 use std::collections::HashMap;
@@ -35,8 +37,10 @@ struct Image {
     is_used: bool,
     /// Pictures of eyes that are made of it by transfers.
     placed: Placed,
-    /// It is drawn before a pass that may read it and writes the picture.
+    /// Its content becomes the picture of an eye.
     precedes: Evidence,
+    /// What the passes were that drew it, in their order.
+    roles: Roles,
     flat_at: Option<u64>,
 }
 
@@ -218,6 +222,18 @@ impl Memory {
         }
     }
 
+    /// Takes note of what the next pass to draw an image in this frame is.
+    pub(super) fn add_role(&mut self, frame: u64, image: ImageKey, role: Role) {
+        if let Some(image) = self.images.get_mut(&image) {
+            image.roles.add(frame, role);
+        }
+    }
+
+    /// What pass number `ordinal` to draw an image in this frame is, from 0, as far as earlier frames tell.
+    pub(super) fn role(&self, frame: u64, image: ImageKey, ordinal: usize) -> Role {
+        self.images.get(&image).map_or(Role::Unknown, |image| image.roles.of(frame, ordinal))
+    }
+
     /// Looks which images' pictures moved while the passes that draw them did not.
     pub(super) fn compare(&mut self, frame: u64) {
         for image in self.images.values_mut() {
@@ -250,6 +266,7 @@ impl Image {
             is_used: false,
             placed: Placed::default(),
             precedes: Evidence::default(),
+            roles: Roles::default(),
             flat_at: None,
         }
     }

@@ -318,6 +318,7 @@ impl Instance {
             view_mask: render_pass.view_mask,
             facts: render_pass.facts,
             unmasked: None,
+            draws: None,
         }
     }
 

@@ -150,6 +150,7 @@ unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
             ..PassFacts::default()
         },
         unmasked: None,
+        draws: None,
     }
 }
 
