@@ -81,7 +81,7 @@ pub struct Draws {
     pub quads: u32,
     /// All other draws.
     pub meshes: u32,
-    /// Vertices of all draws that the CPU knows, of one instance each; saturates. Indirect draws count [`Draws::INDIRECT_VERTICES`].
+    /// Vertices of all instances of all draws; saturates. Each draw that only the GPU knows counts [`Draws::INDIRECT_VERTICES`].
     pub vertices: u32,
     /// Attachments that quads may read.
     pub read_by_quads: Reads,

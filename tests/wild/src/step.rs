@@ -1,7 +1,7 @@
 //! One render pass of a frame graph, with its truth.
 
 use crate::frame::Image;
-use parafovea::scene::{Draws, Eye, Pass, PassFacts, Reads, Target};
+use parafovea::scene::{Draws, Eye, ImageKey, Pass, PassFacts, Reads, Target};
 use smallvec::SmallVec;
 
 /// What a pass is.
@@ -126,6 +126,16 @@ impl Step {
         draws.quads += 1;
         draws.vertices += 3;
         push(&mut draws.read_by_quads, images);
+        self
+    }
+
+    /// Of what its draws read, only these images are known.
+    pub(crate) fn reading(mut self, is_known: impl Fn(ImageKey) -> bool) -> Self {
+        if let Some(draws) = &mut self.pass.draws {
+            for reads in [&mut draws.read_by_quads, &mut draws.read_by_meshes] {
+                reads.images.retain(|image| is_known(*image));
+            }
+        }
         self
     }
 

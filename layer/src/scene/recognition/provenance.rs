@@ -332,26 +332,62 @@ impl Provenance {
                 _ => {}
             }
         }
-        let Origins::Known { sources, has_unknown } = &self.nodes[index].origins else {
-            return Role::Unknown;
-        };
         let Some(draws) = pass.draws.as_ref().filter(|draws| draws.quads + draws.meshes > 0) else {
             return Role::Unknown;
         };
-        let shows_eye = !sources.is_empty() && sources.iter().all(|source| is_eye(*source));
-        let may_show_eye = sources.is_empty()
-            && *has_unknown
-            && self.groups.all.iter().any(|group| group.role() == Role::Eye);
-        if !shows_eye && !may_show_eye {
+        let no_sources = Sources::new();
+        let (sources, has_unknown) = match &self.nodes[index].origins {
+            Origins::Known { sources, has_unknown } => (sources, *has_unknown),
+            Origins::Unasked | Origins::Open => (&no_sources, draws.read_by_quads.may_read_more),
+        };
+        if sources.is_empty() && has_unknown {
+            return self.role_of_unknown(index, pass, events, known);
+        }
+        if sources.is_empty() || !sources.iter().all(|source| is_eye(*source)) {
             return Role::Unknown;
         }
         let reads = draws.read_by_quads.images.iter().chain(&draws.read_by_meshes.images);
         let drawn: SmallVec<[ImageKey; 8]> =
             reads.copied().filter(|image| self.is_drawn_by(*image, sources, events)).collect();
-        match known.is_shading(&drawn) {
+        match !drawn.is_empty() && known.is_shading(drawn.into_iter()) {
             true => Role::Eye,
             false => Role::FullScreen,
         }
+    }
+
+    /// What a full-screen pass is of which nobody knows what it reads.
+    fn role_of_unknown(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> Role {
+        let is_off_screen = |group: &Group| group.role() == Role::Eye && !group.is_direct;
+        if !self.groups.all.iter().any(|group| is_off_screen(group) && group.passes[0] < index) {
+            return Role::Unknown;
+        }
+        let is_other = |group: &Group| group.role() != Role::Eye && group.looks_like_eye(events, known);
+        let is_alone = || !self.groups.all.iter().any(is_other);
+        let shades =
+            self.may_shade(index, pass, events, known) && (self.nodes[index].writes_picture || is_alone());
+        if shades { Role::Eye } else { Role::FullScreen }
+    }
+
+    /// Whether a full-screen pass of which nobody knows what it reads may shade the scene: it is the first after the G-buffer of an eye.
+    fn may_shade(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> bool {
+        let (mut passes_between, mut buffers) = (0, 0);
+        for (earlier, event) in events[..index].iter().enumerate().rev() {
+            let Event::Pass(other) = event else { continue };
+            match self.nodes[earlier].kind {
+                Kind::Camera => {
+                    let is_eye = self.groups.all[self.nodes[earlier].group].role() == Role::Eye;
+                    let colors = || other.colors.iter().map(|target| target.image);
+                    buffers += usize::from(is_eye && !other.colors.is_empty() && known.is_shading(colors()));
+                }
+                Kind::Screen { .. } if buffers > 0 => break,
+                Kind::Screen { .. } => {
+                    let area = |pass: &Pass| [pass.area[2], pass.area[3]];
+                    passes_between += usize::from(area(other) == area(pass));
+                }
+                Kind::Transfer | Kind::Other => {}
+            }
+        }
+        passes_between < buffers
     }
 
     /// Whether a camera of these groups draws an image.
@@ -378,12 +414,8 @@ impl Known<'_> {
 
     /// Whether a full-screen pass that reads these images of the scene shades it: a G-buffer has at least two that hold colours, and a
     /// visibility buffer has none.
-    fn is_shading(&self, drawn: &[ImageKey]) -> bool {
-        let colours = drawn
-            .iter()
-            .filter_map(|image| self.memory.description(*image))
-            .filter(|image| super::candidate::holds_colours(image.format))
-            .count();
-        colours > 1 || (colours == 0 && !drawn.is_empty())
+    fn is_shading(&self, images: impl Iterator<Item = ImageKey>) -> bool {
+        let described = images.filter_map(|image| self.memory.description(image));
+        described.filter(|image| super::candidate::holds_colours(image.format)).count() != 1
     }
 }
