@@ -222,9 +222,8 @@ impl Frame<'_> {
     pub fn add(&mut self, step: Step) {
         let images = &self.world.images;
         // As the layer follows descriptors: those of colour targets that are no cubes.
-        let is_followed = |image: ImageKey| {
-            images.get(&image).is_some_and(|image| image.format != DEPTH && !image.is_cube)
-        };
+        let is_followed =
+            |image: ImageKey| images.get(&image).is_some_and(|image| image.format != DEPTH && !image.is_cube);
         let step = if self.is_bindless { step.bindless() } else { step.reading(is_followed) };
         let Step { name, truth, pass } = step;
         let World { recognition, images, log, seen, .. } = &mut *self.world;

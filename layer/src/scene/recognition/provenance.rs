@@ -9,9 +9,10 @@ mod content;
 mod group;
 mod kind;
 
+use super::candidate;
 use super::memory::Memory;
 use super::projected::Swapchains;
-use crate::scene::{Event, ImageKey, Pass};
+use crate::scene::{Event, ImageKey, Pass, Reads};
 use group::{Group, Groups};
 use kind::Kind;
 use smallvec::SmallVec;
@@ -42,7 +43,7 @@ const MOST_STEPS: usize = 4_000_000;
 const DEEPEST: usize = 24;
 
 /// Groups of cameras that a picture may come from.
-type Sources = SmallVec<[usize; 4]>;
+type Sources = SmallVec<[usize; 8]>;
 
 /// What a frame's passes are. Kept from frame to frame for its memory.
 #[derive(Debug, Default)]
@@ -116,7 +117,7 @@ impl Provenance {
             };
             self.nodes.push(node);
         }
-        self.group(events, known);
+        self.group(events);
         self.find_sampled(events, known);
         let unknown_reader = self.find_eyes(events, known);
         if let Some(reader) = unknown_reader {
@@ -140,7 +141,7 @@ impl Provenance {
     }
 
     /// Finds out which passes are cameras, and which of them are one.
-    fn group(&mut self, events: &[Event], known: &Known<'_>) {
+    fn group(&mut self, events: &[Event]) {
         for (index, event) in events.iter().enumerate() {
             let Event::Pass(pass) = event else {
                 self.nodes[index].kind = Kind::Transfer;
@@ -151,7 +152,7 @@ impl Provenance {
             let kind = Kind::new(pass, shares_depth, self.nodes[index].writes_picture);
             self.nodes[index].kind = kind;
             if kind == Kind::Camera {
-                self.nodes[index].group = self.groups.join(index, pass, known);
+                self.nodes[index].group = self.groups.join(index, pass);
             }
         }
     }
@@ -230,52 +231,63 @@ impl Provenance {
         let Kind::Screen { reads_by_meshes } = self.nodes[index].kind else {
             return (Sources::new(), false);
         };
-        let mut sources = Sources::new();
+        let mut read: SmallVec<[ImageKey; Reads::MOST]> = SmallVec::new();
         let mut has_unknown = pass.draws.is_none();
-        let mut has_unknown_part = false;
         if let Some(draws) = &pass.draws {
             let by_meshes = Some(&draws.read_by_meshes).filter(|_| reads_by_meshes);
             for reads in std::iter::once(&draws.read_by_quads).chain(by_meshes) {
                 has_unknown |= reads.may_read_more;
-                for image in &reads.images {
-                    let mut found = Sources::new();
-                    let is_unknown = self.sources_of(*image, index, events, known, depth + 1, &mut found);
-                    let extent = known.memory.description(*image).map(|image| image.extent);
-                    let is_aligned = extent.is_some_and(|extent| extent == [pass.area[2], pass.area[3]]);
-                    has_unknown |= is_unknown && is_aligned;
-                    has_unknown_part |= is_unknown;
-                    for source in found {
-                        if !sources.contains(&source) {
-                            sources.push(source);
-                        }
-                    }
-                }
+                read.extend(reads.images.iter().copied());
             }
         }
-        self.select(&mut sources, pass, events);
+        let mut sources = Sources::new();
+        let mut has_unknown_part = false;
+        // Numbers and what is much smaller (exposure, blurs) tell only where nothing else does.
+        for are_pictures in [true, false] {
+            for image in read.iter().filter(|image| known.is_picture(**image, pass) == are_pictures) {
+                let is_unknown = self.sources_of(*image, index, events, known, depth + 1, &mut sources);
+                has_unknown |= is_unknown && known.extent(*image) == Some(area(pass));
+                has_unknown_part |= is_unknown;
+            }
+            if !sources.is_empty() || has_unknown {
+                break;
+            }
+        }
+        self.select(&mut sources, &read, pass, events, known);
         has_unknown |= has_unknown_part && sources.is_empty();
         self.nodes[index].origins = Origins::Known { sources: sources.clone(), has_unknown };
         (sources, has_unknown)
     }
 
-    /// Of the groups that a full-screen pass reads, those that it shows.
-    fn select(&mut self, sources: &mut Sources, pass: &Pass, events: &[Event]) {
+    /// Of the groups that a full-screen pass reads by these images, those that it shows.
+    fn select(
+        &mut self,
+        sources: &mut Sources,
+        read: &[ImageKey],
+        pass: &Pass,
+        events: &[Event],
+        known: &Known<'_>,
+    ) {
         let groups = &self.groups.all;
-        let prefer = |sources: &mut Sources, is_better: &dyn Fn(&Group) -> bool| {
-            if sources.len() > 1 && sources.iter().any(|source| is_better(&groups[*source])) {
-                sources.retain(|source| is_better(&groups[*source]));
+        let prefer = |sources: &mut Sources, is_better: &dyn Fn(usize) -> bool| {
+            if sources.len() > 1 && sources.iter().any(|source| is_better(*source)) {
+                sources.retain(|source| is_better(*source));
             }
         };
-        prefer(sources, &|group| !group.is_sampled);
-        prefer(sources, &|group| group.has_depth);
-        prefer(sources, &|group| group.area == [pass.area[2], pass.area[3]]);
-        let target = pass.colors.first().map(|target| target.image);
-        let draws_on = |group: &Group| {
-            group.passes.iter().any(|index| {
-                matches!(&events[*index], Event::Pass(other) if other.colors.first().map(|first| first.image) == target)
-            })
+        prefer(sources, &|group| !groups[group].is_sampled);
+        prefer(sources, &|group| groups[group].has_depth);
+        // Of another size may be the scene with an interface over it, but not where a G-buffer of this size is lit.
+        let is_aligned = |group: usize| groups[group].area == area(pass);
+        let is_lit = |group: usize| {
+            let is_drawn = |image: &&ImageKey| self.is_drawn_by(**image, &[group], events);
+            is_aligned(group) && read.iter().filter(is_drawn).count() > 1
         };
-        prefer(sources, &draws_on);
+        let may_be_lit = sources.iter().any(|source| is_lit(*source));
+        let looks = |group: usize| groups[group].looks_like_eye(events, known);
+        prefer(sources, &|group| is_aligned(group) || (!may_be_lit && looks(group)));
+        let target = pass.colors.first().map(|target| target.image);
+        let draws_on = |index: &usize| matches!(&events[*index], Event::Pass(other) if other.colors.first().map(|first| first.image) == target);
+        prefer(sources, &|group| groups[group].passes.iter().any(|index| draws_on(index)));
         if sources.len() > 1 {
             for source in sources.drain(..) {
                 self.groups.all[source].is_ambiguous = true;
@@ -381,7 +393,6 @@ impl Provenance {
                 }
                 Kind::Screen { .. } if buffers > 0 => break,
                 Kind::Screen { .. } => {
-                    let area = |pass: &Pass| [pass.area[2], pass.area[3]];
                     passes_between += usize::from(area(other) == area(pass));
                 }
                 Kind::Transfer | Kind::Other => {}
@@ -402,7 +413,27 @@ fn writes(pass: &Pass, image: ImageKey) -> bool {
     pass.colors.iter().chain(&pass.resolves).chain(&pass.depth).any(|target| target.image == image)
 }
 
+/// Size of a pass's render area.
+fn area(pass: &Pass) -> [u32; 2] {
+    [pass.area[2], pass.area[3]]
+}
+
+/// A picture that is passed on has at least this share of the sides of what it is passed on to.
+const LEAST_SIDE: f32 = 0.25;
+
 impl Known<'_> {
+    fn extent(&self, image: ImageKey) -> Option<[u32; 2]> {
+        self.memory.description(image).map(|image| image.extent)
+    }
+
+    /// Whether an image may be the picture that a pass passes on.
+    fn is_picture(&self, image: ImageKey, pass: &Pass) -> bool {
+        self.memory.description(image).is_none_or(|image| {
+            let is_large = |axis: usize| image.extent[axis] as f32 >= LEAST_SIDE * area(pass)[axis] as f32;
+            candidate::holds_colours(image.format) && is_large(0) && is_large(1)
+        })
+    }
+
     fn writes_picture(&self, pass: &Pass) -> bool {
         pass.colors.iter().chain(&pass.resolves).any(|target| {
             match self.memory.description(target.image).and_then(|image| image.swapchain) {
@@ -416,6 +447,6 @@ impl Known<'_> {
     /// visibility buffer has none.
     fn is_shading(&self, images: impl Iterator<Item = ImageKey>) -> bool {
         let described = images.filter_map(|image| self.memory.description(image));
-        described.filter(|image| super::candidate::holds_colours(image.format)).count() != 1
+        described.filter(|image| candidate::holds_colours(image.format)).count() != 1
     }
 }

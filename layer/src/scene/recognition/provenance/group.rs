@@ -19,7 +19,7 @@ pub(super) struct Groups {
 #[derive(Clone, Debug)]
 pub(super) struct Group {
     /// Its passes, first to last.
-    pub(super) passes: SmallVec<[usize; 4]>,
+    pub(super) passes: SmallVec<[usize; 16]>,
     /// Size of their render area, pixels.
     pub(super) area: [u32; 2],
     layers: u32,
@@ -63,7 +63,7 @@ impl Groups {
     }
 
     /// Adds a pass to the camera that it goes on with, or to one of its own.
-    pub(super) fn join(&mut self, index: usize, pass: &Pass, _known: &Known<'_>) -> usize {
+    pub(super) fn join(&mut self, index: usize, pass: &Pass) -> usize {
         let color = pass.colors.first().copied();
         let by_depth =
             pass.depth.filter(|_| !pass.facts.clears_depth).and_then(|depth| self.of_depth(&depth));
