@@ -126,7 +126,8 @@ impl Recognition {
         description: impl Fn(ImageKey) -> Option<ImageDescription>,
     ) -> Result<Match, Unmatched> {
         let first = pass.colors.first().ok_or(Unmatched::NoColour)?;
-        let role = self.memory.role(self.frame, first.image, ordinal);
+        let described = description(first.image).ok_or(Unmatched::UnknownImage)?;
+        let role = self.memory.role(self.frame, &described, ordinal);
         let mut parts = Parts::new();
         let mut how = None;
         let mut reason = None;

@@ -21,6 +21,8 @@ const YOUNG: u64 = 3;
 #[derive(Debug, Default)]
 pub(super) struct Memory {
     images: HashMap<ImageKey, Image>,
+    /// What the passes were that drew the images of a swapchain, which take turns.
+    of_swapchains: HashMap<SwapchainKey, Roles>,
 }
 
 #[derive(Debug)]
@@ -224,14 +226,21 @@ impl Memory {
 
     /// Takes note of what the next pass to draw an image in this frame is.
     pub(super) fn add_role(&mut self, frame: u64, image: ImageKey, role: Role) {
-        if let Some(image) = self.images.get_mut(&image) {
-            image.roles.add(frame, role);
-        }
+        let Some(image) = self.images.get_mut(&image) else { return };
+        let roles = match image.description.swapchain {
+            Some(swapchain) => self.of_swapchains.entry(swapchain).or_default(),
+            None => &mut image.roles,
+        };
+        roles.add(frame, role);
     }
 
     /// What pass number `ordinal` to draw an image in this frame is, from 0, as far as earlier frames tell.
-    pub(super) fn role(&self, frame: u64, image: ImageKey, ordinal: usize) -> Role {
-        self.images.get(&image).map_or(Role::Unknown, |image| image.roles.of(frame, ordinal))
+    pub(super) fn role(&self, frame: u64, image: &ImageDescription, ordinal: usize) -> Role {
+        let roles = match image.swapchain {
+            Some(swapchain) => self.of_swapchains.get(&swapchain),
+            None => self.images.get(&image.key).map(|image| &image.roles),
+        };
+        roles.map_or(Role::Unknown, |roles| roles.of(frame, ordinal))
     }
 
     /// Looks which images' pictures moved while the passes that draw them did not.
@@ -252,6 +261,7 @@ impl Memory {
     /// Forgets images that did not occur for long.
     pub(super) fn forget(&mut self, frame: u64) {
         self.images.retain(|_, image| frame < image.at + FORGOTTEN_AFTER);
+        self.of_swapchains.retain(|_, roles| frame < roles.at() + FORGOTTEN_AFTER);
     }
 }
 

@@ -44,6 +44,11 @@ impl Roles {
         }
     }
 
+    /// The last frame that told anything.
+    pub(super) fn at(&self) -> u64 {
+        self.at
+    }
+
     /// What pass number `ordinal` is, from 0.
     pub(super) fn of(&self, frame: u64, ordinal: usize) -> Role {
         let Some(last) = self.newest.last() else { return Role::Unknown };
