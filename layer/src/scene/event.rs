@@ -93,7 +93,7 @@ impl Draws {
     /// Most vertices of a quad: two triangles.
     pub const QUAD_VERTICES: u32 = 6;
 
-    /// What an indirect draw counts for: more than a full-screen pass has.
+    /// Vertices that an indirect draw counts for: more than a full-screen pass has.
     pub const INDIRECT_VERTICES: u32 = 1 << 16;
 
     /// Adds the draws of a secondary command buffer, or of the next subpass.

@@ -118,7 +118,7 @@ impl Recognition {
         }
     }
 
-    /// What is known of the pass by its images, the first of which so many passes drew before it in the frame.
+    /// The verdict by the images of a pass; so many passes of the frame drew the first of them before.
     fn by_image(
         &self,
         pass: &Pass,
@@ -165,7 +165,7 @@ impl Recognition {
         }
     }
 
-    /// What it may be by its size and its format, and by what earlier frames made of its content.
+    /// The verdict by size and format, and by the role of the content in earlier frames.
     fn by_looks(
         &self,
         pass: &Pass,

@@ -68,7 +68,7 @@ pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) ->
     )
 }
 
-/// Whether a command draws, or binds what draws and dispatches use, which happens so often that it goes straight down unless we
+/// Whether a command draws, or binds state of draws and dispatches, which happens so often that it goes straight down unless we
 /// have to know.
 fn is_frequent(name: &CStr) -> bool {
     let name = name.to_bytes();

@@ -1,4 +1,4 @@
-//! What frame graphs are made with: images that last, passes, transfers, and an XR swapchain.
+//! The material of frame graphs: images that last, passes, transfers, and an XR swapchain.
 
 use crate::step::{Step, Truth};
 use ash::vk;
@@ -37,16 +37,16 @@ impl Image {
     }
 }
 
-/// A pass, and what recognition took it for at its submit.
+/// A pass, and the verdict of recognition at its submit.
 #[derive(Clone, Debug)]
 pub struct Seen {
     /// Number of the frame, from 0.
     pub frame: u64,
     /// The pass.
     pub name: &'static str,
-    /// What it is.
+    /// Its truth.
     pub truth: Truth,
-    /// What it was taken for.
+    /// The verdict.
     pub outcome: Result<Match, Unmatched>,
 }
 
@@ -71,7 +71,7 @@ pub struct Frame<'a> {
     pub eye: [u32; 2],
     /// How eyes lie in it.
     pub arrangement: Arrangement,
-    /// Side of what is rendered, in sides of the eye buffer: dynamic resolution.
+    /// Side of the scene's targets, in sides of the eye buffer: dynamic resolution.
     pub scale: f32,
     /// Whether no descriptors are known.
     pub is_bindless: bool,
@@ -130,7 +130,7 @@ pub fn scaled(size: [u32; 2], scale: f32) -> [u32; 2] {
 }
 
 impl Frame<'_> {
-    /// Size of what is rendered for an eye, pixels.
+    /// Size of the scene's targets for one eye, pixels.
     pub fn size(&self) -> [u32; 2] {
         if self.scale == 1.0 { self.eye } else { scaled(self.eye, self.scale) }
     }

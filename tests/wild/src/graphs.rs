@@ -18,7 +18,7 @@ pub struct Graph {
     pub is_dynamic: bool,
     /// Whether no descriptors are known.
     pub is_bindless: bool,
-    /// What draws, and with which textures: each for [`Graph::FRAMES`] frames.
+    /// Engines with their textures, each for [`Graph::FRAMES`] frames.
     scenes: &'static [(Engine, &'static [Texture])],
 }
 
@@ -31,7 +31,7 @@ impl Graph {
         Self::FRAMES * self.scenes.len() as u64
     }
 
-    /// Side of what is rendered in a frame, in sides of the eye buffer. Dynamic resolution takes a step each third frame.
+    /// Side of the scene's targets in a frame, in sides of the eye buffer. Dynamic resolution takes a step each third frame.
     pub fn scale(&self, frame: u64) -> f32 {
         let steps = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.55, 0.65, 0.75, 0.85, 0.95];
         if self.is_dynamic { steps[(frame / 3) as usize % steps.len()] } else { 1.0 }

@@ -20,7 +20,7 @@ pub struct RandomGraph {
     is_dynamic: bool,
     cameras: Vec<Camera>,
     scene: Scene,
-    /// Full-screen passes after the scene, each with its size in those of what is rendered.
+    /// Full-screen passes after the scene, each with its side in sides of the scene's targets.
     post: Vec<f32>,
     end: End,
     /// Whether both eyes share the images of the scene.
@@ -30,7 +30,7 @@ pub struct RandomGraph {
 /// A picture that the scene samples.
 #[derive(Clone, Copy, Debug)]
 struct Camera {
-    /// Its size: of its own, or in sides of what is rendered.
+    /// Its size: of its own, or in sides of the scene's targets.
     size: Size,
     has_depth: bool,
     buffers: usize,
@@ -242,7 +242,7 @@ impl Camera {
         }
     }
 
-    /// What is sampled of it.
+    /// The image of it that is sampled.
     fn image(&self, frame: &mut Frame<'_>, number: usize) -> Image {
         let extent = self.extent(frame);
         match self.post {

@@ -10,7 +10,7 @@ use std::ops::AddAssign;
 /// From this frame of a graph on, or after a switch, its eyes count as missed where they are not recognised.
 pub const SETTLED: u64 = 10;
 
-/// How many passes were taken for what.
+/// Counts of right and wrong verdicts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Score {
     /// Passes of eyes that were recognised, from [`SETTLED`] on.
@@ -32,7 +32,7 @@ pub struct Score {
 }
 
 impl Score {
-    /// Of what was taken for an eye, the share that is one.
+    /// The share of eyes among passes that were taken for one.
     pub fn precision(&self) -> f64 {
         share(self.right, self.wrong)
     }

@@ -4,7 +4,7 @@ use crate::frame::Image;
 use parafovea::scene::{Draws, Eye, ImageKey, Pass, PassFacts, Reads, Target};
 use smallvec::SmallVec;
 
-/// What a pass is.
+/// The truth on a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Truth {
     /// It draws the scene of this eye, or of both.
@@ -13,7 +13,7 @@ pub enum Truth {
     Shading(Option<Eye>),
     /// A full-screen pass that shades nothing: tone mapping, upscaling, anti-aliasing, a copy. Coarse rates only lose detail there.
     FullScreen,
-    /// What the scene samples, or nobody sees in an eye: a mirror, a shadow map, a scope, a user interface, a spectator's picture.
+    /// A texture of the scene, or a picture outside of the eyes: a mirror, a shadow map, a scope, a user interface, a spectator's window.
     Texture,
     /// Nothing that can be observed tells whose it is: it must stay at 1x1.
     Ambiguous,
@@ -129,7 +129,7 @@ impl Step {
         self
     }
 
-    /// Of what its draws read, only these images are known.
+    /// Only these images are known among the reads of its draws.
     pub(crate) fn reading(mut self, is_known: impl Fn(ImageKey) -> bool) -> Self {
         if let Some(draws) = &mut self.pass.draws {
             for reads in [&mut draws.read_by_quads, &mut draws.read_by_meshes] {
@@ -139,7 +139,7 @@ impl Step {
         self
     }
 
-    /// Nobody knows what its draws read.
+    /// The reads of its draws are unknown.
     pub(crate) fn bindless(mut self) -> Self {
         if let Some(draws) = &mut self.pass.draws {
             let unknown = Reads { images: SmallVec::new(), may_read_more: true };

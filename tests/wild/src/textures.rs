@@ -1,4 +1,4 @@
-//! What scenes sample: drawn as eyes are, and never one.
+//! Textures of scenes: drawn as eyes are, and never one.
 
 use crate::frame::{BYTES, DEPTH, Frame, HDR, Image, LDR, plain, scaled};
 use crate::step::{Step, Truth::Texture as IsTexture};
@@ -7,7 +7,7 @@ use parafovea::scene::ImageDescription;
 /// A texture that is drawn in each frame, before the scene samples it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Texture {
-    /// A mirror of the eye's aspect, with sides in those of what is rendered for an eye.
+    /// A mirror of the eye's aspect, with sides in those of the scene's targets.
     Mirror(f32),
     /// A mirror in high dynamic range with tone mapping of its own, drawn for each eye.
     ToneMappedMirror(f32),
@@ -38,7 +38,7 @@ pub enum Texture {
 }
 
 impl Texture {
-    /// Draws it; what the scene samples.
+    /// Draws it, and returns the image that the scene samples.
     pub(crate) fn draw(self, frame: &mut Frame<'_>, number: usize) -> Image {
         let size = frame.size();
         match self {
@@ -121,7 +121,7 @@ impl Texture {
         }
     }
 
-    /// Draws what comes after the scene.
+    /// Draws the part that comes after the scene.
     pub(crate) fn draw_late(self, frame: &mut Frame<'_>, number: usize) {
         if let Texture::LateScope(side) = self {
             camera(frame, "late scope", number, [side; 2], LDR, 130);
@@ -129,7 +129,7 @@ impl Texture {
     }
 }
 
-/// What another camera sees, with depth of its own.
+/// The view of another camera, with depth of its own.
 fn camera(
     frame: &mut Frame<'_>,
     name: &'static str,
@@ -144,12 +144,12 @@ fn camera(
     image
 }
 
-/// Draws all of `textures`; what the scene samples.
+/// Draws all of `textures`, and returns the images that the scene samples.
 pub(crate) fn draw_all(frame: &mut Frame<'_>, textures: &[Texture]) -> Vec<Image> {
     textures.iter().enumerate().map(|(number, texture)| texture.draw(frame, number)).collect()
 }
 
-/// Draws what of `textures` comes after the scene.
+/// Draws the parts of `textures` that come after the scene.
 pub(crate) fn draw_all_late(frame: &mut Frame<'_>, textures: &[Texture]) {
     textures.iter().enumerate().for_each(|(number, texture)| texture.draw_late(frame, number));
 }

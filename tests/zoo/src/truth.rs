@@ -81,7 +81,7 @@ impl PassTruth {
     }
 }
 
-/// What full-screen passes that shade nothing are for.
+/// The purposes of full-screen passes that shade nothing.
 const PASSED_ON: [&str; 4] =
     ["tone mapping", "scaling", "temporal anti-aliasing", "exposure and tone mapping"];
 

@@ -21,7 +21,7 @@ const YOUNG: u64 = 3;
 #[derive(Debug, Default)]
 pub(super) struct Memory {
     images: HashMap<ImageKey, Image>,
-    /// What the passes were that drew the images of a swapchain, which take turns.
+    /// Roles of the passes that drew the images of a swapchain, which take turns.
     of_swapchains: HashMap<SwapchainKey, Roles>,
 }
 
@@ -41,7 +41,7 @@ struct Image {
     placed: Placed,
     /// Its content becomes the picture of an eye.
     precedes: Evidence,
-    /// What the passes were that drew it, in their order.
+    /// Roles of the passes that drew it, in their order.
     roles: Roles,
     flat_at: Option<u64>,
 }
@@ -224,7 +224,7 @@ impl Memory {
         }
     }
 
-    /// Takes note of what the next pass to draw an image in this frame is.
+    /// Notes the role of the next pass to draw an image in this frame.
     pub(super) fn add_role(&mut self, frame: u64, image: ImageKey, role: Role) {
         let Some(image) = self.images.get_mut(&image) else { return };
         let roles = match image.description.swapchain {
@@ -234,7 +234,7 @@ impl Memory {
         roles.add(frame, role);
     }
 
-    /// What pass number `ordinal` to draw an image in this frame is, from 0, as far as earlier frames tell.
+    /// Role of pass number `ordinal` to draw an image in this frame, from 0, as far as earlier frames tell.
     pub(super) fn role(&self, frame: u64, image: &ImageDescription, ordinal: usize) -> Role {
         let roles = match image.swapchain {
             Some(swapchain) => self.of_swapchains.get(&swapchain),

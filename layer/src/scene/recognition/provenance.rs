@@ -17,7 +17,7 @@ use group::{Group, Groups};
 use kind::Kind;
 use smallvec::SmallVec;
 
-/// What a pass is, as far as a frame tells.
+/// The role of a pass, as far as a frame tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(super) enum Role {
     /// Nothing tells.
@@ -45,7 +45,7 @@ const DEEPEST: usize = 24;
 /// Groups of cameras that a picture may come from.
 type Sources = SmallVec<[usize; 8]>;
 
-/// What a frame's passes are. Kept from frame to frame for its memory.
+/// The roles of a frame's passes. Kept from frame to frame for its memory.
 #[derive(Debug, Default)]
 pub(super) struct Provenance {
     nodes: Vec<Node>,
@@ -64,7 +64,7 @@ struct Node {
     role: Role,
 }
 
-/// What a full-screen pass shows.
+/// The origins of a full-screen pass's content.
 #[derive(Clone, Debug, Default, PartialEq)]
 enum Origins {
     #[default]
@@ -78,14 +78,14 @@ enum Origins {
     },
 }
 
-/// What is known of images besides a frame's events.
+/// Knowledge of images besides a frame's events.
 pub(super) struct Known<'a> {
     pub(super) frame: u64,
     pub(super) memory: &'a Memory,
     pub(super) swapchains: &'a Swapchains,
 }
 
-/// What a frame told besides roles.
+/// Findings of a frame besides roles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Told {
     /// The last event that may read anything and makes the picture.
@@ -97,8 +97,8 @@ pub(super) struct Told {
 }
 
 impl Provenance {
-    /// Works out what the passes of a frame are; [`Self::role`] tells. Where `is_apart`, what follows the last reader was submitted for the
-    /// next frame: it is what that reader shows, a frame earlier.
+    /// Finds the roles of a frame's passes for [`Self::role`]. Where `is_apart`, passes after the last reader were submitted for the next
+    /// frame: that reader shows those of the frame before.
     pub(super) fn learn(&mut self, events: &[Event], known: &Known<'_>, is_apart: bool) -> Told {
         self.nodes.clear();
         self.groups.clear();
@@ -135,7 +135,7 @@ impl Provenance {
         Told { unknown_reader, is_found, is_direct }
     }
 
-    /// What the event of that number is.
+    /// The role of the event of that number.
     pub(super) fn role(&self, index: usize) -> Role {
         self.nodes.get(index).map_or(Role::Unknown, |node| node.role)
     }
@@ -212,7 +212,7 @@ impl Provenance {
         unknown_reader
     }
 
-    /// What a full-screen pass shows: the groups of cameras, and whether there may be others.
+    /// The groups of cameras that a full-screen pass shows, and whether there may be others.
     fn origins(
         &mut self,
         index: usize,
@@ -328,7 +328,7 @@ impl Provenance {
         }
     }
 
-    /// What a full-screen pass is that may be on the way to the picture.
+    /// The role of a full-screen pass that may be on the way to the picture.
     fn role_of_screen(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> Role {
         let is_eye = |group: usize| self.groups.all[group].role() == Role::Eye;
         // A camera of the scene draws on: what is there is the scene, shaded by this pass.
@@ -367,7 +367,7 @@ impl Provenance {
         }
     }
 
-    /// What a full-screen pass is of which nobody knows what it reads.
+    /// The role of a full-screen pass with unknown reads.
     fn role_of_unknown(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> Role {
         let is_off_screen = |group: &Group| group.role() == Role::Eye && !group.is_direct;
         if !self.groups.all.iter().any(|group| is_off_screen(group) && group.passes[0] < index) {
@@ -380,7 +380,7 @@ impl Provenance {
         if shades { Role::Eye } else { Role::FullScreen }
     }
 
-    /// Whether a full-screen pass of which nobody knows what it reads may shade the scene: it is the first after the G-buffer of an eye.
+    /// Whether a full-screen pass with unknown reads may shade the scene: it is the first after the G-buffer of an eye.
     fn may_shade(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> bool {
         let (mut passes_between, mut buffers) = (0, 0);
         for (earlier, event) in events[..index].iter().enumerate().rev() {
@@ -418,7 +418,7 @@ fn area(pass: &Pass) -> [u32; 2] {
     [pass.area[2], pass.area[3]]
 }
 
-/// A picture that is passed on has at least this share of the sides of what it is passed on to.
+/// Least side of a picture that is passed on, in sides of the render area that it is passed on to.
 const LEAST_SIDE: f32 = 0.25;
 
 impl Known<'_> {

@@ -1,4 +1,4 @@
-//! What the passes were that drew one image: an image of a pool serves a mirror first and an eye later.
+//! Roles of the passes that drew one image: an image of a pool serves a mirror first and an eye later.
 
 use super::HOLD;
 use super::provenance::Role;
@@ -10,7 +10,7 @@ const MOST: usize = 8;
 /// So many frames an image that also was a texture must be drawn in the same order, before its passes are told apart by that.
 const STEADY: u64 = 4;
 
-/// What the passes of an image were, frame by frame.
+/// Roles of the passes of an image, frame by frame.
 #[derive(Debug, Default)]
 pub(super) struct Roles {
     /// Of the newest frame that told anything.
@@ -49,7 +49,7 @@ impl Roles {
         self.at
     }
 
-    /// What pass number `ordinal` is, from 0.
+    /// Role of pass number `ordinal`, from 0.
     pub(super) fn of(&self, frame: u64, ordinal: usize) -> Role {
         let Some(last) = self.newest.last() else { return Role::Unknown };
         let role = *self.newest.get(ordinal).unwrap_or(last);

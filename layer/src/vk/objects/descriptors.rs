@@ -28,7 +28,7 @@ pub struct Descriptors {
     view_filter: Filter,
 }
 
-/// What a set holds.
+/// The attachments of a set.
 #[derive(Debug, Clone, Default)]
 struct Held {
     /// Attachments by binding and element.
@@ -41,7 +41,7 @@ struct Held {
 /// unknown from then on.
 const MOST_SETS: usize = 1 << 16;
 
-/// An array of so many images is one of all textures: what of it is read, nobody knows.
+/// Least length of an array of all textures, of which unknown elements are read.
 const LONG: u32 = 32;
 
 /// Handles that may be of interest: none that is, is missing.
@@ -79,7 +79,7 @@ impl Descriptors {
         self.set_filter.may_have(set.as_raw()) || self.is_overrun.load(Ordering::Relaxed)
     }
 
-    /// Adds what draws may read by a set.
+    /// Adds the attachments that draws may read by a set.
     pub fn read(&self, set: vk::DescriptorSet, reads: &mut Reads) {
         reads.may_read_more |= self.is_overrun.load(Ordering::Relaxed);
         let Some(held) = self.sets.get(set) else { return };
@@ -118,7 +118,7 @@ impl Descriptors {
         }
     }
 
-    /// A set gets what nobody follows.
+    /// A set gets unknown content.
     pub fn open(&self, set: vk::DescriptorSet) {
         self.keep(set, Held { images: SmallVec::new(), is_open: true });
     }
@@ -164,7 +164,7 @@ fn reads_image(kind: vk::DescriptorType) -> bool {
     matches!(kind, Kind::COMBINED_IMAGE_SAMPLER | Kind::SAMPLED_IMAGE | Kind::STORAGE_IMAGE)
 }
 
-/// Whether nobody follows what sets of a layout hold.
+/// Whether the content of a layout's sets is unknown.
 ///
 /// # Safety
 ///

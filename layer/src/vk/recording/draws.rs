@@ -1,4 +1,4 @@
-//! Draws, counted by pass, and the attachments that they may read: what tells the scene from a full-screen pass, and from a texture.
+//! Draws, counted by pass, and the attachments that they may read: the evidence that tells the scene from full-screen passes and from textures.
 //!
 //! Engines draw ten thousand times a frame, so the counts of the pass that a thread records are the thread's own: a draw adds to them
 //! without a lock or a look-up. They go to the command buffer where the pass ends, and where the thread goes on with another.
@@ -46,11 +46,11 @@ impl Counts {
     }
 }
 
-/// What a command buffer keeps of the pass that is being recorded.
+/// The draws of the pass that is being recorded, as its command buffer keeps them.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
     counts: Counts,
-    /// What quads may read, and what other draws may.
+    /// Reads of quads, and of other draws.
     reads: [Reads; 2],
     /// The thread that counts; 0: none yet.
     thread: usize,
@@ -77,10 +77,10 @@ impl Tally {
     }
 }
 
-/// Numbers of sets that are followed: what devices have, at most.
+/// Numbers of sets that are followed: the limit of common devices (maxBoundDescriptorSets).
 const SETS: usize = 8;
 
-/// The counts of the thread, and what is bound for drawing.
+/// The counts of the thread, and its bound sets.
 struct Open {
     /// The command buffer whose pass it is; 0: none.
     handle: Cell<u64>,
@@ -93,7 +93,7 @@ struct Open {
     is_unknown: Cell<bool>,
     /// Whether any of that is bound.
     may_read: Cell<bool>,
-    /// Whether what is bound was told as read by quads, and by other draws.
+    /// Whether the bound sets were told as read by quads, and by other draws.
     told: [Cell<bool>; 2],
 }
 
@@ -117,7 +117,7 @@ impl Open {
         ptr::from_ref(self).addr()
     }
 
-    /// Nothing is bound in a command buffer, or nobody knows what.
+    /// Nothing is bound in a command buffer, or something unknown.
     fn forget_bound(&self, raw: u64, is_unknown: bool) {
         self.bound_in.set(raw);
         self.sets.iter().for_each(|set| set.set(0));
@@ -130,7 +130,7 @@ impl Open {
         self.told.iter().for_each(|told| told.set(false));
     }
 
-    /// The thread draws in a command buffer, with what it bound there before.
+    /// The thread draws in a command buffer, with the sets that it bound there before.
     fn draws_in(&self, raw: u64) {
         if self.bound_in.get() != raw {
             self.forget_bound(raw, true);
@@ -139,11 +139,11 @@ impl Open {
     }
 }
 
-/// What became of a draw.
+/// The outcome of counting a draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Counted {
     Done,
-    /// What is bound has to be told first.
+    /// The bound sets have to be told first.
     Untold,
     /// The thread records no pass of that command buffer.
     Elsewhere,
@@ -168,7 +168,7 @@ fn count(handle: vk::CommandBuffer, more: Counts) -> Counted {
     OPEN.try_with(add).unwrap_or(Counted::Elsewhere)
 }
 
-/// Tells what draws of a kind may read by what is bound.
+/// Tells the reads of draws of a kind by the bound sets.
 fn tell_reads(of: &Buffer, more: Counts) {
     let _ = OPEN.try_with(|open| {
         let kind = usize::from(more.meshes > 0);
@@ -348,7 +348,7 @@ unsafe fn quick<'a>(handle: vk::CommandBuffer) -> Option<&'a Armed> {
     unsafe { QUICK.armed.load(Ordering::Relaxed).as_ref() }
 }
 
-/// Hooks of draws; `$counts` is what a call counts for.
+/// Hooks of draws; `$counts` are the counts of a call.
 macro_rules! draws {
     ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), counts $counts:expr;)*) => {$(
         #[doc = concat!("`", $call, "`.")]

@@ -90,7 +90,7 @@ pub(crate) fn pooled_mirror(frame: &mut Frame<'_>, textures: &[Texture]) {
     draw_all_late(frame, textures);
 }
 
-/// A visor over the picture: a page without depth, composed by the tone mapping, as large as what is rendered.
+/// A visor over the picture: a page without depth, composed by the tone mapping, at the size of the scene.
 pub(crate) fn visor(frame: &mut Frame<'_>, textures: &[Texture]) {
     let sampled = draw_all(frame, textures);
     let size = frame.size();

@@ -65,7 +65,7 @@ pub(crate) fn bevy(frame: &mut Frame<'_>, textures: &[Texture]) {
 }
 
 /// id Tech 7: a depth pre-pass, opaque with velocities and normals beside the colours, multiview; deferred composition and temporal
-/// anti-aliasing in compute; blitted to the swapchain from what compute writes.
+/// anti-aliasing in compute; blitted to the swapchain from the image that compute writes.
 pub(crate) fn id_tech(frame: &mut Frame<'_>, textures: &[Texture]) {
     let sampled = draw_all(frame, textures);
     let size = frame.size();

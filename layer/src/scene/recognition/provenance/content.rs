@@ -1,4 +1,4 @@
-//! What an image holds when it is read.
+//! The content of an image when it is read.
 
 use super::{Kind, Known, MOST_STEPS, Provenance, Sources, writes};
 use crate::scene::recognition::candidate;

@@ -34,7 +34,7 @@ pub(super) struct Group {
     pub(super) is_ambiguous: bool,
 }
 
-/// What cameras of both eyes have in common.
+/// The properties that cameras of both eyes share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Shape {
     area: [u32; 2],

@@ -2,12 +2,12 @@
 
 use crate::scene::{Draws, Pass};
 
-/// What an event does.
+/// The kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Draws many things, with depth or into nothing but colours.
     Camera,
-    /// Draws over its target what it reads.
+    /// Draws over its target, from images that it reads.
     Screen {
         /// Whether its meshes count: a visible-area mesh in place of a triangle.
         reads_by_meshes: bool,

@@ -1,4 +1,4 @@
-//! Where the picture comes from is known by what draws read, or is not known.
+//! Provenance of the picture, with and without known descriptors.
 
 use super::super::application::*;
 use crate::scene::*;
@@ -35,7 +35,7 @@ impl Application {
     }
 }
 
-/// Whatever it looks like, what the scene samples is a texture, and what only feeds it is none of the scene either.
+/// A target that the scene samples is a texture, whatever its looks, and so are targets that only feed it.
 #[test]
 fn a_mirror_as_large_as_the_eye() {
     let mut app = Application::default();
