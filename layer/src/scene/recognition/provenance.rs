@@ -200,11 +200,15 @@ impl Provenance {
                 }
                 Event::Pass(pass) => {
                     let (sources, has_unknown) = self.origins(index, pass, events, known, 0);
+                    let target = pass.colors.first().map(|target| target.image);
+                    let is_over = target.is_some_and(|target| self.is_over(index, target, &sources, events));
                     if has_unknown {
                         unknown_reader = Some(index);
                     }
                     for source in sources {
-                        self.groups.all[source].is_eye = true;
+                        let group = &mut self.groups.all[source];
+                        group.is_ambiguous |= is_over && !group.is_eye;
+                        group.is_eye |= !is_over;
                     }
                 }
             }
@@ -259,6 +263,15 @@ impl Provenance {
         (sources, has_unknown)
     }
 
+    /// Whether a full-screen pass draws over the picture of a camera that it does not read: fog, a flare. Its reads then are not the picture.
+    fn is_over(&self, index: usize, image: ImageKey, sources: &Sources, events: &[Event]) -> bool {
+        !sources.is_empty()
+            && events[..index].iter().zip(&self.nodes).any(|(event, node)| {
+                let is_other = node.kind == Kind::Camera && !sources.contains(&node.group);
+                is_other && matches!(event, Event::Pass(pass) if writes(pass, image))
+            })
+    }
+
     /// Of the groups that a full-screen pass reads by these images, those that it shows.
     fn select(
         &mut self,
@@ -287,7 +300,7 @@ impl Provenance {
         prefer(sources, &|group| is_aligned(group) || (!may_be_lit && looks(group)));
         let target = pass.colors.first().map(|target| target.image);
         let draws_on = |index: &usize| matches!(&events[*index], Event::Pass(other) if other.colors.first().map(|first| first.image) == target);
-        prefer(sources, &|group| groups[group].passes.iter().any(|index| draws_on(index)));
+        prefer(sources, &|group| groups[group].passes.iter().any(&draws_on));
         if sources.len() > 1 {
             for source in sources.drain(..) {
                 self.groups.all[source].is_ambiguous = true;
@@ -404,7 +417,7 @@ impl Provenance {
     /// Whether a camera of these groups draws an image.
     fn is_drawn_by(&self, image: ImageKey, groups: &[usize], events: &[Event]) -> bool {
         let draws = |index: &usize| matches!(&events[*index], Event::Pass(pass) if writes(pass, image));
-        groups.iter().any(|group| self.groups.all[*group].passes.iter().any(|index| draws(index)))
+        groups.iter().any(|group| self.groups.all[*group].passes.iter().any(&draws))
     }
 }
 
@@ -426,11 +439,12 @@ impl Known<'_> {
         self.memory.description(image).map(|image| image.extent)
     }
 
-    /// Whether an image may be the picture that a pass passes on.
+    /// Whether an image may be the picture that a pass passes on, or have a number for each of its pixels.
     fn is_picture(&self, image: ImageKey, pass: &Pass) -> bool {
         self.memory.description(image).is_none_or(|image| {
             let is_large = |axis: usize| image.extent[axis] as f32 >= LEAST_SIDE * area(pass)[axis] as f32;
-            candidate::holds_colours(image.format) && is_large(0) && is_large(1)
+            let holds_colours = candidate::holds_colours(image.format);
+            image.extent == area(pass) || (holds_colours && is_large(0) && is_large(1))
         })
     }
 

@@ -41,6 +41,7 @@ impl Provenance {
                         Kind::Screen { .. } => {
                             let (found, has_unknown) = self.origins(index, pass, events, known, depth + 1);
                             // Without any of its own, it draws over what is there.
+                            let is_over = self.is_over(index, image, &found, events);
                             if !found.is_empty() || has_unknown {
                                 sources.extend(
                                     found
@@ -48,7 +49,10 @@ impl Provenance {
                                         .filter(|found| !sources.contains(found))
                                         .collect::<Sources>(),
                                 );
-                                return has_unknown;
+                                // The picture under it may be the one as well.
+                                if !is_over || has_unknown {
+                                    return has_unknown;
+                                }
                             }
                         }
                         Kind::Transfer | Kind::Other => {}
