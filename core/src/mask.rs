@@ -284,7 +284,7 @@ impl Mask {
     }
 }
 
-/// What an application's picture becomes with the mask, given the picture that it draws without the layer: shaded blocks
+/// The application's picture with the mask, given the picture that it draws without the layer: shaded blocks
 /// are as they were, and skipped ones are filled. That of the GPU is within one code value of this.
 ///
 /// `pixels` are the rows of one array layer without gaps, [`FillFormat::texel_size`] bytes for each pixel.

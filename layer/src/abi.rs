@@ -1,4 +1,4 @@
-//! The C side of both halves: what must hold at every function that a loader or an application calls.
+//! The C side of both halves: invariants of every function that a loader or an application calls.
 
 pub mod audio_library;
 pub mod cpu_time;

@@ -59,10 +59,10 @@ impl Deref for ConfigSnapshot {
 #[derive(Debug)]
 struct Watched {
     watch: Watch,
-    /// What the file says.
+    /// The configuration of the file.
     configured: Config,
     asked: AskedView,
-    /// What was asked for at the last look.
+    /// The requested view at the last look.
     view: Option<DebugView>,
     /// The last request that the device was not armed for.
     out_of_reach: Option<Arming>,
@@ -88,6 +88,12 @@ impl LiveConfig {
     /// The configuration at this moment.
     pub fn snapshot(&self) -> Arc<ConfigSnapshot> {
         self.current.load_full()
+    }
+
+    /// Puts a configuration in the place of the file's.
+    #[cfg(test)]
+    pub fn set(&self, config: Config) {
+        self.current.store(Arc::new(ConfigSnapshot { config, ..ConfigSnapshot::default() }));
     }
 
     /// Looks for an edit, and for a debug view that is asked for, if it is time to. A file with an error changes nothing.

@@ -1,4 +1,4 @@
-//! What the user does, as the latest values that a frame needs.
+//! Inputs of the user: the latest values that a frame needs.
 
 pub mod audio;
 pub mod cost;

@@ -34,10 +34,10 @@ pub const RATES_COPIED: u32 = 1;
 /// The GPU decided, and nothing is copied, because too much is under way, or a call failed.
 pub const RATES_COPY_LEFT_OUT: u32 = 2;
 
-/// What is called when the application destroys a device, while that is still live.
+/// A callback before the application's vkDestroyDevice, while the device is still live.
 pub type DeviceEnds = unsafe extern "C" fn(device: vk::Device);
 
-/// What the Vulkan half offers to the OpenXR half.
+/// Functions of the Vulkan half for the OpenXR half.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct LinkTable {
@@ -45,7 +45,7 @@ pub struct LinkTable {
     pub version: u32,
     /// `size_of::<LinkTable>()` of that library.
     pub size: u32,
-    /// Writes what is known of a live device to `record`; returns 1, or 0 when the device is not tracked.
+    /// Writes the record of a live device to `record`; returns 1, or 0 when the device is not tracked.
     pub device: unsafe extern "C" fn(device: vk::Device, record: *mut DeviceRecord) -> u32,
     /// Marks the device active (1: an OpenXR session is bound to it) or armed again (0).
     pub set_active: unsafe extern "C" fn(device: vk::Device, active: u32),
@@ -58,7 +58,7 @@ pub struct LinkTable {
     pub swapchain: unsafe extern "C" fn(device: vk::Device, record: *const SwapchainRecord),
     /// Starts a frame with the settings and the plan that are new in it; not called in frames without any.
     pub begin_frame: unsafe extern "C" fn(device: vk::Device, start: *const FrameStart),
-    /// Tells a finished picture of an eye, between what wrote it and the end of the frame, in a section of the runtime.
+    /// Tells a finished picture of an eye, between the work that wrote it and the end of the frame, in a section of the runtime.
     pub picture: unsafe extern "C" fn(device: vk::Device, record: *const PictureRecord),
     /// Ends the device's frame with its submission, before or after the runtime's xrEndFrame. Writes what became of it to `report`; returns 1,
     /// or 0 when the device is not armed. It waits for nothing.

@@ -60,7 +60,7 @@ struct Log {
     told: Mutex<Told>,
 }
 
-/// Warnings and errors that the file has: what fails in every frame is told once.
+/// Warnings and errors in the file: a failure in every frame is told once.
 #[derive(Default)]
 struct Told(Vec<u64>);
 

@@ -1,4 +1,4 @@
-//! What is told of this process while a session is there, for `parafovea status` (`parafovea_manifest::status`).
+//! Status of this process while a session is there, for `parafovea status` (`parafovea_manifest::status`).
 //!
 //! A thread of ours writes the file. The application's thread hands it plain numbers, when it is asked to: that allocates nothing
 //! and waits for nobody. Of gaze and sound it is only told where they come from and whether they are there.
@@ -38,7 +38,7 @@ struct Shared {
 }
 
 impl Telling {
-    /// Begins to tell of a session; `known` has what does not change. `None` where there is no place for it, which is logged unless
+    /// Begins to tell of a session; `known` has the parts that do not change. `None` where there is no place for it, which is logged unless
     /// nobody chose one.
     pub fn begin(environment: &Environment, known: Status, settings: Arc<Settings>) -> Option<Self> {
         let file = StatusFile::new(environment, known.pid)
@@ -74,7 +74,7 @@ impl Telling {
         self.0.is_asked.load(Ordering::Relaxed)
     }
 
-    /// Takes what holds now; in the rare case that the last is being written, it is not taken.
+    /// Takes the newest status; in the rare case that the last is being written, it is not taken.
     pub fn tell(&self, moment: Moment, settings: Arc<Settings>) {
         if let Ok(mut told) = self.0.settings.try_lock() {
             *told = settings;

@@ -1,4 +1,4 @@
-//! The configuration: which file holds it, and what is in it.
+//! The configuration: its file and its content.
 //!
 //! The first file of the look-up order is the configuration; what it does not set is as its preset has it, or keeps
 //! its default. A file with an error is rejected as a whole, with a line for each error, so that a configuration is never half of

@@ -1,4 +1,4 @@
-//! What is wrong with an installation: each thing found says what it means and what to do.
+//! Faults of an installation: each finding has a meaning and an advice.
 //!
 //! Reads files and the variables that [`Surroundings`] hands in, and calls neither Vulkan nor OpenXR: what only these know
 //! comes in as [`Probed`], from a program that asks them.

@@ -32,7 +32,7 @@ pub fn audio_library_path(data: &Path) -> PathBuf {
     library_path(data).with_file_name(AUDIO_LIBRARY_NAME)
 }
 
-/// What installing the `library` below `data` (`$XDG_DATA_HOME`) takes; nothing, where all is in place. The library
+/// Steps that install the `library` below `data` (`$XDG_DATA_HOME`); none where all is in place. The library
 /// that listens is taken from beside `library`; where there is none, none is installed.
 ///
 /// # Errors
@@ -61,7 +61,7 @@ pub fn plan_install(data: &Path, library: &Path) -> Result<Vec<Step>, InstallErr
     Ok(steps)
 }
 
-/// What taking the layer away again takes; nothing, where it is not installed. Folders that are empty then go too,
+/// Steps that take the layer away again; none where it is not installed. Folders that are empty then go too,
 /// `data` itself excepted. Configuration and logs stay.
 ///
 /// # Errors
@@ -91,7 +91,7 @@ fn remove(data: &Path, path: PathBuf) -> Step {
     Step::Remove { path, below: data.to_owned() }
 }
 
-/// What it takes that the library that listens is as it was `built`, or is not there where it was not.
+/// The step that makes the sound library as it was `built`, or takes it away where none was built.
 fn plan_audio(data: &Path, built: &Path) -> Result<Option<Step>, InstallError> {
     let to = audio_library_path(data);
     let installed = installed_audio(&to)?;
@@ -155,12 +155,12 @@ fn present(path: &Path) -> Result<Option<Vec<u8>>, InstallError> {
     fs::read(path).map(Some).map_err(InstallError::io(path))
 }
 
-/// Whether this is a shared library with what both loaders ask for.
+/// Whether this is a shared library with the functions for both loaders.
 pub(crate) fn is_layer(bytes: &[u8]) -> bool {
     Half::BOTH.into_iter().all(|half| is_library_with(bytes, half.negotiate().as_bytes()))
 }
 
-/// Whether this is a shared library with what the layer asks the library that listens for.
+/// Whether this is a shared library with the functions of the sound library.
 pub(crate) fn is_audio(bytes: &[u8]) -> bool {
     is_library_with(bytes, GET_TABLE_NAME.to_bytes())
 }

@@ -39,7 +39,7 @@ impl Half {
     /// Both.
     pub const BOTH: [Self; 2] = [Self::OpenXr, Self::Vulkan];
 
-    /// What the loader calls it.
+    /// The loader's name for it.
     pub const fn layer_name(self) -> &'static str {
         match self {
             Self::OpenXr => "XR_APILAYER_PARAFOVEA_foveation",

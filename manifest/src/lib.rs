@@ -1,4 +1,4 @@
-//! What surrounds the layer: its configuration, the two loader manifests, where files are, and the
+//! Surroundings of the layer: its configuration, the two loader manifests, where files are, and the
 //! installation. Makes no Vulkan or OpenXR call.
 
 #![forbid(unsafe_code)]

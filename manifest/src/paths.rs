@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
-/// What of a process's environment says where files are, taken once.
+/// The places of files from a process's environment, taken once.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Environment {
     config_file: Option<PathBuf>,
@@ -20,7 +20,7 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// Takes what matters from `variable`, which looks a variable up (`|name| std::env::var_os(name)`).
+    /// Takes the variables from `variable`, which looks a variable up (`|name| std::env::var_os(name)`).
     ///
     /// A process with `elevated` rights must not follow paths that the user chose: nothing is taken then,
     /// and only `/etc` is left. As the XDG specification demands, a base directory that is not absolute is
@@ -74,7 +74,7 @@ impl Environment {
         self.cache_home.as_deref()
     }
 
-    /// `$XDG_RUNTIME_DIR`: for what is there as long as the user is logged in.
+    /// `$XDG_RUNTIME_DIR`: for files that exist as long as the user is logged in.
     pub fn runtime_dir(&self) -> Option<&Path> {
         self.runtime_dir.as_deref()
     }

@@ -1,4 +1,4 @@
-//! What the layer tells of an application that runs: a small file for each process, written anew every second, which
+//! Status of a running application: a small file for each process, written anew every second, which
 //! `parafovea status` reads.
 //!
 //! The file is the user's alone (mode 0600, in a folder of mode 0700 below `$XDG_RUNTIME_DIR`). It has no direction of the gaze and
@@ -21,7 +21,7 @@ pub const FRESH_S: u64 = 5;
 /// How often the layer writes, seconds.
 pub const EVERY_S: u64 = 1;
 
-/// What is told of an application's session.
+/// Status of an application's session.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Status {
@@ -31,7 +31,7 @@ pub struct Status {
     pub pid: u32,
     /// The program, by which configuration and log are named.
     pub executable: String,
-    /// What the application calls itself for OpenXR.
+    /// The application's name for OpenXR.
     pub application: String,
     /// Why nothing is done in this session; empty where it is active.
     pub inert: String,
@@ -45,7 +45,7 @@ pub struct Status {
     pub backend: String,
     /// Passes that had coarser rates, or parts left out, in the last frame.
     pub passes_matched: u32,
-    /// What was decided, and why, as the log has it: how the device makes shading coarser, what each kind of pass was taken for, which has
+    /// Decisions with reasons, as the log has them: how the device makes shading coarser, what each kind of pass was taken for, which has
     /// a mask.
     pub decisions: Vec<String>,
     /// The gaze.
@@ -54,13 +54,13 @@ pub struct Status {
     pub sound: Sound,
     /// Shading rates.
     pub rates: Rates,
-    /// What the gate says of rates.
+    /// The gate of rates.
     pub rates_gate: Gate,
-    /// What the gate says of re-use.
+    /// The gate of re-use.
     pub reuse_gate: Gate,
     /// Whether colour is removed at this moment.
     pub attenuates_colour: bool,
-    /// What is drawn over the pictures for people to see.
+    /// The debug view over the pictures.
     pub debug_view: View,
 }
 
@@ -134,7 +134,7 @@ pub struct Sound {
     pub is_heard: bool,
 }
 
-/// What the maps ask for.
+/// Rates in the maps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Rates {
@@ -163,7 +163,7 @@ pub struct View {
     pub is_drawn: bool,
 }
 
-/// What a gate says of a technique.
+/// State of a technique's gate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Gate {
@@ -173,6 +173,6 @@ pub struct Gate {
     pub is_kept: bool,
     /// Whether a trial is under way or due: the technique is switched off and on, and frames are measured.
     pub is_on_trial: bool,
-    /// What frames cost with it, in costs without it, and the bounds of a confidence interval; `None`: not known yet.
+    /// Cost of frames with it, in costs without it, and the bounds of a confidence interval; `None`: not known yet.
     pub ratio: Option<[f32; 3]>,
 }

@@ -131,7 +131,7 @@ fn default_mode_follows_a_rise_in_pitch_at_once_and_a_fall_slowly() {
     assert!(gammas[49] > gammas[29]);
 }
 
-/// One hop of 8 kHz and then some, in pieces, with what has no place in a sound.
+/// One hop of 8 kHz and then some, in pieces, with impossible samples.
 fn portions() -> impl Strategy<Value = (u32, Vec<Vec<f32>>)> {
     let sample = prop_oneof![
         40 => -1.0f32..1.0,

@@ -134,7 +134,7 @@ mod tests {
     }
 
     proptest! {
-        /// Later and less continuous never pays for more, and what is taken is within what the model knows.
+        /// Later and less continuous never pays for more, and reliable features are within the model's ranges.
         #[test]
         fn less_to_rely_on_pays_for_less(
             gamma_ld in 0f32..25.0,

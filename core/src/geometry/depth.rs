@@ -1,4 +1,4 @@
-//! How far away what a depth image shows is.
+//! Distances from a depth image.
 
 /// How the values of a depth image stand for distances, as `XrCompositionLayerDepthInfoKHR`.
 ///
@@ -15,10 +15,10 @@ pub struct DepthRange {
     pub far_z: f32,
 }
 
-/// What counts as infinitely far, metres: nothing moves there when a head does.
+/// The distance that counts as infinite, metres: nothing moves there when a head does.
 pub const MAX_VIEW_DISTANCE_M: f32 = 1e6;
 
-/// Distance along -z of view space of what has the depth value `depth`, metres, above 0 and at most
+/// Distance along -z of view space at the depth value `depth`, metres, above 0 and at most
 /// [`MAX_VIEW_DISTANCE_M`].
 ///
 /// 1 / distance is linear in depth, from 1 / near at `min_depth` to 1 / far at `max_depth`; values beyond either
@@ -40,7 +40,7 @@ pub fn view_distance(depth: f32, range: &DepthRange) -> f32 {
 /// How the values of a depth image stand for nearness, 1 / distance along -z of view space in 1/m: linearly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearness {
-    /// What the value 0 stands for, 1/m, were it within [`Self::bounds`].
+    /// Nearness of the value 0, 1/m, were it within [`Self::bounds`].
     pub at_zero: f32,
     /// By how much more the value 1 does, 1/m.
     pub slope: f32,
@@ -62,7 +62,7 @@ impl Nearness {
         })
     }
 
-    /// What a value stands for, 1/m.
+    /// Nearness of a value, 1/m.
     pub fn at(&self, depth: f32) -> f32 {
         self.at_zero + self.slope * depth.max(self.bounds[0]).min(self.bounds[1])
     }

@@ -39,7 +39,7 @@ impl Reprojection {
         (w > 0.0 && found.is_finite()).then_some(found)
     }
 
-    /// The homography, by columns: (x, y, 1) to (x' w, y' w, w), with w > 0 for what lies ahead of the second view.
+    /// The homography, by columns: (x, y, 1) to (x' w, y' w, w), with w > 0 ahead of the second view.
     pub fn matrix(&self) -> Mat3 {
         self.matrix
     }

@@ -114,7 +114,7 @@ pub enum NoNearValue {
     Nearest(f32),
 }
 
-/// What to keep fragments out with, in a pass that clears depth to `clear`: by the directions of the depth tests that
+/// The near value that keeps fragments out, in a pass that clears depth to `clear`: by the directions of the depth tests that
 /// were `seen` in it, and where they differ or there were none, by the clear value, which is the farthest one.
 ///
 /// # Errors

@@ -45,7 +45,7 @@ unsafe impl Send for Capture {}
 unsafe impl Sync for Capture {}
 
 impl Capture {
-    /// Loads the library, if it is not there yet, and begins to listen to what the system plays, or to `file`. `record` has
+    /// Loads the library, if it is not there yet, and begins to listen to the system's sound, or to `file`. `record` has
     /// the other settings; its path is set here.
     ///
     /// # Errors

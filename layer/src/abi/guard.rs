@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 #[cfg(debug_assertions)]
 mod planted;
 
-/// What the layer below answered to the call that a hook stands in.
+/// The answer of the layer below to the call of a hook.
 ///
 /// A hook records it, so that a panic after that neither repeats the call nor changes its result.
 pub struct Answer<R> {

@@ -1,4 +1,4 @@
-//! Where this library was loaded from: what came with it lies beside it.
+//! The folder of this library: its companions lie beside it.
 
 use std::ffi::{CStr, OsStr, c_void};
 use std::os::unix::ffi::OsStrExt;

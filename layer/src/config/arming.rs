@@ -51,7 +51,7 @@ impl Arming {
             .find(|arming| *arming as u32 == number)
     }
 
-    /// Whether a device that was armed for this can do what `wanted` asks.
+    /// Whether a device that was armed for this has all abilities of `wanted`.
     pub fn covers(self, wanted: Self) -> bool {
         match wanted {
             Self::Inert => true,

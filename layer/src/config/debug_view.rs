@@ -1,10 +1,10 @@
-//! What is drawn over the pictures for people to see.
+//! The debug view: drawings over the eye images.
 
 use super::Config;
 use parafovea_core::kernels::debug_view::DebugView;
 use parafovea_manifest::options::DebugView as Chosen;
 
-/// What the configuration asks for, if anything.
+/// The configured debug view; `None` without one.
 pub fn debug_view(config: &Config) -> Option<DebugView> {
     match config.debug.view {
         _ if !config.enabled => None,

@@ -11,7 +11,7 @@ pub fn executable() -> PathBuf {
     name(&program, &first_argument)
 }
 
-/// `program` is what the kernel runs, `first_argument` what the process was told that it is. Wine's loaders
+/// `program` is the kernel's name of the program, `first_argument` the process's own. Wine's loaders
 /// are all called alike, and set the first argument to the Windows path.
 fn name(program: &Path, first_argument: &OsStr) -> PathBuf {
     let program = program.file_name().unwrap_or_default();

@@ -17,7 +17,7 @@ use std::path::Path;
 /// Values of an option that are looked at, ends included.
 const STEPS: u16 = 16;
 
-/// Least change of what is looked at from one half of the range to the other.
+/// Least change of an effect from one half of the range to the other.
 const LEAST_CHANGE: f32 = 2e-5;
 
 /// Tiles of a view, which shows 104 degrees.
@@ -67,7 +67,7 @@ fn shaded(config: &Config) -> f32 {
     planner.plan(&input).eyes[0].statistics().mean_rate
 }
 
-/// Mean of what is kept of colour.
+/// Mean chroma gain.
 fn colour(config: &Config, of: fn(parafovea_core::chroma::Gains) -> f32) -> f32 {
     let curves = Curves::new(&chroma_settings(config).unwrap());
     let eccentricities = (0..1000).map(|index| index as f32 * 2e-3);
@@ -82,7 +82,7 @@ fn strength(config: &Config) -> f32 {
     trail.update(Some(Vec3::NEG_Z), 5_000_000, &settings).map_or(0.0, |focus| focus.strength)
 }
 
-/// What an option changes, whether that rises with it, and what else is set.
+/// The effect of an option, whether it rises with the option, and other settings.
 type Effect = (fn(&Config) -> f32, bool, &'static str);
 
 fn effects(key: &str) -> Vec<Effect> {

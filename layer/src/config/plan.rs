@@ -1,4 +1,4 @@
-//! What may be planned, as the configuration asks for it.
+//! Settings of the planner, from the configuration.
 
 use super::{
     Config, GazeSource, PeripheralRate, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, ReusePhase,
@@ -36,7 +36,7 @@ pub fn wants_contrast(config: &Config) -> bool {
     wants_maps(config) && matches!(config.rates.mode, RatesMode::AudioVisual | RatesMode::Paper)
 }
 
-/// How sound and contrast lead to rates: as published, or by castleCSF, within what is configured.
+/// How sound and contrast lead to rates: as published, or by castleCSF, within the configured limits.
 fn audio_visual(config: &Config) -> AudioVisual {
     let fixed = fixed_foveation(config);
     if config.rates.mode == RatesMode::Paper {
@@ -91,7 +91,7 @@ pub fn gaze_settings(config: &Config) -> GazeSettings {
     }
 }
 
-/// Who decides whether rates and re-use pay; of what is not configured nothing is.
+/// Modes of the gates of rates and re-use; off for a technique that is not configured.
 pub fn gate_modes(config: &Config) -> Techniques<GateMode> {
     let mode = match config.rates.gate {
         RatesGate::Auto => GateMode::Auto,
@@ -103,7 +103,7 @@ pub fn gate_modes(config: &Config) -> Techniques<GateMode> {
     Techniques { rates: of(has_rates), reuse: of(wants_reuse(config)) }
 }
 
-/// The preset of the models that has what the options do not say: the rates to choose from and the safety rails.
+/// The preset of the models for values without an option: the rates to choose from and the safety rails.
 fn preset(preset: Preset) -> presets::Preset {
     match preset {
         Preset::None | Preset::Balanced => presets::Preset::Balanced,

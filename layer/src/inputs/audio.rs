@@ -1,4 +1,4 @@
-//! What is heard, while the configuration asks for sound: another library listens, on threads of its own.
+//! Sound, while the configuration asks for it: another library listens, on threads of its own.
 
 #[cfg(debug_assertions)]
 mod heard_file;
@@ -25,13 +25,13 @@ pub struct Ears {
     last: Option<(Option<AudioFeatures>, u64)>,
 }
 
-/// What is listened to, since the configuration asked for it.
+/// The capture that the configuration asks for.
 struct Listening {
     wanted: Wanted,
     shared: Arc<Shared>,
 }
 
-/// What the thread that loads the library shares with those that plan.
+/// State shared by the thread that loads the library and those that plan.
 #[derive(Default)]
 struct Shared {
     /// There once the library is loaded and listens.
@@ -39,7 +39,7 @@ struct Shared {
     is_over: AtomicBool,
 }
 
-/// What the configuration asks for.
+/// Sound settings of the configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Wanted {
     source: u32,
@@ -52,7 +52,7 @@ struct Wanted {
 }
 
 impl Ears {
-    /// What a plan may take of what is heard now, as the configuration asks for it. Neither waits nor allocates, but where
+    /// The reliable features of sound now, as configured. Neither waits nor allocates, but where
     /// the configuration changed: then a thread begins, or ends, to listen.
     pub fn hear(&mut self, config: &Config) -> Option<AudioFeatures> {
         let wanted = Wanted::of(config);
@@ -153,7 +153,7 @@ fn listen(wanted: &Wanted, shared: &Shared) {
     tracing::info!("sound: capture ended");
 }
 
-/// What a plan may take of features.
+/// The reliable part of features.
 fn relied_on(record: &FeaturesRecord, interval_s: f32) -> Option<AudioFeatures> {
     let features = AudioFeatures {
         loudness_lufs: record.loudness_lufs,

@@ -1,4 +1,4 @@
-//! What frames cost. Time spent, all of it: waiting for the runtime, for a display or for a limiter is not in it.
+//! Cost of frames. Time spent, all of it: waiting for the runtime, for a display or for a limiter is not in it.
 //!
 //! Where a CPU renders, that is CPU time of the whole process from the end of one frame to the end of the next ([`CpuCost`]). Frames
 //! overlap, so what a change of one frame does may show in the next; the gate leaves frames out after each change.
@@ -16,20 +16,20 @@ pub struct CpuCost {
 }
 
 impl CpuCost {
-    /// A frame ended, with this reading; returns what it cost, nanoseconds, if the frame before has a reading too.
+    /// A frame ended, with this reading; returns its cost, nanoseconds, if the frame before has a reading too.
     pub fn frame_ended(&mut self, process_cpu_ns: Option<u64>) -> Option<u64> {
         let last = std::mem::replace(&mut self.last_ns, process_cpu_ns);
         process_cpu_ns?.checked_sub(last?)
     }
 }
 
-/// Frames that wait until it is known what they cost, by their number, in their order. Allocates nothing.
+/// Frames whose cost is not known yet, by their number, in their order. Allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Late<F> {
     frames: SmallVec<[(u64, F); PATIENCE + 1]>,
 }
 
-/// So many frames are waited for; what an older one cost is not known then.
+/// Number of frames that are waited for; the cost of older ones stays unknown.
 const PATIENCE: usize = 6;
 
 impl<F> Default for Late<F> {
@@ -45,7 +45,7 @@ impl<F> Late<F> {
         (self.frames.len() > PATIENCE).then(|| self.frames.remove(0).1)
     }
 
-    /// It is known what frame `number` cost: takes the first frame that waits, of those up to that one, and whether it is that one.
+    /// The cost of frame `number` is known: takes the first frame that waits, of those up to that one, and whether it is that one.
     pub fn pop_until(&mut self, number: u64) -> Option<(F, bool)> {
         let (first, _) = self.frames.first()?;
         (*first <= number).then(|| {

@@ -1,4 +1,4 @@
-//! What the halves tell each other, as C structures. Pointers in them are valid during the call only.
+//! Messages between the halves, as C structures. Pointers in them are valid during the call only.
 
 use ash::vk;
 use parafovea_core::kernels::decide::DecideParams;
@@ -12,7 +12,7 @@ pub const BACKEND_MASK: u32 = 2;
 /// [`SettingsRecord::backend`]: the best of them.
 pub const BACKEND_ANY: u32 = 3;
 
-/// What the device's backend can do; the plan is made for it.
+/// Abilities of the device's backend; the plan is made for them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OfferRecord {
@@ -76,13 +76,13 @@ pub struct EyeMapRecord {
     /// A byte for each tile, row by row, top row first: a texel of a rate image (`ShadingRate::texel`), and the bit `STALE`
     /// where the tile need not be rendered at all. Where the rates are to be decided on the GPU and cannot be, these hold.
     pub rates: *const u8,
-    /// 1 where the rates of the tiles are to be decided on the GPU, by what follows; else 0.
+    /// 1 where the rates of the tiles are to be decided on the GPU, by the fields below; else 0.
     pub is_decided: u32,
     /// 1 where contrast counts, and the pictures of this eye are to be analysed; else 0.
     pub is_judged: u32,
-    /// What decides as long as no contrast is known, or none counts.
+    /// Parameters of the decision as long as no contrast is known, or none counts.
     pub fixed: DecideParams,
-    /// What decides where contrast counts.
+    /// Parameters of the decision where contrast counts.
     pub judged: DecideParams,
     /// How the view is turned against a space that rests in the world: x, y, z, w.
     pub orientation: [f32; 4],
@@ -100,7 +100,7 @@ pub struct PictureRecord {
     pub swapchain: u64,
     /// Where it is, with the usage SAMPLED, in COLOR_ATTACHMENT_OPTIMAL.
     pub image: vk::Image,
-    /// What it is read as.
+    /// Format of the view that it is read through.
     pub format: vk::Format,
     /// Its array layer.
     pub layer: u32,
@@ -165,7 +165,7 @@ pub struct StaleRecord {
     pub count: u32,
 }
 
-/// What the application shows with one xrEndFrame.
+/// The submission of one xrEndFrame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ShownRecord {
@@ -223,7 +223,7 @@ pub struct SettingsRecord {
     pub passes_len: u32,
 }
 
-/// What the passes of a frame took that were recognised.
+/// GPU time of the recognised passes of a frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameTimeRecord {

@@ -1,4 +1,4 @@
-//! What changes from frame to frame.
+//! Status that changes from frame to frame.
 
 use crate::config::{AudioSource, DebugView, GazeSource};
 use crate::inputs::gaze::auto::Holder;
@@ -13,7 +13,7 @@ use parafovea_manifest::status::{self, Status};
 /// How many values a texel of a rate image has, and more.
 const TEXELS: usize = 16;
 
-/// What holds at the end of a frame: plain numbers, so that taking them allocates nothing.
+/// Status at the end of a frame: plain numbers, so that taking them allocates nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
     /// Frames that ended in the session.
@@ -28,7 +28,7 @@ pub struct Moment {
     pub gaze_source: GazeSource,
     /// Where it comes from.
     pub gaze_holder: Holder,
-    /// What is known of its packets.
+    /// Status of its packets.
     pub osc: OscTold,
     /// Whether there was one in this frame.
     pub gaze_is_valid: bool,
@@ -54,7 +54,7 @@ pub struct Moment {
     pub reuse: GateMoment,
     /// Whether colour is removed.
     pub attenuates_colour: bool,
-    /// What is to be drawn over the pictures.
+    /// The requested debug view.
     pub debug_view: DebugView,
     /// Whether `parafovea status` asks for it, instead of the configuration.
     pub debug_view_is_asked: bool,
@@ -91,7 +91,7 @@ impl Default for Moment {
     }
 }
 
-/// What a gate says.
+/// Status of a gate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct GateMoment {
     mode: GateMode,
@@ -125,7 +125,7 @@ impl Moment {
         }
     }
 
-    /// Puts it in the place of what was told before. Numbers are rounded: what is told is for people, and no more of the gaze than
+    /// Writes it to `status`. Numbers are rounded: what is told is for people, and no more of the gaze than
     /// they need follows from it.
     pub fn write_to(&self, status: &mut Status) {
         status.frames = self.frames;
@@ -183,7 +183,7 @@ impl Moment {
         }
     }
 
-    /// What passes obeyed in the last frame: where none did, everything was shaded; a mask knows shaded and skipped blocks alone, so many of a
+    /// The rates of the passes of the last frame: where none had any, everything was shaded; a mask knows shaded and skipped blocks alone, so many of a
     /// tile as its rate's pattern has ([`Pattern`]).
     fn rates_told(&self) -> status::Rates {
         let all: u32 = self.tiles.iter().sum();

@@ -91,7 +91,7 @@ pub unsafe extern "system" fn create_action(
     })
 }
 
-/// `xrSuggestInteractionProfileBindings`: what the application suggests for eye gaze is remembered, because
+/// `xrSuggestInteractionProfileBindings`: the application's suggestion for eye gaze is remembered, because
 /// our suggestion will take its place. Without the extension, which is on because of us, it gets no such profile.
 pub unsafe extern "system" fn suggest_bindings(
     handle: xr::Instance,

@@ -87,7 +87,7 @@ pub unsafe extern "system" fn begin(handle: xr::Session, info: *const xr::FrameB
     })
 }
 
-/// `xrEndFrame`: what the application submits goes to the runtime unchanged, after the runtime's images were
+/// `xrEndFrame`: the application's submission goes to the runtime unchanged, after the runtime's images were
 /// written from the application's.
 pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEndInfo) -> xr::Result {
     let known = session::find(handle);
@@ -153,11 +153,11 @@ impl FrameEnd<'_> {
     }
 }
 
-/// What the application drew to a virtual swapchain cannot be shown, because the device takes no work of ours.
+/// The image of a virtual swapchain cannot be shown, because the device takes no work of ours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Undeliverable;
 
-/// What xrEndFrame returns then, as a runtime does that fails for a reason of its own; the frame is not ended.
+/// The result of xrEndFrame then, as of a runtime does that fails for a reason of its own; the frame is not ended.
 const UNDELIVERABLE: xr::Result = xr::Result::ERROR_RUNTIME_FAILURE;
 
 /// A frame's work, without allocation for up to eight virtual swapchains.
@@ -293,7 +293,7 @@ fn submit(active: &Active, tools: &Tools, works: &mut Works) -> Result<(), GpuEr
     })
 }
 
-/// Gives up what panics, so that it does not do so in every frame.
+/// Gives a technique up that panics, so that it does not do so in every frame.
 struct GiveUpOnPanic<'a>(&'a Active);
 
 impl Drop for GiveUpOnPanic<'_> {

@@ -18,7 +18,7 @@ use std::ffi::{CStr, c_char};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Proton asks a runtime what it can do with an instance of this name, and destroys it at once (peers: Proton,
+/// Proton asks a runtime for its abilities with an instance of this name, and destroys it at once (peers: Proton,
 /// wineopenxr).
 const WINE_TEST_INSTANCE: &str = "wineopenxr test instance";
 
@@ -26,7 +26,7 @@ const WINE_TEST_INSTANCE: &str = "wineopenxr test instance";
 pub struct Known {
     /// The next layer's `xrGetInstanceProcAddr`.
     pub next_get_instance_proc_addr: pfn::GetInstanceProcAddr,
-    /// What our hooks need; `None` for an inert instance, which gets no hooks at all.
+    /// The state of our hooks; `None` for an inert instance, which gets no hooks at all.
     pub hooked: Option<Arc<Instance>>,
 }
 
@@ -36,7 +36,7 @@ pub struct Instance {
     pub handle: xr::Instance,
     /// The functions below.
     pub next: Next,
-    /// What the application calls itself.
+    /// The application's name for itself.
     pub application: String,
     /// Its configuration.
     pub config: LiveConfig,
@@ -60,7 +60,7 @@ pub fn hooked(handle: xr::Instance) -> Option<Arc<Instance>> {
     find(handle)?.hooked.clone()
 }
 
-/// The functions below for a handle that is not known, so that the runtime says what is wrong with it.
+/// The functions below for a handle that is not known, so that the runtime returns its own error.
 /// Loaders allow one instance at a time.
 pub fn next_of_any() -> Option<Next> {
     Some(any_hooked()?.next)

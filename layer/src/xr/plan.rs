@@ -87,12 +87,12 @@ impl SessionPlan {
         self.frame.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What is planned with.
+    /// The planner.
     pub fn planning(&self) -> MutexGuard<'_, Planning> {
         self.planning.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What hears.
+    /// The source of sound.
     fn ears(&self) -> MutexGuard<'_, Ears> {
         self.ears.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -150,7 +150,7 @@ impl SessionPlan {
     }
 }
 
-/// What the Vulkan half shall do.
+/// Settings of the Vulkan half.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Wanted {
     techniques: Techniques<bool>,
@@ -203,7 +203,7 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &Fr
     }
 }
 
-/// What holds at the end of a frame, for `parafovea status`.
+/// The status at the end of a frame, for `parafovea status`.
 pub fn moment(session: &Session, active: &Active, config: &ConfigSnapshot, report: &FrameReport) -> Moment {
     let (state, frames) = (&active.plan, report.frame);
     let mut moment = Moment {
@@ -270,11 +270,11 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     }
     // An application that located the last frame's views will locate this frame's too, and the gaze is newer then.
     if !was_located {
-        plan(session, (active, &config), time);
+        _ = plan(session, (active, &config), time);
     }
 }
 
-/// `xrLocateViews`: what the application will draw, and with it the newest gaze.
+/// `xrLocateViews`: the views that the application will draw, and with them the newest gaze.
 pub unsafe extern "system" fn locate_views(
     handle: xr::Session,
     info: *const xr::ViewLocateInfo,
@@ -327,10 +327,7 @@ fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr
         }
         (Arc::clone(&frame.config), !std::mem::replace(&mut frame.is_located, true))
     };
-    if is_first && !is_planned {
-        plan(session, (active, &config), time);
-    }
-    if is_first && state.planning().is_planned() {
+    if is_first && (is_planned || plan(session, (active, &config), time)) {
         frame::expect(active, &config, &views);
     }
 }
@@ -357,7 +354,7 @@ pub fn views_shown(
         planning.is_planned()
     };
     if !is_planned {
-        plan(session, (active, config), time);
+        _ = plan(session, (active, config), time);
     }
 }
 
@@ -372,26 +369,33 @@ fn of_pose(pose: &xr::Posef, fov: &xr::Fovf) -> Option<View> {
     })
 }
 
-/// Plans the frame that is shown at `time`, and hands its rates over.
-fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time) {
+/// Plans the frame that is shown at `time`, and hands its rates over. Whether the frame has a plan.
+fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time) -> bool {
     let state = &active.plan;
     if state.has_failed() {
-        return;
+        return false;
     }
     let _give_up = GiveUpOnPanic(state);
     let can_attenuate = active.health() == Health::Works;
-    if !state.planning().has_work(config, can_attenuate) {
+    let has_work = {
+        let mut planning = state.planning();
+        let has_work = planning.has_work(config, can_attenuate);
+        if !has_work {
+            planning.idle();
+        }
+        has_work
+    };
+    if !has_work {
         state.ears().rest();
-        return state.planning().idle();
+        return false;
     }
     let head = look(session, state, config, time);
     let heard = state.ears().hear(config);
 
-    if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {
-        compose.changes(|view, tiles, changes| state.planning().content_changed(view, tiles, changes));
-    }
-
     let mut planning = state.planning();
+    if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {
+        compose.changes(|view, tiles, changes| planning.content_changed(view, tiles, changes));
+    }
     let time = time.as_nanos();
     planning.listen(heard);
     if planning.plan(config, can_attenuate, head, time) {
@@ -402,6 +406,7 @@ fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time)
             unsafe { active.device.begin_frame(&FrameStart { settings: ptr::null(), plan: &record }) };
         }
     }
+    planning.is_planned()
 }
 
 /// Asks the eye tracker, and returns how the head is turned at `time`.

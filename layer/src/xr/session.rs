@@ -30,11 +30,11 @@ pub struct Session {
     pub handle: xr::Session,
     /// Its instance.
     pub instance: Arc<Instance>,
-    /// What work on its device needs; `None` for an inert session.
+    /// The state of work on its device; `None` for an inert session.
     pub active: Option<Active>,
     /// Spaces of ours, if it is active and they could be made.
     pub spaces: Option<Spaces>,
-    /// What is known of its actions, and ours.
+    /// State of its actions, and of ours.
     pub actions: SessionActions,
     /// Where its gaze comes from.
     pub gaze: SessionGaze,
@@ -67,7 +67,7 @@ impl Session {
         self.active.as_ref().is_some_and(|active| active.device.offer.backend != BACKEND_NONE)
     }
 
-    /// Marks what this thread submits as the runtime's, while it is in a call down.
+    /// Marks submits of this thread as the runtime's, while it is in a call down.
     pub fn runtime_section(&self) -> Option<RuntimeSection> {
         Some(self.active.as_ref()?.device.runtime_section())
     }

@@ -76,7 +76,7 @@ impl Swapchain {
         &self.session
     }
 
-    /// What its images are like, for a rectangle of them.
+    /// Size and array layers of its images.
     pub fn extent_and_layers(&self) -> (vk::Extent2D, u32) {
         self.description.extent_and_layers()
     }
@@ -107,7 +107,7 @@ impl Swapchain {
         }
     }
 
-    /// Ends our part in it, before it is destroyed: waits for what of ours still uses the runtime's images.
+    /// Ends our part in it, before it is destroyed: waits for work of ours that still uses the runtime's images.
     fn end(&self) {
         self.tell_end();
         self.end_drawing_over();

@@ -20,7 +20,7 @@ use std::mem::MaybeUninit;
 #[derive(Clone, Copy)]
 pub struct VulkanDevice {
     table: LinkTable,
-    /// What the Vulkan half knows of it.
+    /// The Vulkan half's record of it.
     pub record: DeviceRecord,
     /// Family and index of the queue of the session's graphics binding.
     pub queue: (u32, u32),
@@ -272,7 +272,7 @@ unsafe fn text(first: *const u8, len: u32) -> String {
     String::from_utf8_lossy(unsafe { std::slice::from_raw_parts(first, len as usize) }).into_owned()
 }
 
-/// What became of a copy of rates.
+/// Outcome of a copy of rates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RatesCopy {
     /// It was submitted.
@@ -283,7 +283,7 @@ pub enum RatesCopy {
     OfPlan,
 }
 
-/// A section of a thread in which what is submitted is not the application's.
+/// A section of a thread whose submits are not the application's.
 #[must_use]
 pub struct RuntimeSection(unsafe extern "C" fn(u32));
 

@@ -51,7 +51,7 @@ To play: parafovea run -- GAME, or in Steam the launch options PARAFOVEA=1 %comm
     })
 }
 
-/// Removes what [`install`] installed.
+/// Removes the files of [`install`].
 pub fn uninstall(scope: Scope) -> ExitCode {
     finish(["not installed", ""], scope.dry_run, || Ok(plan_uninstall(&scope.data()?)?))
 }

@@ -1,4 +1,4 @@
-//! What the guide says can be typed.
+//! Commands of the guide can be typed.
 
 #![allow(clippy::unwrap_used)]
 

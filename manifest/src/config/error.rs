@@ -1,4 +1,4 @@
-//! What can be wrong with a configuration, each told in one line.
+//! Errors of a configuration, one line each.
 
 use std::fmt;
 use std::io;
@@ -30,7 +30,7 @@ pub enum ConfigError {
     Syntax {
         /// The line, from 1.
         line: usize,
-        /// What the parser says.
+        /// The parser's message.
         message: String,
         /// The text that it says this of.
         found: Option<String>,
@@ -124,7 +124,7 @@ impl ConfigErrors {
         self.errors.iter().map(move |error| format!("{file}: {error}"))
     }
 
-    /// What is wrong, in the order of the file.
+    /// The errors, in the order of the file.
     pub fn errors(&self) -> &[ConfigError] {
         &self.errors
     }

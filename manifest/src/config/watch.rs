@@ -26,7 +26,7 @@ struct Seen {
     fingerprint: Option<Fingerprint>,
 }
 
-/// What tells one state of a file from another. The inode changes when an editor replaces the file, the
+/// Marks that differ between two states of a file. The inode changes when an editor replaces the file, the
 /// change time also when the modification time is set back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Fingerprint {

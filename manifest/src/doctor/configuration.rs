@@ -1,4 +1,4 @@
-//! The configuration: which file is in force, and what is wrong with any of them.
+//! The configuration: the file in force, and errors of any of them.
 
 use super::manifests::anybody_may_write;
 use super::{Finding, Surroundings};
@@ -37,7 +37,7 @@ pub(super) fn examine(surroundings: &Surroundings) -> Vec<Finding> {
     findings
 }
 
-/// The file in force, if there is any, and what holds by it, if it is right.
+/// The file in force, if there is any, and its configuration, if it is right.
 pub(super) fn in_force(surroundings: &Surroundings) -> (Option<PathBuf>, Option<Config>) {
     let application = surroundings.application.as_deref();
     let executable = Path::new(application.unwrap_or_default());

@@ -1,4 +1,4 @@
-//! Steam's container, and Flatpak: what of this machine they show to games.
+//! Steam's container, and Flatpak: the parts of this machine that games see in them.
 //!
 //! Source: pressure-vessel (steam-runtime), which imports Vulkan layers from the system by itself, and OpenXR layers where
 //! `PRESSURE_VESSEL_IMPORT_OPENXR_1_LAYERS` asks for it; what is in the home is seen as it is.

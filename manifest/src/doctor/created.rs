@@ -1,4 +1,4 @@
-//! What becomes of Vulkan devices that are created with the layer, in a program of ours.
+//! Vulkan devices that are created with the layer, in a program of ours.
 
 use super::layers::Layers;
 use super::{CreatedDevice, Finding, Surroundings};

@@ -1,4 +1,4 @@
-//! What only Vulkan and OpenXR know: whether the loaders list the layers, what the GPU can do, whether eyes are tracked.
+//! Answers of Vulkan and OpenXR: whether the loaders list the layers, what the GPU can do, whether eyes are tracked.
 
 use super::configuration::in_force;
 use super::layers::Layers;
@@ -89,7 +89,7 @@ fn of_devices(devices: &[Device]) -> Vec<Finding> {
     findings
 }
 
-/// What a GPU can do; that a CPU has no rates matters less than that it is one.
+/// Abilities of a GPU; that a CPU has no rates matters less than that it is one.
 fn of_device(device: &Device) -> Option<Finding> {
     let name = match device.driver.as_str() {
         "" => device.name.clone(),

@@ -15,7 +15,7 @@ pub enum Severity {
     Note,
     /// Something works less well than it could.
     Warning,
-    /// Parafovea does nothing, or not what was asked for.
+    /// Parafovea does nothing, or something else than configured.
     Problem,
 }
 
@@ -37,7 +37,7 @@ impl fmt::Display for Severity {
     }
 }
 
-/// What can be put right without asking: it changes only what is Parafovea's.
+/// A repair without a question: it changes only Parafovea's own files.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fix {
     /// As `parafovea install` does.
@@ -47,7 +47,7 @@ pub enum Fix {
 }
 
 impl Fix {
-    /// What it takes.
+    /// Its steps.
     ///
     /// # Errors
     /// As for [`plan_install`].
@@ -65,17 +65,17 @@ impl Fix {
 /// One thing that was found. Texts are single lines.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// What kind of thing: a name for scripts, which stays the same.
+    /// Its kind: a name for scripts, which stays the same.
     pub id: &'static str,
     /// How bad it is.
     pub severity: Severity,
-    /// What there is.
+    /// The observation.
     pub found: String,
-    /// What that means.
+    /// Its meaning.
     pub means: String,
-    /// What to do; empty where nothing is to be done.
+    /// The advice; empty where nothing is to be done.
     pub advice: String,
-    /// What `--fix` does about it.
+    /// The repair by `--fix`.
     pub fix: Option<Fix>,
 }
 

@@ -20,7 +20,7 @@ pub struct Layers {
 pub struct Manifest {
     /// Its path.
     pub path: PathBuf,
-    /// What it holds.
+    /// Its content.
     pub content: Result<Vec<Layer>, Unusable>,
 }
 
@@ -28,13 +28,13 @@ pub struct Manifest {
 pub enum Unusable {
     /// It cannot be read.
     Unreadable(String),
-    /// It is not what a manifest has to be.
+    /// It is no valid manifest.
     Malformed(String),
 }
 
 /// A layer of a manifest.
 pub struct Layer {
-    /// What the loader calls it.
+    /// The loader's name for it.
     pub name: String,
     /// As it is written.
     pub library: String,

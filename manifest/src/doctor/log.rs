@@ -1,4 +1,4 @@
-//! Where the layer writes what it decided: Proton swallows standard error, so this is the only place.
+//! The log with the layer's decisions: Proton swallows standard error, so this is the only place.
 
 use super::{Finding, Surroundings};
 use std::fs;

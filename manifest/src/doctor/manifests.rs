@@ -84,7 +84,7 @@ fn of_half(surroundings: &Surroundings, layers: &Layers, half: Half) -> Vec<Find
     findings
 }
 
-/// What is wrong with a manifest of ours.
+/// The fault of a manifest of ours.
 fn of_manifest(surroundings: &Surroundings, half: Half, manifest: &Manifest) -> Option<Finding> {
     let (path, name) = (manifest.path.display(), called(half));
     let skipped = format!("The {name} loader skips it, so games run without Parafovea.");

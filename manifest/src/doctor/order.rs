@@ -8,7 +8,7 @@ use super::manifests::called;
 use super::{Finding, Surroundings};
 use crate::json::Half;
 
-/// What is in the names of layers that change shading rates or the number of views as well.
+/// Parts of the names of layers that change shading rates or the number of views as well.
 const RIVALS: [&str; 5] = ["foveat", "fdm_injection", "quad_views", "quad-views", "quadviews"];
 
 pub(super) fn examine(surroundings: &Surroundings, layers: &Layers) -> Vec<Finding> {

@@ -1,4 +1,4 @@
-//! What Vulkan and OpenXR answer, as the program `parafovea-probe` prints it in JSON. Each answer is of a run of its own, so
+//! Answers of Vulkan and OpenXR, as the program `parafovea-probe` prints it in JSON. Each answer is of a run of its own, so
 //! that a runtime that hangs or crashes takes nothing else with it.
 
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ pub struct Probed {
     pub layers: Result<LoaderLayers, String>,
     /// Which devices there are.
     pub vulkan: Result<VulkanAnswer, String>,
-    /// What becomes of devices that are created with the layer; an error is a crash, a hang or a failure of the program.
+    /// Devices that are created with the layer; an error is a crash, a hang or a failure of the program.
     pub created: Result<Vec<CreatedDevice>, String>,
     /// Which runtime there is.
     pub openxr: Result<RuntimeAnswer, String>,
@@ -33,7 +33,7 @@ pub struct LoaderLayers {
     pub vulkan: Option<Vec<String>>,
 }
 
-/// What Vulkan says.
+/// The answer of Vulkan.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct VulkanAnswer {
     /// The version of Vulkan that the loader speaks: major, minor, patch.
@@ -83,7 +83,7 @@ pub struct CreatedDevice {
     pub has_layer: bool,
 }
 
-/// What the OpenXR runtime says.
+/// The answer of the OpenXR runtime.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RuntimeAnswer {
     /// The runtime's name; empty where there is no instance.

@@ -73,7 +73,7 @@ fn of_manifest(surroundings: &Surroundings, path: &Path) -> Finding {
     Finding::good("runtime", format!("OpenXR runtime: {} ({shown})", kind(name, library)))
 }
 
-/// What people call a runtime of that name and library.
+/// The usual name of a runtime with that name and library.
 fn kind(name: &str, library: &str) -> String {
     let told = format!("{name} {library}").to_lowercase();
     let known = [("wivrn", "WiVRn"), ("monado", "Monado"), ("vrclient", "SteamVR"), ("steamvr", "SteamVR")];

@@ -14,11 +14,11 @@ pub struct Surroundings {
     pub environment: Environment,
     /// Where the file system begins: `/`.
     pub root: PathBuf,
-    /// The library that came with this program: what `--fix` installs.
+    /// The library that came with this program, which `--fix` installs.
     pub shipped: Option<PathBuf>,
     /// The application whose configuration is looked at: its name for OpenXR, or its program.
     pub application: Option<String>,
-    /// What Vulkan and OpenXR answered.
+    /// Answers of Vulkan and OpenXR.
     pub probed: Probed,
 }
 

@@ -82,7 +82,7 @@ impl Machine {
         surroundings
     }
 
-    /// Everything but what is well.
+    /// Findings other than good ones.
     fn findings(&self) -> Vec<Finding> {
         let is_bad = |finding: &Finding| finding.severity > Severity::Good;
         examine(&self.surroundings()).into_iter().filter(is_bad).collect()
@@ -102,7 +102,7 @@ fn runtime(library: &str) -> String {
     format!("{{\"file_format_version\": \"1.0.0\", \"runtime\": {{\"library_path\": \"{library}\"}}}}")
 }
 
-/// What is answered where all is well.
+/// Answers where all is well.
 fn probed() -> Probed {
     let layers = |half: Half| Some(vec![half.layer_name().to_owned()]);
     Probed {

@@ -11,7 +11,7 @@ pub enum InstallError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: io::Error,
     },
     /// The file to install is something else.

@@ -19,10 +19,10 @@ pub struct PassRules {
     rules: [Option<PassRule>; MOST_RULES],
 }
 
-/// What passes with certain targets are.
+/// A rule on passes with certain targets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassRule {
-    /// What they are.
+    /// Their kind.
     pub kind: PassKind,
     /// Only those with a target of this format.
     pub format: Option<ColorFormat>,
@@ -34,7 +34,7 @@ pub struct PassRule {
     pub way_up: Option<WayUp>,
 }
 
-/// What a pass is, over its whole render area.
+/// Kind of a pass, over its whole render area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PassKind {
     /// Not the scene.
@@ -71,7 +71,7 @@ const KINDS: [(&str, PassKind); 6] = [
 
 const WAYS_UP: [(&str, WayUp); 2] = [("upright", WayUp::Upright), ("flipped", WayUp::Flipped)];
 
-/// What a rule is made of, for people.
+/// Syntax of a rule, for people.
 const SYNTAX: &str = "rules like \"exclude 2048x2048; left R16G16B16A16_SFLOAT 1440x1600 #1 upright\": exclude, left, right, \
     either, double-wide or array; then any of a colour format (VkFormat without VK_FORMAT_), a size, # and the number of \
     the pass in the frame, upright or flipped";
@@ -79,10 +79,10 @@ const SYNTAX: &str = "rules like \"exclude 2048x2048; left R16G16B16A16_SFLOAT 1
 /// Why a text is no rules.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PassRulesError {
-    /// A rule that does not begin with what its passes are.
+    /// A rule that does not begin with a kind of passes.
     #[error("\"{0}\": a rule begins with exclude, left, right, either, double-wide or array")]
     Kind(String),
-    /// A word that is none of what may follow.
+    /// A word that may not follow.
     #[error(
         "\"{0}\": allowed: a colour format (such as R16G16B16A16_SFLOAT), a size (1440x1600), a number from 1 (#1), \
          upright, flipped"

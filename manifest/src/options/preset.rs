@@ -1,4 +1,4 @@
-//! Presets: named sets of values, between the defaults and what the file sets.
+//! Presets: named sets of values, between the defaults and the values of the file.
 
 /// Makes a choice of presets from a list of the values that each sets.
 macro_rules! presets {
@@ -13,7 +13,7 @@ macro_rules! presets {
         }
 
         impl Config {
-            /// What holds where a file sets nothing but this preset.
+            /// The configuration of a file that sets nothing but this preset.
             pub fn of_preset(preset: $type) -> Self {
                 #[allow(unused_mut, reason = "a preset may set nothing")]
                 let mut config = Self { preset, ..Self::default() };

@@ -14,7 +14,7 @@ or to `~/.config/parafovea/apps/<application>.toml` for one; [the guide](GUIDE.m
 |---|---|---|---|
 ";
 
-/// What a preset sets, as it stands in a file: the options that differ from their defaults.
+/// The settings of a preset, as in a file: the options that differ from their defaults.
 fn set_by(preset: Preset) -> String {
     let (defaults, config) = (Config::default(), Config::of_preset(preset));
     let differs = OPTIONS.iter().filter(|option| !option.section.is_empty());
@@ -53,7 +53,7 @@ pub fn reference() -> String {
 mod tests {
     use super::*;
 
-    /// A preset is a product: what it sets is stated here once more, so that nobody changes it by chance.
+    /// A preset is a product: its settings are stated here once more, so that nobody changes it by chance.
     #[test]
     fn each_preset_sets_this_and_nothing_else() {
         for preset in Preset::ALL {

@@ -25,7 +25,7 @@ pub enum Allowed {
     },
     /// A text, and how it is made up.
     Text(&'static str),
-    /// One of some names, each with what it means.
+    /// One of some names, each with its meaning.
     Choice(&'static [(&'static str, &'static str)]),
 }
 
@@ -53,16 +53,16 @@ impl fmt::Display for Allowed {
 
 /// A type that an option can have.
 pub trait Setting: Copy {
-    /// What bounds it: nothing, or a range.
+    /// Its bounds: none, or a range.
     type Range;
 
     /// The value, if it has the right type and is within `range`.
     fn read(value: &DeValue<'_>, range: Self::Range) -> Option<Self>;
 
-    /// What [`Setting::read`] takes.
+    /// The values that [`Setting::read`] takes.
     fn allowed(range: Self::Range) -> Allowed;
 
-    /// As it stands in a file: what [`Setting::read`] makes the same value from.
+    /// Its text in a file, from which [`Setting::read`] makes the same value.
     fn to_toml(self) -> String;
 }
 

@@ -1,4 +1,4 @@
-//! What an option is, and the macro that makes the table and the structures from one list.
+//! The parts of an option, and the macro that makes the table and the structures from one list.
 
 use toml::de::DeValue;
 
@@ -11,16 +11,16 @@ pub struct OptionSpec {
     pub section: &'static str,
     /// Its key within the section.
     pub name: &'static str,
-    /// What it does, one line.
+    /// Its effect, one line.
     pub doc: &'static str,
-    /// What a number counts; empty for a pure number and for what is no number.
+    /// Unit of a number; empty for a pure number and for other values.
     pub unit: &'static str,
     pub(crate) allowed: fn() -> Allowed,
     pub(crate) write: fn(&mut Config, &DeValue<'_>) -> Result<(), NotAllowed>,
     pub(crate) to_toml: fn(&Config) -> String,
 }
 
-/// A value is of the wrong type or out of range: not what [`OptionSpec::allowed`] says.
+/// A value is of the wrong type or out of the range of [`OptionSpec::allowed`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NotAllowed;
 

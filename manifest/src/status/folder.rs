@@ -43,7 +43,7 @@ impl StatusFile {
         Ok(Some(Self { path, next: folder.join(format!(".{pid}")), asked }))
     }
 
-    /// Puts `status` in place of what was told before: whoever reads sees the one or the other, never a part.
+    /// Replaces the last status by `status`: whoever reads sees the one or the other, never a part.
     ///
     /// # Errors
     /// The file system refuses.

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// More than a name has.
 const MOST_BYTES: usize = 32;
 
-/// Where a process looks for what is asked of it.
+/// The place where a process looks for requests.
 #[derive(Debug)]
 pub struct AskedView(Option<PathBuf>);
 

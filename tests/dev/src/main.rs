@@ -26,9 +26,10 @@ Usage: cargo dev TASK, in any folder of the repository
 
   setup                 install missing programs and libraries (on Debian and Ubuntu; on other systems, name them). Every task does this
                         first
-  demo [--json]         run three applications (our test scene, a rendering style of the zoo, and unmodified hello_xr) without the layer and
-                        with its default preset, while the gaze moves: CPU time, shaded samples, errors, and decisions of the layer;
-                        pictures in target/demo/. Installs and builds only its own dependencies
+  demo [--json] [APPLICATION ...]
+                        run three applications (our test scene, a rendering style of the zoo, and unmodified hello_xr), or the named ones of
+                        them, without the layer and with its default preset, while the gaze moves: CPU time, shaded samples, errors, and
+                        decisions of the layer; pictures in target/demo/. Installs and builds only its own dependencies
   test [--strict] [PART]
                         run the checks of CI: formatting, clippy, build, documentation and all tests; with PART, only the build, and tests
                         with PART in their names. Each test runs in its own process, with a time limit of 10 minutes. Tests whose

@@ -6,12 +6,18 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let json = arguments == ["--json"];
-    if !json && !arguments.is_empty() {
-        eprintln!("parafovea-demo takes `--json` or nothing, and got: {}", arguments.join(" "));
+    let (options, names): (Vec<_>, Vec<_>) =
+        arguments.into_iter().partition(|argument| argument.starts_with('-'));
+    let json = options == ["--json"];
+    let mut exhibits = demo::exhibits();
+    let known: Vec<&str> = exhibits.iter().map(demo::Exhibit::name).collect();
+    let unknown = names.iter().find(|name| !known.contains(&name.as_str()));
+    if let Some(other) = options.iter().find(|option| *option != "--json").or(unknown) {
+        eprintln!("`{other}`: parafovea-demo takes `--json` and names of applications: {}", known.join(", "));
         return ExitCode::FAILURE;
     }
-    match show(json) {
+    exhibits.retain(|exhibit| names.is_empty() || names.iter().any(|name| name == exhibit.name()));
+    match show(&exhibits, names.is_empty(), json) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");
@@ -20,15 +26,15 @@ fn main() -> ExitCode {
     }
 }
 
-fn show(json: bool) -> Result<(), HarnessError> {
+/// Shows applications, and with `each_technique` the techniques that are off in the preset, each alone, in the first one.
+fn show(exhibits: &[demo::Exhibit], each_technique: bool, json: bool) -> Result<(), HarnessError> {
     let folder = demo::pictures_folder()?;
-    let exhibits = demo::exhibits();
-    let mut progress = Progress::new(demo::work(&exhibits));
+    let mut progress = Progress::new(demo::work(exhibits, each_technique));
     let mut findings = Vec::new();
-    for exhibit in &exhibits {
+    for exhibit in exhibits {
         findings.push(demo::run(exhibit, &folder, &mut progress)?);
     }
-    let savings = match exhibits.first() {
+    let savings = match exhibits.first().filter(|_| each_technique) {
         Some(scene) => demo::savings(scene, &folder, &mut progress)?.to_vec(),
         None => Vec::new(),
     };

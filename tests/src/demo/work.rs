@@ -10,14 +10,15 @@ const START: f64 = 8e6;
 /// Judging a pixel, in pixels that could be rendered meanwhile.
 const JUDGING: f64 = 5.0;
 
-/// All work that [`super::run`] and [`super::savings`] do, the latter for the first exhibit.
-pub fn work(exhibits: &[Exhibit]) -> u64 {
+/// All work of [`super::run`], and, with `each_technique`, of [`super::savings`] for the first exhibit.
+pub fn work(exhibits: &[Exhibit], each_technique: bool) -> u64 {
     let of_one = |exhibit: &Exhibit| {
         let alone = Effort { run_up: RUN_UP_ALONE, ..exhibit.timed };
         let turn = rendering(exhibit, alone) + rendering(exhibit, exhibit.timed);
         exhibit.timed.turns as u64 * turn + 3 * rendering(exhibit, exhibit.counted) + judging(exhibit)
     };
-    exhibits.iter().map(of_one).sum::<u64>() + exhibits.first().map_or(0, work_of)
+    let savings = exhibits.first().filter(|_| each_technique).map_or(0, work_of);
+    exhibits.iter().map(of_one).sum::<u64>() + savings
 }
 
 /// One run.

@@ -5,7 +5,7 @@ use super::line::{Line, Moment};
 use crate::gaze::GazeSettings;
 use glam::Vec3;
 
-/// Samples nearer in time than this are one sample: half of what a 1 kHz tracker's differ by. A speed over less
+/// Samples nearer in time than this are one sample: half of the interval of a 1 kHz tracker. A speed over less
 /// would be noise divided by next to nothing.
 const LEAST_STEP_NS: i64 = 500_000;
 
@@ -18,7 +18,7 @@ const LONGEST_SACCADE_NS: i64 = 200_000_000;
 /// By how much the speed of slow eyes changes from one moment to the next, degrees a second: pursuit sets in with that.
 const PURSUIT_ONSET_DEG_S: f32 = 30.0;
 
-/// Longest time for which that counts, seconds: what comes after a longer one is as uncertain.
+/// Longest time for which that counts, seconds: after a longer one the gaze is as uncertain.
 const LONGEST_ALLOWANCE_S: f32 = 0.1;
 
 /// A sample is a jump where it is this many standard deviations from where it was expected, which of a million at rest 40
@@ -28,10 +28,10 @@ const JUMP_SIGMAS: f32 = 4.5;
 /// Turning is told from noise at so many standard deviations, and is over at so many.
 const TURNING_SIGMAS: [f32; 2] = [3.5, 2.5];
 
-/// What a tracker's samples scatter by, standard deviation along either axis, degrees; before it is measured.
+/// Scatter of a tracker's samples, standard deviation along either axis, degrees; before it is measured.
 const USUAL_NOISE_DEG: f32 = 0.3;
 
-/// What is believed of a measured one.
+/// Range of believed measurements.
 const NOISE_DEG: std::ops::RangeInclusive<f32> = 0.05..=1.0;
 
 /// How much one sample counts in it.
@@ -44,7 +44,7 @@ const NOISE_COUNT: u16 = 6;
 #[derive(Debug)]
 pub(super) struct TooFast;
 
-/// What the eyes do.
+/// Eye movement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motion {
     line: Line,

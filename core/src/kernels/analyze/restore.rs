@@ -30,7 +30,7 @@ pub const SETTLED: u32 = 16;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Shown {
-    /// Contrast in the finest octave that survived, as far as what is known follows it.
+    /// Contrast in the finest octave that survived, as far as the memory follows it.
     pub contrast: f32,
     /// [`ShadingRate::texel`] that it was shaded at.
     pub rate: u32,

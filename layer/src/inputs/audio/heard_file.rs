@@ -34,7 +34,7 @@ pub fn is_wanted() -> bool {
     FILE.is_some()
 }
 
-/// Writes what a plan took, and what it was taken from.
+/// Writes the features of a plan, and their source.
 pub fn write(taken: Option<&AudioFeatures>, record: Option<&FeaturesRecord>) {
     let Some(file) = &*FILE else { return };
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();

@@ -46,7 +46,7 @@ pub struct Auto {
 }
 
 impl Auto {
-    /// Of what the sources say of the same time, the one to use: the runtime's eye tracker while it sees the eyes or has just seen
+    /// The gaze to use of all sources at the same time: the runtime's eye tracker while it sees the eyes or has just seen
     /// them, else packets while they arrive, else nothing.
     pub fn choose(&mut self, eyes: Look, osc: Look, time_ns: i64) -> (Holder, Look) {
         let begun_ns = *self.begun_ns.get_or_insert(time_ns);

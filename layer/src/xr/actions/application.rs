@@ -1,4 +1,4 @@
-//! What the application does about input, as far as ours has to fit in.
+//! The application's input, as far as ours has to fit in.
 
 use super::gaze_action::{self, Wanted};
 use crate::xr::instance::Instance;
@@ -21,7 +21,7 @@ pub struct ApplicationInput {
     users: Vec<xr::Path>,
 }
 
-/// What the application suggested for the profile of eye gaze.
+/// The application's suggestion for the profile of eye gaze.
 #[derive(Debug, Clone, Default)]
 enum GazeSuggestion {
     #[default]
@@ -66,7 +66,7 @@ impl Suggested {
     }
 }
 
-/// The user path that a binding path begins with: what is before `/input` or `/output`.
+/// The user path that a binding path begins with: the part before `/input` or `/output`.
 fn user_of(instance: &Instance, binding: xr::Path) -> Option<xr::Path> {
     let mut text = [0 as c_char; xr::MAX_PATH_LENGTH];
     let mut length = 0;

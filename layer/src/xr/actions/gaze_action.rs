@@ -10,7 +10,7 @@ const PROFILE: &CStr = c"/interaction_profiles/ext/eye_gaze_interaction";
 const GAZE_POSE: &CStr = c"/user/eyes_ext/input/gaze_ext/pose";
 const EYES: &CStr = c"/user/eyes_ext";
 
-/// The action set and what belongs to it; all of it goes with its instance.
+/// The action set with its action; both go with their instance.
 #[derive(Debug, Clone, Copy)]
 pub struct GazeAction {
     /// The action set.
@@ -30,7 +30,7 @@ pub struct Wanted {
     /// As that of the application's set that has the gaze: a lower one would lose its source to that, a higher one would
     /// take it away. Without such a set 0, the lowest.
     pub priority: u32,
-    /// What the application suggested for the profile of eye gaze: each suggestion replaces the one before.
+    /// The application's suggestion for the profile of eye gaze: each suggestion replaces the one before.
     pub applications: Vec<xr::ActionSuggestedBinding>,
     /// [`GazeAction::suggestion`].
     pub suggestion: u32,

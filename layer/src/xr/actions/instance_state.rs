@@ -1,4 +1,4 @@
-//! What is known of an instance's action sets, and ours.
+//! State of an instance's action sets, and of ours.
 
 use super::application::ApplicationInput;
 use super::gaze_action::GazeAction;
@@ -23,7 +23,7 @@ struct Ours {
 }
 
 impl InstanceActions {
-    /// What the application does. Nothing is called down meanwhile.
+    /// The application's input. Nothing is called down meanwhile.
     pub fn application(&self) -> MutexGuard<'_, ApplicationInput> {
         self.application.lock().unwrap_or_else(PoisonError::into_inner)
     }

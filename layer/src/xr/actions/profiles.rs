@@ -1,4 +1,4 @@
-//! What the application may know of interaction profiles: what it would know without us.
+//! Interaction profiles as the application sees them: as without the layer.
 //!
 //! Our action set brings the profile of eye gaze, and an event about it. And where the application has nothing
 //! attached, or has not synchronised yet, it is too early for any profile.
@@ -29,7 +29,7 @@ struct State {
 /// How much of it is the application's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum View {
-    /// All, but what is about the eyes only.
+    /// All, except profiles of the eyes only.
     #[default]
     Own,
     /// Nothing yet: its action sets are attached, and we synchronise ahead of it.
@@ -113,7 +113,7 @@ impl Profiles {
         state.view == View::Own && std::mem::take(&mut state.owed)
     }
 
-    /// What the application is answered about a current profile that the runtime told.
+    /// The answer to the application for the runtime's current profile.
     ///
     /// # Errors
     ///

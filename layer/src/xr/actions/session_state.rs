@@ -1,4 +1,4 @@
-//! What is known of a session's actions, and ours.
+//! State of a session's actions, and of ours.
 
 use super::gaze_action::GazeAction;
 use super::profiles::Profiles;
@@ -15,13 +15,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// frames: about a second, in which one that begins late has begun (peers: Quad-Views-Foveated and VectorXR wait as long).
 const PATIENCE_FRAMES: u32 = 100;
 
-/// What a frame counts at most for how long an application has been seen: time in which nothing is shown tells nothing.
+/// Longest duration of a frame in the time for which an application has been seen: time in which nothing is shown tells nothing.
 const LONGEST_FRAME_NS: i64 = 100_000_000;
 
 /// The actions of a session.
 #[derive(Debug)]
 pub struct SessionActions {
-    /// What the application may know of interaction profiles.
+    /// Interaction profiles as the application sees them.
     pub profiles: Profiles,
     has_tracker: bool,
     state: Mutex<State>,
@@ -63,7 +63,7 @@ impl Attachment {
     }
 }
 
-/// What is due at the end of a frame.
+/// Work that is due at the end of a frame.
 enum Due {
     Nothing,
     AttachAlone,

@@ -1,4 +1,4 @@
-//! What of a frame's pictures is taken from earlier ones.
+//! Completion of a frame's pictures from earlier ones.
 
 use super::depth;
 use super::history::{Completing, Expected, History, ShownPicture};
@@ -108,7 +108,7 @@ pub fn expect(active: &Active, config: &Config, views: &[View]) {
     });
 }
 
-/// What of the pictures of both eyes is watched for changes.
+/// The directions that are compared with earlier pictures, of both eyes.
 fn watched(planning: &Planning, config: &Config) -> [Option<Watched>; 2] {
     let is_watched = wants_reuse(config) && config.reuse.refresh;
     [0, 1].map(|eye| planning.watched(eye).filter(|_| is_watched))

@@ -1,4 +1,4 @@
-//! What is decided, drawn over the finished pictures of the eyes where the configuration, or `parafovea status`, asks for that.
+//! The layer's decisions, drawn over the finished pictures of the eyes where the configuration, or `parafovea status`, asks for that.
 //!
 //! Pictures of virtual swapchains are drawn over when they were written, at the end of the frame. Those of other swapchains are drawn over in
 //! the call that returns their image, because the image is the runtime's after it: where the eyes' pictures are in it is known from
@@ -23,7 +23,7 @@ use parafovea_core::geometry::Fov;
 use smallvec::SmallVec;
 use std::sync::Arc;
 
-/// What draws, made when it is first asked for.
+/// State of the debug view; its pass is made when it is first asked for.
 #[derive(Default)]
 pub struct DebugViews {
     pass: Option<DebugViewPass>,
@@ -33,7 +33,7 @@ pub struct DebugViews {
     shown: [Option<ShownEye>; 2],
     /// Number of that frame.
     frame: u64,
-    /// What was drawn last, and the number of the last frame by then.
+    /// The view that was drawn last, and the number of the last frame by then.
     drawn: Option<(DebugView, u64)>,
     has_failed: bool,
 }
@@ -54,7 +54,7 @@ struct EyePicture<'a> {
     rect: vk::Rect2D,
 }
 
-/// How many frames may end without what is drawn being drawn: those of an application that draws ahead.
+/// Number of frames that may end without a drawing: those of an application that draws ahead.
 const MISSED_FRAMES: u64 = 2;
 
 impl DebugViews {

@@ -8,7 +8,7 @@ use parafovea_core::geometry::Nearness;
 use parafovea_core::kernels::compose::DepthRect;
 use parafovea_core::reuse::Viewpoint;
 
-/// What comes with a view, where it was copied and makes sense.
+/// The depth of a view; `None` if it was not copied, or is malformed.
 pub fn of(view: &ProjectionView) -> Option<ShownDepth> {
     let SubmittedDepth { sub_image, range } = view.depth.as_ref()?;
     let newest = swapchain::newest_depth(sub_image.swapchain)?;

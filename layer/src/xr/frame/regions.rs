@@ -8,7 +8,7 @@ use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use smallvec::SmallVec;
 
-/// What the images of a swapchain are like, for a region of them.
+/// Properties of a swapchain's images, for a region of them.
 #[derive(Debug, Clone, Copy)]
 pub struct Images {
     /// Size, pixels.
@@ -19,7 +19,7 @@ pub struct Images {
     pub is_unit_range: bool,
 }
 
-/// What a view shows of an image, with a focus in the space of its layer. `None` for a rectangle that is not
+/// The region of an image that a view shows, with a focus in the space of its layer. `None` for a rectangle that is not
 /// within the image, and other values that the runtime refuses.
 pub fn region(
     view: &ProjectionView,

@@ -15,7 +15,7 @@ use parafovea_core::geometry;
 use smallvec::SmallVec;
 use std::sync::MutexGuard;
 
-/// What is to be done for a virtual swapchain.
+/// The work on a virtual swapchain.
 pub struct Work<'a> {
     /// The swapchain.
     pub swapchain: &'a Swapchain,
@@ -23,9 +23,9 @@ pub struct Work<'a> {
     pub target: MutexGuard<'a, Target>,
     /// Whether a projection layer of this frame shows it.
     pub is_projected: bool,
-    /// What is completed from earlier pictures.
+    /// Regions that are completed from earlier pictures.
     pub reuse: SmallVec<[ReuseRegion<'a>; 2]>,
-    /// What is compared with earlier pictures.
+    /// Regions that are compared with earlier pictures.
     pub changes: SmallVec<[ChangeRegion<'a>; 2]>,
     substitute: &'a Substitute,
     newest: Newest,
@@ -58,7 +58,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// What its images are drawn to as.
+    /// Format of its images.
     pub fn format(&self) -> vk::Format {
         self.substitute.format
     }

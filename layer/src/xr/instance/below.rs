@@ -1,4 +1,4 @@
-//! What the loader tells a layer of the layers below it.
+//! The layers below, from the loader.
 
 use super::extensions;
 use openxr_sys as xr;
@@ -33,7 +33,7 @@ impl Below {
         }
     }
 
-    /// What the runtime says that it has, where it can be asked: not through other layers, some of which take no question
+    /// The extensions of the runtime, where it can be asked: not through other layers, some of which take no question
     /// without an instance.
     pub fn offered(&self) -> Option<Vec<xr::ExtensionProperties>> {
         let is_end = self.list.next_info.is_null();

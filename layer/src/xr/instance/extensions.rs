@@ -63,7 +63,7 @@ fn is_named(extension: &xr::ExtensionProperties, name: &CStr) -> bool {
     characters.take_while(|&byte| byte != 0).eq(name.to_bytes().iter().copied())
 }
 
-/// What the runtime says that it has; nothing where it says nothing of use.
+/// The extensions of the runtime; `None` without a usable answer.
 ///
 /// # Safety
 ///

@@ -1,4 +1,4 @@
-//! What an active session has: our work on its device.
+//! Active sessions: our work on their devices.
 
 use super::shared;
 use crate::config::ConfigSnapshot;
@@ -16,9 +16,9 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 pub struct Active {
     /// The device.
     pub device: VulkanDevice,
-    /// What its frames shall do.
+    /// Plan of its frames.
     pub plan: SessionPlan,
-    /// What sorts the tiles of its pictures while they are drawn.
+    /// Sorting of the tiles of its pictures while they are drawn.
     pub ahead: Ahead,
     history: Mutex<History>,
     report: Mutex<FrameReport>,
@@ -36,7 +36,7 @@ pub struct Tools {
     compose: Mutex<Compose>,
 }
 
-/// What is still tried after failures, best first. A session never gets better again.
+/// Remaining abilities after failures, best first. A session never gets better again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Health {
@@ -108,7 +108,7 @@ impl Active {
         self.report.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What its frames showed last.
+    /// Its last pictures.
     pub fn history(&self) -> MutexGuard<'_, History> {
         self.history.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -118,12 +118,12 @@ impl Active {
         self.history.try_lock().ok()
     }
 
-    /// What is drawn over its pictures for people to see.
+    /// State of its debug view.
     pub fn debug_views(&self) -> MutexGuard<'_, DebugViews> {
         self.debug_views.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What may be tried.
+    /// Its remaining abilities.
     pub fn health(&self) -> Health {
         match self.health.load(Ordering::Relaxed) {
             0 => Health::Works,
@@ -132,7 +132,7 @@ impl Active {
         }
     }
 
-    /// Gives up what failed.
+    /// Gives abilities up after a failure.
     pub fn worsen_to(&self, health: Health) {
         self.health.fetch_max(health as u8, Ordering::Relaxed);
     }

@@ -1,4 +1,4 @@
-//! What sessions on one device share, from the first that needs it until the application destroys the device.
+//! Objects that sessions on one device share, from the first that needs it until the application destroys the device.
 
 use crate::abi::guard;
 use crate::gpu::{GpuError, Shared};
@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 static SHARED: Registry<vk::Device, Shared> = Registry::new();
 
-/// What is shared on a device; a session's own where nobody would tell of the device's end.
+/// The shared objects of a device; a session's own where nobody would tell of the device's end.
 ///
 /// # Safety
 ///

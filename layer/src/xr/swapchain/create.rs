@@ -111,7 +111,7 @@ fn may_be_filled(active: &Active, config: &Config, info: &xr::SwapchainCreateInf
         && !info.create_flags.contains(xr::SwapchainCreateFlags::PROTECTED_CONTENT)
 }
 
-/// What our images are to be like, if the swapchain is to be virtual.
+/// The shape of our images, if the swapchain is to be virtual.
 ///
 /// # Safety
 ///

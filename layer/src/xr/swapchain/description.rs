@@ -1,4 +1,4 @@
-//! What a swapchain's images are like, for the Vulkan half.
+//! Properties of a swapchain's images, for the Vulkan half.
 
 use super::eligibility::vulkan_usage;
 use crate::link::SwapchainRecord;
@@ -6,7 +6,7 @@ use crate::passes::compose::{DEPTH_USAGE, DepthShape, SwapchainShape};
 use ash::vk;
 use openxr_sys as xr;
 
-/// What the application asked for, and what it got.
+/// The application's request, and the granted usage.
 #[derive(Debug, Clone, Copy)]
 pub struct Description {
     extent: [u32; 2],
@@ -39,7 +39,7 @@ impl Description {
         (vk::Extent2D { width: self.extent[0], height: self.extent[1] }, self.layers)
     }
 
-    /// What the images are like for what draws over them, or why nothing may.
+    /// The shape of the images for the debug view; an error says why nothing may be drawn.
     pub fn drawn_over(&self) -> Result<SwapchainShape, &'static str> {
         if self.has_flags {
             return Err("it is static or protected");
@@ -61,7 +61,7 @@ impl Description {
         self.granted.contains(needed) && !self.has_flags && self.samples == 1 && self.faces == 1
     }
 
-    /// What they are like, if they have depth.
+    /// Their shape, if they have depth.
     pub fn depth_shape(&self) -> DepthShape {
         let (extent, array_layers) = self.extent_and_layers();
         DepthShape { format: self.format, extent, array_layers }

@@ -1,4 +1,4 @@
-//! Which swapchains may be substituted, and what their images are like.
+//! Swapchains that may be substituted, and the shape of their images.
 
 use super::super::structures::extending;
 use crate::abi::pnext::{MAX_LENGTH, Structure};
@@ -47,7 +47,7 @@ impl fmt::Display for NotSubstituted {
     }
 }
 
-/// What the images of a swapchain are like, if it may be substituted. `supports` says which formats `compose`
+/// The shape of the images of a swapchain, if it may be substituted. `supports` says which formats `compose`
 /// works with.
 ///
 /// # Safety

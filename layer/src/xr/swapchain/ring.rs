@@ -17,7 +17,7 @@ pub struct Ring {
     shown: u64,
 }
 
-/// The image that the application released last: what a frame shows.
+/// The image that the application released last: the one of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Newest {
     /// Which image.
@@ -26,7 +26,7 @@ pub struct Newest {
     pub release: u64,
     /// Whether it was not shown yet.
     pub fresh: bool,
-    /// Whether it still holds what was released; the application may have begun to draw the next picture
+    /// Whether its released picture is intact; the application may have begun to draw the next picture
     /// into it.
     pub intact: bool,
 }
@@ -76,7 +76,7 @@ impl Ring {
         })
     }
 
-    /// Whether an image still holds what was released as that release. Its next turn is [`Self::count`] later; what it holds
+    /// Whether the picture of that release is intact. Its next turn is [`Self::count`] later; what it holds
     /// is lost once that turn was waited for.
     pub fn is_intact(&self, release: u64) -> bool {
         self.waited < release + self.count

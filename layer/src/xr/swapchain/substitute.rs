@@ -1,4 +1,4 @@
-//! What a virtual swapchain consists of: our images for the application, and the runtime's images.
+//! The parts of a virtual swapchain: our images for the application, and the runtime's images.
 
 use super::{Ring, Target};
 use crate::gpu::{Gpu, GpuError};

@@ -22,10 +22,10 @@ enum Held {
     Ready(u32),
 }
 
-/// The runtime's images, and what was written to the one that it shows.
+/// The runtime's images, and the regions written to the shown one.
 pub struct Target {
     images: Option<RuntimeImages>,
-    /// What this frame is to be processed with.
+    /// Regions to process in this frame.
     pub regions: Vec<ComposeRegion>,
     shown: Vec<ComposeRegion>,
     held: Held,
@@ -66,7 +66,7 @@ impl Target {
         self.is_drawn_over
     }
 
-    /// Whether [`Self::regions`] differ from what the runtime's picture was processed with.
+    /// Whether [`Self::regions`] differ from those of the runtime's picture.
     pub fn is_outdated(&self) -> bool {
         let is_same = |a: &ComposeRegion, b: &ComposeRegion| {
             a.array_layer == b.array_layer

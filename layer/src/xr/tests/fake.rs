@@ -14,9 +14,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 static HANDLES: AtomicU64 = AtomicU64::new(1);
 
 thread_local! {
-    /// The extensions of each xrCreateInstance of this thread, and what they were answered.
+    /// The extensions of each xrCreateInstance of this thread, with their results.
     pub static CREATED: RefCell<Vec<(Vec<CString>, xr::Result)>> = const { RefCell::new(Vec::new()) };
-    /// What an instance with eye gaze, and one without, is answered.
+    /// Results for an instance with eye gaze, and for one without.
     pub static ANSWERS: RefCell<[xr::Result; 2]> = const { RefCell::new([xr::Result::SUCCESS; 2]) };
     /// The extensions that the stand-in lists; it does not answer without any.
     pub static LISTED: RefCell<Vec<&'static CStr>> = const { RefCell::new(Vec::new()) };

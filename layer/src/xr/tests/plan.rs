@@ -1,4 +1,4 @@
-//! An active session above the stand-ins for the runtime and for the Vulkan half: what is planned when, and who is told.
+//! An active session above the stand-ins for the runtime and for the Vulkan half: times and messages of plans.
 
 mod application;
 mod gate;
@@ -10,7 +10,8 @@ use super::fake::frames::{
 };
 use super::fake::vulkan_half::{self, DECISIONS, GPU_NS, PASSES, STALE_WORDS, Told, calls, told};
 use super::{create_instance, fake};
-use crate::link::{BACKEND_ANY, NO_EYE, NO_IMAGE, ShownRecord, ShownViewRecord};
+use crate::config::{Config, RatesBackend};
+use crate::link::{BACKEND_ANY, BACKEND_NONE, NO_EYE, NO_IMAGE, ShownRecord, ShownViewRecord};
 use crate::status::{Topic, all_decisions};
 use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
 use crate::xr::{actions, frame, instance, plan, session, swapchain};
@@ -45,6 +46,30 @@ fn a_steady_frame_hands_over_nothing_new() {
     look(15.0);
     application.frame();
     assert_eq!(calls(), [SECTION, SECTION, "begin_frame", SECTION, "end_frame", SECTION], "a new plan");
+}
+
+/// An edit between xrBeginFrame and xrEndFrame is the next frame's.
+#[test]
+fn a_frame_has_one_configuration() {
+    let application = Application::new();
+    look(0.0);
+    application.settle();
+    application.begin();
+    let mut edited = Config::default();
+    edited.rates.backend = RatesBackend::Off;
+    session::find(application.session).unwrap().instance.config.set(edited);
+    look(15.0);
+    application.locate();
+    assert_eq!(plans().len(), 1, "rates are on in this frame");
+    application.end(&[application.view(0), application.view(1)], None);
+    let is_off = |told: &Told| matches!(told, Told::Settings { is_on: 0, backend: BACKEND_NONE, .. });
+    assert!(!told().iter().any(is_off));
+    look(-15.0);
+    application.begin();
+    application.locate();
+    let told = told();
+    assert!(told.iter().any(is_off), "{told:?}");
+    assert!(!told.iter().any(|told| matches!(told, Told::Plan { .. })), "{told:?}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What holds, and where it comes from.
+//! Effective values, and their sources.
 
 use parafovea_manifest::config::Config;
 use parafovea_manifest::options::{OPTIONS, OptionSpec};

@@ -30,7 +30,7 @@ impl Home {
     }
 }
 
-/// What the watch reads: the hold time, which the tests edit.
+/// The hold time that the watch reads, which the tests edit.
 fn hold(watch: &mut Watch) -> Option<u32> {
     watch.poll().map(|read| read.unwrap().gaze.hold_ms)
 }

@@ -1,8 +1,8 @@
-//! Faults that are planted, and what is found of each.
+//! Injected faults, and their findings.
 
 use super::*;
 
-/// A fault: what it is called here, how it is planted, what is found, and whether `--fix` removes it.
+/// A fault: its name, its injection, its findings, and whether `--fix` removes it.
 type Fault = (&'static str, fn(&mut Machine), &'static [&'static str], bool);
 
 const FAULTS: &[Fault] = &[
@@ -319,7 +319,7 @@ fn each_planted_fault_is_found_alone_and_has_advice() {
     }
 }
 
-/// What users meet most: in their words, the fault above that it is, and what they are told to do.
+/// The most common faults: in users' words, the fault above, and the advice.
 const MET_MOST: [(&str, &str, &str); 15] = [
     ("manifest missing", "one manifest missing", "parafovea install"),
     ("wrong path", "manifest with a wrong path", "parafovea install"),

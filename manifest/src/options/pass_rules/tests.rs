@@ -21,7 +21,7 @@ fn no_text_is_no_rules() {
     assert_eq!(rules(" ; "), Ok(PassRules::default()));
 }
 
-/// Errors name the word that is wrong, and what is allowed in its place.
+/// Errors name the word that is wrong, and the allowed words.
 #[test]
 fn errors_name_what_is_allowed() {
     for (text, words) in [

@@ -34,7 +34,7 @@ struct Shared {
     is_ending: AtomicBool,
 }
 
-/// What the listener knows at a moment.
+/// State of the listener.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heard {
     /// The gaze.
@@ -71,7 +71,7 @@ impl Listener {
         self.shared.scale_deg.store(scale_deg.to_bits(), Ordering::Relaxed);
     }
 
-    /// What is known now. `None` in the rare case that the thread is just writing it: waiting for it is never worth a frame.
+    /// The state now. `None` in the rare case that the thread is just writing it: waiting for it is never worth a frame.
     pub fn heard(&self) -> Option<Heard> {
         let look = *self.shared.look.try_lock().ok()?;
         let age_ns = |heard_ns: i64| nanoseconds(self.begun.elapsed()).saturating_sub(heard_ns).max(0);
@@ -144,7 +144,7 @@ fn is_none_yet(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }
 
-/// Throws away what waits to be read, up to a limit.
+/// Throws unread packets away, up to a limit.
 fn drop_waiting(socket: &UdpSocket, bytes: &mut [u8]) {
     if socket.set_nonblocking(true).is_err() {
         return;

@@ -27,7 +27,7 @@ pub struct OscSource {
     times: SampleTimes,
 }
 
-/// What is told of it. No direction is.
+/// Its status: no direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OscTold {
     /// Where it receives, or was to; `None`: it was not to.
@@ -82,7 +82,7 @@ impl OscSource {
         }
     }
 
-    /// Ends it; what is returned is to be dropped.
+    /// Ends it; the caller drops the listener.
     pub fn close(&mut self) -> Option<Listener> {
         let listener = self.listener.take();
         *self = Self::default();
@@ -103,7 +103,7 @@ impl OscSource {
         }
     }
 
-    /// What is told of it.
+    /// Its status.
     pub fn told(&self) -> OscTold {
         let look = self.heard.map(|heard| heard.look).unwrap_or_default();
         let is_there = self.heard.is_some_and(|heard| heard.age.is_some_and(|age| age < ENDED));

@@ -1,4 +1,4 @@
-//! A stand-in for the Vulkan half: it notes what it is told.
+//! A stand-in for the Vulkan half: it notes its messages.
 
 use crate::config::Arming;
 use crate::link::{
@@ -25,21 +25,21 @@ pub enum Told {
 thread_local! {
     /// How many passes of a frame are recognised.
     pub static PASSES: Cell<u32> = const { Cell::new(0) };
-    /// Whether a GPU renders, and what a frame takes there, nanoseconds: without rates and with them.
+    /// Whether a GPU renders, and its time for a frame, nanoseconds: without rates and with them.
     pub static GPU_NS: Cell<Option<[u64; 2]>> = const { Cell::new(None) };
-    /// What is left out of the right eye's pictures, in rows of 32 tiles.
+    /// Stale tiles of the right eye's pictures, in rows of 32 tiles.
     pub static STALE_WORDS: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
     /// Decisions of this half: number of the topic, line and reason.
     pub static DECISIONS: RefCell<Vec<(u32, &'static str, &'static str)>> = const { RefCell::new(Vec::new()) };
     static IS_ON: Cell<bool> = const { Cell::new(false) };
     static FRAMES: Cell<u64> = const { Cell::new(0) };
-    /// What the frame before last took.
+    /// Time of the frame before last.
     static TIMES: RefCell<Vec<FrameTimeRecord>> = const { RefCell::new(Vec::new()) };
     static CALLS: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };
     static TOLD: RefCell<Vec<Told>> = const { RefCell::new(Vec::new()) };
 }
 
-/// What this thread told since the last call.
+/// Messages of this thread since the last call.
 pub fn told() -> Vec<Told> {
     TOLD.take()
 }

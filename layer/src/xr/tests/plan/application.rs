@@ -159,7 +159,7 @@ pub(super) fn look(yaw_deg: f32) {
     EYES.set(Some(Quat::from_rotation_y(yaw_deg.to_radians())));
 }
 
-/// The plans among what was told since the last call: serial and rates of the left eye.
+/// The plans since the last call: serial and rates of the left eye.
 pub(super) fn plans() -> Vec<(u64, Vec<u8>)> {
     let plan = |told| match told {
         Told::Plan { serial, rates: [left, _], .. } => Some((serial, left)),

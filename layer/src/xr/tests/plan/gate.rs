@@ -1,4 +1,4 @@
-//! What the gate does with what frames cost.
+//! The gate and the cost of frames.
 
 use super::*;
 
@@ -25,7 +25,7 @@ fn rates_are_left_off_for_a_look() {
     assert!(looks.iter().enumerate().all(|(index, is_on)| *is_on == index as u32 % 2), "{looks:?}");
 }
 
-/// On a GPU the gate hears what passes took, two frames later.
+/// On a GPU the gate gets times of passes two frames later.
 #[test]
 fn rates_that_take_a_gpu_longer_are_dropped() {
     for (ns, is_on) in [([5_000_000, 7_000_000], 0), ([5_000_000, 3_000_000], 1)] {

@@ -1,4 +1,4 @@
-//! Where the eyes look, and what of it is in the plan.
+//! The gaze in the plan.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! What the Vulkan half is told of swapchains, and of what they show.
+//! Messages to the Vulkan half about swapchains and submissions.
 
 use super::*;
 

@@ -262,7 +262,7 @@ proptest! {
         }
     }
 
-    /// What a sender says in degrees is the direction of these degrees.
+    /// Degrees of a sender are the direction of these degrees.
     #[test]
     fn degrees_survive(pitch in -60.0f32..60.0, yaw in -60.0f32..60.0) {
         let read = values(&floats("/tracking/eye/CenterPitchYaw", &[pitch, yaw]));
