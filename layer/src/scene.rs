@@ -9,7 +9,9 @@ mod matched;
 mod recognition;
 mod shown;
 
-pub use event::{Event, ImageDescription, ImageKey, Pass, PassFacts, Target, Transfer, TransferKind};
+pub use event::{
+    Draws, Event, ImageDescription, ImageKey, Pass, PassFacts, Reads, Target, Transfer, TransferKind,
+};
 pub use matched::{Eyes, How, Match, Orientation, Part, Unmatched};
 pub use recognition::Recognition;
 pub use shown::{Eye, Shown, ShownView, SwapchainKey};

@@ -68,6 +68,73 @@ pub struct Pass {
     pub facts: PassFacts,
     /// Why it was recorded without a mask; nothing where it has one, or where the device masks nothing.
     pub unmasked: Option<Reason>,
+    /// Its draws; `None` where they are not followed.
+    pub draws: Option<Draws>,
+}
+
+/// The draws of a pass.
+///
+/// What a draw reads is known by its descriptor sets. Images that are never attachments are left out: their content comes from no pass.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Draws {
+    /// Draws of one triangle or two, of one instance or one for each eye: at most [`Draws::QUAD_VERTICES`] vertices, known to the CPU.
+    pub quads: u32,
+    /// All other draws.
+    pub meshes: u32,
+    /// Vertices of all instances of all draws; saturates. Each draw that only the GPU knows counts [`Draws::INDIRECT_VERTICES`].
+    pub vertices: u32,
+    /// Attachments that quads may read.
+    pub read_by_quads: Reads,
+    /// Attachments that other draws may read.
+    pub read_by_meshes: Reads,
+}
+
+impl Draws {
+    /// Most vertices of a quad: two triangles.
+    pub const QUAD_VERTICES: u32 = 6;
+
+    /// Vertices that an indirect draw counts for: more than a full-screen pass has.
+    pub const INDIRECT_VERTICES: u32 = 1 << 16;
+
+    /// Adds the draws of a secondary command buffer, or of the next subpass.
+    pub fn add(&mut self, more: &Self) {
+        self.quads = self.quads.saturating_add(more.quads);
+        self.meshes = self.meshes.saturating_add(more.meshes);
+        self.vertices = self.vertices.saturating_add(more.vertices);
+        self.read_by_quads.add(&more.read_by_quads);
+        self.read_by_meshes.add(&more.read_by_meshes);
+    }
+}
+
+/// Images that shaders may read.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Reads {
+    /// Each once.
+    pub images: SmallVec<[ImageKey; Reads::MOST]>,
+    /// Whether more may be read than is known: descriptor buffers, arrays without end, or more than [`Reads::MOST`].
+    pub may_read_more: bool,
+}
+
+impl Reads {
+    /// Images that are told apart.
+    pub const MOST: usize = 8;
+
+    /// Adds an image.
+    pub fn push(&mut self, image: ImageKey) {
+        if self.images.contains(&image) {
+            return;
+        }
+        match self.images.len() < Self::MOST {
+            true => self.images.push(image),
+            false => self.may_read_more = true,
+        }
+    }
+
+    /// Adds all of `more`.
+    pub fn add(&mut self, more: &Self) {
+        self.may_read_more |= more.may_read_more;
+        more.images.iter().for_each(|image| self.push(*image));
+    }
 }
 
 /// Facts of a pass that decide what a backend may do.

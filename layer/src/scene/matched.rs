@@ -57,7 +57,7 @@ pub enum How {
     Swapchain,
     /// It is copied, blitted or resolved into one afterwards.
     Transferred,
-    /// It looks like the picture of an eye, and comes before the pass that writes the swapchain.
+    /// Its content becomes the picture of an eye by full-screen passes, as far as these can be followed, and it looks like one.
     Shape,
     /// The profile says so.
     Profile,
@@ -68,7 +68,7 @@ impl fmt::Display for How {
         f.write_str(match self {
             Self::Swapchain => "draws into the swapchain",
             Self::Transferred => "is copied, blitted or resolved into the swapchain",
-            Self::Shape => "matches the size of the eye buffer and is drawn before it",
+            Self::Shape => "is read by the passes that draw the eye buffer",
             Self::Profile => "named by rates.passes",
         })
     }
@@ -109,6 +109,10 @@ pub enum Unmatched {
     DrawnDirectly,
     /// Images of the same shape serve different ends in one frame.
     Ambiguous,
+    /// Draws of the scene sample it, or nothing else: a mirror, a shadow map, a scope, a user interface.
+    Texture,
+    /// It passes an eye buffer on, and shades nothing: coarse rates would only lose detail.
+    FullScreen,
     /// The picture's rectangle changes while the render area does not.
     Unsteady,
     /// The profile excludes it.
@@ -136,6 +140,8 @@ impl fmt::Display for Unmatched {
             Self::After => "no visible pass follows it",
             Self::DrawnDirectly => "the scene is drawn directly into the swapchain",
             Self::Ambiguous => "images of this size and format serve different purposes",
+            Self::Texture => "a texture that the scene samples",
+            Self::FullScreen => "a full-screen pass after the scene, kept at 1x1",
             Self::Unsteady => "the displayed rectangle changes, but the render area does not",
             Self::Excluded => "excluded by rates.passes",
             Self::New => "absent from earlier frames",

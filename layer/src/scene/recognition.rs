@@ -11,6 +11,8 @@ mod memory;
 mod placement;
 mod profile;
 mod projected;
+mod provenance;
+mod roles;
 mod trace;
 
 use super::{Event, How, ImageDescription, ImageKey, Match, Part, Pass, Shown, Unmatched};
@@ -20,6 +22,7 @@ use listing::Listing;
 use memory::Memory;
 use parafovea_manifest::options::PassRules;
 use projected::Swapchains;
+use provenance::{Known, Provenance, Role};
 use smallvec::SmallVec;
 use std::fmt;
 
@@ -32,9 +35,8 @@ pub struct Recognition {
     swapchains: Swapchains,
     cast: Cast,
     listing: Listing,
-    /// Images drawn after the last pass that could have read them: in the next frame's log something may.
-    tail: Vec<ImageKey>,
-    /// When passes with the right looks were last seen before one that could read them.
+    provenance: Provenance,
+    /// When cameras were last found that the picture comes from.
     found_at: Option<u64>,
     /// When the picture was last seen to be drawn without passes before it.
     drawn_directly_at: Option<u64>,
@@ -67,8 +69,9 @@ impl Recognition {
             self.memory.count_misses(self.frame);
         }
         let mut cast = std::mem::take(&mut self.cast);
-        cast.take(events, |image| self.memory.description(image));
-        cast.judge(|pass| self.by_image(pass, |image| self.memory.description(image)));
+        let is_young = |image| self.memory.is_young(self.frame, image);
+        cast.take(events, |image| self.memory.description(image), is_young);
+        cast.judge(|pass, ordinal| self.by_image(pass, ordinal, |image| self.memory.description(image)));
         self.cast = cast;
         self.memory.forget(self.frame);
         self.swapchains.forget(self.frame);
@@ -87,7 +90,7 @@ impl Recognition {
         describe: impl Fn(ImageKey) -> Option<ImageDescription>,
     ) -> Result<Match, Unmatched> {
         let description = |image| self.memory.description(image).or_else(|| describe(image));
-        let judged = match self.by_image(pass, description) {
+        let judged = match self.by_image(pass, ordinal(pass, earlier), description) {
             Err(unsettled) if self.is_young(pass, unsettled) => {
                 let shape = Shape::new(pass, description).ok_or(Unmatched::UnknownImage)?;
                 self.cast.like(&shape, earlier, description).unwrap_or(Err(unsettled))
@@ -115,15 +118,16 @@ impl Recognition {
         }
     }
 
-    /// What is known of the pass by its images.
+    /// The verdict by the images of a pass; so many passes of the frame drew the first of them before.
     fn by_image(
         &self,
         pass: &Pass,
+        ordinal: usize,
         description: impl Fn(ImageKey) -> Option<ImageDescription>,
     ) -> Result<Match, Unmatched> {
-        if pass.colors.is_empty() {
-            return Err(Unmatched::NoColour);
-        }
+        let first = pass.colors.first().ok_or(Unmatched::NoColour)?;
+        let described = description(first.image).ok_or(Unmatched::UnknownImage)?;
+        let role = self.memory.role(self.frame, &described, ordinal);
         let mut parts = Parts::new();
         let mut how = None;
         let mut reason = None;
@@ -152,22 +156,31 @@ impl Recognition {
         }
         match (how, reason) {
             (Some(_), Some(Unmatched::Unsteady)) => Err(Unmatched::Unsteady),
+            (Some(_), _) if role == Role::FullScreen => Err(Unmatched::FullScreen),
+            (Some(How::Transferred), _) if role == Role::Texture => Err(Unmatched::Texture),
             (Some(_), _) if parts.len() > MOST_PARTS => Err(Unmatched::Ambiguous),
             (Some(how), _) => Ok(Match { parts, how }),
             (None, Some(reason)) => Err(reason),
-            (None, None) => self.by_looks(pass, description),
+            (None, None) => self.by_looks(pass, role, description),
         }
     }
 
-    /// What it may be by its size, its format and its place in the frame.
+    /// The verdict by size and format, and by the role of the content in earlier frames.
     fn by_looks(
         &self,
         pass: &Pass,
+        role: Role,
         description: impl Fn(ImageKey) -> Option<ImageDescription>,
     ) -> Result<Match, Unmatched> {
         let parts = candidate::looks(pass, description, &self.swapchains)?;
-        if pass.colors.iter().any(|target| self.memory.precedes(target.image)) {
-            return Ok(Match { parts, how: How::Shape });
+        match role {
+            Role::Eye if pass.colors.iter().any(|target| self.memory.precedes(target.image)) => {
+                return Ok(Match { parts, how: How::Shape });
+            }
+            Role::FullScreen => return Err(Unmatched::FullScreen),
+            Role::Texture => return Err(Unmatched::Texture),
+            Role::Ambiguous => return Err(Unmatched::Ambiguous),
+            Role::Eye | Role::Unknown => {}
         }
         let directly = self.drawn_directly_at.is_some_and(|at| self.frame < at + HOLD);
         Err(match pass.colors.iter().all(|target| self.memory.is_known(target.image)) {
@@ -177,69 +190,33 @@ impl Recognition {
         })
     }
 
-    /// Marks the images that are drawn before a pass which may read them and writes the picture.
+    /// Works out where the picture comes from, and remembers it by image.
     fn find_candidates(&mut self, events: &[Event]) {
-        let (last, is_written) = self.last_reader(events);
-        if is_written && last.is_none() {
-            self.drawn_directly_at = Some(self.frame);
-            self.tail.clear();
-            return;
-        }
-        let (before, after) = events.split_at(last.unwrap_or(0));
-        for event in before {
-            let Event::Pass(pass) = event else { continue };
-            if self.writes_picture(pass) {
-                continue;
-            }
-            if candidate::looks(pass, |image| self.memory.description(image), &self.swapchains).is_ok() {
-                self.found_at = Some(self.frame);
-            }
-            for target in &pass.colors {
-                self.memory.set_precedes(self.frame, target.image);
-            }
-        }
-        // Nothing before it, for long: so it reads what was submitted before the last xrEndFrame, as on a thread of its own.
+        let known = Known { frame: self.frame, memory: &self.memory, swapchains: &self.swapchains };
+        let mut told = self.provenance.learn(events, &known, false);
+        // Nothing before the reader, for long: so it reads what was submitted before the last xrEndFrame, as on a thread of its own.
         let was_found = self.found_at.is_some_and(|at| self.frame < at + HOLD);
-        if last.is_some() && !was_found {
-            for image in &self.tail {
-                self.memory.set_precedes(self.frame, *image);
+        if told.unknown_reader.is_some() && !told.is_found && !was_found {
+            told = self.provenance.learn(events, &known, true);
+        } else if told.is_found {
+            self.found_at = Some(self.frame);
+        }
+        if told.is_direct {
+            self.drawn_directly_at = Some(self.frame);
+        }
+        for (index, event) in events.iter().enumerate() {
+            let Event::Pass(pass) = event else { continue };
+            let Some(first) = pass.colors.first() else { continue };
+            let role = self.provenance.role(index);
+            if told.is_found || told.is_direct {
+                self.memory.add_role(self.frame, first.image, role);
+            }
+            if role == Role::Eye {
+                for target in &pass.colors {
+                    self.memory.set_precedes(self.frame, target.image);
+                }
             }
         }
-        self.tail.clear();
-        for event in after {
-            if let Event::Pass(pass) = event
-                && !self.writes_picture(pass)
-            {
-                self.tail.extend(pass.colors.iter().map(|target| target.image));
-            }
-        }
-    }
-
-    /// The last event that writes the picture and may do so from other images: by a pass that does not clear its depth,
-    /// or by a copy from an image that no pass draws (a compute shader does). And whether a pass after that writes it.
-    fn last_reader(&self, events: &[Event]) -> (Option<usize>, bool) {
-        let mut is_written = false;
-        let reader = events.iter().rposition(|event| match event {
-            Event::Pass(pass) => {
-                let writes = self.writes_picture(pass);
-                is_written |= writes;
-                writes && (pass.depth.is_none() || !pass.facts.clears_depth)
-            }
-            Event::Transfer(transfer) => {
-                self.memory.is_placed(self.frame, transfer.from.image)
-                    && !self.memory.is_drawn(transfer.from.image)
-            }
-        });
-        (reader, is_written)
-    }
-
-    fn writes_picture(&self, pass: &Pass) -> bool {
-        pass.colors.iter().chain(&pass.resolves).any(|target| {
-            match self.memory.description(target.image).and_then(|image| image.swapchain) {
-                Some(swapchain) => self.swapchains.shows_eyes(swapchain, target),
-                None => self.memory.is_placed(self.frame, target.image),
-            }
-        })
     }
 
     /// Whether an image of the pass is so new that others of its shape know more than its looks.
@@ -283,6 +260,13 @@ impl Recognition {
             Some(ruled) => ruled.map(|parts| Match { parts, how: How::Profile }),
         }
     }
+}
+
+/// How many passes before `pass` draw its first image.
+fn ordinal(pass: &Pass, earlier: &[Event]) -> usize {
+    let first = |pass: &Pass| pass.colors.first().map(|target| target.image);
+    let is_before = |event: &&Event| matches!(event, Event::Pass(other) if first(other) == first(pass));
+    earlier.iter().filter(is_before).count()
 }
 
 type Parts = SmallVec<[Part; 4]>;

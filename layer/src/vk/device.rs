@@ -288,8 +288,9 @@ unsafe fn track(
             (None, true) => "inert: the Vulkan loader offers no vkSetDeviceLoaderData",
         };
         device_armed(if armed.is_some() { arming } else { Arming::Inert });
-        if armed.is_some() {
+        if let Some(armed) = &armed {
             recording::compute::device_made(key, &hooked);
+            recording::draws::device_made(key, armed);
         }
         DEVICES.insert(
             key,
@@ -318,6 +319,7 @@ pub unsafe extern "system" fn destroy(device: vk::Device, allocator: *const vk::
     };
     guard("vkDestroyDevice", destroy, |answer| {
         recording::compute::device_ends(key);
+        recording::draws::device_ends(key);
         DEVICES.remove(key);
         if let Some(armed) = &known.armed {
             recording::forget_device(armed);

@@ -3,12 +3,14 @@
 //! Handles that are not dispatchable may be given to two objects of equal content at once; the later one is kept then,
 //! and after either is destroyed neither is known, so that passes which use them are left alone.
 
+pub mod descriptors;
 pub mod framebuffers;
 pub mod images;
 pub mod queues;
 pub mod render_passes;
 pub mod views;
 
+pub use descriptors::Descriptors;
 pub use framebuffers::Framebuffer;
 pub use images::Image;
 pub use queues::QueueId;
@@ -33,6 +35,8 @@ pub struct Objects {
     framebuffers: Table<vk::Framebuffer, Arc<Framebuffer>>,
     pools: Table<vk::CommandPool, Arc<Pool>>,
     queues: Table<vk::Queue, QueueId>,
+    /// Descriptor sets with attachments.
+    pub descriptors: Descriptors,
     /// Query pools that count samples.
     occlusion_pools: Table<vk::QueryPool, ()>,
 }

@@ -5,6 +5,7 @@
 
 use super::device::Device;
 use super::dispatch::{armed_hook, device_hook, global_hook, instance_hook, physical_device_hook};
+use super::recording::draws::is_followed;
 use super::{device, instance, link_table};
 use crate::abi::guard;
 use crate::link::GET_LINK_NAME;
@@ -58,7 +59,7 @@ pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) ->
                 return known.is_linked.then(link_table::get_link);
             }
             let next = (known.get_device_proc_addr)(handle, name.as_ptr())?;
-            if is_frequent(name) && !wants_binding(&known, name) {
+            if is_frequent(name) && !is_wanted(&known, name) {
                 return Some(next);
             }
             let armed = || known.armed.as_ref().and_then(|_| known.hooked.hook(name));
@@ -67,20 +68,26 @@ pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) ->
     )
 }
 
-/// Whether a command binds what draws and dispatches use, which happens so often that it goes straight down unless we have
-/// to know.
+/// Whether a command draws, or binds state of draws and dispatches, which happens so often that it goes straight down unless we
+/// have to know.
 fn is_frequent(name: &CStr) -> bool {
     let name = name.to_bytes();
     name == b"vkCmdBindPipeline"
-        || [&b"vkCmdBindDescriptor"[..], b"vkCmdPushDescriptor", b"vkCmdSetDescriptor"]
+        || [&b"vkCmdBindDescriptor"[..], b"vkCmdPushDescriptor", b"vkCmdSetDescriptor", DRAW]
             .iter()
             .any(|begin| name.starts_with(begin))
 }
 
-/// Whether binding is of interest: rates may have to be set then, or masks must know of it.
-fn wants_binding(device: &Device, name: &CStr) -> bool {
-    let sets_rates = || device.rates().is_some_and(|rates| rates.sets_rates_at_bind);
-    device.masks().is_some() || (name == c"vkCmdBindPipeline" && sets_rates())
+/// How the names of draws begin.
+const DRAW: &[u8] = b"vkCmdDraw";
+
+/// Whether it is of interest: draws and descriptors where passes may be made coarser; pipelines where rates may have to be set then, or
+/// masks must know of them.
+fn is_wanted(device: &Device, name: &CStr) -> bool {
+    if name != c"vkCmdBindPipeline" {
+        return device.armed.as_deref().is_some_and(is_followed);
+    }
+    device.masks().is_some() || device.rates().is_some_and(|rates| rates.sets_rates_at_bind)
 }
 
 /// `vk_layerGetPhysicalDeviceProcAddr`: functions of physical devices, and nothing else.

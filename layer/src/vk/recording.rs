@@ -6,6 +6,7 @@
 pub mod buffers;
 pub mod compute;
 pub mod drawing;
+pub mod draws;
 pub mod image_layouts;
 pub mod passes;
 pub mod pending;
@@ -27,6 +28,7 @@ use crate::scene::{Event, Pass};
 use ash::vk;
 use compute::Bound;
 use drawing::Drawing;
+use draws::Tally;
 use smallvec::SmallVec;
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 
@@ -75,6 +77,8 @@ pub struct Recorded {
     queries: u32,
     /// Whether conditional rendering is active.
     is_conditional: bool,
+    /// Draws of the pass that is being recorded, or of a secondary that continues one.
+    tally: Tally,
 }
 
 /// What commands within a pass say of it.
@@ -89,6 +93,11 @@ struct Within {
 impl Buffer {
     fn new(armed: Arc<Armed>, is_primary: bool, timer: Timer) -> Self {
         Self { armed, is_primary, recorded: Mutex::new(Recorded { timer, ..Recorded::default() }) }
+    }
+
+    /// Whether draws may be recorded in it: within a pass that is known, or in one that goes on from a primary.
+    fn may_draw(&self) -> bool {
+        !self.is_primary || self.recorded().is_within_pass()
     }
 
     /// What it does.
@@ -126,6 +135,7 @@ impl Recorded {
         self.within = Within::default();
         self.queries = 0;
         self.is_conditional = false;
+        self.tally = Tally::default();
     }
 
     /// A pass begins, with a mask or without; nothing is known of it where its objects are not.
@@ -142,6 +152,14 @@ impl Recorded {
         if let Some(mut pass) = pass {
             pass.facts.is_queried |= self.is_queried();
             self.events.push(Event::Pass(pass));
+        }
+    }
+
+    /// The draws of the pass that is being recorded and ends are these.
+    fn end_draws(&mut self) {
+        let draws = self.tally.finish();
+        if let Some(Event::Pass(pass)) = self.open.and_then(|open| self.events.get_mut(open)) {
+            pass.draws = draws;
         }
     }
 
@@ -216,6 +234,9 @@ impl Recorded {
         let pipelines =
             secondary.within.pipelines.map(|facts| PipelineFacts { returns: Returns::default(), ..facts });
         self.tell(Within { pipelines, ..secondary.within });
+        if self.is_within_pass() {
+            self.tally.execute(&secondary.tally);
+        }
         self.drawing.forget();
     }
 }

@@ -19,6 +19,11 @@ impl<K: Eq + Hash + Copy, V: Clone> Table<K, V> {
         self.0.get(&key).map(|found| found.value().clone())
     }
 
+    /// Whether an object is kept.
+    pub fn has(&self, key: K) -> bool {
+        self.0.contains_key(&key)
+    }
+
     /// Changes what is kept of an object, if it is.
     pub fn change(&self, key: K, change: impl FnOnce(&mut V)) {
         if let Some(mut found) = self.0.get_mut(&key) {

@@ -41,6 +41,7 @@ fn pass(image: u64) -> Event {
         view_mask: 0,
         facts: PassFacts::default(),
         unmasked: None,
+        draws: None,
     })
 }
 

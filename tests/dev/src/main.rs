@@ -57,6 +57,7 @@ Usage: cargo dev TASK, in any folder of the repository
                         break-even (pixel cost above which the layer saves time), ears (cost and latency of sound capture),
                         frame (saving of each technique), kernels (cost per view of audio-visual rates and of chroma attenuation),
                         models (cost and accuracy of the models), rails (shading and loss of contrast while the eyes move),
+                        recognition (precision and recall on frame graphs of engines),
                         reuse (errors of temporal re-use during head rotation),
                         overhead (cost of the layer; with --driver NAME [CASE...], on one of Mesa's hardware drivers, with a release
                         build), status (cost of `parafovea status`)

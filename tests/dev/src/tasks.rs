@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// The benches, and the packages that they are in.
-const BENCHES: [(&str, &str); 9] = [
+const BENCHES: [(&str, &str); 10] = [
     ("break-even", "parafovea-tests"),
     ("ears", "parafovea-ears"),
     ("frame", "parafovea-tests"),
@@ -19,6 +19,7 @@ const BENCHES: [(&str, &str); 9] = [
     ("models", "parafovea-models"),
     ("overhead", "parafovea-tests"),
     ("rails", "parafovea-models"),
+    ("recognition", "parafovea-wild"),
     ("reuse", "parafovea-tests"),
     ("status", "parafovea-tests"),
 ];

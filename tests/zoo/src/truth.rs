@@ -63,6 +63,11 @@ impl PassTruth {
         Self { samples, ..self }
     }
 
+    /// Whether it is a full-screen pass that passes the picture on and shades nothing: it stays at 1x1.
+    pub fn is_passed_on(&self) -> bool {
+        PASSED_ON.contains(&self.why)
+    }
+
     /// What a run is to say of it in this frame.
     pub fn seen(&self, frame: u64) -> PassSeen {
         PassSeen {
@@ -75,6 +80,10 @@ impl PassTruth {
         }
     }
 }
+
+/// The purposes of full-screen passes that shade nothing.
+const PASSED_ON: [&str; 4] =
+    ["tone mapping", "scaling", "temporal anti-aliasing", "exposure and tone mapping"];
 
 /// One render pass that a run began (`--passes`), as Vulkan was told.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]

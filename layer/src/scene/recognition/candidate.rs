@@ -77,6 +77,11 @@ fn arrangement(size: [f32; 2], swapchains: &Swapchains) -> Result<Arrangement, U
     Err(reason)
 }
 
+/// Whether a render area fits both eyes beside each other, and no eye alone.
+pub(super) fn is_double_wide(size: [f32; 2], swapchains: &Swapchains) -> bool {
+    arrangement(size, swapchains) == Ok(Arrangement::DoubleWide)
+}
+
 fn fit(size: [f32; 2], picture: [f32; 2]) -> Result<(), Unmatched> {
     let scale = [size[0] / picture[0], size[1] / picture[1]];
     let same_aspect = (scale[0] / scale[1] - 1.0).abs() * size[0].min(size[1]) <= ROUNDING;
@@ -93,7 +98,7 @@ fn fit(size: [f32; 2], picture: [f32; 2]) -> Result<(), Unmatched> {
 
 /// Whether a format has red, green and blue that are no integers. Fewer components hold depths, masks, velocities;
 /// integers hold identities.
-fn holds_colours(format: vk::Format) -> bool {
+pub(super) fn holds_colours(format: vk::Format) -> bool {
     matches!(
         format,
         vk::Format::R5G6B5_UNORM_PACK16

@@ -20,6 +20,10 @@ pub(super) struct Cast {
 struct Role {
     shape: Shape,
     pass: Pass,
+    /// How many passes of its frame drew its first image before.
+    ordinal: usize,
+    /// Whether its first image was made for this frame, or the last.
+    is_young: bool,
     outcome: Outcome,
 }
 
@@ -36,6 +40,8 @@ pub(super) struct Shape {
     view_mask: u32,
     colors: usize,
     has_depth: bool,
+    /// Whether it is an image of an XR swapchain.
+    is_shown: bool,
 }
 
 impl Shape {
@@ -55,6 +61,7 @@ impl Shape {
             view_mask: pass.view_mask,
             colors: pass.colors.len(),
             has_depth: pass.depth.is_some(),
+            is_shown: image.swapchain.is_some(),
         })
     }
 
@@ -99,6 +106,7 @@ impl Cast {
         &mut self,
         events: &[Event],
         description: impl Fn(ImageKey) -> Option<ImageDescription> + Copy,
+        is_young: impl Fn(ImageKey) -> bool,
     ) {
         let passes = events.iter().filter_map(|event| match event {
             Event::Pass(pass) => Some(pass),
@@ -111,15 +119,20 @@ impl Cast {
         self.frames[0].clear();
         for pass in passes {
             if let Some(shape) = Shape::new(pass, description) {
-                self.frames[0].push(Role { shape, pass: pass.clone(), outcome: Err(Unmatched::New) });
+                let image = pass.colors.first().map(|target| target.image);
+                let is_before = |role: &&Role| role.pass.colors.first().map(|target| target.image) == image;
+                let ordinal = self.frames[0].iter().filter(is_before).count();
+                let is_young = image.is_some_and(&is_young);
+                let outcome = Err(Unmatched::New);
+                self.frames[0].push(Role { shape, pass: pass.clone(), ordinal, is_young, outcome });
             }
         }
     }
 
     /// Judges all passes with what is known now.
-    pub(super) fn judge(&mut self, judge: impl Fn(&Pass) -> Outcome) {
+    pub(super) fn judge(&mut self, judge: impl Fn(&Pass, usize) -> Outcome) {
         for role in self.frames.iter_mut().flatten() {
-            role.outcome = judge(&role.pass);
+            role.outcome = judge(&role.pass, role.ordinal);
         }
     }
 
@@ -143,7 +156,9 @@ impl Cast {
     fn agreed(&self, is_like: impl Fn(&Shape) -> bool, before: impl Fn() -> usize) -> Option<Outcome> {
         let outcomes = |frame: usize| {
             let roles = self.frames.get(frame).map_or(&[][..], Vec::as_slice);
-            roles.iter().filter(|role| is_like(&role.shape)).map(|role| &role.outcome)
+            // What lasts says nothing of a new image: that may be a mirror's, which was not there before.
+            let counts = |role: &&Role| role.is_young || role.shape.is_shown;
+            roles.iter().filter(|role| is_like(&role.shape)).filter(counts).map(|role| &role.outcome)
         };
         let mut doubtful = None;
         for frame in 0..KEPT - 1 {

@@ -2,6 +2,8 @@
 
 use super::placement::{self, Areas, Placement, Placements};
 use super::projected::UNSTEADY;
+use super::provenance::Role;
+use super::roles::Roles;
 use super::{HOLD, Parts};
 use crate::scene::{Event, ImageDescription, ImageKey, SwapchainKey, Target, Unmatched};
 use std::collections::HashMap;
@@ -19,6 +21,8 @@ const YOUNG: u64 = 3;
 #[derive(Debug, Default)]
 pub(super) struct Memory {
     images: HashMap<ImageKey, Image>,
+    /// Roles of the passes that drew the images of a swapchain, which take turns.
+    of_swapchains: HashMap<SwapchainKey, Roles>,
 }
 
 #[derive(Debug)]
@@ -35,8 +39,10 @@ struct Image {
     is_used: bool,
     /// Pictures of eyes that are made of it by transfers.
     placed: Placed,
-    /// It is drawn before a pass that may read it and writes the picture.
+    /// Its content becomes the picture of an eye.
     precedes: Evidence,
+    /// Roles of the passes that drew it, in their order.
+    roles: Roles,
     flat_at: Option<u64>,
 }
 
@@ -218,6 +224,25 @@ impl Memory {
         }
     }
 
+    /// Notes the role of the next pass to draw an image in this frame.
+    pub(super) fn add_role(&mut self, frame: u64, image: ImageKey, role: Role) {
+        let Some(image) = self.images.get_mut(&image) else { return };
+        let roles = match image.description.swapchain {
+            Some(swapchain) => self.of_swapchains.entry(swapchain).or_default(),
+            None => &mut image.roles,
+        };
+        roles.add(frame, role);
+    }
+
+    /// Role of pass number `ordinal` to draw an image in this frame, from 0, as far as earlier frames tell.
+    pub(super) fn role(&self, frame: u64, image: &ImageDescription, ordinal: usize) -> Role {
+        let roles = match image.swapchain {
+            Some(swapchain) => self.of_swapchains.get(&swapchain),
+            None => self.images.get(&image.key).map(|image| &image.roles),
+        };
+        roles.map_or(Role::Unknown, |roles| roles.of(frame, ordinal))
+    }
+
     /// Looks which images' pictures moved while the passes that draw them did not.
     pub(super) fn compare(&mut self, frame: u64) {
         for image in self.images.values_mut() {
@@ -236,6 +261,7 @@ impl Memory {
     /// Forgets images that did not occur for long.
     pub(super) fn forget(&mut self, frame: u64) {
         self.images.retain(|_, image| frame < image.at + FORGOTTEN_AFTER);
+        self.of_swapchains.retain(|_, roles| frame < roles.at() + FORGOTTEN_AFTER);
     }
 }
 
@@ -250,6 +276,7 @@ impl Image {
             is_used: false,
             placed: Placed::default(),
             precedes: Evidence::default(),
+            roles: Roles::default(),
             flat_at: None,
         }
     }

@@ -115,6 +115,11 @@ impl Swapchains {
         })
     }
 
+    /// How many pictures of eyes there are in all swapchains.
+    pub(super) fn count_pictures(&self) -> usize {
+        self.known.iter().map(|swapchain| swapchain.placements.len()).sum()
+    }
+
     /// Whether both eyes lie beside each other in one image, the left one on the left.
     pub(super) fn are_beside(&self) -> bool {
         let are_beside = |a: &Placement, b: &Placement| {

@@ -4,10 +4,10 @@
 //! and the extension's name for it, and our hook.
 
 use crate::vk::masks::layouts;
-use crate::vk::objects::{framebuffers, images, queues, render_passes, views};
+use crate::vk::objects::{descriptors, framebuffers, images, queues, render_passes, views};
 use crate::vk::rates::{commands, identifiers, pipelines, shader_objects};
 use crate::vk::recording::{
-    buffers, compute, drawing, image_layouts, passes, pending, queries, rendering, transfers,
+    buffers, compute, drawing, draws, image_layouts, passes, pending, queries, rendering, transfers,
 };
 use crate::vk::submit;
 use ash::vk;
@@ -86,6 +86,11 @@ armed_functions! {
         => layouts::create_set_layout;
     destroy_descriptor_set_layout: PFN_vkDestroyDescriptorSetLayout = c"vkDestroyDescriptorSetLayout"
         => layouts::destroy_set_layout;
+    allocate_descriptor_sets: PFN_vkAllocateDescriptorSets = c"vkAllocateDescriptorSets" => descriptors::allocate;
+    update_descriptor_sets: PFN_vkUpdateDescriptorSets = c"vkUpdateDescriptorSets" => descriptors::update;
+    update_descriptor_set_with_template: PFN_vkUpdateDescriptorSetWithTemplate =
+        c"vkUpdateDescriptorSetWithTemplate"
+        since API_VERSION_1_1, before c"vkUpdateDescriptorSetWithTemplateKHR" => descriptors::update_with_template;
     create_pipeline_layout: PFN_vkCreatePipelineLayout = c"vkCreatePipelineLayout" => layouts::create;
     destroy_pipeline_layout: PFN_vkDestroyPipelineLayout = c"vkDestroyPipelineLayout" => layouts::destroy;
     create_query_pool: PFN_vkCreateQueryPool = c"vkCreateQueryPool" => queues::create_query_pool;
@@ -127,6 +132,26 @@ armed_functions! {
     create_shaders: PFN_vkCreateShadersEXT = c"vkCreateShadersEXT" => shader_objects::create;
     destroy_shader: PFN_vkDestroyShaderEXT = c"vkDestroyShaderEXT" => shader_objects::destroy;
     cmd_bind_shaders: PFN_vkCmdBindShadersEXT = c"vkCmdBindShadersEXT" => shader_objects::bind;
+
+    cmd_draw: PFN_vkCmdDraw = c"vkCmdDraw" => draws::draw;
+    cmd_draw_indexed: PFN_vkCmdDrawIndexed = c"vkCmdDrawIndexed" => draws::draw_indexed;
+    cmd_draw_indirect: PFN_vkCmdDrawIndirect = c"vkCmdDrawIndirect" => draws::draw_indirect;
+    cmd_draw_indexed_indirect: PFN_vkCmdDrawIndexedIndirect = c"vkCmdDrawIndexedIndirect"
+        => draws::draw_indexed_indirect;
+    cmd_draw_indirect_count: PFN_vkCmdDrawIndirectCount = c"vkCmdDrawIndirectCount"
+        since API_VERSION_1_2, before c"vkCmdDrawIndirectCountKHR" => draws::draw_indirect_count;
+    cmd_draw_indexed_indirect_count: PFN_vkCmdDrawIndexedIndirectCount = c"vkCmdDrawIndexedIndirectCount"
+        since API_VERSION_1_2, before c"vkCmdDrawIndexedIndirectCountKHR" => draws::draw_indexed_indirect_count;
+    cmd_draw_mesh_tasks: PFN_vkCmdDrawMeshTasksEXT = c"vkCmdDrawMeshTasksEXT" => draws::draw_mesh_tasks;
+    cmd_draw_mesh_tasks_indirect: PFN_vkCmdDrawMeshTasksIndirectEXT = c"vkCmdDrawMeshTasksIndirectEXT"
+        => draws::draw_mesh_tasks_indirect;
+    cmd_draw_mesh_tasks_indirect_count: PFN_vkCmdDrawMeshTasksIndirectCountEXT =
+        c"vkCmdDrawMeshTasksIndirectCountEXT" => draws::draw_mesh_tasks_indirect_count;
+    cmd_draw_multi: PFN_vkCmdDrawMultiEXT = c"vkCmdDrawMultiEXT" => draws::draw_multi;
+    cmd_draw_multi_indexed: PFN_vkCmdDrawMultiIndexedEXT = c"vkCmdDrawMultiIndexedEXT"
+        => draws::draw_multi_indexed;
+    cmd_draw_indirect_byte_count: PFN_vkCmdDrawIndirectByteCountEXT = c"vkCmdDrawIndirectByteCountEXT"
+        => draws::draw_byte_count;
 
     cmd_set_viewport: PFN_vkCmdSetViewport = c"vkCmdSetViewport" => drawing::set_viewport;
     cmd_set_scissor: PFN_vkCmdSetScissor = c"vkCmdSetScissor" => drawing::set_scissor;

@@ -165,6 +165,7 @@ mod tests {
             view_mask: 0b11,
             facts: PassFacts::default(),
             unmasked: None,
+            draws: None,
         };
         assert_eq!(
             line(&Objects::default(), [3, 1], &pass, &Err(Unmatched::NoColour), ",\"map\":0"),

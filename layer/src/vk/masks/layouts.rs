@@ -5,6 +5,7 @@ use super::Masks;
 use crate::abi::guard;
 use crate::gpu::{AppendedLayout, ReturnLayout};
 use crate::vk::device;
+use crate::vk::objects::descriptors;
 use crate::vk::rates::copies::slice;
 use ash::vk;
 use std::sync::{Arc, MutexGuard, PoisonError};
@@ -127,6 +128,9 @@ pub unsafe extern "system" fn create_set_layout(
                     return FAILED;
                 };
                 let result = answer.record(next(device, info, allocator, layout));
+                if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
+                    armed.objects.descriptors.add_layout(*layout, descriptors::is_open(&*info));
+                }
                 if let (Some(masks), vk::Result::SUCCESS) = (known.masks(), result) {
                     masks.sets.insert(*layout, SetFacts::of(&*info));
                 }

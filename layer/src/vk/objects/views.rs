@@ -15,6 +15,8 @@ pub struct View {
     pub target: Target,
     /// The view's format, which may be another than the image's.
     pub format: vk::Format,
+    /// Whether passes may draw colours to the image that shaders read.
+    pub is_colour_target: bool,
 }
 
 impl View {
@@ -34,6 +36,8 @@ impl View {
                 },
             },
             format: info.format,
+            is_colour_target: image.usage.contains(vk::ImageUsageFlags::COLOR_ATTACHMENT)
+                && !image.description.is_cube,
         })
     }
 }
@@ -92,7 +96,12 @@ pub unsafe extern "system" fn create(
                 });
                 if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
                     match View::created(&armed.objects, &*info) {
-                        Some(found) => armed.objects.views.insert(*view, found),
+                        Some(found) => {
+                            if found.is_colour_target {
+                                armed.objects.descriptors.add_view(*view);
+                            }
+                            armed.objects.views.insert(*view, found);
+                        }
                         None => drop(armed.objects.views.remove(*view)),
                     }
                 }

@@ -1,6 +1,6 @@
 //! Command pools and command buffers.
 
-use super::{BUFFERS, Buffer, buffer, with_buffer};
+use super::{BUFFERS, Buffer, buffer, draws, with_buffer};
 use crate::abi::guard;
 use crate::vk::device;
 use ash::vk;
@@ -163,6 +163,7 @@ pub unsafe extern "system" fn begin(
             };
             let result = answer.record(next(handle, info));
             if let Some(known) = known {
+                draws::recording_begins(handle);
                 let mut recorded = known.recorded();
                 recorded.clear();
                 recorded.timer.recorded_with((*info).flags);
@@ -214,6 +215,7 @@ pub unsafe extern "system" fn execute(
             next(handle, count, secondaries);
             answer.made();
             let Some(known) = known else { return };
+            draws::recording_begins(handle);
             let mut recorded = known.recorded();
             for secondary in slice::from_raw_parts(secondaries, count as usize) {
                 // Whoever records a command buffer that is executed breaks the rules, and must not lock up.

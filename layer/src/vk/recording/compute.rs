@@ -3,14 +3,15 @@
 //! Hooked only where there is such work: binding is frequent.
 
 use super::sets::BoundSets;
-use super::{drawing, with_buffer};
+use super::{drawing, draws, with_buffer};
 use crate::abi::guard;
 use crate::vk::dispatch::ArmedTable;
 use crate::vk::dispatch_key::DispatchKey;
 use crate::vk::masks::follows_graphics;
+use crate::vk::rates::copies::slice;
 use ash::vk;
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
-use std::{mem, ptr, slice};
+use std::{mem, ptr};
 
 /// What a command buffer has bound for compute.
 #[derive(Debug, Clone, Default)]
@@ -103,6 +104,10 @@ pub unsafe extern "system" fn bind_sets(
     offset_count: u32,
     offsets: *const u32,
 ) {
+    if point == vk::PipelineBindPoint::GRAPHICS {
+        // SAFETY: the application's own arguments: `count` sets.
+        unsafe { draws::bind(handle, first, slice(sets, count)) };
+    }
     // SAFETY: the application's own arguments.
     let next = match unsafe { DispatchKey::of(handle) } {
         Some(key)
@@ -151,12 +156,7 @@ unsafe extern "system" fn bind_sets_noted(
                 next(handle, point, layout, first, count, sets, offset_count, offsets);
                 answer.made();
                 if let Some(known) = known {
-                    let offsets = if offset_count == 0 {
-                        &[]
-                    } else {
-                        slice::from_raw_parts(offsets, offset_count as usize)
-                    };
-                    let sets = if count == 0 { &[] } else { slice::from_raw_parts(sets, count as usize) };
+                    let (offsets, sets) = (slice(offsets, offset_count), slice(sets, count));
                     match point {
                         vk::PipelineBindPoint::COMPUTE => {
                             known.recorded().compute.sets.bind(layout, first, sets, offsets);
@@ -201,11 +201,12 @@ macro_rules! binds_more {
                         next(handle, $($argument),*);
                         answer.made();
                         if let Some(known) = known {
-                            let [computes, draws] = $points;
+                            let [computes, is_for_drawing] = $points;
                             if computes {
                                 known.recorded().compute.bind_more();
                             }
-                            if draws {
+                            if is_for_drawing {
+                                draws::bind_unknown(handle);
                                 known.recorded().drawing.bind_more();
                                 drawing::bind_ours_again(&known, handle);
                             }

@@ -1,6 +1,6 @@
 //! Render passes.
 
-use super::{Buffer, Within, drawing, timed, with_buffer};
+use super::{Buffer, Within, drawing, draws, timed, with_buffer};
 use crate::abi::guard;
 use crate::mask::{DepthWork, MaskMap};
 use crate::scene::{Pass, Target};
@@ -205,6 +205,7 @@ unsafe fn begin_noted(
         }
     };
     buffer.recorded().begin(pass, candidate, mask);
+    draws::pass_begins(buffer, handle);
     // SAFETY: as above; the pass was begun.
     unsafe { drawing::pass_begins(buffer, handle) };
 }
@@ -217,8 +218,12 @@ unsafe fn begin_noted(
 pub unsafe fn end_noted(buffer: &Buffer, handle: vk::CommandBuffer) {
     // SAFETY: the caller vouches for the command buffer.
     unsafe { drawing::leave(buffer, handle) };
+    draws::settle(buffer, handle);
     let (mask, bound) = {
         let mut recorded = buffer.recorded();
+        if draws::is_followed(&buffer.armed) {
+            recorded.end_draws();
+        }
         let mask = recorded.end();
         let bound = mask.as_ref().map(|_| recorded.compute.clone());
         (mask, bound)
@@ -318,6 +323,7 @@ impl Instance {
             view_mask: render_pass.view_mask,
             facts: render_pass.facts,
             unmasked: None,
+            draws: None,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Dynamic rendering.
 
 use super::passes::end_noted;
-use super::{drawing, timed, with_buffer};
+use super::{drawing, draws, timed, with_buffer};
 use crate::abi::guard;
 use crate::mask::{DepthWork, Reason};
 use crate::scene::{Pass, PassFacts, Target};
@@ -70,6 +70,7 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
                 }
             };
             known.recorded().begin(Some(pass), candidate, mask);
+            draws::pass_begins(&known, handle);
             drawing::pass_begins(&known, handle);
         },
     );
@@ -150,6 +151,7 @@ unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
             ..PassFacts::default()
         },
         unmasked: None,
+        draws: None,
     }
 }
 

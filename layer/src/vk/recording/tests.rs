@@ -15,6 +15,7 @@ fn pass(image: u64) -> Pass {
         view_mask: 0,
         facts: PassFacts::default(),
         unmasked: None,
+        draws: None,
     }
 }
 

@@ -104,6 +104,7 @@ fn pass_to(pass: u64) -> Pass {
         view_mask: 0,
         facts: PassFacts::default(),
         unmasked: None,
+        draws: None,
     }
 }
 

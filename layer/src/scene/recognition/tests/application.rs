@@ -188,6 +188,7 @@ pub fn whole(extent: [u32; 2], colors: &[ImageKey]) -> Pass {
         view_mask: 0,
         facts: PassFacts::default(),
         unmasked: None,
+        draws: None,
     }
 }
 

@@ -67,6 +67,7 @@ fn any_pass() -> impl Strategy<Value = Pass> {
             view_mask,
             facts: PassFacts { clears_depth, ..PassFacts::default() },
             unmasked: None,
+            draws: None,
         })
 }
 

@@ -6,6 +6,7 @@ mod direct;
 mod distractors;
 mod off_screen;
 mod profile;
+mod provenance;
 mod render_thread;
 mod resized;
 

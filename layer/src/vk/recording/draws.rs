@@ -1,0 +1,492 @@
+//! Draws, counted by pass, and the attachments that they may read: the evidence that tells the scene from full-screen passes and from textures.
+//!
+//! Engines draw ten thousand times a frame, so the counts of the pass that a thread records are the thread's own: a draw adds to them
+//! without a lock or a look-up. They go to the command buffer where the pass ends, and where the thread goes on with another.
+
+use super::{Buffer, buffer, with_buffer};
+use crate::abi::guard;
+use crate::scene::{Draws, Reads};
+use crate::vk::armed::Armed;
+use crate::vk::dispatch_key::DispatchKey;
+use ash::vk;
+use ash::vk::Handle;
+use std::cell::Cell;
+use std::ptr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
+
+/// Draws of one pass, or of a part of it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// As [`Draws::quads`].
+    pub quads: u32,
+    /// As [`Draws::meshes`].
+    pub meshes: u32,
+    /// As [`Draws::vertices`].
+    pub vertices: u32,
+}
+
+impl Counts {
+    /// Of one draw.
+    #[inline]
+    const fn of(vertices: u32, instances: u32) -> Self {
+        let is_quad = vertices <= Draws::QUAD_VERTICES && instances <= 2;
+        Self { quads: is_quad as u32, meshes: !is_quad as u32, vertices: vertices.saturating_mul(instances) }
+    }
+
+    /// Of draws that only the GPU knows.
+    const INDIRECT: Self = Self { quads: 0, meshes: 1, vertices: Draws::INDIRECT_VERTICES };
+
+    /// Adds more draws.
+    #[inline]
+    pub fn add(&mut self, more: Self) {
+        self.quads = self.quads.saturating_add(more.quads);
+        self.meshes = self.meshes.saturating_add(more.meshes);
+        self.vertices = self.vertices.saturating_add(more.vertices);
+    }
+}
+
+/// The draws of the pass that is being recorded, as its command buffer keeps them.
+#[derive(Debug, Clone, Default)]
+pub struct Tally {
+    counts: Counts,
+    /// Reads of quads, and of other draws.
+    reads: [Reads; 2],
+    /// The thread that counts; 0: none yet.
+    thread: usize,
+    /// Whether draws were counted on several threads, some of which nobody finds again.
+    is_lost: bool,
+}
+
+impl Tally {
+    /// Adds those of a secondary command buffer.
+    pub fn execute(&mut self, secondary: &Self) {
+        self.counts.add(secondary.counts);
+        self.is_lost |= secondary.is_lost;
+        for (reads, more) in self.reads.iter_mut().zip(&secondary.reads) {
+            reads.add(more);
+        }
+    }
+
+    /// All of a pass that ends; `None` where some are lost.
+    pub fn finish(&mut self) -> Option<Draws> {
+        let Self { counts, reads, is_lost, .. } = std::mem::take(self);
+        let Counts { quads, meshes, vertices } = counts;
+        let [read_by_quads, read_by_meshes] = reads;
+        (!is_lost).then_some(Draws { quads, meshes, vertices, read_by_quads, read_by_meshes })
+    }
+}
+
+/// Numbers of sets that are followed: the limit of common devices (maxBoundDescriptorSets).
+const SETS: usize = 8;
+
+/// The counts of the thread, and its bound sets.
+struct Open {
+    /// The command buffer whose pass it is; 0: none.
+    handle: Cell<u64>,
+    counts: Cell<Counts>,
+    /// The command buffer that the thread binds sets in; 0: none.
+    bound_in: Cell<u64>,
+    /// The bound sets that may have attachments; 0 for others.
+    sets: [Cell<u64>; SETS],
+    /// Whether something is bound that is not among `sets`.
+    is_unknown: Cell<bool>,
+    /// Whether any of that is bound.
+    may_read: Cell<bool>,
+    /// Whether the bound sets were told as read by quads, and by other draws.
+    told: [Cell<bool>; 2],
+}
+
+thread_local! {
+    static OPEN: Open = const {
+        Open {
+            handle: Cell::new(0),
+            counts: Cell::new(Counts { quads: 0, meshes: 0, vertices: 0 }),
+            bound_in: Cell::new(0),
+            sets: [const { Cell::new(0) }; SETS],
+            is_unknown: Cell::new(false),
+            may_read: Cell::new(false),
+            told: [const { Cell::new(false) }; 2],
+        }
+    };
+}
+
+impl Open {
+    /// Names the thread: the address of its counts.
+    fn thread(&self) -> usize {
+        ptr::from_ref(self).addr()
+    }
+
+    /// Nothing is bound in a command buffer, or something unknown.
+    fn forget_bound(&self, raw: u64, is_unknown: bool) {
+        self.bound_in.set(raw);
+        self.sets.iter().for_each(|set| set.set(0));
+        self.is_unknown.set(is_unknown);
+        self.is_bound_anew();
+    }
+
+    fn is_bound_anew(&self) {
+        self.may_read.set(self.is_unknown.get() || self.sets.iter().any(|set| set.get() != 0));
+        self.told.iter().for_each(|told| told.set(false));
+    }
+
+    /// The thread draws in a command buffer, with the sets that it bound there before.
+    fn draws_in(&self, raw: u64) {
+        if self.bound_in.get() != raw {
+            self.forget_bound(raw, true);
+        }
+        self.told.iter().for_each(|told| told.set(false));
+    }
+}
+
+/// The outcome of counting a draw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Counted {
+    Done,
+    /// The bound sets have to be told first.
+    Untold,
+    /// The thread records no pass of that command buffer.
+    Elsewhere,
+}
+
+/// Counts a draw of the pass that this thread records.
+#[inline]
+fn count(handle: vk::CommandBuffer, more: Counts) -> Counted {
+    let raw = handle.as_raw();
+    let add = |open: &Open| {
+        if open.handle.get() != raw {
+            return Counted::Elsewhere;
+        }
+        if open.may_read.get() && !open.told[usize::from(more.meshes > 0)].get() {
+            return Counted::Untold;
+        }
+        let mut counts = open.counts.get();
+        counts.add(more);
+        open.counts.set(counts);
+        Counted::Done
+    };
+    OPEN.try_with(add).unwrap_or(Counted::Elsewhere)
+}
+
+/// Tells the reads of draws of a kind by the bound sets.
+fn tell_reads(of: &Buffer, more: Counts) {
+    let _ = OPEN.try_with(|open| {
+        let kind = usize::from(more.meshes > 0);
+        open.told[kind].set(true);
+        let reads = &mut of.recorded().tally.reads[kind];
+        reads.may_read_more |= open.is_unknown.get();
+        for set in open.sets.iter().map(Cell::get).filter(|set| *set != 0) {
+            of.armed.objects.descriptors.read(vk::DescriptorSet::from_raw(set), reads);
+        }
+    });
+}
+
+/// Recording of a command buffer begins, or goes on after secondaries: nothing is bound.
+pub fn recording_begins(handle: vk::CommandBuffer) {
+    // SAFETY: a live command buffer, as it is recorded.
+    let is_followed = unsafe { quick(handle) }.is_some();
+    let _ = OPEN.try_with(|open| open.forget_bound(handle.as_raw(), !is_followed));
+}
+
+/// Sets are bound for drawing from number `first` on.
+///
+/// # Safety
+///
+/// `handle` is a live command buffer.
+#[inline]
+pub unsafe fn bind(handle: vk::CommandBuffer, first: u32, sets: &[vk::DescriptorSet]) {
+    // SAFETY: the caller vouches for the handle.
+    let Some(armed) = (unsafe { quick(handle) }) else { return };
+    let descriptors = &armed.objects.descriptors;
+    let raw = handle.as_raw();
+    let _ = OPEN.try_with(|open| {
+        if open.bound_in.get() != raw {
+            open.forget_bound(raw, true);
+        }
+        let mut is_changed = false;
+        for (number, set) in (first as usize..).zip(sets) {
+            let may_read = descriptors.may_read(*set);
+            match open.sets.get(number) {
+                Some(bound) => {
+                    let now = if may_read { set.as_raw() } else { 0 };
+                    is_changed |= bound.replace(now) != now;
+                }
+                None if may_read && !open.is_unknown.replace(true) => is_changed = true,
+                None => {}
+            }
+        }
+        if is_changed {
+            open.is_bound_anew();
+        }
+    });
+}
+
+/// Something is bound for drawing that is not followed.
+pub fn bind_unknown(handle: vk::CommandBuffer) {
+    let raw = handle.as_raw();
+    let _ = OPEN.try_with(|open| {
+        if open.bound_in.get() != raw || !open.is_unknown.get() {
+            open.forget_bound(raw, true);
+        }
+    });
+}
+
+/// This thread goes on with the pass of a command buffer, or begins it.
+fn take_up(of: &Buffer, handle: vk::CommandBuffer, begins: bool) {
+    let raw = handle.as_raw();
+    let took = OPEN.try_with(|open| {
+        open.draws_in(raw);
+        let (before, counts) = (open.handle.replace(raw), open.counts.replace(Counts::default()));
+        (before, counts, open.thread())
+    });
+    let Ok((before, counts, thread)) = took else { return };
+    if before != 0
+        && before != raw
+        && let Some(other) = buffer(vk::CommandBuffer::from_raw(before))
+    {
+        other.recorded().tally.counts.add(counts);
+    }
+    let tally = &mut of.recorded().tally;
+    if begins {
+        *tally = Tally { thread, ..Tally::default() };
+    } else {
+        tally.is_lost |= tally.thread != 0 && tally.thread != thread;
+        tally.thread = thread;
+    }
+}
+
+/// A pass begins.
+pub fn pass_begins(of: &Buffer, handle: vk::CommandBuffer) {
+    if is_followed(&of.armed) {
+        take_up(of, handle, true);
+    }
+}
+
+/// A pass has ended, or a secondary command buffer: the thread's counts go to it.
+pub fn settle(of: &Buffer, handle: vk::CommandBuffer) {
+    if !is_followed(&of.armed) {
+        return;
+    }
+    let raw = handle.as_raw();
+    let took = OPEN.try_with(|open| {
+        let is_this = open.handle.get() == raw;
+        let counts = open.counts.get();
+        if is_this {
+            open.handle.set(0);
+            open.counts.set(Counts::default());
+        }
+        (is_this, counts, open.thread())
+    });
+    let tally = &mut of.recorded().tally;
+    match took {
+        Ok((true, counts, _)) => tally.counts.add(counts),
+        Ok((false, _, thread)) => tally.is_lost |= tally.thread != 0 && tally.thread != thread,
+        Err(_) => tally.is_lost = true,
+    }
+}
+
+/// Counts a draw that needs more than the thread's counts.
+fn count_noted(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
+    let mut counted = count(handle, more);
+    if counted == Counted::Elsewhere && of.may_draw() {
+        take_up(of, handle, false);
+        counted = count(handle, more);
+    }
+    if counted == Counted::Untold {
+        tell_reads(of, more);
+        count(handle, more);
+    }
+}
+
+/// Whether draws of a device are counted: where passes may be made coarser.
+pub fn is_followed(armed: &Armed) -> bool {
+    armed.backend.is_some()
+}
+
+/// One device, found without a lock: as that of [`super::compute`].
+struct Quick {
+    /// 0: of none.
+    key: AtomicUsize,
+    armed: AtomicPtr<Armed>,
+}
+
+static QUICK: Quick = Quick { key: AtomicUsize::new(0), armed: AtomicPtr::new(ptr::null_mut()) };
+
+/// No address of a dispatch table.
+const RESERVED: usize = 1;
+
+/// A device is made. The first one is found quickly as long as it lives.
+pub fn device_made(key: DispatchKey, armed: &Arc<Armed>) {
+    // Reserved first: two devices may be made at once.
+    if is_followed(armed)
+        && QUICK.key.compare_exchange(0, RESERVED, Ordering::AcqRel, Ordering::Relaxed).is_ok()
+    {
+        QUICK.armed.store(Arc::as_ptr(armed).cast_mut(), Ordering::Relaxed);
+        QUICK.key.store(key.address(), Ordering::Release);
+    }
+}
+
+/// A device is about to be destroyed.
+pub fn device_ends(key: DispatchKey) {
+    let _ = QUICK.key.compare_exchange(key.address(), 0, Ordering::AcqRel, Ordering::Relaxed);
+}
+
+/// The device of a command buffer, where it is the one that is found quickly.
+///
+/// # Safety
+///
+/// `handle` is a live command buffer.
+#[inline]
+unsafe fn quick<'a>(handle: vk::CommandBuffer) -> Option<&'a Armed> {
+    // SAFETY: the caller vouches for the handle.
+    let key = unsafe { DispatchKey::of(handle) }?;
+    if QUICK.key.load(Ordering::Acquire) != key.address() {
+        return None;
+    }
+    // SAFETY: stored before the key, from what lives as long as the device, which does not end while commands are recorded (external
+    // synchronization of vkDestroyDevice).
+    unsafe { QUICK.armed.load(Ordering::Relaxed).as_ref() }
+}
+
+/// Hooks of draws; `$counts` are the counts of a call.
+macro_rules! draws {
+    ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), counts $counts:expr;)*) => {$(
+        #[doc = concat!("`", $call, "`.")]
+        #[allow(clippy::too_many_arguments, reason = "those of the call")]
+        pub unsafe extern "system" fn $name(handle: vk::CommandBuffer, $($argument: $type),*) {
+            let counts = $counts;
+            // SAFETY: the application's own command buffer, which is live.
+            if let Some(next) = unsafe { quick(handle) }.and_then(|armed| armed.next.$field)
+                && count(handle, counts) == Counted::Done
+            {
+                // SAFETY: the application's own arguments.
+                return unsafe { next(handle, $($argument),*) };
+            }
+            guard(
+                $call,
+                // SAFETY: the application's own arguments.
+                || unsafe { pass_on!(with_buffer: handle, $field(handle, $($argument),*), ()) },
+                // SAFETY: as above.
+                |answer| unsafe {
+                    let Some((known, next)) = with_buffer(handle, |next| next.$field) else { return };
+                    next(handle, $($argument),*);
+                    answer.made();
+                    if let Some(known) = known.filter(|known| is_followed(&known.armed)) {
+                        count_noted(&known, handle, counts);
+                    }
+                },
+            );
+        }
+    )*};
+}
+
+draws! {
+    draw, "vkCmdDraw", cmd_draw: (vertices: u32, instances: u32, first_vertex: u32, first_instance: u32),
+        counts Counts::of(vertices, instances);
+    draw_indexed, "vkCmdDrawIndexed", cmd_draw_indexed: (
+        indices: u32, instances: u32, first_index: u32, vertex_offset: i32, first_instance: u32
+    ), counts Counts::of(indices, instances);
+    draw_indirect, "vkCmdDrawIndirect", cmd_draw_indirect: (
+        from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_indexed_indirect, "vkCmdDrawIndexedIndirect", cmd_draw_indexed_indirect: (
+        from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_indirect_count, "vkCmdDrawIndirectCount", cmd_draw_indirect_count: (
+        from: vk::Buffer, offset: vk::DeviceSize, count_buffer: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_indexed_indirect_count, "vkCmdDrawIndexedIndirectCount", cmd_draw_indexed_indirect_count: (
+        from: vk::Buffer, offset: vk::DeviceSize, count_buffer: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_mesh_tasks, "vkCmdDrawMeshTasksEXT", cmd_draw_mesh_tasks: (x: u32, y: u32, z: u32),
+        counts Counts::INDIRECT;
+    draw_mesh_tasks_indirect, "vkCmdDrawMeshTasksIndirectEXT", cmd_draw_mesh_tasks_indirect: (
+        from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_mesh_tasks_indirect_count, "vkCmdDrawMeshTasksIndirectCountEXT", cmd_draw_mesh_tasks_indirect_count: (
+        from: vk::Buffer, offset: vk::DeviceSize, count_buffer: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_multi, "vkCmdDrawMultiEXT", cmd_draw_multi: (
+        draw_count: u32, infos: *const vk::MultiDrawInfoEXT, instances: u32, first_instance: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_multi_indexed, "vkCmdDrawMultiIndexedEXT", cmd_draw_multi_indexed: (
+        draw_count: u32,
+        infos: *const vk::MultiDrawIndexedInfoEXT,
+        instances: u32,
+        first_instance: u32,
+        stride: u32,
+        vertex_offset: *const i32
+    ), counts Counts::INDIRECT;
+    draw_byte_count, "vkCmdDrawIndirectByteCountEXT", cmd_draw_indirect_byte_count: (
+        instances: u32,
+        first_instance: u32,
+        counter: vk::Buffer,
+        counter_offset: vk::DeviceSize,
+        offset: u32,
+        vertex_stride: u32
+    ), counts Counts::INDIRECT;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::ImageKey;
+
+    #[test]
+    fn quads_are_at_most_two_triangles_for_each_eye() {
+        let quads = |vertices, instances| Counts::of(vertices, instances).quads;
+        assert_eq!([quads(3, 1), quads(6, 2), quads(4, 1)], [1, 1, 1]);
+        assert_eq!([quads(7, 1), quads(6, 3), quads(300, 1)], [0, 0, 0]);
+        assert_eq!(Counts::of(u32::MAX, 3).vertices, u32::MAX);
+        assert_eq!(Counts::of(36, 10), Counts { quads: 0, meshes: 1, vertices: 360 });
+    }
+
+    #[test]
+    fn a_thread_counts_for_the_pass_that_it_records_alone() {
+        let [this, other] = [1, 2].map(vk::CommandBuffer::from_raw);
+        let more = Counts::of(3, 1);
+        assert_eq!(count(this, more), Counted::Elsewhere, "no pass");
+        OPEN.with(|open| open.handle.set(1));
+        assert_eq!([count(this, more), count(this, Counts::INDIRECT)], [Counted::Done; 2]);
+        assert_eq!(count(other, more), Counted::Elsewhere);
+        let counts = OPEN.with(|open| open.counts.replace(Counts::default()));
+        assert_eq!(counts, Counts { quads: 1, meshes: 1, vertices: 3 + Draws::INDIRECT_VERTICES });
+        let elsewhere = std::thread::spawn(move || count(this, more)).join().unwrap();
+        assert_eq!(elsewhere, Counted::Elsewhere, "another thread");
+    }
+
+    #[test]
+    fn what_is_bound_is_told_once_by_kind_of_draw() {
+        let this = vk::CommandBuffer::from_raw(3);
+        let [quad, mesh] = [Counts::of(3, 1), Counts::of(30, 1)];
+        OPEN.with(|open| {
+            open.handle.set(3);
+            open.forget_bound(3, false);
+            assert_eq!(count(this, quad), Counted::Done, "nothing is bound");
+            open.sets[2].set(77);
+            open.is_bound_anew();
+            assert_eq!([count(this, quad), count(this, mesh)], [Counted::Untold; 2]);
+            open.told[0].set(true);
+            assert_eq!([count(this, quad), count(this, mesh)], [Counted::Done, Counted::Untold]);
+            // The next pass goes on with it.
+            open.draws_in(3);
+            assert_eq!(count(this, quad), Counted::Untold);
+            open.draws_in(4);
+            assert!(open.is_unknown.get(), "of another command buffer nobody saw what is bound");
+        });
+    }
+
+    #[test]
+    fn counts_that_are_lost_are_not_told() {
+        let mut reads = <[Reads; 2]>::default();
+        reads[1].push(ImageKey(5));
+        let mut tally = Tally { counts: Counts::of(3, 1), ..Tally::default() };
+        tally.execute(&Tally { counts: Counts::of(30, 1), reads, ..Tally::default() });
+        let draws = tally.finish().unwrap();
+        assert_eq!((draws.quads, draws.meshes, draws.vertices), (1, 1, 33));
+        assert_eq!(draws.read_by_meshes.images.as_slice(), [ImageKey(5)]);
+        assert_eq!(tally.finish(), Some(Draws::default()), "of the next pass");
+        tally.execute(&Tally { is_lost: true, ..Tally::default() });
+        assert_eq!(tally.finish(), None);
+    }
+}
