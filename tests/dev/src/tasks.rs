@@ -11,8 +11,9 @@ use std::path::Path;
 use std::process::Command;
 
 /// The benches, and the packages that they are in.
-const BENCHES: [(&str, &str); 9] = [
+const BENCHES: [(&str, &str); 10] = [
     ("break-even", "parafovea-tests"),
+    ("budget", "parafovea-models"),
     ("ears", "parafovea-ears"),
     ("frame", "parafovea-tests"),
     ("kernels", "parafovea-layer"),
