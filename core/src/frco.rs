@@ -67,7 +67,7 @@ pub fn half_octaves_at(band_sensitivity: [f32; BANDS], price: f32) -> u8 {
 pub enum Allocation {
     /// Each tile may lose the budget: [`half_octaves_within`], paper A's Algorithm 2.
     PerTile,
-    /// The budget is what a sample is worth: [`half_octaves_at`].
+    /// The budget is the worth of a sample: [`half_octaves_at`].
     #[default]
     EqualMarginalLoss,
 }
@@ -82,7 +82,7 @@ impl Allocation {
         }
     }
 
-    /// A tile becomes as coarse as it can where what is seen of the two finest bands together is at most the budget over this.
+    /// A tile becomes as coarse as it can where visible contrast of the two finest bands together is at most the budget over this.
     pub fn greatest_factor(self) -> f32 {
         match self {
             Self::PerTile => 1.0,

@@ -129,8 +129,8 @@ impl AudioVisual {
 }
 
 impl Default for AudioVisual {
-    /// Any rate anywhere outside of the fovea, as far as it is worth what it loses. On the stills of `cargo dev bench budget` that shades, without sound and so with 6.2
-    /// in place of 8, 0.70 of what paper A's baseline shades, with 0.73 of its loss.
+    /// Any rate anywhere outside of the fovea, as far as it is worth its loss. On the stills of `cargo dev bench budget` that shades, without sound and so with 6.2
+    /// in place of 8, 0.70 of the samples of paper A's baseline, with 0.73 of its loss.
     fn default() -> Self {
         Self {
             budget: BudgetSettings::default(),

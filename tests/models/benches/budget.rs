@@ -1,4 +1,4 @@
-//! `cargo dev bench budget`: what rates shade and lose on six stills, by the look of hardware rates, by way of spending an error budget.
+//! `cargo dev bench budget`: shading and loss of rates on six stills, by the look of hardware rates, by way of spending an error budget.
 //!
 //! One eye looks straight ahead. The planner makes the maps, as `decide` does on the GPU. A still at a rate shows one sample for each block of pixels: the
 //! mean of those around its centre, as a texture does that is sampled at a level that fits, or one of them, as an edge or a highlight does.
@@ -12,10 +12,10 @@ use maps::{Way, ways};
 use std::thread::{self, available_parallelism};
 use stills::{Sampling, Still, stills};
 
-/// What a way of choosing rates shades of a still, and what is lost, JND.
+/// Shading and loss of one way of choosing rates on a still.
 struct Figures {
     share: f64,
-    /// For each way of sampling: the mean over the view, and what is detected.
+    /// For each way of sampling: the mean loss over the view, and the detected loss, JND.
     lost: [[f64; 2]; 2],
 }
 

@@ -1,4 +1,4 @@
-//! What is compared by the look of hardware rates: one sample for each block of pixels, at its centre.
+//! Maps that are compared by the look of hardware rates: one sample for each block of pixels, at its centre.
 //!
 //! On a device without shading rates the layer masks blocks and fills them, and an application skips and fills blocks as it can: both look otherwise
 //! than rates do. Here everybody's map is laid over the same pictures of the application alone, and costs the share of the pixels that it shades.
@@ -14,7 +14,7 @@ use parafovea_tests::measure::Technique;
 pub struct HardwarePoint {
     /// Which sweep it belongs to.
     pub sweep: Sweep,
-    /// What it is called.
+    /// Its name in tables.
     pub name: String,
     /// Where its map comes from.
     pub rates: Rates,
@@ -71,7 +71,7 @@ fn all() -> Vec<HardwarePoint> {
     points
 }
 
-/// A preset as a user selects it, with the gate open: it looks before it decides, and what it drops would not be seen here.
+/// A preset as a user selects it, with the gate open: it looks before it decides, and a dropped technique would not be seen here.
 pub fn preset_config(preset: &str) -> String {
     format!("preset = \"{preset}\"\n[rates]\ngate = \"on\"\n")
 }

@@ -23,7 +23,7 @@ pub struct Plan {
     pub scenes: Vec<SceneName>,
     /// What is done there, the application alone first.
     pub points: Vec<Point>,
-    /// What is compared by the look of hardware rates, on the pictures of the judged runs.
+    /// Maps over the pictures of the judged runs, by the look of hardware rates.
     pub hardware: Vec<HardwarePoint>,
     /// The timed runs of each.
     pub timed: Effort,
@@ -53,7 +53,7 @@ impl Plan {
         }
     }
 
-    /// What fits into a morning: 6 scenes, 90 frames at 1024 x 1024, errors of 30 of these, and of a few at 20 pixels a degree.
+    /// A morning's work: 6 scenes, 90 frames at 1024 x 1024, errors of 30 of these, and of a few at 20 pixels a degree.
     pub fn full() -> Self {
         let timed = Effort { turns: 2, run_up: LAYER_RUN_UP, frames: 90, size: 1024 };
         // Rates need half a second to become coarse.

@@ -106,7 +106,7 @@ pub fn judge(
     Ok(judge.finish())
 }
 
-/// As [`judge`], of what `alter` makes of the pictures of `reference`: it is given the frame, the eye, and what that eye saw.
+/// As [`judge`], of the pictures of `reference` as `alter` changes them: it is given frame, eye and picture.
 ///
 /// # Errors
 /// As [`judge`].
@@ -148,7 +148,7 @@ fn shown(
     Ok(Frame { time_s: subject.time_s(frame), eyes: [eye(0)?, eye(1)?] })
 }
 
-/// What a view shows.
+/// Field of view of a view, radians.
 pub fn fov(view: &View) -> Fov {
     let degrees = view.fov_deg;
     let [left, right, up, down] =

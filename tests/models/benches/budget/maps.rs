@@ -41,7 +41,7 @@ pub struct Way {
     audio: Option<AudioFeatures>,
     /// The budget is lowered or raised in each still until so many samples are left, in place of the settings'.
     shades: Option<f64>,
-    /// What a sample is worth, of what the judge sees of each tile, in place of the settings.
+    /// The price of a sample for losses as judged, in place of the settings.
     judged: Option<f32>,
 }
 
@@ -116,7 +116,7 @@ impl Way {
     }
 }
 
-/// Equal marginal loss of what is truly lost, outside of the fovea that the rails keep.
+/// Equal marginal loss as judged, outside of the fovea that the rails keep.
 fn by_the_judge(still: &Still, price: f32) -> Map {
     const STEPS: [ShadingRate; 4] =
         [ShadingRate::R2X1, ShadingRate::R2X2, ShadingRate::R4X2, ShadingRate::R4X4];

@@ -18,7 +18,7 @@ use parafovea_scene::script::head::EYE_HEIGHT_M;
 use std::f32::consts::FRAC_PI_4;
 use wgpu::TextureFormat;
 
-/// What is shown: 90 degrees.
+/// Field of view: 90 degrees.
 pub const FOV: Fov = Fov { left: -FRAC_PI_4, right: FRAC_PI_4, up: FRAC_PI_4, down: -FRAC_PI_4 };
 
 /// Which frame.
@@ -32,7 +32,7 @@ pub struct Still {
     picture: Picture,
 }
 
-/// What a block of pixels shows.
+/// Content of a block of pixels.
 #[derive(Clone, Copy)]
 pub enum Sampling {
     /// The mean of up to four pixels around its centre.
@@ -72,7 +72,7 @@ fn drawn(scene: SceneName) -> anyhow::Result<Option<Still>> {
 }
 
 impl Still {
-    /// Mean over the view of what is lost, and what is detected of it, JND.
+    /// Mean loss over the view, and detected loss, JND.
     pub fn lost(&self, map: &Map, sampling: Sampling) -> [f64; 2] {
         let shown = match sampling {
             Sampling::Mean => self.picture.shaded_at(|x, y| map.at(x, y)),
@@ -86,7 +86,7 @@ impl Still {
         [mean(|seen| seen), mean(|seen| seen.powf(3.5)).powf(1.0 / 3.5)]
     }
 
-    /// What is seen of the change at each pixel, JND.
+    /// Visible change at each pixel, JND.
     fn seen(&self, shown: &Picture) -> Plane {
         let viewing = Viewing { white_cd_m2: WHITE_CD_M2, ..Viewing::default() };
         let eye = Eye { picture: self.picture.clone(), fov: FOV, gaze: Vec3::NEG_Z, age: None };
@@ -94,7 +94,7 @@ impl Still {
         seen_of_stills(&eye, shown, &viewing).unwrap_or_else(|_| Plane::filled(SIDE, SIDE, f32::NAN))
     }
 
-    /// What each tile loses at each of these rates, JND, in the mean of its pixels, as the judge sees it where all tiles have that rate: more than any planner can know.
+    /// Loss of each tile at each of these rates, JND, in the mean of its pixels, as judged where all tiles have that rate: more than any planner can know.
     pub fn judged(&self, rates: &[ShadingRate]) -> Vec<Vec<f32>> {
         let at = |rate: &ShadingRate| {
             let seen = self.seen(&self.picture.shaded_at(|_, _| *rate));

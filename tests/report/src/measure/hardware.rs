@@ -67,7 +67,7 @@ pub fn measure(
     Ok(SceneResults { scene: subject.name().to_owned(), points: found, bits: Vec::new() })
 }
 
-/// What costs these shares of the pixels.
+/// The result of a map with these shares of the pixels.
 fn result(
     sweep: Sweep,
     name: &str,
