@@ -1,4 +1,4 @@
-//! What is heard: loudness and mel feature, after "Audio-Visual Foveated Rendering" (paper A below), Eq. 1-6.
+//! Sound: loudness and mel feature, after "Audio-Visual Foveated Rendering" (paper A below), Eq. 1-6.
 //!
 //! A [`FeatureExtractor`] takes the samples as they come and answers every [`INTERVAL_S`] with [`AudioFeatures`] of
 //! the last seconds. Inside, a hop of 100 ms leaves behind one energy (K-weighted, [`Loudness`]) and one energy for
@@ -37,7 +37,7 @@ use crate::range::within;
 /// How the window T_a is summed up (`audio.mode`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// What allows less: the lower loudness, and the higher frequency, of the last 400 ms (momentary, EBU Tech 3341)
+    /// The more careful choice: the lower loudness, and the higher frequency, of the last 400 ms (momentary, EBU Tech 3341)
     /// and of all of T_a (with 3 s: short-term, EBU Tech 3341). Both follow at once when sound stops or rises in
     /// pitch, and take T_a when it starts or falls.
     #[default]

@@ -1,4 +1,4 @@
-//! The audio-visual perception model: how well foveated rendering is liked by what is heard, and what loss of contrast
+//! The audio-visual perception model: the quality of foveated rendering as a function of sound, and the loss of contrast
 //! sound therefore pays for (paper A, "Audio-visual aware Foveated Rendering", Eq. 12-17).
 //!
 //! [`Coefficients::alpha`] is the budget that [`crate::frco`] spends tile by tile; [`Budget`] says what happens in silence.
@@ -15,7 +15,7 @@ pub use budget::{Budget, BudgetSettings, SensitivityUnit, SilenceRule};
 /// Range of gamma_ld in which the paper's study was done (supplement, section 1.3: -35 to -10 LUFS), loudness units.
 pub const GAMMA_LD: [f32; 2] = [0.0, 25.0];
 
-/// What gamma_vis is divided by before it is weighted (Eq. 12), to bring all features to one scale.
+/// Divisor of gamma_vis before its weight (Eq. 12), to bring all features to one scale.
 pub const VISUAL_LOSS_SCALE: f32 = 10_000.0;
 
 /// a, b, c and d of Eq. 12: what each feature adds to the score. All are >= 0 (Eq. 13).

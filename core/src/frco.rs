@@ -15,7 +15,7 @@ use crate::rate::ShadingRate;
 /// Half octaves that the coarsest rate, 4x4, removes.
 pub const HALF_OCTAVES: usize = 4;
 
-/// What a block loses at a rate: sum over i of `C_i` clamp(octaves - i, 0, 1), paper A Eq. 19 with the corrected sign.
+/// Loss of a block at a rate: sum over i of `C_i` clamp(octaves - i, 0, 1), paper A Eq. 19 with the corrected sign.
 ///
 /// `band_sensitivity` is C_n(f, b) of Eq. 7 by band, finest first: contrast times sensitivity, >= 0, without a unit but
 /// with the scale of the sensitivity function. The answer is >= 0, 0 at 1x1, and does not fall towards coarser rates. A

@@ -89,7 +89,7 @@ pub struct GateFrame {
     pub cost_ns: Option<u64>,
     /// Whether the technique was at work in that frame.
     pub was_on: bool,
-    /// What the eyes do now.
+    /// Phase of the gaze now.
     pub phase: GazePhase,
     /// The set of eye passes of that frame, as any number that tells one set from another. None without passes.
     pub passes: Option<u32>,

@@ -1,4 +1,4 @@
-//! What the gaze is worth at this moment: tracked, held, lost; fixating, following or in a saccade.
+//! State of the gaze: tracked, held, lost; fixating, following or in a saccade.
 
 mod inflation;
 mod rejection;
@@ -27,7 +27,7 @@ pub struct GazeSample {
     pub valid: bool,
 }
 
-/// What the eyes are doing.
+/// Phase of the gaze.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum GazePhase {
     /// Tracked, and resting.
@@ -59,9 +59,9 @@ pub struct GazeState {
     /// How far the eyes may be from `directions`, degrees, where these are a prediction: the landing of a saccade, or where a
     /// pursuit leads to.
     pub prediction_error_deg: Option<f32>,
-    /// What the eyes are doing.
+    /// Phase of the gaze.
     pub phase: GazePhase,
-    /// Whether what changes in the picture goes unnoticed ([`GazeSettings::post_saccade_ms`]): from the second sample of a saccade
+    /// Whether changes of the picture go unnoticed ([`GazeSettings::post_saccade_ms`]): from the second sample of a saccade
     /// on, for that time beyond its landing, by the timestamps of the samples, not of their arrival.
     pub is_suppressed: bool,
     /// How far the directions may be relied on: 1 tracked .. 0 lost. Ramps, so that what follows it never jumps.

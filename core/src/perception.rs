@@ -1,4 +1,4 @@
-//! What contrast there is, and how much of it is seen.
+//! Contrast of images, and its visibility.
 //!
 //! [`luminance`] makes cd/m^2 of colours, [`pyramid`] takes them apart into octaves of spatial frequency, and
 //! [`crate::kernels::analyze`] keeps the contrast of each octave for each tile of a picture. What a coarsely shaded tile no longer shows,
@@ -14,7 +14,7 @@ use crate::image::Plane;
 /// Octave bands of spatial frequency that contrast is measured in, finest first.
 pub const BANDS: usize = 4;
 
-/// What a tile shows; in a buffer of the GPU five numbers.
+/// Contrast and luminance of a tile; in a buffer of the GPU five numbers.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct TileContrast {
@@ -25,7 +25,7 @@ pub struct TileContrast {
     pub adaptation_cd_m2: f32,
 }
 
-/// What each tile of a picture shows, row by row from the upper left corner.
+/// Contrast of each tile of a picture, row by row from the upper left corner.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContrastMap {
     /// One for each tile; those on the right and lower edge may be partly outside of the picture.

@@ -24,7 +24,7 @@ use thiserror::Error;
 /// A named set of settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Preset {
-    /// What few notice: the radii of the state of the art with a periphery four times as fine. Updates are as for
+    /// Differences that few notice: the radii of the state of the art with a periphery four times as fine. Updates are as for
     /// [`Self::Balanced`]: completed from earlier pictures as the head has turned, these lose less than rates do for the same time.
     Quality,
     /// The state of the art that paper A measures itself against, and the update configuration that paper B calls
@@ -36,7 +36,7 @@ pub enum Preset {
     Performance,
     /// [`Self::Balanced`] for pictures that are sent over a network: less colour saves bits.
     Streaming,
-    /// For headsets without an eye tracker: coarse only beyond what eyes turn to without the head, as
+    /// For headsets without an eye tracker: coarse only beyond the range of eye movements without the head, as
     /// [`RailSettings::lost`](crate::plan::RailSettings::lost).
     Fixed,
     /// Papers A, B and C to the letter, to compare with their results: their rates, their sensitivity function, all regions
@@ -44,7 +44,7 @@ pub enum Preset {
     Paper,
 }
 
-/// What a preset sets.
+/// Settings of a preset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PresetSettings {
     /// Rates by eccentricity, also where neither contrast nor sound is known.
@@ -85,7 +85,7 @@ impl Preset {
         }
     }
 
-    /// What it sets.
+    /// Its settings.
     ///
     /// The radii are pairs of paper A's pilot study, the only ones with scores behind them. L1-C1 is its baseline. From
     /// there Table 1 lists for how many combinations of loudness and frequency another pair scored no worse: L1-C2 16,

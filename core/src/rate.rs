@@ -66,7 +66,7 @@ impl ShadingRate {
     }
 }
 
-/// Paper A's array SR: what its device offered, coarsest first (Algorithm 2 tries them in this order).
+/// Paper A's array SR: the rates of its device, coarsest first (Algorithm 2 tries them in this order).
 pub const PAPER_RATES: [ShadingRate; 4] =
     [ShadingRate::R4X4, ShadingRate::R2X4, ShadingRate::R2X2, ShadingRate::R1X1];
 

@@ -35,7 +35,7 @@ pub enum Phase {
     AlternateEye,
 }
 
-/// When to render what.
+/// Update schedule: the frames in which each region is rendered.
 ///
 /// In [`Phase::Aligned`] and [`Phase::Staggered`] the answers depend on direction, gaze and frame only, so that both
 /// eyes see a direction at the same age, whatever their images' tiles are.

@@ -24,7 +24,7 @@ pub use plan::{
 use arc_swap::ArcSwap;
 use parafovea_manifest::config::{ConfigErrors, Watch};
 use parafovea_manifest::status::{AskedView, Settings};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::ops::Deref;
 use std::sync::{Arc, Mutex, TryLockError};
 use std::time::{Duration, Instant};
 
@@ -34,10 +34,26 @@ const LOOK_EVERY: Duration = Duration::from_millis(500);
 /// One application's configuration, kept current by [`LiveConfig::poll`].
 #[derive(Debug)]
 pub struct LiveConfig {
-    current: ArcSwap<Config>,
-    source: ArcSwap<Settings>,
-    is_view_asked: AtomicBool,
+    current: ArcSwap<ConfigSnapshot>,
     watched: Mutex<Watched>,
+}
+
+/// The configuration at one moment. A frame has one from its xrBeginFrame to the next.
+#[derive(Clone, Debug, Default)]
+pub struct ConfigSnapshot {
+    config: Config,
+    /// The file that it was read from.
+    pub source: Arc<Settings>,
+    /// Whether the debug view is not the file's, but requested by `parafovea status --view`.
+    pub is_view_asked: bool,
+}
+
+impl Deref for ConfigSnapshot {
+    type Target = Config;
+
+    fn deref(&self) -> &Config {
+        &self.config
+    }
 }
 
 #[derive(Debug)]
@@ -65,27 +81,13 @@ impl LiveConfig {
         let asked = AskedView::new(environment, std::process::id());
         let watched =
             Watched { watch, configured: config, asked, view: None, out_of_reach: None, looked: now };
-        Self {
-            current: ArcSwap::from_pointee(config),
-            source: ArcSwap::from_pointee(source),
-            is_view_asked: AtomicBool::new(false),
-            watched: Mutex::new(watched),
-        }
+        let snapshot = ConfigSnapshot { config, source: Arc::new(source), is_view_asked: false };
+        Self { current: ArcSwap::from_pointee(snapshot), watched: Mutex::new(watched) }
     }
 
-    /// What holds now.
-    pub fn get(&self) -> Config {
-        **self.current.load()
-    }
-
-    /// The file that the configuration was read from.
-    pub fn source(&self) -> Arc<Settings> {
-        self.source.load_full()
-    }
-
-    /// Whether the debug view is not the file's, but what `parafovea status --view` asks for.
-    pub fn is_view_asked(&self) -> bool {
-        self.is_view_asked.load(Ordering::Relaxed)
+    /// The configuration at this moment.
+    pub fn snapshot(&self) -> Arc<ConfigSnapshot> {
+        self.current.load_full()
     }
 
     /// Looks for an edit, and for a debug view that is asked for, if it is time to. A file with an error changes nothing.
@@ -99,9 +101,11 @@ impl LiveConfig {
             return;
         }
         watched.looked = now;
-        let edited = watched.watch.poll().and_then(|read| {
-            let (config, source) = accept(read, &watched.watch);
-            self.source.store(Arc::new(source));
+        let mut snapshot = ConfigSnapshot::clone(&self.current.load());
+        let read = watched.watch.poll().map(|read| accept(read, &watched.watch));
+        let is_read = read.is_some();
+        let edited = read.and_then(|(config, source)| {
+            snapshot.source = Arc::new(source);
             config
         });
         let view = watched.asked.look();
@@ -110,6 +114,10 @@ impl LiveConfig {
             tracing::info!("configuration changed");
             watched.configured = config;
         } else if view == watched.view {
+            // A file with an error.
+            if is_read {
+                self.current.store(Arc::new(snapshot));
+            }
             return;
         }
         if view != watched.view {
@@ -121,10 +129,10 @@ impl LiveConfig {
             }
             watched.view = view;
         }
-        let mut config = watched.configured;
-        config.debug.view = view.unwrap_or(config.debug.view);
-        self.is_view_asked.store(view.is_some(), Ordering::Relaxed);
-        let out_of_reach = arming::out_of_reach(&config);
+        snapshot.config = watched.configured;
+        snapshot.config.debug.view = view.unwrap_or(watched.configured.debug.view);
+        snapshot.is_view_asked = view.is_some();
+        let out_of_reach = arming::out_of_reach(&snapshot);
         if out_of_reach != watched.out_of_reach {
             watched.out_of_reach = out_of_reach;
             if let Some(wanted) = out_of_reach {
@@ -133,7 +141,7 @@ impl LiveConfig {
                 );
             }
         }
-        self.current.store(Arc::new(config));
+        self.current.store(Arc::new(snapshot));
     }
 }
 

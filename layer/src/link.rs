@@ -8,9 +8,10 @@
 mod records;
 
 pub use records::{
-    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, EyeMapRecord, FrameTimeRecord, NO_EYE,
-    NO_IMAGE, OfferRecord, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord,
-    ShownViewRecord, StaleRecord, SwapchainRecord,
+    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, DecisionRecord, EyeMapRecord,
+    FrameReportRecord, FrameStart, FrameTimeRecord, MOST_FRAME_TIMES, NO_EYE, NO_IMAGE, OfferRecord,
+    PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
+    SwapchainRecord,
 };
 
 use ash::vk;
@@ -21,7 +22,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"vkGetParafoveaLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 13;
+pub const LINK_VERSION: u32 = 15;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;
@@ -51,30 +52,24 @@ pub struct LinkTable {
     /// Enters (1) or leaves (0) a section of this thread whose submits are the runtime's or ours, not the
     /// application's. Sections nest.
     pub runtime_section: unsafe extern "C" fn(enter: u32),
-    /// Writes what the device's backend can do to `record`; returns 1, or 0 when the device is not armed.
+    /// Writes the abilities of the device's backend, which never change, to `record`; returns 1, or 0 when the device is not armed.
     pub offer: unsafe extern "C" fn(device: vk::Device, record: *mut OfferRecord) -> u32,
     /// Tells the images of a swapchain, or that they are about to be destroyed.
     pub swapchain: unsafe extern "C" fn(device: vk::Device, record: *const SwapchainRecord),
-    /// Tells the newest plan.
-    pub plan: unsafe extern "C" fn(device: vk::Device, record: *const PlanRecord),
+    /// Starts a frame with the settings and the plan that are new in it; not called in frames without any.
+    pub begin_frame: unsafe extern "C" fn(device: vk::Device, start: *const FrameStart),
     /// Tells a finished picture of an eye, between what wrote it and the end of the frame, in a section of the runtime.
     pub picture: unsafe extern "C" fn(device: vk::Device, record: *const PictureRecord),
-    /// Tells what an xrEndFrame shows, before or after the runtime's: it ends the frame of this device.
-    pub shown: unsafe extern "C" fn(device: vk::Device, record: *const ShownRecord),
-    /// Tells what shall be done, from the configuration.
-    pub settings: unsafe extern "C" fn(device: vk::Device, record: *const SettingsRecord),
-    /// Writes to `record` which tiles of the picture of an eye (0: left, 1: right) are stale in the frame that ended last: what the maps of
-    /// all of its passes together left out. Returns 1, or 0 where everything is fresh.
+    /// Ends the device's frame with its submission, before or after the runtime's xrEndFrame. Writes what became of it to `report`; returns 1,
+    /// or 0 when the device is not armed. It waits for nothing.
+    pub end_frame: unsafe extern "C" fn(
+        device: vk::Device,
+        submission: *const ShownRecord,
+        report: *mut FrameReportRecord,
+    ) -> u32,
+    /// Writes the stale tiles of an eye's image (0: left, 1: right) in the last frame to `record`, as [`Self::end_frame`] does: for words that
+    /// had no room there. Returns 1, or 0 where everything is fresh.
     pub stale: unsafe extern "C" fn(device: vk::Device, eye: u32, record: *mut StaleRecord) -> u32,
-    /// How many passes were recognised and had the plan's rates in the frame that ended last.
-    pub passes_with_rates: unsafe extern "C" fn(device: vk::Device) -> u32,
-    /// How many passes were recognised as an eye's picture in the frame that ended last, whether rates are on or not.
-    pub eye_passes: unsafe extern "C" fn(device: vk::Device) -> u32,
-    /// Number of the frame that ended last, counted by [`Self::shown`] from 1; 0 before the first.
-    pub frames_ended: unsafe extern "C" fn(device: vk::Device) -> u64,
-    /// Writes what the next frame's passes took, of which that has become known; returns 1, or 0 when there is none. It waits for
-    /// nothing: times come a frame or more after the frame has ended, in the order of the frames, and of some never.
-    pub frame_time: unsafe extern "C" fn(device: vk::Device, record: *mut FrameTimeRecord) -> u32,
     /// Copies the rates that the GPU decided last for an eye, in a submit of its own, in a section of the runtime. Returns
     /// [`RATES_COPIED`], [`RATES_OF_PLAN`] or [`RATES_COPY_LEFT_OUT`].
     pub copy_rates: unsafe extern "C" fn(device: vk::Device, record: *const RatesCopyRecord) -> u32,
@@ -84,6 +79,9 @@ pub struct LinkTable {
     /// The layout in which the application's submits left a swapchain's image; COLOR_ATTACHMENT_OPTIMAL, as OpenXR has it, for an image
     /// with an unknown layout.
     pub layout: unsafe extern "C" fn(device: vk::Device, image: vk::Image) -> vk::ImageLayout,
+    /// Writes the decision of that index, counted from 0 over all devices of the process, to `record`; returns 1, or 0 if there are fewer.
+    /// It waits for nothing.
+    pub decision: unsafe extern "C" fn(index: u32, record: *mut DecisionRecord) -> u32,
 }
 
 /// One device as the Vulkan half tracked it.
@@ -107,6 +105,8 @@ pub struct DeviceRecord {
     /// (command buffers, queues) before it is used with the next layer's functions.
     pub set_device_loader_data:
         unsafe extern "system" fn(device: vk::Device, object: *mut c_void) -> vk::Result,
+    /// [`Arming`](crate::config::Arming) of the device.
+    pub arming: u32,
 }
 
 /// `vkGetDeviceProcAddr` as the application's Vulkan loader exports it.

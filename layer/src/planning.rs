@@ -19,14 +19,14 @@ pub use signal::SignalQuality;
 pub use views::{ShownView, View, Views, head_of};
 pub use watched::Watched;
 
-use crate::config::{Config, GazeSource, debug_view, gaze_settings, plan_settings, wants_maps};
+use crate::config::{Config, GazeSource, debug_view, gate_modes, gaze_settings, plan_settings, wants_maps};
 use crate::link::PlanRecord;
 use frame_rate::FrameRate;
 use glam::{Quat, Vec3};
 use handed::Handed;
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::chroma::{ChromaSettings, Focus};
-use parafovea_core::gate::Techniques;
+use parafovea_core::gate::{GateMode, Techniques};
 use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker, Rejection};
 use parafovea_core::geometry;
 use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings, tile_of};
@@ -80,6 +80,8 @@ pub struct Planning {
     handed: Handed,
     /// What is in the maps that are handed over.
     techniques: Techniques<bool>,
+    /// Whether the gates keep every technique off, with no trial under way or due.
+    are_resting: bool,
     /// Whether each eye's picture of the frame before this one, and what that was made of, is kept.
     has_history: [bool; 2],
     /// The same of this frame.
@@ -101,10 +103,17 @@ struct Last {
 
 impl Default for Planning {
     fn default() -> Self {
+        Self::new(Offer::default())
+    }
+}
+
+impl Planning {
+    /// Begins without views or gaze, for a device's rates.
+    pub fn new(offer: Offer) -> Self {
         let gaze_settings = GazeSettings::default();
         Self {
             views: Views::default(),
-            offer: Offer::default(),
+            offer,
             gaze_settings,
             gaze: GazeTracker::new(gaze_settings),
             audio: None,
@@ -117,6 +126,7 @@ impl Default for Planning {
             orientations: [Quat::IDENTITY; 2],
             handed: Handed::default(),
             techniques: Techniques { rates: true, reuse: true },
+            are_resting: false,
             has_history: [false; 2],
             keeps_history: [false; 2],
             begun_ns: None,
@@ -124,13 +134,6 @@ impl Default for Planning {
             last_look: LastLook::default(),
             signal: Signal::default(),
         }
-    }
-}
-
-impl Planning {
-    /// What the device's backend can do, as it was told last.
-    pub fn set_offer(&mut self, offer: Offer) {
-        self.offer = offer;
     }
 
     /// A frame begins, to be shown at `time_ns`.
@@ -147,8 +150,19 @@ impl Planning {
     }
 
     /// What the maps shall have, of that which is planned: what the other half is told from now on.
-    pub fn set_techniques(&mut self, techniques: Techniques<bool>) {
+    ///
+    /// Neither technique, and no use for costs of frames, means that the gates rest: maps that nobody gets are not planned. Costs are asked
+    /// for from the beginning of a trial on, whose first stretch is without the technique: rates become coarse within it.
+    pub fn set_techniques(&mut self, techniques: Techniques<bool>, wants_costs: bool) {
         self.techniques = techniques;
+        self.are_resting = !(techniques.rates || techniques.reuse || wants_costs);
+    }
+
+    /// Whether there is nothing to plan before a gate begins its next trial, which is hidden in a saccade or a blink: the eyes are watched.
+    pub fn only_watches(&self, config: &Config, can_attenuate: bool) -> bool {
+        let Techniques { rates, reuse } = gate_modes(config);
+        let may_try = rates == GateMode::Auto || reuse == GateMode::Auto;
+        self.are_resting && may_try && self.has_maps(config) && !self.has_work(config, can_attenuate)
     }
 
     /// The frame that is under way ends with a picture of an eye that is kept, whatever of it is stale with what that is
@@ -163,7 +177,9 @@ impl Planning {
     /// shown of plans.
     pub fn has_work(&self, config: &Config, can_attenuate: bool) -> bool {
         let is_shown = can_attenuate && debug_view(config).is_some();
-        self.has_maps(config) || is_shown || self.chroma(config, can_attenuate).is_some()
+        (self.has_maps(config) && !self.are_resting)
+            || is_shown
+            || self.chroma(config, can_attenuate).is_some()
     }
 
     /// A frame goes by without a plan.

@@ -8,7 +8,10 @@ mod moment;
 mod quiet;
 mod unseen;
 
-pub use decisions::{Decision, Topic, all as all_decisions, count as decision_count, decided};
+pub use decisions::{
+    Decision, Topic, all as all_decisions, count as decision_count, decided, decision,
+    take_over as take_over_decision,
+};
 pub use moment::{GateMoment, Moment};
 pub use quiet::Quiet;
 pub use unseen::{Known, why_unseen};

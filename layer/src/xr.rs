@@ -20,6 +20,7 @@ mod proc_addr;
 mod session;
 mod spaces;
 mod structures;
+mod submission;
 mod swapchain;
 mod vulkan_activation;
 mod vulkan_device;

@@ -17,6 +17,7 @@ mod frame;
 mod hello_xr;
 mod inert;
 mod input;
+mod layer_readme;
 mod loader_1_1;
 mod memory;
 mod mock_runtime_readme;

@@ -17,10 +17,14 @@ const FRAMES: u64 = 100_000;
 /// Long enough on a machine that does much else.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-fn start(application: &Application) -> Running {
+fn run(application: &Application) -> Run {
     let scenario = Scenario::new(FRAMES).sized(256, 256).gazing(-10.0, 0.0);
     let config = "preset = \"none\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n[gaze]\nsource = \"centre\"\n";
-    Run::new(application, &scenario).on(config).start().unwrap()
+    Run::new(application, &scenario).on(config)
+}
+
+fn start(application: &Application) -> Running {
+    run(application).start().unwrap()
 }
 
 /// What it tells, once that is so; panics where it never is.
@@ -81,6 +85,13 @@ fn hello_xr_of_vulkan_1_0_has_masks() {
     let status = told(&running, |status| is_decided(status, ": masked"));
     assert_eq!((status.application.as_str(), status.backend.as_str()), ("HelloXR", "mask"), "{status:#?}");
     assert!(is_decided(&status, ": the scene: left eye"), "{status:#?}");
+}
+
+/// The decisions of one copy's Vulkan half are in the status of the other copy's OpenXR half.
+#[test]
+fn halves_of_two_copies_of_the_library_tell_their_decisions() {
+    let running = run(&Application::hello_xr("Vulkan2").unwrap()).from_copies().start().unwrap();
+    told(&running, |status| is_decided(status, ": the scene: ") && is_decided(status, ": masked"));
 }
 
 #[test]

@@ -2,6 +2,8 @@
 
 #[path = "wording/literals.rs"]
 mod literals;
+#[path = "wording/summaries.rs"]
+mod summaries;
 
 use literals::literals;
 use parafovea_manifest::options::{Allowed, OPTIONS};

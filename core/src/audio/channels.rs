@@ -20,7 +20,7 @@ pub(super) fn positions(channels: u32) -> Option<&'static [Channel]> {
     })
 }
 
-/// What the energy at a position counts: 0 for LFE, 1.41 for what is at 60 to 120 degrees, else 1.
+/// Weight of the energy of a position: 0 for LFE, 1.41 at 60 to 120 degrees, else 1.
 pub(super) fn weight(position: Channel) -> f32 {
     match position {
         Unused => 0.0,

@@ -20,7 +20,7 @@ pub const MAX_CHANNELS: u32 = 8;
 /// Greatest sample, of full scale 1: 24 dB above it. Beyond, a sample is limited.
 const GREATEST_SAMPLE: f32 = 16.0;
 
-/// Least sample, -300 dB: what is closer to 0 is 0. Nobody hears it, and its square would be denormal.
+/// Least sample, -300 dB: samples closer to 0 count as 0. Nobody hears it, and its square would be denormal.
 const LEAST_SAMPLE: f32 = 1e-15;
 
 /// Why there are no features of a stream.
@@ -32,7 +32,7 @@ pub enum FormatError {
     /// Not within 1..=[`MAX_CHANNELS`].
     #[error("{0} channels are not within 1..=8")]
     Channels(u32),
-    /// The loudness meter refused what is within both ranges.
+    /// The loudness meter refused a format within both ranges.
     #[error("the loudness meter refused the format: {0}")]
     Meter(#[from] ebur128::Error),
 }
@@ -108,7 +108,7 @@ impl FeatureExtractor {
         }
     }
 
-    /// The loudness of what was heard up to the last features.
+    /// The loudness up to the last features.
     pub fn loudness(&self) -> &Loudness {
         &self.loudness
     }
@@ -158,7 +158,7 @@ impl FeatureExtractor {
     }
 }
 
-/// What a sample counts as: see [`FeatureExtractor::push`].
+/// A sample within the limits: see [`FeatureExtractor::push`].
 fn heard(sample: f32) -> f32 {
     let magnitude = sample.abs();
     if magnitude >= LEAST_SAMPLE && magnitude.is_finite() {

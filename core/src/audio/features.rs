@@ -1,4 +1,4 @@
-//! What the models take from sound.
+//! Sound features: the models' input.
 
 use super::GREATEST_KILOMEL;
 
@@ -19,7 +19,7 @@ pub struct AudioFeatures {
 }
 
 impl AudioFeatures {
-    /// Digital silence, which is also what there is before the first sample.
+    /// Digital silence, also before the first sample.
     pub const SILENT: Self = Self {
         loudness_lufs: f32::NEG_INFINITY,
         gamma_ld: 0.0,

@@ -15,19 +15,19 @@ pub(super) const BLOCK_HOPS: usize = 4;
 /// Length of a hop, milliseconds: a quarter of a block, which is the standard's overlap of 75 %.
 const HOP_MS: u32 = 100;
 
-/// What is below is silence, LKFS (BS.1770-4, absolute gate).
+/// Threshold of silence, LKFS (BS.1770-4, absolute gate).
 pub(super) const ABSOLUTE_GATE_LUFS: f64 = -70.0;
 
-/// What is that far below the mean does not count, loudness units (BS.1770-4, relative gate).
+/// Threshold below the mean under which energy does not count, loudness units (BS.1770-4, relative gate).
 const RELATIVE_GATE_LU: f64 = -10.0;
 
 /// Loudness of an energy of 1, LKFS (BS.1770-4, Eq. 2): takes back the gain of the K-weighting at 997 Hz.
 const OFFSET_LUFS: f64 = -0.691;
 
-/// Loudness of the last T_a, hop by hop of 100 ms: what a [`FeatureExtractor`](super::FeatureExtractor) has heard.
+/// Loudness of the last T_a, hop by hop of 100 ms, of a [`FeatureExtractor`](super::FeatureExtractor).
 pub struct Loudness {
     meter: EbuR128,
-    /// What `meter`'s energies are multiplied by: see [`level_correction`].
+    /// Factor on `meter`'s energies: see [`level_correction`].
     correction: f64,
     /// Energies of the last hops of the window, oldest first.
     energies: VecDeque<f64>,
@@ -108,7 +108,7 @@ fn energy(lufs: f64) -> f64 {
     10f64.powf((lufs - OFFSET_LUFS) / 10.0)
 }
 
-/// What the crate's energies must be multiplied by to have at any sample rate the response that BS.1770-4 tabulates
+/// Factor on the crate's energies that gives them at any sample rate the response that BS.1770-4 tabulates
 /// for 48 kHz, as the Recommendation asks.
 ///
 /// The standard's second filter has the numerator 1, -2, 1. Transformed from the same analogue filter to another rate

@@ -42,7 +42,7 @@ pub fn gamma_fq(mean_mel: Option<f64>) -> f32 {
 pub struct FilterBank {
     /// Index of the first bin at or above 20 Hz.
     first_bin: usize,
-    /// For each bin from there on: the band whose centre is at or below it, and what the next band takes of it.
+    /// For each bin from there on: the band whose centre is at or below it, and the next band's share of it.
     bins: Vec<(usize, f64)>,
     centres_mel: [f64; BANDS],
 }

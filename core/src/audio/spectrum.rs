@@ -1,4 +1,4 @@
-//! Power spectra of what is heard, added up over frames and channels.
+//! Power spectra of sound, added up over frames and channels.
 
 use super::channels;
 use ebur128::Channel;

@@ -3,7 +3,7 @@
 use super::{AudioFeatures, AudioSettings, GREATEST_KILOMEL, INTERVAL_S};
 use std::collections::VecDeque;
 
-/// Hops that count by themselves: what has just begun to fail is not hidden behind the seconds before.
+/// Hops that count by themselves: a failure that has just begun is not hidden behind the seconds before.
 const LAST_HOPS: usize = 2;
 
 /// Features that are later than they should be by this much still count in full, seconds: what a sound takes through the
@@ -48,7 +48,7 @@ impl Continuity {
 }
 
 impl AudioFeatures {
-    /// What a plan may take from features that were heard `age_s` ago with this confidence, 0..=1, where new ones come every
+    /// Reliable part of features that were heard `age_s` ago with this confidence, 0..=1, where new ones come every
     /// `interval_s`. All in seconds; what is no number is nothing to rely on.
     ///
     /// From 100 to 300 ms after the next should have come they fade into silence's, and then there is none: what sound pays

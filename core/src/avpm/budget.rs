@@ -1,4 +1,4 @@
-//! What a frame may lose by what is heard, in silence too, and in the units of the sensitivity function in use.
+//! The allowed loss of a frame as a function of sound, in silence too, in the units of the sensitivity function in use.
 
 use super::{Coefficients, GAMMA_LD, PAPER, PAPER_THRESHOLD, says_something};
 use crate::audio::LEAST_KILOMEL;
@@ -31,7 +31,7 @@ impl SensitivityUnit {
     }
 }
 
-/// What a frame may lose while nothing is heard, where Eq. 3 divides 0 by 0.
+/// The allowed loss of a frame in silence, where Eq. 3 divides 0 by 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SilenceRule {
     /// No budget: the map of [`crate::fixed_foveation`] instead, the baseline that sound is meant to improve on.
@@ -44,7 +44,7 @@ pub enum SilenceRule {
     Alpha(f32),
 }
 
-/// What one frame may lose.
+/// The allowed loss of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
     /// Loss of sensitivity that each block may have, in units of the sensitivity function in use: alpha of

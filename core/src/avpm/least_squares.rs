@@ -13,7 +13,7 @@ const DEPENDENT: f64 = 1e-6;
 pub struct Solution<const N: usize> {
     /// x, each >= 0.
     pub x: [f64; N],
-    /// Sum of squares of what x leaves.
+    /// Sum of squares of the residuals of x.
     pub residual: f64,
 }
 

@@ -17,7 +17,7 @@ use csv::{Position, ReaderBuilder, StringRecord, Trim};
 use std::ops::RangeInclusive;
 use thiserror::Error;
 
-/// One row of D of Algorithm 1: what was heard and seen, and how well it was liked.
+/// One row of D of Algorithm 1: features of sound and picture, and their score.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// Loudness units, 0..=25.
@@ -60,7 +60,7 @@ pub enum StudyError {
         line: u64,
         /// Name of the column.
         column: &'static str,
-        /// What stands there.
+        /// The text of the cell.
         value: String,
         /// Least number allowed, as written.
         least: String,
@@ -80,7 +80,7 @@ pub enum StudyError {
     /// There is no header.
     #[error("the study is empty; the first line names the columns")]
     Empty,
-    /// What the parser says of anything else.
+    /// Any other error of the parser.
     #[error("{0}")]
     Syntax(String),
 }
@@ -89,7 +89,7 @@ pub enum StudyError {
 struct Column {
     name: &'static str,
     allowed: RangeInclusive<f32>,
-    /// From what stands in the text to the feature.
+    /// From the value in the text to the feature.
     feature: fn(f32) -> f32,
 }
 

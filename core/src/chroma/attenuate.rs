@@ -13,7 +13,7 @@ pub struct Gamut {
 }
 
 impl Gamut {
-    /// Stands for infinity, small enough that what is computed from it stays finite.
+    /// Stands for infinity, small enough that results stay finite.
     const FAR: f32 = 1e30;
     /// Images that store 0..=1.
     pub const UNIT: Self = Self { floor: 0.0, ceiling: 1.0 };

@@ -24,7 +24,7 @@ fn unit(x: f32) -> f32 {
     if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) }
 }
 
-/// What is kept of each chroma channel, 0..=1.
+/// Gain of each chroma channel, 0..=1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gains {
     /// Of blue-yellow.
@@ -75,7 +75,7 @@ const MIN_PAPER_RANGE: f32 = std::f32::consts::PI / 180.0;
 /// to follow the gaze very slowly.
 const MIN_RANGE: f32 = 15.0 * MIN_PAPER_RANGE;
 
-/// So steep that what falls like this is gone within a millionth of a degree: no rim fade, no floor.
+/// A slope so steep that the gain is 0 within a millionth of a degree: no rim fade, no floor.
 const AT_ONCE: f32 = 1e9;
 
 impl Curves {

@@ -1,4 +1,4 @@
-//! What is kept of chroma at any eccentricity: as much as the eye's sensitivity to large fields is kept there.
+//! The chroma gain that remains at any eccentricity: as much as the eye's sensitivity to large fields is kept there.
 //!
 //! castleCSF lets sensitivity to gratings of a frequency fall with eccentricity by a fixed ratio per degree, in the
 //! temporal and in the nasal visual field. The one in which more is seen counts, as both eyes see most of a view.

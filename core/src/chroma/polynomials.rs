@@ -1,10 +1,10 @@
-//! The curves as polynomials: what the kernel `compose` evaluates for each pixel. All of it takes 0.87 of the time on lavapipe 22.3 that it
+//! The curves as polynomials, which the kernel `compose` evaluates for each pixel. All of it takes 0.87 of the time on lavapipe 22.3 that it
 //! takes with the powers of the curves.
 
 use super::{Curves, Gains};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// [`Curves`] with both equations as polynomials of what makes them smooth, within [`Self::WITHIN`] of them.
+/// [`Curves`] with both equations as polynomials of variables that make them smooth, within [`Self::WITHIN`] of them.
 ///
 /// Eq. 1 ends with an infinite slope, and Eq. 2 begins with one where its bound is below .5. Of w = 1 - (1 - e^2)^(1/2) and of
 /// v = e^(1/2) they are nearly straight there. Both polynomials are 0 at 0, so that the plateau has no edge.
@@ -16,9 +16,9 @@ pub struct Polynomials {
     pub range_scale: f32,
     /// [`Curves::rim_scale`].
     pub rim_scale: f32,
-    /// Of what Eq. 1 takes of Cb: factors of w, w^2, w^3 and w^4.
+    /// Loss of Cb by Eq. 1: factors of w, w^2, w^3 and w^4.
     pub cb_loss: [f32; 4],
-    /// Of what Eq. 2 takes of Cr: factors of v to v^5.
+    /// Loss of Cr by Eq. 2: factors of v to v^5.
     pub cr_loss: [f32; 5],
     /// [`Curves::cb_fall_off`], octaves per radian.
     pub cb_fall_off: f32,

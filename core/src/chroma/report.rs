@@ -14,7 +14,7 @@ const STEPS: u32 = 4096;
 /// Samples along each side of an area.
 const SIDE: u32 = 256;
 
-/// What is kept of the chroma channels as the mean over a range of normalised eccentricity, 0..=1.
+/// Mean gain of the chroma channels over a range of normalised eccentricity, 0..=1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report {
     /// The mean along a line from E = 0 to 1.
@@ -50,14 +50,14 @@ impl Report {
     }
 }
 
-/// Mean of what is kept over a rectangle of `sides`, with E the distance from its middle over `normaliser`, all in one
+/// Mean gains over a rectangle of `sides`, with E the distance from its middle over `normaliser`, all in one
 /// unit. With a normaliser of 0 or NaN, E is NaN or infinite, and `gains` says what that means.
 pub fn rectangle_mean(sides: [f32; 2], normaliser: f32, gains: impl Fn(f32) -> Gains) -> Gains {
     let sides = Vec2::from(sides);
     weighted_mean(unit_square().map(|at| (1.0, gains(((at - 0.5) * sides).length() / normaliser))))
 }
 
-/// Mean of what is kept over the pixels of a view of `extent` pixels, looked at along `gaze` (of any length; one
+/// Mean gains over the pixels of a view of `extent` pixels, looked at along `gaze` (of any length; one
 /// without a meaning sees everything in full colour).
 pub fn view_mean(plane: &ImagePlane, extent: [u32; 2], gaze: Vec3, curves: &Curves) -> Gains {
     let extent = Vec2::new(extent[0] as f32, extent[1] as f32);

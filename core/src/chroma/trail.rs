@@ -28,7 +28,7 @@ impl Focus {
     }
 }
 
-/// What was shown in the last frame. Pure: time comes from the caller.
+/// State of the last frame. Pure: time comes from the caller.
 ///
 /// The limit holds for directions in the space in which the gaze is given; best one in which the scene rests, so that
 /// it holds for what is seen there.
@@ -45,7 +45,7 @@ struct Shown {
 }
 
 impl Trail {
-    /// What to show at `time_ns` with that gaze, a direction of any length. `None` without a usable gaze (zero, not
+    /// The focus at `time_ns` with that gaze, a direction of any length. `None` without a usable gaze (zero, not
     /// finite): colour is full everywhere at once, and is attenuated by degrees when the gaze is back.
     ///
     /// The first frame has nothing before it that could change, so it is attenuated in full. A change of the settings

@@ -10,7 +10,7 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error("no radii shade {wanted} of the image; possible: {least} to {greatest}")]
 pub struct MeanRateError {
-    /// What was asked for.
+    /// The requested value.
     pub wanted: f32,
     /// The mean rate with radii of 0.
     pub least: f32,
@@ -44,7 +44,7 @@ impl FixedFoveation {
         mean(eccentricities_deg, |eccentricity| self.rate_at(eccentricity))
     }
 
-    /// Mean fraction of [`Self::shading_rate_of`] over a picture: what a device with these rates shades.
+    /// Mean fraction of [`Self::shading_rate_of`] over a picture, on a device with these rates.
     pub fn mean_shading_rate(&self, eccentricities_deg: &[f32], rates: &[ShadingRate]) -> f32 {
         mean(eccentricities_deg, |eccentricity| self.shading_rate_of(eccentricity, rates).fraction())
     }

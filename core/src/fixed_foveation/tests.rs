@@ -86,7 +86,7 @@ fn the_pilot_study_has_nine_pairs() {
     }
 }
 
-/// What FR shades on the paper's headset, which any speed-up against it depends on: with its periphery of 1/16, and
+/// Shading of FR on the paper's headset, which any speed-up against it depends on: with its periphery of 1/16, and
 /// of 1/4.
 #[test]
 fn mean_rates_on_the_papers_headset() {

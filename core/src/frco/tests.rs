@@ -169,7 +169,7 @@ proptest! {
         }
     }
 
-    /// By either sensitivity function: what is farther out is seen worse, hence never shaded finer.
+    /// By either sensitivity function: contrast farther out is less visible, hence never shaded finer.
     #[test]
     fn equal_content_farther_out_never_gets_a_finer_rate(
         contrast in prop::array::uniform4(0.0f32..4.0),

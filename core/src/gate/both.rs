@@ -8,7 +8,7 @@ use crate::gaze::GazePhase;
 pub struct Techniques<T> {
     /// Shading rates.
     pub rates: T,
-    /// Re-use of what was rendered earlier.
+    /// Re-use of earlier pictures.
     pub reuse: T,
 }
 

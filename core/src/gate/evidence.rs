@@ -2,7 +2,7 @@
 
 use super::estimate::{Estimate, Verdict};
 
-/// What trials have shown.
+/// Results of trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Evidence {
     estimate: Option<Estimate>,

@@ -24,7 +24,7 @@ pub(super) struct UnderWay {
     pub(super) latest: Option<Estimate>,
 }
 
-/// What happens to a trial.
+/// Outcome of a trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Step {
     /// The next stretch begins.

@@ -15,7 +15,7 @@ pub enum Rejection {
     Behind,
     /// It is farther to the side than eyes turn.
     OutOfReach,
-    /// It is outside of what both views show.
+    /// It is outside of both views.
     OutsideViews,
     /// It is farther from the one before than eyes turn in that time. Until the next sample what is there becomes finer, as
     /// the eyes may be there, and nothing coarser; as what follows it is not believed either, a stream of these is lost.
@@ -72,7 +72,7 @@ pub(super) fn plausible(directions: [Vec3; 2], reach_deg: f32) -> Result<[Vec3; 
     Ok(both)
 }
 
-/// What both views show.
+/// The directions within both views.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Views([(Fov, Quat); 2]);
 

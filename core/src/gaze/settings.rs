@@ -19,7 +19,7 @@ pub struct GazeSettings {
     /// Smallest jump that is taken for a saccade, degrees, however quiet the tracker is. What is smaller stays within the
     /// least fovea, and the filter follows it.
     pub least_saccade_deg: f32,
-    /// Speed below which a saccade is over, degrees a second: what the eyes follow smoothly stays below about 100, most of it
+    /// Speed below which a saccade is over, degrees a second: smooth pursuit stays below about 100, most of it
     /// below 50 (Carpenter 1988).
     pub saccade_end_deg_s: f32,
     /// Slowest pursuit, degrees a second: drift and tremor of fixation stay below about 1 (Carpenter 1988), a tracker's
@@ -29,7 +29,7 @@ pub struct GazeSettings {
     pub memory_ms: f32,
     /// Farthest that eyes turn from straight ahead, degrees, at most 90: about 55 (Carpenter 1988), and a tracker's error.
     pub reach_deg: f32,
-    /// How far outside of the views the gaze may be, degrees: a tracker's error, and what the widest fovea still shows.
+    /// How far outside of the views the gaze may be, degrees: a tracker's error, and the reach of the widest fovea.
     pub outside_deg: f32,
     /// From when on a gaze that does not change in any bit is not believed, milliseconds, if also
     /// [`Self::frozen_head_deg`] says so.

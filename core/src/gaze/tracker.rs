@@ -27,7 +27,7 @@ const SILENT_INTERVALS: f32 = 2.5;
 /// of three headsets (Stein et al. 2021), beside 50.
 const UNKNOWN_AGE_NS: i64 = 31_000_000;
 
-/// Longest that a motion is carried on, and that a new time between samples counts: what lasts longer is an interruption.
+/// Longest that a motion is carried on, and that a new time between samples counts: a longer one is an interruption.
 const LONGEST_NS: i64 = 150_000_000;
 
 /// The gaze as a state machine over samples. Holds no clock: every time is passed in. Allocates nothing.
@@ -48,7 +48,7 @@ pub struct GazeTracker {
     views: Option<Views>,
 }
 
-/// What is known since the first usable sample.
+/// State since the first usable sample.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     /// In the world.
@@ -140,7 +140,7 @@ impl GazeTracker {
         }
     }
 
-    /// Tells what the views show: field of view, and rotation from the view's space to that of the samples, of the left and the
+    /// Sets the views: field of view, and rotation from the view's space to that of the samples, of the left and the
     /// right one. A gaze outside of both by more than [`GazeSettings::outside_deg`] is not believed. Without, it may be anywhere.
     pub fn set_views(&mut self, views: Option<[(Fov, Quat); 2]>) {
         self.views = views.and_then(Views::new);
@@ -207,7 +207,7 @@ impl GazeTracker {
         }
     }
 
-    /// What the sample says, if that can be.
+    /// The sighting of a sample; an error if it is impossible.
     fn check(&mut self, sample: &GazeSample, now_ns: i64) -> Result<Sighting, Rejection> {
         if !sample.valid {
             return Err(Rejection::NotTracked);
@@ -305,7 +305,7 @@ impl GazeTracker {
         }
     }
 
-    /// Whether what changes in a picture that is shown now goes unnoticed.
+    /// Whether changes in a picture that is shown now go unnoticed.
     fn is_suppressed(&self, seen: &Seen, phase: GazePhase, now: i64) -> bool {
         let window_ns = nanoseconds(self.settings.post_saccade_ms);
         let age_ns = if seen.is_dated { 0 } else { UNKNOWN_AGE_NS };
@@ -330,7 +330,7 @@ impl GazeTracker {
     }
 }
 
-/// Directions turned by what is known.
+/// Directions turned by a rotation, if there is one.
 fn turned(directions: [Vec3; 2], by: Option<Quat>) -> [Vec3; 2] {
     by.map_or(directions, |by| directions.map(|direction| (by * direction).normalize()))
 }

@@ -32,7 +32,7 @@ pub enum Aggregation {
     Mean,
 }
 
-/// What [`analyze`] can be told.
+/// Settings of [`analyze`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContrastSettings {
     /// Size of a tile, pixels; sides outside of [`TEXEL_SIDES`] count as its nearest end.
@@ -40,7 +40,7 @@ pub struct ContrastSettings {
     /// Pixels of the first tile that lie before the picture, as tiles are counted from the corner of the image that the
     /// picture is a part of; what exceeds a tile counts as what is left of it after whole ones.
     pub overhang: [u32; 2],
-    /// What stands for a tile.
+    /// Aggregation of the pixels of a tile.
     pub aggregation: Aggregation,
     /// Light that the headset's panel and optics add to black, and epsilon of the contrast dL / (L_a + epsilon), cd/m^2,
     /// 1e-4..=1e4. It keeps differences between nearly black pixels from counting. What is no number is 0.1.
@@ -153,7 +153,7 @@ pub fn levels_extent(extent: [u32; 2]) -> [u32; 2] {
     [width.max(level_place(extent, LEVELS + 1)[0]), height + level_blocks(extent, 1)[1]]
 }
 
-/// What [`analyze`] works in, kept so that the next picture of the same size needs no memory.
+/// Memory of [`analyze`], kept so that the next picture of the same size needs no memory.
 #[derive(Clone, Debug, Default)]
 pub struct Buffers {
     /// The first stage.

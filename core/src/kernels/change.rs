@@ -11,7 +11,7 @@ use crate::layout::uniform;
 use crate::reuse::Reuse;
 use glam::{Mat3, UVec2, Vec2, Vec3};
 
-/// Light that is always there, as a share of white: what is reflected in the lenses. Keeps black from counting as changed by
+/// Light that is always there, as a share of white: reflections in the lenses. Keeps black from counting as changed by
 /// the least that is written to it.
 pub const DARK: f32 = 0.005;
 
@@ -19,7 +19,7 @@ pub const DARK: f32 = 0.005;
 /// other pixels may have made.
 pub const INTERPOLATED: f32 = 0.5;
 
-/// What a component of a colour is limited to, the largest of half floats.
+/// Limit of a component of a colour, the largest half float.
 const LARGEST_COMPONENT: f32 = 65_504.0;
 
 uniform! {
@@ -47,9 +47,9 @@ uniform! {
         pub count: u32,
         /// [`DARK`].
         pub dark: f32,
-        /// Where the head has moved: what is added to what [`Self::to_earlier`] makes of a point, for each 1/m of nearness.
+        /// Where the head has moved: offset of a point after [`Self::to_earlier`], for each 1/m of nearness.
         pub parallax: [f32; 4],
-        /// What depth stands for in the newest picture: [`Nearness::at_zero`], [`Nearness::slope`] and [`Nearness::bounds`].
+        /// Meaning of depth in the newest picture: [`Nearness::at_zero`], [`Nearness::slope`] and [`Nearness::bounds`].
         pub nearness: [f32; 4],
         /// First pixel of the newest picture's depth in its image.
         pub depth_offset: [u32; 2],

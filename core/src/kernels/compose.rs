@@ -1,4 +1,4 @@
-//! Reference of the kernel `compose`: what happens to the pixels of one region, a rectangle of an image that
+//! Reference of the kernel `compose`: the work on the pixels of one region, a rectangle of an image that
 //! shows one eye's view, after the whole image was copied.
 //!
 //! The region is divided into tiles of [`TILE_SIZE`] pixels; tiles without work are not drawn, and pixels
@@ -152,7 +152,7 @@ impl ComposeParams {
         self.strength > 0.0 && farthest - self.radius > self.plateau
     }
 
-    /// What the pixel at (`x`, `y`) of the region becomes, given its colour in linear light; nothing inside
+    /// The new colour of the pixel at (`x`, `y`) of the region, given its colour in linear light; nothing inside
     /// the plateau.
     pub fn pixel(&self, x: u32, y: u32, rgb: Vec3) -> Option<Vec3> {
         let direction = self.plane().direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));

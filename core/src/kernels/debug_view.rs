@@ -1,4 +1,4 @@
-//! Reference of the kernel `debug_view`: what is decided, drawn over an eye's finished picture, for people to look at.
+//! Reference of the kernel `debug_view`: the layer's decisions, drawn over an eye's finished picture, for people to look at.
 //!
 //! It reads a map of bytes, one for each tile, row by row; each row begins with a whole word ([`map_row_bytes`]).
 
@@ -8,7 +8,7 @@ use crate::layout::uniform;
 use crate::rate::ShadingRate;
 use glam::{UVec2, Vec2, Vec3};
 
-/// What is drawn.
+/// The subject of the drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DebugView {
     /// The rate of each tile: a colour for each share of the pixels that is shaded, none where all are.
@@ -97,7 +97,7 @@ pub const fn map_row_bytes(columns: u32) -> u32 {
     columns.next_multiple_of(4)
 }
 
-/// Opacity of what is drawn over tiles and of the tint of angles: the scene stays to be seen.
+/// Opacity of the tints of tiles and of angles: the scene stays to be seen.
 const TINT: f32 = 0.4;
 const FAINT: f32 = 0.25;
 /// Opacity of lines and dots.
@@ -155,7 +155,7 @@ impl DebugViewParams {
         (is_shown && !self.rect_extent.contains(&0)).then_some(view)
     }
 
-    /// Colour in linear light, and opacity, of what is drawn over the pixel at (`x`, `y`) of the rectangle; nothing where that stays as it
+    /// Colour in linear light, and opacity, of the overlay on the pixel at (`x`, `y`) of the rectangle; nothing where that stays as it
     /// is. `map` is read from its first byte on.
     pub fn pixel(&self, x: u32, y: u32, map: &[u8]) -> Option<(Vec3, f32)> {
         match self.drawn()? {

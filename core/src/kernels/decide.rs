@@ -73,14 +73,14 @@ uniform! {
         /// Contrast, of both octaves that rates remove together, that is within every budget however well it is seen: the tile is
         /// flat, and decided without a sensitivity. Negative where there is no such contrast.
         pub flat_contrast: f32,
-        /// What both are divided by: > 0 for what lies ahead of the view in which contrast was measured.
+        /// Divisor of both: > 0 for directions ahead of the view in which contrast was measured.
         pub measured_depth: [f32; 3],
         /// 1 where budgets are prices of a sample, [`Allocation::EqualMarginalLoss`]; 0 where each tile may lose them.
         pub is_marginal: u32,
     }
 }
 
-/// A tile whose rate changed less than so long ago, milliseconds, is not looked at, and what it shows counts by
+/// A tile whose rate changed less than so long ago, milliseconds, is not looked at, and its contrast counts by
 /// [`DecideParams::holding_budget`].
 pub const STEADY_MS: u8 = 100;
 
@@ -137,7 +137,7 @@ impl DecideParams {
         (depth > 0.0).then_some(at - 0.5)
     }
 
-    /// The contrast of what tile `index`, counted row by row, shows in this frame: where it lay between tiles when it was measured, the
+    /// The contrast of tile `index`, counted row by row, in this frame: where it lay between tiles when it was measured, the
     /// greatest of all of them; beyond the picture of then, that of its border. Contrast is NaN for what was behind it.
     pub(crate) fn contrast(&self, map: &ContrastMap, index: u32) -> TileContrast {
         let [columns, rows] = self.tiles;
@@ -167,15 +167,17 @@ impl DecideParams {
     }
 }
 
-/// What a view's tiles remember from frame to frame, and the space in which a frame is worked out.
+/// State of a view's tiles from frame to frame, and the space in which a frame is worked out.
 #[derive(Clone, Debug, Default)]
 pub struct TileMemory {
     /// Coarseness, in [`crate::plan::STEPS_PER_OCTAVE`]; between two rates while it grows.
     levels: Vec<u8>,
     /// Time since the rate changed, milliseconds, as far as it can be counted.
     ages_ms: Vec<u8>,
-    /// Squared chord of each tile in this frame.
+    /// Squared chord of each tile to the nearer of [`Self::gazes`].
     chords: Vec<f32>,
+    /// Both gazes as they were last; `None` before the first frame.
+    gazes: Option<[Vec3; 2]>,
     /// Coarseness that contrast permits each tile to keep, and to grow to.
     permitted: [Vec<u8>; 2],
 }
@@ -189,6 +191,7 @@ impl TileMemory {
         self.ages_ms.resize(tiles, 0);
         self.chords.clear();
         self.chords.resize(tiles, 0.0);
+        self.gazes = None;
         for permitted in &mut self.permitted {
             permitted.clear();
             permitted.resize(tiles, u8::MAX);
@@ -208,7 +211,11 @@ pub fn decide(
     memory: &mut TileMemory,
     out: &mut EyePlan,
 ) {
-    lattice.nearest([params.gaze_left.into(), params.gaze_right.into()], &mut memory.chords);
+    let gazes = [params.gaze_left, params.gaze_right].map(Vec3::from);
+    // Without an eye tracker it is the same gaze in each frame.
+    if memory.gazes.replace(gazes) != Some(gazes) {
+        lattice.nearest(gazes, &mut memory.chords);
+    }
     match contrast {
         Some(contrast) => {
             let TileMemory { ages_ms, chords, permitted, .. } = memory;
@@ -229,7 +236,7 @@ fn coarsen(params: &DecideParams, is_judged: bool, memory: &mut TileMemory) {
     let step = params.coarsening.min(255) as u8;
     let elapsed_ms = params.elapsed_ms.min(255) as u8;
     let limits = params.levels.map(|level| level as u8);
-    let TileMemory { levels, ages_ms, chords, permitted: [keep, grow] } = memory;
+    let TileMemory { levels, ages_ms, chords, permitted: [keep, grow], .. } = memory;
     limit_by_rings(keep, chords, &params.ring_chords, &params.levels);
     limit_by_rings(grow, chords, &params.coarsening_chords, &params.levels);
     if is_judged {

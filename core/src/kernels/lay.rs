@@ -24,11 +24,11 @@ uniform! {
         pub pictures: u32,
         /// Words from one row of tiles to the next, of the left and of the right eye.
         pub row_words: [u32; 2],
-        /// 1 where what is stale is left out; 0: it is shaded as coarsely as can be.
+        /// 1 where stale tiles are left out; 0: they are shaded as coarsely as can be.
         pub leaves_out: u32,
         /// Reserved, up to a multiple of 16 bytes; 0.
         pub reserved: u32,
-        /// What there is in place of each unary rate, a texel a byte ([`ShadingRate::texel`]).
+        /// The device's rate for each unary rate, a texel a byte ([`ShadingRate::texel`]).
         pub available: [u32; 4],
     }
 }
@@ -80,7 +80,7 @@ impl LayTable {
         &self.words
     }
 
-    /// The parameters for this table: eyes with so many columns of tiles, and what the device offers for each unary rate.
+    /// The parameters for this table: eyes with so many columns of tiles, and the device's rate for each unary rate.
     pub fn params(&self, tile_columns: [u32; 2], available: [u8; 16], leaves_out: bool) -> LayParams {
         LayParams {
             texels: self.texels,
@@ -96,7 +96,7 @@ impl LayTable {
     }
 }
 
-/// Unary of a rate, with [`STALE`]; 1x1 for what is no rate.
+/// Unary of a rate, with [`STALE`]; 1x1 for texels without a rate.
 fn unary(texel: u8) -> u8 {
     let rate = ShadingRate::from_texel(texel & !STALE).unwrap_or(ShadingRate::R1X1);
     let side = |pixels: u32| (pixels - 1) as u8;

@@ -27,9 +27,9 @@ uniform! {
         pub layer_words: u32,
         /// Words of the template for four pixels of a row: 1, 2 or 4.
         pub block_words: u32,
-        /// What a word of the template holds where blocks are shaded.
+        /// Word of the template in shaded blocks.
         pub shaded: u32,
-        /// What it holds where they are skipped.
+        /// Word of the template in skipped blocks.
         pub skipped: u32,
         /// Words of a row of blocks, a bit each, with [`REACH`] more on both sides.
         pub bit_row_words: u32,

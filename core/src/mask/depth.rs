@@ -91,10 +91,10 @@ pub enum Direction {
     Greater,
 }
 
-/// What a template holds.
+/// Content of a template.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TemplateDepths {
-    /// In shaded blocks: what the application clears to.
+    /// In shaded blocks: the application's clear value.
     pub shaded: f32,
     /// In skipped blocks.
     pub skipped: f32,
@@ -103,7 +103,7 @@ pub struct TemplateDepths {
 /// Why there is no value that is surely nearest.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum NoNearValue {
-    /// Beyond what every depth format holds, or not a number.
+    /// Beyond the range of every depth format, or not a number.
     #[error("depth is cleared to {0}, outside 0..1")]
     Clear(f32),
     /// No direction is known, or both are used, and the clear value is neither the farthest of one nor of the other.

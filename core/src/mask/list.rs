@@ -9,7 +9,7 @@ pub const HEADER_WORDS: usize = 4;
 /// Blocks that one workgroup of the kernel fills, each by one thread. The shaders have the same constant.
 pub const BLOCKS_PER_GROUP: u32 = 64;
 
-/// Most workgroups in a row: below what every device takes (Vulkan specification, "Required Limits",
+/// Most workgroups in a row: below the limit of every device (Vulkan specification, "Required Limits",
 /// maxComputeWorkGroupCount 65535).
 const GROUPS_PER_ROW: u32 = 1 << 11;
 

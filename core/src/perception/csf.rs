@@ -1,4 +1,4 @@
-//! Contrast sensitivity: the inverse of the least contrast that is seen, by what is shown and where.
+//! Contrast sensitivity: the inverse of the least visible contrast, for a stimulus and its place in the visual field.
 //!
 //! [`castle`] is the default: physical units, with temporal frequency, area and colour. [`tursun`] is the set that
 //! paper A was fitted with. In both the logarithm of sensitivity is linear in eccentricity, which
@@ -11,7 +11,7 @@ pub mod tursun;
 use crate::range::within;
 use exp2::exp2;
 
-/// What is shown, and where.
+/// A stimulus and its place in the visual field.
 ///
 /// Every function that takes it clamps it to the domain of its model, see [`Self::clamped`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,14 +84,14 @@ pub enum VisualField {
 pub struct SensitivityFall {
     /// log2 of the sensitivity at the gaze; finite.
     pub log2_foveal: f32,
-    /// What is lost with each degree towards the temple, octaves, >= 0.
+    /// Loss with each degree towards the temple, octaves, >= 0.
     pub log2_per_deg_temporal: f32,
-    /// What is lost with each degree towards the nose, octaves, >= 0.
+    /// Loss with each degree towards the nose, octaves, >= 0.
     pub log2_per_deg_nasal: f32,
 }
 
 impl SensitivityFall {
-    /// What is lost with each degree, octaves, >= 0.
+    /// Loss with each degree, octaves, >= 0.
     #[inline]
     pub fn log2_per_deg(&self, field: VisualField) -> f32 {
         match field {

@@ -8,7 +8,7 @@ use crate::rate::ShadingRate;
 /// reaches into the corners of the spectrum.
 const EQUAL_OCTAVES: [f32; BANDS] = [1.70, 1.10, 1.02, 1.0];
 
-/// What the tile would show at the rate 1x1, given what was `measured` while it was shaded at `shaded_at`.
+/// Contrast of the tile at the rate 1x1, given the contrast `measured` while it was shaded at `shaded_at`.
 ///
 /// Octaves finer than the block carry no signal, only the edges between blocks. They get what the finest octave
 /// that survives in both directions lets expect: the amplitude of natural pictures falls as 1/f (Field 1987), so that

@@ -10,7 +10,7 @@ pub const BRIGHTEST_CD_M2: f32 = 10_000.0;
 /// Luminance of white where nothing else is known, cd/m^2: paper A's headsets, as most, show about 100.
 pub const USUAL_WHITE_CD_M2: f32 = 100.0;
 
-/// The largest half float: what a component of any image can hold, infinity aside.
+/// The largest half float: the limit of a component of any image, infinity aside.
 const LARGEST_COMPONENT: f32 = 65_504.0;
 
 /// Luminance of a colour in linear light whose white (1, 1, 1) is `white_cd_m2`, in cd/m^2, 0..=10,000.
@@ -35,7 +35,7 @@ fn bounded([r, g, b]: [f32; 3], white_cd_m2: f32, weights: Vec3) -> f32 {
     (relative * white_cd_m2).clamp(0.0, BRIGHTEST_CD_M2)
 }
 
-/// A luminance of white, or the usual one in place of what is none.
+/// A luminance of white, or the usual one in place of an impossible one.
 pub(crate) fn usable_white(white_cd_m2: f32) -> f32 {
     if white_cd_m2.is_finite() && white_cd_m2 > 0.0 { white_cd_m2 } else { USUAL_WHITE_CD_M2 }
 }
@@ -46,7 +46,7 @@ fn component(value: f32) -> f32 {
     if is_nan { 0.0 } else { value.clamp(-LARGEST_COMPONENT, LARGEST_COMPONENT) }
 }
 
-/// A luminance that may come from anywhere, as one that [`luminance`] gives: what is negative or NaN as 0.
+/// A luminance that may come from anywhere, as one that [`luminance`] gives: negative values and NaN as 0.
 ///
 /// One comparison of bits: seen as an integer, whatever has a sign or is NaN is above positive infinity.
 pub(crate) fn as_luminance(value: f32) -> f32 {

@@ -79,7 +79,7 @@ fn binomial([a, b, c, d, e]: [f32; 5]) -> f32 {
     c + ((a - c) + (e - c)) * (1.0 / 16.0) + ((b - c) + (d - c)) * (1.0 / 4.0)
 }
 
-/// Row `y` of Burt and Adelson's EXPAND of `coarse`, as wide as `out`: what the next finer level is predicted to be.
+/// Row `y` of Burt and Adelson's EXPAND of `coarse`, as wide as `out`: the prediction of the next finer level.
 /// `row` is scratch.
 pub(crate) fn expand_row(coarse: &Plane, y: u32, out: &mut [f32], row: &mut Vec<f32>) {
     let (k, last) = (y / 2, coarse.height() - 1);

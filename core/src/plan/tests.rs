@@ -73,6 +73,22 @@ fn is_full(eye: &EyePlan) -> bool {
     eye.rates.texels().iter().all(|texel| *texel == 0) && eye.ages.texels().iter().all(|age| *age == 0)
 }
 
+#[test]
+fn a_gaze_that_stays_is_measured_anew_in_another_view() {
+    let mut planner = Planner::new(without_rails(fixed()));
+    let wide = input();
+    planner.plan(&wide);
+    let mut narrow = input();
+    for eye in &mut narrow.eyes {
+        // As many tiles, which look elsewhere.
+        eye.fov = Fov { left: -0.3, right: 1.2, ..eye.fov };
+    }
+    let same_gaze = planner.plan(&PlanInput { frame: 1, time_ns: FRAME_NS, ..narrow }).clone();
+    let fresh = Planner::new(without_rails(fixed())).plan(&narrow).clone();
+    assert_eq!(same_gaze.eyes[0].rates, fresh.eyes[0].rates);
+    assert_ne!(same_gaze.eyes[0].rates, Planner::new(without_rails(fixed())).plan(&wide).eyes[0].rates);
+}
+
 fn middle_of(eye: &EyePlan, x: u32, y: u32) -> Vec3 {
     let centre = glam::Vec2::new(x as f32 + 0.5, y as f32 + 0.5) * 16.0;
     eye.plane().direction(centre)

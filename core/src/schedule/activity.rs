@@ -57,7 +57,7 @@ impl Activity {
         self.cells.len()
     }
 
-    /// Asks for what is to be refreshed in `frame`, which has begun there ([`CellAges::advance`]). The same frame again asks for
+    /// Asks for the refreshes of `frame`, which has begun there ([`CellAges::advance`]). The same frame again asks for
     /// the same; a number that went back counts as a very long time. Returns whether everything is refreshed.
     pub fn ask(&mut self, frame: u64, ages: &mut CellAges) -> bool {
         let passed = self.frame.map_or(0, |last| frame.wrapping_sub(last)).min(u64::from(u8::MAX)) as u8;

@@ -15,7 +15,7 @@ pub(super) const CELL_RADIUS_DEG: f32 = 1.56;
 /// Both eyes, as bits.
 const BOTH: u8 = 0b11;
 
-/// What is known of each cell: how often it is to be rendered, when it last was, and whether it is now.
+/// State of each cell: how often it is to be rendered, when it last was, and whether it is now.
 ///
 /// A frame goes: [`Self::advance`]; then what is to be refreshed beyond the schedule ([`Self::require`],
 /// [`Self::want`], [`super::refresh`]); then [`Self::finish`]; then the answers. Directions are in the space of
@@ -67,7 +67,7 @@ impl CellAges {
         }
     }
 
-    /// Goes on to `frame`: ages grow by the frames that passed, and what is due by `schedule`, or would become older
+    /// Goes on to `frame`: ages grow by the frames that passed, and cells due by `schedule`, or would become older
     /// than its period, is rendered anew.
     ///
     /// `gaze` is where each eye looks, of any length; one without a meaning (zero, not finite) is left out, and without
@@ -229,7 +229,7 @@ impl CellAges {
     #[inline]
     pub fn any_due(&self, touched: &Touched, eye: usize) -> bool {
         match &touched.0 {
-            &Cells::Block { first, block } => self.lines[eye & 1].any(first, block),
+            &Cells::Block { lines, columns } => self.lines[eye & 1].any(lines, columns),
             Cells::Ranges(ranges) => ranges
                 .iter()
                 .enumerate()
@@ -239,11 +239,11 @@ impl CellAges {
 
     /// [`Self::any_due`] of all tiles of an image at once, row by row. A slice that is shorter gets the first ones.
     pub fn due_tiles(&self, tiles: &TileCells, eye: usize, due: &mut [bool]) {
-        let (first, blocks) = tiles.blocks();
-        let lines = &self.lines[eye & 1];
-        for ((due, &first), &block) in due.iter_mut().zip(first).zip(blocks) {
-            // Where the block is none the answer has no meaning, and is replaced below.
-            *due = lines.any(first, block);
+        let (lines, columns) = tiles.blocks();
+        let due_lines = &self.lines[eye & 1];
+        for ((due, &lines), &columns) in due.iter_mut().zip(lines).zip(columns) {
+            // Of a tile without a block the answer has no meaning, and is replaced below.
+            *due = due_lines.any(lines, columns);
         }
         for (index, touched) in tiles.large() {
             if let Some(due) = due.get_mut(index) {

@@ -1,4 +1,4 @@
-//! Cells of directions: the unit in which both eyes agree on what is rendered anew.
+//! Cells of directions: the unit in which both eyes agree on updates.
 //!
 //! A cube around the viewer, each face a grid of [`SIDE`] x [`SIDE`] cells of about 1.9 degrees. Straight lines of an image are
 //! straight on a face, so that the cells of a tile are found from its corners.

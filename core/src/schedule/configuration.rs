@@ -24,7 +24,7 @@ impl UpdateConfiguration {
     pub const F11112: Self = Self([1, 1, 1, 1, 2]);
     /// 52.2 % of the pixels.
     pub const F11122: Self = Self([1, 1, 1, 2, 2]);
-    /// 36.4 % of the pixels, what the paper calls feasible.
+    /// 36.4 % of the pixels, "feasible" in the paper.
     pub const F11223: Self = Self([1, 1, 2, 2, 3]);
     /// 34.6 % of the pixels.
     pub const F11233: Self = Self([1, 1, 2, 3, 3]);

@@ -1,4 +1,4 @@
-//! What has to be rendered anew although its turn has not come: where content is seen to have changed.
+//! Updates ahead of their turn: where content has visibly changed.
 //!
 //! The rest of the rules is in [`super::CellAges`]: a cell that a faster region reached is refreshed at once, and
 //! wishes are granted by need.
@@ -61,7 +61,7 @@ pub struct RefreshSettings {
 }
 
 impl Default for RefreshSettings {
-    /// Half of what is just seen, as thresholds are what half of the answers are at; a cut when half of the tiles change;
+    /// Half of the threshold of visibility, which is where half of the answers are; a cut when half of the tiles change;
     /// 256 cells, about 4 % of a view of 110 by 110 degrees; 12 frames.
     fn default() -> Self {
         Self { change: 0.5, cut_share: 0.5, limit_cells: 256, hold_frames: 12 }

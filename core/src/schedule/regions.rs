@@ -1,4 +1,4 @@
-//! The concentric regions around the gaze, and what share of an image each has.
+//! The concentric regions around the gaze, and the share of an image that each has.
 
 use super::configuration::{REGIONS, UpdateConfiguration};
 use crate::geometry::ImagePlane;

@@ -16,10 +16,10 @@ const DIRECTION_MARGIN: f32 = 1e-3;
 pub struct TileCells {
     columns: usize,
     rows: usize,
-    /// The first cell of each tile, row by row; of no meaning for [`Block::LARGE`].
-    first: Vec<First>,
-    /// Which cells from there on.
-    blocks: Vec<Block>,
+    /// The lines of cells that each tile touches, row by row; of no meaning for [`ColumnSpan::LARGE`].
+    lines_touched: Vec<LineSpan>,
+    /// The columns of cells.
+    columns_touched: Vec<ColumnSpan>,
     /// Those without a block.
     large: Vec<u32>,
     corners: Corners,
@@ -93,26 +93,27 @@ impl TileCells {
             extent: Vec2::new(extent[0] as f32, extent[1] as f32),
         };
         [self.columns, self.rows] = extent.map(|side| side.div_ceil(tile_size) as usize);
-        self.first.resize(self.columns * self.rows, First(0));
-        self.blocks.resize(self.columns * self.rows, Block::LARGE);
+        self.lines_touched.resize(self.columns * self.rows, LineSpan(0));
+        self.columns_touched.resize(self.columns * self.rows, ColumnSpan::LARGE);
         self.large.clear();
-        if self.first.is_empty() {
+        if self.lines_touched.is_empty() {
             return;
         }
         self.lines.clear();
         self.lines.extend((0..=self.columns).map(|column| self.corners.line(column, 0)));
         let [upper, lower] = &mut self.edges;
         lower.update(&self.corners, &self.lines, 0.0);
-        let rows = self.first.chunks_exact_mut(self.columns).zip(self.blocks.chunks_exact_mut(self.columns));
-        for (row, (first, blocks)) in rows.enumerate() {
+        let rows = self.lines_touched.chunks_exact_mut(self.columns);
+        let rows = rows.zip(self.columns_touched.chunks_exact_mut(self.columns));
+        for (row, (lines, columns)) in rows.enumerate() {
             std::mem::swap(upper, lower);
             lower.update(&self.corners, &self.lines, self.corners.line(row + 1, 1));
-            find_blocks(upper, lower, first, blocks);
+            find_blocks(upper, lower, lines, columns);
         }
-        for (index, blocks) in self.blocks.chunks(LINE).enumerate() {
+        for (index, tiles) in self.columns_touched.chunks(LINE).enumerate() {
             // A whole line is compared at once, and nearly all have none.
-            if blocks.iter().fold(0, |bits, block| bits | block.0) & Block::LARGE.0 != 0 {
-                let large = (index * LINE..).zip(blocks).filter(|(_, block)| **block == Block::LARGE);
+            if tiles.iter().fold(false, |any, columns| any | (*columns == ColumnSpan::LARGE)) {
+                let large = (index * LINE..).zip(tiles).filter(|(_, columns)| **columns == ColumnSpan::LARGE);
                 self.large.extend(large.map(|(index, _)| index as u32));
             }
         }
@@ -136,15 +137,15 @@ impl TileCells {
     /// The cells of a tile, counted row by row.
     #[inline]
     pub(super) fn at(&self, index: usize) -> Touched {
-        match self.blocks[index] {
-            Block::LARGE => Touched(self.ranges(index % self.columns, index / self.columns)),
-            block => Touched(Cells::Block { first: self.first[index], block }),
+        match self.columns_touched[index] {
+            ColumnSpan::LARGE => Touched(self.ranges(index % self.columns, index / self.columns)),
+            columns => Touched(Cells::Block { lines: self.lines_touched[index], columns }),
         }
     }
 
-    /// The first cell and the block of each tile, row by row.
-    pub(super) fn blocks(&self) -> (&[First], &[Block]) {
-        (&self.first, &self.blocks)
+    /// The lines and columns of cells of each tile, row by row.
+    pub(super) fn blocks(&self) -> (&[LineSpan], &[ColumnSpan]) {
+        (&self.lines_touched, &self.columns_touched)
     }
 
     /// Which tiles have no block, counted row by row, and their cells.
@@ -176,14 +177,14 @@ impl TileCells {
 }
 
 /// Finds the block of each tile between two edges.
-fn find_blocks(upper: &Edge, lower: &Edge, first: &mut [First], blocks: &mut [Block]) {
-    let count = first.len();
+fn find_blocks(upper: &Edge, lower: &Edge, lines: &mut [LineSpan], columns: &mut [ColumnSpan]) {
+    let count = lines.len();
     // Slices of one length, and sums that wrap (they never do, but for tiles without a block): neither bounds nor
     // overflow are checked, so that vector instructions do all of it.
     let [a0, a1, b0, b1] = four(&upper.across, &lower.across, count);
     let [c0, c1, d0, d1] = four(&upper.down, &lower.down, count);
     let [f0, f1, g0, g1] = four(&upper.faces, &lower.faces, count);
-    let blocks = &mut blocks[..count];
+    let columns = &mut columns[..count];
     const END: i16 = (SIDE * FINE) as i16;
     const SHIFT: u32 = FINE.trailing_zeros();
     for i in 0..count {
@@ -197,9 +198,10 @@ fn find_blocks(upper: &Edge, lower: &Edge, first: &mut [First], blocks: &mut [Bl
         let wide = (right >> SHIFT).wrapping_sub(column);
         let high = (bottom >> SHIFT).wrapping_sub(row);
         let line = (u16::from(f0[i]).wrapping_mul(SIDE as u16)).wrapping_add(row as u16);
-        first[i] = First((line << First::COLUMN_BITS) | column as u16);
-        let block = (wide as u8) | (high as u8) << 2;
-        blocks[i] = if one_face & inside & (wide <= 2) & (high <= 2) { Block(block) } else { Block::LARGE };
+        lines[i] = LineSpan((line << LineSpan::HEIGHT_BITS) | (high as u16 & LineSpan::HEIGHT));
+        let span = (column as u8) | (wide as u8) << ColumnSpan::COLUMN_BITS;
+        let is_block = one_face & inside & (wide <= 2) & (high <= 2);
+        columns[i] = if is_block { ColumnSpan(span) } else { ColumnSpan::LARGE };
     }
 }
 
@@ -208,50 +210,52 @@ fn four<'a, T>(upper: &'a [T], lower: &'a [T], count: usize) -> [&'a [T]; 4] {
     [&upper[..count], &upper[1..=count], &lower[..count], &lower[1..=count]]
 }
 
-/// A cell: its column in the lowest bits, and above them its line, counted through all faces.
+/// 1 to 3 lines of cells: by how many they are more than one in the lowest bits, and above them the first line, counted through all faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct First(u16);
+pub(super) struct LineSpan(u16);
 
-impl First {
-    const COLUMN_BITS: u32 = 6;
+impl LineSpan {
+    const HEIGHT_BITS: u32 = 2;
+    const HEIGHT: u16 = (1 << Self::HEIGHT_BITS) - 1;
+    /// Number of spans, of meaning or not.
+    pub(super) const COUNT: usize = (6 * SIDE) << Self::HEIGHT_BITS;
 
-    /// The line, counted through all faces.
+    /// 0..[`Self::COUNT`]: those of a line follow each other, in the order of their heights, and a fourth has no meaning.
     #[inline]
-    pub(super) fn line(self) -> usize {
-        usize::from(self.0 >> Self::COLUMN_BITS)
+    pub(super) fn index(self) -> usize {
+        usize::from(self.0)
     }
 
-    /// The column in its face.
+    /// The first line and the last one.
+    fn lines(self) -> std::ops::RangeInclusive<usize> {
+        let first = usize::from(self.0 >> Self::HEIGHT_BITS);
+        first..=first + usize::from(self.0 & Self::HEIGHT)
+    }
+}
+
+/// 1 to 3 columns of cells of a face: the first one in the lowest bits, and above them by how many they are more than one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct ColumnSpan(u8);
+
+impl ColumnSpan {
+    const COLUMN_BITS: u32 = 6;
+    /// Of a tile that reaches over the edge of a face or touches more cells.
+    const LARGE: Self = Self(u8::MAX);
+
+    /// The first column in its face.
     #[inline]
-    pub(super) fn column(self) -> u32 {
+    pub(super) fn first(self) -> u32 {
         u32::from(self.0) % (1 << Self::COLUMN_BITS)
     }
-}
 
-const _: () = assert!(SIDE <= 1 << First::COLUMN_BITS && 6 * SIDE <= 1 << (u16::BITS - First::COLUMN_BITS));
-
-/// A block of 1 to 3 cells in each direction: by how many it is more than one cell wide, 2 bits, and high, 2 bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Block(u8);
-
-impl Block {
-    /// No such block.
-    const LARGE: Self = Self(16);
-    /// Heights that a block may have.
-    pub(super) const HEIGHTS: usize = 3;
-
-    /// How many cells more than one it is wide.
+    /// By how many columns it is more than one.
     #[inline]
     pub(super) fn wider(self) -> u32 {
-        u32::from(self.0) & 3
-    }
-
-    /// How many cells more than one it is high.
-    #[inline]
-    pub(super) fn higher(self) -> usize {
-        usize::from(self.0 >> 2) & 3
+        u32::from(self.0) >> Self::COLUMN_BITS
     }
 }
+
+const _: () = assert!(SIDE < 1 << ColumnSpan::COLUMN_BITS && LineSpan::COUNT <= u16::MAX as usize);
 
 /// The cells that a tile touches, at times a few beside them; never one too few.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -261,7 +265,7 @@ pub struct Touched(pub(super) Cells);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Cells {
     /// Nearly always: within one face.
-    Block { first: First, block: Block },
+    Block { lines: LineSpan, columns: ColumnSpan },
     /// On each face.
     Ranges([Range; 6]),
 }
@@ -270,9 +274,9 @@ impl Touched {
     /// Calls `each` for every cell.
     pub fn for_each(&self, mut each: impl FnMut(Cell)) {
         match &self.0 {
-            &Cells::Block { first, block } => {
-                for line in first.line()..=first.line() + block.higher() {
-                    for column in first.column()..=first.column() + block.wider() {
+            &Cells::Block { lines, columns } => {
+                for line in lines.lines() {
+                    for column in columns.first()..=columns.first() + columns.wider() {
                         each(Cell::from_index(line * SIDE + column as usize));
                     }
                 }

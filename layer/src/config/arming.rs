@@ -44,6 +44,13 @@ impl Arming {
         Self::of(&read.and_then(Result::ok).unwrap_or_default())
     }
 
+    /// The arming of that number; `None` if there is none.
+    pub fn from_number(number: u32) -> Option<Self> {
+        [Self::Inert, Self::Pictures, Self::Masks, Self::Rates]
+            .into_iter()
+            .find(|arming| *arming as u32 == number)
+    }
+
     /// Whether a device that was armed for this can do what `wanted` asks.
     pub fn covers(self, wanted: Self) -> bool {
         match wanted {
@@ -83,17 +90,15 @@ static NEWEST: AtomicU8 = AtomicU8::new(NO_DEVICE);
 
 const NO_DEVICE: u8 = u8::MAX;
 
-/// Keeps the arming of this process's newest device.
+/// Keeps the arming of this process's newest device. The OpenXR half, which may be another copy of this library, learns it when a session begins.
 pub fn device_armed(arming: Arming) {
     NEWEST.store(arming as u8, Ordering::Relaxed);
 }
 
-/// What an edited configuration asks for in vain, as the device was not armed for it; `None` where it is, or where no
-/// device is known (the Vulkan half may be another copy of this library).
+/// Demands of an edited configuration that the device was not armed for; `None` without such demands, or without a known device.
 pub(super) fn out_of_reach(config: &Config) -> Option<Arming> {
     let newest = NEWEST.load(Ordering::Relaxed);
-    let known = [Arming::Inert, Arming::Pictures, Arming::Masks, Arming::Rates];
-    let armed = known.into_iter().find(|arming| *arming as u8 == newest)?;
+    let armed = Arming::from_number(newest.into())?;
     let wanted = Arming::of(config);
     (!armed.covers(wanted)).then_some(wanted)
 }
@@ -124,6 +129,14 @@ mod tests {
         let mut without = Config { enabled: false, ..Config::default() };
         without.rates.mode = RatesMode::Fixed;
         assert_eq!(Arming::of(&without), Arming::Inert);
+    }
+
+    #[test]
+    fn an_arming_survives_the_link() {
+        for arming in [Arming::Inert, Arming::Pictures, Arming::Masks, Arming::Rates] {
+            assert_eq!(Arming::from_number(arming as u32), Some(arming));
+        }
+        assert_eq!(Arming::from_number(NO_DEVICE.into()), None);
     }
 
     #[test]

@@ -17,26 +17,26 @@ fn an_edit_applies_after_half_a_second_and_an_error_keeps_what_held() {
     let start = Instant::now();
     std::fs::write(&file, "[gaze]\nhold_ms = 100\n").unwrap();
     let config = live(&file, start);
-    assert_eq!(config.get().gaze.hold_ms, 100);
+    assert_eq!(config.snapshot().gaze.hold_ms, 100);
 
     std::fs::write(&file, "[gaze]\nhold_ms = 2000\n").unwrap();
     config.poll(start + LOOK_EVERY);
-    assert_eq!(config.get().gaze.hold_ms, 100, "out of range: not taken");
+    assert_eq!(config.snapshot().gaze.hold_ms, 100, "out of range: not taken");
     let source = |has_error| Settings { file: file.display().to_string(), has_error };
-    assert_eq!(*config.source(), source(true));
+    assert_eq!(*config.snapshot().source, source(true));
 
     std::fs::write(&file, "[gaze]\nhold_ms = 20\n").unwrap();
     config.poll(start + LOOK_EVERY + Duration::from_millis(1));
-    assert_eq!(config.get().gaze.hold_ms, 100, "too early to look again");
+    assert_eq!(config.snapshot().gaze.hold_ms, 100, "too early to look again");
     config.poll(start + LOOK_EVERY * 2);
-    assert_eq!(config.get().gaze.hold_ms, 20);
-    assert_eq!(*config.source(), source(false));
+    assert_eq!(config.snapshot().gaze.hold_ms, 20);
+    assert_eq!(*config.snapshot().source, source(false));
 }
 
 #[test]
 fn without_a_readable_file_the_defaults_hold() {
     let folder = tempfile::tempdir().unwrap();
-    assert_eq!(live(&folder.path().join("none.toml"), Instant::now()).get(), Config::default());
+    assert_eq!(live(&folder.path().join("none.toml"), Instant::now()).snapshot().config, Config::default());
 }
 
 #[test]
@@ -56,8 +56,8 @@ fn a_view_that_is_asked_for_stands_in_for_the_files_until_it_is_not() {
     let mut holds = |view: DebugView, is_asked: bool, hold_ms: u32| {
         now += LOOK_EVERY;
         config.poll(now);
-        let found = config.get();
-        assert_eq!((found.debug.view, config.is_view_asked(), found.gaze.hold_ms), (view, is_asked, hold_ms));
+        let found = config.snapshot();
+        assert_eq!((found.debug.view, found.is_view_asked, found.gaze.hold_ms), (view, is_asked, hold_ms));
     };
     holds(DebugView::Age, false, 100);
     ask_view(&environment, pid, Some(DebugView::Gaze)).unwrap();

@@ -116,7 +116,40 @@ pub struct PictureRecord {
     pub is_mean: u32,
 }
 
-/// The tiles of an eye's picture that its passes left out, as `StaleTiles` has them.
+/// The start of a frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct FrameStart {
+    /// The settings, or null where they stay.
+    pub settings: *const SettingsRecord,
+    /// The newest plan, or null where the last one stays.
+    pub plan: *const PlanRecord,
+}
+
+/// Most times of frames in a [`FrameReportRecord`]; more come with the next one.
+pub const MOST_FRAME_TIMES: usize = 8;
+
+/// The report on a frame that ended.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct FrameReportRecord {
+    /// Number of the frame, from 1.
+    pub frame: u64,
+    /// Number of passes that were recognised and had the plan's rates.
+    pub passes_with_rates: u32,
+    /// Number of passes that were recognised as an eye's image, whether rates are on or not.
+    pub eye_passes: u32,
+    /// Number of decisions so far ([`LinkTable::decision`](super::LinkTable::decision)).
+    pub decisions: u32,
+    /// Number of `times`.
+    pub time_count: u32,
+    /// GPU times of frames that became known, in the order of the frames: a frame or more after each has ended, and of some never.
+    pub times: [FrameTimeRecord; MOST_FRAME_TIMES],
+    /// Stale tiles of the left and of the right eye's image. The caller sets `words` and `capacity`.
+    pub stale: [StaleRecord; 2],
+}
+
+/// The stale tiles of an eye's image, left out by the maps of all of its passes together, as `StaleTiles` has them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct StaleRecord {
@@ -128,7 +161,7 @@ pub struct StaleRecord {
     pub words: *mut u32,
     /// For how many there is room.
     pub capacity: u32,
-    /// How many there are; the caller asks again with more room where that is too little.
+    /// How many there are, 0 where everything is fresh; the caller asks again with more room where that is too little.
     pub count: u32,
 }
 
@@ -174,7 +207,7 @@ pub struct ShownViewRecord {
     pub is_upside_down: u32,
 }
 
-/// What the Vulkan half shall do, from the configuration; told when it changes.
+/// Settings of the Vulkan half, from the configuration.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct SettingsRecord {
@@ -194,7 +227,7 @@ pub struct SettingsRecord {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameTimeRecord {
-    /// Number of the frame, as [`LinkTable::frame_time`](super::LinkTable::frame_time) numbers them.
+    /// Number of the frame, as [`FrameReportRecord::frame`].
     pub frame: u64,
     /// All of them together on the GPU, nanoseconds.
     pub ns: u64,
@@ -214,4 +247,20 @@ pub struct RatesCopyRecord {
     pub buffer: vk::Buffer,
     /// Where in it, bytes, a multiple of 4: a byte for each tile (`ShadingRate::texel`), rows that begin with whole words.
     pub offset: u64,
+}
+
+/// A decision of the Vulkan half on a device or a pass. Its texts are UTF-8, and valid for the life of the process.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct DecisionRecord {
+    /// Its subject: [`Topic::number`](crate::status::Topic::number).
+    pub topic: u32,
+    /// One line, as in the log.
+    pub line: *const u8,
+    /// Bytes of `line`.
+    pub line_len: u32,
+    /// [`Topic::reason`](crate::status::Topic::reason) of the subject.
+    pub reason: *const u8,
+    /// Bytes of `reason`.
+    pub reason_len: u32,
 }

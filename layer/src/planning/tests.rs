@@ -1,5 +1,5 @@
 use super::*;
-use crate::config::{ChromaMode, Preset, RatesBackend, RatesMode, ReuseMode};
+use crate::config::{ChromaMode, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode};
 use crate::inputs::gaze::auto::SampleTimes;
 use crate::inputs::gaze::osc::{Heard, OscGaze, read};
 use crate::link::{BACKEND_RATE_ATTACHMENT, EyeMapRecord, OfferRecord};
@@ -34,8 +34,12 @@ struct Session {
 
 impl Session {
     fn new(config: Config) -> Self {
-        let mut planning = Planning::default();
-        planning.set_offer(offer(&VULKAN_RATES, [16, 16]));
+        Self::on(offer(&VULKAN_RATES, [16, 16]), config)
+    }
+
+    /// On a device with that offer.
+    fn on(offer: Offer, config: Config) -> Self {
+        let mut planning = Planning::new(offer);
         let edge = std::f32::consts::FRAC_PI_4;
         let fov = Fov { left: -edge, right: edge, up: edge, down: -edge };
         let views = [0.1, -0.1].map(|cant| View {
@@ -235,8 +239,8 @@ fn a_blink_holds_the_map_and_a_lost_gaze_ends_in_wide_rates() {
 
 #[test]
 fn plans_have_the_tiles_and_the_rates_of_the_device() {
-    let mut session = Session::new(centre(Preset::Balanced));
-    session.planning.set_offer(offer(&[ShadingRate::R2X2, ShadingRate::R1X1], [8, 8]));
+    let offer = offer(&[ShadingRate::R2X2, ShadingRate::R1X1], [8, 8]);
+    let mut session = Session::on(offer, centre(Preset::Balanced));
     session.begin();
     session.planning.plan(&session.config, true, Quat::IDENTITY, session.time_ns);
     let record = session.planning.new_rates(&session.config, || 7).unwrap();
@@ -287,9 +291,9 @@ fn contrast_and_sound_are_left_to_the_gpu() {
 
 #[test]
 fn nothing_is_planned_for_what_is_off_or_not_there() {
-    let mut session = Session::new(Config::default());
+    let session = Session::new(Config::default());
     assert!(session.planning.has_work(&session.config, true));
-    session.planning.set_offer(Offer::default());
+    let mut session = Session::on(Offer::default(), Config::default());
     assert!(!session.planning.has_work(&session.config, true), "no backend, no chroma");
     session.config.chroma.mode = ChromaMode::Default;
     assert!(session.planning.has_work(&session.config, true));
@@ -302,6 +306,25 @@ fn nothing_is_planned_for_what_is_off_or_not_there() {
         config.enabled = off == RatesBackend::Off;
         assert!(!wants_maps(&config));
     }
+}
+
+/// From the beginning of a trial on rates are planned, so that they are coarse when they are tried.
+#[test]
+fn maps_are_planned_while_a_technique_is_on_or_on_trial() {
+    let off = Techniques { rates: false, reuse: false };
+    let mut session = Session::new(Config::default());
+    for (techniques, wants_costs) in [(Techniques { rates: true, reuse: false }, false), (off, true)] {
+        session.planning.set_techniques(techniques, wants_costs);
+        assert!(session.planning.has_work(&session.config, true));
+        assert!(!session.planning.only_watches(&session.config, true));
+    }
+    session.planning.set_techniques(off, false);
+    assert!(!session.planning.has_work(&session.config, true));
+    assert!(session.planning.only_watches(&session.config, true));
+    session.config.rates.gate = RatesGate::Off;
+    assert!(!session.planning.only_watches(&session.config, true), "there will be no trial");
+    session.config.chroma.mode = ChromaMode::Default;
+    assert!(session.planning.has_work(&session.config, true), "chroma has no gate");
 }
 
 #[test]

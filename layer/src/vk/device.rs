@@ -272,6 +272,7 @@ unsafe fn track(
                 next_get_instance_proc_addr: instance.get_instance_proc_addr,
                 next_get_device_proc_addr: next.get_device_proc_addr,
                 set_device_loader_data,
+                arming: arming as u32,
             };
             let rates = enabled.and_then(|enabled| Rates::on(&record, enabled, is_cpu)).map(Arc::new);
             let wants_masks = rates.is_none() && arming != Arming::Pictures;

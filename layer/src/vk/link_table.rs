@@ -1,13 +1,16 @@
 //! What this half offers to the OpenXR half; see [`crate::link`].
 
 use super::armed::Armed;
+use super::frame::Log;
 use super::timing::FrameTime;
 use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
-    DeviceEnds, DeviceRecord, FrameTimeRecord, GetLink, LINK_VERSION, LinkTable, OfferRecord, PictureRecord,
-    PlanRecord, RATES_OF_PLAN, RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
+    DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord, FrameStart, FrameTimeRecord, GetLink,
+    LINK_VERSION, LinkTable, OfferRecord, PictureRecord, RATES_OF_PLAN, RatesCopyRecord, ShownRecord,
+    StaleRecord, SwapchainRecord,
 };
+use crate::status;
 use ash::vk;
 
 static TABLE: LinkTable = LinkTable {
@@ -18,18 +21,14 @@ static TABLE: LinkTable = LinkTable {
     runtime_section: set_runtime_section,
     offer,
     swapchain,
-    plan,
+    begin_frame,
     picture,
-    shown,
-    settings,
+    end_frame,
     stale,
-    passes_with_rates,
-    eye_passes,
-    frames_ended,
-    frame_time,
     copy_rates,
     when_it_ends,
     layout,
+    decision,
 };
 
 /// The function behind [`crate::link::GET_LINK_NAME`].
@@ -127,15 +126,20 @@ unsafe extern "C" fn swapchain(device: vk::Device, record: *const SwapchainRecor
     }
 }
 
-unsafe extern "C" fn plan(device: vk::Device, record: *const PlanRecord) {
-    // SAFETY: as above; each map has a rate for each tile.
+unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
+    // SAFETY: as above; the records are null or valid, and each map has a rate for each tile.
     unsafe {
-        told("vkGetParafoveaLink.plan", device, record, |armed, record| {
-            let rates = record.eyes.map(|eye| {
-                let [columns, rows] = eye.tiles.map(|count| count as usize);
-                slice(eye.rates, columns.saturating_mul(rows))
-            });
-            armed.frame.set_plan(record, rates);
+        told("vkGetParafoveaLink.begin_frame", device, start, |armed, start| {
+            if let Some(settings) = start.settings.as_ref() {
+                armed.tell_settings(settings, slice(settings.passes, settings.passes_len as usize));
+            }
+            if let Some(plan) = start.plan.as_ref() {
+                let rates = plan.eyes.map(|eye| {
+                    let [columns, rows] = eye.tiles.map(|count| count as usize);
+                    slice(eye.rates, columns.saturating_mul(rows))
+                });
+                armed.frame.set_plan(plan, rates);
+            }
         });
     }
 }
@@ -149,26 +153,76 @@ unsafe extern "C" fn picture(device: vk::Device, record: *const PictureRecord) {
     }
 }
 
-unsafe extern "C" fn shown(device: vk::Device, record: *const ShownRecord) {
-    // SAFETY: as above.
-    unsafe {
-        told("vkGetParafoveaLink.shown", device, record, |armed, record| {
+unsafe extern "C" fn end_frame(
+    device: vk::Device,
+    submission: *const ShownRecord,
+    report: *mut FrameReportRecord,
+) -> u32 {
+    // SAFETY: the other half passes a live device, a valid record, and one to write to, whose words begin where it says (link.rs).
+    guard(
+        "vkGetParafoveaLink.end_frame",
+        || 0,
+        |_| unsafe {
+            let known = device::of(device);
+            let armed = known.as_ref().and_then(|known| known.armed.as_ref());
+            let (Some(armed), Some(submission), Some(report)) = (armed, submission.as_ref(), report.as_mut())
+            else {
+                return 0;
+            };
             armed.frame.shown(
                 &armed.objects,
-                slice(record.views, record.view_count as usize),
-                slice(record.flat, record.flat_count as usize),
-                slice(record.depth, record.depth_count as usize),
+                slice(submission.views, submission.view_count as usize),
+                slice(submission.flat, submission.flat_count as usize),
+                slice(submission.depth, submission.depth_count as usize),
             );
-        });
+            write_report(armed, report);
+            1
+        },
+    )
+}
+
+/// Writes the report on the frame that ended last.
+///
+/// # Safety
+///
+/// There is room for words where the record says so.
+unsafe fn write_report(armed: &Armed, report: &mut FrameReportRecord) {
+    let frame = {
+        let log = armed.frame.log();
+        report.frame = log.frame();
+        report.passes_with_rates = log.with_rates();
+        report.eye_passes = log.eye_passes();
+        for (eye, stale) in report.stale.iter_mut().enumerate() {
+            // SAFETY: the caller vouches for the room.
+            unsafe { write_stale(&log, eye, stale) };
+        }
+        log.frame()
+    };
+    report.decisions = status::decision_count() as u32;
+    let times = std::iter::from_fn(|| armed.timing.next(frame));
+    report.time_count = 0;
+    for (record, FrameTime { frame, ns }) in report.times.iter_mut().zip(times) {
+        // Frames are numbered from 0 here.
+        *record = FrameTimeRecord { frame: frame + 1, ns };
+        report.time_count += 1;
     }
 }
 
-unsafe extern "C" fn settings(device: vk::Device, record: *const SettingsRecord) {
-    // SAFETY: as above.
-    unsafe {
-        told("vkGetParafoveaLink.settings", device, record, |armed, record| {
-            armed.tell_settings(record, slice(record.passes, record.passes_len as usize));
-        });
+/// Writes the stale tiles of an eye's image in the frame that ended last.
+///
+/// # Safety
+///
+/// There is room for words where the record says so.
+unsafe fn write_stale(log: &Log, eye: usize, record: &mut StaleRecord) {
+    record.count = 0;
+    let Some(stale) = log.stale(eye).filter(|stale| !stale.is_empty()) else { return };
+    let words = stale.words();
+    record.extent = stale.extent();
+    record.texel = stale.texel();
+    record.count = words.len() as u32;
+    if record.count <= record.capacity && !record.words.is_null() {
+        // SAFETY: the caller vouches for the room; the other half's words are not ours.
+        unsafe { record.words.copy_from_nonoverlapping(words.as_ptr(), words.len()) };
     }
 }
 
@@ -179,86 +233,10 @@ unsafe extern "C" fn stale(device: vk::Device, eye: u32, record: *mut StaleRecor
         || 0,
         |_| unsafe {
             let known = device::of(device);
-            let (Some(armed), Some(record)) =
-                (known.as_ref().and_then(|known| known.armed.as_ref()), record.as_mut())
-            else {
-                return 0;
-            };
-            let log = armed.frame.log();
-            let Some(stale) = log.stale(eye as usize).filter(|stale| !stale.is_empty()) else { return 0 };
-            let words = stale.words();
-            record.extent = stale.extent();
-            record.texel = stale.texel();
-            record.count = words.len() as u32;
-            if record.count <= record.capacity && !record.words.is_null() {
-                record.words.copy_from_nonoverlapping(words.as_ptr(), words.len());
-            }
-            1
-        },
-    )
-}
-
-unsafe extern "C" fn passes_with_rates(device: vk::Device) -> u32 {
-    // SAFETY: the other half passes a live device (link.rs).
-    guard(
-        "vkGetParafoveaLink.passes_with_rates",
-        || 0,
-        |_| unsafe {
-            let known = device::of(device);
-            known
-                .as_ref()
-                .and_then(|known| known.armed.as_ref())
-                .map_or(0, |armed| armed.frame.log().with_rates())
-        },
-    )
-}
-
-unsafe extern "C" fn eye_passes(device: vk::Device) -> u32 {
-    // SAFETY: the other half passes a live device (link.rs).
-    guard(
-        "vkGetParafoveaLink.eye_passes",
-        || 0,
-        |_| unsafe {
-            let known = device::of(device);
-            known
-                .as_ref()
-                .and_then(|known| known.armed.as_ref())
-                .map_or(0, |armed| armed.frame.log().eye_passes())
-        },
-    )
-}
-
-unsafe extern "C" fn frames_ended(device: vk::Device) -> u64 {
-    // SAFETY: the other half passes a live device (link.rs).
-    guard(
-        "vkGetParafoveaLink.frames_ended",
-        || 0,
-        |_| unsafe {
-            let known = device::of(device);
-            known.as_ref().and_then(|known| known.armed.as_ref()).map_or(0, |armed| armed.frame.log().frame())
-        },
-    )
-}
-
-unsafe extern "C" fn frame_time(device: vk::Device, record: *mut FrameTimeRecord) -> u32 {
-    // SAFETY: the other half passes a live device, and a record to write to (link.rs).
-    guard(
-        "vkGetParafoveaLink.frame_time",
-        || 0,
-        |_| unsafe {
-            let known = device::of(device);
-            let time = known.as_ref().and_then(|known| known.armed.as_ref()).and_then(|armed| {
-                let under_way = armed.frame.log().frame();
-                armed.timing.next(under_way)
-            });
-            match (time, record.as_mut()) {
-                (Some(FrameTime { frame, ns }), Some(record)) => {
-                    // Frames are numbered from 0 here.
-                    *record = FrameTimeRecord { frame: frame + 1, ns };
-                    1
-                }
-                _ => 0,
-            }
+            let armed = known.as_ref().and_then(|known| known.armed.as_ref());
+            let (Some(armed), Some(record)) = (armed, record.as_mut()) else { return 0 };
+            write_stale(&armed.frame.log(), eye as usize, record);
+            u32::from(record.count > 0)
         },
     )
 }
@@ -304,6 +282,28 @@ unsafe extern "C" fn layout(device: vk::Device, image: vk::Image) -> vk::ImageLa
             armed
                 .and_then(|armed| armed.layouts.of(image))
                 .unwrap_or(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+        },
+    )
+}
+
+unsafe extern "C" fn decision(index: u32, record: *mut DecisionRecord) -> u32 {
+    // SAFETY: the other half passes a record to write to (link.rs).
+    guard(
+        "vkGetParafoveaLink.decision",
+        || 0,
+        |_| unsafe {
+            let (Some(found), Some(record)) = (status::decision(index as usize), record.as_mut()) else {
+                return 0;
+            };
+            let reason = found.topic.reason();
+            *record = DecisionRecord {
+                topic: found.topic.number(),
+                line: found.line.as_ptr(),
+                line_len: found.line.len() as u32,
+                reason: reason.as_ptr(),
+                reason_len: reason.len() as u32,
+            };
+            1
         },
     )
 }

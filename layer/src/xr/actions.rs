@@ -140,7 +140,9 @@ pub unsafe extern "system" fn attach(
             // SAFETY: valid usage: `info` is valid.
             let asked = unsafe { info.as_ref() }
                 .filter(|info| info.count_action_sets > 0 && !info.action_sets.is_null());
-            let ours = known.as_ref().and_then(|known| Some((known, known.actions.prepare(known)?)));
+            let ours = known.as_ref().and_then(|known| {
+                Some((known, known.actions.prepare(known, &known.instance.config.snapshot())?))
+            });
             let (Some(asked), Some((known, gaze))) = (asked, ours) else {
                 let result = answer.record(below(info));
                 if let Some(known) = &known {

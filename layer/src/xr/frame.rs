@@ -4,11 +4,9 @@ mod complete;
 mod debug_view;
 mod depth;
 mod history;
-mod layers;
-mod nearest;
 mod pictures;
 mod regions;
-mod shown;
+mod report;
 mod work;
 
 pub use complete::expect;
@@ -18,14 +16,18 @@ pub use history::{Ahead, History};
 use super::instance::next_of_any;
 use super::plan;
 use super::session::{self, Active, Health, Session, Tools};
+use super::submission::{Layer, Projection, Submission};
 use super::swapchain;
+use super::vulkan_device::FrameReport;
 use crate::abi::guard;
+use crate::config::ConfigSnapshot;
 use crate::gpu::GpuError;
 use crate::passes::compose::ComposeJob;
-use layers::{Projection, Shown};
 use openxr_sys as xr;
 use parafovea_core::chroma::Focus;
 use smallvec::SmallVec;
+use std::cell::OnceCell;
+use std::sync::Arc;
 use std::time::Instant;
 use work::Work;
 
@@ -45,7 +47,11 @@ pub unsafe extern "system" fn wait(
         if let Some(known) = &known {
             known.instance.config.poll(Instant::now());
             if known.active.is_some() {
-                known.gaze.open(&known.instance.config.get(), known.actions.may_have_gaze(), Instant::now());
+                known.gaze.open(
+                    &known.instance.config.snapshot(),
+                    known.actions.may_have_gaze(),
+                    Instant::now(),
+                );
             }
         }
         let result = answer.record(below());
@@ -90,47 +96,61 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
     };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.end_frame)(handle, info) };
+    let active = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)));
+    let read = OnceCell::new();
+    let frame = || {
+        let (session, active) = active?;
+        // SAFETY: valid usage: `info` and what it points to are valid.
+        let submission = read.get_or_init(|| unsafe { info.as_ref().map(|info| Submission::read(info)) });
+        Some(FrameEnd { session, active, config: active.plan.config(), submission: submission.as_ref()? })
+    };
     // After a panic the runtime's images are still written, from what the application drew as it is.
     let pass_on = || {
         let _section = known.as_ref().and_then(|known| known.runtime_section());
-        if let Some((known, active)) = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)))
-        {
+        if let Some((_, active)) = active {
             active.worsen_to(Health::CopyOnly);
-            let deliver = || {
-                // SAFETY: valid usage: `info` and what it points to are valid.
-                let info = unsafe { info.as_ref() };
-                // SAFETY: as above.
-                info.map_or(Ok(()), |info| unsafe { deliver(known, active, info) })
-            };
-            if guard("the images of a frame", || Ok(()), |_| deliver()) == Err(Undeliverable) {
-                return UNDELIVERABLE;
-            }
+        }
+        let deliver = || frame().map_or(Ok(()), |frame| deliver(&frame, &mut FrameReport::default()));
+        if guard("the images of a frame", || Ok(()), |_| deliver()) == Err(Undeliverable) {
+            return UNDELIVERABLE;
         }
         below()
     };
     guard("xrEndFrame", pass_on, |answer| {
         let _section = known.as_ref().and_then(|known| known.runtime_section());
-        let mut delivered = Ok(());
-        if let Some((known, active)) = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)))
-        {
-            // SAFETY: valid usage: `info` and what it points to are valid.
-            if let Some(info) = unsafe { info.as_ref() } {
-                known.actions.frame_ended(known, info.display_time);
-                // SAFETY: as above.
-                unsafe {
-                    shown::tell(active, info);
-                    plan::frame_ended(active, &known.instance.config.get(), info.display_time);
-                    show_views(known, active, info);
-                    delivered = deliver(known, active, info);
-                }
-                plan::tell_unseen(known, active, &known.instance.config.get(), info.display_time);
-                if let Some(telling) = known.telling.as_ref().filter(|telling| telling.is_asked()) {
-                    telling.tell(plan::moment(known, active), known.instance.config.source());
-                }
-            }
-        }
+        let delivered = frame().map_or(Ok(()), |frame| frame.end());
         answer.record(if delivered == Err(Undeliverable) { UNDELIVERABLE } else { below() })
     })
+}
+
+/// A frame that ends, of an active session.
+struct FrameEnd<'a> {
+    session: &'a Session,
+    active: &'a Active,
+    config: Arc<ConfigSnapshot>,
+    submission: &'a Submission,
+}
+
+impl FrameEnd<'_> {
+    /// Reports the frame to the Vulkan half and to the planner, and delivers its images.
+    fn end(&self) -> Result<(), Undeliverable> {
+        let Self { session, active, submission, ref config } = *self;
+        let time = submission.time;
+        session.actions.frame_ended(session, config, time);
+        let mut report = active.report();
+        report::end_frame(&active.device, submission, &mut report);
+        active.take_over_decisions(report.decisions);
+        plan::frame_ended(active, config, time, &report);
+        if let Some(scene) = submission.scene() {
+            plan::views_shown(session, (active, config), time, scene.views, submission.nearest_m());
+        }
+        let delivered = deliver(self, &mut report);
+        plan::tell_unseen(session, (active, config), time, &report);
+        if let Some(telling) = session.telling.as_ref().filter(|telling| telling.is_asked()) {
+            telling.tell(plan::moment(session, active, config, &report), Arc::clone(&config.source));
+        }
+        delivered
+    }
 }
 
 /// What the application drew to a virtual swapchain cannot be shown, because the device takes no work of ours.
@@ -139,24 +159,6 @@ struct Undeliverable;
 
 /// What xrEndFrame returns then, as a runtime does that fails for a reason of its own; the frame is not ended.
 const UNDELIVERABLE: xr::Result = xr::Result::ERROR_RUNTIME_FAILURE;
-
-/// Takes the views of the first projection layer, which is the scene, for the plan.
-///
-/// # Safety
-///
-/// As for [`deliver`].
-unsafe fn show_views(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
-    // SAFETY: the caller vouches for `info`.
-    let scene = unsafe { layers::of(info) }.find_map(|shown| match shown {
-        Shown::Projection(layer) => Some(layer),
-        Shown::Flat(_) | Shown::Cube(_) => None,
-    });
-    if let Some(scene) = scene {
-        // SAFETY: as above.
-        let nearest_m = unsafe { nearest::of(info) };
-        plan::views_shown(session, active, info.display_time, scene.views, nearest_m);
-    }
-}
 
 /// A frame's work, without allocation for up to eight virtual swapchains.
 type Works<'a> = SmallVec<[Work<'a>; 8]>;
@@ -167,23 +169,16 @@ type Works<'a> = SmallVec<[Work<'a>; 8]>;
 /// # Errors
 ///
 /// A layer shows a virtual swapchain, whose images cannot be written any more.
-///
-/// # Safety
-///
-/// `info` and what it points to are valid, as `xrEndFrame` demands.
-unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) -> Result<(), Undeliverable> {
+fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverable> {
+    let FrameEnd { session, active, submission, ref config } = *frame;
     let swapchains = swapchain::virtual_ones(session.handle);
-    // SAFETY: the caller vouches for `info`.
-    unsafe { debug_view::note_shown(session, active, info) };
-    let is_drawn_over = debug_view::is_wanted(session, active);
+    debug_view::note_shown(frame, report.frame);
+    let is_drawn_over = debug_view::is_wanted(active, config);
     if swapchains.is_empty() {
         return Ok(());
     }
-    let shows_any = || {
-        let is_virtual = |handle| swapchains.iter().any(|swapchain| swapchain.handle == handle);
-        // SAFETY: as above.
-        unsafe { layers::of(info) }.any(|shown| shown.swapchains().any(is_virtual))
-    };
+    let is_virtual = |handle| swapchains.iter().any(|swapchain| swapchain.handle == handle);
+    let shows_any = || submission.shows_any(is_virtual);
     let cannot = || if shows_any() { Err(Undeliverable) } else { Ok(()) };
     let (Some(tools), Health::Works | Health::CopyOnly) = (active.tools(), active.health()) else {
         return cannot();
@@ -193,11 +188,8 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) -
 
     let mut history = active.history();
     let mut works: Works = swapchains.iter().filter_map(|swapchain| Work::begin(swapchain)).collect();
-    // SAFETY: the caller vouches for `info`.
-    unsafe {
-        process(session, active, tools, info, &mut works);
-        complete::complete(session, active, tools, info, &mut works, &mut history);
-    }
+    process(frame, tools, &mut works);
+    complete::complete(frame, tools, report, &mut works, &mut history);
     works.retain(|work| work.is_due(is_drawn_over));
     works.retain(|work| work.take_image(next));
     works.iter().for_each(|work| work.ask_layout(&active.device));
@@ -205,14 +197,14 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) -
         return Ok(());
     }
     match submit(active, tools, &mut works) {
-        // SAFETY: as above; the works' images are as they were just written. What is drawn for people comes last: nothing of ours
-        // looks at it.
-        Ok(()) => unsafe {
-            pictures::tell(session, active, info, &works);
+        Ok(()) => {
+            // SAFETY: in xrEndFrame this thread may use the session's queue; the works' images were just written.
+            unsafe { pictures::tell(frame, &works) };
             if is_drawn_over {
-                debug_view::draw(session, active, info, &works);
+                // SAFETY: as above. What is drawn for people comes last: nothing of ours looks at it.
+                unsafe { debug_view::draw(frame, &works) };
             }
-        },
+        }
         // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
         // it gets its image as it is.
         Err(error @ GpuError::Timeout) => {
@@ -235,55 +227,39 @@ unsafe fn deliver(session: &Session, active: &Active, info: &xr::FrameEndInfo) -
 }
 
 /// Decides which rectangles of which swapchains are processed, and how.
-///
-/// # Safety
-///
-/// As for [`deliver`].
-unsafe fn process(
-    session: &Session,
-    active: &Active,
-    tools: &Tools,
-    info: &xr::FrameEndInfo,
-    works: &mut Works,
-) {
-    let mut flat: SmallVec<[&xr::SwapchainSubImage; 16]> = SmallVec::new();
-    // SAFETY: the caller vouches for `info`.
-    for shown in unsafe { layers::of(info) } {
-        match shown {
-            Shown::Flat(image) => flat.push(image),
-            Shown::Cube(_) => {}
-            Shown::Projection(layer) => {
+fn process(frame: &FrameEnd, tools: &Tools, works: &mut Works) {
+    let FrameEnd { active, submission, .. } = *frame;
+    let mut flat: SmallVec<[xr::SwapchainSubImage; 16]> = SmallVec::new();
+    for layer in submission.layers() {
+        match layer {
+            Layer::Flat(image) => flat.push(image),
+            Layer::Cube(_) => {}
+            Layer::Projection(layer) => {
                 let mut is_virtual = false;
                 for work in works.iter_mut().filter(|work| layer.shows(work.swapchain.handle)) {
                     work.is_projected = true;
                     is_virtual = true;
                 }
                 if is_virtual && active.health() == Health::Works {
-                    process_layer(session, (active, tools), &layer, info.display_time, works);
+                    process_layer(frame, tools, &layer, works);
                 }
             }
         }
     }
     for work in works {
         let flat = flat.iter().filter(|image| image.swapchain == work.swapchain.handle);
-        regions::drop_contested(&mut work.target.regions, flat.copied());
+        regions::drop_contested(&mut work.target.regions, flat);
     }
 }
 
 /// Adds the rectangles of a projection layer in which colour is attenuated.
-fn process_layer(
-    session: &Session,
-    (active, tools): (&Active, &Tools),
-    layer: &Projection<'_>,
-    time: xr::Time,
-    works: &mut Works,
-) {
+fn process_layer(frame: &FrameEnd, tools: &Tools, layer: &Projection<'_>, works: &mut Works) {
+    let FrameEnd { session, active, submission, ref config } = *frame;
     let focuses = active.plan.focuses();
     if focuses.iter().all(Option::is_none) {
         return;
     }
-    let config = session.instance.config.get();
-    let Some(head) = plan::head_in_layer(session, &config, layer.space, time, layer.views) else { return };
+    let Some(head) = plan::head_in_layer(session, config, layer, submission.time) else { return };
     for (index, view) in layer.views.iter().enumerate() {
         let shows = |work: &&mut Work| work.swapchain.handle == view.sub_image.swapchain;
         // Of quad views, the third and fourth are insets of the first two.

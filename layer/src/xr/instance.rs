@@ -127,7 +127,7 @@ fn wanted(name: &str) -> Option<LiveConfig> {
         return None;
     }
     let config = LiveConfig::new(&environment, Some(name), Instant::now());
-    if !config.get().enabled {
+    if !config.snapshot().enabled {
         tracing::info!("OpenXR instance of \"{name}\" inert: enabled = false");
         return None;
     }

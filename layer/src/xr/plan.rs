@@ -8,14 +8,16 @@
 use super::frame;
 use super::instance::next_of_any;
 use super::session::{self, Active, Health, Session, Tools};
+use super::submission::{self, Projection, ProjectionView};
 use super::swapchain;
+use super::vulkan_device::FrameReport;
 use crate::abi::cpu_time::process_cpu_ns;
 use crate::abi::guard;
-use crate::config::{Config, GazeSource, PassRules, RatesBackend, debug_view, gate_modes};
+use crate::config::{Config, ConfigSnapshot, GazeSource, PassRules, RatesBackend, debug_view, gate_modes};
 use crate::inputs::audio::Ears;
 use crate::inputs::gaze::rotation;
 use crate::link::{
-    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameTimeRecord, SettingsRecord,
+    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameStart, SettingsRecord,
 };
 use crate::planning::{Benefit, Clock, EndedFrame, Offer, Planning, ShownView, View, head_of};
 use crate::status::{Known, Moment, Quiet, Topic, all_decisions, decided, decision_count, why_unseen};
@@ -23,10 +25,10 @@ use glam::{Quat, Vec3};
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::Techniques;
-use parafovea_core::geometry::Fov;
 use smallvec::SmallVec;
+use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Numbers of plans rise in all sessions alike: one device may have one session after the other.
 static SERIAL: AtomicU64 = AtomicU64::new(0);
@@ -42,34 +44,49 @@ pub struct SessionPlan {
     ears: Mutex<Ears>,
     /// Display time of the frame that xrWaitFrame returned last.
     awaited: AtomicI64,
-    /// Display time of the frame that xrBeginFrame began last.
-    begun: AtomicI64,
-    /// Whether the views of that frame were located since.
-    is_located: AtomicBool,
+    frame: Mutex<Frame>,
     /// Since when recognition is quiet.
     quiet: Mutex<Quiet>,
     has_looked: AtomicBool,
     has_failed: AtomicBool,
 }
 
-impl Default for SessionPlan {
-    fn default() -> Self {
+/// The frame that xrBeginFrame began last.
+#[derive(Clone, Debug)]
+struct Frame {
+    /// The configuration of all that is done for it.
+    config: Arc<ConfigSnapshot>,
+    /// Its display time; `None` before the first.
+    time: Option<xr::Time>,
+    /// Whether its views were located.
+    is_located: bool,
+}
+
+impl SessionPlan {
+    /// Begins without a frame, on a device with these rates; `config` holds until the first frame.
+    pub fn new(config: Arc<ConfigSnapshot>, offer: Offer) -> Self {
         Self {
-            planning: Mutex::default(),
+            planning: Mutex::new(Planning::new(offer)),
             told: Mutex::default(),
             benefit: Mutex::default(),
             ears: Mutex::default(),
             awaited: AtomicI64::new(NEVER),
-            begun: AtomicI64::new(NEVER),
-            is_located: AtomicBool::new(false),
+            frame: Mutex::new(Frame { config, time: None, is_located: false }),
             quiet: Mutex::default(),
             has_looked: AtomicBool::new(false),
             has_failed: AtomicBool::new(false),
         }
     }
-}
 
-impl SessionPlan {
+    /// The configuration of the frame that xrBeginFrame began last.
+    pub fn config(&self) -> Arc<ConfigSnapshot> {
+        Arc::clone(&self.frame().config)
+    }
+
+    fn frame(&self) -> MutexGuard<'_, Frame> {
+        self.frame.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// What is planned with.
     pub fn planning(&self) -> MutexGuard<'_, Planning> {
         self.planning.lock().unwrap_or_else(PoisonError::into_inner)
@@ -104,7 +121,7 @@ impl SessionPlan {
         self.has_failed.load(Ordering::Relaxed)
     }
 
-    /// Tells the Vulkan half what the configuration asks for, and hears what it can do, where that is news.
+    /// Tells the Vulkan half the settings of the configuration and of the gates where they are new.
     pub fn tell_settings(&self, active: &Active, config: &Config) {
         let (pays, wants_costs) = {
             let mut benefit = self.benefit.lock().unwrap_or_else(PoisonError::into_inner);
@@ -113,7 +130,7 @@ impl SessionPlan {
         };
         let techniques = if self.has_failed() { Techniques::default() } else { pays };
         let wanted = Wanted::new(config, techniques, wants_costs);
-        self.planning().set_techniques(wanted.techniques);
+        self.planning().set_techniques(wanted.techniques, wants_costs);
         let is_news = {
             let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
             told.replace(wanted) != Some(wanted)
@@ -128,9 +145,7 @@ impl SessionPlan {
                 passes_len: passes.len() as u32,
             };
             // SAFETY: the record points to `passes`.
-            unsafe { active.device.tell_settings(&record) };
-            let offer = active.device.offer().as_ref().map(Offer::from).unwrap_or_default();
-            self.planning().set_offer(offer);
+            unsafe { active.device.begin_frame(&FrameStart { settings: &record, plan: ptr::null() }) };
         }
     }
 }
@@ -161,11 +176,8 @@ impl Wanted {
     }
 }
 
-/// Times of so many frames are taken at the end of one; what is more comes with the next.
-const MOST_TIMES: usize = 8;
-
-/// A frame that is shown at `time` ended: what it cost goes to the gate, whose answer the next xrBeginFrame tells.
-pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
+/// A frame that is shown at `time` ended: its cost goes to the gate, whose answer the next xrBeginFrame tells.
+pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &FrameReport) {
     let state = &active.plan;
     let time_ns = time.as_nanos();
     let (phase, on_cpu) = {
@@ -174,44 +186,37 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time) {
     };
     let told = *state.told.lock().unwrap_or_else(PoisonError::into_inner);
     let is_timed = told.is_some_and(|told| told.times_passes);
-    let clock = if on_cpu {
-        Clock::Cpu(is_timed.then(process_cpu_ns).flatten())
-    } else {
-        Clock::Gpu(active.device.frames_ended())
-    };
+    let clock =
+        if on_cpu { Clock::Cpu(is_timed.then(process_cpu_ns).flatten()) } else { Clock::Gpu(report.frame) };
     let frame = EndedFrame {
         time_ns,
         clock,
         wanted: told.map(|told| told.techniques).unwrap_or_default(),
-        passes: active.device.passes_with_rates(),
-        eye_passes: active.device.eye_passes(),
+        passes: report.passes_with_rates,
+        eye_passes: report.eye_passes,
         phase,
     };
-    let mut times = SmallVec::<[FrameTimeRecord; MOST_TIMES]>::new();
-    if !on_cpu {
-        times.extend(std::iter::from_fn(|| active.device.frame_time()).take(MOST_TIMES));
-    }
-    let news = state.benefit.lock().unwrap_or_else(PoisonError::into_inner).frame_ended(&frame, &times);
+    let news =
+        state.benefit.lock().unwrap_or_else(PoisonError::into_inner).frame_ended(&frame, &report.times);
     if let Some(news) = news {
         tracing::info!("{news}");
     }
 }
 
 /// What holds at the end of a frame, for `parafovea status`.
-pub fn moment(session: &Session, active: &Active) -> Moment {
-    let (state, config) = (&active.plan, session.instance.config.get());
-    let frames = active.device.frames_ended();
+pub fn moment(session: &Session, active: &Active, config: &ConfigSnapshot, report: &FrameReport) -> Moment {
+    let (state, frames) = (&active.plan, report.frame);
     let mut moment = Moment {
         frames,
-        backend: active.device.offer().map_or(BACKEND_NONE, |offer| offer.backend),
-        passes_matched: active.device.passes_with_rates(),
+        backend: active.device.offer.backend,
+        passes_matched: report.passes_with_rates,
         debug_view: config.debug.view,
-        debug_view_is_asked: session.instance.config.is_view_asked(),
-        debug_view_is_drawn: debug_view(&config)
+        debug_view_is_asked: config.is_view_asked,
+        debug_view_is_drawn: debug_view(config)
             .is_some_and(|view| active.debug_views().is_drawn(view, frames)),
         ..Moment::default()
     };
-    state.planning().tell(&config, &mut moment);
+    state.planning().tell(config, &mut moment);
     session.gaze.tell(&mut moment);
     let benefit = state.benefit.lock().unwrap_or_else(PoisonError::into_inner);
     let Techniques { rates, reuse } = benefit.gates().gates();
@@ -220,7 +225,12 @@ pub fn moment(session: &Session, active: &Active) -> Moment {
 }
 
 /// Says once, when recognition has settled, why an active session has no visible effect, if that is so.
-pub fn tell_unseen(session: &Session, active: &Active, config: &Config, time: xr::Time) {
+pub fn tell_unseen(
+    session: &Session,
+    (active, config): (&Active, &ConfigSnapshot),
+    time: xr::Time,
+    report: &FrameReport,
+) {
     let state = &active.plan;
     if state.has_looked.load(Ordering::Relaxed) {
         return;
@@ -238,7 +248,7 @@ pub fn tell_unseen(session: &Session, active: &Active, config: &Config, time: xr
         is_healthy: active.health() == Health::Works && !state.has_failed(),
         decisions: &all_decisions(),
     };
-    if let Some(why) = why_unseen(config, &moment(session, active), &known) {
+    if let Some(why) = why_unseen(config, &moment(session, active, config, report), &known) {
         decided(Topic::Unseen, &why);
     }
 }
@@ -246,13 +256,21 @@ pub fn tell_unseen(session: &Session, active: &Active, config: &Config, time: xr
 /// xrBeginFrame succeeded, for the frame that is shown at `time`.
 pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     let state = &active.plan;
-    state.tell_settings(active, &session.instance.config.get());
-    state.begun.store(time.as_nanos(), Ordering::Relaxed);
-    let was_located = state.is_located.swap(false, Ordering::Relaxed);
-    state.planning().frame_begins(time.as_nanos());
+    let config = session.instance.config.snapshot();
+    let frame = Frame { config: Arc::clone(&config), time: Some(time), is_located: false };
+    let was_located = std::mem::replace(&mut *state.frame(), frame).is_located;
+    state.tell_settings(active, &config);
+    let only_watches = {
+        let mut planning = state.planning();
+        planning.frame_begins(time.as_nanos());
+        planning.only_watches(&config, active.health() == Health::Works)
+    };
+    if only_watches {
+        look(session, state, &config, time);
+    }
     // An application that located the last frame's views will locate this frame's too, and the gaze is newer then.
     if !was_located {
-        plan(session, active, time);
+        plan(session, (active, &config), time);
     }
 }
 
@@ -302,15 +320,18 @@ fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr
         planning.views.located(&views);
         planning.is_planned()
     };
-    if state.begun.load(Ordering::Relaxed) != time.as_nanos() {
-        return;
-    }
-    let is_first = !state.is_located.swap(true, Ordering::Relaxed);
+    let (config, is_first) = {
+        let mut frame = state.frame();
+        if frame.time != Some(time) {
+            return;
+        }
+        (Arc::clone(&frame.config), !std::mem::replace(&mut frame.is_located, true))
+    };
     if is_first && !is_planned {
-        plan(session, active, time);
+        plan(session, (active, &config), time);
     }
     if is_first && state.planning().is_planned() {
-        frame::expect(session, active, &views);
+        frame::expect(active, &config, &views);
     }
 }
 
@@ -318,15 +339,15 @@ fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr
 /// nearer than `nearest_m`, where that is known.
 pub fn views_shown(
     session: &Session,
-    active: &Active,
+    (active, config): (&Active, &Config),
     time: xr::Time,
-    views: &[xr::CompositionLayerProjectionView],
+    views: &[ProjectionView],
     nearest_m: Option<f32>,
 ) {
     let shown = views.iter().map(|view| {
         let extent = view.sub_image.image_rect.extent;
         let extent = [extent.width.max(0) as u32, extent.height.max(0) as u32];
-        Some(ShownView { view: of_pose(&view.pose, &view.fov)?, extent })
+        Some(ShownView { view: view.view()?, extent })
     });
     let Some(shown) = shown.collect::<Option<SmallVec<[ShownView; 4]>>>() else { return };
     let is_planned = {
@@ -336,34 +357,35 @@ pub fn views_shown(
         planning.is_planned()
     };
     if !is_planned {
-        plan(session, active, time);
+        plan(session, (active, config), time);
     }
 }
 
 /// A pose and a field of view, if the pose makes sense.
 fn of_pose(pose: &xr::Posef, fov: &xr::Fovf) -> Option<View> {
     let xr::Quaternionf { x, y, z, w } = pose.orientation;
-    let fov = Fov { left: fov.angle_left, right: fov.angle_right, up: fov.angle_up, down: fov.angle_down };
     let xr::Vector3f { x: right, y: up, z: back } = pose.position;
-    Some(View { orientation: rotation(x, y, z, w)?, position: Vec3::new(right, up, back), fov })
+    Some(View {
+        orientation: rotation(x, y, z, w)?,
+        position: Vec3::new(right, up, back),
+        fov: submission::fov(fov),
+    })
 }
 
 /// Plans the frame that is shown at `time`, and hands its rates over.
-fn plan(session: &Session, active: &Active, time: xr::Time) {
+fn plan(session: &Session, (active, config): (&Active, &Config), time: xr::Time) {
     let state = &active.plan;
     if state.has_failed() {
         return;
     }
     let _give_up = GiveUpOnPanic(state);
-    let config = session.instance.config.get();
     let can_attenuate = active.health() == Health::Works;
-    if !state.planning().has_work(&config, can_attenuate) {
+    if !state.planning().has_work(config, can_attenuate) {
         state.ears().rest();
         return state.planning().idle();
     }
-    let look = session.gaze.look(session, &config, time);
-    let head = session.head_in_world(time);
-    let heard = state.ears().hear(&config);
+    let head = look(session, state, config, time);
+    let heard = state.ears().hear(config);
 
     if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {
         compose.changes(|view, tiles, changes| state.planning().content_changed(view, tiles, changes));
@@ -371,18 +393,25 @@ fn plan(session: &Session, active: &Active, time: xr::Time) {
 
     let mut planning = state.planning();
     let time = time.as_nanos();
-    if let Some(reason) = planning.look(&config, look, head, time) {
-        tracing::info!("a gaze sample was rejected: {reason}");
-    }
     planning.listen(heard);
-    if planning.plan(&config, can_attenuate, head, time) {
+    if planning.plan(config, can_attenuate, head, time) {
         let serial = || SERIAL.fetch_add(1, Ordering::Relaxed) + 1;
-        if let Some(record) = planning.new_rates(&config, serial) {
+        if let Some(record) = planning.new_rates(config, serial) {
             // SAFETY: what the record points to is `planning`'s, which is locked. The Vulkan half copies it, and calls
             // nobody.
-            unsafe { active.device.tell_plan(&record) };
+            unsafe { active.device.begin_frame(&FrameStart { settings: ptr::null(), plan: &record }) };
         }
     }
+}
+
+/// Asks the eye tracker, and returns how the head is turned at `time`.
+fn look(session: &Session, state: &SessionPlan, config: &Config, time: xr::Time) -> Quat {
+    let look = session.gaze.look(session, config, time);
+    let head = session.head_in_world(time);
+    if let Some(reason) = state.planning().look(config, look, head, time.as_nanos()) {
+        tracing::info!("a gaze sample was rejected: {reason}");
+    }
+    head
 }
 
 /// How the head was turned when a projection layer's pictures were drawn, in the layer's space: the direction of the gaze
@@ -390,19 +419,15 @@ fn plan(session: &Session, active: &Active, time: xr::Time) {
 pub fn head_in_layer(
     session: &Session,
     config: &Config,
-    space: xr::Space,
+    layer: &Projection<'_>,
     time: xr::Time,
-    views: &[xr::CompositionLayerProjectionView],
 ) -> Option<Quat> {
-    let of_views = || {
-        let poses = views.iter().take(2).map(|view| of_pose(&view.pose, &view.fov));
-        head_of(poses.flatten().map(|view| view.orientation))
-    };
+    let of_views = || head_of(layer.views.iter().take(2).filter_map(|view| view.orientation));
     match config.gaze.source {
         // Straight ahead of the picture, whenever it was drawn.
         GazeSource::Centre => of_views(),
         GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => {
-            session.head_in(space, time).or_else(of_views)
+            session.head_in(layer.space, time).or_else(of_views)
         }
     }
 }

@@ -44,13 +44,12 @@ pub struct Session {
 
 impl Session {
     /// Whether the configuration could give `compose` work: only then are swapchains substituted.
-    pub fn may_have_work(&self) -> bool {
-        let config = self.instance.config.get();
-        let has_gaze = || self.gaze.may_have_gaze(self, &config);
+    pub fn may_have_work(&self, config: &Config) -> bool {
+        let has_gaze = || self.gaze.may_have_gaze(self, config);
         let may_attenuate = config.enabled && config.chroma.mode != ChromaMode::Off && has_gaze();
         let is_healthy = self.active.as_ref().is_some_and(|active| active.health() == Health::Works);
-        let is_shown = debug_view(&config).is_some();
-        is_healthy && (may_attenuate || is_shown || self.may_reuse(&config) || self.may_judge(&config))
+        let is_shown = debug_view(config).is_some();
+        is_healthy && (may_attenuate || is_shown || self.may_reuse(config) || self.may_judge(config))
     }
 
     /// Whether pictures could be completed from earlier ones: the configuration asks for it, and the device's backend can leave
@@ -65,8 +64,7 @@ impl Session {
     }
 
     fn has_backend(&self) -> bool {
-        let offer = self.active.as_ref().and_then(|active| active.device.offer());
-        offer.is_some_and(|offer| offer.backend != BACKEND_NONE)
+        self.active.as_ref().is_some_and(|active| active.device.offer.backend != BACKEND_NONE)
     }
 
     /// Marks what this thread submits as the runtime's, while it is in a call down.
@@ -153,19 +151,19 @@ pub(super) unsafe fn track(
     if !inert.is_empty() {
         tracing::info!("session inert: {inert}");
     }
+    let config = instance.config.snapshot();
     // SAFETY: the caller vouches for the device.
-    let active = device.ok().map(|device| unsafe { Active::new(device) });
+    let active = device.ok().map(|device| unsafe { Active::new(device, Arc::clone(&config)) });
     let actions = SessionActions::new(active.is_some() && instance.reports_eye_gaze(system));
     let spaces = active.as_ref().and_then(|_| Spaces::create(&instance.next, handle));
     if let Some(active) = &active {
         active.device.set_active(true);
-        active.plan.tell_settings(active, &instance.config.get());
-        let source = instance.config.get().gaze.source;
-        tracing::info!("session active, {}", gaze_of(source, actions.may_have_gaze()));
+        active.plan.tell_settings(active, &config);
+        tracing::info!("session active, {}", gaze_of(config.gaze.source, actions.may_have_gaze()));
     }
     let gaze = SessionGaze::default();
     if active.is_some() {
-        gaze.open(&instance.config.get(), actions.may_have_gaze(), Instant::now());
+        gaze.open(&config, actions.may_have_gaze(), Instant::now());
     }
     let known = Status {
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -176,7 +174,7 @@ pub(super) unsafe fn track(
         ..Status::default()
     };
     // Never with elevated rights: then instances are inert.
-    let telling = Telling::begin(&Environment::of_process(false), known, instance.config.source());
+    let telling = Telling::begin(&Environment::of_process(false), known, Arc::clone(&config.source));
     SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, spaces, actions, gaze, telling }));
 }
 

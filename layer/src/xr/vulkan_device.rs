@@ -2,14 +2,18 @@
 //! holds it (see [`crate::link`]).
 
 use super::structures::VulkanBinding;
+use crate::config::{Arming, device_armed};
 use crate::link::{
-    DeviceEnds, DeviceRecord, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable,
-    LoaderGetDeviceProcAddr, OfferRecord, PictureRecord, PlanRecord, RATES_COPIED, RATES_COPY_LEFT_OUT,
-    RatesCopyRecord, SettingsRecord, ShownRecord, StaleRecord, SwapchainRecord,
+    BACKEND_NONE, DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord, FrameStart, FrameTimeRecord,
+    GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr, MOST_FRAME_TIMES, OfferRecord,
+    PictureRecord, RATES_COPIED, RATES_COPY_LEFT_OUT, RatesCopyRecord, ShownRecord, StaleRecord,
+    SwapchainRecord,
 };
+use crate::status::{Decision, Topic};
 use ash::vk;
 use ash::vk::Handle;
 use parafovea_core::reuse::StaleTiles;
+use smallvec::SmallVec;
 use std::mem::MaybeUninit;
 
 /// A device that the Vulkan half tracks.
@@ -20,6 +24,8 @@ pub struct VulkanDevice {
     pub record: DeviceRecord,
     /// Family and index of the queue of the session's graphics binding.
     pub queue: (u32, u32),
+    /// The abilities of its backend.
+    pub offer: OfferRecord,
 }
 
 /// Why a session's device is out of reach, so that the session stays inert.
@@ -72,17 +78,20 @@ impl VulkanDevice {
             let table = *table;
             let mut record = MaybeUninit::uninit();
             if (table.device)(device, record.as_mut_ptr()) != 1 {
+                device_armed(Arming::Inert);
                 return Err(NotLinked::Inert);
             }
+            let record: DeviceRecord = record.assume_init();
+            Arming::from_number(record.arming).inspect(|arming| device_armed(*arming));
             let queue = (binding.queue_family_index, binding.queue_index);
-            Ok(Self { table, record: record.assume_init(), queue })
+            Ok(Self { table, record, queue, offer: offer(&table, device) })
         }
     }
 
     /// A device behind a stand-in for the Vulkan half.
     #[cfg(test)]
     pub fn of_table(table: LinkTable, record: DeviceRecord) -> Self {
-        Self { table, record, queue: (0, 0) }
+        Self { table, record, queue: (0, 0), offer: offer(&table, record.device) }
     }
 
     /// Tells the Vulkan half whether a session is bound to the device.
@@ -97,15 +106,6 @@ impl VulkanDevice {
         unsafe { (self.table.when_it_ends)(self.record.device, call) == 1 }
     }
 
-    /// What the device's backend can do; `None` where the Vulkan half does not say.
-    pub fn offer(&self) -> Option<OfferRecord> {
-        let mut record = MaybeUninit::uninit();
-        // SAFETY: the device is live, as above; the function writes the record if it returns 1.
-        unsafe {
-            ((self.table.offer)(self.record.device, record.as_mut_ptr()) == 1).then(|| record.assume_init())
-        }
-    }
-
     /// Tells the images of a swapchain, or, without any, that it is about to be destroyed.
     ///
     /// # Safety
@@ -116,14 +116,14 @@ impl VulkanDevice {
         unsafe { (self.table.swapchain)(self.record.device, record) }
     }
 
-    /// Tells the newest plan.
+    /// Starts a frame with new settings or a new plan.
     ///
     /// # Safety
     ///
-    /// What the record points to is valid.
-    pub unsafe fn tell_plan(&self, record: &PlanRecord) {
-        // SAFETY: the device is live, as above; the caller vouches for the record.
-        unsafe { (self.table.plan)(self.record.device, record) }
+    /// The records are null or valid, with what they point to.
+    pub unsafe fn begin_frame(&self, start: &FrameStart) {
+        // SAFETY: the device is live, as above; the caller vouches for the records.
+        unsafe { (self.table.begin_frame)(self.record.device, start) }
     }
 
     /// Tells a finished picture of an eye.
@@ -136,70 +136,51 @@ impl VulkanDevice {
         unsafe { (self.table.picture)(self.record.device, record) }
     }
 
-    /// Tells what a frame shows.
+    /// Ends a frame with its submission, and takes the report on it. A steady frame allocates nothing.
     ///
     /// # Safety
     ///
     /// What the record points to is valid.
-    pub unsafe fn tell_shown(&self, record: &ShownRecord) {
-        // SAFETY: the device is live, as above; the caller vouches for the record.
-        unsafe { (self.table.shown)(self.record.device, record) }
-    }
-
-    /// Tells what the configuration asks for.
-    ///
-    /// # Safety
-    ///
-    /// What the record points to is valid.
-    pub unsafe fn tell_settings(&self, record: &SettingsRecord) {
-        // SAFETY: the device is live, as above; the caller vouches for the record.
-        unsafe { (self.table.settings)(self.record.device, record) }
-    }
-
-    /// Makes `stale` the tiles of an eye's picture (0: left, 1: right) that the passes of the frame that ended last left out.
-    /// `words` is memory that is kept, so that a steady frame allocates nothing.
-    pub fn stale(&self, eye: usize, words: &mut Vec<u32>, stale: &mut StaleTiles) {
-        stale.clear();
-        loop {
-            let capacity = words.len() as u32;
-            let mut record =
-                StaleRecord { extent: [0; 2], texel: [0; 2], words: words.as_mut_ptr(), capacity, count: 0 };
-            // SAFETY: the device is live, as above; there are as many words as the record says.
-            if unsafe { (self.table.stale)(self.record.device, eye as u32, &raw mut record) } != 1 {
-                return;
-            }
-            match words.get(..record.count as usize) {
-                Some(words) => return stale.set_words(record.extent, record.texel, words),
-                None => words.resize(record.count as usize, 0),
+    pub unsafe fn end_frame(&self, submission: &ShownRecord, report: &mut FrameReport) {
+        let mut record = FrameReportRecord {
+            frame: 0,
+            passes_with_rates: 0,
+            eye_passes: 0,
+            decisions: 0,
+            time_count: 0,
+            times: [FrameTimeRecord { frame: 0, ns: 0 }; MOST_FRAME_TIMES],
+            stale: report.words.each_mut().map(stale_record),
+        };
+        // SAFETY: the device is live, as above; the caller vouches for the submission, and there are as many words as the record says.
+        let is_written =
+            unsafe { (self.table.end_frame)(self.record.device, submission, &raw mut record) == 1 };
+        report.frame = record.frame;
+        report.passes_with_rates = record.passes_with_rates;
+        report.eye_passes = record.eye_passes;
+        report.decisions = record.decisions;
+        report.times.clear();
+        report.times.extend(record.times.into_iter().take(record.time_count as usize));
+        for (eye, stale) in record.stale.into_iter().enumerate() {
+            report.stale[eye].clear();
+            if is_written && stale.count > 0 {
+                self.take_stale(eye, &stale, &mut report.words[eye], &mut report.stale[eye]);
             }
         }
     }
 
-    /// How many passes had the plan's rates in the frame that ended last.
-    pub fn passes_with_rates(&self) -> u32 {
-        // SAFETY: the device is live, as above.
-        unsafe { (self.table.passes_with_rates)(self.record.device) }
-    }
-
-    /// How many passes were recognised as an eye's picture in the frame that ended last, whether rates are on or not.
-    pub fn eye_passes(&self) -> u32 {
-        // SAFETY: the device is live, as above.
-        unsafe { (self.table.eye_passes)(self.record.device) }
-    }
-
-    /// Number of the frame that ended last, from 1.
-    pub fn frames_ended(&self) -> u64 {
-        // SAFETY: the device is live, as above.
-        unsafe { (self.table.frames_ended)(self.record.device) }
-    }
-
-    /// What the next frame's recognised passes took on the GPU, of which that is known.
-    pub fn frame_time(&self) -> Option<FrameTimeRecord> {
-        let mut record = MaybeUninit::uninit();
-        // SAFETY: the device is live, as above; the function writes the record if it returns 1.
-        unsafe {
-            ((self.table.frame_time)(self.record.device, record.as_mut_ptr()) == 1)
-                .then(|| record.assume_init())
+    /// Takes the stale tiles of an eye's image (0: left, 1: right); asks again with more room where they had too little.
+    fn take_stale(&self, eye: usize, record: &StaleRecord, words: &mut Vec<u32>, stale: &mut StaleTiles) {
+        let mut record = *record;
+        loop {
+            if let Some(words) = words.get(..record.count as usize) {
+                return stale.set_words(record.extent, record.texel, words);
+            }
+            words.resize(record.count as usize, 0);
+            record = stale_record(words);
+            // SAFETY: the device is live, as above; there are as many words as the record says.
+            if unsafe { (self.table.stale)(self.record.device, eye as u32, &raw mut record) } != 1 {
+                return;
+            }
         }
     }
 
@@ -217,6 +198,19 @@ impl VulkanDevice {
         }
     }
 
+    /// The Vulkan half's decision of that index, from 0; `None` if there are fewer.
+    pub fn decision(&self, index: u32) -> Option<Decision> {
+        let mut record = MaybeUninit::<DecisionRecord>::uninit();
+        // SAFETY: the function takes any index at any time, and writes the record if it returns 1.
+        let record = unsafe {
+            ((self.table.decision)(index, record.as_mut_ptr()) == 1).then(|| record.assume_init())
+        }?;
+        // SAFETY: the texts of a record are valid for the life of the process (link/records.rs).
+        let (line, reason) =
+            unsafe { (text(record.line, record.line_len), text(record.reason, record.reason_len)) };
+        Some(Decision { topic: Topic::from_number(record.topic, &reason)?, line })
+    }
+
     /// The layout in which the application left an image of a swapchain.
     pub fn layout(&self, image: vk::Image) -> vk::ImageLayout {
         // SAFETY: the device is live, as above.
@@ -229,6 +223,53 @@ impl VulkanDevice {
         unsafe { (self.table.runtime_section)(1) };
         RuntimeSection(self.table.runtime_section)
     }
+}
+
+/// The abilities of a device's backend; those of none where the Vulkan half does not say.
+fn offer(table: &LinkTable, device: vk::Device) -> OfferRecord {
+    let mut record =
+        OfferRecord { backend: BACKEND_NONE, texel: [1, 1], rate_count: 0, rates: [0; 16], is_cpu: 0 };
+    // SAFETY: the device is live; the record is there to be written to.
+    unsafe { (table.offer)(device, &raw mut record) };
+    record
+}
+
+/// A record for stale tiles with room for as many words as there are.
+fn stale_record(words: &mut Vec<u32>) -> StaleRecord {
+    let capacity = words.len() as u32;
+    StaleRecord { extent: [0; 2], texel: [0; 2], words: words.as_mut_ptr(), capacity, count: 0 }
+}
+
+/// The Vulkan half's report on a frame that ended.
+#[derive(Debug, Default)]
+pub struct FrameReport {
+    /// Number of the frame, from 1; 0 where the Vulkan half reports nothing.
+    pub frame: u64,
+    /// Number of passes that had the plan's rates.
+    pub passes_with_rates: u32,
+    /// Number of passes that were recognised as an eye's image, whether rates are on or not.
+    pub eye_passes: u32,
+    /// Number of decisions so far.
+    pub decisions: u32,
+    /// GPU times of earlier frames that became known.
+    pub times: SmallVec<[FrameTimeRecord; MOST_FRAME_TIMES]>,
+    /// Stale tiles of the left and of the right eye's image.
+    pub stale: [StaleTiles; 2],
+    /// Memory that stale tiles are written to.
+    words: [Vec<u32>; 2],
+}
+
+/// A text of a record.
+///
+/// # Safety
+///
+/// `first` is null, or `len` bytes begin there.
+unsafe fn text(first: *const u8, len: u32) -> String {
+    if first.is_null() {
+        return String::new();
+    }
+    // SAFETY: the caller vouches for the bytes.
+    String::from_utf8_lossy(unsafe { std::slice::from_raw_parts(first, len as usize) }).into_owned()
 }
 
 /// What became of a copy of rates.

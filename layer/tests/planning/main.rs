@@ -54,8 +54,7 @@ fn frame(planning: &mut Planning, config: &Config, number: i64) -> bool {
 
 /// With whatever is heard from `heard` on, frame by frame.
 fn assert_does_not_allocate(config: &Config, heard: impl Fn(i64) -> Option<AudioFeatures>) {
-    let mut planning = Planning::default();
-    planning.set_offer(offer());
+    let mut planning = Planning::new(offer());
     let next = |planning: &mut Planning, number| {
         planning.listen(heard(number));
         frame(planning, config, number)

@@ -14,7 +14,7 @@ fn right(degrees: f32) -> Vec3 {
     glam::Quat::from_rotation_y(-degrees.to_radians()) * Vec3::NEG_Z
 }
 
-/// What a direction keeps of its colour.
+/// Chroma gains in a direction.
 fn gains(focus: Option<Focus>, direction: Vec3, settings: &ChromaSettings) -> Gains {
     focus.map_or(Gains::FULL, |focus| {
         let angle = (eccentricity(focus.direction, direction) - focus.radius).max(0.0);

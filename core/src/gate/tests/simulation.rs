@@ -3,7 +3,7 @@
 use super::{GateFrame, GazePhase};
 use std::collections::VecDeque;
 
-/// What the eyes do.
+/// Eye movement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Eyes {
     /// They rest, for ever.

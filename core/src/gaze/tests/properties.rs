@@ -1,4 +1,4 @@
-//! What holds of any input.
+//! Properties of any input.
 
 use super::*;
 use crate::geometry::Fov;

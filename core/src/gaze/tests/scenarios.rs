@@ -1,4 +1,4 @@
-//! What goes wrong with gaze in the field, one test each.
+//! Failures of gaze in the field, one test each.
 
 use super::*;
 use crate::geometry::Fov;

@@ -28,7 +28,7 @@ const DEPARTURES: u8 = 10;
 /// How long a saccade may have been on its way before it showed: 10 to 17 ms take it, by its amplitude, 1.3 degrees far.
 const UNSEEN_S: f32 = 0.02;
 
-/// What it may be away from its start without having been seen, standard deviation, degrees.
+/// Unseen distance from its start, standard deviation, degrees.
 const UNSEEN_DEG: f32 = 0.6;
 
 /// By how much a path may differ from that of least jerk, part of its amplitude.

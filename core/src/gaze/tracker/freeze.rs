@@ -3,7 +3,7 @@
 use crate::gaze::GazeSettings;
 use glam::Vec3;
 
-/// What is remembered of the newest sample.
+/// State of the newest sample.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Freeze {
     directions: Option<[Vec3; 2]>,

@@ -1,14 +1,14 @@
-//! How the head was turned: eyes that rest on the world turn against it, and what a sample says is as old as the sample.
+//! How the head was turned: eyes that rest on the world turn against it, and a sample's direction is as old as the sample.
 
 use glam::Quat;
 
 /// Frames that are remembered: twice the longest [`super::LONGEST_NS`] at 90 a second.
 const KEPT: usize = 27;
 
-/// Fastest that a head turns, degrees a second; what is told to be faster is a jump of the space that it is told in.
+/// Fastest turn of a head, degrees a second; a faster one is a jump of its space.
 const FASTEST_DEG_S: f32 = 500.0;
 
-/// Shortest time that such a jump is judged by, seconds: what is told of a time again may be a better prediction of it.
+/// Shortest time that such a jump is judged by, seconds: another orientation of the same time may be a better prediction.
 const LEAST_S: f32 = 0.01;
 
 /// How the head was turned at the times of the last frames, in a space that rests in the world and never jumps.

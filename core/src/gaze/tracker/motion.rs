@@ -1,4 +1,4 @@
-//! What the eyes do: rest or follow (a line through the samples), or jump (a saccade in flight).
+//! Eye movement: rest or pursuit (a line through the samples), or jump (a saccade in flight).
 
 use super::flight::Flight;
 use super::line::{Line, Moment};

@@ -1,4 +1,4 @@
-//! The last stage: what tiles that were shaded coarsely would show at 1x1.
+//! The last stage: the contrast that coarsely shaded tiles would have at 1x1.
 
 use crate::image::Plane;
 use crate::perception::extrapolate::{extrapolate, survivor};
@@ -9,10 +9,10 @@ use crate::reuse::STALE;
 /// By how much the finest octave that survives may change from frame to frame for the tile to count as the same.
 const SAME: f32 = 2.0;
 
-/// The same where the rate has changed: blocks fold detail that they cannot show into what they can.
+/// The same where the rate has changed: blocks fold finer detail into coarser bands.
 const SAME_ACROSS_RATES: f32 = 4.0;
 
-/// What is less than this much of a change at the same rate counts as noise.
+/// A smaller change at the same rate counts as noise.
 const STEADY: f32 = 1.25;
 
 /// The part of any other change at the same rate that a frame takes over: blocks of 4x4 leave 16 samples of a tile, the greatest contrast
@@ -26,7 +26,7 @@ const FLOOR: f32 = 0.01;
 /// within [`STEADY`], and stays from there on.
 pub const SETTLED: u32 = 16;
 
-/// What a tile showed.
+/// Contrast of a tile.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Shown {
@@ -60,7 +60,7 @@ pub fn restore(rates: &Plane<u8>, previous: &ContrastMap, shown: &mut Plane<Show
     }
 }
 
-/// One tile, and what it shows.
+/// One tile with its contrast restored.
 ///
 /// As long as the finest octave that survives changes little, so does the picture: the lost octaves are what they were,
 /// and follow what that octave becomes at the same rate, if that is more than noise. Otherwise they are guessed

@@ -361,7 +361,7 @@ proptest! {
         prop_assert_eq!(restored(tile(now), tile(before), shown, ShadingRate::R1X1).0, tile(now));
     }
 
-    /// No walk away from what was measured, however long the tile stays coarse.
+    /// No walk away from the measurement, however long the tile stays coarse.
     #[test]
     fn a_coarse_tile_remembers(fine in prop::array::uniform4(0.2..2.0f32), noise in prop::collection::vec(0.8..1.25f32, 1..200), rate in 0usize..6) {
         let rate = VULKAN_RATES[rate];

@@ -1,4 +1,4 @@
-//! What counts as changed.
+//! Definition of a change.
 
 use super::{ChangeParams, DARK};
 use crate::geometry::{Fov, View};

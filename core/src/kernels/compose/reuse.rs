@@ -7,7 +7,7 @@ use crate::reuse::{Edge, Parallax, Reuse, TileLists, TileRect, TileRects};
 use glam::{Mat3, UVec2, Vec2, Vec4};
 
 uniform! {
-    /// Parameters of what is taken from one earlier picture, the shader's uniform of the same name.
+    /// Parameters of re-use from one earlier picture, the shader's uniform of the same name.
     ///
     /// Points are in pixels from the corner of a picture's rectangle.
     pub struct ReuseParams {
@@ -29,9 +29,9 @@ uniform! {
         pub earlier_word: u32,
         /// Width over which fresh pixels beside stale tiles are blended, pixels.
         pub border: f32,
-        /// Where the head has moved: what is added to homogeneous points of that picture, in pixels, for each 1/m of nearness.
+        /// Where the head has moved: offset of homogeneous points of that picture, in pixels, for each 1/m of nearness.
         pub parallax: [f32; 4],
-        /// What depth stands for in the newest picture: [`Nearness::at_zero`], [`Nearness::slope`] and [`Nearness::bounds`].
+        /// Meaning of depth in the newest picture: [`Nearness::at_zero`], [`Nearness::slope`] and [`Nearness::bounds`].
         pub nearness: [f32; 4],
         /// The same in that picture.
         pub earlier_nearness: [f32; 4],
@@ -68,13 +68,13 @@ pub(in crate::kernels) fn nearness_words(nearness: &Nearness) -> [f32; 4] {
 }
 
 impl ReuseParams {
-    /// For what is taken from none.
+    /// For re-use from no picture.
     pub fn new(reuse: &Reuse, border: f32) -> Self {
         let tile_size = (1.0 / reuse.now().tiles_per_pixel()).into();
         Self { tile_size, border, ..bytemuck::Zeroable::zeroed() }
     }
 
-    /// For what is taken from the picture of `age`, 1..=[`Reuse::ages`], whose rectangle begins at `offset` of its image, which
+    /// For re-use from the picture of `age`, 1..=[`Reuse::ages`], whose rectangle begins at `offset` of its image, which
     /// is of `extent` pixels, and whose stale tiles are in the buffer from place `word` on.
     pub fn at_age(self, reuse: &Reuse, age: usize, offset: [u32; 2], extent: [u32; 2], word: u32) -> Self {
         let Some(earlier) = reuse.at_age(age) else { return self };

@@ -71,7 +71,7 @@ fn a_head_that_turned_finds_tiles_beside() {
 }
 
 proptest! {
-    /// What a tile shows in its middle was shown by one of those whose contrast it gets.
+    /// The middle of a tile was in one of the tiles whose contrast it gets.
     #[test]
     fn the_tile_that_showed_it_counts(
         turn in prop::array::uniform3(-0.3f32..0.3), extent in prop::array::uniform2(40u32..400),

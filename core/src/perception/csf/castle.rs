@@ -18,14 +18,14 @@ pub fn achromatic(stimulus: &Stimulus, field: VisualField) -> f32 {
     achromatic_fall(stimulus).at(stimulus.clamped().eccentricity_deg, field)
 }
 
-/// The part of [`achromatic`] that answers to what stands still.
+/// The part of [`achromatic`] that answers to static stimuli.
 pub fn sustained(stimulus: &Stimulus, field: VisualField) -> f32 {
     let stimulus = stimulus.clamped();
     let foveal = sustained_foveal(&stimulus);
     ACHROMATIC_FALL.of(log2(foveal), stimulus.frequency_cpd).at(stimulus.eccentricity_deg, field)
 }
 
-/// The part of [`achromatic`] that answers to what flickers or moves.
+/// The part of [`achromatic`] that answers to flicker and motion.
 pub fn transient(stimulus: &Stimulus, field: VisualField) -> f32 {
     let stimulus = stimulus.clamped();
     let foveal = transient_foveal(&stimulus);
@@ -85,7 +85,7 @@ impl Fall {
     }
 }
 
-/// log2 of a sensitivity, finite for one that f32 cannot hold: what is not seen stays unseen.
+/// log2 of a sensitivity, finite for one that f32 cannot hold: invisible contrast stays invisible.
 fn log2(foveal: f32) -> f32 {
     foveal.max(f32::MIN_POSITIVE).log2()
 }

@@ -16,7 +16,7 @@ pub fn sensitivity(frequency_cpd: f32, eccentricity_deg: f32, adaptation_cd_m2: 
     Fit::QUARTER.sensitivity(frequency_cpd, eccentricity_deg, adaptation_cd_m2)
 }
 
-/// What the physical contrast of each band, finest first, is multiplied by before it meets these fits: their pyramid
+/// Factor on the physical contrast of each band, finest first, for these fits: their pyramid
 /// filtered with sqrt(2) times the binomial filter in each direction, as pyrtools does, which doubles coefficients from
 /// level to level. No other sensitivity function may be given contrast multiplied like this.
 pub const BAND_GAIN: [f32; BANDS] = [1.0, 2.0, 4.0, 8.0];

@@ -2,7 +2,7 @@
 
 use super::gaze_action::GazeAction;
 use super::profiles::Profiles;
-use crate::config::GazeSource;
+use crate::config::{Config, GazeSource};
 use crate::inputs::gaze::FORWARD;
 use crate::planning::Look;
 use crate::xr::session::Session;
@@ -88,10 +88,10 @@ impl SessionActions {
     }
 
     /// Our action set, if this session wants it attached now.
-    pub fn prepare(&self, session: &Session) -> Option<GazeAction> {
+    pub fn prepare(&self, session: &Session, config: &Config) -> Option<GazeAction> {
         let is_wanted = session.active.is_some()
             && self.has_tracker
-            && matches!(session.instance.config.get().gaze.source, GazeSource::Auto | GazeSource::Eyes)
+            && matches!(config.gaze.source, GazeSource::Auto | GazeSource::Eyes)
             && matches!(self.state().attachment, Attachment::Not);
         if is_wanted { session.instance.actions.gaze_action(&session.instance) } else { None }
     }
@@ -151,10 +151,10 @@ impl SessionActions {
 
     /// A frame that is shown at `time` ends. For an application without action sets ours is attached when the time has come,
     /// and synchronised from then on; for one that does not synchronise its own, too, until it does.
-    pub fn frame_ended(&self, session: &Session, time: xr::Time) {
-        match self.due(session, time) {
+    pub fn frame_ended(&self, session: &Session, config: &Config, time: xr::Time) {
+        match self.due(session, config, time) {
             Due::Nothing => {}
-            Due::AttachAlone => self.attach_alone(session),
+            Due::AttachAlone => self.attach_alone(session, config),
             Due::Sync(gaze) => self.sync_ours(session, gaze),
             Due::SyncAhead(gaze) => {
                 tracing::info!(
@@ -166,8 +166,8 @@ impl SessionActions {
         }
     }
 
-    fn due(&self, session: &Session, time: xr::Time) -> Due {
-        let after_ns = i64::from(session.instance.config.get().gaze.attach_alone_after_s) * 1_000_000_000;
+    fn due(&self, session: &Session, config: &Config, time: xr::Time) -> Due {
+        let after_ns = i64::from(config.gaze.attach_alone_after_s) * 1_000_000_000;
         let mut state = self.state();
         let last = state.newest_ns.replace(time.as_nanos()).unwrap_or(time.as_nanos());
         state.shown_ns += time.as_nanos().saturating_sub(last).clamp(0, LONGEST_FRAME_NS);
@@ -191,8 +191,8 @@ impl SessionActions {
         }
     }
 
-    fn attach_alone(&self, session: &Session) {
-        let Some(gaze) = self.prepare(session) else { return };
+    fn attach_alone(&self, session: &Session, config: &Config) {
+        let Some(gaze) = self.prepare(session, config) else { return };
         let info = xr::SessionActionSetsAttachInfo {
             ty: xr::SessionActionSetsAttachInfo::TYPE,
             next: ptr::null(),

@@ -1,43 +1,38 @@
 //! What of a frame's pictures is taken from earlier ones.
 
-use super::Works;
 use super::depth;
 use super::history::{Completing, Expected, History, ShownPicture};
-use super::layers::{self, Projection, Shown};
 use super::work::Work;
+use super::{FrameEnd, Works};
 use crate::config::{Config, longest_period, wants_reuse};
 use crate::planning::{Planning, View, Watched};
-use crate::xr::session::{Active, Health, Session, Tools};
+use crate::xr::session::{Active, Health, Tools};
+use crate::xr::submission::Projection;
+use crate::xr::vulkan_device::FrameReport;
 use openxr_sys as xr;
 use parafovea_core::reuse::StaleTiles;
 
 /// Notes the pictures that a frame shows, completes those of which not all was rendered, and tells the planner which ones
 /// the next frame's can be made of.
-///
-/// # Safety
-///
-/// `info` and what it points to are valid, as `xrEndFrame` demands.
-pub unsafe fn complete<'a>(
-    session: &Session,
-    active: &Active,
+pub fn complete<'a>(
+    frame: &FrameEnd,
     tools: &Tools,
-    info: &xr::FrameEndInfo,
+    report: &mut FrameReport,
     works: &mut Works<'a>,
     history: &'a mut History,
 ) {
-    let config = session.instance.config.get();
-    let wants_reuse = wants_reuse(&config);
+    let FrameEnd { active, submission, ref config, .. } = *frame;
+    let wants_reuse = wants_reuse(config);
     if active.health() != Health::Works || !(wants_reuse || (0..2).any(|eye| history.has_pictures(eye))) {
         return;
     }
-    let how = Completing::of(&config);
-    // SAFETY: the caller vouches for `info`.
-    let scene = unsafe { only_projection(info) };
-    let watched = watched(&active.plan.planning(), &config);
+    let how = Completing::of(config);
+    let scene = submission.only_projection();
+    let watched = watched(&active.plan.planning(), config);
     let mut kept = [false; 2];
     active.ahead.finish(|mut ahead| {
         (0..2).for_each(|eye| {
-            let shown = scene.as_ref().and_then(|scene| picture(scene, eye, info.display_time, works));
+            let shown = scene.as_ref().and_then(|scene| picture(scene, eye, submission.time, works));
             let is_others = |(other, _): (ShownPicture, &Work)| {
                 shown.is_some_and(|(shown, _)| {
                     (shown.substitute, shown.array_layer, shown.rect)
@@ -48,34 +43,36 @@ pub unsafe fn complete<'a>(
             let is_both = eye == 1
                 && scene
                     .as_ref()
-                    .and_then(|scene| picture(scene, 0, info.display_time, works))
+                    .and_then(|scene| picture(scene, 0, submission.time, works))
                     .is_some_and(is_others);
             kept[eye] = if is_both {
-                history.show(eye, None, |_| false, |_, _| {});
+                history.show(eye, None, |_| false, |_| {});
                 kept[0]
             } else {
                 let is_intact = |release| shown.is_some_and(|(_, work)| work.is_intact(release));
                 let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
-                // SAFETY: the caller vouches for `info`, and what it points to.
-                let depth = view.and_then(|view| unsafe { depth::of(view) });
+                let depth = view.and_then(depth::of);
                 let picture = shown.as_ref().map(|(picture, _)| (picture, depth));
-                history.show(eye, picture, is_intact, |words, stale| active.device.stale(eye, words, stale));
+                history.show(eye, picture, is_intact, |stale| {
+                    std::mem::swap(stale, &mut report.stale[eye]);
+                });
                 shown.is_some_and(|(_, work)| {
-                    work.keeps(longest_period(&config))
+                    work.keeps(longest_period(config))
                         && (!wants_reuse || tools.compose().completes(work.format()))
                 })
             };
             if !wants_reuse && history.region(eye, how).is_none() {
-                history.show(eye, None, |_| false, |_, _| {});
+                history.show(eye, None, |_| false, |_| {});
             }
             history.complete(eye, how, watched[eye].as_ref(), ahead.as_deref_mut());
-            if kept[eye] && wants_reuse {
-                active.plan.planning().history_kept(eye);
-            }
         })
     });
     let follows = |eye: usize| history.has_depth(eye) || (eye == 1 && !history.has_pictures(eye));
-    active.plan.planning().views.set_followed((0..2).all(follows));
+    {
+        let mut planning = active.plan.planning();
+        (0..2).filter(|eye| kept[*eye] && wants_reuse).for_each(|eye| planning.history_kept(eye));
+        planning.views.set_followed((0..2).all(follows));
+    }
     let history: &'a History = history;
     for eye in 0..2 {
         let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
@@ -94,19 +91,18 @@ pub unsafe fn complete<'a>(
 
 /// The frame that was just planned will show these views, if the application draws as it should: what completing its pictures takes is
 /// worked out ahead.
-pub fn expect(session: &Session, active: &Active, views: &[View]) {
-    let config = session.instance.config.get();
-    if active.health() != Health::Works || !wants_reuse(&config) {
+pub fn expect(active: &Active, config: &Config, views: &[View]) {
+    if active.health() != Health::Works || !wants_reuse(config) {
         return;
     }
     // A frame that another thread is ending has pictures that this one needs.
     let Some(history) = active.free_history() else { return };
     active.ahead.begin(|job| {
         let planning = active.plan.planning();
-        let watched = watched(&planning, &config);
+        let watched = watched(&planning, config);
         for ((eye, view), watched) in views.iter().take(2).enumerate().zip(watched) {
             let stale = |tiles: &mut StaleTiles| planning.stale(eye, tiles);
-            let how = Completing::of(&config);
+            let how = Completing::of(config);
             history.expect(eye, job, Expected { how, watched, view: *view, stale: &stale });
         }
     });
@@ -116,20 +112,6 @@ pub fn expect(session: &Session, active: &Active, views: &[View]) {
 fn watched(planning: &Planning, config: &Config) -> [Option<Watched>; 2] {
     let is_watched = wants_reuse(config) && config.reuse.refresh;
     [0, 1].map(|eye| planning.watched(eye).filter(|_| is_watched))
-}
-
-/// The projection layer of a frame that has only one: with more it is not known whose passes were whose.
-///
-/// # Safety
-///
-/// As for [`complete`].
-pub(super) unsafe fn only_projection(info: &xr::FrameEndInfo) -> Option<Projection<'_>> {
-    // SAFETY: the caller vouches for `info`.
-    let mut projections = unsafe { layers::of(info) }.filter_map(|shown| match shown {
-        Shown::Projection(layer) => Some(layer),
-        Shown::Flat(_) | Shown::Cube(_) => None,
-    });
-    projections.next().filter(|_| projections.next().is_none())
 }
 
 /// The picture of an eye, where it is in a virtual swapchain.

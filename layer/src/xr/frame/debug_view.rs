@@ -4,16 +4,17 @@
 //! the call that returns their image, because the image is the runtime's after it: where the eyes' pictures are in it is known from
 //! the frame before.
 
-use super::layers::{self, Projection, Shown};
-use super::regions::{Images, fov, rect_within};
+use super::FrameEnd;
+use super::regions::{Images, rect_within};
 use super::work::Work;
-use crate::config::debug_view;
+use crate::config::{Config, debug_view};
 use crate::gpu::GpuError;
 use crate::link::RatesCopyRecord;
 use crate::passes::compose::RuntimeImages;
 use crate::passes::debug_view::{DebugView, DebugViewJob, DebugViewParams, DebugViewPass, MOST_PICTURES};
 use crate::planning::Seen;
-use crate::xr::session::{Active, Health, Session};
+use crate::xr::session::{Active, Health};
+use crate::xr::submission::Projection;
 use crate::xr::swapchain::Swapchain;
 use crate::xr::vulkan_device::RatesCopy;
 use ash::vk;
@@ -30,7 +31,9 @@ pub struct DebugViews {
     maps: [Vec<u8>; 2],
     /// Where each eye's picture was in the last frame.
     shown: [Option<ShownEye>; 2],
-    /// What was drawn last, and how many frames had ended by then.
+    /// Number of that frame.
+    frame: u64,
+    /// What was drawn last, and the number of the last frame by then.
     drawn: Option<(DebugView, u64)>,
     has_failed: bool,
 }
@@ -62,8 +65,8 @@ impl DebugViews {
 }
 
 /// Whether anything is to be drawn over pictures. What was made for it goes when it is not asked for any more.
-pub fn is_wanted(session: &Session, active: &Active) -> bool {
-    let is_asked = debug_view(&session.instance.config.get()).is_some();
+pub fn is_wanted(active: &Active, config: &Config) -> bool {
+    let is_asked = debug_view(config).is_some();
     let mut views = active.debug_views();
     if !is_asked && (views.pass.is_some() || views.drawn.is_some()) {
         let pass = views.pass.take();
@@ -75,18 +78,15 @@ pub fn is_wanted(session: &Session, active: &Active) -> bool {
     is_asked && !views.has_failed && active.health() == Health::Works
 }
 
-/// Takes where the eyes' pictures are, for those that are drawn over before the next frame ends.
-///
-/// # Safety
-///
-/// `info` and what it points to are valid, as `xrEndFrame` demands.
-pub unsafe fn note_shown(session: &Session, active: &Active, info: &xr::FrameEndInfo) {
-    if debug_view(&session.instance.config.get()).is_none() {
+/// Takes where the eyes' pictures are, for those that are drawn over before the next frame ends; `number` is the frame's.
+pub fn note_shown(frame: &FrameEnd, number: u64) {
+    let FrameEnd { active, submission, ref config, .. } = *frame;
+    if debug_view(config).is_none() {
         return;
     }
-    // SAFETY: the caller vouches for `info`.
-    if let Some(scene) = unsafe { first_projection(info) } {
-        active.debug_views().shown = shown_eyes(&scene);
+    if let Some(scene) = submission.scene() {
+        let mut views = active.debug_views();
+        (views.shown, views.frame) = (shown_eyes(&scene), number);
     }
 }
 
@@ -94,10 +94,10 @@ pub unsafe fn note_shown(session: &Session, active: &Active, info: &xr::FrameEnd
 ///
 /// # Safety
 ///
-/// As for [`note_shown`]; this thread may use the session's queue.
-pub unsafe fn draw(session: &Session, active: &Active, info: &xr::FrameEndInfo, works: &[Work]) {
-    // SAFETY: the caller vouches for `info`.
-    let Some(scene) = (unsafe { first_projection(info) }) else { return };
+/// This thread may use the session's queue.
+pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
+    let FrameEnd { active, submission, ref config, .. } = *frame;
+    let Some(scene) = submission.scene() else { return };
     let pictures = shown_eyes(&scene).into_iter().enumerate().filter_map(|(eye, shown)| {
         let shown = shown?;
         let work = works.iter().find(|work| work.swapchain.handle == shown.sub_image.swapchain)?;
@@ -105,7 +105,7 @@ pub unsafe fn draw(session: &Session, active: &Active, info: &xr::FrameEndInfo, 
         Some(EyePicture { eye, shown, runtime, runtime_index, rect })
     });
     // SAFETY: the caller vouches for the queue.
-    unsafe { draw_over(session, active, pictures.collect()) };
+    unsafe { draw_over(active, config, pictures.collect()) };
 }
 
 /// Draws over the pictures of the eyes in the image that the application is about to return to the runtime.
@@ -114,11 +114,11 @@ pub unsafe fn draw(session: &Session, active: &Active, info: &xr::FrameEndInfo, 
 ///
 /// This thread may use the session's queue; of the image that `swapchain` returns next, what the application draws to it is submitted.
 pub unsafe fn draw_over_released(swapchain: &Swapchain) {
-    let session = swapchain.session();
-    if debug_view(&session.instance.config.get()).is_none() {
+    let Some(active) = &swapchain.session().active else { return };
+    let config = active.plan.config();
+    if debug_view(&config).is_none() || !is_wanted(active, &config) {
         return;
     }
-    let Some(active) = session.active.as_ref().filter(|active| is_wanted(session, active)) else { return };
     let shown = active.debug_views().shown;
     let is_its =
         |shown: &Option<ShownEye>| shown.is_some_and(|shown| shown.sub_image.swapchain == swapchain.handle);
@@ -135,7 +135,7 @@ pub unsafe fn draw_over_released(swapchain: &Swapchain) {
             Some(EyePicture { eye, shown, runtime, runtime_index, rect })
         });
         // SAFETY: the caller vouches for queue and image.
-        unsafe { draw_over(session, active, pictures.collect()) };
+        unsafe { draw_over(active, &config, pictures.collect()) };
     });
 }
 
@@ -143,12 +143,11 @@ pub unsafe fn draw_over_released(swapchain: &Swapchain) {
 ///
 /// This thread may use the session's queue.
 unsafe fn draw_over(
-    session: &Session,
     active: &Active,
+    config: &Config,
     mut pictures: SmallVec<[EyePicture<'_>; MOST_PICTURES]>,
 ) {
-    let config = session.instance.config.get();
-    let Some(view) = debug_view(&config) else { return };
+    let Some(view) = debug_view(config) else { return };
     let is_same = |one: &EyePicture, other: &EyePicture| {
         let (one, other) = (&one.shown.sub_image, &other.shown.sub_image);
         one.swapchain == other.swapchain
@@ -158,14 +157,14 @@ unsafe fn draw_over(
     // One picture for both eyes is drawn over once.
     pictures.dedup_by(|other, one| is_same(one, other));
     let mut views = active.debug_views();
-    let DebugViews { pass, maps, drawn, has_failed, .. } = &mut *views;
+    let DebugViews { pass, maps, frame, drawn, has_failed, .. } = &mut *views;
     let seen: [Option<Seen>; 2] = {
         let planning = active.plan.planning();
-        [0, 1].map(|eye| planning.seen(&config, eye, view, &mut maps[eye]))
+        [0, 1].map(|eye| planning.seen(config, eye, view, &mut maps[eye]))
     };
     // SAFETY: the caller vouches for the queue.
     match unsafe { draw_eyes(active, pass, view, &pictures, seen, maps) } {
-        Ok(true) => *drawn = Some((view, active.device.frames_ended())),
+        Ok(true) => *drawn = Some((view, *frame)),
         // The device is behind: this frame goes without.
         Ok(false) | Err(GpuError::Timeout) => {}
         Err(error) => {
@@ -237,19 +236,6 @@ unsafe fn draw_eyes(
 fn shown_eyes(scene: &Projection<'_>) -> [Option<ShownEye>; 2] {
     [0, 1].map(|eye| {
         let view = scene.views.get(eye)?;
-        Some(ShownEye { sub_image: view.sub_image, fov: fov(view) })
-    })
-}
-
-/// The projection layer that is the scene.
-///
-/// # Safety
-///
-/// As for [`note_shown`].
-unsafe fn first_projection(info: &xr::FrameEndInfo) -> Option<Projection<'_>> {
-    // SAFETY: the caller vouches for `info`.
-    unsafe { layers::of(info) }.find_map(|shown| match shown {
-        Shown::Projection(layer) => Some(layer),
-        Shown::Flat(_) | Shown::Cube(_) => None,
+        Some(ShownEye { sub_image: view.sub_image, fov: view.fov })
     })
 }

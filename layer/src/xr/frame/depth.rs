@@ -2,37 +2,24 @@
 
 use super::history::ShownDepth;
 use super::regions::{Images, rect_within};
-use crate::xr::structures::extending;
+use crate::xr::submission::{ProjectionView, SubmittedDepth};
 use crate::xr::swapchain;
-use glam::Vec3;
-use openxr_sys as xr;
-use parafovea_core::geometry::{DepthRange, Nearness};
+use parafovea_core::geometry::Nearness;
 use parafovea_core::kernels::compose::DepthRect;
 use parafovea_core::reuse::Viewpoint;
 
 /// What comes with a view, where it was copied and makes sense.
-///
-/// # Safety
-///
-/// `view` and its chain are valid, as `xrEndFrame` demands.
-pub unsafe fn of(view: &xr::CompositionLayerProjectionView) -> Option<ShownDepth> {
-    // SAFETY: the caller vouches for the chain.
-    let info = unsafe { extending(view.next) }.find::<xr::CompositionLayerDepthInfoKHR>()?;
-    let newest = swapchain::newest_depth(info.sub_image.swapchain)?;
+pub fn of(view: &ProjectionView) -> Option<ShownDepth> {
+    let SubmittedDepth { sub_image, range } = view.depth.as_ref()?;
+    let newest = swapchain::newest_depth(sub_image.swapchain)?;
     let shape = newest.kept.shape();
     let images = Images { extent: shape.extent, array_layers: shape.array_layers, is_unit_range: true };
-    let rect = rect_within(&info.sub_image, &images)?;
-    let nearness = Nearness::new(&DepthRange {
-        min_depth: info.min_depth,
-        max_depth: info.max_depth,
-        near_z: info.near_z,
-        far_z: info.far_z,
-    })?;
-    let xr::Vector3f { x, y, z } = view.pose.position;
-    let position_m = Vec3::new(x, y, z);
+    let rect = rect_within(sub_image, &images)?;
+    let nearness = Nearness::new(range)?;
+    let position_m = view.position_m;
     position_m.is_finite().then_some(ShownDepth {
         newest,
-        array_layer: info.sub_image.image_array_index,
+        array_layer: sub_image.image_array_index,
         rect: DepthRect {
             offset: [rect.offset.x as u32, rect.offset.y as u32],
             extent: [rect.extent.width, rect.extent.height],

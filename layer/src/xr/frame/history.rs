@@ -60,8 +60,6 @@ impl Completing {
 #[derive(Debug, Default)]
 pub struct History {
     eyes: [EyeHistory; 2],
-    /// Memory for what the Vulkan half says.
-    words: Vec<u32>,
 }
 
 /// The depth of a picture, as a frame submits it.
@@ -100,18 +98,17 @@ pub struct ShownPicture {
 
 impl History {
     /// A frame shows a picture of an eye (0: left, 1: right), or none. `is_intact` says of a release whether its picture is still
-    /// there, and `stale` which tiles of this one are stale, with memory to work in. With it comes its depth, where that was copied.
+    /// there, and `stale` writes the stale tiles of this one. With it comes its depth, where that was copied.
     pub fn show(
         &mut self,
         eye: usize,
         shown: Option<(&ShownPicture, Option<ShownDepth>)>,
         is_intact: impl Fn(u64) -> bool,
-        stale: impl FnOnce(&mut Vec<u32>, &mut StaleTiles),
+        stale: impl FnOnce(&mut StaleTiles),
     ) {
-        let Self { eyes, words } = self;
-        let history = &mut eyes[eye];
+        let history = &mut self.eyes[eye];
         match shown {
-            Some(shown) => history.show(shown, is_intact, |tiles| stale(words, tiles)),
+            Some(shown) => history.show(shown, is_intact, stale),
             None => history.keep(0),
         }
     }

@@ -1,13 +1,12 @@
 //! The finished pictures of a frame, of which the Vulkan half takes the contrast.
 
-use super::complete::only_projection;
-use super::layers::Projection;
-use super::regions::{fov, orientation};
+use super::FrameEnd;
 use super::work::Work;
 use crate::config::{Config, RatesMode, wants_contrast};
 use crate::link::PictureRecord;
 use crate::xr::plan;
 use crate::xr::session::{Active, Health, Session};
+use crate::xr::submission::{Projection, ProjectionView};
 use glam::Quat;
 use openxr_sys as xr;
 use openxr_sys::Handle;
@@ -17,18 +16,17 @@ use openxr_sys::Handle;
 ///
 /// # Safety
 ///
-/// `info` and what it points to are valid, as `xrEndFrame` demands; this thread may use the session's queue.
-pub unsafe fn tell(session: &Session, active: &Active, info: &xr::FrameEndInfo, works: &[Work]) {
-    let config = session.instance.config.get();
-    if !wants_contrast(&config) || active.health() != Health::Works {
+/// This thread may use the session's queue.
+pub unsafe fn tell(frame: &FrameEnd, works: &[Work]) {
+    let FrameEnd { session, active, submission, ref config } = *frame;
+    if !wants_contrast(config) || active.health() != Health::Works {
         return;
     }
-    // SAFETY: the caller vouches for `info`.
-    let Some(scene) = (unsafe { only_projection(info) }) else { return };
-    let Some(to_world) = to_world(session, &config, &scene, info.display_time) else { return };
+    let Some(scene) = submission.only_projection() else { return };
+    let Some(to_world) = to_world(session, config, &scene, submission.time) else { return };
     for (eye, view) in (0..2).zip(scene.views) {
         let work = works.iter().find(|work| work.swapchain.handle == view.sub_image.swapchain);
-        if let Some(record) = work.and_then(|work| record(active, &config, eye, view, work, to_world)) {
+        if let Some(record) = work.and_then(|work| record(active, config, eye, view, work, to_world)) {
             // SAFETY: the image lives until its swapchain ends, which is said; it was just written, and is in that layout.
             unsafe { active.device.tell_picture(&record) };
         }
@@ -37,7 +35,7 @@ pub unsafe fn tell(session: &Session, active: &Active, info: &xr::FrameEndInfo, 
 
 /// From the space of a layer to one that rests in the world: as the head is turned in both.
 fn to_world(session: &Session, config: &Config, scene: &Projection<'_>, time: xr::Time) -> Option<Quat> {
-    let in_layer = plan::head_in_layer(session, config, scene.space, time, scene.views)?;
+    let in_layer = plan::head_in_layer(session, config, scene, time)?;
     Some(session.head_in_world(time) * in_layer.inverse())
 }
 
@@ -45,12 +43,12 @@ fn record(
     active: &Active,
     config: &Config,
     eye: u32,
-    view: &xr::CompositionLayerProjectionView,
+    view: &ProjectionView,
     work: &Work,
     to_world: Quat,
 ) -> Option<PictureRecord> {
     let (image, format, rect) = work.finished(view)?;
-    let tangents = fov(view).tangents();
+    let tangents = view.fov.tangents();
     // The plan's first row is the top.
     if tangents.up < tangents.down {
         return None;
@@ -66,7 +64,7 @@ fn record(
         layer: view.sub_image.image_array_index,
         rect: [rect.offset.x as u32, rect.offset.y as u32, rect.extent.width, rect.extent.height],
         plane: [plane.origin.into(), plane.step.into()],
-        orientation: (to_world * orientation(view)?).into(),
+        orientation: (to_world * view.orientation?).into(),
         white_cd_m2: config.rates.white_cd_m2,
         is_mean: u32::from(config.rates.mode == RatesMode::Paper),
     })

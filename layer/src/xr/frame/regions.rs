@@ -1,12 +1,11 @@
 //! Which rectangles of a swapchain are processed: those that projection views show and nothing else does.
 
-use crate::inputs::gaze::{in_view, rotation};
+use crate::inputs::gaze::in_view;
 use crate::passes::compose::{ComposeParams, ComposeRegion};
+use crate::xr::submission::ProjectionView;
 use ash::vk;
-use glam::Quat;
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
-use parafovea_core::geometry::Fov;
 use smallvec::SmallVec;
 
 /// What the images of a swapchain are like, for a region of them.
@@ -20,22 +19,10 @@ pub struct Images {
     pub is_unit_range: bool,
 }
 
-/// How a view is turned, if that makes sense.
-pub fn orientation(view: &xr::CompositionLayerProjectionView) -> Option<Quat> {
-    let xr::Quaternionf { x, y, z, w } = view.pose.orientation;
-    rotation(x, y, z, w)
-}
-
-/// The field of view of a view.
-pub fn fov(view: &xr::CompositionLayerProjectionView) -> Fov {
-    let xr::Fovf { angle_left: left, angle_right: right, angle_up: up, angle_down: down } = view.fov;
-    Fov { left, right, up, down }
-}
-
 /// What a view shows of an image, with a focus in the space of its layer. `None` for a rectangle that is not
 /// within the image, and other values that the runtime refuses.
 pub fn region(
-    view: &xr::CompositionLayerProjectionView,
+    view: &ProjectionView,
     images: &Images,
     focus: Focus,
     chroma: &ChromaSettings,
@@ -43,8 +30,8 @@ pub fn region(
     let rect = rect_within(&view.sub_image, images)?;
     let offset = [rect.offset.x as u32, rect.offset.y as u32];
     let extent = [rect.extent.width, rect.extent.height];
-    let focus = Focus { direction: in_view(focus.direction, orientation(view)?), ..focus };
-    let params = ComposeParams::new(offset, extent, fov(view), focus.direction, chroma, images.is_unit_range);
+    let focus = Focus { direction: in_view(focus.direction, view.orientation?), ..focus };
+    let params = ComposeParams::new(offset, extent, view.fov, focus.direction, chroma, images.is_unit_range);
     Some(ComposeRegion {
         array_layer: view.sub_image.image_array_index,
         rect,

@@ -1,10 +1,11 @@
 //! One virtual swapchain in one frame.
 
 use super::history::ShownPicture;
-use super::regions::{Images, fov, orientation, rect_within, region};
+use super::regions::{Images, rect_within, region};
 use crate::passes::change::ChangeRegion;
 use crate::passes::compose::{ComposeJob, ReuseRegion, RuntimeImages};
 use crate::xr::dispatch::Next;
+use crate::xr::submission::ProjectionView;
 use crate::xr::swapchain::{Newest, Substitute, Swapchain, Target};
 use crate::xr::vulkan_device::VulkanDevice;
 use ash::vk;
@@ -63,25 +64,15 @@ impl<'a> Work<'a> {
     }
 
     /// Adds the rectangle that `view` shows.
-    pub fn process(
-        &mut self,
-        view: &xr::CompositionLayerProjectionView,
-        focus: Focus,
-        chroma: &ChromaSettings,
-    ) {
+    pub fn process(&mut self, view: &ProjectionView, focus: Focus, chroma: &ChromaSettings) {
         let region = region(view, &self.images(), focus, chroma);
         self.target.regions.extend(region);
     }
 
     /// The picture that `view` shows; nothing where that makes no sense.
-    pub fn picture(
-        &self,
-        view: &xr::CompositionLayerProjectionView,
-        space: xr::Space,
-        time: xr::Time,
-    ) -> Option<ShownPicture> {
+    pub fn picture(&self, view: &ProjectionView, space: xr::Space, time: xr::Time) -> Option<ShownPicture> {
         let rect = rect_within(&view.sub_image, &self.images())?;
-        let plane = fov(view).tangents().plane([rect.extent.width, rect.extent.height]);
+        let plane = view.fov.tangents().plane([rect.extent.width, rect.extent.height]);
         Some(ShownPicture {
             substitute: self.substitute.number,
             space,
@@ -90,16 +81,13 @@ impl<'a> Work<'a> {
             image_index: self.newest.index,
             array_layer: view.sub_image.image_array_index,
             rect,
-            view: geometry::View { orientation: orientation(view)?, plane },
+            view: geometry::View { orientation: view.orientation?, plane },
         })
     }
 
     /// Where what `view` shows is once the job is done, in the runtime's image: the image, its format, and the rectangle in it. Nothing where it
     /// cannot be read there, or where the application has released nothing new.
-    pub fn finished(
-        &self,
-        view: &xr::CompositionLayerProjectionView,
-    ) -> Option<(vk::Image, vk::Format, vk::Rect2D)> {
+    pub fn finished(&self, view: &ProjectionView) -> Option<(vk::Image, vk::Format, vk::Rect2D)> {
         let rect = rect_within(&view.sub_image, &self.images())?;
         let image = *self.target.images()?.images().get(self.runtime_index as usize)?;
         (self.newest.fresh && self.substitute.can_be_analyzed).then_some((

@@ -1,12 +1,15 @@
 //! What an active session has: our work on its device.
 
 use super::shared;
+use crate::config::ConfigSnapshot;
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::compose::Compose;
+use crate::planning::Offer;
+use crate::status::take_over_decision;
 use crate::xr::frame::{Ahead, DebugViews, History};
 use crate::xr::plan::SessionPlan;
-use crate::xr::vulkan_device::VulkanDevice;
-use std::sync::atomic::{AtomicU8, Ordering};
+use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
+use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// A session whose device has both halves.
@@ -18,9 +21,12 @@ pub struct Active {
     /// What sorts the tiles of its pictures while they are drawn.
     pub ahead: Ahead,
     history: Mutex<History>,
+    report: Mutex<FrameReport>,
     debug_views: Mutex<DebugViews>,
     tools: OnceLock<Option<Tools>>,
     health: AtomicU8,
+    /// Number of decisions of the Vulkan half that were taken over.
+    decisions: AtomicU32,
 }
 
 /// Our objects on the device, made when a swapchain first needs them: a session without work has none.
@@ -43,20 +49,22 @@ pub enum Health {
 }
 
 impl Active {
-    /// Begins with nothing made on the device.
+    /// Begins with nothing made on the device. `config` holds until the first xrBeginFrame.
     ///
     /// # Safety
     ///
     /// The device is live, and outlives the result, as `XrGraphicsBindingVulkanKHR` demands of a session.
-    pub unsafe fn new(device: VulkanDevice) -> Self {
+    pub unsafe fn new(device: VulkanDevice, config: Arc<ConfigSnapshot>) -> Self {
         Self {
             device,
-            plan: SessionPlan::default(),
+            plan: SessionPlan::new(config, Offer::from(&device.offer)),
             ahead: Ahead::default(),
             history: Mutex::default(),
+            report: Mutex::default(),
             debug_views: Mutex::default(),
             tools: OnceLock::new(),
             health: AtomicU8::new(Health::Works as u8),
+            decisions: AtomicU32::new(0),
         }
     }
 
@@ -84,6 +92,20 @@ impl Active {
     /// Our objects on the device, if they were made.
     pub fn made_tools(&self) -> Option<&Tools> {
         self.tools.get()?.as_ref()
+    }
+
+    /// Takes over the Vulkan half's decisions from the last one taken up to number `count`, for `parafovea status`: that half may be another
+    /// copy of this library, with a list of its own.
+    pub fn take_over_decisions(&self, count: u32) {
+        let taken = self.decisions.fetch_max(count, Ordering::Relaxed);
+        for decision in (taken..count).map_while(|index| self.device.decision(index)) {
+            take_over_decision(&decision);
+        }
+    }
+
+    /// Memory for the report on a frame: that of the last one.
+    pub fn report(&self) -> MutexGuard<'_, FrameReport> {
+        self.report.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What its frames showed last.

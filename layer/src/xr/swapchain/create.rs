@@ -6,7 +6,7 @@ use super::eligibility::{
 };
 use super::{SWAPCHAINS, Substitute, Swapchain, depth};
 use crate::abi::guard;
-use crate::config::{images_for_reuse, wants_maps};
+use crate::config::{Config, images_for_reuse, wants_maps};
 use crate::link::BACKEND_MASK;
 use crate::passes::compose::{APP_USAGE, SwapchainShape};
 use crate::xr::instance::next_of_any;
@@ -41,18 +41,19 @@ pub unsafe extern "system" fn create(
                 return answer.record(below(info));
             };
             let _section = active.device.runtime_section();
+            let config = known.instance.config.snapshot();
             // SAFETY: valid usage: `info` is valid, and its chain is.
             let asked = unsafe { info.as_ref() };
             let mut planned = match asked {
                 // SAFETY: as above.
-                Some(asked) => unsafe { plan(known, active, asked) },
+                Some(asked) => unsafe { plan(known, active, &config, asked) },
                 None => Err(NotSubstituted::NoWork),
             };
             let mut result = xr::Result::ERROR_RUNTIME_FAILURE;
             // What the runtime's images may be used for, once a call succeeds.
             let mut usage_flags = xr::SwapchainUsageFlags::EMPTY;
             if let (Some(asked), Ok(_)) = (asked, &planned) {
-                let may_judge = known.may_judge(&known.instance.config.get());
+                let may_judge = known.may_judge(&config);
                 usage_flags = runtime_usage(asked.usage_flags, may_judge);
                 result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
                 if result.into_raw() < 0 && may_judge {
@@ -67,7 +68,7 @@ pub unsafe extern "system" fn create(
                 }
             }
             if planned.is_err() {
-                let more = asked.and_then(|asked| Some((asked, more_usage(known, active, asked)?)));
+                let more = asked.and_then(|asked| Some((asked, more_usage(active, &config, asked)?)));
                 if let Some((asked, more)) = more {
                     usage_flags = more;
                     result = below(&xr::SwapchainCreateInfo { usage_flags, ..*asked });
@@ -81,7 +82,7 @@ pub unsafe extern "system" fn create(
                 // SAFETY: the call succeeded, so `swapchain` points to the new handle.
                 let made = unsafe { (asked, *swapchain) };
                 if let (Some(asked), handle) = made {
-                    track(known, active, (asked, usage_flags), handle, planned);
+                    track(known, (active, &config), (asked, usage_flags), handle, planned);
                 }
             }
             result
@@ -91,21 +92,20 @@ pub unsafe extern "system" fn create(
 
 /// What the runtime's images are asked to be usable for, where the application draws to them itself, if that is more than what it asks.
 fn more_usage(
-    session: &Session,
     active: &Active,
+    config: &Config,
     info: &xr::SwapchainCreateInfo,
 ) -> Option<xr::SwapchainUsageFlags> {
-    if may_be_filled(session, active, info) {
+    if may_be_filled(active, config, info) {
         return Some(filled_usage(info.usage_flags));
     }
-    depth::may_be_kept(session, active, info).then(|| kept_depth_usage(info.usage_flags))
+    depth::may_be_kept(active, config, info).then(|| kept_depth_usage(info.usage_flags))
 }
 
 /// Whether passes that draw to a swapchain may have masks.
-fn may_be_filled(session: &Session, active: &Active, info: &xr::SwapchainCreateInfo) -> bool {
-    let config = session.instance.config.get();
-    wants_maps(&config)
-        && active.device.offer().is_some_and(|offer| offer.backend == BACKEND_MASK)
+fn may_be_filled(active: &Active, config: &Config, info: &xr::SwapchainCreateInfo) -> bool {
+    wants_maps(config)
+        && active.device.offer.backend == BACKEND_MASK
         && info.sample_count == 1
         && info.usage_flags.contains(xr::SwapchainUsageFlags::COLOR_ATTACHMENT)
         && !info.create_flags.contains(xr::SwapchainCreateFlags::PROTECTED_CONTENT)
@@ -119,13 +119,14 @@ fn may_be_filled(session: &Session, active: &Active, info: &xr::SwapchainCreateI
 unsafe fn plan(
     session: &Session,
     active: &Active,
+    config: &Config,
     info: &xr::SwapchainCreateInfo,
 ) -> Result<SwapchainShape, NotSubstituted> {
-    let tools = if session.may_have_work() { active.tools() } else { None };
+    let tools = if session.may_have_work(config) { active.tools() } else { None };
     let mut compose = tools.ok_or(NotSubstituted::NoWork)?.compose();
     // SAFETY: the caller vouches for `info`.
     let shape = unsafe { shape(info, |format| compose.supports(format)) }?;
-    let prepared = match session.may_reuse(&session.instance.config.get()) {
+    let prepared = match session.may_reuse(config) {
         true => compose.prepare_reuse(shape.format),
         false => compose.prepare(shape.format),
     };
@@ -140,13 +141,13 @@ unsafe fn plan(
 /// these usage flags.
 fn track(
     session: &Arc<Session>,
-    active: &Active,
+    (active, config): (&Active, &Config),
     (info, usage_flags): (&xr::SwapchainCreateInfo, xr::SwapchainUsageFlags),
     handle: xr::Swapchain,
     planned: Result<SwapchainShape, NotSubstituted>,
 ) {
     let substitute = match planned {
-        Ok(shape) => substitute(session, active, handle, &shape, vulkan_usage(usage_flags)),
+        Ok(shape) => substitute(session, (active, config), handle, &shape, vulkan_usage(usage_flags)),
         Err(NotSubstituted::NoWork) => None,
         Err(reason) => {
             tracing::info!("swapchain left alone: {reason}");
@@ -168,7 +169,7 @@ fn track(
 /// Both sides of a virtual swapchain; `None`, with one line in the log, where it has to stay as it is.
 fn substitute(
     session: &Session,
-    active: &Active,
+    (active, config): (&Active, &Config),
     handle: xr::Swapchain,
     shape: &SwapchainShape,
     granted: vk::ImageUsageFlags,
@@ -179,8 +180,7 @@ fn substitute(
             tracing::warn!("swapchain left alone: xrEnumerateSwapchainImages returned {result:?}");
         })
         .ok()?;
-    let config = session.instance.config.get();
-    let least = if session.may_reuse(&config) { images_for_reuse(&config) } else { 0 };
+    let least = if session.may_reuse(config) { images_for_reuse(config) } else { 0 };
     let substitute = Substitute::new(&tools.gpu, shape, (images, granted), least)
         .inspect_err(|error| error.tell("swapchain left alone"))
         .ok()?;

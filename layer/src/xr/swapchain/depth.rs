@@ -2,11 +2,11 @@
 
 use super::Swapchain;
 use super::create::runtime_images;
-use crate::config::{ReuseMode, images_for_reuse, wants_reuse};
+use crate::config::{Config, ReuseMode, images_for_reuse, wants_reuse};
 use crate::gpu::GpuError;
 use crate::link::BACKEND_RATE_ATTACHMENT;
 use crate::passes::compose::{DepthShape, DepthSource, KeptDepth};
-use crate::xr::session::{Active, Health, Session, Tools};
+use crate::xr::session::{Active, Health, Tools};
 use openxr_sys as xr;
 use std::sync::{Arc, MutexGuard, PoisonError};
 
@@ -50,18 +50,17 @@ pub struct NewestDepth {
 
 /// Whether the depth of a swapchain may be looked at that is created so: what is re-used is followed by it as the head moves.
 /// Masks need depth for themselves: where it is submitted, nothing is left out by them.
-pub fn may_be_kept(session: &Session, active: &Active, info: &xr::SwapchainCreateInfo) -> bool {
+pub fn may_be_kept(active: &Active, config: &Config, info: &xr::SwapchainCreateInfo) -> bool {
     info.usage_flags.contains(xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT)
         && (info.sample_count, info.mip_count, info.face_count) == (1, 1, 1)
         && info.create_flags.is_empty()
-        && is_wanted(session, active)
+        && is_wanted(active, config)
 }
 
-fn is_wanted(session: &Session, active: &Active) -> bool {
-    let config = session.instance.config.get();
-    wants_reuse(&config)
+fn is_wanted(active: &Active, config: &Config) -> bool {
+    wants_reuse(config)
         && config.reuse.mode == ReuseMode::On
-        && active.device.offer().is_some_and(|offer| offer.backend == BACKEND_RATE_ATTACHMENT)
+        && active.device.offer.backend == BACKEND_RATE_ATTACHMENT
 }
 
 impl Swapchain {
@@ -71,14 +70,15 @@ impl Swapchain {
         if !self.description.can_copy_depth() {
             return;
         }
-        let is_of_use =
-            |active: &&Active| active.health() == Health::Works && is_wanted(&self.session, active);
-        let tools = self.session.active.as_ref().filter(is_of_use).and_then(Active::made_tools);
+        let Some(active) = &self.session.active else { return };
+        let config = active.plan.config();
+        let is_of_use = active.health() == Health::Works && is_wanted(active, &config);
+        let tools = active.made_tools().filter(|_| is_of_use);
         let index = self.turns().ready();
         // Never again after a panic.
         let known = std::mem::replace(&mut *self.depth(), Depth::Never);
         let next = match (known, tools.zip(index)) {
-            (Depth::NotYet, Some((tools, index))) => self.make_depth(tools).with_copy(index),
+            (Depth::NotYet, Some((tools, index))) => self.make_depth(tools, &config).with_copy(index),
             (Depth::There { source, .. }, Some((_, index))) => {
                 Depth::There { source, newest: None }.with_copy(index)
             }
@@ -88,12 +88,12 @@ impl Swapchain {
         *self.depth() = next;
     }
 
-    fn make_depth(&self, tools: &Tools) -> Depth {
+    fn make_depth(&self, tools: &Tools, config: &Config) -> Depth {
         let make = || {
             let images = runtime_images(&self.session, self.handle)
                 .map_err(|result| format!("xrEnumerateSwapchainImages returned {result:?}"))?;
             let shape = self.description.depth_shape();
-            let count = images_for_reuse(&self.session.instance.config.get());
+            let count = images_for_reuse(config);
             DepthSource::new(&tools.gpu, &shape, images, count).map_err(|error| error.to_string())
         };
         match make() {

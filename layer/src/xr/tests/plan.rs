@@ -8,10 +8,11 @@ mod swapchains;
 use super::fake::frames::{
     self, DISPLAY_TIME, EDGE, EYES, GAZE_LOCATED, HEAD, IMAGES, IN_LOCATE, SAMPLE_AGE_NS, fov, pose,
 };
-use super::fake::vulkan_half::{self, GPU_NS, PASSES, STALE_WORDS, Told, told};
+use super::fake::vulkan_half::{self, DECISIONS, GPU_NS, PASSES, STALE_WORDS, Told, calls, told};
 use super::{create_instance, fake};
-use crate::link::{BACKEND_ANY, NO_EYE, NO_IMAGE, ShownViewRecord};
-use crate::xr::vulkan_device::VulkanDevice;
+use crate::link::{BACKEND_ANY, NO_EYE, NO_IMAGE, ShownRecord, ShownViewRecord};
+use crate::status::{Topic, all_decisions};
+use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
 use crate::xr::{actions, frame, instance, plan, session, swapchain};
 use application::{Application, FRAME_NS, SIDE, create_swapchain, locate, look, plans, session_of_tests};
 use ash::vk;
@@ -19,7 +20,6 @@ use glam::Quat;
 use openxr_sys as xr;
 use openxr_sys::Handle;
 use parafovea_core::rate::ShadingRate;
-use parafovea_core::reuse::StaleTiles;
 use std::ptr;
 use std::sync::mpsc::channel;
 use std::time::Duration;
@@ -36,8 +36,15 @@ fn a_steady_frame_hands_over_nothing_new() {
     let application = Application::new();
     look(5.0);
     application.settle();
+    calls();
     application.frame();
     assert_eq!(plans(), []);
+    // Of xrBeginFrame and xrEndFrame: they enter and leave a section of the runtime.
+    const SECTION: &str = "runtime_section";
+    assert_eq!(calls(), [SECTION, SECTION, SECTION, "end_frame", SECTION]);
+    look(15.0);
+    application.frame();
+    assert_eq!(calls(), [SECTION, SECTION, "begin_frame", SECTION, "end_frame", SECTION], "a new plan");
 }
 
 #[test]
@@ -65,6 +72,21 @@ fn a_plan_has_the_size_of_what_is_shown_and_serials_rise() {
         assert!(plans[0].0 > last && plans.windows(2).all(|pair| pair[0].0 < pair[1].0), "{yaw}");
         last = plans[plans.len() - 1].0;
     }
+}
+
+/// The stand-in is another copy of the library, with a list of its own.
+#[test]
+fn decisions_of_the_other_half_are_known_to_this_one() {
+    let is_known = |line: &str| all_decisions().iter().any(|decision| decision.line == line);
+    DECISIONS.set(vec![(Topic::Quirk.number(), "a quirk, before the session", "")]);
+    let application = Application::new();
+    application.frame();
+    assert!(is_known("a quirk, before the session"));
+    DECISIONS.with_borrow_mut(|decisions| decisions.push((5, "left alone, in a frame", "it blends")));
+    assert!(!is_known("left alone, in a frame"));
+    application.frame();
+    let left_alone = all_decisions().into_iter().find(|decision| decision.line == "left alone, in a frame");
+    assert_eq!(left_alone.unwrap().topic, Topic::NoMask("it blends".to_owned()));
 }
 
 #[test]

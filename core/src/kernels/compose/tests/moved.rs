@@ -1,4 +1,4 @@
-//! A head that moves: what it sees is found again by its depth, and what was hidden is left as it is.
+//! A head that moves: visible points are found again by depth, and hidden ones stay as they are.
 
 use super::super::{ComposeParams, DepthPixels, DepthRect, EarlierPixels, PixelFormat, reuse_image};
 use crate::geometry::{DepthRange, Fov, Nearness, View};
@@ -11,7 +11,7 @@ const FOV: Fov = Fov { left: -0.7, right: 0.7, up: 0.6, down: -0.6 };
 const RANGE: DepthRange = DepthRange { min_depth: 0.0, max_depth: 1.0, near_z: f32::INFINITY, far_z: 0.1 };
 const GREY: [u8; 4] = [128; 4];
 
-/// What a view sees of a board at 0.8 m before a wall at 3 m.
+/// Image of a board at 0.8 m before a wall at 3 m.
 struct Seen {
     pixels: Vec<u8>,
     depth: Vec<f32>,
@@ -56,7 +56,7 @@ impl Seen {
     }
 }
 
-/// How many pixels are left grey, and how many are neither that nor what is to be seen.
+/// How many pixels are left grey, and how many are neither grey nor right.
 fn completed(now: &Seen, before: &Seen, has_depth: bool) -> [usize; 2] {
     let mut stale = StaleTiles::default();
     stale.set(EXTENT, [16; 2], &[STALE; TILES]);

@@ -27,11 +27,11 @@ fn shown(number: u64) -> ShownPicture {
     }
 }
 
-fn left_half_is_stale(_: &mut Vec<u32>, stale: &mut StaleTiles) {
+fn left_half_is_stale(stale: &mut StaleTiles) {
     stale.set(EXTENT, [16, 16], &[STALE, STALE, 0, 0, STALE, STALE, 0, 0]);
 }
 
-fn nothing_is_stale(_: &mut Vec<u32>, stale: &mut StaleTiles) {
+fn nothing_is_stale(stale: &mut StaleTiles) {
     stale.clear();
 }
 
@@ -147,7 +147,7 @@ fn another_rectangle_goes_on() {
 fn the_same_picture_again_is_no_other() {
     let mut history = of_two();
     let again = ShownPicture { time: shown(5).time, ..shown(2) };
-    history.show(0, Some((&again, None)), ALWAYS, |_, _| panic!("it is known"));
+    history.show(0, Some((&again, None)), ALWAYS, |_| panic!("it is known"));
     assert_eq!(ages(&history), 1);
     let next =
         ShownPicture { time: xr::Time::from_nanos(again.time.as_nanos() + LONGEST_GAP_NS), ..shown(3) };

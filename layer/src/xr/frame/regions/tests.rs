@@ -1,7 +1,8 @@
 use super::*;
 use crate::inputs::gaze::FORWARD;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use openxr_sys::Handle;
+use parafovea_core::geometry::Fov;
 
 const IMAGES: Images =
     Images { extent: vk::Extent2D { width: 200, height: 100 }, array_layers: 2, is_unit_range: true };
@@ -14,13 +15,13 @@ fn image(x: i32, y: i32, width: i32, height: i32, array_layer: u32) -> xr::Swapc
     }
 }
 
-fn view(sub_image: xr::SwapchainSubImage) -> xr::CompositionLayerProjectionView {
-    xr::CompositionLayerProjectionView {
-        ty: xr::CompositionLayerProjectionView::TYPE,
-        next: std::ptr::null(),
-        pose: xr::Posef::IDENTITY,
-        fov: xr::Fovf { angle_left: -0.7, angle_right: 0.7, angle_up: 0.7, angle_down: -0.7 },
+fn view(sub_image: xr::SwapchainSubImage) -> ProjectionView {
+    ProjectionView {
+        orientation: Some(Quat::IDENTITY),
+        position_m: Vec3::ZERO,
+        fov: Fov { left: -0.7, right: 0.7, up: 0.7, down: -0.7 },
         sub_image,
+        depth: None,
     }
 }
 
@@ -42,8 +43,7 @@ fn only_what_lies_within_the_image_is_processed() {
 #[test]
 fn the_gaze_is_seen_from_the_view() {
     let mut turned = view(image(0, 0, 100, 100, 0));
-    let left = Quat::from_rotation_y(0.3);
-    turned.pose.orientation = xr::Quaternionf { x: left.x, y: left.y, z: left.z, w: left.w };
+    turned.orientation = Some(Quat::from_rotation_y(0.3));
     let region = region(&turned, &IMAGES, Focus::at(FORWARD), &ChromaSettings::default()).unwrap();
     assert!(region.params.gaze[0] > 0.29, "a view turned left has straight ahead to its right");
 }

@@ -1,9 +1,10 @@
 //! A stand-in for the Vulkan half: it notes what it is told.
 
+use crate::config::Arming;
 use crate::link::{
-    BACKEND_RATE_ATTACHMENT, DeviceEnds, DeviceRecord, FrameTimeRecord, LINK_VERSION, LinkTable, OfferRecord,
-    PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
-    SwapchainRecord,
+    BACKEND_RATE_ATTACHMENT, DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord, FrameStart,
+    FrameTimeRecord, LINK_VERSION, LinkTable, MOST_FRAME_TIMES, OfferRecord, PictureRecord, PlanRecord,
+    RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
@@ -28,16 +29,28 @@ thread_local! {
     pub static GPU_NS: Cell<Option<[u64; 2]>> = const { Cell::new(None) };
     /// What is left out of the right eye's pictures, in rows of 32 tiles.
     pub static STALE_WORDS: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
+    /// Decisions of this half: number of the topic, line and reason.
+    pub static DECISIONS: RefCell<Vec<(u32, &'static str, &'static str)>> = const { RefCell::new(Vec::new()) };
     static IS_ON: Cell<bool> = const { Cell::new(false) };
     static FRAMES: Cell<u64> = const { Cell::new(0) };
     /// What the frame before last took.
     static TIMES: RefCell<Vec<FrameTimeRecord>> = const { RefCell::new(Vec::new()) };
+    static CALLS: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };
     static TOLD: RefCell<Vec<Told>> = const { RefCell::new(Vec::new()) };
 }
 
 /// What this thread told since the last call.
 pub fn told() -> Vec<Told> {
     TOLD.take()
+}
+
+/// The calls of this thread since the last call of this.
+pub fn calls() -> Vec<&'static str> {
+    CALLS.take()
+}
+
+fn note(call: &'static str) {
+    CALLS.with_borrow_mut(|calls| calls.push(call));
 }
 
 fn tell(what: Told) {
@@ -54,18 +67,14 @@ pub fn table() -> LinkTable {
         runtime_section,
         offer,
         swapchain,
-        plan,
+        begin_frame,
         picture,
-        shown,
-        settings,
+        end_frame,
         stale,
-        passes_with_rates,
-        eye_passes,
-        frames_ended,
-        frame_time,
         copy_rates,
         when_it_ends,
         layout,
+        decision,
     }
 }
 
@@ -79,6 +88,7 @@ pub fn record() -> DeviceRecord {
         next_get_instance_proc_addr: no_instance_function,
         next_get_device_proc_addr: no_device_function,
         set_device_loader_data,
+        arming: Arming::Rates as u32,
     }
 }
 
@@ -102,14 +112,32 @@ unsafe extern "C" fn set_active(_: vk::Device, active: u32) {
     tell(Told::Active(active == 1));
 }
 
-unsafe extern "C" fn runtime_section(_: u32) {}
+unsafe extern "C" fn runtime_section(_: u32) {
+    note("runtime_section");
+}
 
 unsafe extern "C" fn copy_rates(_: vk::Device, _: *const RatesCopyRecord) -> u32 {
+    note("copy_rates");
     0
 }
 
 unsafe extern "C" fn layout(_: vk::Device, _: vk::Image) -> vk::ImageLayout {
+    note("layout");
     vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL
+}
+
+unsafe extern "C" fn decision(index: u32, record: *mut DecisionRecord) -> u32 {
+    note("decision");
+    let Some((topic, line, reason)) =
+        DECISIONS.with_borrow(|decisions| decisions.get(index as usize).copied())
+    else {
+        return 0;
+    };
+    let [(line, line_len), (reason, reason_len)] =
+        [line, reason].map(|text| (text.as_ptr(), text.len() as u32));
+    // SAFETY: the other half passes a place for the record.
+    unsafe { *record = DecisionRecord { topic, line, line_len, reason, reason_len } };
+    1
 }
 
 unsafe extern "C" fn when_it_ends(_: vk::Device, _: DeviceEnds) -> u32 {
@@ -117,6 +145,7 @@ unsafe extern "C" fn when_it_ends(_: vk::Device, _: DeviceEnds) -> u32 {
 }
 
 unsafe extern "C" fn offer(_: vk::Device, record: *mut OfferRecord) -> u32 {
+    note("offer");
     let mut rates = [0; 16];
     for (to, rate) in rates.iter_mut().zip(VULKAN_RATES) {
         *to = rate.texel();
@@ -142,83 +171,87 @@ unsafe extern "C" fn swapchain(_: vk::Device, record: *const SwapchainRecord) {
     }
 }
 
-unsafe extern "C" fn plan(_: vk::Device, record: *const PlanRecord) {
-    // SAFETY: the other half passes a valid record.
+unsafe extern "C" fn begin_frame(_: vk::Device, start: *const FrameStart) {
+    note("begin_frame");
+    // SAFETY: the other half passes valid records, or null.
     unsafe {
-        let PlanRecord { serial, eyes } = *record;
-        let rates = eyes.map(|eye| slice(eye.rates, eye.tiles[0] * eye.tiles[1]).to_vec());
-        tell(Told::Plan { serial, extents: eyes.map(|eye| eye.extent), rates });
+        let FrameStart { settings, plan } = *start;
+        if let Some(SettingsRecord { is_on, backend, passes, passes_len, .. }) = settings.as_ref() {
+            let passes = String::from_utf8(slice(*passes, *passes_len).to_vec()).unwrap();
+            IS_ON.set(*is_on == 1);
+            tell(Told::Settings { is_on: *is_on, backend: *backend, passes });
+        }
+        if let Some(PlanRecord { serial, eyes }) = plan.as_ref() {
+            let rates = eyes.map(|eye| slice(eye.rates, eye.tiles[0] * eye.tiles[1]).to_vec());
+            tell(Told::Plan { serial: *serial, extents: eyes.map(|eye| eye.extent), rates });
+        }
     }
 }
 
-unsafe extern "C" fn picture(_: vk::Device, _: *const PictureRecord) {}
+unsafe extern "C" fn picture(_: vk::Device, _: *const PictureRecord) {
+    note("picture");
+}
 
-unsafe extern "C" fn shown(_: vk::Device, record: *const ShownRecord) {
+unsafe extern "C" fn end_frame(
+    _: vk::Device,
+    submission: *const ShownRecord,
+    report: *mut FrameReportRecord,
+) -> u32 {
+    note("end_frame");
     FRAMES.set(FRAMES.get() + 1);
     if let Some(ns) = GPU_NS.get() {
         let ns = ns[usize::from(IS_ON.get())];
         TIMES.with_borrow_mut(|times| times.push(FrameTimeRecord { frame: FRAMES.get(), ns }));
     }
-    // SAFETY: the other half passes a valid record.
-    unsafe {
-        let record = &*record;
+    // SAFETY: the other half passes a valid record, and one to write to.
+    let report = unsafe {
+        let submission = &*submission;
         tell(Told::Shown {
-            views: slice(record.views, record.view_count).to_vec(),
-            flat: slice(record.flat, record.flat_count).to_vec(),
-            depth: slice(record.depth, record.depth_count).to_vec(),
+            views: slice(submission.views, submission.view_count).to_vec(),
+            flat: slice(submission.flat, submission.flat_count).to_vec(),
+            depth: slice(submission.depth, submission.depth_count).to_vec(),
         });
+        &mut *report
+    };
+    report.frame = FRAMES.get();
+    report.passes_with_rates = if IS_ON.get() { PASSES.get() } else { 0 };
+    report.eye_passes = PASSES.get();
+    report.decisions = DECISIONS.with_borrow(Vec::len) as u32;
+    TIMES.with_borrow_mut(|times| {
+        let is_old = |time: &&FrameTimeRecord| time.frame + 2 <= FRAMES.get();
+        let count = times.iter().take_while(is_old).count().min(MOST_FRAME_TIMES);
+        report.times.iter_mut().zip(times.drain(..count)).for_each(|(to, time)| *to = time);
+        report.time_count = count as u32;
+    });
+    for (eye, record) in (0..).zip(&mut report.stale) {
+        // SAFETY: as above, with as many words as it says.
+        unsafe { write_stale(eye, record) };
     }
-}
-
-unsafe extern "C" fn settings(_: vk::Device, record: *const SettingsRecord) {
-    // SAFETY: the other half passes a valid record.
-    unsafe {
-        let SettingsRecord { is_on, backend, passes, passes_len, .. } = *record;
-        let passes = String::from_utf8(slice(passes, passes_len).to_vec()).unwrap();
-        IS_ON.set(is_on == 1);
-        tell(Told::Settings { is_on, backend, passes });
-    }
+    1
 }
 
 unsafe extern "C" fn stale(_: vk::Device, eye: u32, record: *mut StaleRecord) -> u32 {
+    note("stale");
+    // SAFETY: the other half passes a record, and as many words as it says.
+    unsafe {
+        write_stale(eye, &mut *record);
+        u32::from((*record).count > 0)
+    }
+}
+
+/// # Safety
+///
+/// There are as many words as the record says.
+unsafe fn write_stale(eye: u32, record: &mut StaleRecord) {
     STALE_WORDS.with_borrow(|words| {
-        // SAFETY: the other half passes a record, and as many words as it says.
-        unsafe {
-            let record = &mut *record;
-            record.extent = [512, 16 * words.len() as u32];
-            record.texel = [16, 16];
-            record.count = words.len() as u32;
-            if record.count <= record.capacity {
-                record.words.copy_from_nonoverlapping(words.as_ptr(), words.len());
-            }
+        record.extent = [512, 16 * words.len() as u32];
+        record.texel = [16, 16];
+        record.count = if eye == 1 { words.len() as u32 } else { 0 };
+        if record.count <= record.capacity {
+            // SAFETY: the caller vouches for the room.
+            unsafe { record.words.copy_from_nonoverlapping(words.as_ptr(), record.count as usize) };
         }
-        u32::from(eye == 1 && !words.is_empty())
-    })
-}
-
-unsafe extern "C" fn passes_with_rates(_: vk::Device) -> u32 {
-    if IS_ON.get() { PASSES.get() } else { 0 }
-}
-
-unsafe extern "C" fn eye_passes(_: vk::Device) -> u32 {
-    PASSES.get()
-}
-
-unsafe extern "C" fn frames_ended(_: vk::Device) -> u64 {
-    FRAMES.get()
-}
-
-unsafe extern "C" fn frame_time(_: vk::Device, record: *mut FrameTimeRecord) -> u32 {
-    let is_old = |time: &&FrameTimeRecord| time.frame + 2 <= FRAMES.get();
-    let next = TIMES.with_borrow_mut(|times| {
-        let is_there = times.first().filter(is_old).is_some();
-        is_there.then(|| times.remove(0))
     });
-    // SAFETY: the other half passes a place for the record.
-    next.map_or(0, |time| unsafe {
-        *record = time;
-        1
-    })
 }
 
 /// # Safety

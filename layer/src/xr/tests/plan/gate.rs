@@ -46,16 +46,29 @@ fn rates_that_take_a_gpu_longer_are_dropped() {
 }
 
 #[test]
-fn what_passes_left_out_is_asked_of_each_eye() {
+fn a_report_has_the_stale_tiles_of_each_eye() {
     let device = VulkanDevice::of_table(vulkan_half::table(), vulkan_half::record());
-    let (mut words, mut stale) = (Vec::new(), StaleTiles::default());
-    device.stale(1, &mut words, &mut stale);
-    assert!(stale.is_empty());
-    for rows in [vec![0, 1 << 31, 5], vec![2]] {
-        STALE_WORDS.set(rows.clone());
-        device.stale(1, &mut words, &mut stale);
-        assert_eq!((stale.words(), stale.tiles()), (&rows[..], [32, rows.len() as u32]));
-        device.stale(0, &mut words, &mut stale);
-        assert!(stale.is_empty(), "of the left eye nothing");
-    }
+    let mut report = FrameReport::default();
+    let mut report_with = |rows: &[u32]| {
+        STALE_WORDS.set(rows.to_vec());
+        calls();
+        let nothing = ShownRecord {
+            views: ptr::null(),
+            view_count: 0,
+            flat: ptr::null(),
+            flat_count: 0,
+            depth: ptr::null(),
+            depth_count: 0,
+        };
+        // SAFETY: a submission of no layers.
+        unsafe { device.end_frame(&nothing, &mut report) };
+        let [left, right] = &report.stale;
+        assert!(left.is_empty(), "none of the left eye");
+        assert_eq!(right.words(), rows);
+        (right.tiles()[1], calls())
+    };
+    assert_eq!(report_with(&[]).1, ["end_frame"]);
+    assert_eq!(report_with(&[0, 1 << 31, 5]), (3, vec!["end_frame", "stale"]), "it needs more room");
+    assert_eq!(report_with(&[2]), (1, vec!["end_frame"]));
+    assert_eq!(report_with(&[7, 1, 5]), (3, vec!["end_frame"]), "it has room");
 }

@@ -76,7 +76,7 @@ fn taken(
         let (pattern, view) = ended(number);
         let is_intact = |release: u64| release + IMAGES > number;
         for history in [&mut history, &mut alone] {
-            history.show(0, Some((&shown(number, view), None)), is_intact, |_, tiles| stale(pattern)(tiles));
+            history.show(0, Some((&shown(number, view), None)), is_intact, stale(pattern));
         }
         // A frame of an application takes its time.
         let is_open = || matches!(*ahead.shared.lock(), State::Waiting(_));

@@ -1,36 +1,26 @@
-//! What a frame shows, as the Vulkan half is told.
+//! The end of a frame for the Vulkan half: it takes the submission, and reports on the frame.
 
-use super::layers::{self, Shown};
 use crate::link::{NO_EYE, NO_IMAGE, ShownRecord, ShownViewRecord};
-use crate::xr::session::Active;
-use crate::xr::structures::extending;
+use crate::xr::submission::{Layer, ProjectionView, Submission};
 use crate::xr::swapchain;
+use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
 use openxr_sys as xr;
 use openxr_sys::Handle;
 use smallvec::SmallVec;
 
-/// Tells what is submitted.
-///
-/// # Safety
-///
-/// `info` and what it points to are valid, as `xrEndFrame` demands.
-pub unsafe fn tell(active: &Active, info: &xr::FrameEndInfo) {
+/// Ends a frame of the Vulkan half with its submission, and takes its report.
+pub fn end_frame(device: &VulkanDevice, submission: &Submission, report: &mut FrameReport) {
     let mut views: SmallVec<[ShownViewRecord; 8]> = SmallVec::new();
     let mut flat: SmallVec<[u64; 16]> = SmallVec::new();
     let mut depth: SmallVec<[u64; 8]> = SmallVec::new();
-    // SAFETY: the caller vouches for `info`.
-    for layer in unsafe { layers::of(info) } {
+    for layer in submission.layers() {
         match layer {
-            Shown::Flat(image) => flat.push(image.swapchain.into_raw()),
-            Shown::Cube(swapchain) => flat.push(swapchain.into_raw()),
-            Shown::Projection(layer) => {
+            Layer::Flat(image) => flat.push(image.swapchain.into_raw()),
+            Layer::Cube(swapchain) => flat.push(swapchain.into_raw()),
+            Layer::Projection(layer) => {
                 for (index, view) in layer.views.iter().enumerate() {
                     views.extend(shown_view(index, view));
-                    // SAFETY: as above, for the chain of each view.
-                    let submitted = unsafe { extending(view.next) };
-                    if let Some(submitted) = submitted.find::<xr::CompositionLayerDepthInfoKHR>() {
-                        depth.push(submitted.sub_image.swapchain.into_raw());
-                    }
+                    depth.extend(view.depth.map(|depth| depth.sub_image.swapchain.into_raw()));
                 }
             }
         }
@@ -44,11 +34,11 @@ pub unsafe fn tell(active: &Active, info: &xr::FrameEndInfo) {
         depth_count: depth.len() as u32,
     };
     // SAFETY: the arrays live until the end of this function.
-    unsafe { active.device.tell_shown(&record) };
+    unsafe { device.end_frame(&record, report) };
 }
 
 /// One view; `None` for a rectangle that the runtime refuses.
-fn shown_view(index: usize, view: &xr::CompositionLayerProjectionView) -> Option<ShownViewRecord> {
+fn shown_view(index: usize, view: &ProjectionView) -> Option<ShownViewRecord> {
     let xr::SwapchainSubImage { swapchain, image_rect, image_array_index } = view.sub_image;
     let xr::Rect2Di { offset, extent } = image_rect;
     let sides = [offset.x, offset.y, extent.width, extent.height];
@@ -60,6 +50,6 @@ fn shown_view(index: usize, view: &xr::CompositionLayerProjectionView) -> Option
         image_index: swapchain::newest_image(swapchain).unwrap_or(NO_IMAGE),
         layer: image_array_index,
         rect: [x.ok()?, y.ok()?, width.ok()?, height.ok()?],
-        is_upside_down: u32::from(view.fov.angle_up < view.fov.angle_down),
+        is_upside_down: u32::from(view.fov.up < view.fov.down),
     })
 }
