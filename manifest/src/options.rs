@@ -321,7 +321,7 @@ options! {
         /// Shading rates in silence, for mode = "audio-visual".
         silence: SilenceRule = SilenceRule::Contrast;
         /// Luminance of white in the headset, for modes that measure contrast.
-        white_cd_m2: f32 = 100.0, 10.0..=10_000.0 "cd/m^2";
+        white_cd_m2: f32 = 100.0, 10.0..=2_500.0 "cd/m^2";
     }
 
     /// Temporal re-use: a periphery that is rendered less often, and reprojected in between.

@@ -123,8 +123,7 @@ impl AudioVisual {
             Allocation::PerTile => self.greatest_loss,
             Allocation::EqualMarginalLoss => self.greatest_loss - (self.budget.greatest() - alpha).max(0.0),
         };
-        // NaN becomes 0.
-        budget.max(0.0).min(f32::MAX)
+        if budget.is_nan() { 0.0 } else { budget.clamp(0.0, f32::MAX) }
     }
 }
 

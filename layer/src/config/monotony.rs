@@ -91,10 +91,7 @@ fn effects(key: &str) -> Vec<Effect> {
     match key {
         "rates.foveal_deg" | "rates.transitional_deg" => vec![(shaded, true, "")],
         "rates.greatest_loss" => vec![(shaded, false, by_sound)],
-        // A small loss, as one that is large makes all but the finest detail coarse in any light.
-        "rates.white_cd_m2" => {
-            vec![(shaded, true, "rates.mode = \"audio-visual\"\nrates.greatest_loss = 1.0")]
-        }
+        "rates.white_cd_m2" => vec![(shaded, true, by_sound)],
         "chroma.cb_bound" => {
             let cb: fn(&Config) -> f32 = |config| colour(config, |gains| gains.cb);
             vec![(cb, false, paper)]
