@@ -45,6 +45,9 @@ impl FixedFoveation {
     /// 9.44 and 18.39 degrees.
     pub const L3_C3: Self = Self::pilot(2, 2);
 
+    /// The peripheral rate everywhere.
+    pub const ANYWHERE: Self = Self { foveal_deg: 0.0, transitional_deg: 0.0, peripheral: ShadingRate::R4X4 };
+
     /// For a gaze that nobody knows: full rate to 30 degrees from straight ahead and 2x2 from 40 on, beyond what eyes turn to
     /// without the head (Carpenter 1988).
     pub const WITHOUT_TRACKER: Self =

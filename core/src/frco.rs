@@ -43,6 +43,55 @@ pub fn half_octaves_within(band_sensitivity: [f32; BANDS], alpha: f32) -> u8 {
     (half + one + three_halves + two) as u8
 }
 
+/// How many half octaves to remove where a sample is worth `price` in loss, 0..=4: as many as make loss and samples together cost least.
+///
+/// Tiles with one price lose least together of all maps that shade no more samples than theirs (Everett 1963): their marginal losses are equal.
+/// No tile loses more than the price, as it saves no more than all of its samples. Of several that cost the same the coarsest counts. Bad
+/// input as for [`half_octaves_within`].
+#[inline]
+pub fn half_octaves_at(band_sensitivity: [f32; BANDS], price: f32) -> u8 {
+    // Samples that are left, as a part of those at 1x1.
+    const LEFT: [f32; HALF_OCTAVES] = [0.5, 0.25, 0.125, 0.0625];
+    let price = if price.is_finite() { price } else { -1.0 };
+    let losses = losses(band_sensitivity);
+    let (mut best, mut least) = (0, price);
+    for (index, (loss, left)) in (1..).zip(losses.into_iter().zip(LEFT)) {
+        let cost = loss + price * left;
+        (best, least) = if cost <= least { (index, cost) } else { (best, least) };
+    }
+    best
+}
+
+/// How a budget is spent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Allocation {
+    /// Each tile may lose the budget: [`half_octaves_within`], paper A's Algorithm 2.
+    PerTile,
+    /// The budget is the worth of a sample: [`half_octaves_at`].
+    #[default]
+    EqualMarginalLoss,
+}
+
+impl Allocation {
+    /// How many half octaves may go, 0..=4.
+    #[inline]
+    pub fn half_octaves(self, band_sensitivity: [f32; BANDS], budget: f32) -> u8 {
+        match self {
+            Self::PerTile => half_octaves_within(band_sensitivity, budget),
+            Self::EqualMarginalLoss => half_octaves_at(band_sensitivity, budget),
+        }
+    }
+
+    /// A tile becomes as coarse as it can where visible contrast of the two finest bands together is at most the budget over this.
+    pub fn greatest_factor(self) -> f32 {
+        match self {
+            Self::PerTile => 1.0,
+            // The last step loses half of the second band, and saves 1/16 of the samples.
+            Self::EqualMarginalLoss => 8.0,
+        }
+    }
+}
+
 /// For 0..=4 half octaves, the coarsest of `rates` that removes no more; 1x1 where there is none.
 ///
 /// `rates` may have any order; of several that remove as many octaves (2x4 and 4x2) the first wins. Index it with

@@ -64,6 +64,8 @@ pub struct PresetSettings {
     pub chroma: Option<ChromaSettings>,
     /// How sound becomes a budget, where sound is listened to.
     pub budget: BudgetSettings,
+    /// [`AudioVisual::greatest_loss`](crate::plan::AudioVisual::greatest_loss), where it is not the usual one.
+    pub greatest_loss: Option<f32>,
 }
 
 impl Preset {
@@ -101,16 +103,19 @@ impl Preset {
             phase: Phase::Staggered,
             chroma: None,
             budget: BudgetSettings::default(),
+            greatest_loss: None,
         };
         match self {
             Self::Quality => PresetSettings {
                 fixed_foveation: FixedFoveation::L1_C1.with_peripheral(ShadingRate::R2X2),
+                greatest_loss: Some(4.0),
                 ..balanced
             },
             Self::Balanced => balanced,
             Self::Performance => PresetSettings {
                 fixed_foveation: FixedFoveation::L1_C3,
                 update: UpdateConfiguration::F11233,
+                greatest_loss: Some(12.0),
                 ..balanced
             },
             Self::Streaming => PresetSettings { chroma: Some(ChromaSettings::default()), ..balanced },

@@ -29,7 +29,7 @@ struct DecideParams {
     measured_row: vec3<f32>,
     flat_contrast: f32,
     measured_depth: vec3<f32>,
-    reserved_depth: u32,
+    is_marginal: u32,
 }
 
 // perception::TileContrast
@@ -264,14 +264,23 @@ fn tursun(finest_cpd: f32, luminance: f32, eccentricity: f32) -> vec2<f32> {
     return seen;
 }
 
-// Coarseness within a budget: frco::half_octaves_within, in steps of half an octave.
+// Coarseness within a budget: frco::Allocation::half_octaves, in steps of half an octave.
 fn level_within(visible: vec2<f32>, budget: f32) -> u32 {
     if !is_finite(visible.x + visible.y) || !is_finite(budget) {
         return 0u;
     }
     let losses =
         vec4(0.5 * visible.x, visible.x, visible.x + 0.5 * visible.y, visible.x + visible.y);
-    return 32u * dot(vec4<u32>(losses <= vec4(budget)), vec4(1u));
+    let within = dot(vec4<u32>(losses <= vec4(budget)), vec4(1u));
+    // frco::half_octaves_at
+    let costs = losses + budget * vec4(0.5, 0.25, 0.125, 0.0625);
+    var cheapest = 0u;
+    var least = budget;
+    for (var i = 0u; i < 4u; i++) {
+        cheapest = select(cheapest, i + 1u, costs[i] <= least);
+        least = min(least, costs[i]);
+    }
+    return 32u * select(within, cheapest, params.is_marginal != 0u);
 }
 
 // The level of the last ring that `chord` has reached.

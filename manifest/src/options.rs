@@ -66,7 +66,7 @@ choice! {
         Off = "off",
         /// foveation in rings, by the angle from the gaze alone
         Fixed = "fixed",
-        /// foveation by image contrast and sound; requires audio.source; in silence, rates.silence applies
+        /// foveation by image contrast, and by sound if audio.source is set; in silence, rates.silence applies
         AudioVisual = "audio-visual",
         /// the published audio-visual model without a limit on the effect of sound: for comparison
         Paper = "paper",
@@ -78,8 +78,8 @@ choice! {
     SilenceRule {
         /// the rings of mode = "fixed"
         Fixed = "fixed",
-        /// no visible loss of contrast
-        Strict = "strict",
+        /// by image contrast alone, with a loss of 1.8 less than rates.greatest_loss
+        Contrast = "contrast",
     }
 }
 
@@ -215,12 +215,16 @@ presets! {
         /// every technique off
         None = "none" { rates.mode = RatesMode::Off; }
         /// a quarter of the shading in the periphery, which few users notice
-        Quality = "quality" { rates.peripheral = PeripheralRate::R2x2; }
+        Quality = "quality" {
+            rates.peripheral = PeripheralRate::R2x2;
+            rates.greatest_loss = 4.0;
+        }
         /// a sixteenth of the shading from 27 degrees on
         Balanced = "balanced" {}
         /// a sixteenth of the shading from 18 degrees on, which users notice at times
         Performance = "performance" {
             rates.transitional_deg = 18.39;
+            rates.greatest_loss = 12.0;
             reuse.periods = Periods::of([1, 1, 2, 3, 3]);
         }
         /// balanced with chroma attenuation, for frames that are streamed to the headset as video
@@ -312,12 +316,12 @@ options! {
         transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
         /// Coarsest shading rate, in pixels; a device without it uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::R4x4;
-        /// Greatest contrast loss for mode = "audio-visual", in just-noticeable differences; some users notice a loss above 1.
-        greatest_loss: f32 = 1.0, 0.0..=1.75 "";
+        /// Greatest contrast loss of a tile for mode = "audio-visual", in just-noticeable differences, with the loudest sound; up to 1.8 less with other sound and in silence. Tiles lose it only where that saves most.
+        greatest_loss: f32 = 8.0, 0.0..=16.0 "";
         /// Shading rates in silence, for mode = "audio-visual".
-        silence: SilenceRule = SilenceRule::Fixed;
+        silence: SilenceRule = SilenceRule::Contrast;
         /// Luminance of white in the headset, for modes that measure contrast.
-        white_cd_m2: f32 = 100.0, 10.0..=10_000.0 "cd/m^2";
+        white_cd_m2: f32 = 100.0, 10.0..=2_500.0 "cd/m^2";
     }
 
     /// Temporal re-use: a periphery that is rendered less often, and reprojected in between.

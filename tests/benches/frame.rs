@@ -185,7 +185,7 @@ fn techniques(wanted: Option<&[String]>) -> Result<Vec<Technique>, String> {
     // By contrast alone: nothing is heard.
     techniques.push(Technique::layer(
         "contrast",
-        "preset = \"balanced\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n[chroma]\nmode = \"off\"\n",
+        "preset = \"balanced\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n[chroma]\nmode = \"off\"\n",
     ));
     // Of five regions 1/1, 1/1, 1/2, 1/2 and 1/3 of the frames.
     techniques.extend(

@@ -29,7 +29,7 @@ const TILES: [usize; 2] = [16, 14];
 
 fn config(mode: &str, rest: &str) -> String {
     format!(
-        "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"{mode}\"\ngate = \"on\"\n{rest}\n"
+        "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"{mode}\"\nsilence = \"fixed\"\ngate = \"on\"\n{rest}\n"
     )
 }
 

@@ -159,7 +159,7 @@ fn rates_that_the_gpu_decided_are_drawn() {
     let run = Run::new(&scene(), &scenario).shading_rates(ShadingRateProfile::NvkTuring);
     let finish = |run: Run| run.finish().unwrap().expect_frames(FRAMES).unwrap();
     let off = finish(run.clone());
-    let config = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n";
+    let config = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n";
     let on = finish(run.on(&with_view(config, "rates")));
     let mut passes = on.shading_rates().unwrap().into_iter().filter_map(|line| match line {
         ShadingRateLine::Pass(pass) if pass.formats == ["R8G8B8A8_SRGB"] => pass.map,

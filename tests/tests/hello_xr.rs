@@ -17,7 +17,7 @@ fn with_vulkan_enable2() {
 }
 
 /// Rates by contrast, re-use and chroma, and something drawn over all of it: by masks, or by rate attachments where there are.
-const EVERYTHING: &str = "[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
+const EVERYTHING: &str = "[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n[debug]\nview = \"eccentricity\"\n";
 
 fn check(graphics: &str) {

@@ -64,7 +64,7 @@ fn allocations(config: &str, frames: u64) -> f64 {
 #[test]
 #[cfg(target_arch = "x86_64")]
 fn a_steady_frame_asks_for_none() {
-    for rates in ["mode = \"fixed\"", "mode = \"audio-visual\"\nsilence = \"strict\""] {
+    for rates in ["mode = \"fixed\"", "mode = \"audio-visual\"\nsilence = \"contrast\""] {
         let config = format!(
             "preset = \"balanced\"\n[rates]\ngate = \"on\"\n{rates}\n[reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n"
         );

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// All kernels: chroma, re-use, a mask that is filled, rates by contrast.
-const EVERYTHING: &str = "preset = \"balanced\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
+const EVERYTHING: &str = "preset = \"balanced\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n[log]\nlevel = \"debug\"\n";
 
 /// Enough that most pipelines are there before the end.

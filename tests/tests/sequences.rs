@@ -66,7 +66,7 @@ fn compare(count: u64, manner: &[&str]) {
 const READY: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"off\"\n[reuse]\nmode = \"on\"\n";
 
 /// Everything on.
-const AT_WORK: &str = "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
+const AT_WORK: &str = "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n";
 
 /// Random recordings of each process, a frame each.

@@ -1,6 +1,7 @@
 //! The allowed loss of a frame as a function of sound, in silence too, in the units of the sensitivity function in use.
 
-use super::{Coefficients, PAPER, PAPER_THRESHOLD, says_something};
+use super::{Coefficients, GAMMA_LD, PAPER, PAPER_THRESHOLD, says_something};
+use crate::audio::LEAST_KILOMEL;
 
 /// How the sensitivity is scaled that a budget is compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -86,6 +87,12 @@ impl BudgetSettings {
         silence: SilenceRule::Strict,
         unit: SensitivityUnit::Tursun,
     };
+
+    /// The budget of the loudest sound of the lowest pitch, which no other exceeds; in units of the sensitivity function in use.
+    pub fn greatest(&self) -> f32 {
+        let alpha = self.coefficients.alpha_above(self.threshold, GAMMA_LD[1], LEAST_KILOMEL);
+        alpha / self.unit.kappa()
+    }
 
     /// The budget of a frame, Eq. 17 divided by [`SensitivityUnit::kappa`].
     ///

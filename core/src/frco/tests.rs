@@ -45,6 +45,27 @@ fn the_coarsest_affordable_rate_wins_and_ties_are_within_the_budget() {
 }
 
 #[test]
+fn at_a_price_a_tile_stops_where_a_sample_is_worth_more_than_what_it_shows() {
+    // Steps lose 4, 4, 2 and 2 for 1/2, 1/4, 1/8 and 1/16 of the samples.
+    for (price, half_octaves) in
+        [(7.9, 0), (8.0, 1), (15.9, 1), (16.0, 3), (31.9, 3), (32.0, 4), (-1.0, 0), (0.0, 0)]
+    {
+        assert_eq!(half_octaves_at([8.0, 4.0, 2.0, 1.0], price), half_octaves, "{price}");
+    }
+    // Nothing in the second octave: whoever gives up all of the first gives up both.
+    assert_eq!([0.9, 1.1, 1.2].map(|price| half_octaves_at([1.0, 0.0, 0.0, 0.0], price)), [0, 1, 4]);
+    assert_eq!(half_octaves_at([0.0, 0.0, 3.0, 3.0], 0.0), 4, "nothing to see");
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        assert_eq!(half_octaves_at([1.0; BANDS], bad), 0);
+        for band in 0..BANDS {
+            let mut bands = [0.0; BANDS];
+            bands[band] = bad;
+            assert_eq!(half_octaves_at(bands, f32::MAX), 0, "{bad} in band {band}");
+        }
+    }
+}
+
+#[test]
 fn what_is_no_number_is_shaded_fully() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         assert_eq!(coarsest([1.0; BANDS], bad, &VULKAN_RATES), ShadingRate::R1X1);
@@ -104,6 +125,48 @@ proptest! {
     ) {
         let (poor, rich) = (coarsest(bands, alpha, &rates), coarsest(bands, alpha + more, &rates));
         prop_assert!(rich.octaves() >= poor.octaves());
+    }
+
+    /// By both ways to spend a budget: more of it never gives a finer rate, more contrast never a coarser one, and no tile loses more than it.
+    #[test]
+    fn budgets_and_contrast_act_one_way_and_bound_the_loss(
+        bands in bands(), budget in 0.0f32..1e4, more in 0.0f32..1e4, times in 1.0f32..8.0, band in 0..2usize,
+    ) {
+        for allocation in [Allocation::PerTile, Allocation::EqualMarginalLoss] {
+            let given = allocation.half_octaves(bands, budget);
+            prop_assert!(allocation.half_octaves(bands, budget + more) >= given);
+            let mut seen_better = bands;
+            seen_better[band] *= times;
+            prop_assert!(allocation.half_octaves(seen_better, budget) <= given);
+            let rate = by_half_octaves(&VULKAN_RATES)[usize::from(given)];
+            prop_assert!(loss(bands, rate) <= budget * 1.000_001);
+            if (bands[0] + bands[1]) * allocation.greatest_factor() <= budget * 0.999_99 {
+                prop_assert_eq!(given, 4);
+            }
+        }
+    }
+
+    /// No map of a few tiles that shades as little loses less.
+    #[test]
+    fn equal_marginal_loss_is_the_least_for_its_samples(
+        tiles in prop::collection::vec((0.0f32..4.0, 0.0f32..4.0), 4), price in 0.0f32..8.0,
+    ) {
+        let rates = by_half_octaves(&VULKAN_RATES);
+        let of = |map: &[usize]| {
+            let each = map.iter().zip(&tiles).map(|(half_octaves, (a, b))| {
+                let rate = rates[*half_octaves];
+                (loss([*a, *b, 0.0, 0.0], rate), rate.fraction())
+            });
+            each.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
+        };
+        let ours: Vec<usize> =
+            tiles.iter().map(|(a, b)| usize::from(half_octaves_at([*a, *b, 0.0, 0.0], price))).collect();
+        let (least, samples) = of(&ours);
+        for other in 0..5usize.pow(4) {
+            let map: Vec<usize> = (0..4).map(|tile| other / 5usize.pow(tile) % 5).collect();
+            let (loss, shaded) = of(&map);
+            prop_assert!(shaded > samples + 1e-6 || loss >= least - 1e-4, "{map:?} against {ours:?}");
+        }
     }
 
     /// By either sensitivity function: contrast farther out is less visible, hence never shaded finer.

@@ -4,6 +4,7 @@
 //! gaze, a few comparisons, and its memory of the frame before. The GPU works out each tile's corners, chord and pixels per
 //! degree by itself, which here are in the [`TileLattice`]; ages stay on the CPU, which knows whose turn it is.
 
+use crate::frco::Allocation;
 use crate::geometry::{ImagePlane, Reprojection, View};
 use crate::layout::uniform;
 use crate::perception::{BANDS, ContrastMap, TileContrast};
@@ -30,7 +31,8 @@ uniform! {
         pub levels: [u32; 4],
         /// Their texels, see [`crate::rate::ShadingRate::texel`].
         pub texels: [u32; 4],
-        /// Greatest loss of visible contrast, the alpha of paper A Eq. 17; without meaning where no contrast is judged.
+        /// Loss of visible contrast that is allowed, the alpha of paper A Eq. 17, as [`Self::is_marginal`] says; without meaning where no
+        /// contrast is judged.
         pub budget: f32,
         /// The same for tiles that are still finer.
         pub coarsening_budget: f32,
@@ -73,8 +75,8 @@ uniform! {
         pub flat_contrast: f32,
         /// Divisor of both: > 0 for directions ahead of the view in which contrast was measured.
         pub measured_depth: [f32; 3],
-        /// Reserved, up to a multiple of 16 bytes; 0.
-        pub reserved_depth: u32,
+        /// 1 where budgets are prices of a sample, [`Allocation::EqualMarginalLoss`]; 0 where each tile may lose them.
+        pub is_marginal: u32,
     }
 }
 
@@ -116,6 +118,11 @@ impl DecideParams {
         };
         self.is_turned = u32::from(corners.into_iter().any(moves));
         self
+    }
+
+    /// How budgets are spent.
+    pub fn allocation(&self) -> Allocation {
+        if self.is_marginal == 0 { Allocation::PerTile } else { Allocation::EqualMarginalLoss }
     }
 
     /// Where a tile was when contrast was measured, in tiles: whole numbers are tiles. Nothing for what was behind the view.

@@ -4,7 +4,7 @@
 use super::lattice::deg_of_chord;
 use super::rings::STEPS_PER_OCTAVE;
 use super::sensitivity::Sensitivity;
-use crate::frco::half_octaves_within;
+use crate::frco::Allocation;
 use crate::kernels::decide::{DecideParams, STEADY_MS};
 use crate::perception::{BANDS, ContrastMap, TileContrast};
 
@@ -28,6 +28,7 @@ impl VisibleContrast<'_> {
         ages_ms: &[u8],
         [keep, grow]: &mut [Vec<u8>; 2],
     ) {
+        let allocation = params.allocation();
         let tiles = (0..).zip(resolution).zip(chords).zip(ages_ms);
         for ((keep, grow), (((index, resolution), chord), age_ms)) in keep.iter_mut().zip(grow).zip(tiles) {
             let tile = params.contrast(self.map, index);
@@ -36,8 +37,8 @@ impl VisibleContrast<'_> {
                 false => self.visible(&tile, *resolution, deg_of_chord(*chord) - params.inflation_deg),
             };
             let budget = if *age_ms < STEADY_MS { params.holding_budget } else { params.budget };
-            *keep = level_within(visible, budget);
-            *grow = level_within(visible, params.coarsening_budget);
+            *keep = level_within(allocation, visible, budget);
+            *grow = level_within(allocation, visible, params.coarsening_budget);
         }
     }
 
@@ -55,8 +56,8 @@ fn is_flat(tile: &TileContrast, flat_contrast: f32) -> bool {
     finest + second <= flat_contrast && tile.bands.iter().all(|contrast| contrast.is_finite())
 }
 
-fn level_within(visible: [f32; BANDS], budget: f32) -> u8 {
-    half_octaves_within(visible, budget) * (STEPS_PER_OCTAVE / 2)
+fn level_within(allocation: Allocation, visible: [f32; BANDS], budget: f32) -> u8 {
+    allocation.half_octaves(visible, budget) * (STEPS_PER_OCTAVE / 2)
 }
 
 #[cfg(test)]
@@ -71,19 +72,21 @@ mod tests {
         /// with what is no number.
         #[test]
         fn flat_tiles_may_be_as_coarse_as_when_looked_at(
-            is_castle in any::<bool>(), budget in prop_oneof![0.0f32..5.0, Just(f32::INFINITY)], least in 0.2f32..1.0,
+            is_castle in any::<bool>(), is_marginal in 0u32..2, budget in prop_oneof![0.0f32..5.0, Just(f32::INFINITY)], least in 0.2f32..1.0,
             share in 0.0f32..1.1, finest in 0.0f32..1.0, coarse in prop_oneof![8 => 0.0f32..1.0, 1 => Just(f32::NAN), 1 => Just(f32::INFINITY)],
             resolution in 1.0f32..80.0, chord in 0.0f32..1.0, luminance in 1e-3f32..1e4, age_ms in any::<u8>(),
         ) {
             let unit = if is_castle { SensitivityUnit::CastleCsf } else { SensitivityUnit::Tursun };
             let sensitivity = Sensitivity::new(unit);
+            let marginal = DecideParams { is_marginal, ..bytemuck::Zeroable::zeroed() };
             let flat = DecideParams {
                 budget,
                 coarsening_budget: budget * least,
                 holding_budget: budget * 1.35,
                 tiles: [1, 1],
-                flat_contrast: budget * least / Sensitivity::greatest(unit),
-                ..bytemuck::Zeroable::zeroed()
+                flat_contrast: budget * least
+                    / (marginal.allocation().greatest_factor() * Sensitivity::greatest(unit)),
+                ..marginal
             };
             let removed = if flat.flat_contrast.is_finite() { share * flat.flat_contrast } else { share };
             let tile = TileContrast {

@@ -9,6 +9,7 @@ use super::settings::{AudioVisual, PlanSettings, RateSettings, Turns};
 use crate::audio::AudioFeatures;
 use crate::avpm::{Budget, SensitivityUnit};
 use crate::fixed_foveation::FixedFoveation;
+use crate::frco::Allocation;
 use crate::kernels::decide::DecideParams;
 use crate::schedule::refresh::visible_shift_arcmin;
 use crate::schedule::{MAX_FACTOR, REGIONS, Regions, Schedule, UpdateConfiguration};
@@ -114,8 +115,8 @@ impl FrameRules {
         permit: &Permit,
         lattice: &TileLattice,
     ) -> DecideParams {
-        let unit = match &settings.rates {
-            RateSettings::AudioVisual(model) if permit.budget.is_some() => Some(model.budget.unit),
+        let judged = match &settings.rates {
+            RateSettings::AudioVisual(model) if permit.budget.is_some() => Some(model),
             _ => None,
         };
         let plane = lattice.plane();
@@ -135,7 +136,7 @@ impl FrameRules {
             texels: available.texels().map(u32::from),
             budget,
             coarsening_budget,
-            sensitivity: match unit {
+            sensitivity: match judged.map(|model| model.budget.unit) {
                 None => 0,
                 Some(SensitivityUnit::CastleCsf) => 1,
                 Some(SensitivityUnit::Tursun) => 2,
@@ -154,9 +155,11 @@ impl FrameRules {
             measured_column: [0.0; 3],
             elapsed_ms: self.rails.elapsed_ms,
             measured_row: [0.0; 3],
-            flat_contrast: unit.map_or(-1.0, |unit| least_budget / Sensitivity::greatest(unit)),
+            flat_contrast: judged.map_or(-1.0, |model| {
+                least_budget / (model.allocation.greatest_factor() * Sensitivity::greatest(model.budget.unit))
+            }),
             measured_depth: [0.0; 3],
-            reserved_depth: 0,
+            is_marginal: judged.is_some_and(|model| model.allocation == Allocation::EqualMarginalLoss).into(),
         }
     }
 }
@@ -187,11 +190,9 @@ fn judged(
         reasons.insert(Reason::Silence);
         return None;
     };
-    // What is no number limits to 0.
-    let budget = if model.greatest_loss >= budget { budget } else { model.greatest_loss.max(0.0) };
-    reasons.insert_if(model.cap.is_some(), Reason::FixedCap);
     let rings = model.cap.as_ref().map_or(Rings::OPEN, |cap| ring_map(settings, cap));
-    Some(Permit { budget: Some(budget), ..permit(settings, rings, rails) })
+    reasons.insert_if(rings.from_deg()[0] > 0.0, Reason::FixedCap);
+    Some(Permit { budget: Some(model.budget_with(budget)), ..permit(settings, rings, rails) })
 }
 
 /// The schedule of this frame; nothing where it would leave nothing out.

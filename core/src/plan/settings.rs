@@ -4,6 +4,7 @@ use super::rings::AvailableRates;
 use crate::avpm::BudgetSettings;
 use crate::chroma::ChromaSettings;
 use crate::fixed_foveation::FixedFoveation;
+use crate::frco::Allocation;
 use crate::presets::Preset;
 use crate::rate::ShadingRate;
 use crate::schedule::Schedule;
@@ -46,12 +47,13 @@ impl PlanSettings {
     pub fn of(preset: Preset, by_sound: bool, offered: &[ShadingRate], texel: [u32; 2]) -> Self {
         let chosen = preset.settings();
         let is_paper = preset == Preset::Paper;
-        let cap = FixedFoveation::L1_C3.with_peripheral(chosen.fixed_foveation.peripheral);
+        let usual = if is_paper { AudioVisual::PAPER } else { AudioVisual::default() };
         let model = AudioVisual {
             budget: chosen.budget,
             fixed: chosen.fixed_foveation,
-            cap: (!is_paper).then_some(cap),
-            greatest_loss: if is_paper { f32::INFINITY } else { AudioVisual::default().greatest_loss },
+            cap: usual.cap.map(|cap| cap.with_peripheral(chosen.fixed_foveation.peripheral)),
+            greatest_loss: chosen.greatest_loss.unwrap_or(usual.greatest_loss),
+            ..usual
         };
         let schedule =
             Schedule { regions: chosen.regions, configuration: chosen.update, phase: chosen.phase };
@@ -90,15 +92,14 @@ pub enum RateSettings {
 pub struct AudioVisual {
     /// How much visible contrast may be lost by what is heard, and in the units of which contrast sensitivity function.
     pub budget: BudgetSettings,
+    /// How that is spent.
+    pub allocation: Allocation,
     /// The map where [`BudgetSettings`] says so in silence, and where sound or contrast is not known.
     pub fixed: FixedFoveation,
     /// Map below whose rates contrast and sound do not lead; the paper has none.
-    ///
-    /// The model takes a coarse rate for a low-pass filter, but it aliases, so that the model is optimistic
-    /// in the periphery.
     pub cap: Option<FixedFoveation>,
-    /// Greatest loss of visible contrast that any sound leads to, >= 0 or infinite, in the units of the sensitivity function in use:
-    /// with castleCSF 1 is a loss that is just seen. What is no number counts as 0.
+    /// Greatest loss of visible contrast of a tile that any sound leads to, >= 0 or infinite, in the units of the sensitivity function in
+    /// use: with castleCSF 1 is a loss that is just seen. What is no number counts as 0. See [`Self::budget_with`].
     pub greatest_loss: f32,
 }
 
@@ -106,22 +107,36 @@ impl AudioVisual {
     /// To the letter of the paper.
     pub const PAPER: Self = Self {
         budget: BudgetSettings::PAPER,
+        allocation: Allocation::PerTile,
         fixed: FixedFoveation::L1_C1,
         cap: None,
         greatest_loss: f32::INFINITY,
     };
+
+    /// The budget of a frame whose sound pays for a loss of `alpha` (paper A Eq. 17; 0 in silence), as [`Self::allocation`] spends it.
+    ///
+    /// For each tile: `alpha`, and at most [`Self::greatest_loss`]. At equal marginal loss: [`Self::greatest_loss`] with the loudest sound
+    /// ([`BudgetSettings::greatest`]), and by as much less as a frame with less of a sound has to lose less for the same score (Eq. 14).
+    pub fn budget_with(&self, alpha: f32) -> f32 {
+        let budget = match self.allocation {
+            Allocation::PerTile if self.greatest_loss >= alpha => return alpha,
+            Allocation::PerTile => self.greatest_loss,
+            Allocation::EqualMarginalLoss => self.greatest_loss - (self.budget.greatest() - alpha).max(0.0),
+        };
+        if budget.is_nan() { 0.0 } else { budget.clamp(0.0, f32::MAX) }
+    }
 }
 
 impl Default for AudioVisual {
-    /// Paper A's baseline, FR_L1-C1, where nothing is heard; and otherwise never coarser than FR_L1-C3, which of the pairs
-    /// of its pilot study that some sound made as good as the baseline shades least ([`Preset::settings`]). No sound hides more
-    /// than what is just seen.
+    /// Any rate anywhere outside of the fovea, as far as it is worth its loss. On the stills of `cargo dev bench budget` that shades, without sound and so with 6.2
+    /// in place of 8, 0.70 of the samples of paper A's baseline, with 0.73 of its loss.
     fn default() -> Self {
         Self {
             budget: BudgetSettings::default(),
+            allocation: Allocation::EqualMarginalLoss,
             fixed: FixedFoveation::L1_C1,
-            cap: Some(FixedFoveation::L1_C3),
-            greatest_loss: 1.0,
+            cap: Some(FixedFoveation::ANYWHERE),
+            greatest_loss: 8.0,
         }
     }
 }

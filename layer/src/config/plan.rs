@@ -45,13 +45,14 @@ fn audio_visual(config: &Config) -> AudioVisual {
     let usual = AudioVisual::default();
     let silence = match config.rates.silence {
         SilenceRule::Fixed => avpm::SilenceRule::FixedFoveation,
-        SilenceRule::Strict => avpm::SilenceRule::Strict,
+        SilenceRule::Contrast => avpm::SilenceRule::Strict,
     };
     AudioVisual {
         budget: BudgetSettings { silence, ..usual.budget },
         fixed,
         cap: usual.cap.map(|cap| cap.with_peripheral(fixed.peripheral)),
         greatest_loss: config.rates.greatest_loss,
+        ..usual
     }
 }
 
@@ -213,13 +214,14 @@ mod tests {
         };
         let mut config = Config::default();
         config.rates.mode = RatesMode::AudioVisual;
-        assert_eq!(model(&config), AudioVisual::default());
+        let strict = BudgetSettings { silence: avpm::SilenceRule::Strict, ..BudgetSettings::default() };
+        assert_eq!(model(&config), AudioVisual { budget: strict, ..AudioVisual::default() });
         config.rates.greatest_loss = 1.5;
-        config.rates.silence = SilenceRule::Strict;
+        config.rates.silence = SilenceRule::Fixed;
         config.rates.peripheral = PeripheralRate::R2x2;
         let edited = model(&config);
-        assert_eq!((edited.greatest_loss, edited.budget.silence), (1.5, avpm::SilenceRule::Strict));
-        assert_eq!(edited.cap.unwrap().peripheral, ShadingRate::R2X2, "no coarser than in silence");
+        assert_eq!((edited.greatest_loss, edited.budget.silence), (1.5, avpm::SilenceRule::FixedFoveation));
+        assert_eq!(edited.cap.unwrap().peripheral, ShadingRate::R2X2, "no coarser than configured");
         config.rates.peripheral = PeripheralRate::R4x4;
         config.rates.mode = RatesMode::Paper;
         assert_eq!(model(&config), AudioVisual::PAPER);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::config::{ChromaMode, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode};
+use crate::config::{ChromaMode, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, SilenceRule};
 use crate::inputs::gaze::auto::SampleTimes;
 use crate::inputs::gaze::osc::{Heard, OscGaze, read};
 use crate::link::{BACKEND_RATE_ATTACHMENT, EyeMapRecord, OfferRecord};
@@ -260,6 +260,8 @@ fn contrast_and_sound_are_left_to_the_gpu() {
     let mut config = Config::default();
     config.gaze.source = GazeSource::Centre;
     config.rates.mode = RatesMode::AudioVisual;
+    config.rates.silence = SilenceRule::Fixed;
+    let greatest_loss = config.rates.greatest_loss;
     let mut session = Session::new(config);
     let loud = AudioFeatures { loudness_lufs: -10.0, gamma_ld: 25.0, gamma_fq_kilomel: 1.0, silent: false };
     let mut decided = |heard| {
@@ -270,7 +272,7 @@ fn contrast_and_sound_are_left_to_the_gpu() {
     };
     let eye = decided(Some(loud));
     assert_eq!((eye.is_decided, eye.is_judged), (1, 1));
-    assert_eq!(eye.judged.budget, 1.0, "no more than what is configured");
+    assert_eq!(eye.judged.budget, greatest_loss, "as configured");
     assert_eq!((eye.fixed.sensitivity, eye.judged.sensitivity), (0, 1));
     assert_eq!(eye.judged.tiles, eye.tiles);
     assert!(eye.judged.look_every > 0, "what is coarse is looked at now and then");

@@ -22,6 +22,7 @@ use parafovea::passes::decide::{Decide, DecideParams};
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::avpm::{BudgetSettings, SensitivityUnit};
 use parafovea_core::color::Matrix;
+use parafovea_core::fixed_foveation::FixedFoveation;
 use parafovea_core::gaze::{GazePhase, GazeState};
 use parafovea_core::geometry::{Fov, View};
 use parafovea_core::image::Plane;
@@ -83,10 +84,13 @@ fn gaze(frame: u64) -> GazeState {
 }
 
 fn settings(unit: SensitivityUnit, rails: bool, texel: [u32; 2]) -> PlanSettings {
+    // Both ways to spend a budget: the paper's is for each tile.
+    let usual = if unit == SensitivityUnit::Tursun { AudioVisual::PAPER } else { AudioVisual::default() };
     let model = AudioVisual {
         budget: BudgetSettings { unit, ..BudgetSettings::default() },
-        cap: if rails { AudioVisual::default().cap } else { None },
-        ..AudioVisual::default()
+        cap: rails.then_some(FixedFoveation::L1_C3),
+        greatest_loss: 2.0,
+        ..usual
     };
     let offered: &[_] = if rails { &VULKAN_RATES } else { &PAPER_RATES };
     PlanSettings {

@@ -25,7 +25,7 @@ const PROGRAMS: [&str; 5] =
     ["libparafovea.so", "parafovea", "parafovea-probe", "parafovea-scene", "parafovea-zoo"];
 
 /// Everything on.
-const CONFIG: &str = "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
+const CONFIG: &str = "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 
 /// Starts Monado, runs a program that ends by itself or with its input, and ends Monado: what they print goes to files in `/tmp`.

@@ -13,6 +13,7 @@ use std::process::Command;
 /// The benches, and the packages that they are in.
 const BENCHES: [(&str, &str); 10] = [
     ("break-even", "parafovea-tests"),
+    ("budget", "parafovea-models"),
     ("ears", "parafovea-ears"),
     ("frame", "parafovea-tests"),
     ("kernels", "parafovea-layer"),

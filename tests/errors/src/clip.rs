@@ -4,6 +4,7 @@ use glam::Vec3;
 use parafovea_core::color::{Matrix, linear_to_srgb, srgb_to_linear};
 use parafovea_core::geometry::Fov;
 use parafovea_core::image::Plane;
+use parafovea_core::rate::ShadingRate;
 
 /// A picture as a headset shows it, kept as the 8-bit sRGB codes that the runtime's compositor saved.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,6 +37,36 @@ impl Picture {
     /// Red, green and blue codes, row by row from the top.
     pub fn codes(&self) -> &[[u8; 3]] {
         &self.codes
+    }
+
+    /// The same as a device with shading rates shows it: one sample for each block of pixels that `rate` says of its pixels, by column and row. The
+    /// sample lies at the block's centre, so that it is the mean of the pixels around that, in linear light: as many as the block has, up to four. Devices sample
+    /// textures at a level that fits the block, and edges of triangles stay sharp there; of both a picture knows nothing.
+    pub fn shaded_at(&self, rate: impl Fn(u32, u32) -> ShadingRate) -> Self {
+        let light = linear_of_code();
+        let [last_x, last_y] = [self.width - 1, self.height - 1];
+        let around = |from: u32, side: u32, last: u32| {
+            let middle = from + side / 2;
+            [middle.saturating_sub(u32::from(side > 1)).min(last), middle.min(last)]
+        };
+        let at = |x: u32, y: u32| self.codes[y as usize * self.width as usize + x as usize];
+        let mut shown = self.clone();
+        for (index, code) in shown.codes.iter_mut().enumerate() {
+            let [x, y] = [index as u32 % self.width, index as u32 / self.width];
+            let rate = rate(x, y);
+            let [width, height] = [rate.width(), rate.height()];
+            if width * height == 1 {
+                continue;
+            }
+            let [left, right] = around(x / width * width, width, last_x);
+            let [upper, lower] = around(y / height * height, height, last_y);
+            let four = [at(left, upper), at(right, upper), at(left, lower), at(right, lower)];
+            *code = [0, 1, 2].map(|channel: usize| {
+                let sum: f32 = four.iter().map(|code| light[usize::from(code[channel])]).sum();
+                (linear_to_srgb(sum / 4.0) * 255.0).round() as u8
+            });
+        }
+        shown
     }
 
     /// A weighted sum of the three channels in linear light, plus a constant.
@@ -114,5 +145,44 @@ impl Viewing {
     /// Luminance of black, cd/m^2.
     pub fn black_cd_m2(&self) -> f32 {
         self.white_cd_m2 / self.contrast
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn columns(codes: [u8; 8]) -> Picture {
+        let rgba: Vec<[u8; 4]> = (0..8).flat_map(|_| codes.map(|code| [code, code, code, 255])).collect();
+        Picture::from_srgb8(8, 8, &rgba).unwrap()
+    }
+
+    #[test]
+    fn a_block_shows_what_is_at_its_centre() {
+        let picture = columns([0, 255, 0, 0, 7, 7, 255, 255]);
+        assert_eq!(picture.shaded_at(|_, _| ShadingRate::R1X1), picture);
+        assert_eq!(picture.shaded_at(|_, _| ShadingRate::R1X2), picture, "rows do not differ");
+        // The mean of black and white in linear light.
+        let half = (linear_to_srgb(0.5) * 255.0).round() as u8;
+        let twos = columns([half, half, 0, 0, 7, 7, 255, 255]);
+        assert_eq!(picture.shaded_at(|_, _| ShadingRate::R2X2), twos);
+        // Of four pixels the inner two.
+        let between = |a: usize, b: usize| {
+            let light = linear_of_code();
+            (linear_to_srgb(light[a].midpoint(light[b])) * 255.0).round() as u8
+        };
+        let (left, right) = (between(255, 0), between(7, 255));
+        let fours = columns([left, left, left, left, right, right, right, right]);
+        assert_eq!(picture.shaded_at(|_, _| ShadingRate::R4X4), fours);
+    }
+
+    #[test]
+    fn each_pixel_has_its_own_rate_and_blocks_at_the_edge_stay_inside() {
+        let picture = Picture::from_linear(5, 3, |x, y| [0.1 * x as f32, 0.2 * y as f32, 0.5]);
+        let mixed = picture.shaded_at(|x, _| if x < 4 { ShadingRate::R1X1 } else { ShadingRate::R4X4 });
+        for (index, (shown, own)) in mixed.codes().iter().zip(picture.codes()).enumerate() {
+            assert_eq!(shown[0], own[0], "pixel {index}: nothing lies to the right of the last column");
+            assert!(index % 5 == 4 || shown == own, "pixel {index}");
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! From frames to a report.
 
 use crate::bands::Bands;
-use crate::clip::{Clip, Eye, Frame, Viewing};
+use crate::clip::{Clip, Eye, Frame, Picture, Viewing};
 use crate::field::Field;
 use crate::metrics::{
     Metric,
@@ -290,6 +290,28 @@ impl Judge {
             self.pools[metric as usize].close(sums, &fields[0], (eye, None), f64::sqrt);
         }
     }
+}
+
+/// How much of a change that stays is seen at each pixel, JND, as [`Metric::Sustained`] has it of two stills.
+///
+/// # Errors
+/// [`JudgeError::Viewing`], [`JudgeError::View`] or [`JudgeError::Mismatch`].
+pub fn seen_of_stills(reference: &Eye, test: &Picture, viewing: &Viewing) -> Result<Plane, JudgeError> {
+    Judge::new(*viewing)?;
+    let field = Field::new(reference);
+    if !field.is_a_view() {
+        return Err(JudgeError::View { frame: 0, eye: 0 });
+    }
+    if test.extent() != reference.picture.extent() {
+        return Err(JudgeError::Mismatch { frame: 0, eye: 0 });
+    }
+    let mut bands = Bands::default();
+    let luminance = reference.picture.luminance(viewing);
+    let mut change = test.luminance(viewing);
+    change.texels_mut().iter_mut().zip(luminance.texels()).for_each(|(after, before)| *after -= before);
+    let adaptation = contrast::adaptation(&luminance, &field, &mut bands);
+    let weights = Mechanism::Sustained.weights(&field, &adaptation);
+    Ok(contrast::map(&change, &field, &weights, &mut bands))
 }
 
 fn mean(plane: &Plane) -> f64 {

@@ -22,7 +22,7 @@ mod temporal;
 pub use bands::BAND_SUPPORT_PX;
 pub use clip::{Clip, Eye, Frame, Picture, Viewing};
 pub use field::{CELL_PX, RING_EDGES_DEG, RING_NAMES, RINGS, TILE_PX};
-pub use judge::{Judge, JudgeError, judge};
+pub use judge::{Judge, JudgeError, judge, seen_of_stills};
 pub use metrics::{Metric, flicker::BAND_HZ, interocular::REACH_PX};
 pub use pool::WorstTile;
 pub use report::{EyeSummary, Report, Row};

@@ -212,7 +212,11 @@ fn follow_path(
     let mut planner = Planner::new(PlanSettings {
         rates: match case.rates {
             Rates::Rings => RateSettings::Fixed(FixedFoveation::L1_C1),
-            Rates::Contrast => RateSettings::AudioVisual(AudioVisual::default()),
+            // Within rings, so that what is central is at full rate in both.
+            Rates::Contrast => RateSettings::AudioVisual(AudioVisual {
+                cap: Some(FixedFoveation::L1_C3),
+                ..AudioVisual::default()
+            }),
         },
         rails,
         device: DeviceRates { available: AvailableRates::new(&VULKAN_RATES), texel: [TEXEL; 2] },

@@ -9,12 +9,15 @@ fn case(name: &str) -> Case {
     cases().into_iter().find(|case| case.name == name).expect("a case of this name")
 }
 
-/// Less is shaded, and no more is lost where the eyes are once they have landed.
+/// Less is shaded, and hardly more is lost where the eyes are once they have landed.
 #[test]
-fn what_coarsens_in_saccades_saves_and_costs_nothing_after_landing() {
-    for (name, most_share) in
-        [("moving, 120 Hz", 0.95), ("moving, 60 Hz", 0.96), ("contrast, moving, 120 Hz", 0.90)]
-    {
+fn what_coarsens_in_saccades_saves_and_costs_little_after_landing() {
+    // By contrast what is left behind gets as coarse as 4x4 within a saccade, and so a landing that is farther than predicted loses more.
+    for (name, most_share, most_lost) in [
+        ("moving, 120 Hz", 0.95, 1.15),
+        ("moving, 60 Hz", 0.96, 1.15),
+        ("contrast, moving, 120 Hz", 0.90, 1.4),
+    ] {
         let [before, after] = [false, true].map(|at_once| follow(&case(name), at_once, &SEEDS, DURATION_S));
         let ratio = after.all.share() / before.all.share();
         assert!(ratio < most_share, "{name}: {ratio} of what is shaded without");
@@ -22,7 +25,7 @@ fn what_coarsens_in_saccades_saves_and_costs_nothing_after_landing() {
         let [before, after] = lost(When::Looking);
         assert!(after < 1e-4 && before < 1e-4, "{name}: {before} and {after} lost while looking");
         let [before, after] = lost(When::Landing);
-        assert!(after < 1.15 * before + 1e-4, "{name}: {before} and {after} lost at landing");
+        assert!(after < most_lost * before + 1e-4, "{name}: {before} and {after} lost at landing");
     }
 }
 

@@ -24,10 +24,10 @@ pub fn advice(results: &Results, gpus: &[Results]) -> Vec<Advice> {
     let rows = mean_rows(results);
     let row = |name: &str| rows.iter().find(|row| row.technique == name);
     vec![
-        on_a_gpu(row("rates balanced"), gpus),
-        by_the_mask(results, row("rates balanced")),
+        on_a_gpu(row("preset balanced"), gpus),
+        by_the_mask(results, row("preset balanced")),
         streamed(results, row("chroma")),
-        reused(row("re-use 11223").or(row(EVERYTHING)), row("rates balanced")),
+        reused(row("re-use 11223").or(row(EVERYTHING)), row("preset balanced")),
         Advice {
             application: "Limited by its own work on the CPU, or by few and cheap pixels",
             setting: "nothing: run it without the layer".to_owned(),
@@ -40,7 +40,7 @@ pub fn advice(results: &Results, gpus: &[Results]) -> Vec<Advice> {
 fn on_a_gpu(rates: Option<&Row>, gpus: &[Results]) -> Advice {
     let measured = gpus.iter().filter(|results| !results.conditions.device_is_cpu).find_map(|results| {
         let rows = mean_rows(results);
-        let ratio = rows.iter().find(|row| row.technique == "rates balanced")?.ratio?;
+        let ratio = rows.iter().find(|row| row.technique == "preset balanced")?.ratio?;
         Some((ratio, format!("{ratio:.2} times the GPU time on {}", results.conditions.device)))
     });
     let shades = rates.and_then(|row| row.samples.map(|samples| (samples, row.loss)));

@@ -8,9 +8,11 @@ use std::sync::LazyLock;
 /// The tasks that a technique adds to a frame, by their names; `None` for what the application does itself.
 fn tasks(sweep: Sweep) -> Option<&'static [&'static str]> {
     Some(match sweep {
-        Sweep::Off | Sweep::RenderScale | Sweep::FixedFoveation | Sweep::OpenXrToolkit => return None,
+        Sweep::Off | Sweep::RenderScale | Sweep::FixedFoveation | Sweep::OpenXrToolkit | Sweep::Uniform => {
+            return None;
+        }
         // Rings are planned on the CPU.
-        Sweep::Rates => &[],
+        Sweep::Rates | Sweep::FilledFoveation => &[],
         Sweep::Contrast | Sweep::Sound => &["analyze", "decide", "lay"],
         Sweep::Reuse | Sweep::RatesAndReuse => &["compose, re-use", "change"],
         Sweep::Everything => &["analyze", "decide", "lay", "compose, re-use", "change"],

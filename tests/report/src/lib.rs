@@ -10,6 +10,7 @@ pub mod advice;
 mod bits;
 mod estimates;
 pub mod gpu;
+pub mod hardware;
 mod measure;
 pub mod page;
 pub mod pictures;

@@ -1,6 +1,7 @@
 //! `cargo dev report [--quick | --all] [--json] [...]`: see `--help`.
 
 use clap::Parser;
+use parafovea_report::hardware::hardware_points;
 use parafovea_report::pictures::Pictures;
 use parafovea_report::plan::Plan;
 use parafovea_report::points::{Extent, points};
@@ -130,14 +131,24 @@ fn plan(arguments: &Arguments) -> Result<Plan, String> {
         // The pass at the finest resolution is part of the whole report only.
         plan.fine = None;
     }
+    if !arguments.techniques.is_empty() {
+        let is_wanted = |name: &String| arguments.techniques.contains(name);
+        plan.hardware =
+            hardware_points(Extent::All).into_iter().filter(|point| is_wanted(&point.name)).collect();
+    }
     if !arguments.scenes.is_empty() {
         plan.scenes.clone_from(&arguments.scenes);
     }
     if !arguments.techniques.is_empty() {
         let all = points(Extent::All);
+        let shaded = hardware_points(Extent::All);
+        let names: Vec<&str> = all
+            .iter()
+            .map(|point| point.technique.name.as_str())
+            .chain(shaded.iter().map(|point| point.name.as_str()))
+            .collect();
         for wanted in &arguments.techniques {
-            if !all.iter().any(|point| point.technique.name == *wanted) {
-                let names: Vec<&str> = all.iter().map(|point| point.technique.name.as_str()).collect();
+            if !names.contains(&wanted.as_str()) {
                 return Err(format!("unknown technique `{wanted}`; allowed: {}", names.join(", ")));
             }
         }

@@ -1,6 +1,7 @@
 //! Does what a plan says.
 
 mod conditions;
+mod hardware;
 mod map;
 
 use crate::bits;
@@ -31,12 +32,14 @@ pub fn measure(plan: &Plan, command: &str, pictures: &mut Pictures) -> Result<(R
     eprintln!("{machine}");
     let conditions = conditions::conditions(plan, &machine, command);
     let mut progress = Progress::new(plan.work());
-    let mut scenes = Vec::new();
+    let (mut scenes, mut hardware) = (Vec::new(), Vec::new());
     for &scene in &plan.scenes {
-        scenes.push(measure_scene(plan, scene, &machine, pictures, &mut progress)?);
+        let (timed, shaded) = measure_scene(plan, scene, &machine, pictures, &mut progress)?;
+        scenes.push(timed);
+        hardware.extend(shaded);
     }
     let fine = plan.fine.map(|fine| measure_finely(plan, fine, &machine, &mut progress)).transpose()?;
-    Ok((Results { conditions, scenes, fine, hard_cases: hard_cases() }, progress.seconds()))
+    Ok((Results { conditions, scenes, hardware, fine, hard_cases: hard_cases() }, progress.seconds()))
 }
 
 /// Somebody in a scene whose eyes jump so many frames after the start.
@@ -50,7 +53,7 @@ fn measure_scene(
     machine: &Machine,
     pictures: &mut Pictures,
     progress: &mut Progress,
-) -> Result<SceneResults, HarnessError> {
+) -> Result<(SceneResults, Option<SceneResults>), HarnessError> {
     // In the middle of the frames that are judged, which are the first of those that are timed.
     let jump = plan.judged.run_up + plan.judged.frames / 2;
     let subject = subject(plan, scene, machine, jump);
@@ -93,12 +96,21 @@ fn measure_scene(
             bits.extend(bits_of.into_iter().flatten());
         }
     }
+    let hardware = match &reference {
+        Some(reference) if !plan.hardware.is_empty() => {
+            progress.next(&format!("{}: by the look of hardware rates", subject.name()));
+            let found = hardware::measure(&plan.hardware, (&subject, &scenario, effort), reference, &points)?;
+            progress.add(plan.hardware.len() as u64 * judging(effort));
+            Some(found)
+        }
+        _ => None,
+    };
     drop(reference);
     let costs = costs(plan, &subject, machine, timings, progress)?;
     for ((index, _), cost) in plan.timed_points().zip(costs) {
         points[index].cost = Some(cost);
     }
-    Ok(SceneResults { scene: scene.as_str().to_owned(), points, bits })
+    Ok((SceneResults { scene: scene.as_str().to_owned(), points, bits }, hardware))
 }
 
 fn show(

@@ -5,7 +5,7 @@ use crate::estimates;
 use crate::pictures::Pictures;
 use crate::plot;
 use crate::points::Sweep;
-use crate::results::{Bits, Conditions, Errors, Fine, HardCase, Results, SceneResults};
+use crate::results::{Bits, Conditions, Errors, Fine, HardCase, PointResults, Results, SceneResults, mean};
 use crate::statistics::Bootstrap;
 use crate::summary::{Row, mean_rows, scene_rows};
 use crate::table::{cells, titles};
@@ -29,7 +29,7 @@ figcaption{font-size:.8em;color:#57606a}svg{max-width:100%;height:auto}";
 /// A text, where a plot cannot be drawn.
 pub fn page(results: &Results, gpus: &[Results], pictures: &Pictures) -> Result<String, String> {
     let gpu_rows: Vec<Row> = gpus.first().map(mean_rows).unwrap_or_default();
-    let contests = contests(results);
+    let (contests, by_hardware) = (contests(&results.scenes), contests(&results.hardware));
     let mut scenes = Vec::new();
     for scene in &results.scenes {
         scenes.push(html_of_scene(results, scene, pictures)?);
@@ -46,14 +46,16 @@ pub fn page(results: &Results, gpus: &[Results], pictures: &Pictures) -> Result<
             body {
                 h1 { "Parafovea: speed against error" }
                 p { "Speed and error of each technique, compared with the alternatives that users have." }
-                (first_screen(results, gpus, &contests))
+                (first_screen(results, gpus, [&contests, &by_hardware]))
                 h2 { "All techniques, mean of " (results.scenes.len()) " scenes" }
                 (table(results, &mean_rows(results), &gpu_rows))
                 (how_to_read(&results.conditions))
                 h2 { "Cost against loss" }
                 (plots(results, gpus)?)
                 h2 { "At equal cost" }
-                (equal_cost(results, &contests))
+                (equal_cost(&contests))
+                @if results.scenes.is_empty() { p { "Nothing was measured." } }
+                @if !results.hardware.is_empty() { (hardware(results, &by_hardware)) }
                 h2 { "Bits that chroma attenuation saves" }
                 (bits(results))
                 h2 { "Scene by scene" }
@@ -68,19 +70,22 @@ pub fn page(results: &Results, gpus: &[Results], pictures: &Pictures) -> Result<
 }
 
 /// Ours, put together, against what a user could do instead, scene by scene.
-pub fn contests(results: &Results) -> Vec<(&SceneResults, Contest)> {
+pub fn contests(scenes: &[SceneResults]) -> Vec<(&SceneResults, Contest)> {
     let bootstrap = Bootstrap::default();
-    let ours = results.techniques().into_iter().filter(|(sweep, _)| OURS.contains(sweep));
-    let ours: Vec<&str> = ours.map(|(_, name)| name).collect();
-    let scenes = results.scenes.iter();
+    let first = scenes.first().into_iter().flat_map(|scene| &scene.points);
+    let ours = first.filter(|point| point.sweep == OURS && point.cost.is_some());
+    let ours: Vec<&str> = ours.map(|point| point.technique.as_str()).collect();
     let all = scenes
+        .iter()
         .flat_map(|scene| ours.iter().flat_map(move |name| RIVALS.map(move |rival| (scene, *name, rival))))
         .flat_map(|(scene, name, rival)| Measure::ALL.map(|measure| (scene, name, rival, measure)));
     let found = |(scene, name, rival, measure)| contest(scene, name, rival, measure, &bootstrap);
     all.filter_map(|of| Some((of.0, found(of)?))).collect()
 }
 
-fn first_screen(results: &Results, gpus: &[Results], contests: &[(&SceneResults, Contest)]) -> Markup {
+type Contests<'a> = [(&'a SceneResults, Contest)];
+
+fn first_screen(results: &Results, gpus: &[Results], [timed, shaded]: [&Contests<'_>; 2]) -> Markup {
     let conditions = &results.conditions;
     html! {
         table.words {
@@ -89,7 +94,8 @@ fn first_screen(results: &Results, gpus: &[Results], contests: &[(&SceneResults,
                 tr { td { (advice.application) } td { (advice.setting) } td { (advice.measured) } }
             }
         }
-        (who_wins(results, contests))
+        (who_wins(shaded, results.hardware.len(), "share of shaded pixels, by the look of hardware rates"))
+        (who_wins(timed, results.scenes.len(), "cost on this device"))
         p.note {
             (conditions.date) ", commit " (conditions.commit) ", " (conditions.device) ", " (conditions.processor) ", "
             (conditions.threads) " threads: " code { (conditions.command) }
@@ -107,11 +113,12 @@ fn first_screen(results: &Results, gpus: &[Results], contests: &[(&SceneResults,
     }
 }
 
-fn who_wins(results: &Results, contests: &[(&SceneResults, Contest)]) -> Markup {
+fn who_wins(contests: &Contests<'_>, scenes: usize, cost: &str) -> Markup {
     let tallies = tallies(contests);
+    let rivals = RIVALS.into_iter().filter(|rival| tallies.iter().any(|tally| tally.rival == *rival));
     // Each technique has one for each of these.
     let columns: Vec<(Sweep, Measure)> =
-        RIVALS.into_iter().flat_map(|rival| Measure::ALL.map(|measure| (rival, measure))).collect();
+        rivals.flat_map(|rival| Measure::ALL.map(|measure| (rival, measure))).collect();
     let mut techniques: Vec<&str> = tallies.iter().map(|tally| tally.technique.as_str()).collect();
     techniques.dedup();
     let found = |technique: &str, (rival, measure)| {
@@ -121,7 +128,7 @@ fn who_wins(results: &Results, contests: &[(&SceneResults, Contest)]) -> Markup 
     };
     html! {
         @if !techniques.is_empty() {
-            p { "Number of scenes, out of " (results.scenes.len()) ", with a lower contrast loss than the alternative at equal cost on this device:" }
+            p { "Number of scenes, out of " (scenes) ", with a lower contrast loss than the alternative at equal " (cost) ":" }
             table.words {
                 tr { th { "ours" } @for (rival, measure) in &columns { th { "than " (rival.title()) ", " (measure.text()) } } }
                 @for technique in techniques {
@@ -189,7 +196,7 @@ fn plots(results: &Results, gpus: &[Results]) -> Result<Markup, String> {
     })
 }
 
-fn equal_cost(results: &Results, contests: &[(&SceneResults, Contest)]) -> Markup {
+fn equal_cost(contests: &Contests<'_>) -> Markup {
     html! {
         p.note {
             "Contrast loss of each alternative at equal cost, interpolated over the logarithm of the cost between its points, which include the application alone. "
@@ -225,7 +232,34 @@ fn equal_cost(results: &Results, contests: &[(&SceneResults, Contest)]) -> Marku
                 }
             }
         }
-        @if results.scenes.is_empty() { p { "Nothing was measured." } }
+    }
+}
+
+/// Everybody's map over the same pictures.
+fn hardware(results: &Results, contests: &Contests<'_>) -> Markup {
+    let techniques = results.hardware.first().into_iter().flat_map(|scene| &scene.points);
+    let mean_of = |name: &str, value: fn(&PointResults) -> Option<f64>| {
+        mean(results.hardware.iter().filter_map(|scene| value(scene.point(name)?)))
+            .map_or("-".to_owned(), |value| format!("{value:.3}"))
+    };
+    html! {
+        h2 { "By the look of hardware rates" }
+        p.note {
+            "One sample for each block of pixels, at its centre, over the same images of the application alone. FR of the paper rounds each rate to the finer one of four, has no safety margins, and follows the true gaze; "
+            "the presets have their margins, and the gaze that the tracker reports. Render scale has its own images. Shaded: samples over pixels. The mean of " (results.hardware.len()) " scenes."
+        }
+        table {
+            tr { @for title in ["technique", "shaded", "contrast loss, JND", "detected, JND"] { th { (title) } } }
+            @for point in techniques {
+                tr {
+                    td { (point.technique) }
+                    td { (mean_of(&point.technique, |point| point.cost.as_ref().map(|cost| cost.ratio))) }
+                    td { (mean_of(&point.technique, |point| Some(point.loss()))) }
+                    td { (mean_of(&point.technique, |point| Some(point.detected()))) }
+                }
+            }
+        }
+        (equal_cost(contests))
     }
 }
 

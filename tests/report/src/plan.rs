@@ -1,5 +1,6 @@
 //! What a report measures, known before it is measured.
 
+use crate::hardware::{HardwarePoint, Rates, hardware_points};
 use crate::points::{Extent, Point, points};
 use parafovea_scene::scene::SceneName;
 use parafovea_scene::script::tracker::Tracker;
@@ -22,6 +23,8 @@ pub struct Plan {
     pub scenes: Vec<SceneName>,
     /// What is done there, the application alone first.
     pub points: Vec<Point>,
+    /// Maps over the pictures of the judged runs, by the look of hardware rates.
+    pub hardware: Vec<HardwarePoint>,
     /// The timed runs of each.
     pub timed: Effort,
     /// The run of each whose pictures are judged and whose fragments are counted.
@@ -41,6 +44,7 @@ impl Plan {
         Self {
             scenes: vec![SceneName::Cockpit, SceneName::Foliage],
             points: points(Extent::Quick),
+            hardware: hardware_points(Extent::Quick),
             timed,
             judged: Effort { turns: 1, ..timed },
             fine: None,
@@ -49,7 +53,7 @@ impl Plan {
         }
     }
 
-    /// What fits into an hour: 6 scenes, 90 frames at 1024 x 1024, errors of 30 of these at 512 x 512, and of a few at 20 pixels a degree.
+    /// A morning's work: 6 scenes, 90 frames at 1024 x 1024, errors of 30 of these, and of a few at 20 pixels a degree.
     pub fn full() -> Self {
         let timed = Effort { turns: 2, run_up: LAYER_RUN_UP, frames: 90, size: 1024 };
         // Rates need half a second to become coarse.
@@ -57,8 +61,9 @@ impl Plan {
         Self {
             scenes: SceneName::ALL.into_iter().filter(|scene| *scene != SceneName::Courtyard).collect(),
             points: points(Extent::Full),
+            hardware: hardware_points(Extent::Full),
             timed,
-            judged: Effort { turns: 1, frames: 30, size: 512, ..timed },
+            judged: Effort { turns: 1, frames: 30, ..timed },
             fine: Some((SceneName::Cockpit, fine)),
             ..Self::quick()
         }
@@ -66,7 +71,7 @@ impl Plan {
 
     /// As [`Self::full`], with every point of every sweep: at least four each.
     pub fn all() -> Self {
-        Self { points: points(Extent::All), ..Self::full() }
+        Self { points: points(Extent::All), hardware: hardware_points(Extent::All), ..Self::full() }
     }
 
     /// The points that are timed, with their indices among all.
@@ -74,11 +79,16 @@ impl Plan {
         self.points.iter().enumerate().filter(|(_, point)| point.is_timed)
     }
 
+    /// Those whose maps are the layer's.
+    fn attached(&self) -> usize {
+        self.hardware.iter().filter(|point| matches!(point.rates, Rates::Layer(_))).count()
+    }
+
     /// Runs of an application.
     pub fn runs(&self) -> usize {
-        let judged = self.points.len();
+        let judged = self.points.len() + self.attached();
         let timed = self.timed_points().count() * self.timed.turns;
-        self.scenes.len() * (judged + timed) + if self.fine.is_some() { judged } else { 0 }
+        self.scenes.len() * (judged + timed) + if self.fine.is_some() { self.points.len() } else { 0 }
     }
 
     /// All of it, in the unit of [`rendering`] and [`judging`].
@@ -89,7 +99,9 @@ impl Plan {
         let timed = self.timed_points().map(|(_, point)| rendering(self.timed.of(&point.technique)));
         let timed = timed.sum::<u64>() * self.timed.turns as u64;
         let fine = self.fine.map_or(0, |(_, effort)| pictures(effort));
-        self.scenes.len() as u64 * (pictures(self.judged) + timed) + fine
+        let hardware = self.attached() as u64 * rendering(self.judged)
+            + self.hardware.len() as u64 * judging(self.judged);
+        self.scenes.len() as u64 * (pictures(self.judged) + hardware + timed) + fine
     }
 }
 

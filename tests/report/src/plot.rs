@@ -9,10 +9,12 @@ use plotters::prelude::*;
 use plotters::style::RGBColor;
 
 /// The sweeps that have a line, and its colour, told apart by the colour-blind too (Okabe and Ito).
-const SWEEPS: [(Sweep, RGBColor); 9] = [
+const SWEEPS: [(Sweep, RGBColor); 11] = [
     (Sweep::RenderScale, RGBColor(86, 86, 86)),
     (Sweep::FixedFoveation, RGBColor(230, 159, 0)),
+    (Sweep::FilledFoveation, RGBColor(150, 100, 0)),
     (Sweep::OpenXrToolkit, RGBColor(213, 94, 0)),
+    (Sweep::Uniform, RGBColor(170, 170, 170)),
     (Sweep::Rates, RGBColor(0, 114, 178)),
     (Sweep::Contrast, RGBColor(86, 180, 233)),
     (Sweep::Sound, RGBColor(0, 0, 0)),

@@ -1,5 +1,6 @@
 //! The techniques that are compared: sweeps, each from careful to careless, and the application alone, which is in all of them.
 
+use crate::hardware::preset_config;
 use parafovea_core::fixed_foveation::FixedFoveation;
 use parafovea_tests::measure::Technique;
 use serde::{Deserialize, Serialize};
@@ -14,13 +15,17 @@ pub enum Sweep {
     RenderScale,
     /// FR, by the application itself: the pairs of radii of "Audio-Visual Foveated Rendering"'s pilot study, with a periphery of 1/16.
     FixedFoveation,
-    /// The ellipses of OpenXR Toolkit's preset "Balanced", which stay where they are, by the application itself.
+    /// FR with the layer's fill: the same radii, with the layer's margins for tracker and latency.
+    FilledFoveation,
+    /// The ellipses of OpenXR Toolkit's presets, which stay where they are, by the application itself.
     OpenXrToolkit,
-    /// The layer's rates by eccentricity around the gaze, as presets have them.
+    /// One rate everywhere.
+    Uniform,
+    /// The layer's presets, as a user selects them.
     Rates,
-    /// The layer's rates by the contrast of the pictures, in silence: nothing may be lost that is seen.
+    /// The layer's rates by the contrast of the pictures, in silence.
     Contrast,
-    /// The layer's rates by the contrast of the pictures and the sound of the scene, which may hide what is just seen.
+    /// The layer's rates by the contrast of the pictures and the sound of the scene, which may hide more.
     Sound,
     /// The layer's re-use of the periphery.
     Reuse,
@@ -34,11 +39,13 @@ pub enum Sweep {
 
 impl Sweep {
     /// All, in the order of tables.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Off,
         Self::RenderScale,
         Self::FixedFoveation,
+        Self::FilledFoveation,
         Self::OpenXrToolkit,
+        Self::Uniform,
         Self::Rates,
         Self::Contrast,
         Self::Sound,
@@ -54,8 +61,10 @@ impl Sweep {
             Self::Off => "off",
             Self::RenderScale => "render scale",
             Self::FixedFoveation => "fixed foveation (FR)",
+            Self::FilledFoveation => "fixed foveation, our fill",
             Self::OpenXrToolkit => "OpenXR Toolkit",
-            Self::Rates => "eye-tracked rates",
+            Self::Uniform => "uniform rates",
+            Self::Rates => "presets",
             Self::Contrast => "rates by contrast, in silence",
             Self::Sound => "rates by contrast and sound",
             Self::Reuse => "re-use",
@@ -111,13 +120,24 @@ fn all() -> Vec<Point> {
         };
         points.push(timed(Sweep::FixedFoveation, Technique::fixed_foveation(&name, map), least));
     }
-    points.push(timed(Sweep::OpenXrToolkit, Technique::openxr_toolkit(), Full));
-    for (preset, least) in [("quality", All), ("balanced", Quick), ("performance", All)] {
-        points.push(timed(
-            Sweep::Rates,
-            layer(&format!("rates {preset}"), preset, ["fixed", "off", "off"]),
-            least,
-        ));
+    for (pair, least) in [(0, Full), (2, All), (8, Full)] {
+        let (name, map) = (format!("L{}-C{}", pair / 3 + 1, pair % 3 + 1), FixedFoveation::PILOT[pair]);
+        let stepped = Technique::stepped_foveation(&format!("FR {name} of the paper"), map);
+        points.push(timed(Sweep::FixedFoveation, stepped, least));
+        let config = format!(
+            "preset = \"balanced\"\n[rates]\nmode = \"fixed\"\nfoveal_deg = {}\ntransitional_deg = {}\ngate = \"on\"\n[reuse]\nmode = \"off\"\n",
+            map.foveal_deg, map.transitional_deg
+        );
+        let filled = Technique::layer(&format!("FR {name}, our fill"), &config);
+        points.push(timed(Sweep::FilledFoveation, filled, least));
+    }
+    for (preset, least) in [("wide", Full), ("balanced", Full), ("narrow", Full)] {
+        points.push(timed(Sweep::OpenXrToolkit, Technique::openxr_toolkit(preset), least));
+    }
+    for (preset, least) in [("quality", Full), ("balanced", Quick), ("performance", Full), ("streaming", All)]
+    {
+        let technique = Technique::layer(&format!("preset {preset}"), &preset_config(preset));
+        points.push(timed(Sweep::Rates, technique, least));
     }
     for preset in ["quality", "balanced", "performance"] {
         let config = |silence: &str| {
@@ -125,9 +145,9 @@ fn all() -> Vec<Point> {
                 "preset = \"{preset}\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"{silence}\"\ngate = \"on\"\n[chroma]\nmode = \"off\"\n"
             )
         };
-        let in_silence = Technique::layer(&format!("contrast {preset}"), &config("strict"));
+        let in_silence = Technique::layer(&format!("contrast {preset}"), &config("contrast"));
         points.push(timed(Sweep::Contrast, in_silence, All));
-        let with_sound = Technique::layer(&format!("sound {preset}"), &config("fixed")).hearing();
+        let with_sound = Technique::layer(&format!("sound {preset}"), &config("contrast")).hearing();
         points.push(timed(Sweep::Sound, with_sound, if preset == "balanced" { Full } else { All }));
     }
     for (name, mode, periods, least) in [
@@ -151,7 +171,7 @@ fn all() -> Vec<Point> {
     }
     for preset in ["quality", "balanced"] {
         let config = format!(
-            "preset = \"{preset}\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"fixed\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n"
+            "preset = \"{preset}\"\n[rates]\nmode = \"audio-visual\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n"
         );
         let name = format!("everything with sound {preset}");
         points.push(timed(Sweep::Everything, Technique::layer(&name, &config).hearing(), All));

@@ -13,6 +13,10 @@ pub struct Results {
     pub conditions: Conditions,
     /// Scene by scene.
     pub scenes: Vec<SceneResults>,
+    /// The same scenes by the look of hardware rates ([`crate::hardware`]): everybody's map over the same pictures. A cost is the share of the pixels that
+    /// are shaded, in place of milliseconds.
+    #[serde(default)]
+    pub hardware: Vec<SceneResults>,
     /// Errors of one scene at 20 pixels a degree, where that was asked for.
     pub fine: Option<Fine>,
     /// What the models answer where arithmetic is hard.

@@ -7,11 +7,12 @@ use crate::statistics::{AtCost, Bootstrap, CostAndLoss, Interval, loss_at};
 /// Everything on, as the preset has it that is the default.
 pub const EVERYTHING: &str = "everything balanced";
 
-/// Which techniques of ours are compared: those that put together what saves time, without and with colour, which saves bits.
-pub const OURS: [Sweep; 2] = [Sweep::RatesAndReuse, Sweep::Everything];
+/// Which techniques of ours are compared: those that a user selects by one word.
+pub const OURS: Sweep = Sweep::Rates;
 
 /// What users could do without us.
-pub const RIVALS: [Sweep; 2] = [Sweep::FixedFoveation, Sweep::RenderScale];
+pub const RIVALS: [Sweep; 5] =
+    [Sweep::FixedFoveation, Sweep::FilledFoveation, Sweep::RenderScale, Sweep::OpenXrToolkit, Sweep::Uniform];
 
 /// How the changes of a picture become one figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -188,7 +189,7 @@ pub fn why_not(scene: &SceneResults, contest: &Contest) -> String {
             reasons.push(format!("{} alone costs {:.2} times as much", point.technique, cost.ratio));
         }
     }
-    let rates = scene.point("rates balanced").and_then(PointResults::cost_and_loss);
+    let rates = scene.point("preset balanced").and_then(PointResults::cost_and_loss);
     if let Some(rates) = rates.filter(|rates| rates.cost < contest.cost && contest.measure == Measure::Mean) {
         reasons.push(format!(
             "rates alone cost {:.2} and lose {:.2} JND, so that the other techniques add {:.2} to the cost",

@@ -13,7 +13,9 @@ struct Fovea {
     // Eccentricity from which on the peripheral share is shaded, radians.
     transitional: f32,
     peripheral: f32,
-    padding: vec2f,
+    // 1: in between 1, 1/4, 1/8 or 1/16 are shaded, the next that is not less; 0: whatever is between.
+    stepped: f32,
+    padding: f32,
     // Of two ellipses around the view's centre, instead of eccentricities: half axes of the inner and the outer one upwards, as parts of half the
     // view's height, their ratio to those sideways, and the share between them. The outer one is 0 where there are none.
     ellipses: vec4f,
@@ -46,7 +48,10 @@ fn share(texel: vec2f) -> f32 {
     let eccentricity = acos(clamp(dot(normalize(vec3f(across, -1.0)), fovea.gaze), -1.0, 1.0));
     // No wider than a texel, the step of radii that are equal.
     let into = (eccentricity - fovea.foveal) / max(fovea.transitional - fovea.foveal, 1e-4);
-    let of_rings = mix(1.0, fovea.peripheral, clamp(into, 0.0, 1.0));
+    let ramp = mix(1.0, fovea.peripheral, clamp(into, 0.0, 1.0));
+    let least = ramp - 1e-3;
+    let step = select(select(select(0.0625, 0.125, least > 0.0625), 0.25, least > 0.125), 1.0, least > 0.25);
+    let of_rings = mix(ramp, step, fovea.stepped);
     return select(of_rings, of_ellipses, fovea.ellipses.y > 0.0);
 }
 

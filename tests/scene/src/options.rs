@@ -57,9 +57,12 @@ pub struct Options {
     pub depth_layer: bool,
     /// Shade all texels up to EF degrees from the gaze (or from straight ahead, where the runtime tells no gaze), fewer
     /// from there to ET degrees, and a share of 1/16 or 1/4 beyond; fill the others from their neighbours. Or by the place on the
-    /// screen, as OpenXR Toolkit's preset "Balanced" has it.
-    #[arg(long, value_name = "EF,ET,SHARE | toolkit-balanced", value_parser = parse_foveation, conflicts_with = "depth_layer")]
+    /// screen, as OpenXR Toolkit's presets "Wide", "Balanced" and "Narrow" have it.
+    #[arg(long, value_name = "EF,ET,SHARE | toolkit-wide | toolkit-balanced | toolkit-narrow", value_parser = parse_foveation, conflicts_with = "depth_layer")]
     pub foveation: Option<Foveation>,
+    /// Of the texels between EF and ET, shade all, 1/4, 1/8 or 1/16: the next of these that is not less.
+    #[arg(long, requires = "foveation")]
+    pub stepped: bool,
     /// Show the notice board in a quad layer as well.
     #[arg(long)]
     pub quad: bool,
@@ -91,6 +94,14 @@ pub enum ColourFormat {
 }
 
 impl Options {
+    /// Where texels are left out.
+    pub fn foveation(&self) -> Option<Foveation> {
+        self.foveation.map(|foveation| match foveation {
+            Foveation::Radii(radii) => Foveation::Radii(Radii { stepped: self.stepped, ..radii }),
+            Foveation::Ellipses(_) => foveation,
+        })
+    }
+
     /// How many lights to draw with.
     pub fn light_count(&self) -> u32 {
         self.lights.unwrap_or(self.scene.definition().default_lights)
@@ -118,10 +129,17 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
 /// # Errors
 /// A text that says what is expected.
 pub fn parse_foveation(text: &str) -> Result<Foveation, String> {
-    if text == "toolkit-balanced" {
-        return Ok(Foveation::Ellipses(ScreenEllipses::BALANCED));
+    let ellipses = match text {
+        "toolkit-wide" => Some(ScreenEllipses::WIDE),
+        "toolkit-balanced" => Some(ScreenEllipses::BALANCED),
+        "toolkit-narrow" => Some(ScreenEllipses::NARROW),
+        _ => None,
+    };
+    if let Some(ellipses) = ellipses {
+        return Ok(Foveation::Ellipses(ellipses));
     }
-    let expected = || "expected EF,ET,SHARE, as in 14.34,27.08,1/16, or toolkit-balanced".to_owned();
+    let expected =
+        || "expected EF,ET,SHARE, as in 14.34,27.08,1/16, or toolkit-wide, -balanced or -narrow".to_owned();
     let [foveal, transitional, share] =
         text.split(',').collect::<Vec<_>>().try_into().map_err(|_| expected())?;
     let angle = |text: &str| match text.parse::<f32>() {
@@ -137,7 +155,7 @@ pub fn parse_foveation(text: &str) -> Result<Foveation, String> {
         "1/4" => 1.0 / 4.0,
         _ => return Err(format!("{share:?} is neither 1/16 nor 1/4")),
     };
-    Ok(Foveation::Radii(Radii { foveal_deg, transitional_deg, peripheral }))
+    Ok(Foveation::Radii(Radii { foveal_deg, transitional_deg, peripheral, stepped: false }))
 }
 
 #[cfg(test)]
@@ -155,11 +173,17 @@ mod tests {
     #[test]
     fn foveations() {
         let radii = |foveal_deg, transitional_deg, peripheral| {
-            Ok(Foveation::Radii(Radii { foveal_deg, transitional_deg, peripheral }))
+            Ok(Foveation::Radii(Radii { foveal_deg, transitional_deg, peripheral, stepped: false }))
         };
         assert_eq!(parse_foveation("14.34,27.08,1/16"), radii(14.34, 27.08, 0.0625));
         assert_eq!(parse_foveation("0,0,1/4"), radii(0.0, 0.0, 0.25));
-        assert_eq!(parse_foveation("toolkit-balanced"), Ok(Foveation::Ellipses(ScreenEllipses::BALANCED)));
+        for (text, ellipses) in [
+            ("toolkit-wide", ScreenEllipses::WIDE),
+            ("toolkit-balanced", ScreenEllipses::BALANCED),
+            ("toolkit-narrow", ScreenEllipses::NARROW),
+        ] {
+            assert_eq!(parse_foveation(text), Ok(Foveation::Ellipses(ellipses)));
+        }
         for wrong in ["", "14.34", "14,27", "14,27,1/8", "14,x,1/4", "27,14,1/4", "-1,3,1/4", "NaN,3,1/4"] {
             assert!(parse_foveation(wrong).is_err(), "{wrong} was taken");
         }

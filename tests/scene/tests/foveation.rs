@@ -11,7 +11,8 @@ use parafovea_scene::scene::SceneName;
 
 const SIDE: u32 = 256;
 const EDGE: f32 = std::f32::consts::FRAC_PI_4;
-const L1_C1: Radii = Radii { foveal_deg: 14.34, transitional_deg: 27.08, peripheral: 1.0 / 16.0 };
+const L1_C1: Radii =
+    Radii { foveal_deg: 14.34, transitional_deg: 27.08, peripheral: 1.0 / 16.0, stepped: false };
 
 /// Draws the crowd, which has hardly anything black, with a gaze.
 struct Visitor(Offscreen);
@@ -66,7 +67,12 @@ fn what_is_looked_at_stays_as_it_is() {
 fn all_is_shaded_within_a_wide_fovea() {
     let mut visitor = Visitor::new();
     let full = visitor.draw(None, Vec3::NEG_Z);
-    let wide = Foveation::Radii(Radii { foveal_deg: 180.0, transitional_deg: 180.0, peripheral: 0.25 });
+    let wide = Foveation::Radii(Radii {
+        foveal_deg: 180.0,
+        transitional_deg: 180.0,
+        peripheral: 0.25,
+        stepped: false,
+    });
     assert!(full == visitor.draw(Some(wide), Vec3::NEG_Z));
 }
 
@@ -100,7 +106,8 @@ fn nothing_stays_black() {
     let black = |texels: &[u8]| texels.chunks_exact(4).filter(|texel| texel[..3] == [0, 0, 0]).count();
     let full = black(&visitor.draw(None, Vec3::NEG_Z));
     for peripheral in [1.0 / 16.0, 0.25] {
-        let foveation = Foveation::Radii(Radii { foveal_deg: 0.0, transitional_deg: 0.0, peripheral });
+        let foveation =
+            Foveation::Radii(Radii { foveal_deg: 0.0, transitional_deg: 0.0, peripheral, stepped: false });
         let found = black(&visitor.draw(Some(foveation), Vec3::NEG_Z));
         assert!(found <= full + 64, "{found} black texels at {peripheral}, {full} in the whole picture");
     }
@@ -111,7 +118,7 @@ fn more_shading_is_nearer_to_the_truth() {
     let mut visitor = Visitor::new();
     let full = visitor.draw(None, Vec3::NEG_Z);
     let mut error = |foveal_deg, transitional_deg, peripheral| {
-        let foveation = Foveation::Radii(Radii { foveal_deg, transitional_deg, peripheral });
+        let foveation = Foveation::Radii(Radii { foveal_deg, transitional_deg, peripheral, stepped: false });
         squared_error(&full, &visitor.draw(Some(foveation), Vec3::NEG_Z))
     };
     let coarse = error(9.44, 18.39, 1.0 / 16.0);

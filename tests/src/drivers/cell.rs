@@ -70,7 +70,7 @@ impl Mode {
             Self::Rates => "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n",
             Self::Mask => "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\nbackend = \"mask\"\n",
             Self::Everything => {
-                "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
+                "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
                  [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n"
             }
         };

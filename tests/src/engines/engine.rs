@@ -79,7 +79,7 @@ impl Mode {
             Self::Auto => Some("preset = \"balanced\"\n[gaze]\nsource = \"centre\"\n"),
             Self::On => Some("preset = \"balanced\"\n[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n"),
             Self::Everything => Some(
-                "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
+                "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
                  [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n",
             ),
         }

@@ -106,6 +106,31 @@ pub fn judge(
     Ok(judge.finish())
 }
 
+/// As [`judge`], of the pictures of `reference` as `alter` changes them: it is given frame, eye and picture.
+///
+/// # Errors
+/// As [`judge`].
+pub fn judge_shaded(
+    subject: &Subject,
+    scenario: &Scenario,
+    reference: &Outcome,
+    alter: impl Fn(u64, usize, &parafovea_errors::Picture) -> parafovea_errors::Picture,
+) -> Result<Report, HarnessError> {
+    let failed = |error| reference.failed(&format!("its pictures cannot be judged: {error}"));
+    let mut judge = Judge::new(viewing()).map_err(failed)?;
+    for &frame in &scenario.output.save_frames {
+        let before = shown(subject, scenario, reference, frame)?;
+        let mut after = before.clone();
+        for (index, eye) in (0..).zip(&mut after.eyes) {
+            if let Some(eye) = eye {
+                eye.picture = alter(frame, index, &eye.picture);
+            }
+        }
+        judge.push(&before, &after).map_err(failed)?;
+    }
+    Ok(judge.finish())
+}
+
 /// What both eyes see in a frame.
 fn shown(
     subject: &Subject,
@@ -123,7 +148,8 @@ fn shown(
     Ok(Frame { time_s: subject.time_s(frame), eyes: [eye(0)?, eye(1)?] })
 }
 
-fn fov(view: &View) -> Fov {
+/// Field of view of a view, radians.
+pub fn fov(view: &View) -> Fov {
     let degrees = view.fov_deg;
     let [left, right, up, down] =
         [degrees.left, degrees.right, degrees.up, degrees.down].map(f32::to_radians);

@@ -62,10 +62,17 @@ impl Technique {
         Self { name: name.to_owned(), arguments, ..Self::off() }
     }
 
-    /// The application alone, shading by the place on the screen as OpenXR Toolkit's preset "Balanced" does.
-    pub fn openxr_toolkit() -> Self {
-        let arguments = ["--foveation", "toolkit-balanced"].map(str::to_owned).into();
-        Self { name: "OpenXR Toolkit balanced".to_owned(), arguments, ..Self::off() }
+    /// As [`Self::fixed_foveation`], in the steps of paper A's four rates, each rounded to the finer one: 1x1 reaches farther.
+    pub fn stepped_foveation(name: &str, map: FixedFoveation) -> Self {
+        let own = Self::fixed_foveation(name, map);
+        let arguments = own.arguments.iter().cloned().chain(["--stepped".to_owned()]);
+        Self { arguments: arguments.collect(), ..own }
+    }
+
+    /// The application alone, shading by the place on the screen as one of OpenXR Toolkit's presets does: `wide`, `balanced` or `narrow`.
+    pub fn openxr_toolkit(preset: &str) -> Self {
+        let arguments = vec!["--foveation".to_owned(), format!("toolkit-{preset}")];
+        Self { name: format!("OpenXR Toolkit {preset}"), arguments, ..Self::off() }
     }
 
     /// What users could do without us, the application as it is first: three render scales, and the nine pairs

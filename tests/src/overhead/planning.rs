@@ -29,13 +29,13 @@ const CASES: [(&str, &str, Option<f64>); 7] = [
     ("chroma", "preset = \"none\"\n[chroma]\nmode = \"default\"\n", Some(0.05)),
     (
         "audio-visual",
-        "preset = \"none\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n",
+        "preset = \"none\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n",
         None,
     ),
     ("re-use", "preset = \"none\"\n[rates]\ngate = \"on\"\n[reuse]\nmode = \"on\"\n", None),
     (
         "everything",
-        "preset = \"none\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
+        "preset = \"none\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
          [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n",
         Some(0.30),
     ),

@@ -60,7 +60,7 @@ impl Technique {
             has_rates: true,
             has_actions: false,
             is_virtual: true,
-            config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n",
+            config: "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n",
         },
     ];
 

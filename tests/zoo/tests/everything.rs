@@ -35,7 +35,7 @@ const FEW: [&str; 7] = [
 ];
 
 /// Rates by contrast, re-use and chroma: every kernel has work, and every picture of ours is drawn to.
-const EVERYTHING: &str = "[rates]\nmode = \"audio-visual\"\nsilence = \"strict\"\ngate = \"on\"\n\
+const EVERYTHING: &str = "[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n[debug]\nview = \"eccentricity\"\n";
 
 /// A software device that compiles on a busy machine is behind for seconds, which is told, and no error.

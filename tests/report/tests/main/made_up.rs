@@ -66,7 +66,7 @@ pub fn scene(name: &str, everything: (f64, f64), varied: f64) -> SceneResults {
             point(Sweep::RenderScale, "render scale 0.5", 0.25, 4.0, varied),
             point(Sweep::FixedFoveation, "FR L1-C1", 0.6, 0.5, varied),
             point(Sweep::FixedFoveation, "FR L3-C3", 0.4, 1.5, varied),
-            point(Sweep::Rates, "rates balanced", 0.55, 0.4, varied),
+            point(Sweep::Rates, "preset balanced", 0.55, 0.4, varied),
             point(Sweep::Everything, "everything balanced", cost, loss, varied),
             chroma,
         ],
@@ -92,6 +92,7 @@ pub fn results() -> Results {
     Results {
         conditions: conditions(),
         scenes: vec![scene("cockpit", (0.5, 0.3), 0.2), scene("foliage", (1.3, 0.3), 0.2)],
+        hardware: Vec::new(),
         fine: None,
         hard_cases: vec![case],
     }

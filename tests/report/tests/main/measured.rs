@@ -9,7 +9,7 @@ use parafovea_tests::measure::Effort;
 
 #[test]
 fn a_scene_is_measured_from_runs_to_results() {
-    let wanted = ["off", "render scale 0.5", "rates balanced", "chroma"];
+    let wanted = ["off", "render scale 0.5", "preset balanced", "chroma"];
     let points =
         points(Extent::All).into_iter().filter(|point| wanted.contains(&point.technique.name.as_str()));
     let timed = Effort { turns: 2, run_up: 60, frames: 4, size: 64 };
@@ -26,7 +26,7 @@ fn a_scene_is_measured_from_runs_to_results() {
 
     let [scene] = &results.scenes[..] else { panic!("not one scene") };
     let point = |name: &str| scene.point(name).unwrap();
-    for name in ["off", "render scale 0.5", "rates balanced"] {
+    for name in ["off", "render scale 0.5", "preset balanced"] {
         assert_eq!(point(name).cost.as_ref().unwrap().frames_ms.len(), 4, "{name}");
     }
     assert!(point("off").errors.is_none() && point("chroma").cost.is_none());
@@ -40,6 +40,12 @@ fn a_scene_is_measured_from_runs_to_results() {
     assert_eq!(jpeg[..2], ["JPEG 4:2:0", "JPEG 4:4:4"]);
     assert!(scene.bits.iter().all(|bits| bits.chroma < 0.0), "{:?}", scene.bits);
     assert!(pictures.data_uri("courtyard", "off", "seen").is_some());
-    assert!(pictures.data_uri("courtyard", "rates balanced", "map").is_some(), "rates have no map");
+    assert!(pictures.data_uri("courtyard", "preset balanced", "map").is_some(), "rates have no map");
+    let [shaded] = &results.hardware[..] else { panic!("not one scene by the look of hardware rates") };
+    let share = |name: &str| shaded.point(name).unwrap().cost.as_ref().unwrap().ratio;
+    assert!(share("FR L3-C3 of the paper") < share("FR L1-C1 of the paper") && share("off") == 1.0);
+    assert!(share("preset balanced") < 1.0 && share("render scale 0.5") == 0.25);
+    let lost = |name: &str| shaded.point(name).unwrap().loss();
+    assert!(lost("FR L3-C3 of the paper") > lost("FR L1-C1 of the paper") && lost("preset balanced") > 0.0);
     assert!(!results.hard_cases.is_empty() && scene.sweep(Sweep::Rates).len() == 2);
 }

@@ -60,8 +60,16 @@ fn the_interval_holds_the_difference() {
 
 #[test]
 fn scenes_are_counted_and_what_is_not_won_is_explained() {
-    let results = results();
-    let contests = contests(&results);
+    let mut results = results();
+    for point in results.scenes.iter_mut().flat_map(|scene| &mut scene.points) {
+        // What costs and loses otherwise in each scene is what a user selects.
+        point.sweep = match point.sweep {
+            Sweep::Everything => Sweep::Rates,
+            Sweep::Rates => Sweep::Everything,
+            other => other,
+        };
+    }
+    let contests = contests(&results.scenes);
     assert_eq!(contests.len(), 8, "two scenes against two rivals, by both measures");
     let tallies = tallies(&contests);
     assert_eq!(tallies.len(), 4, "two rivals, by both measures");

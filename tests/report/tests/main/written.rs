@@ -56,6 +56,23 @@ fn the_page_is_well_formed_and_needs_nothing_else() {
 }
 
 #[test]
+fn the_look_of_hardware_rates_has_a_table_and_verdicts() {
+    let mut results = results();
+    let words = "By the look of hardware rates";
+    assert!(!written_page(&results).contains(words), "nobody measured it");
+    results.hardware = results.scenes.clone();
+    let html = written_page(&results);
+    assert_eq!(unbalanced(&html), Ok(vec![]));
+    let table = html.split(words).nth(1).unwrap();
+    // Cost, and what is lost in the mean of two scenes.
+    assert!(table.contains("<td>preset balanced</td><td>0.550</td>"), "{table}");
+    assert!(
+        html.contains("out of 2, with a lower contrast loss than the alternative at equal share"),
+        "{html}"
+    );
+}
+
+#[test]
 fn the_first_screen_says_what_to_switch_on() {
     let html = written_page(&results());
     let first = html.split("All techniques").next().unwrap();
@@ -90,7 +107,7 @@ fn plots_are_svg_with_a_line_for_each_sweep() {
     let overview = plot::overview(&results).unwrap();
     let document = roxmltree::Document::parse(&overview).unwrap();
     let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).map(str::trim).collect();
-    for title in ["render scale", "fixed foveation (FR)", "eye-tracked rates", "everything"] {
+    for title in ["render scale", "fixed foveation (FR)", "presets", "everything"] {
         assert!(texts.contains(&title), "{title} is not in the legend");
     }
     assert!(!texts.contains(&"re-use"), "what was not measured has no line");
@@ -108,7 +125,7 @@ fn tables_have_as_many_cells_as_titles() {
     assert_eq!(rows.len(), 3 * (1 + 8), "the mean and two scenes");
     assert!(rows.iter().all(|row| row.matches(" | ").count() == columns - 1), "{markdown}");
     assert!(
-        markdown.contains("| rates balanced | 0.55 | 0.55 | 22.0 | 0.55 | 27.5 | none yet |"),
+        markdown.contains("| preset balanced | 0.55 | 0.55 | 22.0 | 0.55 | 27.5 | none yet |"),
         "{markdown}"
     );
 

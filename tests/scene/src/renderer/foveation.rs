@@ -36,6 +36,8 @@ pub struct Radii {
     pub transitional_deg: f32,
     /// 1/16 or more.
     pub peripheral: f32,
+    /// In between 1, 1/4, 1/8 or 1/16 are shaded, the next that is not less, as by the rates of paper A's device.
+    pub stepped: bool,
 }
 
 /// The layout of `Fovea` in `foveation.wgsl`.
@@ -48,7 +50,8 @@ struct FoveaUniform {
     foveal: f32,
     transitional: f32,
     peripheral: f32,
-    padding: [f32; 2],
+    stepped: f32,
+    padding: f32,
     ellipses: [f32; 4],
 }
 
@@ -57,7 +60,12 @@ impl FoveaUniform {
         let (radii, ellipses) = match foveation {
             Foveation::Radii(radii) => (*radii, [0.0; 4]),
             Foveation::Ellipses(map) => (
-                Radii { foveal_deg: 0.0, transitional_deg: 0.0, peripheral: map.periphery.fraction() },
+                Radii {
+                    foveal_deg: 0.0,
+                    transitional_deg: 0.0,
+                    peripheral: map.periphery.fraction(),
+                    stepped: false,
+                },
                 [map.inner, map.outer, map.horizontal_scale, map.middle.fraction()],
             ),
         };
@@ -68,7 +76,8 @@ impl FoveaUniform {
             foveal: radii.foveal_deg.to_radians(),
             transitional: radii.transitional_deg.to_radians(),
             peripheral: radii.peripheral,
-            padding: [0.0; 2],
+            stepped: f32::from(u8::from(radii.stepped)),
+            padding: 0.0,
             ellipses,
         }
     }

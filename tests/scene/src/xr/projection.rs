@@ -93,7 +93,7 @@ impl Projection {
             Depth::Kept((0..count).map(|_| buffers()).collect())
         };
         let colour = swapchains(format).context("a colour swapchain")?;
-        let foveated = options.foveation.map(|foveation| {
+        let foveated = options.foveation().map(|foveation| {
             let foveator = Foveator::new(device, queue, format, foveation);
             let image = |_| foveator.image(device, [width, height], format);
             let images = (0..count).map(|_| (0..layers).map(image).collect()).collect();

@@ -1,0 +1,77 @@
+//! Maps that are compared by the look of hardware rates: one sample for each block of pixels, at its centre.
+//!
+//! On a device without shading rates the layer masks blocks and fills them, and an application skips and fills blocks as it can: both look otherwise
+//! than rates do. Here everybody's map is laid over the same pictures of the application alone, and costs the share of the pixels that it shades.
+
+use crate::points::{Extent, Sweep};
+use parafovea_core::fixed_foveation::FixedFoveation;
+use parafovea_core::fixed_foveation::openxr_toolkit::ScreenEllipses;
+use parafovea_core::rate::ShadingRate;
+use parafovea_tests::measure::Technique;
+
+/// One technique whose map is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HardwarePoint {
+    /// Which sweep it belongs to.
+    pub sweep: Sweep,
+    /// Its name in tables.
+    pub name: String,
+    /// Where its map comes from.
+    pub rates: Rates,
+    /// From which report on it is there.
+    least: Extent,
+}
+
+/// Where a map comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Rates {
+    /// FR as in "Audio-Visual Foveated Rendering": its four rates, rounded to the finer one, so that 1x1 reaches to 24.5 degrees with L1-C1, and around
+    /// where the eyes truly look, without any rail.
+    Fixed(FixedFoveation),
+    /// Ellipses of OpenXR Toolkit, which stay where they are.
+    Ellipses(ScreenEllipses),
+    /// One rate everywhere.
+    Uniform(ShadingRate),
+    /// The layer, on lavapipe that looks like a device with all rates: the maps that it attached, with all of its rails, by the gaze that the tracker reports.
+    Layer(Technique),
+}
+
+/// The points of a report.
+pub fn hardware_points(extent: Extent) -> Vec<HardwarePoint> {
+    all().into_iter().filter(|point| point.least <= extent).collect()
+}
+
+fn all() -> Vec<HardwarePoint> {
+    use Extent::{All, Full, Quick};
+    let point =
+        |sweep, name: &str, rates, least| HardwarePoint { sweep, name: name.to_owned(), rates, least };
+    let mut points = Vec::new();
+    for (pair, map) in FixedFoveation::PILOT.into_iter().enumerate() {
+        let name = format!("FR L{}-C{} of the paper", pair / 3 + 1, pair % 3 + 1);
+        let least = if [0, 2, 8].contains(&pair) { Quick } else { All };
+        points.push(point(Sweep::FixedFoveation, &name, Rates::Fixed(map), least));
+    }
+    for (name, map) in [
+        ("wide", ScreenEllipses::WIDE),
+        ("balanced", ScreenEllipses::BALANCED),
+        ("narrow", ScreenEllipses::NARROW),
+    ] {
+        let with = |rates: &str| format!("OpenXR Toolkit {name}, {rates}");
+        points.push(point(Sweep::OpenXrToolkit, &with("performance"), Rates::Ellipses(map), Quick));
+        let quality = Rates::Ellipses(map.with_quality_rates());
+        points.push(point(Sweep::OpenXrToolkit, &with("quality"), quality, Full));
+    }
+    for (name, rate) in [("2x1", ShadingRate::R2X1), ("2x2", ShadingRate::R2X2), ("4x4", ShadingRate::R4X4)] {
+        points.push(point(Sweep::Uniform, &format!("uniform {name}"), Rates::Uniform(rate), Full));
+    }
+    for (preset, least) in [("quality", Full), ("balanced", Quick), ("performance", Full)] {
+        let technique = Technique::layer(&format!("preset {preset}"), &preset_config(preset));
+        points.push(point(Sweep::Rates, &format!("preset {preset}"), Rates::Layer(technique), least));
+    }
+    points
+}
+
+/// A preset as a user selects it, with the gate open: it looks before it decides, and a dropped technique would not be seen here.
+pub fn preset_config(preset: &str) -> String {
+    format!("preset = \"{preset}\"\n[rates]\ngate = \"on\"\n")
+}
