@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// The benches, and the packages that they are in.
-const BENCHES: [(&str, &str); 10] = [
+const BENCHES: [(&str, &str); 11] = [
     ("break-even", "parafovea-tests"),
     ("budget", "parafovea-models"),
     ("ears", "parafovea-ears"),

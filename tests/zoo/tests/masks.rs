@@ -183,8 +183,7 @@ impl Rings {
         let edge = std::f32::consts::FRAC_PI_4;
         let fov = Fov { left: -edge, right: edge, up: edge, down: -edge };
         let view = View { position: Vec3::ZERO, orientation: Quat::IDENTITY, fov };
-        let mut planning = Planning::default();
-        planning.set_offer(Offer::from(&offer));
+        let mut planning = Planning::new(Offer::from(&offer));
         planning.views.located(&[view; 2]);
         planning.views.shown(&[ShownView { view, extent: [size; 2] }; 2]);
         planning.frame_begins(0);
