@@ -38,6 +38,8 @@ pub struct Recognition {
     provenance: Provenance,
     /// When cameras were last found that the picture comes from.
     found_at: Option<u64>,
+    /// How many cameras the last unknown reader may have read, and since when it was as many.
+    candidates: (usize, u64),
     /// When the picture was last seen to be drawn without passes before it.
     drawn_directly_at: Option<u64>,
     rules: PassRules,
@@ -48,6 +50,10 @@ const SETTLED: u64 = 4;
 
 /// So many frames after it was last seen, something that was drawn straight or shown flat is no longer held to be.
 const HOLD: u64 = 120;
+
+/// So many frames an unknown reader must have as many cameras to read, before the only one is taken for the scene: a mirror may be drawn in
+/// every third frame.
+const STEADY: u64 = 6;
 
 impl Recognition {
     /// Learns from a frame: what was submitted since the last one, and what is now shown. With several sessions on a device,
@@ -201,13 +207,20 @@ impl Recognition {
         } else if told.is_found {
             self.found_at = Some(self.frame);
         }
+        if told.unknown_reader.is_some() && told.candidates != self.candidates.0 {
+            self.candidates = (told.candidates, self.frame);
+        }
+        let is_unsure = told.unknown_reader.is_some() && self.frame < self.candidates.1 + STEADY;
         if told.is_direct {
             self.drawn_directly_at = Some(self.frame);
         }
         for (index, event) in events.iter().enumerate() {
             let Event::Pass(pass) = event else { continue };
             let Some(first) = pass.colors.first() else { continue };
-            let role = self.provenance.role(index);
+            let role = match self.provenance.role(index) {
+                Role::Eye if is_unsure => Role::Unknown,
+                role => role,
+            };
             if told.is_found || told.is_direct {
                 self.memory.add_role(self.frame, first.image, role);
             }

@@ -7,6 +7,7 @@ use parafovea::scene::{
     Transfer, TransferKind, Unmatched,
 };
 use std::collections::HashMap;
+use std::time::{Duration, Instant};
 
 /// How eyes lie in XR swapchains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +61,8 @@ pub struct World {
     frame: u64,
     /// All passes so far.
     pub seen: Vec<Seen>,
+    /// Time of recognition at the end of each frame.
+    pub spent: Vec<Duration>,
 }
 
 /// A frame that is being drawn.
@@ -93,7 +96,9 @@ impl World {
         draw(&mut frame);
         let shown = frame.shown();
         let images = &self.images;
+        let begin = Instant::now();
         self.recognition.frame(&self.log, |image| images.get(&image).copied(), &shown);
+        self.spent.push(begin.elapsed());
         self.log.clear();
     }
 

@@ -6,6 +6,7 @@ use crate::step::Truth;
 use parafovea::scene::{Eye, Eyes, Match};
 use std::collections::BTreeSet;
 use std::ops::AddAssign;
+use std::time::Duration;
 
 /// From this frame of a graph on, or after a switch, its eyes count as missed where they are not recognised.
 pub const SETTLED: u64 = 10;
@@ -29,6 +30,8 @@ pub struct Score {
     pub wrong_names: BTreeSet<&'static str>,
     /// The names of passes that were missed, with the reason.
     pub missed_names: BTreeSet<String>,
+    /// Median time of recognition at the end of a frame; of several graphs, the longest.
+    pub per_frame: Duration,
 }
 
 impl Score {
@@ -95,6 +98,7 @@ impl AddAssign<&Score> for Score {
         self.coarse_full_screen += more.coarse_full_screen;
         self.wrong_names.extend(&more.wrong_names);
         self.missed_names.extend(more.missed_names.iter().cloned());
+        self.per_frame = self.per_frame.max(more.per_frame);
     }
 }
 
@@ -124,5 +128,7 @@ pub fn run(graph: &Graph) -> Score {
     for seen in &world.seen {
         score.count(seen, seen.frame % Graph::FRAMES);
     }
+    world.spent.sort();
+    score.per_frame = world.spent[world.spent.len() / 2];
     score
 }

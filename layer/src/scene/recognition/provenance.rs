@@ -90,6 +90,8 @@ pub(super) struct Known<'a> {
 pub(super) struct Told {
     /// The last event that may read anything and makes the picture.
     pub(super) unknown_reader: Option<usize>,
+    /// How many cameras it may read that look like an eye.
+    pub(super) candidates: usize,
     /// Whether the picture comes from cameras that do not draw it themselves, or may.
     pub(super) is_found: bool,
     /// Whether cameras draw it, and nothing else does.
@@ -120,9 +122,7 @@ impl Provenance {
         self.group(events);
         self.find_sampled(events, known);
         let unknown_reader = self.find_eyes(events, known);
-        if let Some(reader) = unknown_reader {
-            self.find_only(reader, events, known, is_apart);
-        }
+        let candidates = unknown_reader.map_or(0, |reader| self.find_only(reader, events, known, is_apart));
         if self.steps >= MOST_STEPS {
             self.nodes.clear();
             return Told::default();
@@ -132,7 +132,7 @@ impl Provenance {
         let is_found = groups.iter().any(|group| (group.is_eye && !group.is_direct) || group.is_ambiguous);
         let is_read = self.nodes.iter().any(|node| node.writes_picture && node.kind != Kind::Camera);
         let is_direct = groups.iter().any(|group| group.is_direct) && !is_read && unknown_reader.is_none();
-        Told { unknown_reader, is_found, is_direct }
+        Told { unknown_reader, candidates, is_found, is_direct }
     }
 
     /// The role of the event of that number.
@@ -308,8 +308,9 @@ impl Provenance {
         }
     }
 
-    /// Where a reader may show anything: all cameras before it that look like an eye are taken, if they are no more than eyes.
-    fn find_only(&mut self, reader: usize, events: &[Event], known: &Known<'_>, is_apart: bool) {
+    /// Where a reader may show anything: all cameras before it that look like an eye are taken, if they are no more than eyes. Returns their
+    /// number.
+    fn find_only(&mut self, reader: usize, events: &[Event], known: &Known<'_>, is_apart: bool) -> usize {
         let is_before = |group: &Group| (group.passes[0] < reader) != is_apart;
         let may_be = |group: &Group| {
             let is_found = group.is_eye || (is_before(group) && !group.is_sampled);
@@ -319,15 +320,16 @@ impl Provenance {
             (0..self.groups.all.len()).filter(|index| may_be(&self.groups.all[*index])).collect();
         let has_depth = found.iter().any(|index| self.groups.all[*index].has_depth);
         found.retain(|index| self.groups.all[*index].has_depth == has_depth);
-        let Some(first) = found.first().map(|index| self.groups.all[*index].shape()) else { return };
+        let Some(first) = found.first().map(|index| self.groups.all[*index].shape()) else { return 0 };
         let eyes = if first.holds_both(known) { 1 } else { known.swapchains.count_pictures().clamp(1, 2) };
         let is_unique =
             found.len() <= eyes && found.iter().all(|index| self.groups.all[*index].shape() == first);
-        for index in found {
-            let group = &mut self.groups.all[index];
+        for index in &found {
+            let group = &mut self.groups.all[*index];
             group.is_ambiguous |= !is_unique && !group.is_eye;
             group.is_eye |= is_unique;
         }
+        found.len()
     }
 
     fn set_roles(&mut self, events: &[Event], known: &Known<'_>) {
