@@ -2,6 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "a bench prints")]
 
+use parafovea_wild::crowd;
 use parafovea_wild::random::RandomGraph;
 use parafovea_wild::{GRAPHS, Score, run};
 use std::process::ExitCode;
@@ -39,6 +40,17 @@ fn main() -> ExitCode {
         random += &score;
     }
     tell(is_json, "random", "", &random);
+    for passes in [20, 100, 300, 1000] {
+        for (is_bindless, reads) in [(false, "known reads"), (true, "unknown reads")] {
+            let us = crowd::per_frame(passes, is_bindless).as_secs_f64() * 1e6;
+            match is_json {
+                true => println!(
+                    "{{\"bench\":\"recognition\",\"app\":\"crowd\",\"case\":\"{passes} passes, {reads}\",\"metric\":\"per_frame\",\"value\":{us:.1},\"unit\":\"us\"}}"
+                ),
+                false => println!("{passes} passes, {reads}: {us:.1} microseconds a frame"),
+            }
+        }
+    }
     ExitCode::SUCCESS
 }
 

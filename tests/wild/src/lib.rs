@@ -3,6 +3,7 @@
 //!
 //! `cargo dev bench recognition` prints precision and recall of every graph, and of random ones.
 
+pub mod crowd;
 mod engines;
 mod frame;
 mod graphs;

@@ -7,8 +7,7 @@ use parafovea_wild::{GRAPHS, Score, run};
 const RANDOM: u64 = 500;
 
 /// Seeds of graphs that had a texture coarsened while a single frame decided where a picture comes from that may be read from anything.
-const ONCE_WRONG: [u64; 13] =
-    [3389, 3958, 4223, 4441, 4732, 5265, 5288, 5912, 6781, 7058, 8091, 8485, 9606];
+const ONCE_WRONG: [u64; 13] = [3389, 3958, 4223, 4441, 4732, 5265, 5288, 5912, 6781, 7058, 8091, 8485, 9606];
 
 #[test]
 fn eyes_of_the_wild_zoo_are_found_and_nothing_else() {
