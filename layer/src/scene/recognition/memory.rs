@@ -6,7 +6,7 @@ use super::provenance::Role;
 use super::roles::Roles;
 use super::{HOLD, Parts};
 use crate::scene::{Event, ImageDescription, ImageKey, SwapchainKey, Target, Unmatched};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// What holds of an image is given up when it occurred in so many frames without being seen again.
 const MOST_MISSES: u32 = 60;
@@ -20,9 +20,9 @@ const YOUNG: u64 = 3;
 /// All images that lately occurred.
 #[derive(Debug, Default)]
 pub(super) struct Memory {
-    images: HashMap<ImageKey, Image>,
+    images: FxHashMap<ImageKey, Image>,
     /// Roles of the passes that drew the images of a swapchain, which take turns.
-    of_swapchains: HashMap<SwapchainKey, Roles>,
+    of_swapchains: FxHashMap<SwapchainKey, Roles>,
 }
 
 #[derive(Debug)]
