@@ -46,14 +46,14 @@ pub struct Recognition {
 }
 
 /// By this frame what can be recognised is; before it nothing is listed.
-const SETTLED: u64 = 4;
+const SETTLED: u64 = 5;
 
 /// So many frames after it was last seen, something that was drawn straight or shown flat is no longer held to be.
 const HOLD: u64 = 120;
 
 /// So many frames an unknown reader must have as many cameras to read, before the only one is taken for the scene: a mirror may be drawn in
-/// every third frame.
-const STEADY: u64 = 6;
+/// every second or third frame.
+const STEADY: u64 = 3;
 
 impl Recognition {
     /// Learns from a frame: what was submitted since the last one, and what is now shown. With several sessions on a device,
@@ -207,7 +207,7 @@ impl Recognition {
         } else if told.is_found {
             self.found_at = Some(self.frame);
         }
-        if told.unknown_reader.is_some() && told.candidates != self.candidates.0 {
+        if told.candidates > 0 && told.candidates != self.candidates.0 {
             self.candidates = (told.candidates, self.frame);
         }
         let is_unsure = told.unknown_reader.is_some() && self.frame < self.candidates.1 + STEADY;

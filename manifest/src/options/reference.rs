@@ -59,9 +59,11 @@ mod tests {
         for preset in Preset::ALL {
             let expected = match preset {
                 Preset::None => "`rates.mode = \"off\"`",
-                Preset::Quality => "`rates.peripheral = \"2x2\"`",
+                Preset::Quality => "`rates.peripheral = \"2x2\"`, `rates.greatest_loss = 4.0`",
                 Preset::Balanced => "every default",
-                Preset::Performance => "`rates.transitional_deg = 18.39`, `reuse.periods = \"11233\"`",
+                Preset::Performance => {
+                    "`rates.transitional_deg = 18.39`, `rates.greatest_loss = 12.0`, `reuse.periods = \"11233\"`"
+                }
                 Preset::Streaming => "`chroma.mode = \"default\"`",
                 Preset::Fixed => {
                     "`gaze.source = \"centre\"`, `rates.foveal_deg = 30.0`, `rates.transitional_deg = 40.0`, \

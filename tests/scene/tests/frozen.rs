@@ -28,7 +28,7 @@ struct Frozen {
 
 const SHADER_HASH: u64 = 0x5a76_3eed_05e4_25bb;
 const SCENES_SHADER_HASH: u64 = 0x577e_91d8_684a_f154;
-const FOVEATION_SHADER_HASH: u64 = 0x539c_450f_4cb4_6282;
+const FOVEATION_SHADER_HASH: u64 = 0x71cd_6cb0_2ffe_e3ca;
 const FROZEN: [Frozen; 7] = [
     Frozen {
         scene: SceneName::Courtyard,

@@ -72,7 +72,8 @@ impl Scene {
         heard: impl Fn(u64) -> AudioFeatures,
         seen: impl Fn(u64) -> GazeState,
     ) -> Vec<Plane<u8>> {
-        let model = AudioVisual { cap: None, ..AudioVisual::default() };
+        // At the default these scenes are all coarse.
+        let model = AudioVisual { cap: None, greatest_loss: 4.0, ..AudioVisual::default() };
         let device = DeviceRates { available: AvailableRates::new(&VULKAN_RATES), texel: [16, 16] };
         let rates = RateSettings::AudioVisual(model);
         let mut planner = Planner::new(PlanSettings { rates, device, ..PlanSettings::default() });

@@ -167,8 +167,8 @@ unsafe extern "system" fn physical_device_properties(
     rates::describe(properties);
 }
 
-/// What the stand-in answers for `vkCmdDraw`, which this layer does not hook.
-pub unsafe extern "system" fn draw() {}
+/// What the stand-in answers for `vkCmdSetDepthBounds`, which this layer does not hook.
+pub unsafe extern "system" fn set_depth_bounds() {}
 
 fn function(name: &CStr) -> vk::PFN_vkVoidFunction {
     macro_rules! answer {
@@ -203,8 +203,8 @@ fn function(name: &CStr) -> vk::PFN_vkVoidFunction {
     if let Some(function) = pipelines::function(name).filter(|_| rates::is_offered()) {
         return Some(function);
     }
-    let is_there = name == c"vkCmdDraw" || rates::is_offered();
-    is_there.then_some(draw)
+    let is_there = name == c"vkCmdSetDepthBounds" || rates::is_offered();
+    is_there.then_some(set_depth_bounds)
 }
 
 pub unsafe extern "system" fn get_instance_proc_addr(

@@ -12,7 +12,7 @@ pub const LDR: vk::Format = vk::Format::R8G8B8A8_SRGB;
 pub const HDR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
 /// From this frame on everything is to be recognised.
-pub const SETTLED: u64 = 4;
+pub const SETTLED: u64 = 5;
 
 pub type Outcome = Result<Match, Unmatched>;
 
