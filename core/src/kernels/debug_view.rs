@@ -155,8 +155,8 @@ impl DebugViewParams {
         (is_shown && !self.rect_extent.contains(&0)).then_some(view)
     }
 
-    /// Colour in linear light, and opacity, of the overlay on the pixel at (`x`, `y`) of the rectangle; nothing where that stays as it
-    /// is. `map` is read from its first byte on.
+    /// Colour in linear light, and opacity, of the overlay on the pixel at (`x`, `y`) of the rectangle; `None` for an unchanged
+    /// pixel. `map` is read from its first byte on.
     pub fn pixel(&self, x: u32, y: u32, map: &[u8]) -> Option<(Vec3, f32)> {
         match self.drawn()? {
             DebugView::Rates => of_rate(self.tile(x, y, map)?),

@@ -99,7 +99,7 @@ pub struct AudioVisual {
     /// Map below whose rates contrast and sound do not lead; the paper has none.
     pub cap: Option<FixedFoveation>,
     /// Greatest loss of visible contrast of a tile that any sound leads to, >= 0 or infinite, in the units of the sensitivity function in
-    /// use: with castleCSF 1 is a loss that is just seen. What is no number counts as 0. See [`Self::budget_with`].
+    /// use: with castleCSF 1 is a just-noticeable loss. NaN counts as 0. See [`Self::budget_with`].
     pub greatest_loss: f32,
 }
 
@@ -128,8 +128,8 @@ impl AudioVisual {
 }
 
 impl Default for AudioVisual {
-    /// Any rate anywhere outside of the fovea, as far as it is worth its loss. On the stills of `cargo dev bench budget` that shades, without sound and so with 6.2
-    /// in place of 8, 0.70 of the samples of paper A's baseline, with 0.73 of its loss.
+    /// Any rate outside of the fovea whose savings are worth its loss. On the stills of `cargo dev bench budget`, without sound (6.2 in place
+    /// of 8), it shades 0.70 of the samples of paper A's baseline with 0.73 of its loss.
     fn default() -> Self {
         Self {
             budget: BudgetSettings::default(),

@@ -220,7 +220,7 @@ impl LineSpan {
     /// Number of spans, of meaning or not.
     pub(super) const COUNT: usize = (6 * SIDE) << Self::HEIGHT_BITS;
 
-    /// 0..[`Self::COUNT`]: those of a line follow each other, in the order of their heights, and a fourth has no meaning.
+    /// 0..[`Self::COUNT`]: four a line, in the order of heights; the fourth is unused.
     #[inline]
     pub(super) fn index(self) -> usize {
         usize::from(self.0)

@@ -31,7 +31,7 @@ struct Listening {
     shared: Arc<Shared>,
 }
 
-/// State shared by the thread that loads the library and those that plan.
+/// State shared by the library's loading thread and the planning threads.
 #[derive(Default)]
 struct Shared {
     /// There once the library is loaded and listens.

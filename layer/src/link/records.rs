@@ -161,7 +161,7 @@ pub struct StaleRecord {
     pub words: *mut u32,
     /// For how many there is room.
     pub capacity: u32,
-    /// How many there are, 0 where everything is fresh; the caller asks again with more room where that is too little.
+    /// Number of words, 0 for a fresh picture; the caller asks again with more room if it exceeds `capacity`.
     pub count: u32,
 }
 

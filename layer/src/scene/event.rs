@@ -74,7 +74,7 @@ pub struct Pass {
 
 /// The draws of a pass.
 ///
-/// What a draw reads is known by its descriptor sets. Images that are never attachments are left out: their content comes from no pass.
+/// Descriptor sets tell the reads of a draw. Images that are never attachments are left out: their content comes from no pass.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Draws {
     /// Draws of one triangle or two, of one instance or one for each eye: at most [`Draws::QUAD_VERTICES`] vertices, known to the CPU.

@@ -200,7 +200,7 @@ impl Recognition {
     fn find_candidates(&mut self, events: &[Event]) {
         let known = Known { frame: self.frame, memory: &self.memory, swapchains: &self.swapchains };
         let mut told = self.provenance.learn(events, &known, false);
-        // Nothing before the reader, for long: so it reads what was submitted before the last xrEndFrame, as on a thread of its own.
+        // Long without a camera before the reader: it reads passes from before the last xrEndFrame, submitted on a thread of their own.
         let was_found = self.found_at.is_some_and(|at| self.frame < at + HOLD);
         if told.unknown_reader.is_some() && !told.is_found && !was_found {
             told = self.provenance.learn(events, &known, true);

@@ -13,7 +13,7 @@ const SPANS: usize = LineSpan::COUNT / (6 * SIDE);
 /// A power of two, so that an index is cut to it by its bits.
 const WORDS: usize = LineSpan::COUNT.next_power_of_two();
 
-/// The cells that are due for an eye as bits, a word for each [`LineSpan`]: those that are due in any of its lines. Lines below a face's
+/// Due cells of an eye as bits, a word for each [`LineSpan`]: the columns with a due cell in any of its lines. Lines below a face's
 /// last one count as not due.
 #[derive(Clone, Debug)]
 pub(super) struct DueLines(Box<[u64; WORDS]>);

@@ -1,6 +1,6 @@
 //! Provenance: from the picture that is shown back to the passes that draw it.
 //!
-//! Content is followed, not looks: through full-screen passes to what they read, through transfers to what they copy, to the cameras,
+//! Content is followed, not looks: through full-screen passes to their reads, through transfers to their sources, to the cameras,
 //! passes that draw many things. What a camera samples is a texture, whatever it looks like, and so is all that only feeds it. Where nobody
 //! knows what is read (descriptors that are not followed, compute), the eye's cameras must be the only ones that could be: else none is
 //! taken.
