@@ -48,6 +48,14 @@ pub struct ConfigSnapshot {
     pub is_view_asked: bool,
 }
 
+#[cfg(test)]
+impl ConfigSnapshot {
+    /// A configuration of no file.
+    pub fn of_tests(config: Config) -> Self {
+        Self { config, source: Arc::default(), is_view_asked: false }
+    }
+}
+
 impl Deref for ConfigSnapshot {
     type Target = Config;
 

@@ -8,10 +8,10 @@
 mod records;
 
 pub use records::{
-    BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, DecisionRecord, EyeMapRecord,
-    FrameReportRecord, FrameStart, FrameTimeRecord, MOST_FRAME_TIMES, NO_EYE, NO_IMAGE, OfferRecord,
-    PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord,
-    SwapchainRecord,
+    AwaitedPlan, BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, DecisionRecord,
+    EyeMapRecord, FrameReportRecord, FrameStart, FrameTimeRecord, MOST_FRAME_TIMES, NO_EYE, NO_IMAGE,
+    OfferRecord, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord,
+    StaleRecord, SwapchainRecord,
 };
 
 use ash::vk;
@@ -22,7 +22,7 @@ use std::ffi::{CStr, c_char, c_void};
 pub const GET_LINK_NAME: &CStr = c"vkGetParafoveaLink";
 
 /// Version of [`LinkTable`] and [`DeviceRecord`]; halves with different versions stay inert.
-pub const LINK_VERSION: u32 = 15;
+pub const LINK_VERSION: u32 = 16;
 
 /// Signature behind [`GET_LINK_NAME`]: the table, valid for the life of the process.
 pub type GetLink = unsafe extern "C" fn() -> *const LinkTable;

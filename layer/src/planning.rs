@@ -341,7 +341,8 @@ impl Planning {
         self.settings.contrast_on_gpu && self.techniques.rates
     }
 
-    fn has_maps(&self, config: &Config) -> bool {
+    /// Whether plans have maps of rates or stale tiles: the configuration wants some, and the device can have them.
+    pub fn has_maps(&self, config: &Config) -> bool {
         wants_maps(config) && !self.offer.rates().is_empty()
     }
 

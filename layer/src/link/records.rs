@@ -2,6 +2,7 @@
 
 use ash::vk;
 use parafovea_core::kernels::decide::DecideParams;
+use std::ffi::c_void;
 
 /// [`OfferRecord::backend`]: nothing can be made coarser on this device; the log says why.
 pub const BACKEND_NONE: u32 = 0;
@@ -124,6 +125,19 @@ pub struct FrameStart {
     pub settings: *const SettingsRecord,
     /// The newest plan, or null where the last one stays.
     pub plan: *const PlanRecord,
+    /// The plan that a thread of the OpenXR half makes of this frame; null where that stays as it is.
+    pub awaited: *const AwaitedPlan,
+}
+
+/// A plan that is being made, for the first submit that needs it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct AwaitedPlan {
+    /// Returns when [`LinkTable::begin_frame`](crate::link::LinkTable::begin_frame) was called with the plan, if it is another than the last
+    /// one; calls neither Vulkan nor OpenXR. `None` withdraws the last function: it is not called any more when `begin_frame` returns.
+    pub finish: Option<unsafe extern "C" fn(context: *const c_void)>,
+    /// Its argument.
+    pub context: *const c_void,
 }
 
 /// Most times of frames in a [`FrameReportRecord`]; more come with the next one.

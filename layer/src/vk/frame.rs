@@ -1,5 +1,6 @@
 //! What the OpenXR half told of a device's frames, and what the application did since the last one ended.
 
+mod awaited;
 mod log;
 #[cfg(debug_assertions)]
 mod passes_file;
@@ -9,6 +10,7 @@ mod passes_file;
 mod plan;
 mod swapchains;
 
+pub use awaited::Awaited;
 pub use log::Log;
 pub use plan::Plan;
 
@@ -23,6 +25,8 @@ use swapchains::Swapchains;
 /// What holds for the frame under way. All of it is changed in place, so that a steady frame allocates nothing.
 #[derive(Default)]
 pub struct Frame {
+    /// The plan that the OpenXR half makes.
+    pub awaited: Awaited,
     plan: Mutex<Plan>,
     /// [`Plan::serial`] of the newest plan, to be looked at without the lock.
     serial: AtomicU64,

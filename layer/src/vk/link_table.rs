@@ -140,6 +140,9 @@ unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
                 });
                 armed.frame.set_plan(plan, rates);
             }
+            if let Some(awaited) = start.awaited.as_ref() {
+                armed.frame.awaited.set(awaited);
+            }
         });
     }
 }

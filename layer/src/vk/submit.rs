@@ -117,6 +117,9 @@ unsafe fn prepare(
     if !is_followed && armed.backend.is_none() {
         return;
     }
+    if is_followed {
+        armed.frame.awaited.finish();
+    }
     let mut touched = Outdated::new();
     let mut obeyed = Outdated::new();
     for buffer in buffers.filter_map(recording::buffer) {

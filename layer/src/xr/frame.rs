@@ -9,9 +9,9 @@ mod regions;
 mod report;
 mod work;
 
-pub use complete::expect;
+pub use complete::sort_ahead;
 pub use debug_view::{DebugViews, draw_over_released};
-pub use history::{Ahead, History};
+pub use history::{History, SortedTiles};
 
 use super::instance::next_of_any;
 use super::plan;
@@ -186,7 +186,7 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
     let _give_up = GiveUpOnPanic(active);
     let next = &session.instance.next;
 
-    let mut history = active.history();
+    let mut history = active.plan.history();
     let mut works: Works = swapchains.iter().filter_map(|swapchain| Work::begin(swapchain)).collect();
     process(frame, tools, &mut works);
     complete::complete(frame, tools, report, &mut works, &mut history);

@@ -222,6 +222,7 @@ fn end(session: &Session) {
     swapchain::forget_all_of(session.handle);
     session.gaze.close();
     if let Some(active) = &session.active {
+        active.plan.end();
         active.device.set_active(false);
     }
 }

@@ -1,7 +1,7 @@
 //! The OpenXR half above a stand-in for the runtime, called as a loader calls it. What needs a Vulkan device is
 //! tested with the mock runtime.
 
-mod fake;
+pub(in crate::xr) mod fake;
 mod plan;
 
 use super::{instance, proc_addr};

@@ -9,6 +9,7 @@ mod gpu;
 mod options;
 mod random;
 mod scene;
+mod simulation;
 mod style;
 mod styles;
 mod support;

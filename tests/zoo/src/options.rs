@@ -21,6 +21,9 @@ pub struct Options {
     /// Of the style `random`: which frames it records
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
+    /// Work of the application between locating its views and drawing them, in microseconds of each frame: a loop over memory
+    #[arg(long, default_value_t = 0, value_name = "MICROSECONDS")]
+    pub work: u64,
     /// Print every render pass of every frame, one JSON object a line
     #[arg(long)]
     pub passes: bool,

@@ -8,6 +8,7 @@ use crate::app::{App, Frame};
 use crate::gpu::{Device, Gpu, Opened, RatesFile};
 use crate::options::Options;
 use crate::scene::{Projection, Scene, Uniforms};
+use crate::simulation::Simulation;
 use crate::style::{Arrangement, Style};
 use crate::support::Needs;
 use crate::swapchain::Swapchain;
@@ -136,6 +137,7 @@ struct Show<'g> {
     /// Frames rendered so far.
     frame: u64,
     exit_requested: bool,
+    simulation: Simulation,
 }
 
 impl<'g> Show<'g> {
@@ -181,6 +183,7 @@ impl<'g> Show<'g> {
             session: session.clone(),
             frame: 0,
             exit_requested: false,
+            simulation: Simulation::default(),
         })
     }
 
@@ -246,6 +249,7 @@ impl<'g> Show<'g> {
         }
         let (_, views) = self.session.locate_views(STEREO, time, &self.space)?;
         let views: [xr::View; 2] = views.try_into().ok().context("two views")?;
+        self.simulation.run(Duration::from_micros(self.options.work));
         let acquire = |swapchains: &mut Vec<Swapchain>| {
             swapchains.iter_mut().map(Swapchain::acquire).collect::<Result<Vec<_>>>()
         };

@@ -104,6 +104,7 @@ impl Masks {
             clears_depth_later: pass.facts.clears_depth_later || facts.clears_depth_later,
             ..pass.facts
         };
+        armed.frame.awaited.finish();
         let how = How { coarsens: armed.frame.coarsens(), is_layered };
         // Measured with llvmpipe of Mesa 26.2.6 (tests/baselines/engines.md).
         let prefers_return = self.is_cpu && pipelines.returns.keeping_coverage && !target.fails_to_return();

@@ -6,7 +6,8 @@ use super::work::Work;
 use super::{FrameEnd, Works};
 use crate::config::{Config, longest_period, wants_reuse};
 use crate::planning::{Planning, View, Watched};
-use crate::xr::session::{Active, Health, Tools};
+use crate::xr::plan::PlanWork;
+use crate::xr::session::{Health, Tools};
 use crate::xr::submission::Projection;
 use crate::xr::vulkan_device::FrameReport;
 use openxr_sys as xr;
@@ -30,7 +31,8 @@ pub fn complete<'a>(
     let scene = submission.only_projection();
     let watched = watched(&active.plan.planning(), config);
     let mut kept = [false; 2];
-    active.ahead.finish(|mut ahead| {
+    let mut sorted = active.plan.sorted();
+    {
         (0..2).for_each(|eye| {
             let shown = scene.as_ref().and_then(|scene| picture(scene, eye, submission.time, works));
             let is_others = |(other, _): (ShownPicture, &Work)| {
@@ -64,9 +66,10 @@ pub fn complete<'a>(
             if !wants_reuse && history.region(eye, how).is_none() {
                 history.show(eye, None, |_| false, |_| {});
             }
-            history.complete(eye, how, watched[eye].as_ref(), ahead.as_deref_mut());
+            history.complete(eye, how, watched[eye].as_ref(), Some(&mut sorted));
         })
-    });
+    }
+    drop(sorted);
     let follows = |eye: usize| history.has_depth(eye) || (eye == 1 && !history.has_pictures(eye));
     {
         let mut planning = active.plan.planning();
@@ -89,21 +92,20 @@ pub fn complete<'a>(
     }
 }
 
-/// The frame that was just planned will show these views, if the application draws as it should: what completing its pictures takes is
-/// worked out ahead.
-pub fn expect(active: &Active, config: &Config, views: &[View]) {
-    if active.health() != Health::Works || !wants_reuse(config) {
+/// Sorts the tiles that completing the frame's pictures takes, if it shows these views.
+pub fn sort_ahead(work: &PlanWork, config: &Config, views: &[View]) {
+    // A frame that another thread is ending has pictures that this one needs.
+    let Some(history) = work.free_history() else { return };
+    let planning = work.planning();
+    let watched = watched(&planning, config);
+    if !planning.is_planned() {
         return;
     }
-    // A frame that another thread is ending has pictures that this one needs.
-    let Some(history) = active.free_history() else { return };
-    active.ahead.begin(|job| {
-        let planning = active.plan.planning();
-        let watched = watched(&planning, config);
+    work.sorted().update(move |sorted| {
         for ((eye, view), watched) in views.iter().take(2).enumerate().zip(watched) {
             let stale = |tiles: &mut StaleTiles| planning.stale(eye, tiles);
             let how = Completing::of(config);
-            history.expect(eye, job, Expected { how, watched, view: *view, stale: &stale });
+            history.expect(eye, sorted, Expected { how, watched, view: *view, stale: &stale });
         }
     });
 }

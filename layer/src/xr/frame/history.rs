@@ -7,7 +7,7 @@
 mod ahead;
 mod lists;
 
-pub use ahead::{Ahead, Expected, Job};
+pub use ahead::{Expected, SortedTiles};
 
 use crate::config::{Config, ReuseMode, longest_period};
 use crate::passes::change::ChangeRegion;
@@ -125,26 +125,26 @@ impl History {
     }
 
     /// Works out what of the newest picture of an eye is taken from which earlier one; and which of its tiles are compared with
-    /// earlier ones: those that were rendered, and whose middle is watched; none where `how` does not turn pictures. What `ahead` has
-    /// worked out already is taken from there.
+    /// earlier ones: those that were rendered, and whose middle is watched; none where `how` does not turn pictures. Tiles that were
+    /// sorted ahead are taken from `sorted`.
     pub fn complete(
         &mut self,
         eye: usize,
         how: Completing,
         watched: Option<&Watched>,
-        ahead: Option<&mut Job>,
+        sorted: Option<&mut SortedTiles>,
     ) {
         let EyeHistory { pictures, len, lists, .. } = &mut self.eyes[eye];
         let pictures = &pictures[..*len];
-        if ahead.is_none_or(|job| !job.take(eye, pictures, how, watched, lists)) {
+        if sorted.is_none_or(|sorted| !sorted.take(eye, pictures, how, watched, lists)) {
             lists.update(pictures.iter().map(Kept::picture), how, watched);
         }
     }
 
-    /// Sets an eye's part of `job` to what [`Self::complete`] will be asked next if its next picture is as `expected`.
-    pub fn expect(&self, eye: usize, job: &mut Job, expected: Expected) {
+    /// Sets an eye's part of `sorted` to what [`Self::complete`] will be asked next if its next picture is as `expected`.
+    pub fn expect(&self, eye: usize, sorted: &mut SortedTiles, expected: Expected) {
         let EyeHistory { pictures, len, lost, .. } = &self.eyes[eye];
-        job.expect(eye, &pictures[..*len], *lost, expected);
+        sorted.expect(eye, &pictures[..*len], *lost, expected);
     }
 
     /// What [`Self::complete`] found to compare, of a view that is turned so in the world; none where there is nothing to compare.

@@ -4,9 +4,8 @@ use super::shared;
 use crate::config::ConfigSnapshot;
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::compose::Compose;
-use crate::planning::Offer;
 use crate::status::take_over_decision;
-use crate::xr::frame::{Ahead, DebugViews, History};
+use crate::xr::frame::DebugViews;
 use crate::xr::plan::SessionPlan;
 use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
 use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
@@ -18,9 +17,6 @@ pub struct Active {
     pub device: VulkanDevice,
     /// Plan of its frames.
     pub plan: SessionPlan,
-    /// Sorting of the tiles of its pictures while they are drawn.
-    pub ahead: Ahead,
-    history: Mutex<History>,
     report: Mutex<FrameReport>,
     debug_views: Mutex<DebugViews>,
     tools: OnceLock<Option<Tools>>,
@@ -57,9 +53,7 @@ impl Active {
     pub unsafe fn new(device: VulkanDevice, config: Arc<ConfigSnapshot>) -> Self {
         Self {
             device,
-            plan: SessionPlan::new(config, Offer::from(&device.offer)),
-            ahead: Ahead::default(),
-            history: Mutex::default(),
+            plan: SessionPlan::new(config, device),
             report: Mutex::default(),
             debug_views: Mutex::default(),
             tools: OnceLock::new(),
@@ -106,16 +100,6 @@ impl Active {
     /// Memory for the report on a frame: that of the last one.
     pub fn report(&self) -> MutexGuard<'_, FrameReport> {
         self.report.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Its last pictures.
-    pub fn history(&self) -> MutexGuard<'_, History> {
-        self.history.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The same, unless another thread has it.
-    pub fn free_history(&self) -> Option<MutexGuard<'_, History>> {
-        self.history.try_lock().ok()
     }
 
     /// State of its debug view.

@@ -2,15 +2,17 @@
 
 use crate::config::Arming;
 use crate::link::{
-    BACKEND_RATE_ATTACHMENT, DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord, FrameStart,
-    FrameTimeRecord, LINK_VERSION, LinkTable, MOST_FRAME_TIMES, OfferRecord, PictureRecord, PlanRecord,
-    RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord, SwapchainRecord,
+    AwaitedPlan, BACKEND_RATE_ATTACHMENT, DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord,
+    FrameStart, FrameTimeRecord, LINK_VERSION, LinkTable, MOST_FRAME_TIMES, OfferRecord, PictureRecord,
+    PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
 use ash::vk::Handle;
 use parafovea_core::rate::VULKAN_RATES;
 use std::cell::{Cell, RefCell};
 use std::ffi::{c_char, c_void};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Something that was told.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,11 +39,26 @@ thread_local! {
     static TIMES: RefCell<Vec<FrameTimeRecord>> = const { RefCell::new(Vec::new()) };
     static CALLS: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };
     static TOLD: RefCell<Vec<Told>> = const { RefCell::new(Vec::new()) };
+    /// The device of this thread.
+    static DEVICE: u64 = DEVICES.fetch_add(1, Ordering::Relaxed);
 }
+
+static DEVICES: AtomicU64 = AtomicU64::new(1);
+
+/// Plans of each device, which a thread of the layer may tell.
+static PLANS: Mutex<Vec<(u64, Told)>> = Mutex::new(Vec::new());
 
 /// Messages of this thread since the last call.
 pub fn told() -> Vec<Told> {
+    take_plans();
     TOLD.take()
+}
+
+/// Moves the plans of this thread's device to its messages.
+fn take_plans() {
+    let is_mine = |(device, _): &mut (u64, Told)| *device == DEVICE.with(|own| *own);
+    let plans: Vec<_> = PLANS.lock().unwrap().extract_if(.., is_mine).collect();
+    plans.into_iter().for_each(|(_, plan)| tell(plan));
 }
 
 /// The calls of this thread since the last call of this.
@@ -83,7 +100,7 @@ pub fn record() -> DeviceRecord {
     DeviceRecord {
         instance: vk::Instance::null(),
         physical_device: vk::PhysicalDevice::null(),
-        device: vk::Device::from_raw(1),
+        device: vk::Device::from_raw(DEVICE.with(|own| *own)),
         api_version: vk::API_VERSION_1_0,
         next_get_instance_proc_addr: no_instance_function,
         next_get_device_proc_addr: no_device_function,
@@ -171,11 +188,16 @@ unsafe extern "C" fn swapchain(_: vk::Device, record: *const SwapchainRecord) {
     }
 }
 
-unsafe extern "C" fn begin_frame(_: vk::Device, start: *const FrameStart) {
-    note("begin_frame");
+/// Plans are awaited at once, as by an application that submits straight after it has located its views.
+unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
     // SAFETY: the other half passes valid records, or null.
     unsafe {
-        let FrameStart { settings, plan } = *start;
+        let FrameStart { settings, plan, awaited } = *start;
+        if let Some(AwaitedPlan { finish: Some(finish), context }) = awaited.as_ref() {
+            finish(*context);
+            return take_plans();
+        }
+        note("begin_frame");
         if let Some(SettingsRecord { is_on, backend, passes, passes_len, .. }) = settings.as_ref() {
             let passes = String::from_utf8(slice(*passes, *passes_len).to_vec()).unwrap();
             IS_ON.set(*is_on == 1);
@@ -183,7 +205,8 @@ unsafe extern "C" fn begin_frame(_: vk::Device, start: *const FrameStart) {
         }
         if let Some(PlanRecord { serial, eyes }) = plan.as_ref() {
             let rates = eyes.map(|eye| slice(eye.rates, eye.tiles[0] * eye.tiles[1]).to_vec());
-            tell(Told::Plan { serial: *serial, extents: eyes.map(|eye| eye.extent), rates });
+            let plan = Told::Plan { serial: *serial, extents: eyes.map(|eye| eye.extent), rates };
+            PLANS.lock().unwrap().push((device.as_raw(), plan));
         }
     }
 }

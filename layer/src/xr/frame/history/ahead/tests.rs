@@ -58,7 +58,7 @@ fn lists(history: &History) -> Vec<Vec<u32>> {
     sorted.chain(compared).collect()
 }
 
-/// Runs frames with work done ahead and without, which have to end alike; says of each whether it was taken. A frame is expected as
+/// Runs frames with tiles sorted ahead and without, which have to end alike; says of each whether they were taken. A frame is expected as
 /// `expected` has it, and ends as `ended` has it: number, view and stale tiles of that number.
 fn taken(
     frames: u64,
@@ -67,27 +67,21 @@ fn taken(
 ) -> Vec<bool> {
     let (how, watched) = (Completing::TURNED, Watched::beyond(2.0, Vec3::NEG_Z));
     let [mut history, mut alone] = [History::default(), History::default()];
-    let ahead = Ahead::default();
+    let mut sorted = SortedTiles::default();
     let frame = |number: u64| {
-        ahead.begin(|job| {
+        sorted.update(|sorted| {
             let (pattern, view) = expected(number);
-            history.expect(0, job, Expected { how, watched: Some(watched), view, stale: &stale(pattern) });
+            let expected = Expected { how, watched: Some(watched), view, stale: &stale(pattern) };
+            history.expect(0, sorted, expected);
         });
         let (pattern, view) = ended(number);
         let is_intact = |release: u64| release + IMAGES > number;
         for history in [&mut history, &mut alone] {
             history.show(0, Some((&shown(number, view), None)), is_intact, stale(pattern));
         }
-        // A frame of an application takes its time.
-        let is_open = || matches!(*ahead.shared.lock(), State::Waiting(_));
-        while is_open() {
-            std::thread::yield_now();
-        }
-        let is_taken = ahead.finish(|job| {
-            let mut job = job.filter(|job| job.eyes[0].how.is_some());
-            history.complete(0, how, Some(&watched), job.as_deref_mut());
-            job.is_some_and(|job| job.eyes[0].how.is_none())
-        });
+        let was_expected = sorted.eyes[0].how.is_some();
+        history.complete(0, how, Some(&watched), Some(&mut sorted));
+        let is_taken = was_expected && sorted.eyes[0].how.is_none();
         alone.complete(0, how, Some(&watched), None);
         assert_eq!(lists(&history), lists(&alone), "frame {number}");
         is_taken
@@ -116,10 +110,20 @@ fn a_frame_that_is_another_is_worked_out_anew() {
 }
 
 #[test]
-fn work_that_was_not_begun_is_not_waited_for() {
-    let ahead = Ahead::default();
-    assert!(ahead.finish(|job| job.is_none()), "before the first frame");
-    ahead.begin(|_| {});
-    ahead.finish(|_| ());
-    assert!(ahead.finish(|job| job.is_none()), "twice");
+fn tiles_are_taken_once() {
+    let (how, watched) = (Completing::TURNED, Watched::beyond(2.0, Vec3::NEG_Z));
+    let mut history = History::default();
+    let mut sorted = SortedTiles::default();
+    for number in 1..=8 {
+        sorted.update(|sorted| {
+            let expected =
+                Expected { how, watched: Some(watched), view: view(number), stale: &stale(number) };
+            history.expect(0, sorted, expected);
+        });
+        history.show(0, Some((&shown(number, view(number)), None)), |_| true, stale(number));
+        history.complete(0, how, Some(&watched), Some(&mut sorted));
+    }
+    let first = lists(&history);
+    history.complete(0, how, Some(&watched), Some(&mut sorted));
+    assert_eq!(lists(&history), first, "sorted anew");
 }

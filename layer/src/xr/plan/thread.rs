@@ -1,0 +1,211 @@
+//! The thread that plans a session's frames while the application records them. A task that the thread has not begun is done by the first
+//! thread that needs the plan, so that a busy machine loses nothing: the plan is that of the frame in every case.
+
+use super::work::{FrameTask, PlanWork};
+use crate::abi::guard;
+use crate::link::{AwaitedPlan, FrameStart};
+use std::ffi::c_void;
+use std::ptr;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+/// The thread of one session, from the first task on until the session ends.
+pub struct PlanThread {
+    shared: Arc<SharedPlan>,
+    thread: Mutex<Thread>,
+}
+
+enum Thread {
+    NotBegun,
+    Runs(JoinHandle<()>),
+    Ended,
+}
+
+/// The newest task, and the state of its session.
+pub struct SharedPlan {
+    stage: Mutex<Stage>,
+    changed: Condvar,
+    work: PlanWork,
+}
+
+/// Progress of the newest task.
+#[derive(Default)]
+enum Stage {
+    /// There is none, or it is done.
+    #[default]
+    Idle,
+    /// The first thread that needs its plan makes it.
+    Due(FrameTask),
+    /// A thread makes its plan.
+    UnderWay,
+    /// A thread of the application made its plan; its tiles may still be sorted.
+    Planned(FrameTask),
+    /// Its plan is made, and the session's thread sorts its tiles.
+    Sorting,
+    /// The session ends.
+    Ended,
+}
+
+impl PlanThread {
+    /// Without a task.
+    pub fn new(work: PlanWork) -> Self {
+        let shared = SharedPlan { stage: Mutex::default(), changed: Condvar::new(), work };
+        Self { shared: Arc::new(shared), thread: Mutex::new(Thread::NotBegun) }
+    }
+
+    /// What plans are made from, after the plan that is due or under way was made.
+    pub fn work(&self) -> &PlanWork {
+        self.shared.finish();
+        &self.shared.work
+    }
+
+    /// The same, while a plan may be due or under way.
+    pub fn work_in_progress(&self) -> &PlanWork {
+        &self.shared.work
+    }
+
+    /// Hands a task over, after the last one was finished. Done at once where there is no thread.
+    pub fn begin(&self, task: FrameTask) {
+        self.shared.finish();
+        if !self.runs() {
+            self.shared.work.plan(&task);
+            return;
+        }
+        let is_planned = task.inputs.is_none();
+        *self.shared.lock() = if is_planned { Stage::Planned(task) } else { Stage::Due(task) };
+        if !is_planned {
+            let awaited = AwaitedPlan { finish: Some(finish), context: Arc::as_ptr(&self.shared).cast() };
+            self.announce(&awaited);
+        }
+        self.shared.changed.notify_all();
+    }
+
+    /// Waits until the tiles of the newest task are sorted; leaves them where that has not begun.
+    pub fn finish_sorting(&self) {
+        self.shared.finish();
+        let mut stage = self.shared.lock();
+        while matches!(*stage, Stage::Sorting) {
+            stage = self.shared.wait(stage);
+        }
+        if matches!(*stage, Stage::Planned(_)) {
+            *stage = Stage::Idle;
+        }
+    }
+
+    /// Ends the thread. Nobody calls into it afterwards, and further tasks are done at once.
+    pub fn end(&self) {
+        let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Thread::Runs(handle) = std::mem::replace(&mut *thread, Thread::Ended) {
+            self.announce(&AwaitedPlan { finish: None, context: ptr::null() });
+            self.shared.finish();
+            *self.shared.lock() = Stage::Ended;
+            self.shared.changed.notify_all();
+            // A thread that panicked has said so in its own words.
+            _ = handle.join();
+        }
+    }
+
+    fn announce(&self, awaited: &AwaitedPlan) {
+        let start = FrameStart { settings: ptr::null(), plan: ptr::null(), awaited };
+        // SAFETY: the record is valid. Its context lives until `end` has withdrawn it: the session's end and `drop` both call that.
+        unsafe { self.shared.work.device().begin_frame(&start) };
+    }
+
+    fn runs(&self) -> bool {
+        let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
+        if matches!(*thread, Thread::NotBegun) {
+            let shared = Arc::clone(&self.shared);
+            let built = std::thread::Builder::new().name("parafovea-plan".to_owned());
+            *thread = built.spawn(move || shared.run()).map_or(Thread::Ended, Thread::Runs);
+        }
+        matches!(*thread, Thread::Runs(_))
+    }
+}
+
+impl Drop for PlanThread {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// Finishes the plan of a session: [`AwaitedPlan::finish`].
+unsafe extern "C" fn finish(context: *const c_void) {
+    guard(
+        "the plan that a submit awaits",
+        || (),
+        |_| {
+            // SAFETY: `PlanThread::begin` announced the context, which lives until it is withdrawn; the Vulkan half calls nobody after that.
+            if let Some(shared) = unsafe { context.cast::<SharedPlan>().as_ref() } {
+                shared.finish();
+            }
+        },
+    );
+}
+
+impl SharedPlan {
+    fn lock(&self) -> MutexGuard<'_, Stage> {
+        self.stage.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns when no plan is due or under way: makes the one that is due, or waits for the one that is under way.
+    fn finish(&self) {
+        let mut stage = self.lock();
+        loop {
+            match std::mem::replace(&mut *stage, Stage::UnderWay) {
+                Stage::Due(task) => {
+                    drop(stage);
+                    self.work.plan(&task);
+                    *self.lock() = if task.expected.is_empty() { Stage::Idle } else { Stage::Planned(task) };
+                    self.changed.notify_all();
+                    return;
+                }
+                Stage::UnderWay => stage = self.wait(stage),
+                other => {
+                    *stage = other;
+                    return;
+                }
+            }
+        }
+    }
+
+    fn wait<'a>(&self, stage: MutexGuard<'a, Stage>) -> MutexGuard<'a, Stage> {
+        self.changed.wait(stage).unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Does tasks until the end.
+    fn run(&self) {
+        let mut stage = self.lock();
+        loop {
+            let task = match std::mem::replace(&mut *stage, Stage::UnderWay) {
+                Stage::Due(task) => {
+                    drop(stage);
+                    self.work.plan(&task);
+                    stage = self.lock();
+                    task
+                }
+                Stage::Planned(task) => task,
+                Stage::Ended => {
+                    *stage = Stage::Ended;
+                    return;
+                }
+                other => {
+                    *stage = other;
+                    stage = self.wait(stage);
+                    continue;
+                }
+            };
+            *stage = if task.expected.is_empty() { Stage::Idle } else { Stage::Sorting };
+            drop(stage);
+            self.changed.notify_all();
+            self.work.sort(&task);
+            stage = self.lock();
+            if matches!(*stage, Stage::Sorting) {
+                *stage = Stage::Idle;
+                self.changed.notify_all();
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

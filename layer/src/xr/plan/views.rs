@@ -1,0 +1,208 @@
+//! Planning at the views that the application locates and shows.
+
+use super::SessionPlan;
+use super::work::{FrameTask, PlanInputs};
+use crate::abi::guard;
+use crate::config::{Config, ConfigSnapshot, GazeSource, wants_reuse};
+use crate::inputs::gaze::rotation;
+use crate::planning::{ShownView, View, head_of};
+use crate::xr::instance::next_of_any;
+use crate::xr::session::{self, Active, Health, Session, Tools};
+use crate::xr::submission::{self, Projection, ProjectionView};
+use glam::{Quat, Vec3};
+use openxr_sys as xr;
+use smallvec::SmallVec;
+use std::sync::Arc;
+
+/// `xrLocateViews`: the views that the application will draw, and with them the newest gaze.
+pub unsafe extern "system" fn locate_views(
+    handle: xr::Session,
+    info: *const xr::ViewLocateInfo,
+    state: *mut xr::ViewState,
+    capacity: u32,
+    count: *mut u32,
+    views: *mut xr::View,
+) -> xr::Result {
+    let known = session::find(handle);
+    let Some(next) = known.as_ref().map(|known| known.instance.next).or_else(next_of_any) else {
+        return xr::Result::ERROR_HANDLE_INVALID;
+    };
+    // SAFETY: the next layer's function with the application's own arguments.
+    let below = || unsafe { (next.locate_views)(handle, info, state, capacity, count, views) };
+    guard("xrLocateViews", below, |answer| {
+        let result = answer.record(below());
+        let active = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)));
+        if let (true, Some((known, active))) = (result.into_raw() >= 0, active) {
+            // SAFETY: the call succeeded: its arguments are valid, and as many views were written as it says.
+            unsafe {
+                if let (Some(info), Some(state), Some(count)) =
+                    (info.as_ref(), state.as_ref(), count.as_ref())
+                {
+                    let is_valid = state.view_state_flags.contains(xr::ViewStateFlags::ORIENTATION_VALID);
+                    if is_valid && !views.is_null() && *count <= capacity {
+                        let views = std::slice::from_raw_parts(views, *count as usize);
+                        views_located(known, active, info.display_time, views);
+                    }
+                }
+            }
+        }
+        result
+    })
+}
+
+/// The application located its views. Of several calls for one frame the first plans it, where the plan waits for it; calls for other
+/// times, of a thread that prepares the next frame, plan nothing.
+fn views_located(session: &Session, active: &Active, time: xr::Time, views: &[xr::View]) {
+    let views: SmallVec<[View; 4]> = views.iter().filter_map(|view| of_pose(&view.pose, &view.fov)).collect();
+    let state = &active.plan;
+    let config = {
+        let mut frame = state.frame();
+        if frame.time != Some(time) || frame.is_located {
+            frame.later = Some(views);
+            return;
+        }
+        frame.is_located = true;
+        Arc::clone(&frame.config)
+    };
+    let is_planned = {
+        let mut planning = state.planning();
+        planning.views.located(&views);
+        planning.is_planned()
+    };
+    // The pictures of an application that draws as it should show these views.
+    let expected = match active.health() {
+        Health::Works if wants_reuse(&config) => views,
+        _ => SmallVec::new(),
+    };
+    if is_planned {
+        state.thread.begin(FrameTask { config, time_ns: time.as_nanos(), inputs: None, expected });
+    } else {
+        plan(session, (active, &config), time, expected);
+    }
+}
+
+/// Projection views are shown at `time`: the frame is planned now if that was not possible before. Nothing is shown that is
+/// nearer than `nearest_m`, where that is known.
+pub fn views_shown(
+    session: &Session,
+    (active, config): (&Active, &Arc<ConfigSnapshot>),
+    time: xr::Time,
+    views: &[ProjectionView],
+    nearest_m: Option<f32>,
+) {
+    let shown = views.iter().map(|view| {
+        let extent = view.sub_image.image_rect.extent;
+        let extent = [extent.width.max(0) as u32, extent.height.max(0) as u32];
+        Some(ShownView { view: view.view()?, extent })
+    });
+    let Some(shown) = shown.collect::<Option<SmallVec<[ShownView; 4]>>>() else { return };
+    let later = active.plan.frame().later.take();
+    let is_planned = {
+        let mut planning = active.plan.planning();
+        if let Some(views) = later {
+            planning.views.located(&views);
+        }
+        planning.views.shown(&shown);
+        planning.views.set_nearest(nearest_m);
+        planning.is_planned()
+    };
+    if !is_planned {
+        plan(session, (active, config), time, SmallVec::new());
+    }
+}
+
+/// A pose and a field of view, if the pose makes sense.
+fn of_pose(pose: &xr::Posef, fov: &xr::Fovf) -> Option<View> {
+    let xr::Quaternionf { x, y, z, w } = pose.orientation;
+    let xr::Vector3f { x: right, y: up, z: back } = pose.position;
+    Some(View {
+        orientation: rotation(x, y, z, w)?,
+        position: Vec3::new(right, up, back),
+        fov: submission::fov(fov),
+    })
+}
+
+/// Plans the frame that is shown at `time`, and hands its rates to the Vulkan half: on the session's thread where the frame has maps, which
+/// sorts the tiles of `expected` views too.
+pub(super) fn plan(
+    session: &Session,
+    (active, config): (&Active, &Arc<ConfigSnapshot>),
+    time: xr::Time,
+    expected: SmallVec<[View; 4]>,
+) {
+    let state = &active.plan;
+    if state.has_failed() {
+        return;
+    }
+    let _give_up = GiveUpOnPanic(state);
+    let can_attenuate = active.health() == Health::Works;
+    let has_work = {
+        let mut planning = state.planning();
+        let has_work = planning.has_work(config, can_attenuate);
+        if !has_work {
+            planning.idle();
+        }
+        has_work
+    };
+    if !has_work {
+        state.ears().rest();
+        return;
+    }
+    let head = look(session, state, config, time);
+    let heard = state.ears().hear(config);
+    let has_maps = {
+        let mut planning = state.planning();
+        if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {
+            compose.changes(|view, tiles, changes| planning.content_changed(view, tiles, changes));
+        }
+        planning.listen(heard);
+        planning.has_maps(config)
+    };
+    let inputs = Some(PlanInputs { can_attenuate, head });
+    let task = FrameTask { config: Arc::clone(config), time_ns: time.as_nanos(), inputs, expected };
+    if has_maps {
+        state.thread.begin(task);
+    } else {
+        // Chroma alone takes less time than to wake a thread.
+        state.thread.work().plan(&task);
+    }
+}
+
+/// Asks the eye tracker, and returns how the head is turned at `time`.
+pub(super) fn look(session: &Session, state: &SessionPlan, config: &Config, time: xr::Time) -> Quat {
+    let look = session.gaze.look(session, config, time);
+    let head = session.head_in_world(time);
+    if let Some(reason) = state.planning().look(config, look, head, time.as_nanos()) {
+        tracing::info!("a gaze sample was rejected: {reason}");
+    }
+    head
+}
+
+/// How the head was turned when a projection layer's pictures were drawn, in the layer's space: the direction of the gaze
+/// is known relative to the head.
+pub fn head_in_layer(
+    session: &Session,
+    config: &Config,
+    layer: &Projection<'_>,
+    time: xr::Time,
+) -> Option<Quat> {
+    let of_views = || head_of(layer.views.iter().take(2).filter_map(|view| view.orientation));
+    match config.gaze.source {
+        // Straight ahead of the picture, whenever it was drawn.
+        GazeSource::Centre => of_views(),
+        GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => {
+            session.head_in(layer.space, time).or_else(of_views)
+        }
+    }
+}
+
+/// Gives planning up when it panics, so that it does not do so in every frame.
+struct GiveUpOnPanic<'a>(&'a SessionPlan);
+
+impl Drop for GiveUpOnPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.thread.work_in_progress().fail();
+        }
+    }
+}
