@@ -48,7 +48,7 @@ pub enum Health {
     Works = 0,
     /// The application's pictures are delivered as they are.
     CopyOnly = 1,
-    /// Not even that: frames that show virtual swapchains fail, and no more of those are made.
+    /// Not even that: frames that show virtual swapchains end without layers, and no more of those are made.
     Stopped = 2,
 }
 
