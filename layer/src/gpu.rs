@@ -27,6 +27,7 @@ mod pipeline_layout;
 mod recorder;
 mod sample_draw;
 mod shared;
+mod submit_times;
 
 pub use app_commands::{AppCommands, ImagePart, Scope};
 pub(crate) use app_commands::{COMPUTES, READS_OF_RESULTS};
@@ -55,6 +56,7 @@ use functions::Functions;
 use shared::Left;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use submit_times::{SubmitTime, SubmitTimes};
 
 /// How many submits of ours may be under way before the next one waits.
 pub(crate) const SUBMITS_IN_FLIGHT: usize = 3;
@@ -119,9 +121,11 @@ impl Gpu {
             unsafe { gpu.instance.get_physical_device_queue_family_properties(gpu.physical_device) };
         // The barriers name the stages of both.
         let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
-        if !families.get(queue_family as usize).is_some_and(|family| family.queue_flags.contains(needed)) {
+        let family = families.get(queue_family as usize);
+        let Some(family) = family.filter(|family| family.queue_flags.contains(needed)) else {
             return Err(GpuError::Unsupported("a queue without graphics and compute"));
-        }
+        };
+        let times = SubmitTimes::new(family.timestamp_valid_bits, gpu.limits.timestamp_period);
         // SAFETY: the caller says that the device was created with this queue, which the loader's callback
         // may see again: it writes the same pointer.
         unsafe {
@@ -129,7 +133,7 @@ impl Gpu {
             functions::init_dispatch(record, gpu.queue)?;
         }
         // SAFETY: the device is live and made of this record.
-        let commands = unsafe { CommandRing::new(&gpu.device, record, queue_family) }?;
+        let commands = unsafe { CommandRing::new(&gpu.device, record, queue_family, times) }?;
         gpu.commands = Mutex::new(Some(commands));
         gpu.shared = Some(Arc::clone(&shared));
         let gpu = Arc::new(gpu);
@@ -236,6 +240,22 @@ impl Gpu {
         let result = ring.submit(&self.device, self.queue, record);
         // A device that is behind comes again, and nothing was touched that it still uses.
         if result == Err(GpuError::Timeout) { result } else { self.abandon_if_stuck(result) }
+    }
+
+    /// Submits belong to that frame from now on, and are timed; `None`: they are not.
+    pub(crate) fn set_timed_frame(&self, frame: Option<u64>) {
+        if let Some(ring) = &mut *self.commands.lock().unwrap_or_else(PoisonError::into_inner) {
+            ring.set_timed_frame(frame);
+        }
+    }
+
+    /// Takes the times of submits that have finished; returns the first frame with one that has not. Waits for nothing.
+    pub(crate) fn take_times(&self, add: impl FnMut(SubmitTime)) -> Option<u64> {
+        if self.is_abandoned() {
+            return None;
+        }
+        let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
+        commands.as_mut()?.take_times(&self.device, add)
     }
 
     /// Waits until a submit has finished on the GPU.

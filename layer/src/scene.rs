@@ -4,6 +4,7 @@
 //! the application [`Shown`]. From both, recognition works out which targets are the scene, and of which eye.
 
 mod event;
+mod eye_passes;
 pub mod lay;
 mod matched;
 mod recognition;
@@ -12,6 +13,7 @@ mod shown;
 pub use event::{
     Draws, Event, ImageDescription, ImageKey, Pass, PassFacts, Reads, Target, Transfer, TransferKind,
 };
+pub use eye_passes::EyePasses;
 pub use matched::{Eyes, How, Match, Orientation, Part, Unmatched};
 pub use recognition::Recognition;
 pub use shown::{Eye, Shown, ShownView, SwapchainKey};

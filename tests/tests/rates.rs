@@ -79,11 +79,11 @@ fn our_scene() {
     check(&Application::ours("parafovea-scene", &[]).unwrap());
 }
 
-/// On what says that it is a GPU, the gate looks by timestamps around the passes; without any it would leave rates as they are.
+/// On what says that it is a GPU, the gate looks by timestamps around command buffers, of several queues too; without any it would leave rates as they are.
 #[test]
 fn the_gate_hears_what_passes_take_on_a_gpu() {
     const FRAMES: u64 = 80;
-    for style in ["render-pass", "dynamic-rendering", "multiview"] {
+    for style in ["render-pass", "dynamic-rendering", "multiview", "secondaries", "async-compute"] {
         let frames = FRAMES.to_string();
         let arguments = ["--style", style, "--size", "64", "--frames", &frames];
         let application = Application::ours("parafovea-zoo", &arguments).unwrap();

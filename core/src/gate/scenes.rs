@@ -6,6 +6,10 @@ use super::evidence::Evidence;
 /// pass, a refraction, a scope) do so for shorter.
 pub const SCENE_HOLD_NS: i64 = 10_000_000_000;
 
+/// A scene that was young has ended sooner: when its set was not seen for so many times as long as it had been. At an application's
+/// start recognition finds one pass after the other.
+const YOUNG_HOLD: i64 = 4;
+
 /// Most remembered decisions; beyond them the scene with the oldest is judged anew.
 const MOST: usize = 8;
 
@@ -20,6 +24,7 @@ pub(super) struct Decision {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scenes {
     current: Option<u32>,
+    began_ns: i64,
     seen_ns: i64,
     decisions: [Option<(u32, Decision)>; MOST],
     next: usize,
@@ -29,14 +34,18 @@ impl Scenes {
     /// Takes the set of eye passes of a frame, if there was any. Whether another scene than before begins with it.
     pub(super) fn frame(&mut self, passes: Option<u32>, now_ns: i64) -> bool {
         self.seen_ns = self.seen_ns.min(now_ns);
+        self.began_ns = self.began_ns.min(now_ns);
         let Some(passes) = passes else { return false };
         let is_new = match self.current {
             Some(current) if current == passes => false,
-            Some(_) => now_ns.saturating_sub(self.seen_ns) >= SCENE_HOLD_NS,
+            Some(_) => {
+                let hold_ns = YOUNG_HOLD.saturating_mul(self.seen_ns.saturating_sub(self.began_ns));
+                now_ns.saturating_sub(self.seen_ns) >= hold_ns.min(SCENE_HOLD_NS)
+            }
             None => true,
         };
         if is_new {
-            self.current = Some(passes);
+            (self.current, self.began_ns) = (Some(passes), now_ns);
         }
         if self.current == Some(passes) {
             self.seen_ns = now_ns;
@@ -81,6 +90,17 @@ mod tests {
             .filter(|second| scenes.frame(Some(2 + (second / 5 % 2) as u32), second * SECOND))
             .collect();
         assert_eq!(begun, [0]);
+    }
+
+    /// Recognition finds passes within a second: the set that stays is the scene.
+    #[test]
+    fn sets_of_an_applications_first_frames_do_not_last() {
+        let mut scenes = Scenes::default();
+        let begun: Vec<i64> = (0..200)
+            .filter(|frame| scenes.frame(Some([2, 4, 7][(frame / 5).min(2) as usize]), frame * SECOND / 90))
+            .collect();
+        assert_eq!(begun.first(), Some(&0));
+        assert!(scenes.is_current(Some(7)) && *begun.last().unwrap() < 45, "{begun:?}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! A ring of command buffers, each with a fence, so that a submit seldom waits and allocates nothing.
 
+use super::submit_times::{SubmitTime, SubmitTimes};
 use super::{Gpu, GpuError, Recorder, SUBMITS_IN_FLIGHT, functions};
 use crate::link::DeviceRecord;
 use ash::vk;
@@ -31,6 +32,7 @@ pub(super) struct CommandRing {
     last_submit: u64,
     /// Whether a submit was waited for in vain: until it has finished, nobody waits for it again.
     is_behind: bool,
+    times: SubmitTimes,
 }
 
 impl CommandRing {
@@ -40,6 +42,7 @@ impl CommandRing {
         device: &ash::Device,
         record: &DeviceRecord,
         queue_family: u32,
+        times: SubmitTimes,
     ) -> Result<Self, GpuError> {
         let pool_info = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER | vk::CommandPoolCreateFlags::TRANSIENT)
@@ -47,8 +50,8 @@ impl CommandRing {
         // SAFETY: the device is live and has that family.
         let pool = unsafe { device.create_command_pool(&pool_info, None) }
             .map_err(GpuError::from_call("vkCreateCommandPool"))?;
-        let mut ring =
-            Self { pool, slots: [Slot::default(); SUBMITS_IN_FLIGHT], last_submit: 0, is_behind: false };
+        let slots = [Slot::default(); SUBMITS_IN_FLIGHT];
+        let mut ring = Self { pool, slots, last_submit: 0, is_behind: false, times };
         // SAFETY: as above; the pool is new.
         match unsafe { ring.fill(device, record) } {
             Ok(()) => Ok(ring),
@@ -91,17 +94,42 @@ impl CommandRing {
         let slot = self.slots[index];
         if slot.submit != 0 {
             self.wait_for_slot(device, slot)?;
+            self.times.finished(device, index);
         }
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the command buffer is not pending: its fence was waited for. Beginning resets it.
         unsafe { device.begin_command_buffer(slot.commands, &begin) }
             .map_err(GpuError::from_call("vkBeginCommandBuffer"))?;
+        // SAFETY: it is being recorded, on a queue that draws (`Gpu::sharing`).
+        unsafe { self.times.begin(device, slot.commands, index) };
         if let Err(error) = record(&Recorder::new(device, slot.commands, index)) {
+            self.times.forget(index);
             // SAFETY: the command buffer is not pending; nobody else uses the pool.
             unsafe { device.reset_command_buffer(slot.commands, vk::CommandBufferResetFlags::empty()) }
                 .map_err(GpuError::from_call("vkResetCommandBuffer"))?;
             return Err(error);
         }
+        // SAFETY: as above, outside of a render pass: `Recorder` ends those.
+        unsafe { self.times.end(device, slot.commands, index) };
+        let submitted = self.end_and_submit(device, queue, index);
+        match submitted {
+            Ok(()) => {
+                self.slots[index].submit = number;
+                self.last_submit = number;
+            }
+            Err(_) => self.times.forget(index),
+        }
+        submitted.map(|()| number)
+    }
+
+    /// Ends the recording of a command buffer, and submits it with its fence.
+    fn end_and_submit(
+        &mut self,
+        device: &ash::Device,
+        queue: vk::Queue,
+        index: usize,
+    ) -> Result<(), GpuError> {
+        let slot = self.slots[index];
         // SAFETY: the command buffer is being recorded, outside of a render pass: `Recorder` ends those.
         unsafe { device.end_command_buffer(slot.commands) }
             .map_err(GpuError::from_call("vkEndCommandBuffer"))?;
@@ -116,11 +144,23 @@ impl CommandRing {
         let commands = [slot.commands];
         let info = vk::SubmitInfo::default().command_buffers(&commands);
         // SAFETY: command buffer and fence are ready, and the queue is ours to use, as `Gpu::new` demands.
-        unsafe { device.queue_submit(queue, &[info], fence) }
-            .map_err(GpuError::from_call("vkQueueSubmit"))?;
-        self.slots[index].submit = number;
-        self.last_submit = number;
-        Ok(number)
+        unsafe { device.queue_submit(queue, &[info], fence) }.map_err(GpuError::from_call("vkQueueSubmit"))
+    }
+
+    /// Submits belong to that frame from now on, and are timed; `None`: they are not.
+    pub(super) fn set_timed_frame(&mut self, frame: Option<u64>) {
+        self.times.set_frame(frame);
+    }
+
+    /// Takes the times of submits that have finished; returns the first frame with one that has not. Waits for nothing.
+    pub(super) fn take_times(&mut self, device: &ash::Device, add: impl FnMut(SubmitTime)) -> Option<u64> {
+        for index in 0..self.slots.len() {
+            let submit = self.slots[index].submit;
+            if submit != 0 && self.is_finished(device, submit) {
+                self.times.finished(device, index);
+            }
+        }
+        self.times.take(add)
     }
 
     /// Waits until a slot is free again, the first time; where that was in vain it only looks from then on, so that an application
@@ -194,6 +234,7 @@ impl CommandRing {
             for slot in &self.slots {
                 device.destroy_fence(slot.fence, None);
             }
+            self.times.destroy(device);
             device.destroy_command_pool(self.pool, None);
         }
     }

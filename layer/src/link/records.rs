@@ -151,7 +151,8 @@ pub struct FrameReportRecord {
     pub frame: u64,
     /// Number of passes that were recognised and had the plan's rates.
     pub passes_with_rates: u32,
-    /// Number of passes that were recognised as an eye's image, whether rates are on or not.
+    /// A number that tells the set of passes that were recognised as an eye's image, whether rates are on or not, from other sets;
+    /// 0: there was none.
     pub eye_passes: u32,
     /// Number of decisions so far ([`LinkTable::decision`](super::LinkTable::decision)).
     pub decisions: u32,
@@ -229,22 +230,26 @@ pub struct SettingsRecord {
     pub is_on: u32,
     /// The only `BACKEND_*` that is allowed, or [`BACKEND_ANY`].
     pub backend: u32,
-    /// 1: passes that are recognised are timed, where the device is no CPU; 0: none is.
-    pub times_passes: u32,
+    /// 1: frames are timed, where the device is no CPU; 0: none is.
+    pub times_frames: u32,
     /// `rates.passes`: rules in UTF-8, as `PassRules` of the configuration reads and writes them.
     pub passes: *const u8,
     /// Bytes of `passes`.
     pub passes_len: u32,
 }
 
-/// GPU time of the recognised passes of a frame.
+/// GPU time of a frame.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct FrameTimeRecord {
     /// Number of the frame, as [`FrameReportRecord::frame`].
     pub frame: u64,
-    /// All of them together on the GPU, nanoseconds.
+    /// Time in which the GPU worked on it, from the first to the last command on all queues, those of this half included, nanoseconds.
     pub ns: u64,
+    /// Of that, time for rate images, masks, and the decision on rates, nanoseconds.
+    pub maps_ns: u64,
+    /// Of that, time for contrast of finished pictures, nanoseconds.
+    pub analysis_ns: u64,
 }
 
 /// Where the rates that the GPU decided for an eye's tiles shall be copied to.

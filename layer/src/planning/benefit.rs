@@ -1,10 +1,10 @@
 //! Whether rates and re-use pay: what frames cost goes to the gates of the models, and their answer to the Vulkan half.
 
-use crate::inputs::cost::{CpuCost, Late};
-use crate::link::FrameTimeRecord;
+use crate::inputs::cost::{CpuCost, GpuCost, Late, OwnWork};
 use parafovea_core::gate::{Gate, GateMode, Gates, JudgedFrame, Techniques, Verdict};
 use parafovea_core::gaze::GazePhase;
 use parafovea_manifest::status::effect;
+use std::fmt;
 
 /// A frame that ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct EndedFrame {
     pub wanted: Techniques<bool>,
     /// How many passes it gave maps to.
     pub passes: u32,
-    /// How many passes it recognised as an eye's picture, whether they got maps or not.
+    /// A number that tells the set of passes that it recognised as an eye's picture, whether they got maps or not, from other sets; 0: none.
     pub eye_passes: u32,
     /// What the eyes do.
     pub phase: GazePhase,
@@ -28,7 +28,7 @@ pub struct EndedFrame {
 pub enum Clock {
     /// A CPU renders: CPU time that the process has spent so far, nanoseconds, if that is known.
     Cpu(Option<u64>),
-    /// A GPU renders, and tells later: the frame's number in [`FrameTimeRecord::frame`].
+    /// A GPU renders, and tells later: the frame's number in [`GpuCost::frame`].
     Gpu(u64),
 }
 
@@ -38,14 +38,28 @@ pub struct Benefit {
     gates: Gates,
     cpu: CpuCost,
     late: Late<EndedFrame>,
+    own: OwnShare,
     /// Whether any frame had maps.
     had_maps: bool,
+}
+
+/// Time on the GPU since a trial began, and our own part of it, nanoseconds.
+#[derive(Clone, Copy, Debug, Default)]
+struct OwnShare {
+    ns: u64,
+    own: OwnWork,
 }
 
 impl Default for Benefit {
     fn default() -> Self {
         let both = Techniques { rates: GateMode::Auto, reuse: GateMode::Auto };
-        Self { gates: Gates::new(both), cpu: CpuCost::default(), late: Late::default(), had_maps: false }
+        Self {
+            gates: Gates::new(both),
+            cpu: CpuCost::default(),
+            late: Late::default(),
+            own: OwnShare::default(),
+            had_maps: false,
+        }
     }
 }
 
@@ -77,10 +91,13 @@ impl Benefit {
         &self.gates
     }
 
-    /// Takes a frame that ended, and what `times` say of it and of earlier ones; returns what people should know, where the gate
+    /// Takes a frame that ended, and what `costs` say of it and of earlier ones; returns what people should know, where the gate
     /// changed its mind.
-    pub fn frame_ended(&mut self, frame: &EndedFrame, times: &[FrameTimeRecord]) -> Option<String> {
+    pub fn frame_ended(&mut self, frame: &EndedFrame, costs: &[GpuCost]) -> Option<String> {
         let was_kept = self.is_kept();
+        if !self.wants_costs() {
+            self.own = OwnShare::default();
+        }
         match frame.clock {
             Clock::Cpu(reading) => {
                 let cost_ns = self.cpu.frame_ended(reading);
@@ -90,16 +107,19 @@ impl Benefit {
                 if let Some(given_up) = self.late.push(number, *frame) {
                     self.judge(&given_up, None, frame);
                 }
-                for time in times {
-                    while let Some((late, is_this)) = self.late.pop_until(time.frame) {
-                        self.judge(&late, is_this.then_some(time.ns), frame);
+                for cost in costs {
+                    while let Some((late, is_this)) = self.late.pop_until(cost.frame) {
+                        if is_this && late.passes > 0 {
+                            self.own.add(cost);
+                        }
+                        self.judge(&late, is_this.then_some(cost.ns), frame);
                     }
                 }
             }
         }
         let Techniques { rates, reuse } = self.gates.gates();
-        let of_rates = (rates.is_kept() != was_kept.rates).then(|| news("shading rates", rates));
-        let of_reuse = || (reuse.is_kept() != was_kept.reuse).then(|| news("re-use", reuse));
+        let of_rates = (rates.is_kept() != was_kept.rates).then(|| news("shading rates", rates, &self.own));
+        let of_reuse = || (reuse.is_kept() != was_kept.reuse).then(|| news("re-use", reuse, &self.own));
         of_rates.or_else(of_reuse).flatten()
     }
 
@@ -110,8 +130,7 @@ impl Benefit {
 
     /// Gives a frame to the gates, while `now` ends.
     ///
-    /// The number of eye passes tells one scene from another: their images change from frame to frame in many applications,
-    /// and with dynamic resolution their sizes do.
+    /// The set of eye passes tells one scene from another.
     fn judge(&mut self, frame: &EndedFrame, cost_ns: Option<u64>, now: &EndedFrame) {
         let was = |wanted: bool| wanted && frame.passes > 0;
         let was_on = Techniques { rates: was(frame.wanted.rates), reuse: was(frame.wanted.reuse) };
@@ -128,8 +147,34 @@ impl Benefit {
     }
 }
 
+impl OwnShare {
+    fn add(&mut self, cost: &GpuCost) {
+        self.ns = self.ns.saturating_add(cost.ns);
+        let (own, more) = (&mut self.own, &cost.own);
+        own.maps_ns = own.maps_ns.saturating_add(more.maps_ns);
+        own.analysis_ns = own.analysis_ns.saturating_add(more.analysis_ns);
+        own.pictures_ns = own.pictures_ns.saturating_add(more.pictures_ns);
+    }
+}
+
+impl fmt::Display for OwnShare {
+    /// Nothing where no GPU tells.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.ns == 0 {
+            return Ok(());
+        }
+        let OwnWork { maps_ns, analysis_ns, pictures_ns } = self.own;
+        let [maps, analysis, pictures] =
+            [maps_ns, analysis_ns, pictures_ns].map(|ns| 100.0 * ns as f64 / self.ns as f64);
+        write!(
+            f,
+            "; GPU time of the layer itself: {maps:.1} % for rates, {analysis:.1} % for contrast, {pictures:.1} % for pictures"
+        )
+    }
+}
+
 /// The log line of a gate that changed its verdict.
-fn news(technique: &str, gate: &Gate) -> Option<String> {
+fn news(technique: &str, gate: &Gate, own: &OwnShare) -> Option<String> {
     let (ratio, [low, high]) = gate.evidence().ratio()?;
     let change = match (gate.is_kept(), gate.evidence().verdict()) {
         (true, _) => "resumed",
@@ -137,7 +182,7 @@ fn news(technique: &str, gate: &Gate) -> Option<String> {
         (false, _) => "dropped",
     };
     let effect = effect([ratio, low, high].map(|ratio| ratio as f32));
-    Some(format!("{technique}: {change}: {effect}"))
+    Some(format!("{technique}: {change}: {effect}{own}"))
 }
 
 #[cfg(test)]
@@ -230,11 +275,16 @@ mod tests {
                 let time = known.map(|frame| {
                     let ms = 5.0 + 0.05 * (frame % 5) as f64;
                     let ratio = if was_on[frame as usize] { ratio } else { 1.0 };
-                    FrameTimeRecord { frame, ns: (1e6 * ms * ratio) as u64 }
+                    let ns = (1e6 * ms * ratio) as u64;
+                    let own = OwnWork { maps_ns: ns / 100, analysis_ns: 0, pictures_ns: ns / 50 };
+                    GpuCost { frame, ns, own }
                 });
                 said.extend(benefit.frame_ended(&frame, time.as_slice()));
             }
             assert_eq!(benefit.is_kept().rates, is_kept, "{ratio}: {said:?}");
+            let own =
+                "; GPU time of the layer itself: 1.0 % for rates, 0.0 % for contrast, 2.0 % for pictures";
+            assert!(said.iter().all(|line| line.ends_with(own)), "{said:?}");
             let (found, _) = benefit.gates.gates().rates.evidence().ratio().unwrap();
             assert!((found / ratio - 1.0).abs() < 0.02, "{found}, not {ratio}");
         }

@@ -204,9 +204,9 @@ unsafe fn write_report(armed: &Armed, report: &mut FrameReportRecord) {
     report.decisions = status::decision_count() as u32;
     let times = std::iter::from_fn(|| armed.timing.next(frame));
     report.time_count = 0;
-    for (record, FrameTime { frame, ns }) in report.times.iter_mut().zip(times) {
+    for (record, FrameTime { frame, ns, maps_ns, analysis_ns }) in report.times.iter_mut().zip(times) {
         // Frames are numbered from 0 here.
-        *record = FrameTimeRecord { frame: frame + 1, ns };
+        *record = FrameTimeRecord { frame: frame + 1, ns, maps_ns, analysis_ns };
         report.time_count += 1;
     }
 }

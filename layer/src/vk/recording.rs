@@ -53,7 +53,7 @@ pub struct Recorded {
     pub candidates: SmallVec<[Arc<Candidate>; 8]>,
     /// Images of XR swapchains with the layouts that commands left them in, in the order of those.
     pub layouts: SmallVec<[(vk::Image, vk::ImageLayout); 4]>,
-    /// Timestamps around its passes.
+    /// Timestamps around its work.
     pub timer: Timer,
     /// What is bound for compute, where that is followed.
     pub compute: Bound,

@@ -12,6 +12,7 @@ use super::{device, recording, runtime_section};
 use crate::abi::guard;
 use crate::mask::Reason;
 use crate::scene::{Event, Part};
+use crate::vk::timing::Work;
 use ash::vk;
 use smallvec::SmallVec;
 use std::slice;
@@ -200,9 +201,8 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed:
         let judged = log.push(&armed.objects, event, candidate.map(|(candidate, _)| candidate));
         if let Some((candidate, pass)) = candidate {
             let matched = judged.and_then(Result::ok);
-            candidate.content().recognised(matched.is_some());
             if matched.as_ref().is_some_and(|found| !found.parts.is_empty()) {
-                log.has_eye_pass();
+                log.has_eye_pass(&armed.objects, pass);
             }
             candidate.map.noted(matched.as_ref().map(|found| found.how), log.frame());
             // A pass without a mask obeys no map, and so says nothing of what that shall hold.
@@ -220,7 +220,9 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed:
             content.note_fill(log.frame(), pass.facts.is_unfilled);
         }
     }
-    armed.timing.submitted(&recorded.timer, log.frame(), true);
+    if !recorded.events.is_empty() || recorded.timer.is_whole() {
+        armed.timing.submitted(&recorded.timer, log.frame(), Work::Application);
+    }
 }
 
 /// An array of the application's; empty where there is none.

@@ -1,21 +1,23 @@
-//! The GPU time of passes that show an eye, with masks and fills, and of our own work ahead of them, for the benefit gate:
-//! timestamps ahead of a pass and behind it in the application's own command buffers, and around our own submits. They are read when they are there, a frame or two later; nothing waits for them.
+//! The GPU time of whole frames, ours included, for the benefit gate: a timestamp ahead of the first command of each primary command buffer
+//! that takes time and one behind its last, in the application's own command buffers and in ours. They are read when they are there, a frame or
+//! two later; nothing waits for them.
 //!
-//! Timed are passes whose target is known to be an eye's picture when they are recorded, in primary command buffers, on devices that are no
-//! CPU (there CPU time tells more), while the gate asks for it. What was recorded before anything was known, and is submitted again and again, is
-//! not timed: of it the gate learns nothing, and leaves rates as they are.
+//! This is for devices that are no CPU (there CPU time tells more), while the gate asks for it. Queues that only copy are left out: they have no
+//! queries to reset, and nothing of ours changes their work. A frame with a command buffer that has no timestamps is not judged: one that was recorded
+//! before anybody asked and is submitted again and again, that may run twice at once, or that ends within a suspended pass. Of an application
+//! that has one in each frame the gate learns nothing, and leaves rates as they are.
 
 mod frames;
 mod queries;
 
-pub use frames::FrameTime;
+pub use frames::{FrameTime, Work};
 
 use super::armed::Armed;
 use super::table::Table;
 use crate::gpu::functions::Functions;
 use ash::vk;
 use frames::FrameTimes;
-use queries::{MOST_PASSES, Queries};
+use queries::Queries;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -41,12 +43,12 @@ struct Clock {
 /// A submit whose timestamps were not read yet.
 struct Unread {
     queries: Arc<Queries>,
-    passes: u32,
+    work: Work,
     frame: u64,
 }
 
-/// So many submits are waited for; of those beyond nothing is known.
-const MOST_UNREAD: usize = 64;
+/// So many submits are waited for: of three frames of some eighty command buffers. Of a frame with submits beyond nothing is known.
+const MOST_UNREAD: usize = 256;
 
 /// The timestamps in a command buffer.
 #[derive(Default)]
@@ -54,11 +56,21 @@ pub struct Timer {
     /// Bits that hold on its queues; 0: nothing is timed in it.
     mask: u64,
     queries: Option<Arc<Queries>>,
-    /// Passes that were timed since it began.
-    passes: u32,
-    is_open: bool,
+    state: State,
     /// Whether it may run twice at once, and would write the same timestamps from both.
     may_overlap: bool,
+    has_failed: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+enum State {
+    /// No timestamp since it began.
+    #[default]
+    Empty,
+    /// The first.
+    Open,
+    /// Both.
+    Whole,
 }
 
 impl Timing {
@@ -105,26 +117,37 @@ impl Timing {
         Timer { mask, ..Timer::default() }
     }
 
-    /// A command buffer is about to be submitted in that frame; `has_passes`: of the application, not our own.
-    pub fn submitted(&self, timer: &Timer, frame: u64, has_passes: bool) {
-        let Some(queries) = timer.queries.as_ref().filter(|_| timer.passes > 0) else { return };
+    /// A command buffer with commands that take time is about to be submitted in that frame.
+    pub fn submitted(&self, timer: &Timer, frame: u64, work: Work) {
+        if timer.mask == 0 {
+            return;
+        }
+        let Some(queries) = timer.queries.as_ref().filter(|_| timer.state == State::Whole) else {
+            if self.is_wanted() {
+                lock(&self.frames).submitted_untimed(frame);
+            }
+            return;
+        };
         let mut unread = lock(&self.unread);
         let mut frames = lock(&self.frames);
         // What it wrote before, and nobody read, it overwrites.
         let is_same = |known: &Unread| Arc::ptr_eq(&known.queries, queries);
         while let Some(index) = unread.iter().position(is_same) {
-            frames.read(unread.swap_remove(index).frame, None);
+            let Unread { frame, work, .. } = unread.swap_remove(index);
+            frames.read(frame, work, None);
         }
         if unread.len() < MOST_UNREAD {
-            frames.submitted(frame, has_passes);
-            unread.push(Unread { queries: Arc::clone(queries), passes: timer.passes, frame });
+            frames.submitted(frame, work);
+            unread.push(Unread { queries: Arc::clone(queries), work, frame });
+        } else {
+            frames.submitted_untimed(frame);
         }
     }
 
     /// Reads what is there, and gives the next frame before that under way of which all is known.
     pub fn next(&self, under_way: u64) -> Option<FrameTime> {
         self.read();
-        lock(&self.frames).take(under_way)
+        lock(&self.frames).take(under_way, self.clock.get()?.step_ns)
     }
 
     /// Reads what is there.
@@ -134,20 +157,24 @@ impl Timing {
         }
         // Taken out, so that no lock is held across calls down.
         let mut unread = std::mem::take(&mut *lock(&self.unread));
-        if let Some(clock) = self.clock.get() {
-            unread.retain(|one| match one.queries.steps(one.passes) {
-                Ok(None) => true,
-                Ok(Some(steps)) => {
-                    lock(&self.frames).read(one.frame, Some((steps as f64 * clock.step_ns) as u64));
-                    false
-                }
+        unread.retain(|one| {
+            let mut frames = lock(&self.frames);
+            if !frames.waits_for(one.frame) {
+                return false;
+            }
+            drop(frames);
+            let interval = one.queries.interval();
+            frames = lock(&self.frames);
+            match interval {
+                Ok(None) => return true,
+                Ok(interval) => frames.read(one.frame, one.work, interval),
                 Err(error) => {
-                    tracing::debug!("render passes are not timed: {error}");
-                    lock(&self.frames).read(one.frame, None);
-                    false
+                    tracing::debug!("frames are not timed: {error}");
+                    frames.read(one.frame, one.work, None);
                 }
-            });
-        }
+            }
+            false
+        });
         // Back with its memory, and behind it what came meanwhile.
         let mut kept = lock(&self.unread);
         std::mem::swap(&mut *kept, &mut unread);
@@ -169,8 +196,13 @@ impl Timing {
                     instance.get_physical_device_queue_family_properties(physical),
                 )
             };
-            let mask = |family: &vk::QueueFamilyProperties| {
-                u64::MAX.checked_shr(u64::BITS.saturating_sub(family.timestamp_valid_bits)).unwrap_or(0)
+            // Queries are reset on queues that draw or compute (Vulkan specification, vkCmdResetQueryPool).
+            let resets = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
+            let mask = |family: &vk::QueueFamilyProperties| match family.queue_flags.intersects(resets) {
+                true => {
+                    u64::MAX.checked_shr(u64::BITS.saturating_sub(family.timestamp_valid_bits)).unwrap_or(0)
+                }
+                false => 0,
             };
             Clock {
                 step_ns: f64::from(properties.limits.timestamp_period),
@@ -183,7 +215,7 @@ impl Timing {
 impl Timer {
     /// The command buffer begins anew.
     pub fn clear(&mut self) {
-        (self.passes, self.is_open) = (0, false);
+        self.state = State::Empty;
     }
 
     /// It is recorded with these flags.
@@ -191,19 +223,29 @@ impl Timer {
         self.may_overlap = flags.contains(vk::CommandBufferUsageFlags::SIMULTANEOUS_USE);
     }
 
-    /// Whether a pass is being timed.
-    pub fn is_open(&self) -> bool {
-        self.is_open
+    /// Whether there may be a first timestamp, and is none.
+    pub fn may_begin(&self) -> bool {
+        self.mask != 0 && self.state == State::Empty && !self.may_overlap && !self.has_failed
     }
 
-    /// A pass that is to be timed begins; none is beyond [`MOST_PASSES`], on queues without
+    /// Whether there is a first timestamp, and no second.
+    pub fn is_open(&self) -> bool {
+        self.state == State::Open
+    }
+
+    /// Whether both timestamps are there.
+    pub fn is_whole(&self) -> bool {
+        self.state == State::Whole
+    }
+
+    /// A command that takes time is about to be recorded; the first of a command buffer begins its time. There is none on queues without
     /// timestamps, and where the command buffer may run twice at once.
     ///
     /// # Safety
     ///
     /// The command buffer is this one, of the device of `armed`; it is recording, outside of a render pass.
     pub unsafe fn begin(&mut self, armed: &Armed, commands: vk::CommandBuffer) {
-        if self.mask == 0 || self.passes == MOST_PASSES || self.may_overlap {
+        if !self.may_begin() {
             return;
         }
         if self.queries.is_none() {
@@ -212,28 +254,28 @@ impl Timer {
             match unsafe { Queries::new(&functions.device, self.mask) } {
                 Ok(queries) => self.queries = Some(Arc::new(queries)),
                 Err(error) => {
-                    error.tell("render passes are not timed");
-                    self.mask = 0;
+                    error.tell("frames are not timed");
+                    self.has_failed = true;
                 }
             }
         }
         if let Some(queries) = &self.queries {
-            // SAFETY: the caller vouches for the command buffer; there is room.
-            unsafe { queries.begin(commands, self.passes) };
-            self.is_open = true;
+            // SAFETY: the caller vouches for the command buffer.
+            unsafe { queries.begin(commands) };
+            self.state = State::Open;
         }
     }
 
-    /// A pass has ended.
+    /// The command buffer ends.
     ///
     /// # Safety
     ///
     /// As for [`Self::begin`].
     pub unsafe fn end(&mut self, commands: vk::CommandBuffer) {
-        if let Some(queries) = self.queries.as_ref().filter(|_| std::mem::take(&mut self.is_open)) {
-            // SAFETY: the caller vouches for the command buffer; the pass was begun.
-            unsafe { queries.end(commands, self.passes) };
-            self.passes += 1;
+        if let Some(queries) = self.queries.as_ref().filter(|_| self.state == State::Open) {
+            // SAFETY: the caller vouches for the command buffer; the first timestamp is there.
+            unsafe { queries.end(commands) };
+            self.state = State::Whole;
         }
     }
 }

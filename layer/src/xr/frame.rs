@@ -27,6 +27,7 @@ use openxr_sys as xr;
 use parafovea_core::chroma::Focus;
 use smallvec::SmallVec;
 use std::cell::OnceCell;
+use std::ptr;
 use std::sync::Arc;
 use std::time::Instant;
 use work::Work;
@@ -96,6 +97,11 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
     };
     // SAFETY: the next layer's function with the application's own arguments.
     let below = || unsafe { (next.end_frame)(handle, info) };
+    // SAFETY: as above, of a frame without layers: `info` was read, so it is valid.
+    let below_empty = || unsafe {
+        let empty = xr::FrameEndInfo { layer_count: 0, layers: ptr::null(), ..*info };
+        (next.end_frame)(handle, &empty)
+    };
     let active = known.as_ref().and_then(|known| Some((known, known.active.as_ref()?)));
     let read = OnceCell::new();
     let frame = || {
@@ -112,14 +118,14 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
         }
         let deliver = || frame().map_or(Ok(()), |frame| deliver(&frame, &mut FrameReport::default()));
         if guard("the images of a frame", || Ok(()), |_| deliver()) == Err(Undeliverable) {
-            return UNDELIVERABLE;
+            return below_empty();
         }
         below()
     };
     guard("xrEndFrame", pass_on, |answer| {
         let _section = known.as_ref().and_then(|known| known.runtime_section());
         let delivered = frame().map_or(Ok(()), |frame| frame.end());
-        answer.record(if delivered == Err(Undeliverable) { UNDELIVERABLE } else { below() })
+        answer.record(if delivered == Err(Undeliverable) { below_empty() } else { below() })
     })
 }
 
@@ -153,12 +159,10 @@ impl FrameEnd<'_> {
     }
 }
 
-/// The image of a virtual swapchain cannot be shown, because the device takes no work of ours.
+/// The runtime has no picture of a virtual swapchain, and none can be made: the frame ends without layers, so that the application goes on. A
+/// swapchain that it makes later is the runtime's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Undeliverable;
-
-/// The result of xrEndFrame then, as of a runtime does that fails for a reason of its own; the frame is not ended.
-const UNDELIVERABLE: xr::Result = xr::Result::ERROR_RUNTIME_FAILURE;
 
 /// A frame's work, without allocation for up to eight virtual swapchains.
 type Works<'a> = SmallVec<[Work<'a>; 8]>;
@@ -211,13 +215,13 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
             error.tell("earlier images are shown until the device catches up");
             works.retain(|work| !work.has_picture());
         }
+        // It is short of memory, or lost: this frame shows the last pictures, and the next one tries again.
         Err(error) => {
-            error.tell(
-                "all further frames fail, because no new images can be shown; restart the application, with preset = \"none\" if this happens again",
-            );
-            active.worsen_to(Health::Stopped);
+            error.tell("earlier images, or none, are shown until the device accepts work again");
             tools.gpu.give_up();
-            return cannot();
+            let is_empty = |work: &Work<'_>, handle| work.swapchain.handle == handle && !work.has_picture();
+            let shows_empty = submission.shows_any(|handle| works.iter().any(|work| is_empty(work, handle)));
+            return if shows_empty { Err(Undeliverable) } else { Ok(()) };
         }
     }
     for work in &mut works {

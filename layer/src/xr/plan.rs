@@ -161,7 +161,7 @@ impl SessionPlan {
             let record = SettingsRecord {
                 is_on: u32::from(wanted.is_on()),
                 backend: wanted.backend,
-                times_passes: u32::from(wanted.times_passes),
+                times_frames: u32::from(wanted.times_frames),
                 passes: passes.as_ptr(),
                 passes_len: passes.len() as u32,
             };
@@ -181,20 +181,20 @@ impl SessionPlan {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Wanted {
     techniques: Techniques<bool>,
-    times_passes: bool,
+    times_frames: bool,
     backend: u32,
     passes: PassRules,
 }
 
 impl Wanted {
-    fn new(config: &Config, techniques: Techniques<bool>, times_passes: bool) -> Self {
+    fn new(config: &Config, techniques: Techniques<bool>, times_frames: bool) -> Self {
         let backend = match config.rates.backend {
             RatesBackend::Auto => BACKEND_ANY,
             RatesBackend::Attachment => BACKEND_RATE_ATTACHMENT,
             RatesBackend::Mask => BACKEND_MASK,
             RatesBackend::Off => BACKEND_NONE,
         };
-        Self { techniques, times_passes, backend, passes: config.rates.passes }
+        Self { techniques, times_frames, backend, passes: config.rates.passes }
     }
 
     /// Whether passes that are recognised get maps.
@@ -212,7 +212,7 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &Fr
         (planning.phase(config, time_ns), planning.renders_on_cpu())
     };
     let told = *state.told.lock().unwrap_or_else(PoisonError::into_inner);
-    let is_timed = told.is_some_and(|told| told.times_passes);
+    let is_timed = told.is_some_and(|told| told.times_frames);
     let clock =
         if on_cpu { Clock::Cpu(is_timed.then(process_cpu_ns).flatten()) } else { Clock::Gpu(report.frame) };
     let frame = EndedFrame {
@@ -223,8 +223,8 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &Fr
         eye_passes: report.eye_passes,
         phase,
     };
-    let news =
-        state.benefit.lock().unwrap_or_else(PoisonError::into_inner).frame_ended(&frame, &report.times);
+    let costs = active.gpu_costs(report, is_timed && !on_cpu);
+    let news = state.benefit.lock().unwrap_or_else(PoisonError::into_inner).frame_ended(&frame, &costs);
     if let Some(news) = news {
         tracing::info!("{news}");
     }

@@ -148,7 +148,7 @@ impl VulkanDevice {
             eye_passes: 0,
             decisions: 0,
             time_count: 0,
-            times: [FrameTimeRecord { frame: 0, ns: 0 }; MOST_FRAME_TIMES],
+            times: [FrameTimeRecord::default(); MOST_FRAME_TIMES],
             stale: report.words.each_mut().map(stale_record),
         };
         // SAFETY: the device is live, as above; the caller vouches for the submission, and there are as many words as the record says.
@@ -247,7 +247,7 @@ pub struct FrameReport {
     pub frame: u64,
     /// Number of passes that had the plan's rates.
     pub passes_with_rates: u32,
-    /// Number of passes that were recognised as an eye's image, whether rates are on or not.
+    /// A number that tells the set of passes that were recognised as an eye's image, whether rates are on or not, from other sets; 0: none.
     pub eye_passes: u32,
     /// Number of decisions so far.
     pub decisions: u32,

@@ -25,6 +25,9 @@ const BENCHES: [(&str, &str); 11] = [
     ("status", "parafovea-tests"),
 ];
 
+/// The bench that is a test.
+const GATE: &str = "gate";
+
 /// The packages that need ALSA's library.
 const AUDIO: [&str; 3] = ["parafovea-audio", "parafovea-ears", "parafovea-fuzz"];
 
@@ -165,8 +168,10 @@ pub fn bench(arguments: &[String]) -> Result<(), String> {
     let Some((name, rest)) = arguments.split_first() else {
         return Err(format!("`bench` needs a name: {}", bench_names()));
     };
-    if name == "--compare" {
-        return compare(rest);
+    match name.as_str() {
+        "--compare" => return compare(rest),
+        GATE => return gate(rest),
+        _ => {}
     }
     let Some((name, package)) = BENCHES.into_iter().find(|(known, _)| known == name) else {
         return Err(format!("unknown benchmark `{name}`; allowed: {}", bench_names()));
@@ -187,6 +192,17 @@ pub fn bench(arguments: &[String]) -> Result<(), String> {
         command.arg("--library").arg(target.join("release/libparafovea.so"));
     }
     steps.run(&format!("bench {name}"), in_root(&mut command))
+}
+
+/// The table of the benefit gate's decisions, which a test of the models prints and judges.
+fn gate(arguments: &[String]) -> Result<(), String> {
+    if let Some(extra) = arguments.first() {
+        return Err(format!("`bench {GATE}` accepts no arguments; unexpected: `{extra}`"));
+    }
+    let table = ["test", "--locked", "--quiet", "--package", "parafovea-core", "--lib", "--"];
+    let mut command = cargo();
+    command.args(table).args(["gate::tests::table", "--nocapture"]);
+    Steps::default().run(&format!("bench {GATE}"), in_root(&mut command))
 }
 
 /// Speed against error.
@@ -272,7 +288,10 @@ pub fn dist(arguments: &[String]) -> Result<(), String> {
 }
 
 fn bench_names() -> String {
-    BENCHES.map(|(name, _)| name).join(", ")
+    let mut names = BENCHES.map(|(name, _)| name).to_vec();
+    names.push(GATE);
+    names.sort_unstable();
+    names.join(", ")
 }
 
 /// Every library and program, so that the end-to-end programs find them beside themselves.

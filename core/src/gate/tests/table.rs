@@ -1,5 +1,5 @@
 //! The table of decisions: applications whose gain is planted, 100 seeds each, 10 % of noise on every frame. To print it:
-//! `cargo test --workspace --locked --lib -- gate::tests::table --nocapture`.
+//! `cargo dev bench gate`.
 
 use super::simulation::{Eyes, Simulation};
 use super::{Gate, GateFrame, GateMode, SECOND, is_hidden};

@@ -8,6 +8,8 @@
 mod content;
 mod group;
 mod kind;
+mod remembered;
+mod screens;
 
 use super::candidate;
 use super::memory::Memory;
@@ -15,6 +17,7 @@ use super::projected::Swapchains;
 use crate::scene::{Event, ImageKey, Pass, Reads};
 use group::{Group, Groups};
 use kind::Kind;
+use remembered::Remembered;
 use smallvec::SmallVec;
 
 /// The role of a pass, as far as a frame tells.
@@ -51,6 +54,7 @@ pub(super) struct Provenance {
     nodes: Vec<Node>,
     groups: Groups,
     steps: usize,
+    remembered: Remembered,
 }
 
 /// One event.
@@ -101,6 +105,8 @@ pub(super) struct Told {
 impl Provenance {
     /// Finds the roles of a frame's passes for [`Self::role`]. Where `is_apart`, passes after the last reader were submitted for the next
     /// frame: that reader shows those of the frame before.
+    ///
+    /// A frame of the structure of one of the last has its roles, and is not walked through.
     pub(super) fn learn(&mut self, events: &[Event], known: &Known<'_>, is_apart: bool) -> Told {
         self.nodes.clear();
         self.groups.clear();
@@ -120,6 +126,24 @@ impl Provenance {
             self.nodes.push(node);
         }
         self.group(events);
+        let mut remembered = std::mem::take(&mut self.remembered);
+        let told = match remembered.look_up(events, &self.nodes, known, is_apart) {
+            Some((roles, told)) => {
+                self.nodes.iter_mut().zip(roles).for_each(|(node, role)| node.role = *role);
+                told
+            }
+            None => {
+                let told = self.walk(events, known, is_apart);
+                remembered.remember((0..events.len()).map(|index| self.role(index)), told);
+                told
+            }
+        };
+        self.remembered = remembered;
+        told
+    }
+
+    /// Finds the roles of passes whose kinds are known.
+    fn walk(&mut self, events: &[Event], known: &Known<'_>, is_apart: bool) -> Told {
         self.find_sampled(events, known);
         let unknown_reader = self.find_eyes(events, known);
         let candidates = unknown_reader.map_or(0, |reader| self.find_only(reader, events, known, is_apart));
@@ -332,90 +356,6 @@ impl Provenance {
         found.len()
     }
 
-    fn set_roles(&mut self, events: &[Event], known: &Known<'_>) {
-        for (index, event) in events.iter().enumerate() {
-            let Event::Pass(pass) = event else { continue };
-            self.nodes[index].role = match self.nodes[index].kind {
-                Kind::Camera => self.groups.all[self.nodes[index].group].role(),
-                Kind::Screen { .. } => self.role_of_screen(index, pass, events, known),
-                Kind::Transfer | Kind::Other => Role::Unknown,
-            };
-        }
-    }
-
-    /// The role of a full-screen pass that may be on the way to the picture.
-    fn role_of_screen(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> Role {
-        let is_eye = |group: usize| self.groups.all[group].role() == Role::Eye;
-        // A camera of the scene draws on: what is there is the scene, shaded by this pass.
-        let target = pass.colors.first().map(|target| target.image);
-        for (later, node) in self.nodes.iter().enumerate().skip(index + 1) {
-            let Event::Pass(other) = &events[later] else { continue };
-            if target.is_none() || other.colors.first().map(|first| first.image) != target {
-                continue;
-            }
-            match node.kind {
-                Kind::Camera if !other.facts.clears_depth && is_eye(node.group) => return Role::Eye,
-                Kind::Camera => break,
-                _ => {}
-            }
-        }
-        let Some(draws) = pass.draws.as_ref().filter(|draws| draws.quads + draws.meshes > 0) else {
-            return Role::Unknown;
-        };
-        let no_sources = Sources::new();
-        let (sources, has_unknown) = match &self.nodes[index].origins {
-            Origins::Known { sources, has_unknown } => (sources, *has_unknown),
-            Origins::Unasked | Origins::Open => (&no_sources, draws.read_by_quads.may_read_more),
-        };
-        if sources.is_empty() && has_unknown {
-            return self.role_of_unknown(index, pass, events, known);
-        }
-        if sources.is_empty() || !sources.iter().all(|source| is_eye(*source)) {
-            return Role::Unknown;
-        }
-        let reads = draws.read_by_quads.images.iter().chain(&draws.read_by_meshes.images);
-        let drawn: SmallVec<[ImageKey; 8]> =
-            reads.copied().filter(|image| self.is_drawn_by(*image, sources, events)).collect();
-        match !drawn.is_empty() && known.is_shading(drawn.into_iter()) {
-            true => Role::Eye,
-            false => Role::FullScreen,
-        }
-    }
-
-    /// The role of a full-screen pass with unknown reads.
-    fn role_of_unknown(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> Role {
-        let is_off_screen = |group: &Group| group.role() == Role::Eye && !group.is_direct;
-        if !self.groups.all.iter().any(|group| is_off_screen(group) && group.passes[0] < index) {
-            return Role::Unknown;
-        }
-        let is_other = |group: &Group| group.role() != Role::Eye && group.looks_like_eye(events, known);
-        let is_alone = || !self.groups.all.iter().any(is_other);
-        let shades =
-            self.may_shade(index, pass, events, known) && (self.nodes[index].writes_picture || is_alone());
-        if shades { Role::Eye } else { Role::FullScreen }
-    }
-
-    /// Whether a full-screen pass with unknown reads may shade the scene: it is the first after the G-buffer of an eye.
-    fn may_shade(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> bool {
-        let (mut passes_between, mut buffers) = (0, 0);
-        for (earlier, event) in events[..index].iter().enumerate().rev() {
-            let Event::Pass(other) = event else { continue };
-            match self.nodes[earlier].kind {
-                Kind::Camera => {
-                    let is_eye = self.groups.all[self.nodes[earlier].group].role() == Role::Eye;
-                    let colors = || other.colors.iter().map(|target| target.image);
-                    buffers += usize::from(is_eye && !other.colors.is_empty() && known.is_shading(colors()));
-                }
-                Kind::Screen { .. } if buffers > 0 => break,
-                Kind::Screen { .. } => {
-                    passes_between += usize::from(area(other) == area(pass));
-                }
-                Kind::Transfer | Kind::Other => {}
-            }
-        }
-        passes_between < buffers
-    }
-
     /// Whether a camera of these groups draws an image.
     fn is_drawn_by(&self, image: ImageKey, groups: &[usize], events: &[Event]) -> bool {
         let draws = |index: &usize| matches!(&events[*index], Event::Pass(pass) if writes(pass, image));
@@ -466,3 +406,6 @@ impl Known<'_> {
         described.filter(|image| candidate::holds_colours(image.format)).count() != 1
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,5 @@
 //! What streams of events of many kinds of applications are recognised as.
 
-mod application;
-mod random;
+pub mod application;
+pub mod random;
 mod styles;

@@ -30,8 +30,6 @@ pub struct Content {
     queue: vk::Queue,
     /// Whether several queues use it, so that it cannot be written in the order of one.
     is_shared: bool,
-    /// Whether the last pass that was submitted showed an eye's picture.
-    is_scene: bool,
     /// The last frame with a pass, and whether nothing fills what is coarse after one of that frame.
     unfilled: (u64, bool),
     /// Whether `laid` is on the GPU, or on its way.
@@ -148,16 +146,6 @@ impl Content {
     /// What the map on the GPU leaves out of the pictures of the left and of the right eye.
     pub fn stale(&self) -> &[StaleTiles; 2] {
         &self.stale
-    }
-
-    /// Notes whether a pass that is submitted shows an eye's picture, with rates or not.
-    pub fn recognised(&mut self, is_scene: bool) {
-        self.is_scene = is_scene;
-    }
-
-    /// Whether the last pass did.
-    pub fn is_scene(&self) -> bool {
-        self.is_scene
     }
 
     /// Notes of a pass in frame number `frame` whether nothing fills what is coarse after it.

@@ -1,7 +1,7 @@
 //! What the application did since the last frame ended, and recognition, which learns from it.
 
 use super::passes_file::Notes;
-use crate::scene::{Event, Match, Pass, Recognition, Shown, Unmatched};
+use crate::scene::{Event, EyePasses, Match, Pass, Recognition, Shown, Unmatched};
 use crate::vk::candidates::Candidate;
 use crate::vk::objects::Objects;
 use parafovea_core::reuse::StaleTiles;
@@ -21,8 +21,10 @@ pub struct Log {
     recognition: Recognition,
     /// Passes that got the plan's rates, in the frame under way and in the last.
     with_rates: [u32; 2],
-    /// Passes that were recognised as an eye's picture, in the frame under way and in the last.
-    eye_passes: [u32; 2],
+    /// Passes that were recognised as an eye's picture, in the frame under way.
+    eye_passes: EyePasses,
+    /// [`EyePasses::number`] of the last frame.
+    last_eye_passes: u32,
     /// What maps left out of each eye's picture, in the frame under way and in the last.
     left_out: [[StaleTiles; 2]; 2],
 }
@@ -49,13 +51,15 @@ impl Log {
     }
 
     /// A pass that is submitted is recognised as an eye's picture.
-    pub fn has_eye_pass(&mut self) {
-        self.eye_passes[0] = self.eye_passes[0].saturating_add(1);
+    pub fn has_eye_pass(&mut self, objects: &Objects, pass: &Pass) {
+        if let Some(first) = pass.colors.first().and_then(|target| objects.describe(target.image)) {
+            self.eye_passes.add(pass, &first);
+        }
     }
 
-    /// How many passes were recognised as an eye's picture in the last frame.
+    /// [`EyePasses::number`] of the passes that were recognised as an eye's picture in the last frame.
     pub fn eye_passes(&self) -> u32 {
-        self.eye_passes[1]
+        self.last_eye_passes
     }
 
     /// Passes that are submitted leave that out of the pictures of the eyes.
@@ -105,7 +109,8 @@ impl Log {
         objects.forget_departed();
         self.frame += 1;
         self.with_rates = [0, self.with_rates[0]];
-        self.eye_passes = [0, self.eye_passes[0]];
+        self.last_eye_passes = self.eye_passes.number();
+        self.eye_passes.clear();
         self.left_out.swap(0, 1);
         self.left_out[0].iter_mut().for_each(StaleTiles::clear);
     }

@@ -1,6 +1,6 @@
 //! Command pools and command buffers.
 
-use super::{BUFFERS, Buffer, buffer, draws, with_buffer};
+use super::{BUFFERS, Buffer, buffer, draws, timed, with_buffer};
 use crate::abi::guard;
 use crate::vk::device;
 use ash::vk;
@@ -210,6 +210,7 @@ pub unsafe extern "system" fn execute(
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_execute_commands) else { return };
             if let Some(known) = known.as_ref().filter(|known| !known.recorded().is_within_pass()) {
+                timed::work_begins(known, handle);
                 known.fill_all(handle);
             }
             next(handle, count, secondaries);

@@ -1,7 +1,7 @@
 //! Barriers and passes that leave images of XR swapchains in another layout.
 
 use super::pending::{barriers, barriers2};
-use super::{Buffer, with_buffer};
+use super::{Buffer, timed, with_buffer};
 use crate::abi::guard;
 use crate::scene::Target;
 use ash::vk;
@@ -37,6 +37,9 @@ pub unsafe extern "system" fn pipeline_barrier(
         // SAFETY: the application's own arguments, valid for the next layer as for us; `images` are `count`, as the specification demands.
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_pipeline_barrier) else { return };
+            if let Some(known) = &known {
+                timed::work_begins(known, handle);
+            }
             if let Some(known) = known.as_ref().filter(|_| count > 0) {
                 known.fill_for(handle, barriers(slice::from_raw_parts(images, count as usize)));
             }
@@ -64,6 +67,7 @@ pub unsafe extern "system" fn pipeline_barrier2(
         |answer| unsafe {
             let Some((known, next)) = with_buffer(handle, |next| next.cmd_pipeline_barrier2) else { return };
             if let Some(known) = &known {
+                timed::work_begins(known, handle);
                 known.fill_for(handle, barriers2(&*info));
             }
             next(handle, info);

@@ -149,7 +149,7 @@ unsafe fn begin_noted(
     let instance = unsafe { Instance::of(&armed.objects, &*info) };
     let mut pass = instance.as_ref().map(Instance::pass);
     // SAFETY: the command buffer is recording outside of render passes, as one begins.
-    unsafe { timed::begin(buffer, handle, pass.as_ref()) };
+    unsafe { timed::pass_begins(buffer, handle, pass.as_ref()) };
     if let Some(instance) = &instance {
         buffer.leave_targets(instance.left_in());
     }
@@ -237,8 +237,6 @@ pub unsafe fn end_noted(buffer: &Buffer, handle: vk::CommandBuffer) {
             buffer.fill_where(handle, |pending| !pending.may_wait());
         }
     }
-    // SAFETY: as above. What a mask costs is part of the pass.
-    unsafe { timed::end(buffer, handle) };
 }
 
 impl Buffer {

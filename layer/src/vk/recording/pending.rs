@@ -1,6 +1,6 @@
 //! Fills that wait in a command buffer for a reader, see [`crate::vk::masks::Pending`].
 
-use super::{Buffer, draws, with_buffer};
+use super::{Buffer, draws, timed, with_buffer};
 use crate::abi::guard;
 use crate::mask::MaskMap;
 use crate::scene::ImageKey;
@@ -130,6 +130,7 @@ pub unsafe extern "system" fn end_buffer(handle: vk::CommandBuffer) -> vk::Resul
             if let Some(known) = known {
                 draws::settle(&known, handle);
                 known.fill_all(handle);
+                timed::buffer_ends(&known, handle);
             }
             answer.record(next(handle))
         },

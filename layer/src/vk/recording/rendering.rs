@@ -27,7 +27,7 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
             let Some(known) = known else { return begin(info) };
             let armed = &known.armed;
             let mut pass = instance(&armed.objects, &*info);
-            timed::begin(&known, handle, Some(&pass));
+            timed::pass_begins(&known, handle, Some(&pass));
             let mut mask = None;
             let candidate = match (&armed.rate_attachments, &armed.masks) {
                 (Some(rates), _) => {

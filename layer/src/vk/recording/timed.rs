@@ -1,7 +1,7 @@
-//! Passes that are timed: those whose target earlier frames showed to be an eye's picture.
+//! The time of command buffers: from their first command that takes time to their last.
 
-use super::Buffer;
-use crate::scene::Pass;
+use super::{Buffer, Recorded};
+use crate::scene::{Event, Pass};
 use crate::vk::timing::Timer;
 use ash::vk;
 
@@ -10,26 +10,58 @@ use ash::vk;
 /// # Safety
 ///
 /// `handle` is this command buffer, which is recording, outside of render passes.
-pub unsafe fn begin(buffer: &Buffer, handle: vk::CommandBuffer, pass: Option<&Pass>) {
-    let armed = &buffer.armed;
-    // Between the parts of a suspended pass nothing may be recorded.
-    let Some(pass) = pass.filter(|pass| armed.timing.is_wanted() && !pass.facts.is_suspended) else { return };
-    let candidate = pass.colors.first().and_then(|&target| armed.candidates.known(target));
-    if candidate.is_some_and(|candidate| candidate.content().is_scene()) {
+pub unsafe fn pass_begins(buffer: &Buffer, handle: vk::CommandBuffer, pass: Option<&Pass>) {
+    // Between the parts of a suspended pass nothing may be recorded, and this may be a later part.
+    if pass.is_none_or(|pass| !pass.facts.is_suspended) {
         // SAFETY: the caller vouches for the command buffer.
+        unsafe { work_begins(buffer, handle) };
+    }
+}
+
+/// A command that takes time, or waits for one, is about to be recorded.
+///
+/// # Safety
+///
+/// `handle` is this command buffer, which is recording.
+pub unsafe fn work_begins(buffer: &Buffer, handle: vk::CommandBuffer) {
+    let armed = &buffer.armed;
+    if !armed.timing.is_wanted() {
+        return;
+    }
+    let may_begin = {
+        let recorded = buffer.recorded();
+        recorded.timer.may_begin() && !recorded.is_within_pass()
+    };
+    if may_begin {
+        // SAFETY: the caller vouches for the command buffer. A pass that is not known has begun the time already.
         buffer.with_timer(|timer| unsafe { timer.begin(armed, handle) });
     }
 }
 
-/// A pass has ended.
+/// The command buffer is about to end.
 ///
 /// # Safety
 ///
-/// As for [`begin`].
-pub unsafe fn end(buffer: &Buffer, handle: vk::CommandBuffer) {
-    if buffer.recorded().timer.is_open() {
+/// `handle` is this command buffer, which is recording, outside of render passes.
+pub unsafe fn buffer_ends(buffer: &Buffer, handle: vk::CommandBuffer) {
+    let is_open = {
+        let recorded = buffer.recorded();
+        recorded.timer.is_open() && !recorded.may_be_suspended()
+    };
+    if is_open {
         // SAFETY: the caller vouches for the command buffer.
         buffer.with_timer(|timer| unsafe { timer.end(handle) });
+    }
+}
+
+impl Recorded {
+    /// Whether the last pass may go on in another command buffer: no command may come in between.
+    fn may_be_suspended(&self) -> bool {
+        let last = self.events.iter().rev().find_map(|event| match event {
+            Event::Pass(pass) => Some(pass),
+            Event::Transfer(_) => None,
+        });
+        last.is_some_and(|pass| pass.facts.is_suspended)
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod region;
 
-use super::{Buffer, with_buffer};
+use super::{Buffer, timed, with_buffer};
 use crate::abi::guard;
 use crate::scene::{Event, Transfer, TransferKind};
 use ash::vk;
@@ -31,6 +31,9 @@ macro_rules! hook {
             // SAFETY: as above.
             guard($name, pass_on, |answer| unsafe {
                 let Some((known, next)) = with_buffer(handle, |next| next.$next) else { return };
+                if let Some(known) = &known {
+                    timed::work_begins(known, handle);
+                }
                 next(handle, from, from_layout, to, to_layout, count, regions $(, $filter)?);
                 answer.made();
                 if let Some(known) = known {
@@ -55,6 +58,9 @@ macro_rules! hook2 {
                 // SAFETY: as above.
                 |answer| unsafe {
                     let Some((known, next)) = with_buffer(handle, |next| next.$next) else { return };
+                    if let Some(known) = &known {
+                        timed::work_begins(known, handle);
+                    }
                     next(handle, info);
                     answer.made();
                     if let Some(known) = known {

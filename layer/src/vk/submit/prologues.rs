@@ -9,6 +9,7 @@ use crate::vk::armed::Armed;
 use crate::vk::backend::Upload;
 use crate::vk::candidates::Need;
 use crate::vk::perception::{Deciding, Kept, Place, Written};
+use crate::vk::timing::Work;
 use ash::vk;
 use std::sync::{Mutex, PoisonError};
 
@@ -70,7 +71,7 @@ impl Prologues {
         let Some(submit) = armed.next.queue_submit else { return false };
         // SAFETY: the caller vouches for the queue; the slot is not pending.
         self.with_slot(armed, functions, false, |slot| unsafe {
-            slot.begin(armed, functions, 0)?;
+            slot.begin(armed, functions, Work::Analysis, 0)?;
             record(slot.commands())?;
             slot.submit(armed, functions, submit, queue, (Outdated::new(), kept))
         })
@@ -155,7 +156,8 @@ unsafe fn fill(
     let mut kept = Kept::new();
     // SAFETY: the slot is not pending, as the caller says; the queue is the caller's.
     unsafe {
-        slot.begin(armed, functions, lengths.map(|len| len.next_multiple_of(ALIGNMENT)).sum())?;
+        let len = lengths.map(|len| len.next_multiple_of(ALIGNMENT)).sum();
+        slot.begin(armed, functions, Work::Maps, len)?;
         let commands = slot.commands();
         if let Some(deciding) = deciding {
             armed.perception.decide(armed, commands, deciding, &mut slot.words, &mut kept);

@@ -6,7 +6,7 @@ use crate::gpu::memory::memory_type;
 use crate::gpu::{GpuError, wait_device, wait_fence};
 use crate::vk::armed::Armed;
 use crate::vk::perception::Kept;
-use crate::vk::timing::Timer;
+use crate::vk::timing::{Timer, Work};
 use ash::vk;
 
 /// Staging memory is asked for in steps of this many bytes.
@@ -27,6 +27,8 @@ pub struct Slot {
     uses: Outdated,
     kept: Kept,
     timer: Timer,
+    /// What is recorded.
+    work: Work,
     is_pending: bool,
 }
 
@@ -68,6 +70,7 @@ impl Slot {
                 uses: Outdated::new(),
                 kept: Kept::new(),
                 timer: armed.timing.own_timer(armed, functions, family),
+                work: Work::Maps,
                 is_pending: false,
             };
             match slot.make(armed, device) {
@@ -139,12 +142,19 @@ impl Slot {
         self.staging.as_ref().map_or(vk::Buffer::null(), |staging| staging.buffer)
     }
 
-    /// Begins to record, with staging memory for so many bytes.
+    /// Begins to record that work, with staging memory for so many bytes.
     ///
     /// # Safety
     ///
     /// It is not pending; `functions` are those of `armed`.
-    pub unsafe fn begin(&mut self, armed: &Armed, functions: &Functions, len: usize) -> Result<(), GpuError> {
+    pub unsafe fn begin(
+        &mut self,
+        armed: &Armed,
+        functions: &Functions,
+        work: Work,
+        len: usize,
+    ) -> Result<(), GpuError> {
+        self.work = work;
         let device = &functions.device;
         if len > 0 && self.staging.as_ref().is_none_or(|staging| staging.len < len) {
             if let Some(small) = self.staging.take() {
@@ -202,7 +212,7 @@ impl Slot {
             device.reset_fences(&[self.fence]).map_err(GpuError::from_call("vkResetFences"))?;
             submit(queue, 1, &info, self.fence).result().map_err(GpuError::from_call("vkQueueSubmit"))?;
         }
-        armed.timing.submitted(&self.timer, armed.frame.log().frame(), false);
+        armed.timing.submitted(&self.timer, armed.frame.log().frame(), self.work);
         self.uses = uses;
         self.kept = kept;
         self.is_pending = true;

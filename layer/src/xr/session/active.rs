@@ -3,11 +3,14 @@
 use super::shared;
 use crate::config::ConfigSnapshot;
 use crate::gpu::{Gpu, GpuError};
+use crate::inputs::cost::{GpuCost, GpuCosts};
+use crate::link::MOST_FRAME_TIMES;
 use crate::passes::compose::Compose;
 use crate::status::take_over_decision;
 use crate::xr::frame::DebugViews;
 use crate::xr::plan::SessionPlan;
 use crate::xr::vulkan_device::{FrameReport, VulkanDevice};
+use smallvec::SmallVec;
 use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -18,6 +21,7 @@ pub struct Active {
     /// Plan of its frames.
     pub plan: SessionPlan,
     report: Mutex<FrameReport>,
+    costs: Mutex<GpuCosts>,
     debug_views: Mutex<DebugViews>,
     tools: OnceLock<Option<Tools>>,
     health: AtomicU8,
@@ -40,7 +44,7 @@ pub enum Health {
     Works = 0,
     /// The application's pictures are delivered as they are.
     CopyOnly = 1,
-    /// Not even that: frames that show virtual swapchains fail, and no more of those are made.
+    /// Not even that: frames that show virtual swapchains end without layers, and no more of those are made.
     Stopped = 2,
 }
 
@@ -55,6 +59,7 @@ impl Active {
             device,
             plan: SessionPlan::new(config, device),
             report: Mutex::default(),
+            costs: Mutex::default(),
             debug_views: Mutex::default(),
             tools: OnceLock::new(),
             health: AtomicU8::new(Health::Works as u8),
@@ -100,6 +105,17 @@ impl Active {
     /// Memory for the report on a frame: that of the last one.
     pub fn report(&self) -> MutexGuard<'_, FrameReport> {
         self.report.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The costs of earlier frames that became known when the one of this report ended; what we draw at its end is timed where `is_timed`.
+    pub fn gpu_costs(&self, report: &FrameReport, is_timed: bool) -> SmallVec<[GpuCost; MOST_FRAME_TIMES]> {
+        let mut costs = self.costs.lock().unwrap_or_else(PoisonError::into_inner);
+        report.times.iter().for_each(|&time| costs.add(time));
+        let under_way = self.made_tools().and_then(|tools| {
+            tools.gpu.set_timed_frame(is_timed.then_some(report.frame));
+            tools.gpu.take_times(|time| costs.add_pictures(time.frame, time.ns))
+        });
+        std::iter::from_fn(|| costs.next(under_way)).take(MOST_FRAME_TIMES).collect()
     }
 
     /// State of its debug view.

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 const FORMATS: [vk::Format; 4] = [LDR, HDR, vk::Format::R32_UINT, vk::Format::D32_SFLOAT];
 
 /// Images of every kind: the last six are those of two swapchains, of which the second is flat.
-fn any_images() -> impl Strategy<Value = Vec<ImageDescription>> {
+pub fn any_images() -> impl Strategy<Value = Vec<ImageDescription>> {
     let sides = prop::sample::select(vec![0, 1, 100, 200, 240, 400, u32::MAX]);
     let image = (sides.clone(), sides, 0..4usize, 0..7u32, 0..8u32).prop_map(
         |(width, height, format, layers, kind)| ImageDescription {
@@ -43,6 +43,28 @@ fn any_target() -> impl Strategy<Value = Target> {
         })
 }
 
+fn any_reads() -> impl Strategy<Value = Reads> {
+    (prop::collection::vec(0..13u64, 0..4), prop::bool::weighted(0.2)).prop_map(|(images, may_read_more)| {
+        let mut reads = Reads { may_read_more, ..Reads::default() };
+        images.into_iter().for_each(|image| reads.push(ImageKey(image)));
+        reads
+    })
+}
+
+fn any_draws() -> impl Strategy<Value = Option<Draws>> {
+    let vertices = prop::sample::select(vec![3, 6, 3000, 1 << 20]);
+    let draws = (0..3u32, 0..8u32, vertices, any_reads(), any_reads()).prop_map(
+        |(quads, meshes, vertices, read_by_quads, read_by_meshes)| Draws {
+            quads,
+            meshes,
+            vertices,
+            read_by_quads,
+            read_by_meshes,
+        },
+    );
+    prop::option::weighted(0.7, draws)
+}
+
 fn any_pass() -> impl Strategy<Value = Pass> {
     let area = prop_oneof![
         4 => Just([0, 0, 200, 240]),
@@ -58,8 +80,9 @@ fn any_pass() -> impl Strategy<Value = Pass> {
         area,
         mask,
         any::<bool>(),
+        any_draws(),
     )
-        .prop_map(|(colors, resolves, depth, area, view_mask, clears_depth)| Pass {
+        .prop_map(|(colors, resolves, depth, area, view_mask, clears_depth, draws)| Pass {
             colors: colors.into(),
             resolves: resolves.into(),
             depth,
@@ -67,7 +90,7 @@ fn any_pass() -> impl Strategy<Value = Pass> {
             view_mask,
             facts: PassFacts { clears_depth, ..PassFacts::default() },
             unmasked: None,
-            draws: None,
+            draws,
         })
 }
 
@@ -79,7 +102,7 @@ fn any_rect() -> impl Strategy<Value = [i32; 4]> {
     ]
 }
 
-fn any_event() -> impl Strategy<Value = Event> {
+pub fn any_event() -> impl Strategy<Value = Event> {
     prop_oneof![
         any_pass().prop_map(Event::Pass),
         (any_target(), any_rect(), any_target(), any_rect()).prop_map(|(from, from_rect, to, to_rect)| {
@@ -88,7 +111,7 @@ fn any_event() -> impl Strategy<Value = Event> {
     ]
 }
 
-fn any_shown() -> impl Strategy<Value = Shown> {
+pub fn any_shown() -> impl Strategy<Value = Shown> {
     let eye = prop_oneof![Just(Some(Eye::Left)), Just(Some(Eye::Right)), Just(None)];
     let rect = prop_oneof![
         4 => Just([0, 0, 200, 240]),

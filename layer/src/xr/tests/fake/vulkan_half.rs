@@ -224,7 +224,9 @@ unsafe extern "C" fn end_frame(
     FRAMES.set(FRAMES.get() + 1);
     if let Some(ns) = GPU_NS.get() {
         let ns = ns[usize::from(IS_ON.get())];
-        TIMES.with_borrow_mut(|times| times.push(FrameTimeRecord { frame: FRAMES.get(), ns }));
+        TIMES.with_borrow_mut(|times| {
+            times.push(FrameTimeRecord { frame: FRAMES.get(), ns, ..FrameTimeRecord::default() })
+        });
     }
     // SAFETY: the other half passes a valid record, and one to write to.
     let report = unsafe {
