@@ -8,6 +8,7 @@ use parafovea_report::points::{Extent, points};
 use parafovea_report::results::Results;
 use parafovea_report::{gpu, measure, page, plot, summary, table};
 use parafovea_scene::scene::SceneName;
+use parafovea_scene::scene::generated::Kind;
 use parafovea_tests::artifacts::target_folder;
 use parafovea_tests::installation::Driver;
 use parafovea_tests::measure::print_json;
@@ -30,6 +31,12 @@ struct Arguments {
     /// Other scenes, apart by commas.
     #[arg(long, value_enum, value_delimiter = ',')]
     scenes: Vec<SceneName>,
+    /// Also two scenes that are made of this seed: a room and a street that nobody has tuned anything on.
+    #[arg(long)]
+    seed: Option<u32>,
+    /// Gaze scripts by which maps are judged, by the look of hardware rates.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..100))]
+    scripts: Option<u32>,
     /// Other techniques, apart by commas; the application alone is always among them.
     #[arg(long, value_delimiter = ',')]
     techniques: Vec<String>,
@@ -139,6 +146,10 @@ fn plan(arguments: &Arguments) -> Result<Plan, String> {
     if !arguments.scenes.is_empty() {
         plan.scenes.clone_from(&arguments.scenes);
     }
+    if let Some(seed) = arguments.seed {
+        plan.scenes.extend(Kind::ALL.map(|kind| SceneName::Generated(kind, seed)));
+    }
+    plan.scripts = arguments.scripts.unwrap_or(plan.scripts);
     if !arguments.techniques.is_empty() {
         let all = points(Extent::All);
         let shaded = hardware_points(Extent::All);
