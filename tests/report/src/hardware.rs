@@ -56,7 +56,7 @@ fn all() -> Vec<HardwarePoint> {
         ("balanced", ScreenEllipses::BALANCED),
         ("narrow", ScreenEllipses::NARROW),
     ] {
-        let with = |rates: &str| format!("OpenXR Toolkit {name}, {rates}");
+        let with = |rates: &str| format!("OpenXR Toolkit {name} ({rates})");
         points.push(point(Sweep::OpenXrToolkit, &with("performance"), Rates::Ellipses(map), Quick));
         let quality = Rates::Ellipses(map.with_quality_rates());
         points.push(point(Sweep::OpenXrToolkit, &with("quality"), quality, Full));
@@ -77,7 +77,7 @@ fn all() -> Vec<HardwarePoint> {
         let config = format!("{}mode = \"fixed\"\n", preset_config(preset));
         layer(Sweep::Rings, &name, Technique::layer(&name, &config), Full);
     }
-    let name = "preset balanced, sound";
+    let name = "preset balanced (sound)";
     layer(Sweep::Sound, name, Technique::layer(name, &preset_config("balanced")).hearing(), Full);
     points
 }

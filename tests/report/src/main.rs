@@ -4,7 +4,7 @@ use clap::Parser;
 use parafovea_report::hardware::hardware_points;
 use parafovea_report::pictures::Pictures;
 use parafovea_report::plan::Plan;
-use parafovea_report::points::{Extent, points};
+use parafovea_report::points::{Extent, Sweep, points};
 use parafovea_report::results::Results;
 use parafovea_report::{gpu, measure, page, plot, summary, table};
 use parafovea_scene::scene::SceneName;
@@ -52,6 +52,9 @@ struct Arguments {
     /// Side of the timed pictures, pixels; those that are judged are at most as large.
     #[arg(long, value_parser = clap::value_parser!(u32).range(64..8192))]
     size: Option<u32>,
+    /// Only maps, by the look of hardware rates, beside render scales: nothing is timed.
+    #[arg(long, conflicts_with = "system_driver")]
+    maps: bool,
     /// On the system's GPU instead of lavapipe.
     #[arg(long)]
     system_driver: bool,
@@ -165,6 +168,10 @@ fn plan(arguments: &Arguments) -> Result<Plan, String> {
         }
         let is_wanted = |name: &String| name == "off" || arguments.techniques.contains(name);
         plan.points = all.into_iter().filter(|point| is_wanted(&point.technique.name)).collect();
+    }
+    if arguments.maps {
+        plan.points.retain(|point| [Sweep::Off, Sweep::RenderScale].contains(&point.sweep));
+        plan.points.iter_mut().for_each(|point| point.is_timed = false);
     }
     plan.timed.turns = arguments.turns.map_or(plan.timed.turns, |turns| turns as usize);
     for effort in [&mut plan.timed, &mut plan.judged] {

@@ -171,6 +171,9 @@ fn costs(
     timings: Vec<Timing>,
     progress: &mut Progress,
 ) -> Result<Vec<Cost>, HarnessError> {
+    if plan.timed_points().next().is_none() {
+        return Ok(Vec::new());
+    }
     let techniques: Vec<Technique> = plan.timed_points().map(|(_, point)| point.technique.clone()).collect();
     let mut timed: Vec<Timing> = timings
         .into_iter()

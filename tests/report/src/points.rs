@@ -132,7 +132,7 @@ fn all() -> Vec<Point> {
             "preset = \"balanced\"\n[rates]\nmode = \"fixed\"\nfoveal_deg = {}\ntransitional_deg = {}\ngate = \"on\"\n[reuse]\nmode = \"off\"\n",
             map.foveal_deg, map.transitional_deg
         );
-        let filled = Technique::layer(&format!("FR {name}, our fill"), &config);
+        let filled = Technique::layer(&format!("FR {name} (our fill)"), &config);
         points.push(timed(Sweep::FilledFoveation, filled, least));
     }
     for (preset, least) in [("wide", Full), ("balanced", Full), ("narrow", Full)] {

@@ -1,6 +1,6 @@
 //! Maps over the pictures of the application alone, as a device with shading rates would show them.
 
-use super::{errors, flights, show};
+use super::{at_once, errors, flights, show};
 use crate::hardware::{HardwarePoint, Rates};
 use crate::points::Sweep;
 use crate::results::{Cost, PointResults, SceneResults, mean};
@@ -18,6 +18,7 @@ use parafovea_tests::HarnessError;
 use parafovea_tests::measure::{Effort, Subject, Technique, fov, judge_shaded};
 use parafovea_tests::run::Outcome;
 use parafovea_tests::scenario::Scenario;
+use std::thread::available_parallelism;
 
 /// Side of a tile where we choose it, pixels: paper A's.
 const TEXEL: u32 = 16;
@@ -57,14 +58,21 @@ pub fn measure(
         let share = scale.map_or(f64::NAN, |scale| scale * scale);
         result(other.sweep, &other.technique, vec![share; frames], other.errors.clone())
     }));
-    for HardwarePoint { sweep, name, rates, .. } in points {
-        let maps = maps(rates, (subject, scenario, effort), reference)?;
-        let report = judge_shaded(subject, scenario, reference, |frame, eye, picture| {
-            let map = &maps[(frame - effort.run_up) as usize][eye];
-            picture.shaded_at(|x, y| map.at(x, y))
+    for together in points.chunks(available_parallelism().map_or(1, usize::from)) {
+        let planned = together
+            .iter()
+            .map(|point| Ok((point, maps(&point.rates, (subject, scenario, effort), reference)?)));
+        let planned = planned.collect::<Result<Vec<_>, HarnessError>>()?;
+        let reports = at_once(&planned, |(_, maps)| {
+            judge_shaded(subject, scenario, reference, |frame, eye, picture| {
+                let map = &maps[(frame - effort.run_up) as usize][eye];
+                picture.shaded_at(|x, y| map.at(x, y))
+            })
         })?;
-        let shares = maps.iter().map(|eyes| eyes.iter().map(EyeRates::share).sum::<f64>() / 2.0);
-        found.push(result(*sweep, name, shares.collect(), Some(errors(&report, &in_flight))));
+        for ((HardwarePoint { sweep, name, .. }, maps), report) in planned.iter().zip(reports) {
+            let shares = maps.iter().map(|eyes| eyes.iter().map(EyeRates::share).sum::<f64>() / 2.0);
+            found.push(result(*sweep, name, shares.collect(), Some(errors(&report, &in_flight))));
+        }
     }
     let scene = subject.name().to_owned();
     Ok(SceneResults { scene, points: found, bits: Vec::new(), frames_of_script: frames })
