@@ -100,10 +100,10 @@ impl Subject {
 
     /// The script of `scene` from so many frames before its first saccade of 10 degrees or more that has as many before it.
     pub fn before_a_saccade(scene: SceneName, tracker: Tracker, frames: u64) -> Self {
-        Self::new(scene, tracker, 0).from_a_saccade(frames)
+        Self::new(scene, tracker, 0).starting_before_a_saccade(frames)
     }
 
-    fn from_a_saccade(self, frames: u64) -> Self {
+    fn starting_before_a_saccade(self, frames: u64) -> Self {
         let before_s = frames as f64 / FRAMES_PER_SECOND;
         let saccades = self.script.gaze.saccades();
         let is_meant = |start_s: f64, amplitude_deg: f32| amplitude_deg >= 10.0 && start_s >= before_s;
@@ -115,7 +115,7 @@ impl Subject {
     /// As [`Self::before_a_saccade`], by another of the scene's gaze scripts, in which the eyes look far to the side.
     pub fn glancing(scene: SceneName, tracker: Tracker, number: u32, frames: u64) -> Self {
         Self { script: Script::glancing(scene, number), ..Self::new(scene, tracker, 0) }
-            .from_a_saccade(frames)
+            .starting_before_a_saccade(frames)
     }
 
     /// The script of the same scene from so many frames later on.

@@ -105,7 +105,7 @@ pub fn targets(kind: Kind, seed: u32) -> Vec<Vec3> {
 /// The lower near corner of a picture, on the left wall or on the right one.
 fn picture_corner(kind: Kind, seed: u32, index: u32) -> Vec3 {
     let extent = extent(kind, seed);
-    let x = if index % 2 == 0 { 0.02 - extent.x } else { extent.x - 0.02 };
+    let x = if index.is_multiple_of(2) { 0.02 - extent.x } else { extent.x - 0.02 };
     let z = -1.4 - (extent.z - 3.4) * (index as f32 + random(seed, index, 20)) / 9.0;
     vec3(x, 1.1 + 0.9 * random(seed, index, 21), z)
 }
@@ -179,7 +179,7 @@ fn pictures(kind: Kind, seed: u32) -> Part {
     for index in 0..8 {
         let corner = picture_corner(kind, seed, index);
         // Seen from inside, from left to right: away on the left wall, towards the visitor on the right one.
-        let along = if index % 2 == 0 { Vec3::NEG_Z } else { Vec3::Z };
+        let along = if index.is_multiple_of(2) { Vec3::NEG_Z } else { Vec3::Z };
         mesh.cell([corner, along * 1.1, Vec3::Y * 0.5], cells, index, 0.8);
     }
     Part::new(material, mesh).glowing(Vec3::splat(0.2))
