@@ -92,7 +92,7 @@ fn hardware_markdown(results: &Results) -> String {
     for row in hardware_rows(results) {
         text += &format!("| {} |\n", row.join(" | "));
     }
-    text += "\n| at equal share | than | which | scenes |\n|---|---|---|---|\n";
+    text += "\n| at equal share | than | measure | scenes |\n|---|---|---|---|\n";
     for tally in tallies(&contests(&results.hardware)) {
         let Tally { technique, rival, measure, .. } = &tally;
         text += &format!("| {technique} | {} | {} | {} |\n", rival.title(), measure.text(), tally.text());
