@@ -354,7 +354,8 @@ impl Planning {
         let extent = self.views.eyes().map_or([0; 2], |[left, right]| {
             [0, 1].map(|axis: usize| left.extent[axis].max(right.extent[axis]))
         });
-        let settings = plan_settings(config, self.offer.rates(), tile_of(self.offer.texel(), extent));
+        let tile = tile_of(self.offer.texel(), extent);
+        let settings = plan_settings(config, self.offer.rates(), tile, self.offer.is_cpu());
         let rails = match config.gaze.source {
             GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => settings.rails,
             // Nothing moves: there is no change that could be seen, and every frame has the same rings.

@@ -62,6 +62,8 @@ choice! {
 choice! {
     /// Model for shading rates.
     RatesMode {
+        /// the mode "audio-visual" on a GPU, and "fixed" on a CPU device, where the measurement of contrast costs more than it saves
+        Auto = "auto",
         /// full rate everywhere
         Off = "off",
         /// foveation in rings, by the angle from the gaze alone
@@ -214,14 +216,14 @@ presets! {
     Preset {
         /// every technique off
         None = "none" { rates.mode = RatesMode::Off; }
-        /// a quarter of the shading in the periphery, which few users notice
+        /// at least a quarter of the shading in the periphery, and half the contrast loss of balanced on a GPU, which few users notice
         Quality = "quality" {
             rates.peripheral = PeripheralRate::R2x2;
             rates.greatest_loss = 4.0;
         }
-        /// a sixteenth of the shading from 27 degrees on
+        /// on a GPU, coarse where that loses little contrast; on a CPU device, a sixteenth of the shading from 27 degrees on
         Balanced = "balanced" {}
-        /// a sixteenth of the shading from 18 degrees on, which users notice at times
+        /// one and a half times the contrast loss of balanced on a GPU; on a CPU device, a sixteenth of the shading from 18 degrees on; users notice it at times
         Performance = "performance" {
             rates.transitional_deg = 18.39;
             rates.greatest_loss = 12.0;
@@ -232,6 +234,7 @@ presets! {
         /// no eye tracker: a quarter of the shading beyond 40 degrees from the centre, where eyes turn only with the head
         Fixed = "fixed" {
             gaze.source = GazeSource::Centre;
+            rates.mode = RatesMode::Fixed;
             rates.foveal_deg = 30.0;
             rates.transitional_deg = 40.0;
             rates.peripheral = PeripheralRate::R2x2;
@@ -303,7 +306,7 @@ options! {
     /// Shading rates, coarser away from the gaze.
     rates: Rates {
         /// Model for shading rates.
-        mode: RatesMode = RatesMode::Fixed;
+        mode: RatesMode = RatesMode::Auto;
         /// Backend for shading rates.
         backend: RatesBackend = RatesBackend::Auto;
         /// Reaction to a slowdown of the application by shading rates or re-use, which are judged separately.
@@ -316,9 +319,9 @@ options! {
         transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
         /// Coarsest shading rate, in pixels; a device without it uses the next finer one.
         peripheral: PeripheralRate = PeripheralRate::R4x4;
-        /// Greatest contrast loss of a tile for mode = "audio-visual", in just-noticeable differences, with the loudest sound; up to 1.8 less with other sound and in silence. Tiles lose it only where that saves most.
+        /// Greatest contrast loss of a tile for mode = "auto" and "audio-visual", in just-noticeable differences, with the loudest sound; up to 1.8 less with other sound and in silence. Tiles lose it only where that saves most.
         greatest_loss: f32 = 8.0, 0.0..=16.0 "";
-        /// Shading rates in silence, for mode = "audio-visual".
+        /// Shading rates in silence, for mode = "auto" and "audio-visual".
         silence: SilenceRule = SilenceRule::Contrast;
         /// Luminance of white in the headset, for modes that measure contrast.
         white_cd_m2: f32 = 100.0, 10.0..=2_500.0 "cd/m^2";

@@ -30,7 +30,7 @@ fn config(settings: &str) -> Config {
 
 /// Shading of a view whose contrast rises from left to right, with a sound that hides as much as any, once nothing moves.
 fn shaded(config: &Config) -> f32 {
-    let settings = plan_settings(config, &VULKAN_RATES, [16; 2]);
+    let settings = plan_settings(config, &VULKAN_RATES, [16; 2], true);
     let at_once = f32::INFINITY;
     let rails =
         RailSettings { coarsening_octaves_per_s: at_once, judged_octaves_per_s: at_once, ..settings.rails };

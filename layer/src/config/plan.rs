@@ -13,35 +13,65 @@ use parafovea_core::presets;
 use parafovea_core::rate::ShadingRate;
 use parafovea_core::schedule::{Phase, Schedule, UpdateConfiguration};
 
-/// The settings of the planner, on a device that offers these rates, in any order, for tiles of `texel` pixels.
-pub fn plan_settings(config: &Config, offered: &[ShadingRate], texel: [u32; 2]) -> PlanSettings {
-    let rates = match config.rates.mode {
-        _ if !config.enabled => RateSettings::Off,
-        RatesMode::Off => RateSettings::Off,
-        RatesMode::Fixed => RateSettings::Fixed(fixed_foveation(config)),
-        RatesMode::AudioVisual | RatesMode::Paper => RateSettings::AudioVisual(audio_visual(config)),
+/// The source of rates on a device: `rates.mode`, with "auto" decided. On a CPU device the kernels that measure contrast take as long
+/// as the shading that they save (`cargo dev report`: contrast against rings).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum RatesSource {
+    Nothing,
+    Rings,
+    Contrast,
+    Paper,
+}
+
+impl RatesSource {
+    fn of(config: &Config, on_cpu: bool) -> Self {
+        match config.rates.mode {
+            _ if !config.enabled => Self::Nothing,
+            RatesMode::Off => Self::Nothing,
+            RatesMode::Auto if on_cpu => Self::Rings,
+            RatesMode::Fixed => Self::Rings,
+            RatesMode::Auto | RatesMode::AudioVisual => Self::Contrast,
+            RatesMode::Paper => Self::Paper,
+        }
+    }
+
+    fn has_contrast(self) -> bool {
+        matches!(self, Self::Contrast | Self::Paper)
+    }
+}
+
+/// The settings of the planner, on a device that offers these rates, in any order, for tiles of `texel` pixels; `on_cpu` if a CPU renders.
+pub fn plan_settings(
+    config: &Config,
+    offered: &[ShadingRate],
+    texel: [u32; 2],
+    on_cpu: bool,
+) -> PlanSettings {
+    let fixed = fixed_foveation(config);
+    let rates = match RatesSource::of(config, on_cpu) {
+        RatesSource::Nothing => RateSettings::Off,
+        RatesSource::Rings => RateSettings::Fixed(fixed),
+        RatesSource::Contrast => RateSettings::AudioVisual(audio_visual(config)),
+        RatesSource::Paper => RateSettings::AudioVisual(AudioVisual { fixed, ..AudioVisual::PAPER }),
     };
     let preset = preset(config.preset);
     PlanSettings {
         rates,
         schedule: update_settings(config, preset.settings().faster_in_pursuit),
         chroma: chroma_settings(config),
-        contrast_on_gpu: wants_contrast(config),
+        contrast_on_gpu: wants_contrast(config, on_cpu),
         ..PlanSettings::of(preset, false, offered, texel)
     }
 }
 
-/// Whether the configuration asks for rates by the contrast of pictures.
-pub fn wants_contrast(config: &Config) -> bool {
-    wants_maps(config) && matches!(config.rates.mode, RatesMode::AudioVisual | RatesMode::Paper)
+/// Whether the configuration asks for rates by the contrast of pictures, on a device that is a CPU or not.
+pub fn wants_contrast(config: &Config, on_cpu: bool) -> bool {
+    wants_maps(config) && RatesSource::of(config, on_cpu).has_contrast()
 }
 
-/// How sound and contrast lead to rates: as published, or by castleCSF, within the configured limits.
+/// How sound and contrast lead to rates: by castleCSF, within the configured limits.
 fn audio_visual(config: &Config) -> AudioVisual {
     let fixed = fixed_foveation(config);
-    if config.rates.mode == RatesMode::Paper {
-        return AudioVisual { fixed, ..AudioVisual::PAPER };
-    }
     let usual = AudioVisual::default();
     let silence = match config.rates.silence {
         SilenceRule::Fixed => avpm::SilenceRule::FixedFoveation,
@@ -158,7 +188,7 @@ mod tests {
     use parafovea_core::rate::VULKAN_RATES;
 
     fn settings(config: &Config) -> PlanSettings {
-        plan_settings(config, &VULKAN_RATES, [16, 16])
+        plan_settings(config, &VULKAN_RATES, [16, 16], false)
     }
 
     #[test]
@@ -172,10 +202,15 @@ mod tests {
             (Preset::Paper, presets::Preset::Paper),
         ] {
             let is_paper = ours == Preset::Paper;
-            let expected = PlanSettings {
-                contrast_on_gpu: is_paper,
-                ..PlanSettings::of(theirs, is_paper, &VULKAN_RATES, [16, 16])
+            // Without a tracker the eyes may be anywhere: rings around the centre, at any contrast.
+            let by_contrast = ours != Preset::Fixed;
+            let mut expected = PlanSettings {
+                contrast_on_gpu: by_contrast,
+                ..PlanSettings::of(theirs, by_contrast, &VULKAN_RATES, [16, 16])
             };
+            if let RateSettings::AudioVisual(model) = &mut expected.rates {
+                model.budget.silence = avpm::SilenceRule::Strict;
+            }
             let mut config = Config::of_preset(ours);
             assert_eq!(config.reuse.mode != ReuseMode::Off, is_paper, "{theirs}");
             config.reuse.mode = ReuseMode::Off;
@@ -187,6 +222,33 @@ mod tests {
             });
             assert_eq!(settings(&config), PlanSettings { schedule, ..expected }, "{theirs}");
         }
+    }
+
+    /// On a CPU device contrast costs more than it saves, and each preset has the rings of the models.
+    #[test]
+    fn presets_measure_contrast_on_gpus_alone() {
+        for (ours, theirs) in [
+            (Preset::Quality, presets::Preset::Quality),
+            (Preset::Balanced, presets::Preset::Balanced),
+            (Preset::Performance, presets::Preset::Performance),
+            (Preset::Streaming, presets::Preset::Streaming),
+        ] {
+            let config = Config::of_preset(ours);
+            assert_eq!(
+                [true, false].map(|on_cpu| wants_contrast(&config, on_cpu)),
+                [false, true],
+                "{theirs}"
+            );
+            let expected = PlanSettings::of(theirs, false, &VULKAN_RATES, [16, 16]);
+            let found = plan_settings(&config, &VULKAN_RATES, [16, 16], true);
+            assert_eq!(found, PlanSettings { schedule: None, ..expected }, "{theirs}");
+        }
+        let mut config = Config::of_preset(Preset::Fixed);
+        assert_eq!([true, false].map(|on_cpu| wants_contrast(&config, on_cpu)), [false; 2]);
+        config.rates.mode = RatesMode::AudioVisual;
+        assert_eq!([true, false].map(|on_cpu| wants_contrast(&config, on_cpu)), [true; 2], "as asked for");
+        config.enabled = false;
+        assert_eq!([true, false].map(|on_cpu| wants_contrast(&config, on_cpu)), [false; 2]);
     }
 
     #[test]
@@ -225,7 +287,6 @@ mod tests {
         config.rates.peripheral = PeripheralRate::R4x4;
         config.rates.mode = RatesMode::Paper;
         assert_eq!(model(&config), AudioVisual::PAPER);
-        assert!(!settings(&Config::default()).contrast_on_gpu);
     }
 
     #[test]

@@ -38,7 +38,11 @@ impl Session {
     }
 
     /// On a device with that offer.
-    fn on(offer: Offer, config: Config) -> Self {
+    fn on(offer: Offer, mut config: Config) -> Self {
+        // Rings are known here, rates by contrast to the GPU alone.
+        if config.rates.mode == RatesMode::Auto {
+            config.rates.mode = RatesMode::Fixed;
+        }
         let mut planning = Planning::new(offer);
         let edge = std::f32::consts::FRAC_PI_4;
         let fov = Fov { left: -edge, right: edge, up: edge, down: -edge };

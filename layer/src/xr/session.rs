@@ -60,7 +60,8 @@ impl Session {
 
     /// Whether the contrast of pictures could decide rates: the configuration asks for it, and the device has a backend.
     pub fn may_judge(&self, config: &Config) -> bool {
-        wants_contrast(config) && self.has_backend()
+        let on_cpu = self.active.as_ref().is_some_and(|active| active.device.is_cpu());
+        wants_contrast(config, on_cpu) && self.has_backend()
     }
 
     fn has_backend(&self) -> bool {

@@ -94,6 +94,11 @@ impl VulkanDevice {
         Self { table, record, queue: (0, 0), offer: offer(&table, record.device) }
     }
 
+    /// Whether the device is a CPU.
+    pub fn is_cpu(&self) -> bool {
+        self.offer.is_cpu == 1
+    }
+
     /// Tells the Vulkan half whether a session is bound to the device.
     pub fn set_active(&self, active: bool) {
         // SAFETY: the session that holds this says that the device is live: it outlives its session.

@@ -66,7 +66,7 @@ mod tests {
                 }
                 Preset::Streaming => "`chroma.mode = \"default\"`",
                 Preset::Fixed => {
-                    "`gaze.source = \"centre\"`, `rates.foveal_deg = 30.0`, `rates.transitional_deg = 40.0`, \
+                    "`gaze.source = \"centre\"`, `rates.mode = \"fixed\"`, `rates.foveal_deg = 30.0`, `rates.transitional_deg = 40.0`, \
                      `rates.peripheral = \"2x2\"`"
                 }
                 Preset::Paper => {

@@ -12,8 +12,9 @@ fn tasks(sweep: Sweep) -> Option<&'static [&'static str]> {
             return None;
         }
         // Rings are planned on the CPU.
-        Sweep::Rates | Sweep::FilledFoveation => &[],
-        Sweep::Contrast | Sweep::Sound => &["analyze", "decide", "lay"],
+        Sweep::Rings | Sweep::FilledFoveation => &[],
+        // Presets measure contrast on GPUs.
+        Sweep::Rates | Sweep::Contrast | Sweep::Sound => &["analyze", "decide", "lay"],
         Sweep::Reuse | Sweep::RatesAndReuse => &["compose, re-use", "change"],
         Sweep::Everything => &["analyze", "decide", "lay", "compose, re-use", "change"],
         Sweep::Chroma => &["compose, chroma"],

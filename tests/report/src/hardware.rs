@@ -56,7 +56,7 @@ fn all() -> Vec<HardwarePoint> {
         ("balanced", ScreenEllipses::BALANCED),
         ("narrow", ScreenEllipses::NARROW),
     ] {
-        let with = |rates: &str| format!("OpenXR Toolkit {name}, {rates}");
+        let with = |rates: &str| format!("OpenXR Toolkit {name} ({rates})");
         points.push(point(Sweep::OpenXrToolkit, &with("performance"), Rates::Ellipses(map), Quick));
         let quality = Rates::Ellipses(map.with_quality_rates());
         points.push(point(Sweep::OpenXrToolkit, &with("quality"), quality, Full));
@@ -64,10 +64,21 @@ fn all() -> Vec<HardwarePoint> {
     for (name, rate) in [("2x1", ShadingRate::R2X1), ("2x2", ShadingRate::R2X2), ("4x4", ShadingRate::R4X4)] {
         points.push(point(Sweep::Uniform, &format!("uniform {name}"), Rates::Uniform(rate), Full));
     }
-    for (preset, least) in [("quality", Full), ("balanced", Quick), ("performance", Full)] {
-        let technique = Technique::layer(&format!("preset {preset}"), &preset_config(preset));
-        points.push(point(Sweep::Rates, &format!("preset {preset}"), Rates::Layer(technique), least));
+    let mut layer = |sweep, name: &str, technique, least| {
+        points.push(point(sweep, name, Rates::Layer(technique), least));
+    };
+    for (preset, least) in [("quality", Quick), ("balanced", Quick), ("performance", Quick)] {
+        let name = format!("preset {preset}");
+        layer(Sweep::Rates, &name, Technique::layer(&name, &preset_config(preset)), least);
     }
+    // The preset without what it switches on for a GPU, and with what the user may add: what pays, and how much.
+    for preset in ["quality", "balanced", "performance"] {
+        let name = format!("rings {preset}");
+        let config = format!("{}mode = \"fixed\"\n", preset_config(preset));
+        layer(Sweep::Rings, &name, Technique::layer(&name, &config), Full);
+    }
+    let name = "preset balanced (sound)";
+    layer(Sweep::Sound, name, Technique::layer(name, &preset_config("balanced")).hearing(), Full);
     points
 }
 

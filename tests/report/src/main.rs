@@ -4,10 +4,11 @@ use clap::Parser;
 use parafovea_report::hardware::hardware_points;
 use parafovea_report::pictures::Pictures;
 use parafovea_report::plan::Plan;
-use parafovea_report::points::{Extent, points};
+use parafovea_report::points::{Extent, Sweep, points};
 use parafovea_report::results::Results;
 use parafovea_report::{gpu, measure, page, plot, summary, table};
 use parafovea_scene::scene::SceneName;
+use parafovea_scene::scene::generated::Kind;
 use parafovea_tests::artifacts::target_folder;
 use parafovea_tests::installation::Driver;
 use parafovea_tests::measure::print_json;
@@ -30,6 +31,12 @@ struct Arguments {
     /// Other scenes, apart by commas.
     #[arg(long, value_enum, value_delimiter = ',')]
     scenes: Vec<SceneName>,
+    /// Also two scenes that are made of this seed: a room and a street that nobody has tuned anything on.
+    #[arg(long)]
+    seed: Option<u32>,
+    /// Gaze scripts by which maps are judged, by the look of hardware rates.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..100))]
+    scripts: Option<u32>,
     /// Other techniques, apart by commas; the application alone is always among them.
     #[arg(long, value_delimiter = ',')]
     techniques: Vec<String>,
@@ -45,6 +52,9 @@ struct Arguments {
     /// Side of the timed pictures, pixels; those that are judged are at most as large.
     #[arg(long, value_parser = clap::value_parser!(u32).range(64..8192))]
     size: Option<u32>,
+    /// Only maps, by the look of hardware rates, beside render scales: nothing is timed.
+    #[arg(long, conflicts_with = "system_driver")]
+    maps: bool,
     /// On the system's GPU instead of lavapipe.
     #[arg(long)]
     system_driver: bool,
@@ -139,6 +149,10 @@ fn plan(arguments: &Arguments) -> Result<Plan, String> {
     if !arguments.scenes.is_empty() {
         plan.scenes.clone_from(&arguments.scenes);
     }
+    if let Some(seed) = arguments.seed {
+        plan.scenes.extend(Kind::ALL.map(|kind| SceneName::Generated(kind, seed)));
+    }
+    plan.scripts = arguments.scripts.unwrap_or(plan.scripts);
     if !arguments.techniques.is_empty() {
         let all = points(Extent::All);
         let shaded = hardware_points(Extent::All);
@@ -154,6 +168,10 @@ fn plan(arguments: &Arguments) -> Result<Plan, String> {
         }
         let is_wanted = |name: &String| name == "off" || arguments.techniques.contains(name);
         plan.points = all.into_iter().filter(|point| is_wanted(&point.technique.name)).collect();
+    }
+    if arguments.maps {
+        plan.points.retain(|point| [Sweep::Off, Sweep::RenderScale].contains(&point.sweep));
+        plan.points.iter_mut().for_each(|point| point.is_timed = false);
     }
     plan.timed.turns = arguments.turns.map_or(plan.timed.turns, |turns| turns as usize);
     for effort in [&mut plan.timed, &mut plan.judged] {

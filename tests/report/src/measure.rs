@@ -87,7 +87,7 @@ fn measure_scene(
             let is_chroma = point.sweep == Sweep::Chroma;
             let name = &point.technique.name;
             let bits = is_chroma.then(|| bits::measure(name, reference, shown, &scenario)).transpose()?;
-            Ok((errors(&report), bits))
+            Ok((errors(&report, &flights(&subject, effort)), bits))
         })?;
         for ((point, counts, _), (errors, bits_of)) in shown.iter().zip(judged) {
             progress.add(judging(effort));
@@ -99,8 +99,15 @@ fn measure_scene(
     let hardware = match &reference {
         Some(reference) if !plan.hardware.is_empty() => {
             progress.next(&format!("{}: by the look of hardware rates", subject.name()));
-            let found = hardware::measure(&plan.hardware, (&subject, &scenario, effort), reference, &points)?;
+            let mut found =
+                hardware::measure(&plan.hardware, (&subject, &scenario, effort), reference, &points)?;
             progress.add(plan.hardware.len() as u64 * judging(effort));
+            for script in 1..plan.scripts {
+                let subject = Subject::glancing(scene, plan.tracker, script, jump).on(machine);
+                progress.next(&format!("{}: by the look of hardware rates, gaze {script}", subject.name()));
+                hardware::join(&mut found, glances(plan, &subject)?);
+                progress.add(plan.work_of_script());
+            }
             Some(found)
         }
         _ => None,
@@ -110,7 +117,29 @@ fn measure_scene(
     for ((index, _), cost) in plan.timed_points().zip(costs) {
         points[index].cost = Some(cost);
     }
-    Ok((SceneResults { scene: scene.as_str().to_owned(), points, bits }, hardware))
+    let scene = scene.as_str().to_owned();
+    Ok((SceneResults { scene, points, bits, frames_of_script: 0 }, hardware))
+}
+
+/// The points by the look of hardware rates, and the render scales, while the eyes look elsewhere.
+fn glances(plan: &Plan, subject: &Subject) -> Result<SceneResults, HarnessError> {
+    let effort = plan.judged;
+    let scenario = with_pictures(subject.scenario(effort), effort);
+    let reference = show(subject, &Technique::off(), effort, &scenario, |run| run)?;
+    let flights = flights(subject, effort);
+    let scales = plan.points.iter().filter(|point| point.sweep == Sweep::RenderScale);
+    let scaled = scales.map(|point| {
+        let shown = show(subject, &point.technique, effort, &scenario, |run| run.counted())?;
+        let report = judge(subject, &scenario, &reference, &shown)?;
+        Ok(point_results(point, Counts::of(&shown, effort)?, Some(errors(&report, &flights))))
+    });
+    let scaled = scaled.collect::<Result<Vec<_>, HarnessError>>()?;
+    hardware::measure(&plan.hardware, (subject, &scenario, effort), &reference, &scaled)
+}
+
+/// In which of the judged frames the eyes jump.
+fn flights(subject: &Subject, effort: Effort) -> Vec<bool> {
+    (effort.run_up..effort.length()).map(|frame| subject.is_in_flight(frame)).collect()
 }
 
 fn show(
@@ -142,6 +171,9 @@ fn costs(
     timings: Vec<Timing>,
     progress: &mut Progress,
 ) -> Result<Vec<Cost>, HarnessError> {
+    if plan.timed_points().next().is_none() {
+        return Ok(Vec::new());
+    }
     let techniques: Vec<Technique> = plan.timed_points().map(|(_, point)| point.technique.clone()).collect();
     let mut timed: Vec<Timing> = timings
         .into_iter()
@@ -200,7 +232,7 @@ fn measure_finely(
         for ((name, _), report) in others.iter().zip(reports) {
             progress.add(judging(effort));
             pixels_per_degree = report.eyes[0].as_ref().map_or(0.0, |eye| eye.pixels_per_degree);
-            points.push(((*name).clone(), errors(&report)));
+            points.push(((*name).clone(), errors(&report, &flights(&subject, effort))));
         }
     }
     let judged = [effort.run_up, effort.frames, u64::from(effort.size)];
@@ -218,7 +250,7 @@ fn at_once<T: Sync, R: Send>(
     })
 }
 
-fn errors(report: &Report) -> Errors {
+fn errors(report: &Report, in_flight: &[bool]) -> Errors {
     let rings = |metric| std::array::from_fn(|ring| report.row(metric, ring).mean);
     let whole = |metric| mean(report.by_frame(metric).iter().copied().flatten());
     // Rings of a root mean square are put together by their power.
@@ -231,6 +263,7 @@ fn errors(report: &Report) -> Errors {
     Errors {
         loss: report.loss_by_frame(),
         detected: report.detected_loss_by_frame(),
+        in_flight: in_flight.to_vec(),
         sustained: rings(Metric::Sustained),
         transient: rings(Metric::Transient),
         flicker: (pixels > 0).then(|| (power / pixels as f64).sqrt()),

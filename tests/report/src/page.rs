@@ -5,10 +5,10 @@ use crate::estimates;
 use crate::pictures::Pictures;
 use crate::plot;
 use crate::points::Sweep;
-use crate::results::{Bits, Conditions, Errors, Fine, HardCase, PointResults, Results, SceneResults, mean};
+use crate::results::{Bits, Conditions, Errors, Fine, HardCase, Results, SceneResults};
 use crate::statistics::Bootstrap;
 use crate::summary::{Row, mean_rows, scene_rows};
-use crate::table::{cells, titles};
+use crate::table::{HARDWARE_TITLES, cells, hardware_rows, titles};
 use crate::verdict::{Contest, Measure, OURS, RIVALS, Tally, Verdict, contest, tallies, why_not};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use parafovea_errors::RING_NAMES;
@@ -166,7 +166,7 @@ fn how_to_read(conditions: &Conditions) -> Markup {
             }
             li {
                 "Errors are of " (judged) " of these frames at " (side) " x " (side) ", with a saccade of at least 10 degrees in their middle, against the same frames of the application "
-                "alone, at the true gaze; the application gets a gaze that is 58 ms late, half a degree off, and noisy. JND: sustained change of "
+                "alone, without those of the saccade itself in contrast loss and detected, at the true gaze; the application gets a gaze that is 58 ms late, half a degree off, and noisy. JND: sustained change of "
                 "contrast, in just-noticeable differences of castleCSF, by ring of degrees from the gaze. Contrast loss: sustained and transient change, as the mean of the whole view. Detected: the same, but summed over the view by "
                 "probability summation with an exponent of 3.5 (Robson and Graham 1981), so that losses far below the threshold do not count, however many there are."
             }
@@ -237,26 +237,16 @@ fn equal_cost(contests: &Contests<'_>) -> Markup {
 
 /// Everybody's map over the same pictures.
 fn hardware(results: &Results, contests: &Contests<'_>) -> Markup {
-    let techniques = results.hardware.first().into_iter().flat_map(|scene| &scene.points);
-    let mean_of = |name: &str, value: fn(&PointResults) -> Option<f64>| {
-        mean(results.hardware.iter().filter_map(|scene| value(scene.point(name)?)))
-            .map_or("-".to_owned(), |value| format!("{value:.3}"))
-    };
     html! {
         h2 { "By the look of hardware rates" }
         p.note {
             "One sample for each block of pixels, at its centre, over the same images of the application alone. FR of the paper rounds each rate to the finer one of four, has no safety margins, and follows the true gaze; "
-            "the presets have their margins, and the gaze that the tracker reports. Render scale has its own images. Shaded: samples over pixels. The mean of " (results.hardware.len()) " scenes."
+            "the presets have their margins, and the gaze that the tracker reports. Rings: the presets without contrast. Render scale has its own images. Shaded: samples over pixels. Frames in which the eyes jump are in the last column alone. The mean of " (results.hardware.len()) " scenes."
         }
         table {
-            tr { @for title in ["technique", "shaded", "contrast loss, JND", "detected, JND"] { th { (title) } } }
-            @for point in techniques {
-                tr {
-                    td { (point.technique) }
-                    td { (mean_of(&point.technique, |point| point.cost.as_ref().map(|cost| cost.ratio))) }
-                    td { (mean_of(&point.technique, |point| Some(point.loss()))) }
-                    td { (mean_of(&point.technique, |point| Some(point.detected()))) }
-                }
+            tr { @for title in HARDWARE_TITLES { th { (title) } } }
+            @for row in hardware_rows(results) {
+                tr { @for cell in row { td { (cell) } } }
             }
         }
         (equal_cost(contests))

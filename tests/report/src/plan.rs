@@ -1,7 +1,7 @@
 //! What a report measures, known before it is measured.
 
 use crate::hardware::{HardwarePoint, Rates, hardware_points};
-use crate::points::{Extent, Point, points};
+use crate::points::{Extent, Point, Sweep, points};
 use parafovea_scene::scene::SceneName;
 use parafovea_scene::script::tracker::Tracker;
 use parafovea_tests::installation::Driver;
@@ -25,6 +25,8 @@ pub struct Plan {
     pub points: Vec<Point>,
     /// Maps over the pictures of the judged runs, by the look of hardware rates.
     pub hardware: Vec<HardwarePoint>,
+    /// Gaze scripts by which these are judged: the scene's, and others, whose eyes look farther to the side.
+    pub scripts: u32,
     /// The timed runs of each.
     pub timed: Effort,
     /// The run of each whose pictures are judged and whose fragments are counted.
@@ -45,6 +47,7 @@ impl Plan {
             scenes: vec![SceneName::Cockpit, SceneName::Foliage],
             points: points(Extent::Quick),
             hardware: hardware_points(Extent::Quick),
+            scripts: 1,
             timed,
             judged: Effort { turns: 1, ..timed },
             fine: None,
@@ -62,6 +65,7 @@ impl Plan {
             scenes: SceneName::ALL.into_iter().filter(|scene| *scene != SceneName::Courtyard).collect(),
             points: points(Extent::Full),
             hardware: hardware_points(Extent::Full),
+            scripts: 3,
             timed,
             judged: Effort { turns: 1, frames: 30, ..timed },
             fine: Some((SceneName::Cockpit, fine)),
@@ -84,9 +88,25 @@ impl Plan {
         self.hardware.iter().filter(|point| matches!(point.rates, Rates::Layer(_))).count()
     }
 
+    fn scaled(&self) -> usize {
+        self.points.iter().filter(|point| point.sweep == Sweep::RenderScale).count()
+    }
+
+    /// The work of judging the look of hardware rates by one more gaze script.
+    pub fn work_of_script(&self) -> u64 {
+        let shown = 1 + self.scaled() + self.attached();
+        let judged = self.scaled() + self.hardware.len();
+        shown as u64 * rendering(self.judged) + judged as u64 * judging(self.judged)
+    }
+
+    fn further_scripts(&self) -> u32 {
+        if self.hardware.is_empty() { 0 } else { self.scripts.saturating_sub(1) }
+    }
+
     /// Runs of an application.
     pub fn runs(&self) -> usize {
-        let judged = self.points.len() + self.attached();
+        let glances = self.further_scripts() as usize * (1 + self.scaled() + self.attached());
+        let judged = self.points.len() + self.attached() + glances;
         let timed = self.timed_points().count() * self.timed.turns;
         self.scenes.len() * (judged + timed) + if self.fine.is_some() { self.points.len() } else { 0 }
     }
@@ -100,7 +120,8 @@ impl Plan {
         let timed = timed.sum::<u64>() * self.timed.turns as u64;
         let fine = self.fine.map_or(0, |(_, effort)| pictures(effort));
         let hardware = self.attached() as u64 * rendering(self.judged)
-            + self.hardware.len() as u64 * judging(self.judged);
+            + self.hardware.len() as u64 * judging(self.judged)
+            + u64::from(self.further_scripts()) * self.work_of_script();
         self.scenes.len() as u64 * (pictures(self.judged) + hardware + timed) + fine
     }
 }

@@ -23,6 +23,8 @@ pub enum Sweep {
     Uniform,
     /// The layer's presets, as a user selects them.
     Rates,
+    /// The rings of these presets, on a device on which they would measure contrast.
+    Rings,
     /// The layer's rates by the contrast of the pictures, in silence.
     Contrast,
     /// The layer's rates by the contrast of the pictures and the sound of the scene, which may hide more.
@@ -39,7 +41,7 @@ pub enum Sweep {
 
 impl Sweep {
     /// All, in the order of tables.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Off,
         Self::RenderScale,
         Self::FixedFoveation,
@@ -47,6 +49,7 @@ impl Sweep {
         Self::OpenXrToolkit,
         Self::Uniform,
         Self::Rates,
+        Self::Rings,
         Self::Contrast,
         Self::Sound,
         Self::Reuse,
@@ -65,6 +68,7 @@ impl Sweep {
             Self::OpenXrToolkit => "OpenXR Toolkit",
             Self::Uniform => "uniform rates",
             Self::Rates => "presets",
+            Self::Rings => "rings of the presets",
             Self::Contrast => "rates by contrast, in silence",
             Self::Sound => "rates by contrast and sound",
             Self::Reuse => "re-use",
@@ -128,7 +132,7 @@ fn all() -> Vec<Point> {
             "preset = \"balanced\"\n[rates]\nmode = \"fixed\"\nfoveal_deg = {}\ntransitional_deg = {}\ngate = \"on\"\n[reuse]\nmode = \"off\"\n",
             map.foveal_deg, map.transitional_deg
         );
-        let filled = Technique::layer(&format!("FR {name}, our fill"), &config);
+        let filled = Technique::layer(&format!("FR {name} (our fill)"), &config);
         points.push(timed(Sweep::FilledFoveation, filled, least));
     }
     for (preset, least) in [("wide", Full), ("balanced", Full), ("narrow", Full)] {

@@ -57,6 +57,9 @@ pub struct SceneResults {
     pub points: Vec<PointResults>,
     /// What chroma attenuation saves where pictures are encoded.
     pub bits: Vec<Bits>,
+    /// Judged frames of each gaze script, one after the other; 0: all are of one.
+    #[serde(default)]
+    pub frames_of_script: usize,
 }
 
 /// What was found of one technique in a scene.
@@ -100,6 +103,10 @@ pub struct Errors {
     pub loss: Vec<f64>,
     /// What is detected of both: their changes add up over the view as probability summation has it, by powers of 3.5, and not by their mean, JND.
     pub detected: Vec<f64>,
+    /// In which of these frames the eyes jump; nothing where that is not known. They see next to nothing then (Volkmann 1986), so that
+    /// these frames are told apart: neither [`PointResults::loss`] nor a verdict has them.
+    #[serde(default)]
+    pub in_flight: Vec<bool>,
     /// Its part that stays, by ring.
     pub sustained: [Option<f64>; RINGS],
     /// Its part that comes and goes, by ring.
@@ -202,19 +209,37 @@ impl SceneResults {
 }
 
 impl PointResults {
-    /// Mean contrast loss of the frames, JND; 0 for the application alone.
+    /// Mean contrast loss of the frames in which the eyes do not jump, JND; 0 for the application alone.
     pub fn loss(&self) -> f64 {
-        self.errors.as_ref().map_or(0.0, |errors| mean(errors.loss.iter().copied()).unwrap_or(f64::NAN))
+        self.errors.as_ref().map_or(0.0, |errors| errors.mean_of(&errors.loss, false).unwrap_or(f64::NAN))
     }
 
-    /// Mean of what is detected in the frames, JND; 0 for the application alone.
+    /// Mean of what is detected in these frames, JND; 0 for the application alone.
     pub fn detected(&self) -> f64 {
-        self.errors.as_ref().map_or(0.0, |errors| mean(errors.detected.iter().copied()).unwrap_or(f64::NAN))
+        self.errors.as_ref().map_or(0.0, |errors| errors.mean_of(&errors.detected, false).unwrap_or(f64::NAN))
+    }
+
+    /// Mean of what would be detected in the frames in which the eyes jump, were they to see as they do at rest, JND.
+    pub fn detected_in_flight(&self) -> Option<f64> {
+        self.errors.as_ref().and_then(|errors| errors.mean_of(&errors.detected, true))
     }
 
     /// What it costs, in costs of the application alone, and loses; nothing where its time was not measured.
     pub fn cost_and_loss(&self) -> Option<CostAndLoss> {
         self.cost.as_ref().map(|cost| CostAndLoss { cost: cost.ratio, loss: self.loss() })
+    }
+}
+
+impl Errors {
+    /// Whether the eyes jump in a frame.
+    pub fn is_in_flight(&self, frame: usize) -> bool {
+        self.in_flight.get(frame).is_some_and(|jumps| *jumps)
+    }
+
+    /// The mean of a value of each frame, of those in which the eyes jump or of the others.
+    fn mean_of(&self, by_frame: &[f64], in_flight: bool) -> Option<f64> {
+        let frames = by_frame.iter().enumerate();
+        mean(frames.filter(|(frame, _)| self.is_in_flight(*frame) == in_flight).map(|(_, value)| *value))
     }
 }
 

@@ -1,8 +1,10 @@
 //! The tables, as Markdown, CSV and lines of JSON; the page has the same cells.
 
 use crate::estimates;
-use crate::results::Results;
+use crate::page::contests;
+use crate::results::{PointResults, Results, mean};
 use crate::summary::{Row, mean_rows, scene_rows};
+use crate::verdict::{Tally, tallies};
 use parafovea_errors::RING_NAMES;
 use parafovea_tests::measure::{Comparison, Row as JsonRow};
 
@@ -46,13 +48,56 @@ pub fn cells(row: &Row, gpu: &[Row]) -> Vec<String> {
 
 /// The main table, over all scenes, and one for each scene.
 pub fn markdown(results: &Results, gpu: &[Row]) -> String {
-    let mut text = format!("### Mean of {} scenes\n\n", results.scenes.len());
+    let mut text = hardware_markdown(results);
+    text += &format!("### Mean of {} scenes\n\n", results.scenes.len());
     text += &table(results, &mean_rows(results), gpu);
     for scene in &results.scenes {
         text += &format!("\n### {}\n\n", scene.scene);
         text += &table(results, &scene_rows(scene), &[]);
     }
     text
+}
+
+/// The titles of the table by the look of hardware rates.
+pub const HARDWARE_TITLES: [&str; 5] =
+    ["technique", "shaded", "contrast loss, JND", "detected, JND", "detected in saccades, JND"];
+
+/// Its rows: means over scenes and gaze scripts.
+pub fn hardware_rows(results: &Results) -> Vec<[String; 5]> {
+    let techniques = results.hardware.first().into_iter().flat_map(|scene| &scene.points);
+    let mean_of = |name: &str, digits: usize, value: fn(&PointResults) -> Option<f64>| {
+        mean(results.hardware.iter().filter_map(|scene| value(scene.point(name)?)))
+            .map_or("-".to_owned(), |value| format!("{value:.digits$}"))
+    };
+    let row = |name: &str| {
+        [
+            name.to_owned(),
+            mean_of(name, 3, |point| point.cost.as_ref().map(|cost| cost.ratio)),
+            mean_of(name, 3, |point| Some(point.loss())),
+            mean_of(name, 2, |point| Some(point.detected())),
+            mean_of(name, 2, PointResults::detected_in_flight),
+        ]
+    };
+    techniques.map(|point| row(&point.technique)).collect()
+}
+
+/// The same as Markdown, with how many scenes are won at an equal share of shaded pixels.
+fn hardware_markdown(results: &Results) -> String {
+    if results.hardware.is_empty() {
+        return String::new();
+    }
+    let mut text =
+        format!("### By the look of hardware rates, mean of {} scenes\n\n", results.hardware.len());
+    text += &format!("| {} |\n|---|---:|---:|---:|---:|\n", HARDWARE_TITLES.join(" | "));
+    for row in hardware_rows(results) {
+        text += &format!("| {} |\n", row.join(" | "));
+    }
+    text += "\n| at equal share | than | measure | scenes |\n|---|---|---|---|\n";
+    for tally in tallies(&contests(&results.hardware)) {
+        let Tally { technique, rival, measure, .. } = &tally;
+        text += &format!("| {technique} | {} | {} | {} |\n", rival.title(), measure.text(), tally.text());
+    }
+    text + "\n"
 }
 
 fn table(results: &Results, rows: &[Row], gpu: &[Row]) -> String {

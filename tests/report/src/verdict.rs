@@ -10,9 +10,15 @@ pub const EVERYTHING: &str = "everything balanced";
 /// Which techniques of ours are compared: those that a user selects by one word.
 pub const OURS: Sweep = Sweep::Rates;
 
-/// What users could do without us.
-pub const RIVALS: [Sweep; 5] =
-    [Sweep::FixedFoveation, Sweep::FilledFoveation, Sweep::RenderScale, Sweep::OpenXrToolkit, Sweep::Uniform];
+/// What users could do without us, and our own rings, which a preset has to beat to measure contrast.
+pub const RIVALS: [Sweep; 6] = [
+    Sweep::FixedFoveation,
+    Sweep::FilledFoveation,
+    Sweep::RenderScale,
+    Sweep::OpenXrToolkit,
+    Sweep::Uniform,
+    Sweep::Rings,
+];
 
 /// How the changes of a picture become one figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +97,7 @@ pub struct Contest {
     pub verdict: Verdict,
 }
 
-/// Compares a technique with a sweep of the same scene. None where either was not measured.
+/// Compares a technique with a sweep of the same scene, in the frames in which the eyes do not jump. None where either was not measured.
 pub fn contest(
     scene: &SceneResults,
     technique: &str,
@@ -105,15 +111,19 @@ pub fn contest(
         return None;
     }
     let frames = sweep.iter().chain([&ours]).map(|point| frames(point)).min()?;
-    let every: Vec<usize> = (0..frames).collect();
+    let flight = sweep.iter().chain([&ours]).find_map(|point| point.errors.as_ref());
+    let is_seen = |frame: &usize| !flight.is_some_and(|errors| errors.is_in_flight(*frame));
+    let every: Vec<usize> = (0..frames).filter(is_seen).collect();
     let off = scene.off()?;
+    let bootstrap = Bootstrap { clip: scene.frames_of_script, ..*bootstrap };
     let (own, at_cost) = found(measure, off, ours, &sweep, &every)?;
     let (rival_loss, is_reached) = match at_cost {
         AtCost::Loss(loss) => (loss, true),
         AtCost::OutOfReach { cheapest } => (cheapest, false),
     };
     let difference = bootstrap.interval(frames, |drawn| {
-        let (own, at_cost) = found(measure, off, ours, &sweep, drawn)?;
+        let drawn: Vec<usize> = drawn.iter().copied().filter(is_seen).collect();
+        let (own, at_cost) = found(measure, off, ours, &sweep, &drawn)?;
         match at_cost {
             AtCost::Loss(loss) => Some(own.loss - loss),
             // Cheaper than the other ever is: that it loses less too is a win, that it loses more decides nothing.

@@ -3,6 +3,7 @@
 use clap::{Parser, ValueEnum};
 
 use crate::renderer::{Foveation, Radii};
+use crate::scene::generated::Kind;
 use crate::scene::{SceneName, lights};
 use parafovea_core::fixed_foveation::openxr_toolkit::ScreenEllipses;
 
@@ -13,6 +14,12 @@ pub struct Options {
     /// What is to be seen.
     #[arg(long, value_enum, default_value_t)]
     pub scene: SceneName,
+    /// In place of it, a scene that is made of --seed.
+    #[arg(long, value_enum, requires = "seed", conflicts_with = "scene")]
+    pub generated: Option<Kind>,
+    /// What a generated scene is made of.
+    #[arg(long, value_name = "N", requires = "generated")]
+    pub seed: Option<u32>,
     /// Quit after this many rendered frames [default: when the runtime ends the session].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub frames: Option<u64>,
@@ -104,7 +111,15 @@ impl Options {
 
     /// How many lights to draw with.
     pub fn light_count(&self) -> u32 {
-        self.lights.unwrap_or(self.scene.definition().default_lights)
+        self.lights.unwrap_or(self.scene().definition().default_lights)
+    }
+
+    /// The scene, named or generated.
+    pub fn scene(&self) -> SceneName {
+        match (self.generated, self.seed) {
+            (Some(kind), Some(seed)) => SceneName::Generated(kind, seed),
+            _ => self.scene,
+        }
     }
 }
 

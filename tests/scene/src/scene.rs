@@ -7,6 +7,7 @@ pub mod courtyard;
 pub mod crowd;
 pub mod environment;
 pub mod foliage;
+pub mod generated;
 pub mod interior;
 pub mod library;
 pub mod lights;
@@ -23,6 +24,7 @@ use clap::ValueEnum;
 use glam::{Mat4, Quat, Vec3};
 
 use self::environment::Environment;
+use self::generated::Kind;
 use self::lights::Light;
 use self::mesh::Mesh;
 pub use materials::Material;
@@ -60,10 +62,13 @@ pub enum SceneName {
     Street,
     /// A square full of people who walk.
     Crowd,
+    /// Made of a seed, for judging with a scene that nobody has seen before.
+    #[value(skip)]
+    Generated(Kind, u32),
 }
 
 impl SceneName {
-    /// All scenes, the default first.
+    /// All scenes that have a name, the default first.
     pub const ALL: [Self; 7] = [
         Self::Courtyard,
         Self::Cockpit,
@@ -84,6 +89,7 @@ impl SceneName {
             Self::Interior => &interior::SCENE,
             Self::Street => &street::SCENE,
             Self::Crowd => &crowd::SCENE,
+            Self::Generated(kind, _) => kind.definition(),
         }
     }
 
@@ -97,6 +103,7 @@ impl SceneName {
             Self::Interior => "interior",
             Self::Street => "street",
             Self::Crowd => "crowd",
+            Self::Generated(kind, _) => kind.as_str(),
         }
     }
 }
@@ -198,7 +205,10 @@ impl Scene {
     /// Builds all shapes of a scene.
     pub fn new(name: SceneName) -> Self {
         let definition = name.definition();
-        let mut parts = (definition.fixed)();
+        let mut parts = match name {
+            SceneName::Generated(kind, seed) => generated::fixed(kind, seed),
+            _ => (definition.fixed)(),
+        };
         let fixed = parts.len();
         parts.extend((definition.moving)());
         Self { name, parts, fixed }
@@ -214,12 +224,18 @@ impl Scene {
 
     /// The first `count` lights at a time in seconds.
     pub fn lights(&self, time: f64, count: u32) -> Vec<Light> {
-        (self.name.definition().lights)(time, count)
+        match self.name {
+            SceneName::Generated(kind, seed) => generated::lights(kind, seed, time, count),
+            _ => (self.name.definition().lights)(time, count),
+        }
     }
 
     /// Everything to draw at a time, in drawing order; `lights` are those of the same time.
     pub fn placements(&self, time: f64, lights: &[Light]) -> Vec<Placement> {
-        let mut placed = (self.name.definition().place)(self.fixed, time, lights);
+        let mut placed = match self.name {
+            SceneName::Generated(kind, seed) => generated::place(kind, seed, self.fixed, time),
+            _ => (self.name.definition().place)(self.fixed, time, lights),
+        };
         placed.extend(self.parts[..self.fixed].iter().enumerate().map(|(part, fixed)| Placement {
             part,
             transform: Mat4::IDENTITY,

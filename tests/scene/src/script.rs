@@ -38,9 +38,18 @@ pub struct Script {
 impl Script {
     /// The script of a scene; always the same.
     pub fn new(scene: SceneName) -> Self {
+        Self::of(scene, 0, gaze::REACH_DEG)
+    }
+
+    /// Another gaze in the same scene, from 1 on, of eyes that look as far to the side as [`gaze::FAR_REACH_DEG`].
+    pub fn glancing(scene: SceneName, number: u32) -> Self {
+        Self::of(scene, number, gaze::FAR_REACH_DEG)
+    }
+
+    fn of(scene: SceneName, number: u32, reach_deg: f32) -> Self {
         let scenes::Content { waypoints, targets, sound, seed } = scenes::content(scene);
         let head = HeadPath::new(waypoints);
-        let gaze = TrueGaze::new(&head, targets, seed);
+        let gaze = TrueGaze::new(&head, &targets, seed.wrapping_add(7919 * number), reach_deg);
         Self { scene, head, gaze, sound }
     }
 }

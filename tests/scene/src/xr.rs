@@ -128,7 +128,7 @@ impl App {
         let format = swapchain::choose_format(&session, options.format)?;
         let (device, queue) = (graphics.device.clone(), graphics.queue.clone());
         Ok(Self {
-            renderer: Renderer::new(&device, &queue, format, options.scene, options.light_count()),
+            renderer: Renderer::new(&device, &queue, format, options.scene(), options.light_count()),
             projection: Projection::new(&session, (&device, &queue), options, format, size)?,
             board: options
                 .quad

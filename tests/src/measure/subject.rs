@@ -8,7 +8,7 @@ use crate::scenario::{Gaze, Head, Scenario, ScenarioExt, View};
 use glam::{Quat, Vec3};
 use parafovea_scene::scene::{FRAMES_PER_SECOND, SceneName};
 use parafovea_scene::script::Script;
-use parafovea_scene::script::gaze::GazeKey;
+use parafovea_scene::script::gaze::{GazeKey, Phase};
 use parafovea_scene::script::tracker::Tracker;
 use parafovea_zoo::{SKIPPED, Style};
 use std::sync::{Arc, OnceLock};
@@ -100,12 +100,22 @@ impl Subject {
 
     /// The script of `scene` from so many frames before its first saccade of 10 degrees or more that has as many before it.
     pub fn before_a_saccade(scene: SceneName, tracker: Tracker, frames: u64) -> Self {
+        Self::new(scene, tracker, 0).starting_before_a_saccade(frames)
+    }
+
+    fn starting_before_a_saccade(self, frames: u64) -> Self {
         let before_s = frames as f64 / FRAMES_PER_SECOND;
-        let saccades = Script::new(scene).gaze.saccades();
+        let saccades = self.script.gaze.saccades();
         let is_meant = |start_s: f64, amplitude_deg: f32| amplitude_deg >= 10.0 && start_s >= before_s;
         let large = saccades.iter().find(|saccade| is_meant(saccade.start_s, saccade.amplitude_deg));
         let start_s = large.map_or(0.0, |saccade| saccade.start_s - before_s);
-        Self::new(scene, tracker, (start_s * FRAMES_PER_SECOND) as u64)
+        Self { first_frame: (start_s * FRAMES_PER_SECOND) as u64, ..self }
+    }
+
+    /// As [`Self::before_a_saccade`], by another of the scene's gaze scripts, in which the eyes look far to the side.
+    pub fn glancing(scene: SceneName, tracker: Tracker, number: u32, frames: u64) -> Self {
+        Self { script: Script::glancing(scene, number), ..Self::new(scene, tracker, 0) }
+            .starting_before_a_saccade(frames)
     }
 
     /// The script of the same scene from so many frames later on.
@@ -223,7 +233,15 @@ impl Subject {
         let side = ((effort.size as f32 * technique.render_scale).round() as u32).max(1);
         let size = format!("{side}x{side}");
         let first_frame = self.first_frame.to_string();
-        let mut arguments = vec!["--scene", self.name(), "--first-frame", &first_frame, "--size", &size];
+        let seed = match self.script.scene {
+            SceneName::Generated(_, seed) => Some(seed.to_string()),
+            _ => None,
+        };
+        let mut arguments = match &seed {
+            Some(seed) => vec!["--generated", self.name(), "--seed", seed],
+            None => vec!["--scene", self.name()],
+        };
+        arguments.extend(["--first-frame", &first_frame, "--size", &size]);
         arguments.extend(technique.arguments.iter().map(String::as_str));
         Application::ours("parafovea-scene", &arguments)
     }
@@ -248,6 +266,11 @@ impl Subject {
     /// When frame `frame` of a run is shown, seconds of the script.
     pub fn time_s(&self, frame: u64) -> f64 {
         (self.first_frame + frame) as f64 / FRAMES_PER_SECOND
+    }
+
+    /// Whether the eyes jump while a frame of a run is shown.
+    pub fn is_in_flight(&self, frame: u64) -> bool {
+        self.script.gaze.at(self.time_s(frame)).phase == Phase::Saccade
     }
 
     /// Where an eye truly looks in a frame of a run, in the space of its view: at what both eyes converge on.

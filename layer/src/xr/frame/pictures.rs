@@ -19,7 +19,7 @@ use openxr_sys::Handle;
 /// This thread may use the session's queue.
 pub unsafe fn tell(frame: &FrameEnd, works: &[Work]) {
     let FrameEnd { session, active, submission, ref config } = *frame;
-    if !wants_contrast(config) || active.health() != Health::Works {
+    if !wants_contrast(config, active.device.is_cpu()) || active.health() != Health::Works {
         return;
     }
     let Some(scene) = submission.only_projection() else { return };

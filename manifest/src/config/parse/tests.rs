@@ -47,7 +47,7 @@ fn a_preset_sets_what_the_file_does_not() {
 fn with_the_preset_none_every_technique_is_off() {
     let config = read("preset = 'none'").unwrap();
     assert_eq!((config.rates.mode, config.chroma.mode), (RatesMode::Off, ChromaMode::Off));
-    let config = read("preset = 'none'\n[rates]\nmode = 'fixed'").unwrap();
+    let config = read("preset = 'none'\n[rates]\nmode = 'auto'").unwrap();
     assert_eq!(config.rates, Config::default().rates, "but what is set itself");
 }
 

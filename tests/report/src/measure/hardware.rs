@@ -1,6 +1,6 @@
 //! Maps over the pictures of the application alone, as a device with shading rates would show them.
 
-use super::{errors, show};
+use super::{at_once, errors, flights, show};
 use crate::hardware::{HardwarePoint, Rates};
 use crate::points::Sweep;
 use crate::results::{Cost, PointResults, SceneResults, mean};
@@ -11,12 +11,14 @@ use parafovea_core::image::Plane;
 use parafovea_core::plan::{EyeInput, PlanInput, PlanSettings, Planner, RailSettings, RateSettings};
 use parafovea_core::rate::ShadingRate;
 use parafovea_test_layers::{
-    SHADING_RATE_TEXELS_VARIABLE, ShadingRateLine, ShadingRatePass, ShadingRateProfile,
+    SHADING_RATE_GPU_VARIABLE, SHADING_RATE_TEXELS_VARIABLE, ShadingRateLine, ShadingRatePass,
+    ShadingRateProfile,
 };
 use parafovea_tests::HarnessError;
 use parafovea_tests::measure::{Effort, Subject, Technique, fov, judge_shaded};
 use parafovea_tests::run::Outcome;
 use parafovea_tests::scenario::Scenario;
+use std::thread::available_parallelism;
 
 /// Side of a tile where we choose it, pixels: paper A's.
 const TEXEL: u32 = 16;
@@ -49,22 +51,60 @@ pub fn measure(
     others: &[PointResults],
 ) -> Result<SceneResults, HarnessError> {
     let frames = effort.frames as usize;
+    let in_flight = flights(subject, effort);
     let mut found = vec![result(Sweep::Off, "off", vec![1.0; frames], None)];
     found.extend(others.iter().filter(|other| other.sweep == Sweep::RenderScale).map(|other| {
         let scale = other.technique.rsplit(' ').next().and_then(|scale| scale.parse::<f64>().ok());
         let share = scale.map_or(f64::NAN, |scale| scale * scale);
         result(other.sweep, &other.technique, vec![share; frames], other.errors.clone())
     }));
-    for HardwarePoint { sweep, name, rates, .. } in points {
-        let maps = maps(rates, (subject, scenario, effort), reference)?;
-        let report = judge_shaded(subject, scenario, reference, |frame, eye, picture| {
-            let map = &maps[(frame - effort.run_up) as usize][eye];
-            picture.shaded_at(|x, y| map.at(x, y))
+    for together in points.chunks(available_parallelism().map_or(1, usize::from)) {
+        let planned = together
+            .iter()
+            .map(|point| Ok((point, maps(&point.rates, (subject, scenario, effort), reference)?)));
+        let planned = planned.collect::<Result<Vec<_>, HarnessError>>()?;
+        let reports = at_once(&planned, |(_, maps)| {
+            judge_shaded(subject, scenario, reference, |frame, eye, picture| {
+                let map = &maps[(frame - effort.run_up) as usize][eye];
+                picture.shaded_at(|x, y| map.at(x, y))
+            })
         })?;
-        let shares = maps.iter().map(|eyes| eyes.iter().map(EyeRates::share).sum::<f64>() / 2.0);
-        found.push(result(*sweep, name, shares.collect(), Some(errors(&report))));
+        for ((HardwarePoint { sweep, name, .. }, maps), report) in planned.iter().zip(reports) {
+            let shares = maps.iter().map(|eyes| eyes.iter().map(EyeRates::share).sum::<f64>() / 2.0);
+            found.push(result(*sweep, name, shares.collect(), Some(errors(&report, &in_flight))));
+        }
     }
-    Ok(SceneResults { scene: subject.name().to_owned(), points: found, bits: Vec::new() })
+    let scene = subject.name().to_owned();
+    Ok(SceneResults { scene, points: found, bits: Vec::new(), frames_of_script: frames })
+}
+
+/// Puts the frames of another gaze script behind those that are there; rings and what has no frames are means.
+pub fn join(all: &mut SceneResults, next: SceneResults) {
+    let scripts = all.frames_of_script.max(1);
+    for (point, next) in all.points.iter_mut().zip(next.points) {
+        if let (Some(cost), Some(next)) = (&mut point.cost, next.cost) {
+            cost.frames_ms.extend(next.frames_ms);
+            cost.ratio = mean(cost.frames_ms.iter().copied()).unwrap_or(f64::NAN);
+            cost.median_ms = cost.ratio;
+            cost.p99_ms = cost.p99_ms.max(next.p99_ms);
+        }
+        let (Some(errors), Some(next)) = (&mut point.errors, next.errors) else { continue };
+        let before = (errors.loss.len() / scripts).max(1) as f64;
+        let with = |old: &mut Option<f64>, new: Option<f64>| {
+            *old = match (*old, new) {
+                (Some(old), Some(new)) => Some((before * old + new) / (before + 1.0)),
+                (old, new) => old.or(new),
+            };
+        };
+        errors.loss.extend(next.loss);
+        errors.detected.extend(next.detected);
+        errors.in_flight.extend(next.in_flight);
+        errors.sustained.iter_mut().zip(next.sustained).for_each(|(old, new)| with(old, new));
+        errors.transient.iter_mut().zip(next.transient).for_each(|(old, new)| with(old, new));
+        with(&mut errors.flicker, next.flicker);
+        with(&mut errors.chroma, next.chroma);
+        with(&mut errors.flip, next.flip);
+    }
 }
 
 /// The result of a map with these shares of the pixels.
@@ -170,7 +210,9 @@ fn attached(
     let mut scenario = scenario.clone();
     scenario.output.save_frames.clear();
     let outcome = show(subject, technique, effort, &scenario, |run| {
-        run.shading_rates(ShadingRateProfile::NvkTuring).env(SHADING_RATE_TEXELS_VARIABLE, "1")
+        run.shading_rates(ShadingRateProfile::NvkTuring)
+            .env(SHADING_RATE_TEXELS_VARIABLE, "1")
+            .env(SHADING_RATE_GPU_VARIABLE, "1")
     })?;
     let lines = outcome.shading_rates()?.into_iter();
     let passes: Vec<ShadingRatePass> = lines

@@ -19,6 +19,9 @@ pub struct Bootstrap {
     pub resamples: usize,
     /// Frames that are drawn together, one after the other.
     pub block: usize,
+    /// Frames of a clip, which are one after the other: clips are drawn first, and blocks within each (Davison and Hinkley 1997, section 3.8);
+    /// 0: all frames are one clip.
+    pub clip: usize,
     /// Share of the drawn figures that lie within the interval, 0..=1.
     pub confidence: f64,
     /// Of the random numbers: the same seed gives the same interval.
@@ -26,9 +29,9 @@ pub struct Bootstrap {
 }
 
 impl Default for Bootstrap {
-    /// 1000 times blocks of 5 frames, 95 %.
+    /// 1000 times blocks of 5 frames of one clip, 95 %.
     fn default() -> Self {
-        Self { resamples: 1000, block: 5, confidence: 0.95, seed: 1 }
+        Self { resamples: 1000, block: 5, clip: 0, confidence: 0.95, seed: 1 }
     }
 }
 
@@ -45,16 +48,22 @@ impl Bootstrap {
             return None;
         }
         let mut random = Rng::with_seed(self.seed);
-        let block = self.block.clamp(1, frames);
+        // What does not fill a clip is none.
+        let clip = if (1..frames).contains(&self.clip) { self.clip } else { frames };
+        let clips = frames / clip;
+        let block = self.block.clamp(1, clip);
         let mut drawn = Vec::with_capacity(frames + block);
         let mut found = Vec::with_capacity(self.resamples);
         for _ in 0..self.resamples {
             drawn.clear();
-            while drawn.len() < frames {
-                let start = random.usize(0..frames);
-                drawn.extend((start..start + block).map(|frame| frame % frames));
+            for number in 1..=clips {
+                let first = clip * random.usize(0..clips);
+                while drawn.len() < number * clip {
+                    let start = random.usize(0..clip);
+                    drawn.extend((start..start + block).map(|frame| first + frame % clip));
+                }
+                drawn.truncate(number * clip);
             }
-            drawn.truncate(frames);
             found.extend(figure(&drawn).filter(|figure| figure.is_finite()));
         }
         if found.is_empty() || found.len() * 20 < self.resamples * 19 {
@@ -109,6 +118,20 @@ mod tests {
             interval.high - interval.low
         };
         assert!(width(5) > 1.6 * width(1), "{} and {}", width(5), width(1));
+    }
+
+    /// Frames of two clips that differ are no more than two.
+    #[test]
+    fn clips_that_differ_widen_the_interval() {
+        let values: Vec<f64> = (0..200).map(|frame| f64::from(frame / 100) + f64::from(frame % 7)).collect();
+        let interval = |clip| {
+            let bootstrap = Bootstrap { clip, ..Bootstrap::default() };
+            bootstrap.interval(200, |drawn| Some(mean(&values, drawn))).unwrap()
+        };
+        let (one, two) = (interval(0), interval(100));
+        assert!(two.high - two.low > 1.5 * (one.high - one.low), "{one:?}, {two:?}");
+        assert!(two.low < 3.1 && two.high > 3.9, "both clips alone are among the draws: {two:?}");
+        assert_eq!(interval(200), one);
     }
 
     /// Two figures of the same frames: what moves both does not make their difference unsure.

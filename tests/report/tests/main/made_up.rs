@@ -40,6 +40,7 @@ pub fn point(sweep: Sweep, technique: &str, ratio: f64, loss: f64, varied: f64) 
         flicker: Some(0.01),
         chroma: Some(0.2),
         flip: None,
+        in_flight: Vec::new(),
     });
     let cost = Cost { median_ms: 40.0 * ratio, p99_ms: 50.0 * ratio, ratio, spread: 0.01, frames_ms };
     PointResults {
@@ -77,6 +78,7 @@ pub fn scene(name: &str, everything: (f64, f64), varied: f64) -> SceneResults {
             chroma: -0.4,
             curves: [vec![rate(1000.0, 30.0)], vec![rate(900.0, 30.0)]],
         }],
+        frames_of_script: 0,
     }
 }
 

@@ -1,5 +1,6 @@
 //! How much a report is.
 
+use parafovea_report::hardware::hardware_points;
 use parafovea_report::plan::Plan;
 use parafovea_report::points::{Extent, Sweep, points};
 use parafovea_tests::run::LayerMode;
@@ -14,8 +15,10 @@ fn the_quick_one_is_two_scenes_and_six_techniques_of_thirty_frames() {
     // Beside the application alone; chroma is not timed.
     assert_eq!(plan.timed_points().count(), 1 + 6);
     assert_eq!(plan.points.len(), 1 + 6 + 1);
-    // One of those whose maps are judged is the layer's.
-    assert_eq!(plan.runs(), 2 * (8 + 1 + 7 * 2));
+    // Three of those whose maps are judged are the layer's.
+    assert_eq!(plan.runs(), 2 * (8 + 3 + 7 * 2));
+    // The application alone, two render scales and these three, by each further gaze script.
+    assert_eq!(Plan { scripts: 3, ..plan.clone() }.runs() - plan.runs(), 2 * 2 * 6);
 }
 
 #[test]
@@ -38,8 +41,9 @@ fn the_whole_one_is_six_scenes_and_more_of_everything() {
 fn every_sweep_has_four_points_and_the_application_alone_is_first() {
     let all = points(Extent::All);
     assert_eq!(all[0].sweep, Sweep::Off);
-    let timed =
-        Sweep::ALL.into_iter().filter(|sweep| !matches!(sweep, Sweep::Off | Sweep::Uniform | Sweep::Chroma));
+    let timed = Sweep::ALL
+        .into_iter()
+        .filter(|sweep| !matches!(sweep, Sweep::Off | Sweep::Uniform | Sweep::Rings | Sweep::Chroma));
     for sweep in timed {
         let own = all.iter().filter(|point| point.sweep == sweep).count();
         assert!(1 + own >= 4, "{sweep:?} has {own} points");
@@ -54,6 +58,9 @@ fn every_sweep_has_four_points_and_the_application_alone_is_first() {
     }
     let names: HashSet<&str> = all.iter().map(|point| point.technique.name.as_str()).collect();
     assert_eq!(names.len(), all.len(), "two points have one name");
+    let shaded = hardware_points(Extent::All);
+    let mut all_names = names.into_iter().chain(shaded.iter().map(|point| point.name.as_str()));
+    assert!(all_names.all(|name| !name.contains(',')), "--techniques has commas between names");
     for technique in all.iter().map(|point| &point.technique).filter(|technique| technique.has_layer()) {
         let LayerMode::On(config) = &technique.layer else { panic!("{technique:?}") };
         parafovea_manifest::config::parse(Path::new(&technique.name), config).unwrap();

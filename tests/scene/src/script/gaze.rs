@@ -10,6 +10,9 @@ use crate::scene::noise::hash;
 
 /// How far from straight ahead the eyes look at most, degrees: beyond it, people turn their head.
 pub const REACH_DEG: f32 = 26.0;
+/// The same in scripts of glances: as far as eyes turn before a head follows at once, and past the edges of OpenXR Toolkit's ellipses in a view of
+/// 90 degrees, the outer one of "Wide" upwards included (0.80 of 45 degrees in tangents: 38.7).
+pub const FAR_REACH_DEG: f32 = 40.0;
 /// The fastest thing that the eyes follow, degrees a second in VIEW.
 const FASTEST_PURSUIT_DEG_S: f32 = 30.0;
 /// Smallest and largest saccade, degrees.
@@ -126,8 +129,8 @@ pub struct TrueGaze {
 
 impl TrueGaze {
     /// Lets the eyes wander over the targets as the head moves; the same seed gives the same gaze.
-    pub(super) fn new(head: &HeadPath, targets: &[Target], seed: u32) -> Self {
-        let builder = Builder { head, targets, seed };
+    pub(super) fn new(head: &HeadPath, targets: &[Target], seed: u32, reach_deg: f32) -> Self {
+        let builder = Builder { head, targets, seed, reach_deg };
         Self { head: head.clone(), looks: builder.looks(), blinks: blinks(seed) }
     }
 
@@ -220,6 +223,7 @@ struct Builder<'a> {
     head: &'a HeadPath,
     targets: &'a [Target],
     seed: u32,
+    reach_deg: f32,
 }
 
 impl Builder<'_> {
@@ -297,7 +301,7 @@ impl Builder<'_> {
             let (here, there) = (view(t), view(t + STEP));
             let speed = here.angle_between(there).to_degrees() / STEP as f32;
             let off = here.angle_between(Vec3::NEG_Z).to_degrees();
-            if off > REACH_DEG || speed > FASTEST_PURSUIT_DEG_S {
+            if off > self.reach_deg || speed > FASTEST_PURSUIT_DEG_S {
                 return None;
             }
             t += STEP;

@@ -1,16 +1,18 @@
 //! What there is to do in each scene.
 
+use std::borrow::Cow;
+
 use glam::{Vec3, vec3};
 
 use super::gaze::Target::{self, Moving, Still};
 use super::head::HeadKey;
 use super::sound::Sound;
 use crate::scene::courtyard::motion;
-use crate::scene::{SceneName, cockpit, crowd, foliage, interior, library, street};
+use crate::scene::{SceneName, cockpit, crowd, foliage, generated, interior, library, street};
 
 pub struct Content {
     pub waypoints: &'static [HeadKey],
-    pub targets: &'static [Target],
+    pub targets: Cow<'static, [Target]>,
     pub sound: Sound,
     pub seed: u32,
 }
@@ -22,6 +24,11 @@ const fn at(t: f64, position: [f32; 3], [yaw_deg, pitch_deg, roll_deg]: [f32; 3]
 
 pub fn content(scene: SceneName) -> Content {
     let (waypoints, targets, sound): (&'static [HeadKey], &'static [Target], Sound) = match scene {
+        SceneName::Generated(kind, seed) => {
+            let targets = generated::targets(kind, seed).into_iter().map(Still).collect();
+            let sound = Sound { scene, loudness_lufs: -22.0 };
+            return Content { waypoints: &GENERATED, targets: Cow::Owned(targets), sound, seed };
+        }
         SceneName::Courtyard => (&COURTYARD, &COURTYARD_TARGETS, Sound { scene, loudness_lufs: -24.0 }),
         SceneName::Cockpit => (&COCKPIT, &COCKPIT_TARGETS, Sound { scene, loudness_lufs: -12.0 }),
         SceneName::Foliage => (&FOLIAGE, &FOLIAGE_TARGETS, Sound { scene, loudness_lufs: -30.0 }),
@@ -30,8 +37,17 @@ pub fn content(scene: SceneName) -> Content {
         SceneName::Street => (&STREET, &STREET_TARGETS, Sound { scene, loudness_lufs: -18.0 }),
         SceneName::Crowd => (&CROWD, &CROWD_TARGETS, Sound { scene, loudness_lufs: -16.0 }),
     };
-    Content { waypoints, targets, sound, seed: 1000 + scene as u32 }
+    let place = SceneName::ALL.iter().position(|other| *other == scene).unwrap_or_default();
+    Content { waypoints, targets: Cow::Borrowed(targets), sound, seed: 1000 + place as u32 }
 }
+
+const GENERATED: [HeadKey; 5] = [
+    at(0.0, [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+    at(3.0, [0.1, 0.0, -0.1], [15.0, -5.0, 1.0]),
+    at(6.0, [0.0, -0.02, -0.2], [-8.0, 5.0, -1.0]),
+    at(9.0, [-0.1, 0.0, -0.2], [-20.0, -4.0, 0.0]),
+    at(12.0, [0.0, 0.0, 0.0], [2.0, 0.0, 0.0]),
+];
 
 const COURTYARD: [HeadKey; 5] = [
     at(0.0, [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),

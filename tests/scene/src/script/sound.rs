@@ -88,6 +88,10 @@ impl Sound {
                 mix.wind(0.3, 1600.0, 6);
                 mix.birds(0.10, 16, 7);
             }
+            SceneName::Generated(_, seed) => {
+                mix.wind(0.15, 1200.0, seed);
+                mix.steps(0.2, 0.6, seed ^ 1);
+            }
             SceneName::Library => {
                 mix.wind(0.04, 300.0, 8);
                 mix.ticks(0.25, 1.0);
