@@ -8,7 +8,6 @@ pub mod checks;
 pub mod debug_views;
 pub mod eyes;
 pub mod hard_cases;
-pub mod prediction;
 pub mod rails;
 pub mod reference;
 pub mod room;

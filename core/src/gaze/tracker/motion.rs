@@ -26,7 +26,7 @@ const LONGEST_ALLOWANCE_S: f32 = 0.1;
 const JUMP_SIGMAS: f32 = 4.5;
 
 /// Turning is told from noise at so many standard deviations, and is over at so many.
-const TURNING_SIGMAS: [f32; 2] = [3.5, 2.0];
+const TURNING_SIGMAS: [f32; 2] = [3.5, 2.5];
 
 /// Scatter of a tracker's samples, standard deviation along either axis, degrees; before it is measured.
 const USUAL_NOISE_DEG: f32 = 0.3;
@@ -40,24 +40,6 @@ const NOISE_GAIN: f32 = 0.03;
 /// Least samples in a line before the next one measures noise.
 const NOISE_COUNT: u16 = 6;
 
-/// Samples that are kept beside the line, in which a saccade may have begun unseen.
-const EARLIER: usize = 3;
-
-/// For how long a saccade may be unseen, nanoseconds: in 17 ms it goes 1.3 degrees far.
-const UNSEEN_NS: i64 = 25_000_000;
-
-/// Least samples in a line before others are told to lie aside of it.
-const SHIFT_COUNT: u16 = 4;
-
-/// How far samples have to lie aside together, as a part of how far one has to alone.
-const LEAST_SHIFT: f32 = 0.5;
-
-/// The eyes have landed where the newest sample is no farther aside than this many times the mean of it and those before.
-const LANDED: f32 = 1.15;
-
-/// Least samples in a line before its slope counts as turning: the first ones may be the tail of a saccade.
-const TURNING_COUNT: u16 = 5;
-
 /// Not plausible: faster than eyes turn.
 #[derive(Debug)]
 pub(super) struct TooFast;
@@ -65,8 +47,6 @@ pub(super) struct TooFast;
 /// Eye movement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motion {
-    /// The newest sample that was believed.
-    sample: Moment,
     line: Line,
     /// Present in a saccade.
     flight: Option<Flight>,
@@ -79,8 +59,6 @@ pub(super) struct Motion {
     suspect: Option<Moment>,
     noise_deg: f32,
     interval_s: f32,
-    /// The newest samples in the line, newest first, and the line before each.
-    earlier: [Option<(Line, Moment)>; EARLIER],
 }
 
 /// How the eyes turn.
@@ -95,7 +73,6 @@ impl Motion {
     /// Nothing is known of before.
     pub(super) fn new(moment: Moment) -> Self {
         Self {
-            sample: moment,
             line: Line::new(moment),
             flight: None,
             settled_ns: moment.time_ns,
@@ -104,7 +81,6 @@ impl Motion {
             suspect: None,
             noise_deg: USUAL_NOISE_DEG,
             interval_s: 0.0,
-            earlier: [None; EARLIER],
         }
     }
 
@@ -128,15 +104,12 @@ impl Motion {
     ) -> Result<(), TooFast> {
         let newest = *self.newest();
         let repeated = moment.time_ns.saturating_sub(newest.time_ns) < LEAST_STEP_NS;
-        if repeated && self.sample.directions == moment.directions && self.suspect.is_none() {
-            return Ok(());
-        }
         let seconds = if repeated { 0.0 } else { moment.seconds_since(newest.time_ns) };
         let allowance_deg = (PURSUIT_ONSET_DEG_S + head_deg_s) * seconds.min(LONGEST_ALLOWANCE_S);
         let limit_deg = settings.least_saccade_deg.max(JUMP_SIGMAS * self.noise_deg) + allowance_deg;
         let missed_deg = match &self.flight {
             Some(_) => moment.angle_deg(newest.directions),
-            None => moment.angle_deg(self.expected(seconds)),
+            None => moment.angle_deg(self.line.at(moment.time_ns)),
         };
         // After a sample in doubt, the next one confirms that or what was before it.
         if missed_deg > limit_deg && (self.suspect.is_some() || missed_deg > FASTEST_DEG_S * seconds) {
@@ -146,27 +119,19 @@ impl Motion {
             return Ok(());
         }
         self.suspect = None;
-        self.sample = moment;
         self.note_interval(seconds);
         match self.flight {
             Some(flight) => self.fly(settings, flight, moment, head_deg_s),
-            None if missed_deg > limit_deg => self.leave(moment),
-            None => match self.shifted(settings, moment, head_deg_s) {
-                Some(line) => {
-                    self.line = line;
-                    self.earlier = [None; EARLIER];
-                    self.settled_ns = moment.time_ns;
-                    self.has_landed = false;
-                    self.turning = false;
-                }
-                None => {
-                    self.note_noise(missed_deg);
-                    self.earlier.rotate_right(1);
-                    self.earlier[0] = Some((self.line, moment));
-                    self.line.add(moment, self.memory(settings));
-                    self.turning = self.is_turning(settings);
-                }
-            },
+            None if missed_deg > limit_deg => {
+                let start = Moment { directions: self.line.at(newest.time_ns), ..newest };
+                self.flight = Some(Flight::new(start, moment, self.noise_deg));
+                self.turning = false;
+            }
+            None => {
+                self.note_noise(missed_deg);
+                self.line.add(moment, self.memory(settings));
+                self.turning = self.is_turning(settings);
+            }
         }
         Ok(())
     }
@@ -211,16 +176,13 @@ impl Motion {
     /// Where the eyes are `ahead_s` after the newest sample, and how far that may be off where it is a prediction, degrees.
     pub(super) fn directions(&self, settings: &GazeSettings, ahead_s: f32) -> ([Vec3; 2], Option<f32>) {
         match &self.flight {
-            Some(flight) => {
-                let (directions, error_deg) = flight.ahead(ahead_s);
-                (directions, Some(error_deg))
-            }
+            Some(flight) => (flight.landing.directions, Some(flight.landing.error_deg)),
             None if self.turning => {
                 // What they follow may have stopped anywhere on this way: the standard deviation of an even distribution.
                 let way_deg = self.line.speed_deg_s() * ahead_s.max(settings.latency_ms * 1e-3);
                 (self.line.ahead(ahead_s), Some(way_deg / 12f32.sqrt()))
             }
-            None => (self.line.estimate(self.noise_deg, false, ahead_s), None),
+            None => (self.line.newest().directions, None),
         }
     }
 
@@ -232,58 +194,6 @@ impl Motion {
             (None, false) => 0.0,
         };
         speed.min(FASTEST_DEG_S)
-    }
-
-    /// A saccade has shown in a sample; it may have begun in those before.
-    fn leave(&mut self, moment: Moment) {
-        let unseen = self.earlier.iter().map_while(|earlier| {
-            earlier.filter(|(_, sample)| moment.time_ns.saturating_sub(sample.time_ns) < UNSEEN_NS)
-        });
-        let (mut line, mut before, mut count) = (self.line, [moment; EARLIER], 0);
-        for (earlier, sample) in unseen {
-            line = earlier;
-            before[count] = sample;
-            count += 1;
-        }
-        before[..count].reverse();
-        let directions = line.estimate(self.noise_deg, self.turning, 0.0);
-        let start = Moment { directions, ..*line.newest() };
-        self.flight = Some(Flight::new(start, &before[..count], moment, self.noise_deg));
-        self.earlier = [None; EARLIER];
-        self.turning = false;
-    }
-
-    /// The line through the newest samples alone, where these together, of which none is a jump, lie aside of where they were
-    /// expected: the eyes have landed nearby.
-    fn shifted(&self, settings: &GazeSettings, moment: Moment, head_deg_s: f32) -> Option<Line> {
-        let missed = |line: &Line, sample: &Moment| {
-            let expected =
-                line.estimate(self.noise_deg, self.turning, sample.seconds_since(line.newest().time_ns));
-            0.5 * (sample.directions[0] - expected[0] + sample.directions[1] - expected[1])
-        };
-        let mut samples = 1.0;
-        (0..EARLIER).find_map(|last| {
-            let (line, first) = self.earlier[last].filter(|(line, _)| line.count() >= SHIFT_COUNT)?;
-            samples += 1.0;
-            let (newest, before) = (missed(&line, &moment), self.earlier[..=last].iter().flatten());
-            let mean = (newest + before.map(|(_, sample)| missed(&line, sample)).sum::<Vec3>()) / samples;
-            let seconds = moment.seconds_since(line.newest().time_ns).min(LONGEST_ALLOWANCE_S);
-            let least_deg = LEAST_SHIFT * settings.least_saccade_deg.max(JUMP_SIGMAS * self.noise_deg);
-            let limit_deg = least_deg.max(JUMP_SIGMAS * self.noise_deg / f32::sqrt(samples))
-                + 0.5 * (PURSUIT_ONSET_DEG_S + head_deg_s) * seconds;
-            let has_landed = newest.dot(mean) < LANDED * mean.length_squared();
-            (has_landed && mean.length().to_degrees() > limit_deg).then(|| {
-                let mut line = Line::new(first);
-                let after = self.earlier[..last].iter().flatten().rev().map(|(_, sample)| *sample);
-                after.chain([moment]).for_each(|sample| line.add(sample, self.memory(settings)));
-                line
-            })
-        })
-    }
-
-    /// Where the line is in some seconds from its newest sample.
-    fn expected(&self, seconds: f32) -> [Vec3; 2] {
-        self.line.estimate(self.noise_deg, self.turning, seconds)
     }
 
     /// A jump that no eye makes: either one sample is wrong, or the next one is there too.
@@ -303,12 +213,19 @@ impl Motion {
 
     fn fly(&mut self, settings: &GazeSettings, flight: Flight, moment: Moment, head_deg_s: f32) {
         let before = *flight.newest();
-        let back_deg = moment.angle_deg(self.expected(moment.seconds_since(self.line.newest().time_ns)));
+        let slow_deg_s = settings.saccade_end_deg_s.max(0.0) + head_deg_s;
+        let still_deg = slow_deg_s * moment.seconds_since(before.time_ns) + 3.0 * self.noise_deg;
+        let back_deg = moment.angle_deg(self.line.at(moment.time_ns));
         if flight.is_single() && back_deg < settings.least_saccade_deg.max(JUMP_SIGMAS * self.noise_deg) {
             // One sample was off, and the eyes never left.
             self.flight = None;
             self.line.add(moment, self.memory(settings));
-        } else if moment.time_ns.saturating_sub(flight.shown_ns()) > LONGEST_SACCADE_NS {
+        } else if moment.angle_deg(before.directions) < still_deg {
+            self.flight = None;
+            self.line = Line::new(moment);
+            self.settled_ns = moment.time_ns;
+            self.has_landed = true;
+        } else if moment.time_ns.saturating_sub(flight.first_ns()) > LONGEST_SACCADE_NS {
             self.flight = None;
             self.line = Line::through(&before, moment);
             self.settled_ns = moment.time_ns;
@@ -317,24 +234,11 @@ impl Motion {
         } else {
             let mut flight = flight;
             flight.add(moment, self.noise_deg);
-            let slow_deg_s = settings.saccade_end_deg_s.max(0.0) + head_deg_s;
-            let still_deg = slow_deg_s * moment.seconds_since(before.time_ns) + 3.0 * self.noise_deg;
-            if flight.has_landed() && moment.angle_deg(before.directions) < still_deg {
-                self.flight = None;
-                self.line = Line::new(moment);
-                self.settled_ns = flight.landed_ns();
-                self.has_landed = true;
-            } else {
-                self.flight = Some(flight);
-            }
+            self.flight = Some(flight);
         }
     }
 
     fn is_turning(&self, settings: &GazeSettings) -> bool {
-        // The first ones may be a tail of what was before.
-        if self.line.count() < TURNING_COUNT.min(self.memory(settings)) {
-            return false;
-        }
         let sigmas = TURNING_SIGMAS[usize::from(self.turning)];
         let least = settings.pursuit_deg_s.max(sigmas * self.line.speed_noise_deg_s(self.noise_deg));
         self.line.speed_deg_s() > least
@@ -355,9 +259,9 @@ impl Motion {
         if self.line.count() < NOISE_COUNT {
             return;
         }
-        // Along two axes, and where it was expected is off as well: the end of a line by 4 / n, a mean by 1 / n.
-        let off = if self.turning { 4.0 } else { 1.0 } / f32::from(self.line.count());
-        let square = 0.5 * missed_deg * missed_deg / (1.0 + off);
+        // Along two axes, and where it was expected is off as well.
+        let n = f32::from(self.line.count());
+        let square = 0.5 * missed_deg * missed_deg / (1.0 + 4.0 / n);
         let mean = self.noise_deg * self.noise_deg;
         let noise = (mean + NOISE_GAIN * (square.min(9.0 * mean) - mean)).sqrt();
         self.noise_deg = noise.clamp(*NOISE_DEG.start(), *NOISE_DEG.end());
