@@ -67,8 +67,11 @@ impl Mode {
         let config = match self {
             Self::Off => return LayerMode::Absent,
             Self::Inert => "enabled = false\n",
-            Self::Rates => "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n",
-            Self::Mask => "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\nbackend = \"mask\"\n",
+            // Rings: nothing measures contrast where nothing is rendered.
+            Self::Rates => "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n",
+            Self::Mask => {
+                "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\nbackend = \"mask\"\n"
+            }
             Self::Everything => {
                 "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
                  [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n"
