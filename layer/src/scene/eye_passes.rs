@@ -18,7 +18,7 @@ pub struct EyePasses {
     kinds: SmallVec<[u32; MOST]>,
 }
 
-/// What passes of one kind have in common.
+/// The common properties of the passes of one kind.
 #[derive(Hash)]
 struct Kind {
     format: vk::Format,

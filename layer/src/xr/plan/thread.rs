@@ -53,7 +53,7 @@ impl PlanThread {
         Self { shared: Arc::new(shared), thread: Mutex::new(Thread::NotBegun) }
     }
 
-    /// What plans are made from, after the plan that is due or under way was made.
+    /// The state of plans, after the plan that is due or under way was made.
     pub fn work(&self) -> &PlanWork {
         self.shared.finish();
         &self.shared.work
