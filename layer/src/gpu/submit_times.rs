@@ -116,7 +116,7 @@ impl SubmitTimes {
         }
     }
 
-    /// Those that nobody takes are dropped, the oldest first.
+    /// Adds a time; the oldest is dropped where nobody takes them.
     fn add(&mut self, time: SubmitTime) {
         if self.known.len() == 2 * SUBMITS_IN_FLIGHT {
             self.known.remove(0);
@@ -124,7 +124,7 @@ impl SubmitTimes {
         self.known.push(time);
     }
 
-    /// Takes what is known; returns the first frame whose submits have not all finished.
+    /// Takes the known times; returns the first frame with an unfinished submit.
     pub(super) fn take(&mut self, add: impl FnMut(SubmitTime)) -> Option<u64> {
         self.known.drain(..).for_each(add);
         self.unread.iter().flatten().min().copied()

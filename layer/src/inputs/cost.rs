@@ -76,7 +76,7 @@ impl GpuCosts {
         self.pictures.push((frame, ns));
     }
 
-    /// The cost of the next frame of which all is known; from frame `under_way` on the OpenXR half's submits have not all finished.
+    /// The cost of the next frame, if both halves' times are known; from frame `under_way` on, submits of the OpenXR half are unfinished.
     pub fn next(&mut self, under_way: Option<u64>) -> Option<GpuCost> {
         let FrameTimeRecord { frame, ns, maps_ns, analysis_ns } = *self.times.first()?;
         if under_way.is_some_and(|under_way| frame >= under_way) {

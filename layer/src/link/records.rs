@@ -125,7 +125,7 @@ pub struct FrameStart {
     pub settings: *const SettingsRecord,
     /// The newest plan, or null where the last one stays.
     pub plan: *const PlanRecord,
-    /// The plan that a thread of the OpenXR half makes of this frame; null where that stays as it is.
+    /// The pending plan of this frame, or null for none.
     pub awaited: *const AwaitedPlan,
 }
 
@@ -244,7 +244,7 @@ pub struct SettingsRecord {
 pub struct FrameTimeRecord {
     /// Number of the frame, as [`FrameReportRecord::frame`].
     pub frame: u64,
-    /// Time in which the GPU worked on it, from the first to the last command on all queues, those of this half included, nanoseconds.
+    /// GPU time of the frame, from the first to the last command on all queues, this half's commands included, nanoseconds.
     pub ns: u64,
     /// Of that, time for rate images, masks, and the decision on rates, nanoseconds.
     pub maps_ns: u64,

@@ -144,7 +144,7 @@ impl Timing {
         }
     }
 
-    /// Reads what is there, and gives the next frame before that under way of which all is known.
+    /// Reads the timestamps, and returns the next complete frame before the one under way.
     pub fn next(&self, under_way: u64) -> Option<FrameTime> {
         self.read();
         lock(&self.frames).take(under_way, self.clock.get()?.step_ns)

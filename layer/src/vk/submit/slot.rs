@@ -27,7 +27,7 @@ pub struct Slot {
     uses: Outdated,
     kept: Kept,
     timer: Timer,
-    /// What is recorded.
+    /// The kind of the recorded work.
     work: Work,
     is_pending: bool,
 }

@@ -77,8 +77,7 @@ impl FrameTimes {
         self.frames.iter().any(|known| known.frame == frame)
     }
 
-    /// The next frame of which all is known, if there is one: those before `under_way`, to which nothing is added any more. A step of the clock
-    /// takes `step_ns` nanoseconds.
+    /// The next complete frame before `under_way`; `None` if there is none. A step of the clock takes `step_ns` nanoseconds.
     pub fn take(&mut self, under_way: u64, step_ns: f64) -> Option<FrameTime> {
         loop {
             let is_done = |known: &Frame| known.frame < under_way && known.pending == 0;

@@ -32,42 +32,40 @@ pub fn complete<'a>(
     let watched = watched(&active.plan.planning(), config);
     let mut kept = [false; 2];
     let mut sorted = active.plan.sorted();
-    {
-        (0..2).for_each(|eye| {
-            let shown = scene.as_ref().and_then(|scene| picture(scene, eye, submission.time, works));
-            let is_others = |(other, _): (ShownPicture, &Work)| {
-                shown.is_some_and(|(shown, _)| {
-                    (shown.substitute, shown.array_layer, shown.rect)
-                        == (other.substitute, other.array_layer, other.rect)
-                })
-            };
-            // One picture for both eyes is completed once.
-            let is_both = eye == 1
-                && scene
-                    .as_ref()
-                    .and_then(|scene| picture(scene, 0, submission.time, works))
-                    .is_some_and(is_others);
-            kept[eye] = if is_both {
-                history.show(eye, None, |_| false, |_| {});
-                kept[0]
-            } else {
-                let is_intact = |release| shown.is_some_and(|(_, work)| work.is_intact(release));
-                let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
-                let depth = view.and_then(depth::of);
-                let picture = shown.as_ref().map(|(picture, _)| (picture, depth));
-                history.show(eye, picture, is_intact, |stale| {
-                    std::mem::swap(stale, &mut report.stale[eye]);
-                });
-                shown.is_some_and(|(_, work)| {
-                    work.keeps(longest_period(config))
-                        && (!wants_reuse || tools.compose().completes(work.format()))
-                })
-            };
-            if !wants_reuse && history.region(eye, how).is_none() {
-                history.show(eye, None, |_| false, |_| {});
-            }
-            history.complete(eye, how, watched[eye].as_ref(), Some(&mut sorted));
-        })
+    for eye in 0..2 {
+        let shown = scene.as_ref().and_then(|scene| picture(scene, eye, submission.time, works));
+        let is_others = |(other, _): (ShownPicture, &Work)| {
+            shown.is_some_and(|(shown, _)| {
+                (shown.substitute, shown.array_layer, shown.rect)
+                    == (other.substitute, other.array_layer, other.rect)
+            })
+        };
+        // One picture for both eyes is completed once.
+        let is_both = eye == 1
+            && scene
+                .as_ref()
+                .and_then(|scene| picture(scene, 0, submission.time, works))
+                .is_some_and(is_others);
+        kept[eye] = if is_both {
+            history.show(eye, None, |_| false, |_| {});
+            kept[0]
+        } else {
+            let is_intact = |release| shown.is_some_and(|(_, work)| work.is_intact(release));
+            let view = scene.as_ref().and_then(|scene| scene.views.get(eye));
+            let depth = view.and_then(depth::of);
+            let picture = shown.as_ref().map(|(picture, _)| (picture, depth));
+            history.show(eye, picture, is_intact, |stale| {
+                std::mem::swap(stale, &mut report.stale[eye]);
+            });
+            shown.is_some_and(|(_, work)| {
+                work.keeps(longest_period(config))
+                    && (!wants_reuse || tools.compose().completes(work.format()))
+            })
+        };
+        if !wants_reuse && history.region(eye, how).is_none() {
+            history.show(eye, None, |_| false, |_| {});
+        }
+        history.complete(eye, how, watched[eye].as_ref(), Some(&mut sorted));
     }
     drop(sorted);
     let follows = |eye: usize| history.has_depth(eye) || (eye == 1 && !history.has_pictures(eye));

@@ -124,9 +124,8 @@ impl History {
         self.eyes[eye].len > 0
     }
 
-    /// Works out what of the newest picture of an eye is taken from which earlier one; and which of its tiles are compared with
-    /// earlier ones: those that were rendered, and whose middle is watched; none where `how` does not turn pictures. Tiles that were
-    /// sorted ahead are taken from `sorted`.
+    /// Assigns the stale tiles of an eye's newest picture to earlier pictures, and finds its tiles to compare with those: rendered tiles with a
+    /// watched middle, or none where `how` does not turn pictures. Tiles of `sorted` are taken where they belong to this picture.
     pub fn complete(
         &mut self,
         eye: usize,
@@ -141,7 +140,7 @@ impl History {
         }
     }
 
-    /// Sets an eye's part of `sorted` to what [`Self::complete`] will be asked next if its next picture is as `expected`.
+    /// Sets an eye's part of `sorted` to the input of the next [`Self::complete`], if its next picture is as `expected`.
     pub fn expect(&self, eye: usize, sorted: &mut SortedTiles, expected: Expected) {
         let EyeHistory { pictures, len, lost, .. } = &self.eyes[eye];
         sorted.expect(eye, &pictures[..*len], *lost, expected);

@@ -31,7 +31,7 @@ pub struct SharedPlan {
 /// Progress of the newest task.
 #[derive(Default)]
 enum Stage {
-    /// There is none, or it is done.
+    /// No task, or a finished one.
     #[default]
     Idle,
     /// The first thread that needs its plan makes it.
@@ -64,7 +64,7 @@ impl PlanThread {
         &self.shared.work
     }
 
-    /// Hands a task over, after the last one was finished. Done at once where there is no thread.
+    /// Hands a task to the thread, after the last plan was made. Without a thread, plans the frame at once.
     pub fn begin(&self, task: FrameTask) {
         self.shared.finish();
         if !self.runs() {

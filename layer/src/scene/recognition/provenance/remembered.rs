@@ -23,7 +23,7 @@ struct Entry {
 }
 
 /// All of a frame's events that roles depend on, as plain words: frames with the same words have the same roles. Images are numbered as they first
-/// occur, so that those of swapchains, which take turns, and those that are made anew are the same.
+/// occur, so that swapchain images in turn, and images made anew, compare equal.
 #[derive(Debug, Default)]
 struct Structure {
     words: Vec<u64>,

@@ -20,7 +20,7 @@ impl Provenance {
     /// The role of a full-screen pass that may be on the way to the picture.
     fn role_of_screen(&self, index: usize, pass: &Pass, events: &[Event], known: &Known<'_>) -> Role {
         let is_eye = |group: usize| self.groups.all[group].role() == Role::Eye;
-        // A camera of the scene draws on: what is there is the scene, shaded by this pass.
+        // A camera of the scene draws on: the target is the scene, shaded by this pass.
         let target = pass.colors.first().map(|target| target.image);
         for (later, node) in self.nodes.iter().enumerate().skip(index + 1) {
             let Event::Pass(other) = &events[later] else { continue };

@@ -13,7 +13,7 @@ fn roles(recognition: &Recognition, events: &[Event]) -> Vec<Role> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// Three kinds of frames in any order, of which some are shown in another way than before.
+    /// Three kinds of frames in any order, some of them shown in another way than before.
     #[test]
     fn remembered_frames_are_as_if_they_were_not(
         images in any_images(),
