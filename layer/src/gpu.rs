@@ -25,6 +25,7 @@ mod owned;
 mod pipeline;
 mod pipeline_layout;
 mod recorder;
+mod recordings;
 mod sample_draw;
 mod shared;
 mod submit_times;
@@ -32,7 +33,7 @@ mod submit_times;
 pub use app_commands::{AppCommands, ImagePart, Scope};
 pub(crate) use app_commands::{COMPUTES, READS_OF_RESULTS};
 pub(crate) use buffer::{ResultRing, UniformRing, WordRing};
-pub(crate) use commands::{Uses, wait_device, wait_fence};
+pub(crate) use commands::{SlotIndex, Uses, wait_device, wait_fence};
 pub(crate) use compare::Comparison;
 pub(crate) use compiler::{Compilation, Compiler, Later};
 pub(crate) use compute::{Bound, ComputeLayout, ComputeSet};
@@ -46,6 +47,7 @@ pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view, dep
 pub(crate) use owned::Owned;
 pub(crate) use pipeline::{Output, TilePipeline, TileShader};
 pub(crate) use recorder::{Compare, DrawRecorder, Recorder, TileDraw};
+pub(crate) use recordings::{Content, serial};
 pub(crate) use sample_draw::{SampleAspect, SamplePass, SampleTarget, is_left};
 pub use shared::Shared;
 
@@ -55,7 +57,7 @@ use commands::CommandRing;
 use functions::Functions;
 use shared::Left;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use submit_times::{SubmitTime, SubmitTimes};
 
 /// How many submits of ours may be under way before the next one waits.
@@ -78,6 +80,36 @@ pub struct Gpu {
     /// What its pipelines are compiled with; nothing for those that are made without a cache.
     compilation: OnceLock<Arc<Compilation>>,
     abandoned: AtomicBool,
+}
+
+/// A submit with a free slot. Without a call of [`NextSubmit::submit`], nothing happens.
+pub(crate) struct NextSubmit<'a> {
+    gpu: &'a Gpu,
+    commands: MutexGuard<'a, Option<CommandRing>>,
+    slot: SlotIndex,
+}
+
+impl NextSubmit<'_> {
+    /// Its slot: memory that is kept per slot may be written now.
+    pub(crate) fn slot(&self) -> SlotIndex {
+        self.slot
+    }
+
+    /// Records with `record` and submits; returns the number of the submit, for [`Uses::mark`]. Of commands with `content`, those of an
+    /// earlier submit are submitted again, where they are kept: then nothing is recorded.
+    ///
+    /// # Errors
+    /// Errors of `record`; a failed call. Then nothing was submitted.
+    pub(crate) fn submit(
+        mut self,
+        content: Option<&Content>,
+        record: impl FnOnce(&Recorder) -> Result<(), GpuError>,
+    ) -> Result<u64, GpuError> {
+        let Gpu { device, queue, .. } = self.gpu;
+        let ring = self.commands.as_mut().ok_or(GpuError::Invalid("a submission without a queue"))?;
+        let result = ring.submit(device, *queue, self.slot, content, record);
+        self.gpu.abandon_if_stuck(result)
+    }
 }
 
 impl Gpu {
@@ -226,20 +258,31 @@ impl Gpu {
 
     /// Records with `record` and submits; returns the number of the submit, for [`Uses::mark`].
     ///
-    /// Waits only while [`SUBMITS_IN_FLIGHT`] submits are under way; [`GpuError::Timeout`] where that takes too long: then nothing was
-    /// recorded, and a later call may succeed.
+    /// # Errors
+    /// As for [`Self::next_submit`] and [`NextSubmit::submit`].
     pub(crate) fn submit(
         &self,
         record: impl FnOnce(&Recorder) -> Result<(), GpuError>,
     ) -> Result<u64, GpuError> {
+        self.next_submit()?.submit(None, record)
+    }
+
+    /// The next submit, before anything is recorded. Waits only while [`SUBMITS_IN_FLIGHT`] submits are under way.
+    ///
+    /// # Errors
+    /// [`GpuError::Timeout`] where that takes too long: a later call may succeed. [`GpuError::Abandoned`], [`GpuError::Invalid`] without a queue.
+    pub(crate) fn next_submit(&self) -> Result<NextSubmit<'_>, GpuError> {
         if self.is_abandoned() {
             return Err(GpuError::Abandoned);
         }
         let mut commands = self.commands.lock().unwrap_or_else(PoisonError::into_inner);
         let ring = commands.as_mut().ok_or(GpuError::Invalid("a submission without a queue"))?;
-        let result = ring.submit(&self.device, self.queue, record);
-        // A device that is behind comes again, and nothing was touched that it still uses.
-        if result == Err(GpuError::Timeout) { result } else { self.abandon_if_stuck(result) }
+        match ring.free_slot(&self.device) {
+            Ok(slot) => Ok(NextSubmit { gpu: self, commands, slot }),
+            // A device that is behind comes again, and nothing was touched that it still uses.
+            Err(GpuError::Timeout) => Err(GpuError::Timeout),
+            Err(error) => self.abandon_if_stuck(Err(error)),
+        }
     }
 
     /// Submits belong to that frame from now on, and are timed; `None`: they are not.

@@ -1,6 +1,6 @@
 //! Parameters for the GPU, and results of it, in buffers that stay mapped, a part for each submit under way.
 
-use super::{Gpu, GpuError, Owned, Recorder, SUBMITS_IN_FLIGHT};
+use super::{Gpu, GpuError, Owned, SUBMITS_IN_FLIGHT, SlotIndex};
 use ash::vk;
 use std::marker::PhantomData;
 use std::ptr::NonNull;
@@ -87,9 +87,9 @@ impl ResultRing {
         Ok(Self { buffer, per_submit })
     }
 
-    /// The place in the buffer of result `at` of the submit that is being recorded.
-    pub(crate) fn place(&self, recorder: &Recorder, at: u32) -> u32 {
-        recorder.slot() as u32 * self.per_submit + at
+    /// The place in the buffer of result `at` of the slot's next submit.
+    pub(crate) fn place(&self, slot: SlotIndex, at: u32) -> u32 {
+        slot.get() as u32 * self.per_submit + at
     }
 
     /// Reads `count` results from a place on, in place of what is in `out`. The submit that wrote them has finished, after a
@@ -139,13 +139,13 @@ impl<T: bytemuck::Pod> UniformRing<T> {
         Ok(Self { buffer, stride, per_submit, element: PhantomData })
     }
 
-    /// Writes element `index` of the submit that is being recorded; returns its offset in the buffer. The GPU does not
+    /// Writes element `index` of the slot's next submit; returns its offset in the buffer. The GPU does not
     /// read that part now, as the slot's last submit was waited for.
-    pub(crate) fn write(&mut self, recorder: &Recorder, index: u32, value: &T) -> Result<u32, GpuError> {
+    pub(crate) fn write(&mut self, slot: SlotIndex, index: u32, value: &T) -> Result<u32, GpuError> {
         if index >= self.per_submit {
             return Err(GpuError::Invalid("more regions than fit in one submission"));
         }
-        let offset = (recorder.slot() as u32 * self.per_submit + index) * self.stride;
+        let offset = (slot.get() as u32 * self.per_submit + index) * self.stride;
         self.buffer.write(offset.into(), bytemuck::bytes_of(value))?;
         Ok(offset)
     }
@@ -181,13 +181,13 @@ impl WordRing {
         self.per_submit
     }
 
-    /// Writes words from place `at` of the submit that is being recorded on; returns their place in the buffer. The GPU does
+    /// Writes words from place `at` of the slot's next submit on; returns their place in the buffer. The GPU does
     /// not read that part now, as the slot's last submit was waited for.
-    pub(crate) fn write(&mut self, recorder: &Recorder, at: u32, words: &[u32]) -> Result<u32, GpuError> {
+    pub(crate) fn write(&mut self, slot: SlotIndex, at: u32, words: &[u32]) -> Result<u32, GpuError> {
         if u64::from(at) + words.len() as u64 > u64::from(self.per_submit) {
             return Err(GpuError::Invalid("more words than fit in one submission"));
         }
-        let place = recorder.slot() as u32 * self.per_submit + at;
+        let place = slot.get() as u32 * self.per_submit + at;
         self.buffer.write(u64::from(place) * size_of::<u32>() as u64, bytemuck::cast_slice(words))?;
         Ok(place)
     }

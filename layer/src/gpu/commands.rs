@@ -1,7 +1,8 @@
-//! A ring of command buffers, each with a fence, so that a submit seldom waits and allocates nothing.
+//! A ring of submits, each with command buffers and a fence, so that a submit seldom waits and allocates nothing.
 
+use super::recordings::{Content, Found, Recordings, allocate};
 use super::submit_times::{SubmitTime, SubmitTimes};
-use super::{Gpu, GpuError, Recorder, SUBMITS_IN_FLIGHT, functions};
+use super::{Gpu, GpuError, Recorder, SUBMITS_IN_FLIGHT};
 use crate::link::DeviceRecord;
 use ash::vk;
 use std::sync::Arc;
@@ -15,18 +16,34 @@ const FENCE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time between two looks at a fence that cannot be waited for.
 const BETWEEN_LOOKS: Duration = Duration::from_micros(200);
 
-/// One command buffer.
-#[derive(Clone, Copy, Default)]
+/// One of the submits under way.
+#[derive(Default)]
 struct Slot {
+    /// For commands of one submit.
     commands: vk::CommandBuffer,
+    /// For commands that may be submitted again.
+    recordings: Recordings,
     fence: vk::Fence,
     /// Number of the submit that it was last used for; 0 for none.
     submit: u64,
 }
 
+/// Index of a slot of the ring: memory that is kept per slot may be written until its submit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SlotIndex(usize);
+
+impl SlotIndex {
+    /// Below [`SUBMITS_IN_FLIGHT`].
+    pub(crate) fn get(self) -> usize {
+        self.0
+    }
+}
+
 /// The ring.
 pub(super) struct CommandRing {
     pool: vk::CommandPool,
+    /// Of the device.
+    record: DeviceRecord,
     slots: [Slot; SUBMITS_IN_FLIGHT],
     /// Number of the last submit; they count from 1.
     last_submit: u64,
@@ -45,15 +62,15 @@ impl CommandRing {
         times: SubmitTimes,
     ) -> Result<Self, GpuError> {
         let pool_info = vk::CommandPoolCreateInfo::default()
-            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER | vk::CommandPoolCreateFlags::TRANSIENT)
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
             .queue_family_index(queue_family);
         // SAFETY: the device is live and has that family.
         let pool = unsafe { device.create_command_pool(&pool_info, None) }
             .map_err(GpuError::from_call("vkCreateCommandPool"))?;
-        let slots = [Slot::default(); SUBMITS_IN_FLIGHT];
-        let mut ring = Self { pool, slots, last_submit: 0, is_behind: false, times };
+        let slots = Default::default();
+        let mut ring = Self { pool, record: *record, slots, last_submit: 0, is_behind: false, times };
         // SAFETY: as above; the pool is new.
-        match unsafe { ring.fill(device, record) } {
+        match unsafe { ring.fill(device) } {
             Ok(()) => Ok(ring),
             Err(error) => {
                 // SAFETY: nothing was submitted, and what was not created is null, which destroying ignores.
@@ -63,18 +80,10 @@ impl CommandRing {
         }
     }
 
-    unsafe fn fill(&mut self, device: &ash::Device, record: &DeviceRecord) -> Result<(), GpuError> {
-        let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(self.pool)
-            .level(vk::CommandBufferLevel::PRIMARY)
-            .command_buffer_count(self.slots.len() as u32);
-        // SAFETY: the pool is one of this live device.
-        let buffers = unsafe { device.allocate_command_buffers(&info) }
-            .map_err(GpuError::from_call("vkAllocateCommandBuffers"))?;
-        for (slot, commands) in self.slots.iter_mut().zip(buffers) {
-            slot.commands = commands;
-            // SAFETY: the command buffer was just allocated from this device.
-            unsafe { functions::init_dispatch(record, commands) }?;
+    unsafe fn fill(&mut self, device: &ash::Device) -> Result<(), GpuError> {
+        for slot in &mut self.slots {
+            // SAFETY: the pool is one of this live device.
+            slot.commands = unsafe { allocate(device, &self.record, self.pool) }?;
             // SAFETY: the device is live.
             slot.fence = unsafe { device.create_fence(&vk::FenceCreateInfo::default(), None) }
                 .map_err(GpuError::from_call("vkCreateFence"))?;
@@ -82,36 +91,50 @@ impl CommandRing {
         Ok(())
     }
 
-    /// Records and submits; returns the number of the submit. See [`Gpu::submit`].
+    /// The slot of the next submit, once its last one has finished. See [`Gpu::next_submit`].
+    pub(super) fn free_slot(&mut self, device: &ash::Device) -> Result<SlotIndex, GpuError> {
+        let index = ((self.last_submit + 1) % SUBMITS_IN_FLIGHT as u64) as usize;
+        if self.slots[index].submit != 0 {
+            self.wait_for_slot(device, self.slots[index].fence)?;
+            self.times.finished(device, index);
+        }
+        Ok(SlotIndex(index))
+    }
+
+    /// Records, or finds recorded commands with `content`, and submits; returns the number of the submit. See [`NextSubmit::submit`].
     pub(super) fn submit(
         &mut self,
         device: &ash::Device,
         queue: vk::Queue,
+        SlotIndex(index): SlotIndex,
+        content: Option<&Content>,
         record: impl FnOnce(&Recorder) -> Result<(), GpuError>,
     ) -> Result<u64, GpuError> {
         let number = self.last_submit + 1;
-        let index = (number % SUBMITS_IN_FLIGHT as u64) as usize;
-        let slot = self.slots[index];
-        if slot.submit != 0 {
-            self.wait_for_slot(device, slot)?;
-            self.times.finished(device, index);
-        }
-        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: the command buffer is not pending: its fence was waited for. Beginning resets it.
-        unsafe { device.begin_command_buffer(slot.commands, &begin) }
-            .map_err(GpuError::from_call("vkBeginCommandBuffer"))?;
-        // SAFETY: it is being recorded, on a queue that draws (`Gpu::sharing`).
-        unsafe { self.times.begin(device, slot.commands, index) };
-        if let Err(error) = record(&Recorder::new(device, slot.commands, index)) {
-            self.times.forget(index);
-            // SAFETY: the command buffer is not pending; nobody else uses the pool.
-            unsafe { device.reset_command_buffer(slot.commands, vk::CommandBufferResetFlags::empty()) }
-                .map_err(GpuError::from_call("vkResetCommandBuffer"))?;
-            return Err(error);
-        }
-        // SAFETY: as above, outside of a render pass: `Recorder` ends those.
-        unsafe { self.times.end(device, slot.commands, index) };
-        let submitted = self.end_and_submit(device, queue, index);
+        // Timestamps are written for the frame under way alone.
+        let content = content.filter(|_| !self.times.is_timed());
+        let slot = &mut self.slots[index];
+        let found = match content {
+            // SAFETY: pool and device are live, and the slot's last submit has finished.
+            Some(content) => unsafe { slot.recordings.find(device, &self.record, self.pool, content) }?,
+            None => Found::Blank(slot.commands),
+        };
+        let commands = match found {
+            Found::Recorded(commands) => commands,
+            Found::Blank(commands) => {
+                let once = if content.is_none() {
+                    vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT
+                } else {
+                    vk::CommandBufferUsageFlags::empty()
+                };
+                self.record(device, (commands, once), index, record)?;
+                if let Some(content) = content {
+                    self.slots[index].recordings.set_recorded(commands, content);
+                }
+                commands
+            }
+        };
+        let submitted = self.submit_recorded(device, queue, index, commands);
         match submitted {
             Ok(()) => {
                 self.slots[index].submit = number;
@@ -122,26 +145,52 @@ impl CommandRing {
         submitted.map(|()| number)
     }
 
-    /// Ends the recording of a command buffer, and submits it with its fence.
-    fn end_and_submit(
+    /// Records a command buffer of a slot, whose last submit has finished.
+    fn record(
+        &mut self,
+        device: &ash::Device,
+        (commands, usage): (vk::CommandBuffer, vk::CommandBufferUsageFlags),
+        index: usize,
+        record: impl FnOnce(&Recorder) -> Result<(), GpuError>,
+    ) -> Result<(), GpuError> {
+        let begin = vk::CommandBufferBeginInfo::default().flags(usage);
+        // SAFETY: the command buffer is not pending: its fence was waited for. Beginning resets it.
+        unsafe { device.begin_command_buffer(commands, &begin) }
+            .map_err(GpuError::from_call("vkBeginCommandBuffer"))?;
+        // SAFETY: it is being recorded, on a queue that draws (`Gpu::sharing`).
+        unsafe { self.times.begin(device, commands, index) };
+        if let Err(error) = record(&Recorder::new(device, commands)) {
+            self.times.forget(index);
+            // SAFETY: the command buffer is not pending; nobody else uses the pool.
+            unsafe { device.reset_command_buffer(commands, vk::CommandBufferResetFlags::empty()) }
+                .map_err(GpuError::from_call("vkResetCommandBuffer"))?;
+            return Err(error);
+        }
+        // SAFETY: as above, outside of a render pass: `Recorder` ends those.
+        unsafe {
+            self.times.end(device, commands, index);
+            device.end_command_buffer(commands)
+        }
+        .map_err(GpuError::from_call("vkEndCommandBuffer"))
+    }
+
+    /// Submits a recorded command buffer of a slot with the slot's fence.
+    fn submit_recorded(
         &mut self,
         device: &ash::Device,
         queue: vk::Queue,
         index: usize,
+        commands: vk::CommandBuffer,
     ) -> Result<(), GpuError> {
-        let slot = self.slots[index];
-        // SAFETY: the command buffer is being recorded, outside of a render pass: `Recorder` ends those.
-        unsafe { device.end_command_buffer(slot.commands) }
-            .map_err(GpuError::from_call("vkEndCommandBuffer"))?;
         // Until the submit succeeds, nobody may wait for the fence: it would never be signalled.
         self.slots[index].submit = 0;
         // SAFETY: the fence is not in use: it was waited for, or never submitted.
-        if unsafe { device.reset_fences(&[slot.fence]) }.is_err() {
+        if unsafe { device.reset_fences(&[self.slots[index].fence]) }.is_err() {
             // SAFETY: as above.
             unsafe { self.renew_fence(device, index) }?;
         }
         let fence = self.slots[index].fence;
-        let commands = [slot.commands];
+        let commands = [commands];
         let info = vk::SubmitInfo::default().command_buffers(&commands);
         // SAFETY: command buffer and fence are ready, and the queue is ours to use, as `Gpu::new` demands.
         unsafe { device.queue_submit(queue, &[info], fence) }.map_err(GpuError::from_call("vkQueueSubmit"))
@@ -165,16 +214,16 @@ impl CommandRing {
 
     /// Waits until a slot is free again, the first time; where that was in vain it only looks from then on, so that an application
     /// whose device is behind waits once.
-    fn wait_for_slot(&mut self, device: &ash::Device, slot: Slot) -> Result<(), GpuError> {
+    fn wait_for_slot(&mut self, device: &ash::Device, fence: vk::Fence) -> Result<(), GpuError> {
         if !self.is_behind {
             // SAFETY: the fence belongs to the ring of this live device.
-            match unsafe { wait_fence(device, slot.fence) } {
+            match unsafe { wait_fence(device, fence) } {
                 Err(GpuError::Timeout) => self.is_behind = true,
                 result => return result,
             }
         }
         // SAFETY: as above.
-        match unsafe { device.get_fence_status(slot.fence) } {
+        match unsafe { device.get_fence_status(fence) } {
             Ok(true) => {
                 self.is_behind = false;
                 Ok(())

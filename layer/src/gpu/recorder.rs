@@ -9,7 +9,6 @@ use std::ops::Range;
 pub(crate) struct Recorder<'a> {
     device: &'a ash::Device,
     commands: vk::CommandBuffer,
-    slot: usize,
 }
 
 /// Most bytes in one update of a buffer (vkCmdUpdateBuffer).
@@ -27,13 +26,8 @@ fn range(aspect_mask: vk::ImageAspectFlags, layers: u32) -> vk::ImageSubresource
 }
 
 impl<'a> Recorder<'a> {
-    pub(super) fn new(device: &'a ash::Device, commands: vk::CommandBuffer, slot: usize) -> Self {
-        Self { device, commands, slot }
-    }
-
-    /// Which of [`super::SUBMITS_IN_FLIGHT`] slots this is: what is kept per slot is free to be written.
-    pub(crate) fn slot(&self) -> usize {
-        self.slot
+    pub(super) fn new(device: &'a ash::Device, commands: vk::CommandBuffer) -> Self {
+        Self { device, commands }
     }
 
     /// Records a barrier over all layers of a colour image.

@@ -49,6 +49,11 @@ impl SubmitTimes {
         self.frame = frame;
     }
 
+    /// Whether submits are timed.
+    pub(super) fn is_timed(&self) -> bool {
+        self.frame.is_some() && self.mask != 0
+    }
+
     /// A command buffer begins.
     ///
     /// # Safety

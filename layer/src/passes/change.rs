@@ -9,7 +9,7 @@ use super::compose::{ComposeJob, EarlierImage, PictureDepth};
 use crate::gpu::barrier::{APP_COMPARED_TO_RENDERED, APP_RENDERED_TO_COMPARED};
 use crate::gpu::{
     Compare, CompareSet, Comparison, Gpu, GpuError, Recorder, ResultRing, SUBMITS_IN_FLIGHT, Shared,
-    UniformRing, Uses, WordRing,
+    SlotIndex, UniformRing, Uses, WordRing,
 };
 use parafovea_core::geometry::View;
 use parafovea_core::reuse::{ComparedTiles, MAX_AGES, Reuse};
@@ -137,20 +137,30 @@ impl Change {
         Ok(())
     }
 
-    /// Records what jobs compare, after all that they do besides; all images are before and after as the application left
+    /// Forgets the last submit of a slot, which has finished.
+    pub(super) fn clear(&mut self, slot: SlotIndex) {
+        let pending = &mut self.pending[slot.get()];
+        pending.submit = 0;
+        pending.views.clear();
+        pending.tiles.clear();
+    }
+
+    /// Records what jobs compare, after [`Self::clear`] and after all that they do besides; all images are before and after as the application left
     /// them.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] where [`Self::make_room`] has not made enough.
-    pub(super) fn record(&mut self, recorder: &Recorder, jobs: &[ComposeJob]) -> Result<(), GpuError> {
+    pub(super) fn record(
+        &mut self,
+        recorder: &Recorder,
+        slot: SlotIndex,
+        jobs: &[ComposeJob],
+    ) -> Result<(), GpuError> {
         let Self { comparisons, room, pending, .. } = self;
         let Comparisons { unmoved, moved } = &**comparisons;
-        let pending = &mut pending[recorder.slot()];
-        pending.submit = 0;
-        pending.views.clear();
-        pending.tiles.clear();
+        let pending = &mut pending[slot.get()];
         let Some(room) = room.as_mut().filter(|_| compared(jobs).next().is_some()) else { return Ok(()) };
-        pending.place = room.results.place(recorder, 0);
+        pending.place = room.results.place(slot, 0);
         for job in jobs {
             for image in images(job) {
                 let barrier = APP_RENDERED_TO_COMPARED.left_in(job.app.layout(image));
@@ -172,7 +182,7 @@ impl Change {
                     continue;
                 }
                 let at = pending.tiles.len() as u32;
-                let first = [room.words.write(recorder, at, tiles)?, room.results.place(recorder, at)];
+                let first = [room.words.write(slot, at, tiles)?, room.results.place(slot, at)];
                 let params = ChangeParams { first, count: tiles.len() as u32, ..params };
                 let depth = region.depth.filter(|_| region.reuse.has_moved_since(index + 1));
                 let params = depth.map_or(params, |depth| params.with_depth(depth.rect));
@@ -180,7 +190,7 @@ impl Change {
                 recorder.compare(&Compare {
                     comparison: if depth.is_some() { moved } else { unmoved },
                     parameters: room.set.handle(),
-                    offset: room.params.write(recorder, number, &params)?,
+                    offset: room.params.write(slot, number, &params)?,
                     textures: [newest, earlier],
                     depth,
                     groups: params.count.div_ceil(THREADS),
@@ -201,8 +211,8 @@ impl Change {
     }
 
     /// What was recorded last was submitted.
-    pub(super) fn submitted(&mut self, slot: usize, submit: u64) {
-        let pending = &mut self.pending[slot];
+    pub(super) fn submitted(&mut self, slot: SlotIndex, submit: u64) {
+        let pending = &mut self.pending[slot.get()];
         if let Some(room) = self.room.as_ref().filter(|_| !pending.tiles.is_empty()) {
             room.uses.mark(submit);
             pending.submit = submit;

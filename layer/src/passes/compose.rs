@@ -4,6 +4,7 @@
 //! the copy, reading the application's image. Alpha, and pixels without work, stay as they were copied.
 
 mod app_images;
+mod content;
 mod copies;
 mod depth;
 mod draws;
@@ -22,8 +23,9 @@ pub use runtime_images::{RUNTIME_USAGE, RuntimeImages};
 pub use shape::{SwapchainShape, stores_unit_range};
 
 use super::change::{Change, ChangeRegion, Comparisons, MAX_COMPARED};
-use crate::gpu::{Gpu, GpuError, Later, UniformRing, UniformSet, Uses};
+use crate::gpu::{Gpu, GpuError, Later, UniformRing, UniformSet, Uses, serial};
 use ash::vk;
+use content::content;
 use draws::{Draws, EarlierImages};
 use parafovea_core::geometry::View;
 use parafovea_core::reuse::MAX_AGES;
@@ -80,6 +82,8 @@ pub struct Compose {
     change: Changing,
     uniforms: UniformRing<ComposeParams>,
     uniform_set: UniformSet,
+    /// Of the objects above.
+    serial: u64,
     gpu: Arc<Gpu>,
 }
 
@@ -118,6 +122,7 @@ impl Compose {
             change: Changing::NotYet,
             uniforms,
             uniform_set,
+            serial: serial(),
             gpu,
         })
     }
@@ -220,26 +225,30 @@ impl Compose {
         let draws = Draws::new(jobs)?;
         self.make_room(&draws)?;
         self.make_room_for_changes(jobs);
-        let Self { uniforms, uniform_set, pipelines, reuse, change, gpu, .. } = self;
-        let mut slot = 0;
-        let submit = gpu.submit(|recorder| {
-            for (number, draw) in (0..).zip(draws.iter()) {
-                draw.offset.set(uniforms.write(recorder, number, &draw.params)?);
+        let Self { serial, uniforms, uniform_set, pipelines, reuse, change, gpu, .. } = self;
+        let next = gpu.next_submit()?;
+        let slot = next.slot();
+        for (number, draw) in (0..).zip(draws.iter()) {
+            draw.offset.set(uniforms.write(slot, number, &draw.params)?);
+        }
+        if let Some(reuse) = reuse {
+            let mut at = 0;
+            let reused = draws.iter().filter_map(|draw| Some((draw, draw.reuse?)));
+            for (number, found) in reused.enumerate() {
+                let extent = jobs[found.0.job].app.shape().extent;
+                let extent = [extent.width, extent.height];
+                found.0.placed.replace(reuse.place(slot, number, found, extent, &mut at)?);
             }
-            if let Some(reuse) = reuse {
-                let mut at = 0;
-                let reused = draws.iter().filter_map(|draw| Some((draw, draw.reuse?)));
-                for (number, found) in reused.enumerate() {
-                    let extent = jobs[found.0.job].app.shape().extent;
-                    let extent = [extent.width, extent.height];
-                    found.0.placed.replace(reuse.place(recorder, number, found, extent, &mut at)?);
-                }
-            }
+        }
+        if let Changing::There(change) = change {
+            change.clear(slot);
+        }
+        let content = content(*serial, jobs, &draws);
+        let submit = next.submit(content.as_ref(), |recorder| {
             let sets = Sets { plain: uniform_set, lists: reuse.as_ref().map(ReuseBuffers::set) };
             record(recorder, jobs, &draws, &sets, pipelines);
-            slot = recorder.slot();
             if let Changing::There(change) = change {
-                change.record(recorder, jobs)?;
+                change.record(recorder, slot, jobs)?;
             }
             Ok(())
         })?;

@@ -151,7 +151,9 @@ impl DebugViewPass {
             return Err(GpuError::Invalid("no memory for maps"));
         };
         let mut draws: SmallVec<[(&DebugViewJob, u32); MOST_PICTURES]> = SmallVec::new();
-        let submit = gpu.submit(|recorder| {
+        let next = gpu.next_submit()?;
+        let slot = next.slot();
+        let submit = next.submit(None, |recorder| {
             recorder.reads_to_updates();
             for job in &jobs {
                 let first_byte = job.eye as u32 * maps.bytes;
@@ -160,7 +162,7 @@ impl DebugViewPass {
                     recorder.update_buffer(maps.buffer.handle(), first_byte.into(), map);
                 }
                 let params = DebugViewParams { first_word: first_byte / 4, ..job.params };
-                draws.push((*job, uniforms.write(recorder, job.eye as u32, &params)?));
+                draws.push((*job, uniforms.write(slot, job.eye as u32, &params)?));
             }
             recorder.updates_to_reads();
             for (number, job) in jobs.iter().enumerate() {

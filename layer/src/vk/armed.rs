@@ -93,6 +93,12 @@ impl Armed {
         }
     }
 
+    /// Whether its passes are followed: where a backend may make them coarser. Of others only the layouts count in which they leave
+    /// images of XR swapchains.
+    pub fn follows_passes(&self) -> bool {
+        self.backend.is_some()
+    }
+
     /// What the device's backend can do.
     pub fn offer(&self) -> OfferRecord {
         self.backend.as_ref().map_or(NO_OFFER, |backend| backend.offer())

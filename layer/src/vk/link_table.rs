@@ -172,12 +172,16 @@ unsafe extern "C" fn end_frame(
             else {
                 return 0;
             };
-            armed.frame.shown(
-                &armed.objects,
-                slice(submission.views, submission.view_count as usize),
-                slice(submission.flat, submission.flat_count as usize),
-                slice(submission.depth, submission.depth_count as usize),
-            );
+            if armed.follows_passes() {
+                armed.frame.shown(
+                    &armed.objects,
+                    slice(submission.views, submission.view_count as usize),
+                    slice(submission.flat, submission.flat_count as usize),
+                    slice(submission.depth, submission.depth_count as usize),
+                );
+            } else {
+                armed.frame.log().begin_next(&armed.objects);
+            }
             write_report(armed, report);
             1
         },

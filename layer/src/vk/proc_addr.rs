@@ -3,9 +3,9 @@
 //! A hook of ours is given out only where the next layer has the function too: what the driver lacks stays
 //! missing.
 
+use super::armed::Armed;
 use super::device::Device;
 use super::dispatch::{armed_hook, device_hook, global_hook, instance_hook, physical_device_hook};
-use super::recording::draws::is_followed;
 use super::{device, instance, link_table};
 use crate::abi::guard;
 use crate::link::GET_LINK_NAME;
@@ -85,7 +85,7 @@ const DRAW: &[u8] = b"vkCmdDraw";
 /// masks must know of them.
 fn is_wanted(device: &Device, name: &CStr) -> bool {
     if name != c"vkCmdBindPipeline" {
-        return device.armed.as_deref().is_some_and(is_followed);
+        return device.armed.as_deref().is_some_and(Armed::follows_passes);
     }
     device.masks().is_some() || device.rates().is_some_and(|rates| rates.sets_rates_at_bind)
 }

@@ -129,7 +129,9 @@ unsafe fn prepare(
             for (image, layout) in &recorded.layouts {
                 armed.layouts.set(*image, *layout);
             }
-            note(armed, queue, &recorded, &mut obeyed);
+            if armed.follows_passes() {
+                note(armed, queue, &recorded, &mut obeyed);
+            }
         }
         for candidate in &recorded.candidates {
             add(&mut touched, candidate);

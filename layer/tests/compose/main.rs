@@ -11,6 +11,7 @@ mod layouts;
 mod left;
 mod moved;
 mod pictures;
+mod repeated;
 mod reuse;
 mod sharing;
 mod swapchain;

@@ -2,7 +2,7 @@
 
 use super::SwapchainShape;
 use crate::gpu::barrier::APP_CREATED;
-use crate::gpu::{Gpu, GpuError, ImageDescription, Owned, OwnedImage, TextureSets, Uses, color_view};
+use crate::gpu::{Gpu, GpuError, ImageDescription, Owned, OwnedImage, TextureSets, Uses, color_view, serial};
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicI32, Ordering};
@@ -26,6 +26,7 @@ pub struct AppImages {
     /// The layouts in which the application left them.
     layouts: Vec<AtomicI32>,
     shape: SwapchainShape,
+    serial: u64,
     gpu: Arc<Gpu>,
 }
 
@@ -67,6 +68,7 @@ impl AppImages {
                 .collect(),
             handles,
             shape: shape.clone(),
+            serial: serial(),
             gpu: Arc::clone(gpu),
         })
     }
@@ -106,6 +108,11 @@ impl AppImages {
 
     pub(in crate::passes) fn shape(&self) -> &SwapchainShape {
         &self.shape
+    }
+
+    /// No other images have it.
+    pub(in crate::passes) fn serial(&self) -> u64 {
+        self.serial
     }
 
     pub(in crate::passes) fn uses(&self) -> &Uses {

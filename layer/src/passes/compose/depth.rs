@@ -3,7 +3,9 @@
 use crate::gpu::barrier::{
     DEPTH_COPIED_TO_WRITTEN, DEPTH_WRITTEN_TO_COPIED, KEPT_DEPTH_COPIED_TO_READ, KEPT_DEPTH_READ_TO_COPIED,
 };
-use crate::gpu::{Gpu, GpuError, ImageDescription, Owned, OwnedImage, TextureSets, Uses, depth_view};
+use crate::gpu::{
+    Content, Gpu, GpuError, ImageDescription, Owned, OwnedImage, TextureSets, Uses, depth_view, serial,
+};
 use ash::vk;
 use parafovea_core::kernels::compose::DepthRect;
 use std::fmt;
@@ -30,6 +32,7 @@ pub struct DepthSource {
     uses: Uses,
     images: Vec<vk::Image>,
     kept: Arc<KeptDepth>,
+    serial: u64,
 }
 
 /// Copies of the depth of the last pictures, in turn.
@@ -77,7 +80,8 @@ impl DepthSource {
         images: Vec<vk::Image>,
         count: u32,
     ) -> Result<Self, GpuError> {
-        Ok(Self { uses: Uses::new(gpu), images, kept: Arc::new(KeptDepth::new(gpu, shape, count)?) })
+        let kept = Arc::new(KeptDepth::new(gpu, shape, count)?);
+        Ok(Self { uses: Uses::new(gpu), images, kept, serial: serial() })
     }
 
     /// Copies the depth of an image that the application has written, and returns next; says which copy that is, counted from 1.
@@ -93,7 +97,9 @@ impl DepthSource {
         let layers = shape.array_layers;
         // While it is written, nothing counts on what is overwritten.
         turns.store(turn, Ordering::Relaxed);
-        let submit = gpu.submit(|recorder| {
+        let slot = self.kept.slot(turn) as u64;
+        let content = Content::from_slice(&[self.serial, index.into(), slot]);
+        let submit = gpu.next_submit()?.submit(Some(&content), |recorder| {
             recorder.barrier_of(&DEPTH_WRITTEN_TO_COPIED, from, *aspects, layers);
             recorder.barrier_of(&KEPT_DEPTH_READ_TO_COPIED, to, *aspects, layers);
             recorder.copy_aspect(vk::ImageAspectFlags::DEPTH, [from, to], shape.extent, layers);

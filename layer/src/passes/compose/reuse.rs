@@ -2,7 +2,7 @@
 
 use super::draws::Draw;
 use super::{ComposeParams, MAX_REUSED, PictureDepth};
-use crate::gpu::{Gpu, GpuError, ListSet, Recorder, UniformRing, Uses, WordRing};
+use crate::gpu::{Gpu, GpuError, ListSet, SlotIndex, UniformRing, Uses, WordRing};
 use ash::vk;
 use parafovea_core::kernels::compose::ReuseParams;
 use parafovea_core::reuse::{MAX_AGES, Reuse, TileLists, TileRects};
@@ -140,7 +140,7 @@ impl ReuseBuffers {
     /// words on, which moves on.
     pub(super) fn place(
         &mut self,
-        recorder: &Recorder,
+        slot: SlotIndex,
         number: usize,
         (draw, region): (&Draw, &ReuseRegion),
         extent: [u32; 2],
@@ -148,15 +148,15 @@ impl ReuseBuffers {
     ) -> Result<Placed, GpuError> {
         let plain = ReuseParams::new(&region.reuse, region.border);
         let params = |this: &mut Self, age: usize, params: &ReuseParams| {
-            this.params.write(recorder, (number * (MAX_AGES + 1) + age) as u32, params)
+            this.params.write(slot, (number * (MAX_AGES + 1) + age) as u32, params)
         };
         let mut placed = Placed { offset: params(self, 0, &plain)?, ..Placed::default() };
         if draw.attenuates {
-            placed.fresh = self.list(recorder, &[&region.lists.fresh], at)?;
+            placed.fresh = self.list(slot, &[&region.lists.fresh], at)?;
         }
         for (index, image) in draw.sampled() {
             let age = index + 1;
-            let word = self.stale(recorder, region, index, at)?;
+            let word = self.stale(slot, region, index, at)?;
             let depth = region.depth_at_age(age);
             let written = plain.at_age(&region.reuse, age, image.offset, extent, word);
             let written = match depth {
@@ -171,10 +171,10 @@ impl ReuseBuffers {
                 whole: if draw.is_copied(region, index) {
                     0..0
                 } else {
-                    self.list(recorder, &[&lists.whole[index]], at)?
+                    self.list(slot, &[&lists.whole[index]], at)?
                 },
-                mixed: self.list(recorder, &[&lists.mixed[index]], at)?,
-                border: self.list(recorder, &lists.border[index].each_ref(), at)?,
+                mixed: self.list(slot, &[&lists.mixed[index]], at)?,
+                border: self.list(slot, &lists.border[index].each_ref(), at)?,
             };
         }
         Ok(placed)
@@ -183,36 +183,31 @@ impl ReuseBuffers {
     /// Writes the stale tiles of the earlier picture of an index, where parts of tiles are taken from it; returns their place.
     fn stale(
         &mut self,
-        recorder: &Recorder,
+        slot: SlotIndex,
         region: &ReuseRegion,
         index: usize,
         at: &mut u32,
     ) -> Result<u32, GpuError> {
         let picture = region.reuse.pictures().nth(index);
         match picture.filter(|_| !region.lists.mixed[index].is_empty()) {
-            Some(picture) => self.write(recorder, picture.stale.words(), at),
+            Some(picture) => self.write(slot, picture.stale.words(), at),
             None => Ok(0),
         }
     }
 
     /// Writes lists as one; returns its instances.
-    fn list(
-        &mut self,
-        recorder: &Recorder,
-        lists: &[&TileRects],
-        at: &mut u32,
-    ) -> Result<Range<u32>, GpuError> {
+    fn list(&mut self, slot: SlotIndex, lists: &[&TileRects], at: &mut u32) -> Result<Range<u32>, GpuError> {
         *at = at.next_multiple_of(2);
-        let first = self.write(recorder, &[], at)?;
+        let first = self.write(slot, &[], at)?;
         for list in lists {
-            self.write(recorder, list.words(), at)?;
+            self.write(slot, list.words(), at)?;
         }
         let count: usize = lists.iter().map(|list| list.len()).sum();
         Ok(first / 2..first / 2 + count as u32)
     }
 
-    fn write(&mut self, recorder: &Recorder, words: &[u32], at: &mut u32) -> Result<u32, GpuError> {
-        let place = self.words.write(recorder, *at, words)?;
+    fn write(&mut self, slot: SlotIndex, words: &[u32], at: &mut u32) -> Result<u32, GpuError> {
+        let place = self.words.write(slot, *at, words)?;
         *at += words.len() as u32;
         Ok(place)
     }

@@ -1,7 +1,7 @@
 //! The images of the runtime's swapchain, which the picture ends up in.
 
 use super::SwapchainShape;
-use crate::gpu::{ColorTarget, Gpu, GpuError, Uses, color_pass};
+use crate::gpu::{ColorTarget, Gpu, GpuError, Uses, color_pass, serial};
 use ash::vk;
 use std::sync::Arc;
 
@@ -17,6 +17,7 @@ pub struct RuntimeImages {
     targets: Vec<ColorTarget>,
     handles: Vec<vk::Image>,
     shape: SwapchainShape,
+    serial: u64,
 }
 
 impl RuntimeImages {
@@ -32,7 +33,7 @@ impl RuntimeImages {
             .flat_map(|&image| (0..shape.array_layers).map(move |layer| (image, layer)))
             .map(|(image, layer)| ColorTarget::new(gpu, &pass, image, shape.format, shape.extent, layer))
             .collect::<Result<Vec<_>, GpuError>>()?;
-        Ok(Self { uses: Uses::new(gpu), targets, handles: images, shape: shape.clone() })
+        Ok(Self { uses: Uses::new(gpu), targets, handles: images, shape: shape.clone(), serial: serial() })
     }
 
     /// The images, in order.
@@ -42,6 +43,11 @@ impl RuntimeImages {
 
     pub(in crate::passes) fn shape(&self) -> &SwapchainShape {
         &self.shape
+    }
+
+    /// No other images have it.
+    pub(in crate::passes) fn serial(&self) -> u64 {
+        self.serial
     }
 
     pub(in crate::passes) fn uses(&self) -> &Uses {

@@ -105,6 +105,11 @@ impl Log {
         self.notes.end_frame(objects, self.frame, &self.events);
         self.recognition.frame(&self.events, |key| objects.describe(key), shown);
         self.recognition.news(|topic, line| crate::status::decided(topic, line));
+        self.begin_next(objects);
+    }
+
+    /// Begins the next frame without learning from the last one.
+    pub fn begin_next(&mut self, objects: &Objects) {
         self.events.clear();
         objects.forget_departed();
         self.frame += 1;

@@ -257,14 +257,14 @@ fn take_up(of: &Buffer, handle: vk::CommandBuffer, begins: bool) {
 
 /// A pass begins.
 pub fn pass_begins(of: &Buffer, handle: vk::CommandBuffer) {
-    if is_followed(&of.armed) {
+    if of.armed.follows_passes() {
         take_up(of, handle, true);
     }
 }
 
 /// A pass has ended, or a secondary command buffer: the thread's counts go to it.
 pub fn settle(of: &Buffer, handle: vk::CommandBuffer) {
-    if !is_followed(&of.armed) {
+    if !of.armed.follows_passes() {
         return;
     }
     let raw = handle.as_raw();
@@ -298,11 +298,6 @@ fn count_noted(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
     }
 }
 
-/// Whether draws of a device are counted: where passes may be made coarser.
-pub fn is_followed(armed: &Armed) -> bool {
-    armed.backend.is_some()
-}
-
 /// One device, found without a lock: as that of [`super::compute`].
 struct Quick {
     /// 0: of none.
@@ -318,7 +313,7 @@ const RESERVED: usize = 1;
 /// A device is made. The first one is found quickly as long as it lives.
 pub fn device_made(key: DispatchKey, armed: &Arc<Armed>) {
     // Reserved first: two devices may be made at once.
-    if is_followed(armed)
+    if armed.follows_passes()
         && QUICK.key.compare_exchange(0, RESERVED, Ordering::AcqRel, Ordering::Relaxed).is_ok()
     {
         QUICK.armed.store(Arc::as_ptr(armed).cast_mut(), Ordering::Relaxed);
@@ -371,7 +366,7 @@ macro_rules! draws {
                     let Some((known, next)) = with_buffer(handle, |next| next.$field) else { return };
                     next(handle, $($argument),*);
                     answer.made();
-                    if let Some(known) = known.filter(|known| is_followed(&known.armed)) {
+                    if let Some(known) = known.filter(|known| known.armed.follows_passes()) {
                         count_noted(&known, handle, counts);
                     }
                 },

@@ -147,7 +147,7 @@ unsafe fn begin_noted(
     let armed = &buffer.armed;
     // SAFETY: the caller vouches for the structure.
     let instance = unsafe { Instance::of(&armed.objects, &*info) };
-    let mut pass = instance.as_ref().map(Instance::pass);
+    let mut pass = instance.as_ref().filter(|_| armed.follows_passes()).map(Instance::pass);
     // SAFETY: the command buffer is recording outside of render passes, as one begins.
     unsafe { timed::pass_begins(buffer, handle, pass.as_ref()) };
     if let Some(instance) = &instance {
@@ -221,7 +221,7 @@ pub unsafe fn end_noted(buffer: &Buffer, handle: vk::CommandBuffer) {
     draws::settle(buffer, handle);
     let (mask, bound) = {
         let mut recorded = buffer.recorded();
-        if draws::is_followed(&buffer.armed) {
+        if buffer.armed.follows_passes() {
             recorded.end_draws();
         }
         let mask = recorded.end();

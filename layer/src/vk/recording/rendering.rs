@@ -24,7 +24,7 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
                 next(handle, info);
                 answer.made();
             };
-            let Some(known) = known else { return begin(info) };
+            let Some(known) = known.filter(|known| known.armed.follows_passes()) else { return begin(info) };
             let armed = &known.armed;
             let mut pass = instance(&armed.objects, &*info);
             timed::pass_begins(&known, handle, Some(&pass));

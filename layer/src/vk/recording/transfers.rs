@@ -83,6 +83,9 @@ hook2!(resolve2, "vkCmdResolveImage2", cmd_resolve_image2, Resolve, ResolveImage
 /// Notes transfers of colour between images that are known.
 fn note(buffer: &Buffer, kind: TransferKind, from: vk::Image, to: vk::Image, regions: &[impl Region]) {
     let objects = &buffer.armed.objects;
+    if !buffer.armed.follows_passes() {
+        return;
+    }
     let (Some(from), Some(to)) = (objects.image(from), objects.image(to)) else { return };
     let mut recorded = buffer.recorded();
     for region in regions {

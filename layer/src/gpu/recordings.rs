@@ -1,0 +1,115 @@
+//! Command buffers that stay recorded, so that a frame with the commands of an earlier one only submits them.
+
+use super::{GpuError, functions};
+use crate::link::DeviceRecord;
+use ash::vk;
+use smallvec::SmallVec;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Everything that recorded commands depend on, but for the content of memory, in an order that the recording code chooses. Objects
+/// are named by a [`serial`] and not by their handles, which a later object may get again: commands with this content may be submitted as
+/// long as the objects exist, and whoever asks for them has these objects.
+pub(crate) type Content = SmallVec<[u64; 64]>;
+
+/// A number that no other object has.
+pub(crate) fn serial() -> u64 {
+    static NEWEST: AtomicU64 = AtomicU64::new(0);
+    NEWEST.fetch_add(1, Ordering::Relaxed) + 1
+}
+
+/// Command buffers for each slot of the ring. Images are used in turn: 3 of the application's and 4 of the runtime's in 3 slots make 12
+/// different recordings, 4 in a slot.
+const PER_SLOT: usize = 6;
+
+/// The recorded command buffers of one slot, which are pending at no other time than the slot.
+pub(super) struct Recordings {
+    /// At most [`PER_SLOT`], for which there is room from the beginning.
+    kept: Vec<Recording>,
+    /// Counts uses.
+    uses: u64,
+}
+
+struct Recording {
+    commands: vk::CommandBuffer,
+    /// `None` where nothing usable is recorded.
+    content: Option<Content>,
+    last_use: u64,
+}
+
+/// A command buffer for some content.
+pub(super) enum Found {
+    /// It has that content.
+    Recorded(vk::CommandBuffer),
+    /// To be recorded.
+    Blank(vk::CommandBuffer),
+}
+
+impl Default for Recordings {
+    fn default() -> Self {
+        Self { kept: Vec::with_capacity(PER_SLOT), uses: 0 }
+    }
+}
+
+impl Recordings {
+    /// Finds the command buffer with `content`, or else one to record: a new one, or the one that was used longest ago, whose content is
+    /// forgotten until [`Self::set_recorded`].
+    ///
+    /// # Safety
+    /// `pool` is a live one of the record's live device, and nothing of this slot is pending.
+    pub(super) unsafe fn find(
+        &mut self,
+        device: &ash::Device,
+        record: &DeviceRecord,
+        pool: vk::CommandPool,
+        content: &Content,
+    ) -> Result<Found, GpuError> {
+        self.uses += 1;
+        if let Some(found) = self.kept.iter_mut().find(|kept| kept.content.as_ref() == Some(content)) {
+            found.last_use = self.uses;
+            return Ok(Found::Recorded(found.commands));
+        }
+        if self.kept.len() < PER_SLOT {
+            // SAFETY: the caller vouches for all.
+            let commands = unsafe { allocate(device, record, pool) }?;
+            self.kept.push(Recording { commands, content: None, last_use: self.uses });
+            return Ok(Found::Blank(commands));
+        }
+        match self.kept.iter_mut().min_by_key(|kept| kept.last_use) {
+            Some(oldest) => {
+                oldest.content = None;
+                oldest.last_use = self.uses;
+                Ok(Found::Blank(oldest.commands))
+            }
+            None => Err(GpuError::Invalid("a slot without command buffers")),
+        }
+    }
+
+    /// A command buffer has that content now.
+    pub(super) fn set_recorded(&mut self, commands: vk::CommandBuffer, content: &Content) {
+        if let Some(kept) = self.kept.iter_mut().find(|kept| kept.commands == commands) {
+            kept.content = Some(content.clone());
+        }
+    }
+}
+
+/// Allocates a command buffer.
+///
+/// # Safety
+/// As for [`Recordings::find`].
+pub(super) unsafe fn allocate(
+    device: &ash::Device,
+    record: &DeviceRecord,
+    pool: vk::CommandPool,
+) -> Result<vk::CommandBuffer, GpuError> {
+    let info = vk::CommandBufferAllocateInfo::default()
+        .command_pool(pool)
+        .level(vk::CommandBufferLevel::PRIMARY)
+        .command_buffer_count(1);
+    let mut commands = vk::CommandBuffer::null();
+    // SAFETY: the caller vouches for the pool; there is room for one handle. The function itself, as ash's own wrapper allocates a list.
+    unsafe { (device.fp_v1_0().allocate_command_buffers)(device.handle(), &info, &mut commands) }
+        .result()
+        .map_err(GpuError::from_call("vkAllocateCommandBuffers"))?;
+    // SAFETY: the command buffer was just allocated from this device; without the loader's data it stays unused until its pool ends.
+    unsafe { functions::init_dispatch(record, commands) }.map(|()| commands)
+}
