@@ -65,6 +65,8 @@ pub struct Planning {
     offer: Offer,
     gaze_settings: GazeSettings,
     gaze: GazeTracker,
+    /// The newest turn of the head in a space that rests in the world, and its display time, nanoseconds.
+    head: Option<(i64, Quat)>,
     /// What is heard, as far as it can be relied on.
     audio: Option<AudioFeatures>,
     frame_rate: FrameRate,
@@ -116,6 +118,7 @@ impl Planning {
             offer,
             gaze_settings,
             gaze: GazeTracker::new(gaze_settings),
+            head: None,
             audio: None,
             frame_rate: FrameRate::default(),
             frame: 0,
@@ -197,6 +200,7 @@ impl Planning {
             self.gaze_settings = settings;
             self.gaze = GazeTracker::new(settings);
         }
+        self.head = Some((time_ns, head));
         self.gaze.head_turned(head, time_ns);
         self.gaze.set_views(self.views.seen());
         self.last_look.note(&look, time_ns);
@@ -204,6 +208,11 @@ impl Planning {
         self.signal.note(&look, self.gaze.state(time_ns).phase, time_ns);
         let place = Rejection::ALL.iter().position(|other| Some(*other) == rejection)?;
         rejection.filter(|_| !std::mem::replace(&mut self.rejected[place], true))
+    }
+
+    /// How the head is turned at `time_ns` in a space that rests in the world; `None` if that is not the newest time of [`Self::look`].
+    pub fn head_at(&self, time_ns: i64) -> Option<Quat> {
+        self.head.filter(|(known_ns, _)| *known_ns == time_ns).map(|(_, head)| head)
     }
 
     /// Hands the filter what the source says; why it is not believed, where the source itself stands by it.

@@ -455,3 +455,14 @@ fn only_what_is_kept_is_not_rendered_again() {
         }
     }
 }
+
+#[test]
+fn the_turn_of_the_head_is_known_for_the_newest_time_alone() {
+    let mut planning = Planning::new(Offer::default());
+    let config = Config::default();
+    assert_eq!(planning.head_at(0), None);
+    let [first, second] = [0.1, 0.2].map(Quat::from_rotation_y);
+    planning.look(&config, Look::NoTracker, first, FRAME_NS);
+    planning.look(&config, Look::NoTracker, second, 2 * FRAME_NS);
+    assert_eq!([FRAME_NS, 2 * FRAME_NS].map(|time_ns| planning.head_at(time_ns)), [None, Some(second)]);
+}

@@ -23,10 +23,11 @@ use crate::abi::guard;
 use crate::config::ConfigSnapshot;
 use crate::gpu::GpuError;
 use crate::passes::compose::ComposeJob;
+use glam::Quat;
 use openxr_sys as xr;
 use parafovea_core::chroma::Focus;
 use smallvec::SmallVec;
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
 use std::ptr;
 use std::sync::Arc;
 use std::time::Instant;
@@ -108,7 +109,8 @@ pub unsafe extern "system" fn end(handle: xr::Session, info: *const xr::FrameEnd
         let (session, active) = active?;
         // SAFETY: valid usage: `info` and what it points to are valid.
         let submission = read.get_or_init(|| unsafe { info.as_ref().map(|info| Submission::read(info)) });
-        Some(FrameEnd { session, active, config: active.plan.config(), submission: submission.as_ref()? })
+        let (config, heads) = (active.plan.config(), RefCell::default());
+        Some(FrameEnd { session, active, config, submission: submission.as_ref()?, heads })
     };
     // After a panic the runtime's images are still written, from what the application drew as it is.
     let pass_on = || {
@@ -135,12 +137,28 @@ struct FrameEnd<'a> {
     active: &'a Active,
     config: Arc<ConfigSnapshot>,
     submission: &'a Submission,
+    /// How the head is turned in spaces of its layers, each located once: runtimes may answer in another process.
+    heads: RefCell<SmallVec<[(xr::Space, Option<Quat>); 2]>>,
 }
 
 impl FrameEnd<'_> {
+    /// How the head was turned when a layer's pictures were drawn, in the layer's space.
+    fn head_in_layer(&self, layer: &Projection<'_>) -> Option<Quat> {
+        let locate = || {
+            let mut heads = self.heads.borrow_mut();
+            if let Some((_, head)) = heads.iter().find(|(space, _)| *space == layer.space) {
+                return *head;
+            }
+            let head = self.session.head_in(layer.space, self.submission.time);
+            heads.push((layer.space, head));
+            head
+        };
+        plan::head_in_layer(&self.config, layer, locate)
+    }
+
     /// Reports the frame to the Vulkan half and to the planner, and delivers its images.
     fn end(&self) -> Result<(), Undeliverable> {
-        let Self { session, active, submission, ref config } = *self;
+        let Self { session, active, submission, ref config, .. } = *self;
         let time = submission.time;
         session.actions.frame_ended(session, config, time);
         let mut report = active.report();
@@ -174,7 +192,7 @@ type Works<'a> = SmallVec<[Work<'a>; 8]>;
 ///
 /// A layer shows a virtual swapchain, whose images cannot be written any more.
 fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverable> {
-    let FrameEnd { session, active, submission, ref config } = *frame;
+    let FrameEnd { session, active, submission, ref config, .. } = *frame;
     let swapchains = swapchain::virtual_ones(session.handle);
     debug_view::note_shown(frame, report.frame);
     let is_drawn_over = debug_view::is_wanted(active, config);
@@ -258,12 +276,12 @@ fn process(frame: &FrameEnd, tools: &Tools, works: &mut Works) {
 
 /// Adds the rectangles of a projection layer in which colour is attenuated.
 fn process_layer(frame: &FrameEnd, tools: &Tools, layer: &Projection<'_>, works: &mut Works) {
-    let FrameEnd { session, active, submission, ref config } = *frame;
+    let FrameEnd { active, .. } = *frame;
     let focuses = active.plan.focuses();
     if focuses.iter().all(Option::is_none) {
         return;
     }
-    let Some(head) = plan::head_in_layer(session, config, layer, submission.time) else { return };
+    let Some(head) = frame.head_in_layer(layer) else { return };
     for (index, view) in layer.views.iter().enumerate() {
         let shows = |work: &&mut Work| work.swapchain.handle == view.sub_image.swapchain;
         // Of quad views, the third and fourth are insets of the first two.

@@ -4,11 +4,9 @@ use super::FrameEnd;
 use super::work::Work;
 use crate::config::{Config, RatesMode, wants_contrast};
 use crate::link::PictureRecord;
-use crate::xr::plan;
-use crate::xr::session::{Active, Health, Session};
+use crate::xr::session::{Active, Health};
 use crate::xr::submission::{Projection, ProjectionView};
 use glam::Quat;
-use openxr_sys as xr;
 use openxr_sys::Handle;
 
 /// Tells the pictures of the eyes that are new in this frame, which our work has written on the session's queue, and whose image
@@ -18,12 +16,12 @@ use openxr_sys::Handle;
 ///
 /// This thread may use the session's queue.
 pub unsafe fn tell(frame: &FrameEnd, works: &[Work]) {
-    let FrameEnd { session, active, submission, ref config } = *frame;
+    let FrameEnd { active, submission, ref config, .. } = *frame;
     if !wants_contrast(config, active.device.is_cpu()) || active.health() != Health::Works {
         return;
     }
     let Some(scene) = submission.only_projection() else { return };
-    let Some(to_world) = to_world(session, config, &scene, submission.time) else { return };
+    let Some(to_world) = to_world(frame, &scene) else { return };
     for (eye, view) in (0..2).zip(scene.views) {
         let work = works.iter().find(|work| work.swapchain.handle == view.sub_image.swapchain);
         if let Some(record) = work.and_then(|work| record(active, config, eye, view, work, to_world)) {
@@ -33,10 +31,13 @@ pub unsafe fn tell(frame: &FrameEnd, works: &[Work]) {
     }
 }
 
-/// From the space of a layer to one that rests in the world: as the head is turned in both.
-fn to_world(session: &Session, config: &Config, scene: &Projection<'_>, time: xr::Time) -> Option<Quat> {
-    let in_layer = plan::head_in_layer(session, config, scene, time)?;
-    Some(session.head_in_world(time) * in_layer.inverse())
+/// From the space of a layer to one that rests in the world: as the head is turned in both. The plan of the frame has located it in the
+/// world.
+fn to_world(frame: &FrameEnd, scene: &Projection<'_>) -> Option<Quat> {
+    let time = frame.submission.time;
+    let in_layer = frame.head_in_layer(scene)?;
+    let planned = frame.active.plan.planning().head_at(time.as_nanos());
+    Some(planned.unwrap_or_else(|| frame.session.head_in_world(time)) * in_layer.inverse())
 }
 
 fn record(

@@ -178,20 +178,19 @@ pub(super) fn look(session: &Session, state: &SessionPlan, config: &Config, time
     head
 }
 
-/// How the head was turned when a projection layer's pictures were drawn, in the layer's space: the direction of the gaze
-/// is known relative to the head.
+/// How the head was turned when a projection layer's pictures were drawn, in the layer's space, where `locate` locates it: the direction of
+/// the gaze is known relative to the head.
 pub fn head_in_layer(
-    session: &Session,
     config: &Config,
     layer: &Projection<'_>,
-    time: xr::Time,
+    locate: impl FnOnce() -> Option<Quat>,
 ) -> Option<Quat> {
     let of_views = || head_of(layer.views.iter().take(2).filter_map(|view| view.orientation));
     match config.gaze.source {
         // Straight ahead of the picture, whenever it was drawn.
         GazeSource::Centre => of_views(),
         GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => {
-            session.head_in(layer.space, time).or_else(of_views)
+            locate().or_else(of_views)
         }
     }
 }
