@@ -114,7 +114,7 @@ pub struct Settings {
 impl Settings {
     /// A timed run.
     pub fn timed(scale: u32, mode: Mode) -> Self {
-        let settle_s = if mode == Mode::Auto { 60 } else { 0 };
+        let settle_s = if mode == Mode::Auto { 30 } else { 0 };
         Self { scale, warm: 30, settle_s, frames: 10, rounds: 2 }
     }
 

@@ -285,6 +285,17 @@ pub fn settle(of: &Buffer, handle: vk::CommandBuffer) {
     }
 }
 
+/// Draws so far of the pass that is being recorded, or of a secondary that continues one.
+pub fn counted(of: &Buffer, handle: vk::CommandBuffer) -> u32 {
+    let of_thread = OPEN.try_with(|open| {
+        let is_this = open.handle.get() == handle.as_raw();
+        is_this.then(|| open.counts.get())
+    });
+    let mut counts = of.recorded().tally.counts;
+    counts.add(of_thread.ok().flatten().unwrap_or_default());
+    counts.quads.wrapping_add(counts.meshes)
+}
+
 /// Counts a draw that needs more than the thread's counts.
 fn count_noted(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
     let mut counted = count(handle, more);
