@@ -220,3 +220,33 @@ armed_functions! {
     queue_submit2: PFN_vkQueueSubmit2 = c"vkQueueSubmit2"
         since API_VERSION_1_3, before c"vkQueueSubmit2KHR" => submit::submit2;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A command that binds descriptors and goes past us is one that nobody sets again after work of ours.
+    #[test]
+    fn descriptors_are_followed_by_the_names_of_every_version() {
+        for name in [
+            c"vkCmdBindDescriptorSets",
+            c"vkCmdBindDescriptorSets2",
+            c"vkCmdBindDescriptorSets2KHR",
+            c"vkCmdPushDescriptorSet",
+            c"vkCmdPushDescriptorSetKHR",
+            c"vkCmdPushDescriptorSet2",
+            c"vkCmdPushDescriptorSet2KHR",
+            c"vkCmdPushDescriptorSetWithTemplate",
+            c"vkCmdPushDescriptorSetWithTemplateKHR",
+            c"vkCmdPushDescriptorSetWithTemplate2",
+            c"vkCmdPushDescriptorSetWithTemplate2KHR",
+            c"vkCmdBindDescriptorBuffersEXT",
+            c"vkCmdSetDescriptorBufferOffsetsEXT",
+            c"vkCmdSetDescriptorBufferOffsets2EXT",
+            c"vkCmdBindDescriptorBufferEmbeddedSamplersEXT",
+            c"vkCmdBindDescriptorBufferEmbeddedSamplers2EXT",
+        ] {
+            assert!(armed_hook(name).is_some(), "{name:?}");
+        }
+    }
+}
