@@ -90,12 +90,12 @@ impl Directions {
     }
 }
 
-/// What of a pipeline's stencil tests is dynamic state, set by commands.
+/// The parts of a pipeline's stencil tests that are dynamic state, set by commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DynamicStencil {
-    /// Whether there are any.
+    /// Whether stencil is tested.
     pub test: bool,
-    /// What they do.
+    /// Operations of both faces.
     pub op: bool,
 }
 
@@ -106,7 +106,7 @@ pub struct PipelineFacts {
     pub have_side_effects: bool,
     /// One may write stencil.
     pub write_stencil: bool,
-    /// What of that is dynamic state.
+    /// The parts of that which are dynamic state.
     pub dynamic_stencil: DynamicStencil,
     /// One cannot be looked into.
     pub are_unknown: bool,

@@ -63,7 +63,7 @@ pub struct Recorded {
     pub compute: Bound,
     /// What is bound for drawing, where that is followed.
     pub drawing: Drawing,
-    /// Where the descriptors of both are that are in buffers.
+    /// Places of the descriptors of both that are in buffers.
     pub offsets: BufferOffsets,
     /// Stencil tests that commands have set.
     stencil: StencilTests,

@@ -1,4 +1,4 @@
-//! What shader objects do that a mask must know (VK_EXT_shader_object).
+//! Facts about shader objects that masks depend on (VK_EXT_shader_object).
 //!
 //! All their state is set by commands, which unlike pipelines say nothing of depth tests: the way of those follows from the clear value.
 
@@ -36,7 +36,7 @@ impl Masks {
         self.shader_objects.remove(shader);
     }
 
-    /// What draws do with a fragment shader, or with none.
+    /// Facts about draws with a fragment shader, or with none.
     pub fn shader_object(&self, shader: vk::ShaderEXT) -> PipelineFacts {
         match shader == vk::ShaderEXT::null() {
             true => DRAWS,

@@ -12,7 +12,7 @@ use crate::vk::rates::copies::slice;
 use ash::vk;
 use smallvec::SmallVec;
 
-/// What descriptor buffers are used for in a command buffer.
+/// Offsets and embedded samplers of a command buffer.
 #[derive(Debug, Clone, Default)]
 pub struct BufferOffsets {
     /// In their order.
