@@ -94,7 +94,7 @@ pub enum Topic {
     NoMask,
     /// Nothing of the layer's work is visible.
     Unseen,
-    /// What this version does not know.
+    /// A topic of a later version.
     #[default]
     #[serde(other)]
     Other,
