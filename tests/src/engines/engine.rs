@@ -147,7 +147,7 @@ mod tests {
         assert!(names.contains("godot-mobile-msaa0") && names.contains("godot-forward+-msaa4"), "{names:?}");
         let command = Engine::still("mobile", 1).command(&settings).join(" ");
         assert!(
-            command.ends_with("mobile -- msaa=0 head=still warm=30 settle=60 frames=10 rounds=2"),
+            command.ends_with("mobile -- msaa=0 head=still warm=30 settle=30 frames=10 rounds=2"),
             "{command}"
         );
     }
