@@ -17,8 +17,8 @@ mod template;
 mod views;
 
 pub use eligibility::{
-    ColorFacts, DepthFacts, DepthWork, Directions, Eligible, MaskFacts, PipelineFacts, Reason, depth_format,
-    eligible,
+    ColorFacts, DepthFacts, DepthWork, Directions, DynamicStencil, Eligible, MaskFacts, PipelineFacts,
+    Reason, depth_format, eligible,
 };
 pub use images::added_usage;
 pub use kernels::MaskKernels;

@@ -104,7 +104,7 @@ impl Shared {
     fn write(&self, status: &mut Status) -> bool {
         let moment = *self.moment.lock().unwrap_or_else(PoisonError::into_inner);
         moment.write_to(status);
-        status.decisions = decisions::all().into_iter().map(|decision| decision.line).collect();
+        status.decisions = decisions::all().iter().map(Decision::told).collect();
         status.settings = self.settings.lock().unwrap_or_else(PoisonError::into_inner).as_ref().clone();
         let file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         match &*file {

@@ -47,7 +47,7 @@ pub struct Status {
     pub passes_matched: u32,
     /// Decisions with reasons, as the log has them: how the device makes shading coarser, what each kind of pass was taken for, which has
     /// a mask.
-    pub decisions: Vec<String>,
+    pub decisions: Vec<Decision>,
     /// The gaze.
     pub gaze: Gaze,
     /// The sound.
@@ -62,6 +62,49 @@ pub struct Status {
     pub attenuates_colour: bool,
     /// The debug view over the pictures.
     pub debug_view: View,
+}
+
+/// A decision on a device or a kind of passes.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Decision {
+    /// Its subject.
+    pub topic: Topic,
+    /// Why it went against the subject, in words of its own; empty for topics without that.
+    pub reason: String,
+    /// One line with all of it, as the log has it.
+    pub line: String,
+}
+
+/// The subject of a decision.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Topic {
+    /// Special treatment of a driver or a device.
+    Quirk,
+    /// A device has no rate attachments, or no masks.
+    NoBackend,
+    /// A pass that was recognised as the scene.
+    Scene,
+    /// A pass that was recognised as something else.
+    OtherPass,
+    /// A pass of the scene got a mask.
+    Mask,
+    /// A pass of the scene got none, for the decision's reason.
+    NoMask,
+    /// Nothing of the layer's work is visible.
+    Unseen,
+    /// A topic of a later version.
+    #[default]
+    #[serde(other)]
+    Other,
+}
+
+impl Status {
+    /// The decisions on a topic, in the order of the log.
+    pub fn decided(&self, topic: Topic) -> impl DoubleEndedIterator<Item = &Decision> {
+        self.decisions.iter().filter(move |decision| decision.topic == topic)
+    }
 }
 
 /// The source of an application's configuration.

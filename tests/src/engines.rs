@@ -7,6 +7,7 @@
 mod engine;
 mod finding;
 mod pictures;
+mod rates;
 mod seen;
 mod system;
 

@@ -1,7 +1,7 @@
 //! What applications tell while they run, as `parafovea status` reads it.
 
 use parafovea_manifest::paths::Environment;
-use parafovea_manifest::status::{Found, Status, read_all};
+use parafovea_manifest::status::{Decision, Found, Status, Topic, read_all};
 use parafovea_test_layers::ShadingRateProfile;
 use parafovea_tests::artifacts::program;
 use parafovea_tests::run::{Application, Run, Running};
@@ -42,15 +42,15 @@ fn told(running: &Running, is_so: impl Fn(&Status) -> bool) -> Status {
     }
 }
 
-fn is_decided(status: &Status, what: &str) -> bool {
-    status.decisions.iter().any(|decision| decision.contains(what))
+fn is_decided(status: &Status, topic: Topic) -> bool {
+    status.decided(topic).next().is_some()
 }
 
 fn tells_what_it_does(application: &Application) {
     let running = start(application);
     let status = told(&running, |status| status.passes_matched > 0 && status.rates.shaded < 1.0);
     assert_eq!((status.inert.as_str(), status.backend.as_str()), ("", "mask"), "{status:#?}");
-    assert!(is_decided(&status, ": the scene: ") && is_decided(&status, ": masked"), "{status:#?}");
+    assert!(is_decided(&status, Topic::Scene) && is_decided(&status, Topic::Mask), "{status:#?}");
     assert!(status.frames > 0 && status.frame_rate_hz > 0.0, "{status:#?}");
     assert!(status.gaze.is_valid && status.gaze.source == "centre", "{status:#?}");
     assert_eq!(status.sound.source, "off");
@@ -82,16 +82,17 @@ fn tells_what_it_does(application: &Application) {
 #[test]
 fn hello_xr_of_vulkan_1_0_has_masks() {
     let running = start(&Application::hello_xr("Vulkan2").unwrap());
-    let status = told(&running, |status| is_decided(status, ": masked"));
+    let status = told(&running, |status| is_decided(status, Topic::Mask));
     assert_eq!((status.application.as_str(), status.backend.as_str()), ("HelloXR", "mask"), "{status:#?}");
-    assert!(is_decided(&status, ": the scene: left eye"), "{status:#?}");
+    let is_left = |decision: &Decision| decision.line.contains("left eye");
+    assert!(status.decided(Topic::Scene).any(is_left), "{status:#?}");
 }
 
 /// The decisions of one copy's Vulkan half are in the status of the other copy's OpenXR half.
 #[test]
 fn halves_of_two_copies_of_the_library_tell_their_decisions() {
     let running = run(&Application::hello_xr("Vulkan2").unwrap()).from_copies().start().unwrap();
-    told(&running, |status| is_decided(status, ": the scene: ") && is_decided(status, ": masked"));
+    told(&running, |status| is_decided(status, Topic::Scene) && is_decided(status, Topic::Mask));
 }
 
 #[test]

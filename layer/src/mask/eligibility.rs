@@ -90,6 +90,15 @@ impl Directions {
     }
 }
 
+/// The parts of a pipeline's stencil tests that are dynamic state, set by commands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DynamicStencil {
+    /// Whether stencil is tested.
+    pub test: bool,
+    /// Operations of both faces.
+    pub op: bool,
+}
+
 /// What the pipelines of a pass do, as far as it matters here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PipelineFacts {
@@ -97,6 +106,8 @@ pub struct PipelineFacts {
     pub have_side_effects: bool,
     /// One may write stencil.
     pub write_stencil: bool,
+    /// The parts of that which are dynamic state.
+    pub dynamic_stencil: DynamicStencil,
     /// One cannot be looked into.
     pub are_unknown: bool,
     /// Their depth tests.
@@ -110,6 +121,7 @@ impl PipelineFacts {
     pub const UNKNOWN: Self = Self {
         have_side_effects: true,
         write_stencil: true,
+        dynamic_stencil: DynamicStencil { test: false, op: false },
         are_unknown: true,
         directions: Directions { less: false, greater: false },
         returns: Returns { any: false, keeping_coverage: false },
@@ -119,11 +131,19 @@ impl PipelineFacts {
     pub fn see(&mut self, other: Self) {
         self.have_side_effects |= other.have_side_effects;
         self.write_stencil |= other.write_stencil;
+        self.dynamic_stencil.test |= other.dynamic_stencil.test;
+        self.dynamic_stencil.op |= other.dynamic_stencil.op;
         self.are_unknown |= other.are_unknown;
         self.directions.less |= other.directions.less;
         self.directions.greater |= other.directions.greater;
         self.returns.any |= other.returns.any;
         self.returns.keeping_coverage |= other.returns.keeping_coverage;
+    }
+
+    /// The same, but for stencil where dynamic state decides whether it is written.
+    pub fn without_dynamic_stencil(self) -> Self {
+        let DynamicStencil { test, op } = self.dynamic_stencil;
+        Self { write_stencil: self.write_stencil && !test && !op, ..self }
     }
 }
 

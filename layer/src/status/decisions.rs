@@ -3,6 +3,7 @@
 //! Each copy of this library has a list. The Vulkan half decides; the OpenXR half, which may be another copy, takes its decisions over
 //! through the link ([`crate::link::DecisionRecord`]).
 
+use parafovea_manifest::status;
 use std::fmt::Display;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -19,6 +20,22 @@ pub struct Decision {
     pub topic: Topic,
     /// One line, as in the log.
     pub line: String,
+}
+
+impl Decision {
+    /// The same for `parafovea status`, and for programs that read what that reads.
+    pub fn told(&self) -> status::Decision {
+        let topic = match self.topic {
+            Topic::Quirk => status::Topic::Quirk,
+            Topic::NoBackend => status::Topic::NoBackend,
+            Topic::Scene => status::Topic::Scene,
+            Topic::OtherPass => status::Topic::OtherPass,
+            Topic::Mask => status::Topic::Mask,
+            Topic::NoMask(_) => status::Topic::NoMask,
+            Topic::Unseen => status::Topic::Unseen,
+        };
+        status::Decision { topic, reason: self.topic.reason().to_owned(), line: self.line.clone() }
+    }
 }
 
 /// The subject of a decision.

@@ -16,6 +16,7 @@ mod pending;
 mod pipelines;
 mod recipe;
 mod returning;
+mod shader_objects;
 mod target;
 mod usage;
 
@@ -60,6 +61,8 @@ pub struct Masks {
     loading: Table<vk::RenderPass, vk::RenderPass>,
     modules: ShaderModules,
     pipelines: Table<vk::Pipeline, PipelineFacts>,
+    /// Fragment shaders without pipelines.
+    shader_objects: Table<vk::ShaderEXT, PipelineFacts>,
     /// What it takes to make pipelines whose fragment shaders return early.
     codes: recipe::Codes,
     sets: Table<vk::DescriptorSetLayout, layouts::SetFacts>,
@@ -95,6 +98,7 @@ impl Masks {
             loading: Table::default(),
             modules: ShaderModules::default(),
             pipelines: Table::default(),
+            shader_objects: Table::default(),
             codes: recipe::Codes::default(),
             sets: Table::default(),
             layouts: Table::default(),

@@ -73,17 +73,23 @@ pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) ->
 fn is_frequent(name: &CStr) -> bool {
     let name = name.to_bytes();
     name == b"vkCmdBindPipeline"
-        || [&b"vkCmdBindDescriptor"[..], b"vkCmdPushDescriptor", b"vkCmdSetDescriptor", DRAW]
+        || [&b"vkCmdBindDescriptor"[..], b"vkCmdPushDescriptor", b"vkCmdSetDescriptor", STENCIL, DRAW]
             .iter()
             .any(|begin| name.starts_with(begin))
 }
 
+/// How the names of commands begin that set stencil tests.
+const STENCIL: &[u8] = b"vkCmdSetStencil";
+
 /// How the names of draws begin.
 const DRAW: &[u8] = b"vkCmdDraw";
 
-/// Whether it is of interest: draws and descriptors where passes may be made coarser; pipelines where rates may have to be set then, or
+/// Whether it is of interest: stencil where passes may have masks; draws and descriptors where passes may be made coarser; pipelines where rates may have to be set then, or
 /// masks must know of them.
 fn is_wanted(device: &Device, name: &CStr) -> bool {
+    if name.to_bytes().starts_with(STENCIL) {
+        return device.masks().is_some();
+    }
     if name != c"vkCmdBindPipeline" {
         return device.armed.as_deref().is_some_and(Armed::follows_passes);
     }

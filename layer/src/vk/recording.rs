@@ -5,6 +5,7 @@
 
 pub mod buffers;
 pub mod compute;
+pub mod descriptor_buffers;
 pub mod drawing;
 pub mod draws;
 pub mod image_layouts;
@@ -13,6 +14,7 @@ pub mod pending;
 pub mod queries;
 pub mod rendering;
 mod sets;
+pub mod stencil;
 mod timed;
 pub mod transfers;
 
@@ -27,10 +29,12 @@ use crate::mask::{PipelineFacts, Returns};
 use crate::scene::{Event, Pass};
 use ash::vk;
 use compute::Bound;
+use descriptor_buffers::BufferOffsets;
 use drawing::Drawing;
 use draws::Tally;
 use smallvec::SmallVec;
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
+use stencil::StencilTests;
 
 /// Command buffers of all armed devices: their handles are addresses, so that no two live ones are the same.
 static BUFFERS: LazyLock<Table<vk::CommandBuffer, Arc<Buffer>>> = LazyLock::new(Table::default);
@@ -59,6 +63,10 @@ pub struct Recorded {
     pub compute: Bound,
     /// What is bound for drawing, where that is followed.
     pub drawing: Drawing,
+    /// Places of the descriptors of both that are in buffers.
+    pub offsets: BufferOffsets,
+    /// Stencil tests that commands have set.
+    stencil: StencilTests,
     /// Fills that wait for a reader.
     pending: SmallVec<[Pending; 2]>,
     /// Passes that have cleared depth for others.
@@ -86,6 +94,8 @@ pub struct Recorded {
 struct Within {
     clears_depth: bool,
     is_queried: bool,
+    /// By draws whose state commands have set.
+    writes_stencil: bool,
     /// Of the pipelines that are bound within; none: what was bound before the pass draws.
     pipelines: Option<PipelineFacts>,
 }
@@ -126,6 +136,8 @@ impl Recorded {
         self.compute.clear();
         self.drawing.forget();
         self.drawing.begin(follows_graphics());
+        self.offsets.clear();
+        self.stencil = StencilTests::default();
         self.pending.clear();
         self.prepasses.clear();
         self.open = None;
@@ -146,6 +158,7 @@ impl Recorded {
             self.candidates.push(Arc::clone(candidate));
         }
         self.within = Within::default();
+        self.stencil.pass_begins();
         self.target = candidate;
         self.mask = mask;
         self.open = pass.as_ref().map(|_| self.events.len());
@@ -172,8 +185,8 @@ impl Recorded {
             target.recorded(Ended {
                 facts: pass.facts,
                 pipelines: self.pipelines(),
-                restores_compute: self.compute.is_whole(),
-                restores_graphics: self.drawing.is_whole(),
+                restores_compute: self.restores_compute(),
+                restores_graphics: self.restores_graphics(),
                 has_depth: pass.depth.is_some(),
                 is_prepass: pass.colors.is_empty(),
             });
@@ -181,15 +194,27 @@ impl Recorded {
         self.mask.take()
     }
 
+    /// Whether what is bound for compute can be bound again.
+    fn restores_compute(&self) -> bool {
+        self.compute.is_whole() && self.offsets.is_whole()
+    }
+
+    /// Whether what is bound for drawing can be bound again, as far as it is followed.
+    fn restores_graphics(&self) -> bool {
+        self.drawing.is_whole() && self.offsets.is_whole()
+    }
+
     /// What the pipelines do that draw in the pass which is being recorded.
     fn pipelines(&self) -> PipelineFacts {
-        self.within.pipelines.unwrap_or(self.pipeline)
+        let pipelines = self.within.pipelines.unwrap_or(self.pipeline.without_dynamic_stencil());
+        PipelineFacts { write_stencil: pipelines.write_stencil | self.within.writes_stencil, ..pipelines }
     }
 
     /// Commands within a pass say more of it.
     fn tell(&mut self, more: Within) {
         self.within.clears_depth |= more.clears_depth;
         self.within.is_queried |= more.is_queried;
+        self.within.writes_stencil |= more.writes_stencil;
         if let Some(pipelines) = more.pipelines {
             self.within.pipelines.get_or_insert_default().see(pipelines);
         }
@@ -211,7 +236,8 @@ impl Recorded {
     /// A graphics pipeline, or what stands for one, is bound.
     pub fn use_pipeline(&mut self, pipelines: PipelineFacts) {
         self.pipeline = pipelines;
-        self.tell(Within { pipelines: Some(pipelines), ..Within::default() });
+        let pipelines = Some(pipelines.without_dynamic_stencil());
+        self.tell(Within { pipelines, ..Within::default() });
     }
 
     /// A secondary is executed: its events follow, and what it does within the pass counts for that.
@@ -238,6 +264,8 @@ impl Recorded {
             self.tally.execute(&secondary.tally);
         }
         self.drawing.forget();
+        // Nothing is bound any more.
+        self.offsets.clear();
     }
 }
 

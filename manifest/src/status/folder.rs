@@ -131,6 +131,7 @@ pub(super) fn folder(environment: &Environment) -> Option<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::status::{Decision, Topic};
     use std::os::unix::fs::PermissionsExt;
     use tempfile::TempDir;
 
@@ -139,7 +140,15 @@ mod tests {
     }
 
     fn status(pid: u32) -> Status {
-        Status { pid, decisions: vec!["a pass".to_owned()], ..Status::default() }
+        Status {
+            pid,
+            decisions: vec![Decision {
+                topic: Topic::Scene,
+                reason: String::new(),
+                line: "a pass".to_owned(),
+            }],
+            ..Status::default()
+        }
     }
 
     #[test]

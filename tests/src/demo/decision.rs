@@ -1,6 +1,6 @@
 //! The layer's decision about an application, in one line.
 
-use parafovea_manifest::status::Status;
+use parafovea_manifest::status::{Status, Topic};
 use serde::Serialize;
 
 /// Whether the layer shades coarsely, and why.
@@ -24,20 +24,18 @@ impl Decision {
             return Self::left_alone(&status.inert);
         }
         if status.backend == "none" {
-            let refused = status.decisions.iter().rfind(|decision| decision.starts_with("no "));
+            let refused = status.decided(Topic::NoBackend).next_back();
             return Self::left_alone(
-                refused.map_or("the device does not support coarser shading", String::as_str),
+                refused.map_or("the device does not support coarser shading", |decision| &decision.line),
             );
         }
         if !gate.is_kept {
             return Self::left_alone(&format!("trials measured {measured}"));
         }
         if status.passes_matched == 0 {
-            let has = |words: &str| status.decisions.iter().rfind(|decision| decision.contains(words));
-            let refused =
-                has("left alone by the mask backend: ").or(has("active, but without visible effect"));
-            let why = match (refused, has(": the scene: ")) {
-                (Some(refused), _) => refused.as_str(),
+            let last = |topic| status.decided(topic).next_back();
+            let why = match (last(Topic::NoMask).or(last(Topic::Unseen)), last(Topic::Scene)) {
+                (Some(refused), _) => &refused.line,
                 (None, Some(_)) => "the scene was recognised, but not shaded coarsely in the last frame",
                 (None, None) => "no render pass was recognised as the scene",
             };
@@ -62,12 +60,17 @@ impl Decision {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use parafovea_manifest::status::Gate;
+    use parafovea_manifest::status::{self, Gate};
+
+    fn decision(topic: Topic, reason: &str, line: &str) -> status::Decision {
+        status::Decision { topic, reason: reason.to_owned(), line: line.to_owned() }
+    }
 
     fn status(is_kept: bool, ratio: Option<[f32; 3]>, passes_matched: u32) -> Status {
         let rates_gate = Gate { mode: "auto".to_owned(), is_kept, is_on_trial: false, ratio };
-        let decisions =
-            vec!["scene passes of 512x512: left alone by the mask backend: no depth attachment".to_owned()];
+        let reason = "no depth attachment";
+        let line = format!("scene passes of 512x512: left alone by the mask backend: {reason}");
+        let decisions = vec![decision(Topic::NoMask, reason, &line)];
         Status { backend: "mask".to_owned(), rates_gate, passes_matched, decisions, ..Status::default() }
     }
 
@@ -105,8 +108,11 @@ mod tests {
             )
         );
         // A decision in favour of coarse shading is no reason against it.
-        let decisions = ["pass 8x8: the scene: left eye: named", "scene passes of 8x8: masked"];
-        let masked = Status { decisions: decisions.map(str::to_owned).into(), ..status(true, None, 0) };
+        let decisions = vec![
+            decision(Topic::Scene, "", "pass 8x8: the scene: left eye: named"),
+            decision(Topic::Mask, "", "scene passes of 8x8: masked"),
+        ];
+        let masked = Status { decisions, ..status(true, None, 0) };
         assert!(told(&masked).1.contains("not shaded coarsely in the last frame"));
         let unrecognised = Status { decisions: Vec::new(), ..status(true, None, 0) };
         assert!(told(&unrecognised).1.contains("no render pass was recognised"));
@@ -114,7 +120,8 @@ mod tests {
         assert_eq!(told(&inert), (false, "left alone: Direct3D".to_owned()));
         let backend = Status { backend: "none".to_owned(), ..status(true, None, 2) };
         assert!(told(&backend).1.contains("does not support coarser shading"));
-        let decisions = ["no rate attachments", "no masks either: Vulkan 1.0"].map(str::to_owned).into();
+        let refusals = ["no rate attachments", "no masks either: Vulkan 1.0"];
+        let decisions = refusals.map(|line| decision(Topic::NoBackend, "", line)).into();
         let refused = Status { decisions, ..backend };
         assert_eq!(told(&refused), (false, "left alone: no masks either: Vulkan 1.0".to_owned()));
         assert!(!Decision::of(None).engaged);

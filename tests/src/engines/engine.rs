@@ -114,7 +114,7 @@ pub struct Settings {
 impl Settings {
     /// A timed run.
     pub fn timed(scale: u32, mode: Mode) -> Self {
-        let settle_s = if mode == Mode::Auto { 60 } else { 0 };
+        let settle_s = if mode == Mode::Auto { 30 } else { 0 };
         Self { scale, warm: 30, settle_s, frames: 10, rounds: 2 }
     }
 
@@ -147,7 +147,7 @@ mod tests {
         assert!(names.contains("godot-mobile-msaa0") && names.contains("godot-forward+-msaa4"), "{names:?}");
         let command = Engine::still("mobile", 1).command(&settings).join(" ");
         assert!(
-            command.ends_with("mobile -- msaa=0 head=still warm=30 settle=60 frames=10 rounds=2"),
+            command.ends_with("mobile -- msaa=0 head=still warm=30 settle=30 frames=10 rounds=2"),
             "{command}"
         );
     }

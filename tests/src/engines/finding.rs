@@ -2,6 +2,7 @@
 
 use super::engine::{Engine, Mode, Settings};
 use super::pictures::Errors;
+use super::rates::shown_at_rates;
 use super::seen::Seen;
 use super::system::{System, Watch};
 use crate::HarnessError;
@@ -147,7 +148,8 @@ pub fn judge(
 /// A scale at which hardly any time goes with pixels: 64x48.
 const SMALL: u32 = 20;
 
-/// How far pictures are from those without the layer: those of another run without it, which shows what differs anyway, and those of masks.
+/// How far pictures are from those without the layer: those of another run without it, which shows what differs anyway, those of masks, and
+/// those that a device with shading rates would show.
 fn pictures(system: &System, engine: Engine, scale: u32) -> Result<Vec<Errors>, HarnessError> {
     let settings = Settings::pictured(scale);
     let clip = |look: &str, mode: Mode| {
@@ -156,14 +158,20 @@ fn pictures(system: &System, engine: Engine, scale: u32) -> Result<Vec<Errors>, 
         system.pictures(settings.frames - 1)
     };
     let reference = clip("off", Mode::Off)?;
-    let errors = |(look, mode)| {
-        Errors::of(look, &reference, &clip(look, mode)?).map_err(|reason| HarnessError::Application {
-            application: format!("{}, {look}", engine.name()),
-            reason,
-            output: String::new(),
-        })
+    let wrong = |look: &str, reason| HarnessError::Application {
+        application: format!("{}, {look}", engine.name()),
+        reason,
+        output: String::new(),
     };
-    [("off again", Mode::Off), ("mask", Mode::On)].into_iter().map(errors).collect()
+    let errors =
+        |(look, mode)| Errors::of(look, &reference, &clip(look, mode)?).map_err(|reason| wrong(look, reason));
+    let looks: Result<Vec<Errors>, HarnessError> =
+        [("off again", Mode::Off), ("mask", Mode::On)].into_iter().map(errors).collect();
+    let mut looks = looks?;
+    if let Some(shown) = shown_at_rates(&reference) {
+        looks.push(Errors::of("rates", &reference, &shown).map_err(|reason| wrong("rates", reason))?);
+    }
+    Ok(looks)
 }
 
 /// Rules that are broken with the layer and not without it.

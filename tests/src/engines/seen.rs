@@ -1,6 +1,6 @@
 //! What came of one run of an engine.
 
-use parafovea_manifest::status::Status;
+use parafovea_manifest::status::{Status, Topic};
 use parafovea_test_layers::SampleCount;
 use std::collections::BTreeMap;
 
@@ -58,16 +58,16 @@ impl Seen {
         new.map(|(rule, count)| format!("{rule} ({count})")).collect()
     }
 
-    /// Lines of the log about passes that were recognised as the scene, without their time.
+    /// Passes that were recognised as the scene, as the log names them.
     pub fn scene_passes(&self) -> Vec<String> {
-        let lines = self.log.lines().filter_map(|line| Some(line.split_once(" INFO  pass ")?.1));
-        lines.filter(|line| line.contains(": the scene: ")).map(str::to_owned).collect()
+        let decisions = self.status.iter().flat_map(|status| status.decided(Topic::Scene));
+        decisions.map(|decision| decision.line.clone()).collect()
     }
 
     /// Reasons for which scene passes were left alone.
     pub fn refusals(&self) -> Vec<String> {
-        let lines = self.log.lines().filter_map(|line| line.split_once("left alone by the mask backend: "));
-        let mut reasons: Vec<String> = lines.map(|(_, reason)| reason.to_owned()).collect();
+        let decisions = self.status.iter().flat_map(|status| status.decided(Topic::NoMask));
+        let mut reasons: Vec<String> = decisions.map(|decision| decision.reason.clone()).collect();
         reasons.dedup();
         reasons
     }
@@ -106,6 +106,7 @@ fn broken(output: &str) -> BTreeMap<String, usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use parafovea_manifest::status::Decision;
 
     const OUTPUT: &str =
         "Godot\nengine eye: 640 480\nengine round: 50.00 1000 1100\nengine round: 60.00 1100 1220\n";
@@ -142,11 +143,24 @@ mod tests {
     }
 
     #[test]
-    fn scene_passes_and_refusals_are_found_in_the_log() {
-        let log = "T 1 INFO  pass 64x64 D16_UNORM: not the scene: no colour\nT 1 INFO  pass 320x240 A, 2 layers: the scene: left eye: draws\n\
-            T 1 INFO  scene passes of 320x240: left alone by the mask backend: no depth attachment\n";
-        let seen = Seen::of(OUTPUT, log, "", None).unwrap();
-        assert_eq!(seen.scene_passes(), ["320x240 A, 2 layers: the scene: left eye: draws"]);
-        assert_eq!(seen.refusals(), ["no depth attachment"]);
+    fn scene_passes_and_refusals_are_decisions_of_their_topics() {
+        let decision = |topic, reason: &str, line: &str| Decision {
+            topic,
+            reason: reason.to_owned(),
+            line: line.to_owned(),
+        };
+        let refused = "no depth attachment";
+        let decisions = vec![
+            decision(Topic::OtherPass, "", "pass 64x64 D16_UNORM: not the scene: no colour"),
+            decision(Topic::Scene, "", "pass 320x240 A"),
+            decision(Topic::NoMask, refused, "scene passes of 320x240: left alone"),
+            decision(Topic::NoMask, refused, "scene passes of 160x120: left alone"),
+        ];
+        let status = Status { decisions, ..Status::default() };
+        let seen = Seen::of(OUTPUT, "", "", Some(status)).unwrap();
+        assert_eq!(seen.scene_passes(), ["pass 320x240 A"]);
+        assert_eq!(seen.refusals(), [refused]);
+        let without = Seen::of(OUTPUT, "", "", None).unwrap();
+        assert!(without.scene_passes().is_empty() && without.refusals().is_empty());
     }
 }

@@ -34,6 +34,8 @@ pub struct Place<'a> {
     pub restores_compute: bool,
     /// What is bound for drawing is followed, and can be bound again.
     pub restores_graphics: bool,
+    /// Whether descriptors in buffers are in use.
+    pub has_offsets: bool,
     /// Whether it is followed.
     pub follows_graphics: bool,
     /// Whether conditional rendering is active: it would decide on our commands, too.
@@ -131,6 +133,10 @@ impl Masks {
     ) -> Result<OpenMask, Reason> {
         if !place.is_primary {
             return Err(Reason::Secondary);
+        }
+        if place.has_offsets && !place.follows_graphics {
+            // Sets that are bound for drawing beside them are followed from the next command buffers on.
+            return Err(Reason::New);
         }
         if !place.restores_compute {
             return Err(Reason::ComputeState);
@@ -238,7 +244,8 @@ impl Masks {
             follow_graphics();
             return Err(Reason::New);
         }
-        if !place.restores_graphics {
+        // A set of ours behind others would end offsets.
+        if !place.restores_graphics || place.has_offsets {
             return Err(Reason::GraphicsState);
         }
         // What temporal filters keep they read again: what is filled would go on from frame to frame.

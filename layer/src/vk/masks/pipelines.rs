@@ -3,7 +3,7 @@
 use super::recipe::{Ingredients, PassOf, Recipe, dynamic_states};
 use super::{Masks, Returning};
 use crate::gpu::is_left;
-use crate::mask::PipelineFacts;
+use crate::mask::{DynamicStencil, PipelineFacts};
 use crate::vk::rates::pipeline::{Parts, is_discarded, libraries, own_parts};
 use crate::vk::shader_modules::ShaderModules;
 use ash::vk;
@@ -169,24 +169,57 @@ impl Masks {
                     count => slice::from_raw_parts(dynamic.p_dynamic_states, count as usize).contains(&state),
                 })
             };
-            if let Some(tests) = info.p_depth_stencil_state.as_ref() {
-                let tests_stencil = tests.stencil_test_enable == vk::TRUE
-                    || is_dynamic(vk::DynamicState::STENCIL_TEST_ENABLE);
-                let keeps = |face: &vk::StencilOpState| {
-                    [face.fail_op, face.pass_op, face.depth_fail_op]
-                        .iter()
-                        .all(|op| *op == vk::StencilOp::KEEP)
-                };
-                let keeps =
-                    keeps(&tests.front) && keeps(&tests.back) && !is_dynamic(vk::DynamicState::STENCIL_OP);
-                facts.write_stencil |= tests_stencil && !keeps;
-            }
-            if let Some(tests) = info.p_depth_stencil_state.as_ref()
+            let tests = info.p_depth_stencil_state.as_ref();
+            let (write_stencil, dynamic_stencil) = stencil(tests, is_dynamic);
+            facts.write_stencil |= write_stencil;
+            facts.dynamic_stencil = dynamic_stencil;
+            if let Some(tests) = tests
                 && tests.depth_test_enable == vk::TRUE
+                && !is_dynamic(vk::DynamicState::DEPTH_COMPARE_OP)
             {
                 facts.directions.see(tests.depth_compare_op);
             }
             facts
         }
+    }
+}
+
+/// Whether a pipeline may write stencil, and what of that is dynamic state. Where all of it is, the structure may be missing
+/// (VK_EXT_extended_dynamic_state3).
+fn stencil(
+    tests: Option<&vk::PipelineDepthStencilStateCreateInfo<'_>>,
+    is_dynamic: impl Fn(vk::DynamicState) -> bool,
+) -> (bool, DynamicStencil) {
+    let set = DynamicStencil {
+        test: is_dynamic(vk::DynamicState::STENCIL_TEST_ENABLE),
+        op: is_dynamic(vk::DynamicState::STENCIL_OP),
+    };
+    let keeps = |face: &vk::StencilOpState| {
+        [face.fail_op, face.pass_op, face.depth_fail_op].iter().all(|op| *op == vk::StencilOp::KEEP)
+    };
+    let may_test = set.test || tests.is_some_and(|tests| tests.stencil_test_enable == vk::TRUE);
+    let keeps = !set.op && tests.is_none_or(|tests| keeps(&tests.front) && keeps(&tests.back));
+    (may_test && !keeps, set)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stencil_is_written_by_a_test_that_does_not_keep_it() {
+        let replace = vk::StencilOpState { pass_op: vk::StencilOp::REPLACE, ..Default::default() };
+        let off = vk::PipelineDepthStencilStateCreateInfo::default();
+        let on = off.stencil_test_enable(true);
+        let writes = on.back(replace);
+        let [fixed, all] = [false, true].map(|all| move |_| all);
+        let of = |tests, is_dynamic: &dyn Fn(vk::DynamicState) -> bool| stencil(tests, is_dynamic).0;
+        assert_eq!([of(Some(&off), &fixed), of(Some(&on), &fixed), of(None, &fixed)], [false; 3]);
+        assert!(of(Some(&writes), &fixed));
+        // By commands, whatever the structure says, or where there is none.
+        assert_eq!([of(Some(&off), &all), of(None, &all)], [true; 2]);
+        assert_eq!(stencil(None, all).1, DynamicStencil { test: true, op: true });
+        let test_alone = |state| state == vk::DynamicState::STENCIL_TEST_ENABLE;
+        assert_eq!([of(Some(&off), &test_alone), of(Some(&off.front(replace)), &test_alone)], [false, true]);
     }
 }

@@ -144,6 +144,9 @@ pub unsafe extern "system" fn bind_pipeline(
                     answer.made();
                 };
                 let Some(known) = known else { return bind(pipeline) };
+                if known.armed.masks.is_some() && point == vk::PipelineBindPoint::GRAPHICS {
+                    recording::stencil::changes(&known, buffer);
+                }
                 match point {
                     vk::PipelineBindPoint::GRAPHICS => {
                         recording::drawing::bind(&known, buffer, pipeline, bind);

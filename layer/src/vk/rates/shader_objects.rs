@@ -11,7 +11,6 @@ use super::pipelines::may_be_ours;
 use super::shader::{Effects, FragmentShaders};
 use crate::abi::guard;
 use crate::gpu::GpuError;
-use crate::mask::PipelineFacts;
 use crate::vk::{device, recording};
 use ash::vk;
 use std::ffi::CStr;
@@ -93,7 +92,7 @@ fn flagged<'c>(info: &vk::ShaderCreateInfoEXT<'c>) -> vk::ShaderCreateInfoEXT<'c
 /// # Safety
 ///
 /// The structure is valid.
-unsafe fn effects(info: &vk::ShaderCreateInfoEXT<'_>) -> Effects {
+pub unsafe fn effects(info: &vk::ShaderCreateInfoEXT<'_>) -> Effects {
     if info.code_type != vk::ShaderCodeTypeEXT::SPIRV {
         return Effects::UNKNOWN;
     }
@@ -126,13 +125,18 @@ pub unsafe extern "system" fn create(
                 let Some((known, next)) = device::with(device, |next| next.create_shaders) else {
                     return FAILED;
                 };
-                answer.record(match known.rates() {
+                let result = answer.record(match known.rates() {
                     Some(rates) => {
                         let functions = (next, known.hooked.destroy_shader);
                         rates.create_shaders(device, count, infos, allocator, made, functions)
                     }
                     None => next(device, count, infos, allocator, made),
-                })
+                });
+                if let Some(masks) = known.masks() {
+                    // What could not be made is null.
+                    masks.add_shader_objects(slice(infos, count), slice(made.cast_const(), count));
+                }
+                result
             }
         },
     )
@@ -154,6 +158,9 @@ pub unsafe extern "system" fn destroy(
                 let Some((known, next)) = device::with(device, |next| next.destroy_shader) else { return };
                 if let Some(rates) = known.rates() {
                     rates.shader_objects.remove(shader);
+                }
+                if let Some(masks) = known.masks() {
+                    masks.forget_shader_object(shader);
                 }
                 next(device, shader, allocator);
                 answer.made();
@@ -177,8 +184,10 @@ pub unsafe extern "system" fn bind(
             // SAFETY: the application's own arguments.
             unsafe {
                 let Some((known, next)) = device::with(buffer, |next| next.cmd_bind_shaders) else { return };
-                if let (Some(_), Some(recording)) = (known.masks(), recording::buffer(buffer)) {
-                    recording::drawing::leave(&recording, buffer);
+                let masked = known.masks().zip(recording::buffer(buffer));
+                if let Some((_, recording)) = &masked {
+                    recording::drawing::leave(recording, buffer);
+                    recording::stencil::changes(recording, buffer);
                 }
                 next(buffer, count, stages, shaders);
                 answer.made();
@@ -188,16 +197,20 @@ pub unsafe extern "system" fn bind(
                 {
                     set(buffer, &rate.size, &rate.combiners);
                 }
-                if let (Some(_), Some(recording)) = (known.masks(), recording::buffer(buffer)) {
-                    let stages =
-                        if count == 0 { &[] } else { std::slice::from_raw_parts(stages, count as usize) };
-                    let has = |wanted| stages.contains(&wanted);
+                if let Some((masks, recording)) = masked {
+                    let stages = slice(stages, count);
+                    let shader = |index| slice(shaders, count).get(index).copied().unwrap_or_default();
                     let mut recorded = recording.recorded();
-                    if has(vk::ShaderStageFlags::COMPUTE) {
-                        recorded.compute.bind_more();
-                    }
-                    if has(vk::ShaderStageFlags::FRAGMENT) {
-                        recorded.use_pipeline(PipelineFacts::UNKNOWN);
+                    for (index, &stage) in stages.iter().enumerate() {
+                        match stage {
+                            vk::ShaderStageFlags::COMPUTE => recorded.compute.bind_shader(shader(index)),
+                            vk::ShaderStageFlags::FRAGMENT => {
+                                recorded.use_pipeline(masks.shader_object(shader(index)));
+                                recorded.drawing.bind_more();
+                            }
+                            // With these alone no colour is drawn, but what was bound for drawing is gone as well.
+                            _ => recorded.drawing.bind_more(),
+                        }
                     }
                 }
             }

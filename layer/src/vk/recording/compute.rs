@@ -2,8 +2,9 @@
 //!
 //! Hooked only where there is such work: binding is frequent.
 
+use super::descriptor_buffers::points;
 use super::sets::BoundSets;
-use super::{drawing, draws, with_buffer};
+use super::{Buffer, drawing, draws, with_buffer};
 use crate::abi::guard;
 use crate::vk::dispatch::ArmedTable;
 use crate::vk::dispatch_key::DispatchKey;
@@ -17,6 +18,8 @@ use std::{mem, ptr};
 #[derive(Debug, Clone, Default)]
 pub struct Bound {
     pipeline: vk::Pipeline,
+    /// In place of a pipeline.
+    shader: vk::ShaderEXT,
     sets: BoundSets,
 }
 
@@ -24,6 +27,7 @@ impl Bound {
     /// Forgets all; the memory stays.
     pub fn clear(&mut self) {
         self.pipeline = vk::Pipeline::null();
+        self.shader = vk::ShaderEXT::null();
         self.sets.clear();
     }
 
@@ -35,6 +39,13 @@ impl Bound {
     /// A pipeline is bound.
     pub fn bind_pipeline(&mut self, pipeline: vk::Pipeline) {
         self.pipeline = pipeline;
+        self.shader = vk::ShaderEXT::null();
+    }
+
+    /// A shader object is bound in place of a pipeline; null: neither.
+    pub fn bind_shader(&mut self, shader: vk::ShaderEXT) {
+        self.pipeline = vk::Pipeline::null();
+        self.shader = shader;
     }
 
     /// Something is bound that is not kept.
@@ -55,6 +66,11 @@ impl Bound {
                 && self.pipeline != vk::Pipeline::null()
             {
                 bind(commands, point, self.pipeline);
+            }
+            if let Some(bind) = next.cmd_bind_shaders
+                && self.shader != vk::ShaderEXT::null()
+            {
+                bind(commands, 1, &vk::ShaderStageFlags::COMPUTE, &self.shader);
             }
             self.sets.restore(next, commands, point);
         }
@@ -157,16 +173,69 @@ unsafe extern "system" fn bind_sets_noted(
                 answer.made();
                 if let Some(known) = known {
                     let (offsets, sets) = (slice(offsets, offset_count), slice(sets, count));
-                    match point {
-                        vk::PipelineBindPoint::COMPUTE => {
-                            known.recorded().compute.sets.bind(layout, first, sets, offsets);
-                        }
-                        vk::PipelineBindPoint::GRAPHICS => {
-                            known.recorded().drawing.bind_sets(layout, first, sets, offsets);
-                            drawing::bind_ours_again(&known, handle);
-                        }
-                        _ => {}
-                    }
+                    note_sets(&known, handle, point, (layout, first, sets, offsets));
+                }
+            }
+        },
+    );
+}
+
+/// Sets were bound at a point: a layout, the first number, the sets, and their dynamic offsets.
+///
+/// # Safety
+///
+/// `handle` is this command buffer, which is recording.
+unsafe fn note_sets(
+    known: &Buffer,
+    handle: vk::CommandBuffer,
+    point: vk::PipelineBindPoint,
+    (layout, first, sets, offsets): (vk::PipelineLayout, u32, &[vk::DescriptorSet], &[u32]),
+) {
+    known.recorded().offsets.bind_sets(point);
+    match point {
+        vk::PipelineBindPoint::COMPUTE => {
+            known.recorded().compute.sets.bind(layout, first, sets, offsets);
+        }
+        vk::PipelineBindPoint::GRAPHICS => {
+            known.recorded().drawing.bind_sets(layout, first, sets, offsets);
+            // SAFETY: the caller vouches for the command buffer.
+            unsafe { drawing::bind_ours_again(known, handle) };
+        }
+        _ => {}
+    }
+}
+
+/// `vkCmdBindDescriptorSets2`.
+pub unsafe extern "system" fn bind_sets2(
+    handle: vk::CommandBuffer,
+    info: *const vk::BindDescriptorSetsInfoKHR<'_>,
+) {
+    guard(
+        "vkCmdBindDescriptorSets2",
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_bind_descriptor_sets2(handle, info), ()) },
+        |answer| {
+            // SAFETY: the application's own arguments: a valid structure.
+            unsafe {
+                let (info, points) = (&*info, points((*info).stage_flags));
+                let sets = slice(info.p_descriptor_sets, info.descriptor_set_count);
+                let offsets = slice(info.p_dynamic_offsets, info.dynamic_offset_count);
+                if points.contains(&vk::PipelineBindPoint::GRAPHICS) {
+                    draws::bind(handle, info.first_set, sets);
+                }
+                let Some((known, next)) = with_buffer(handle, |next| next.cmd_bind_descriptor_sets2) else {
+                    return;
+                };
+                next(handle, info);
+                answer.made();
+                let Some(known) = known else { return };
+                // A chain may say another layout.
+                if !info.p_next.is_null() {
+                    known.recorded().compute.bind_more();
+                    known.recorded().drawing.bind_more();
+                }
+                for point in points {
+                    note_sets(&known, handle, point, (info.layout, info.first_set, sets, offsets));
                 }
             }
         },
@@ -180,9 +249,8 @@ fn at(point: vk::PipelineBindPoint) -> [bool; 2] {
 
 /// Whether stages compute, and draw.
 fn of(stages: vk::ShaderStageFlags) -> [bool; 2] {
-    let drawing =
-        vk::ShaderStageFlags::ALL_GRAPHICS | vk::ShaderStageFlags::TASK_EXT | vk::ShaderStageFlags::MESH_EXT;
-    [vk::ShaderStageFlags::COMPUTE, drawing].map(|known| stages.intersects(known))
+    let points = points(stages);
+    [vk::PipelineBindPoint::COMPUTE, vk::PipelineBindPoint::GRAPHICS].map(|known| points.contains(&known))
 }
 
 /// Hooks of commands that bind what is not kept here; the next layer's function of that name is in the table's `$field`.
@@ -219,43 +287,23 @@ macro_rules! binds_more {
 }
 
 binds_more! {
-    push_set, "vkCmdPushDescriptorSetKHR", cmd_push_descriptor_set: (
+    push_set, "vkCmdPushDescriptorSet", cmd_push_descriptor_set: (
         point: vk::PipelineBindPoint,
         layout: vk::PipelineLayout,
         set: u32,
         count: u32,
         writes: *const vk::WriteDescriptorSet<'_>
     ), for at(point);
-    push_set_with_template, "vkCmdPushDescriptorSetWithTemplateKHR", cmd_push_descriptor_set_with_template: (
+    push_set_with_template, "vkCmdPushDescriptorSetWithTemplate", cmd_push_descriptor_set_with_template: (
         template: vk::DescriptorUpdateTemplate,
         layout: vk::PipelineLayout,
         set: u32,
         data: *const std::ffi::c_void
     ), for [true; 2];
-    bind_sets2, "vkCmdBindDescriptorSets2KHR", cmd_bind_descriptor_sets2: (
-        info: *const vk::BindDescriptorSetsInfoKHR<'_>
-    ), for of((*info).stage_flags);
-    push_set2, "vkCmdPushDescriptorSet2KHR", cmd_push_descriptor_set2: (
+    push_set2, "vkCmdPushDescriptorSet2", cmd_push_descriptor_set2: (
         info: *const vk::PushDescriptorSetInfoKHR<'_>
     ), for of((*info).stage_flags);
-    push_set_with_template2, "vkCmdPushDescriptorSetWithTemplate2KHR", cmd_push_descriptor_set_with_template2: (
+    push_set_with_template2, "vkCmdPushDescriptorSetWithTemplate2", cmd_push_descriptor_set_with_template2: (
         info: *const vk::PushDescriptorSetWithTemplateInfoKHR<'_>
     ), for [true; 2];
-    bind_buffers, "vkCmdBindDescriptorBuffersEXT", cmd_bind_descriptor_buffers: (
-        count: u32,
-        infos: *const vk::DescriptorBufferBindingInfoEXT<'_>
-    ), for [true; 2];
-    set_buffer_offsets, "vkCmdSetDescriptorBufferOffsetsEXT", cmd_set_descriptor_buffer_offsets: (
-        point: vk::PipelineBindPoint,
-        layout: vk::PipelineLayout,
-        first: u32,
-        count: u32,
-        indices: *const u32,
-        offsets: *const vk::DeviceSize
-    ), for at(point);
-    bind_embedded_samplers, "vkCmdBindDescriptorBufferEmbeddedSamplersEXT", cmd_bind_descriptor_buffer_embedded_samplers: (
-        point: vk::PipelineBindPoint,
-        layout: vk::PipelineLayout,
-        set: u32
-    ), for at(point);
 }

@@ -213,7 +213,8 @@ pub unsafe fn bind(
         drawing.pipeline = pipeline;
         let was = drawing.in_place.take();
         // Where something cannot be bound again, nothing must take its place.
-        (was, returns.filter(|_| drawing.is_whole()))
+        let is_whole = drawing.is_whole();
+        (was, returns.filter(|_| is_whole && recorded.offsets.is_empty()))
     };
     if returns.is_none() {
         prepare(buffer, pipeline);

@@ -3,17 +3,19 @@
 //! Engines draw ten thousand times a frame, so the counts of the pass that a thread records are the thread's own: a draw adds to them
 //! without a lock or a look-up. They go to the command buffer where the pass ends, and where the thread goes on with another.
 
-use super::{Buffer, buffer, with_buffer};
-use crate::abi::guard;
+mod hooks;
+mod quick;
+
+pub use hooks::*;
+pub use quick::{device_ends, device_made};
+
+use super::{Buffer, buffer};
 use crate::scene::{Draws, Reads};
-use crate::vk::armed::Armed;
-use crate::vk::dispatch_key::DispatchKey;
 use ash::vk;
 use ash::vk::Handle;
+use quick::quick;
 use std::cell::Cell;
 use std::ptr;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 
 /// Draws of one pass, or of a part of it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -285,6 +287,17 @@ pub fn settle(of: &Buffer, handle: vk::CommandBuffer) {
     }
 }
 
+/// Draws so far of the pass that is being recorded, or of a secondary that continues one.
+pub fn counted(of: &Buffer, handle: vk::CommandBuffer) -> u32 {
+    let of_thread = OPEN.try_with(|open| {
+        let is_this = open.handle.get() == handle.as_raw();
+        is_this.then(|| open.counts.get())
+    });
+    let mut counts = of.recorded().tally.counts;
+    counts.add(of_thread.ok().flatten().unwrap_or_default());
+    counts.quads.wrapping_add(counts.meshes)
+}
+
 /// Counts a draw that needs more than the thread's counts.
 fn count_noted(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
     let mut counted = count(handle, more);
@@ -298,190 +311,5 @@ fn count_noted(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
     }
 }
 
-/// One device, found without a lock: as that of [`super::compute`].
-struct Quick {
-    /// 0: of none.
-    key: AtomicUsize,
-    armed: AtomicPtr<Armed>,
-}
-
-static QUICK: Quick = Quick { key: AtomicUsize::new(0), armed: AtomicPtr::new(ptr::null_mut()) };
-
-/// No address of a dispatch table.
-const RESERVED: usize = 1;
-
-/// A device is made. The first one is found quickly as long as it lives.
-pub fn device_made(key: DispatchKey, armed: &Arc<Armed>) {
-    // Reserved first: two devices may be made at once.
-    if armed.follows_passes()
-        && QUICK.key.compare_exchange(0, RESERVED, Ordering::AcqRel, Ordering::Relaxed).is_ok()
-    {
-        QUICK.armed.store(Arc::as_ptr(armed).cast_mut(), Ordering::Relaxed);
-        QUICK.key.store(key.address(), Ordering::Release);
-    }
-}
-
-/// A device is about to be destroyed.
-pub fn device_ends(key: DispatchKey) {
-    let _ = QUICK.key.compare_exchange(key.address(), 0, Ordering::AcqRel, Ordering::Relaxed);
-}
-
-/// The device of a command buffer, where it is the one that is found quickly.
-///
-/// # Safety
-///
-/// `handle` is a live command buffer.
-#[inline]
-unsafe fn quick<'a>(handle: vk::CommandBuffer) -> Option<&'a Armed> {
-    // SAFETY: the caller vouches for the handle.
-    let key = unsafe { DispatchKey::of(handle) }?;
-    if QUICK.key.load(Ordering::Acquire) != key.address() {
-        return None;
-    }
-    // SAFETY: stored before the key, from what lives as long as the device, which does not end while commands are recorded (external
-    // synchronization of vkDestroyDevice).
-    unsafe { QUICK.armed.load(Ordering::Relaxed).as_ref() }
-}
-
-/// Hooks of draws; `$counts` are the counts of a call.
-macro_rules! draws {
-    ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), counts $counts:expr;)*) => {$(
-        #[doc = concat!("`", $call, "`.")]
-        #[allow(clippy::too_many_arguments, reason = "those of the call")]
-        pub unsafe extern "system" fn $name(handle: vk::CommandBuffer, $($argument: $type),*) {
-            let counts = $counts;
-            // SAFETY: the application's own command buffer, which is live.
-            if let Some(next) = unsafe { quick(handle) }.and_then(|armed| armed.next.$field)
-                && count(handle, counts) == Counted::Done
-            {
-                // SAFETY: the application's own arguments.
-                return unsafe { next(handle, $($argument),*) };
-            }
-            guard(
-                $call,
-                // SAFETY: the application's own arguments.
-                || unsafe { pass_on!(with_buffer: handle, $field(handle, $($argument),*), ()) },
-                // SAFETY: as above.
-                |answer| unsafe {
-                    let Some((known, next)) = with_buffer(handle, |next| next.$field) else { return };
-                    next(handle, $($argument),*);
-                    answer.made();
-                    if let Some(known) = known.filter(|known| known.armed.follows_passes()) {
-                        count_noted(&known, handle, counts);
-                    }
-                },
-            );
-        }
-    )*};
-}
-
-draws! {
-    draw, "vkCmdDraw", cmd_draw: (vertices: u32, instances: u32, first_vertex: u32, first_instance: u32),
-        counts Counts::of(vertices, instances);
-    draw_indexed, "vkCmdDrawIndexed", cmd_draw_indexed: (
-        indices: u32, instances: u32, first_index: u32, vertex_offset: i32, first_instance: u32
-    ), counts Counts::of(indices, instances);
-    draw_indirect, "vkCmdDrawIndirect", cmd_draw_indirect: (
-        from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ), counts Counts::INDIRECT;
-    draw_indexed_indirect, "vkCmdDrawIndexedIndirect", cmd_draw_indexed_indirect: (
-        from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ), counts Counts::INDIRECT;
-    draw_indirect_count, "vkCmdDrawIndirectCount", cmd_draw_indirect_count: (
-        from: vk::Buffer, offset: vk::DeviceSize, count_buffer: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ), counts Counts::INDIRECT;
-    draw_indexed_indirect_count, "vkCmdDrawIndexedIndirectCount", cmd_draw_indexed_indirect_count: (
-        from: vk::Buffer, offset: vk::DeviceSize, count_buffer: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ), counts Counts::INDIRECT;
-    draw_mesh_tasks, "vkCmdDrawMeshTasksEXT", cmd_draw_mesh_tasks: (x: u32, y: u32, z: u32),
-        counts Counts::INDIRECT;
-    draw_mesh_tasks_indirect, "vkCmdDrawMeshTasksIndirectEXT", cmd_draw_mesh_tasks_indirect: (
-        from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ), counts Counts::INDIRECT;
-    draw_mesh_tasks_indirect_count, "vkCmdDrawMeshTasksIndirectCountEXT", cmd_draw_mesh_tasks_indirect_count: (
-        from: vk::Buffer, offset: vk::DeviceSize, count_buffer: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ), counts Counts::INDIRECT;
-    draw_multi, "vkCmdDrawMultiEXT", cmd_draw_multi: (
-        draw_count: u32, infos: *const vk::MultiDrawInfoEXT, instances: u32, first_instance: u32, stride: u32
-    ), counts Counts::INDIRECT;
-    draw_multi_indexed, "vkCmdDrawMultiIndexedEXT", cmd_draw_multi_indexed: (
-        draw_count: u32,
-        infos: *const vk::MultiDrawIndexedInfoEXT,
-        instances: u32,
-        first_instance: u32,
-        stride: u32,
-        vertex_offset: *const i32
-    ), counts Counts::INDIRECT;
-    draw_byte_count, "vkCmdDrawIndirectByteCountEXT", cmd_draw_indirect_byte_count: (
-        instances: u32,
-        first_instance: u32,
-        counter: vk::Buffer,
-        counter_offset: vk::DeviceSize,
-        offset: u32,
-        vertex_stride: u32
-    ), counts Counts::INDIRECT;
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::ImageKey;
-
-    #[test]
-    fn quads_are_at_most_two_triangles_for_each_eye() {
-        let quads = |vertices, instances| Counts::of(vertices, instances).quads;
-        assert_eq!([quads(3, 1), quads(6, 2), quads(4, 1)], [1, 1, 1]);
-        assert_eq!([quads(7, 1), quads(6, 3), quads(300, 1)], [0, 0, 0]);
-        assert_eq!(Counts::of(u32::MAX, 3).vertices, u32::MAX);
-        assert_eq!(Counts::of(36, 10), Counts { quads: 0, meshes: 1, vertices: 360 });
-    }
-
-    #[test]
-    fn a_thread_counts_for_the_pass_that_it_records_alone() {
-        let [this, other] = [1, 2].map(vk::CommandBuffer::from_raw);
-        let more = Counts::of(3, 1);
-        assert_eq!(count(this, more), Counted::Elsewhere, "no pass");
-        OPEN.with(|open| open.handle.set(1));
-        assert_eq!([count(this, more), count(this, Counts::INDIRECT)], [Counted::Done; 2]);
-        assert_eq!(count(other, more), Counted::Elsewhere);
-        let counts = OPEN.with(|open| open.counts.replace(Counts::default()));
-        assert_eq!(counts, Counts { quads: 1, meshes: 1, vertices: 3 + Draws::INDIRECT_VERTICES });
-        let elsewhere = std::thread::spawn(move || count(this, more)).join().unwrap();
-        assert_eq!(elsewhere, Counted::Elsewhere, "another thread");
-    }
-
-    #[test]
-    fn what_is_bound_is_told_once_by_kind_of_draw() {
-        let this = vk::CommandBuffer::from_raw(3);
-        let [quad, mesh] = [Counts::of(3, 1), Counts::of(30, 1)];
-        OPEN.with(|open| {
-            open.handle.set(3);
-            open.forget_bound(3, false);
-            assert_eq!(count(this, quad), Counted::Done, "nothing is bound");
-            open.sets[2].set(77);
-            open.is_bound_anew();
-            assert_eq!([count(this, quad), count(this, mesh)], [Counted::Untold; 2]);
-            open.told[0].set(true);
-            assert_eq!([count(this, quad), count(this, mesh)], [Counted::Done, Counted::Untold]);
-            // The next pass goes on with it.
-            open.draws_in(3);
-            assert_eq!(count(this, quad), Counted::Untold);
-            open.draws_in(4);
-            assert!(open.is_unknown.get(), "of another command buffer nobody saw what is bound");
-        });
-    }
-
-    #[test]
-    fn counts_that_are_lost_are_not_told() {
-        let mut reads = <[Reads; 2]>::default();
-        reads[1].push(ImageKey(5));
-        let mut tally = Tally { counts: Counts::of(3, 1), ..Tally::default() };
-        tally.execute(&Tally { counts: Counts::of(30, 1), reads, ..Tally::default() });
-        let draws = tally.finish().unwrap();
-        assert_eq!((draws.quads, draws.meshes, draws.vertices), (1, 1, 33));
-        assert_eq!(draws.read_by_meshes.images.as_slice(), [ImageKey(5)]);
-        assert_eq!(tally.finish(), Some(Draws::default()), "of the next pass");
-        tally.execute(&Tally { is_lost: true, ..Tally::default() });
-        assert_eq!(tally.finish(), None);
-    }
-}
+mod tests;

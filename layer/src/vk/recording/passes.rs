@@ -1,6 +1,6 @@
 //! Render passes.
 
-use super::{Buffer, Within, drawing, draws, timed, with_buffer};
+use super::{Buffer, Within, drawing, draws, stencil, timed, with_buffer};
 use crate::abi::guard;
 use crate::mask::{DepthWork, MaskMap};
 use crate::scene::{Pass, Target};
@@ -218,6 +218,7 @@ unsafe fn begin_noted(
 pub unsafe fn end_noted(buffer: &Buffer, handle: vk::CommandBuffer) {
     // SAFETY: the caller vouches for the command buffer.
     unsafe { drawing::leave(buffer, handle) };
+    stencil::changes(buffer, handle);
     draws::settle(buffer, handle);
     let (mask, bound) = {
         let mut recorded = buffer.recorded();
@@ -225,14 +226,15 @@ pub unsafe fn end_noted(buffer: &Buffer, handle: vk::CommandBuffer) {
             recorded.end_draws();
         }
         let mask = recorded.end();
-        let bound = mask.as_ref().map(|_| recorded.compute.clone());
+        let bound = mask.as_ref().map(|_| (recorded.compute.clone(), recorded.offsets.clone()));
         (mask, bound)
     };
-    if let (Some(masks), Some(mask), Some(bound)) = (&buffer.armed.masks, mask, bound) {
+    if let (Some(masks), Some(mask), Some((compute, offsets))) = (&buffer.armed.masks, mask, bound) {
         // SAFETY: the caller vouches for the command buffer; what the pass drew to is live, as it is in use.
         unsafe {
             masks.end_pass(&mask, handle);
-            bound.restore(&buffer.armed.next, handle);
+            compute.restore(&buffer.armed.next, handle);
+            offsets.restore(&buffer.armed.next, handle);
             buffer.recorded().pending.extend(mask.pending().iter().cloned());
             buffer.fill_where(handle, |pending| !pending.may_wait());
         }
@@ -264,8 +266,9 @@ impl Buffer {
             covered_by,
             prepasses,
             is_primary: self.is_primary,
-            restores_compute: recorded.compute.is_whole(),
-            restores_graphics: recorded.drawing.is_whole(),
+            restores_compute: recorded.restores_compute(),
+            restores_graphics: recorded.restores_graphics(),
+            has_offsets: !recorded.offsets.is_empty(),
             follows_graphics: recorded.drawing.is_followed(),
             is_conditional: recorded.is_conditional,
             area,

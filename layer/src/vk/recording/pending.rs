@@ -1,6 +1,6 @@
 //! Fills that wait in a command buffer for a reader, see [`crate::vk::masks::Pending`].
 
-use super::{Buffer, draws, timed, with_buffer};
+use super::{Buffer, draws, stencil, timed, with_buffer};
 use crate::abi::guard;
 use crate::mask::MaskMap;
 use crate::scene::ImageKey;
@@ -33,7 +33,7 @@ impl Buffer {
             if ended.is_empty() {
                 return;
             }
-            (recorded.compute.clone(), recorded.drawing.bound())
+            (recorded.compute.clone(), recorded.drawing.bound(), recorded.offsets.clone())
         };
         let Some(masks) = &self.armed.masks else { return };
         // SAFETY: the caller vouches for the command buffer; an image of which something waits is live, as it is in use.
@@ -41,9 +41,10 @@ impl Buffer {
             for pending in &ended {
                 masks.fill(pending, handle);
             }
-            let (compute, drawing) = bound;
+            let (compute, drawing, offsets) = bound;
             compute.restore(&self.armed.next, handle);
             drawing.restore(&self.armed.next, handle);
+            offsets.restore(&self.armed.next, handle);
         }
     }
 
@@ -128,6 +129,7 @@ pub unsafe extern "system" fn end_buffer(handle: vk::CommandBuffer) -> vk::Resul
                 return FAILED;
             };
             if let Some(known) = known {
+                stencil::changes(&known, handle);
                 draws::settle(&known, handle);
                 known.fill_all(handle);
                 timed::buffer_ends(&known, handle);

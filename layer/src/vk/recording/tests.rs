@@ -1,5 +1,5 @@
 use super::*;
-use crate::mask::{Directions, Returns};
+use crate::mask::{Directions, DynamicStencil, Returns};
 use crate::scene::{ImageKey, PassFacts, Target, Transfer, TransferKind};
 
 fn target(image: u64) -> Target {
@@ -34,12 +34,15 @@ fn facts(recorded: &Recorded) -> Vec<PassFacts> {
     passes.collect()
 }
 
-const QUERIED: Within = Within { is_queried: true, clears_depth: false, pipelines: None };
-const CLEARED: Within = Within { is_queried: false, clears_depth: true, pipelines: None };
+const NOTHING: Within =
+    Within { is_queried: false, clears_depth: false, writes_stencil: false, pipelines: None };
+const QUERIED: Within = Within { is_queried: true, ..NOTHING };
+const CLEARED: Within = Within { clears_depth: true, ..NOTHING };
 
 const LESS: PipelineFacts = PipelineFacts {
     have_side_effects: false,
     write_stencil: false,
+    dynamic_stencil: DynamicStencil { test: false, op: false },
     are_unknown: false,
     directions: Directions { less: true, greater: false },
     returns: Returns { any: false, keeping_coverage: false },

@@ -51,7 +51,7 @@ fn of_one(status: &Status, environment: &Environment) -> String {
         line("view", &view(status));
         line("passes", &format!("{} with shading rates in the last frame", status.passes_matched));
         for (index, decision) in status.decisions.iter().enumerate() {
-            line(if index == 0 { "decisions" } else { "" }, decision);
+            line(if index == 0 { "decisions" } else { "" }, &decision.line);
         }
     }
     line("settings", &settings(&status.settings));
@@ -170,6 +170,7 @@ fn gate(gate: &Gate) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use parafovea_manifest::status::Decision;
     use parafovea_manifest::status::{Gaze, View};
     use std::time::Duration;
 
@@ -186,7 +187,9 @@ mod tests {
             frame_rate_hz: 89.96,
             backend: "mask".to_owned(),
             passes_matched: 2,
-            decisions: ["no rates", "pass 64x64: the scene"].map(str::to_owned).to_vec(),
+            decisions: ["no rates", "pass 64x64: the scene"]
+                .map(|line| Decision { line: line.to_owned(), ..Decision::default() })
+                .to_vec(),
             gaze: Gaze {
                 source: "eyes".to_owned(),
                 is_valid: true,

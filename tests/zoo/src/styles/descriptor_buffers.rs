@@ -39,15 +39,19 @@ fn start<'a>(app: &'a App<'a>) -> Result<Recorder<'a>> {
         let binding = vk::DescriptorBufferBindingInfoEXT::default()
             .address(gpu.address(&descriptors))
             .usage(vk::BufferUsageFlags::RESOURCE_DESCRIPTOR_BUFFER_EXT);
+        // Once for both eyes: what a layer binds in between must leave them.
+        let offset = [stride * frame.slot as u64];
+        // SAFETY: the command buffer is being recorded; the buffer holds a set of this layout for each slot.
+        unsafe {
+            api.cmd_bind_descriptor_buffers(commands, &[binding]);
+            api.cmd_set_descriptor_buffer_offsets(commands, graphics, layout, 0, &[0], &offset);
+        }
         for eye in EYES {
             let pass = &eyes[eye][frame.color[eye]];
             let draw = Draw { view: eye as u32, far: 1.0, ..Draw::default() };
             pass.begin(gpu, commands);
-            // SAFETY: the pass was begun; the buffer holds a set of this layout for each slot.
+            // SAFETY: the pass was begun; offsets were set.
             unsafe {
-                api.cmd_bind_descriptor_buffers(commands, &[binding]);
-                let offset = [stride * frame.slot as u64];
-                api.cmd_set_descriptor_buffer_offsets(commands, graphics, layout, 0, &[0], &offset);
                 gpu.cmd_push_constants(commands, layout, STAGES, 0, bytemuck::bytes_of(&draw));
                 gpu.cmd_bind_pipeline(commands, graphics, boxes);
                 gpu.cmd_draw(commands, VERTICES, BOXES, 0, 0);

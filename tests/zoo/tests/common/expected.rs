@@ -17,7 +17,7 @@ pub enum Expected {
 
 /// Every style, and what the table says of it, or what is wrong with that.
 pub fn expected() -> Vec<(&'static Style, Result<Expected, String>)> {
-    let table = column();
+    let table = column(MASK);
     let of_style = |style: &'static Style| {
         let expected = match table.get(style.name).map(String::as_str) {
             Some("engaged") => Ok(Expected::Engaged),
@@ -33,14 +33,21 @@ pub fn expected() -> Vec<(&'static Style, Result<Expected, String>)> {
     STYLES.iter().copied().map(of_style).collect()
 }
 
-/// The column of the mask, by style.
-fn column() -> BTreeMap<String, String> {
+/// How the table's first row begins.
+const HEADER: &str = "| style | rate attachment |";
+
+/// The number of the column of masks.
+const MASK: usize = 2;
+
+/// A column of the table by its number, by style.
+pub fn column(number: usize) -> BTreeMap<String, String> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../baselines/backends.md");
     let text = std::fs::read_to_string(path).unwrap();
-    let rows = text.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| style"));
+    let rows = text.lines().skip_while(|line| !line.starts_with(HEADER)).skip(1);
+    let rows = rows.filter(|line| line.starts_with("| "));
     rows.map(|row| {
         let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
-        (cells[0].to_owned(), cells[2].to_owned())
+        (cells[0].to_owned(), cells[number].to_owned())
     })
     .collect()
 }

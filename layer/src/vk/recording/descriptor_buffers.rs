@@ -1,0 +1,375 @@
+//! Offsets into descriptor buffers (VK_EXT_descriptor_buffer), so that they can be set again after work of ours between the
+//! application's commands.
+//!
+//! That work binds descriptor sets, after which offsets are no longer valid (Vulkan specification, vkCmdBindDescriptorSets), of any bind
+//! point as far as its words go. The buffers stay bound.
+
+use super::{drawing, draws, with_buffer};
+use crate::abi::guard;
+use crate::vk::dispatch::ArmedTable;
+use crate::vk::masks::follow_graphics;
+use crate::vk::rates::copies::slice;
+use ash::vk;
+use smallvec::SmallVec;
+
+/// Offsets and embedded samplers of a command buffer.
+#[derive(Debug, Clone, Default)]
+pub struct BufferOffsets {
+    /// In their order.
+    calls: SmallVec<[Call; 4]>,
+    /// Whether something was set that is not kept, or nobody followed what is bound beside.
+    has_more: bool,
+    /// Whether sets were bound at one bind point after offsets were set at another: whether those still count is a matter of opinion.
+    is_mixed: bool,
+}
+
+/// One call that set offsets, or bound embedded samplers.
+#[derive(Debug, Clone, PartialEq)]
+struct Call {
+    point: vk::PipelineBindPoint,
+    layout: vk::PipelineLayout,
+    first: u32,
+    what: What,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum What {
+    /// Pairs of a buffer's number and an offset into it.
+    Offsets(SmallVec<[u32; 4]>, SmallVec<[vk::DeviceSize; 4]>),
+    Samplers,
+}
+
+impl What {
+    fn sets(&self) -> u32 {
+        match self {
+            Self::Offsets(indices, _) => indices.len() as u32,
+            Self::Samplers => 1,
+        }
+    }
+}
+
+impl BufferOffsets {
+    /// Forgets all; the memory stays.
+    pub fn clear(&mut self) {
+        self.calls.clear();
+        self.has_more = false;
+        self.is_mixed = false;
+    }
+
+    /// Whether nothing of that kind is in use.
+    pub fn is_empty(&self) -> bool {
+        self.calls.is_empty() && !self.has_more
+    }
+
+    /// Whether [`Self::restore`] sets everything again.
+    pub fn is_whole(&self) -> bool {
+        !self.has_more && !self.is_mixed
+    }
+
+    /// Buffers are bound, which ends what was set by those before.
+    fn bind_buffers(&mut self) {
+        self.calls.retain(|call| call.what == What::Samplers);
+        self.is_mixed &= !self.calls.is_empty();
+    }
+
+    /// Sets are bound at a point.
+    pub fn bind_sets(&mut self, point: vk::PipelineBindPoint) {
+        self.calls.retain(|call| call.point != point);
+        self.is_mixed = !self.calls.is_empty();
+    }
+
+    fn set(&mut self, new: Call) {
+        let end = |call: &Call| u64::from(call.first) + u64::from(call.what.sets());
+        let is_within =
+            |call: &Call| call.point == new.point && call.first >= new.first && end(call) <= end(&new);
+        self.calls.retain(|call| !is_within(call));
+        self.calls.push(new);
+    }
+
+    /// Sets them again, with the next layer's functions, as they were set.
+    ///
+    /// # Safety
+    ///
+    /// `commands` is recording, this is what was set in it, and its descriptor buffers are bound.
+    pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
+        for Call { point, layout, first, what } in &self.calls {
+            // SAFETY: the caller vouches for the command buffer; what was set stays valid as long as that does.
+            unsafe {
+                match what {
+                    What::Offsets(indices, offsets) => {
+                        let Some(set) = next.cmd_set_descriptor_buffer_offsets else { return };
+                        let count = indices.len() as u32;
+                        set(commands, *point, *layout, *first, count, indices.as_ptr(), offsets.as_ptr());
+                    }
+                    What::Samplers => {
+                        let Some(bind) = next.cmd_bind_descriptor_buffer_embedded_samplers else { return };
+                        bind(commands, *point, *layout, *first);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The bind points of shader stages.
+pub(super) fn points(stages: vk::ShaderStageFlags) -> SmallVec<[vk::PipelineBindPoint; 3]> {
+    use vk::ShaderStageFlags as Stages;
+    let drawing = Stages::ALL_GRAPHICS | Stages::TASK_EXT | Stages::MESH_EXT;
+    let tracing = Stages::RAYGEN_KHR
+        | Stages::ANY_HIT_KHR
+        | Stages::CLOSEST_HIT_KHR
+        | Stages::MISS_KHR
+        | Stages::INTERSECTION_KHR
+        | Stages::CALLABLE_KHR;
+    let all = [
+        (Stages::COMPUTE, vk::PipelineBindPoint::COMPUTE),
+        (drawing, vk::PipelineBindPoint::GRAPHICS),
+        (tracing, vk::PipelineBindPoint::RAY_TRACING_KHR),
+    ];
+    all.into_iter().filter(|(of, _)| stages.intersects(*of)).map(|(_, point)| point).collect()
+}
+
+/// Something was set in a command buffer, which `keep` keeps; at these points a pass may read what nobody knows.
+///
+/// # Safety
+///
+/// `handle` is this command buffer, which is recording.
+unsafe fn note(
+    known: &super::Buffer,
+    handle: vk::CommandBuffer,
+    points: &[vk::PipelineBindPoint],
+    keep: impl Fn(&mut BufferOffsets),
+) {
+    let draws = points.contains(&vk::PipelineBindPoint::GRAPHICS);
+    if draws {
+        draws::bind_unknown(handle);
+    }
+    if known.armed.masks.is_none() {
+        return;
+    }
+    {
+        let mut recorded = known.recorded();
+        if !recorded.drawing.is_followed() {
+            // Sets that are bound for drawing count too, from the next command buffers on.
+            follow_graphics();
+        }
+        keep(&mut recorded.offsets);
+    }
+    if draws {
+        // SAFETY: the caller vouches for the command buffer.
+        unsafe { drawing::bind_ours_again(known, handle) };
+    }
+}
+
+/// `vkCmdBindDescriptorBuffersEXT`.
+pub unsafe extern "system" fn bind(
+    handle: vk::CommandBuffer,
+    count: u32,
+    infos: *const vk::DescriptorBufferBindingInfoEXT<'_>,
+) {
+    guard(
+        "vkCmdBindDescriptorBuffersEXT",
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_bind_descriptor_buffers(handle, count, infos), ()) },
+        // SAFETY: the application's own arguments.
+        |answer| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_bind_descriptor_buffers) else {
+                return;
+            };
+            next(handle, count, infos);
+            answer.made();
+            if let Some(known) = known {
+                note(&known, handle, &[vk::PipelineBindPoint::GRAPHICS], BufferOffsets::bind_buffers);
+            }
+        },
+    );
+}
+
+/// `vkCmdSetDescriptorBufferOffsetsEXT`.
+pub unsafe extern "system" fn set_offsets(
+    handle: vk::CommandBuffer,
+    point: vk::PipelineBindPoint,
+    layout: vk::PipelineLayout,
+    first: u32,
+    count: u32,
+    indices: *const u32,
+    offsets: *const vk::DeviceSize,
+) {
+    guard(
+        "vkCmdSetDescriptorBufferOffsetsEXT",
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                with_buffer: handle,
+                cmd_set_descriptor_buffer_offsets(handle, point, layout, first, count, indices, offsets),
+                ()
+            )
+        },
+        // SAFETY: the application's own arguments: `count` numbers and offsets.
+        |answer| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_set_descriptor_buffer_offsets)
+            else {
+                return;
+            };
+            next(handle, point, layout, first, count, indices, offsets);
+            answer.made();
+            if let Some(known) = known {
+                let what = What::Offsets(slice(indices, count).into(), slice(offsets, count).into());
+                let call = Call { point, layout, first, what };
+                note(&known, handle, &[point], |kept| kept.set(call.clone()));
+            }
+        },
+    );
+}
+
+/// `vkCmdSetDescriptorBufferOffsets2EXT`.
+pub unsafe extern "system" fn set_offsets2(
+    handle: vk::CommandBuffer,
+    info: *const vk::SetDescriptorBufferOffsetsInfoEXT<'_>,
+) {
+    guard(
+        "vkCmdSetDescriptorBufferOffsets2EXT",
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(with_buffer: handle, cmd_set_descriptor_buffer_offsets2(handle, info), ()) },
+        // SAFETY: the application's own arguments: a valid structure.
+        |answer| unsafe {
+            let Some((known, next)) = with_buffer(handle, |next| next.cmd_set_descriptor_buffer_offsets2)
+            else {
+                return;
+            };
+            next(handle, info);
+            answer.made();
+            if let Some(known) = known {
+                let (info, points) = (&*info, points((*info).stage_flags));
+                let indices = slice(info.p_buffer_indices, info.set_count);
+                let offsets = slice(info.p_offsets, info.set_count);
+                note(&known, handle, &points, |kept| {
+                    // A chain may say another layout.
+                    kept.has_more |= !info.p_next.is_null();
+                    for &point in &points {
+                        let what = What::Offsets(indices.into(), offsets.into());
+                        kept.set(Call { point, layout: info.layout, first: info.first_set, what });
+                    }
+                });
+            }
+        },
+    );
+}
+
+/// `vkCmdBindDescriptorBufferEmbeddedSamplersEXT`.
+pub unsafe extern "system" fn bind_samplers(
+    handle: vk::CommandBuffer,
+    point: vk::PipelineBindPoint,
+    layout: vk::PipelineLayout,
+    set: u32,
+) {
+    guard(
+        "vkCmdBindDescriptorBufferEmbeddedSamplersEXT",
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                with_buffer: handle,
+                cmd_bind_descriptor_buffer_embedded_samplers(handle, point, layout, set),
+                ()
+            )
+        },
+        // SAFETY: the application's own arguments.
+        |answer| unsafe {
+            let bind = with_buffer(handle, |next| next.cmd_bind_descriptor_buffer_embedded_samplers);
+            let Some((known, next)) = bind else { return };
+            next(handle, point, layout, set);
+            answer.made();
+            if let Some(known) = known {
+                let call = Call { point, layout, first: set, what: What::Samplers };
+                note(&known, handle, &[point], |kept| kept.set(call.clone()));
+            }
+        },
+    );
+}
+
+/// `vkCmdBindDescriptorBufferEmbeddedSamplers2EXT`.
+pub unsafe extern "system" fn bind_samplers2(
+    handle: vk::CommandBuffer,
+    info: *const vk::BindDescriptorBufferEmbeddedSamplersInfoEXT<'_>,
+) {
+    guard(
+        "vkCmdBindDescriptorBufferEmbeddedSamplers2EXT",
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(with_buffer: handle, cmd_bind_descriptor_buffer_embedded_samplers2(handle, info), ())
+        },
+        // SAFETY: the application's own arguments: a valid structure.
+        |answer| unsafe {
+            let bind = with_buffer(handle, |next| next.cmd_bind_descriptor_buffer_embedded_samplers2);
+            let Some((known, next)) = bind else { return };
+            next(handle, info);
+            answer.made();
+            if let Some(known) = known {
+                let (info, points) = (&*info, points((*info).stage_flags));
+                note(&known, handle, &points, |kept| {
+                    kept.has_more |= !info.p_next.is_null();
+                    for &point in &points {
+                        kept.set(Call { point, layout: info.layout, first: info.set, what: What::Samplers });
+                    }
+                });
+            }
+        },
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ash::vk::Handle;
+
+    const COMPUTE: vk::PipelineBindPoint = vk::PipelineBindPoint::COMPUTE;
+    const GRAPHICS: vk::PipelineBindPoint = vk::PipelineBindPoint::GRAPHICS;
+
+    fn offsets(point: vk::PipelineBindPoint, first: u32, offsets: &[u64]) -> Call {
+        let what = What::Offsets(offsets.iter().map(|_| 0).collect(), offsets.into());
+        Call { point, layout: vk::PipelineLayout::from_raw(1), first, what }
+    }
+
+    #[test]
+    fn offsets_are_kept_until_they_are_set_anew_or_other_buffers_are_bound() {
+        let mut kept = BufferOffsets::default();
+        let samplers =
+            Call { point: GRAPHICS, layout: vk::PipelineLayout::null(), first: 3, what: What::Samplers };
+        for call in [offsets(GRAPHICS, 0, &[64]), offsets(COMPUTE, 0, &[0]), samplers.clone()] {
+            kept.set(call);
+        }
+        kept.set(offsets(GRAPHICS, 0, &[128, 256]));
+        let expected = [offsets(COMPUTE, 0, &[0]), samplers.clone(), offsets(GRAPHICS, 0, &[128, 256])];
+        assert_eq!(kept.calls.as_slice(), expected);
+        kept.bind_buffers();
+        assert_eq!(kept.calls.as_slice(), [samplers]);
+        assert!(kept.is_whole() && !kept.is_empty());
+        kept.clear();
+        assert!(kept.is_empty());
+    }
+
+    #[test]
+    fn sets_end_offsets_of_their_point_and_put_others_in_doubt() {
+        let mut kept = BufferOffsets::default();
+        kept.bind_sets(GRAPHICS);
+        kept.set(offsets(COMPUTE, 0, &[0]));
+        assert!(kept.is_whole(), "sets that were bound before stay what they are");
+        kept.bind_sets(GRAPHICS);
+        assert!(!kept.is_whole());
+        kept.bind_sets(COMPUTE);
+        assert!(kept.is_whole() && kept.is_empty());
+        kept.set(offsets(COMPUTE, 0, &[0]));
+        kept.bind_sets(GRAPHICS);
+        kept.bind_buffers();
+        assert!(kept.is_whole() && kept.is_empty(), "nothing is set any more");
+    }
+
+    #[test]
+    fn stages_belong_to_bind_points() {
+        use vk::ShaderStageFlags as Stages;
+        assert_eq!(points(Stages::VERTEX | Stages::FRAGMENT).as_slice(), [GRAPHICS]);
+        assert_eq!(points(Stages::COMPUTE | Stages::MESH_EXT).as_slice(), [COMPUTE, GRAPHICS]);
+        assert_eq!(points(Stages::RAYGEN_KHR).as_slice(), [vk::PipelineBindPoint::RAY_TRACING_KHR]);
+        assert_eq!(points(Stages::ALL).len(), 3);
+    }
+}

@@ -1,0 +1,86 @@
+//! Hooks of draws. A draw of the pass that its thread records goes straight down once it is counted.
+
+use super::quick::quick;
+use super::{Counted, Counts, count, count_noted};
+use crate::abi::guard;
+use crate::vk::recording::with_buffer;
+use ash::vk;
+
+/// Hooks of draws; `$counts` are the counts of a call.
+macro_rules! draws {
+    ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), counts $counts:expr;)*) => {$(
+        #[doc = concat!("`", $call, "`.")]
+        #[allow(clippy::too_many_arguments, reason = "those of the call")]
+        pub unsafe extern "system" fn $name(handle: vk::CommandBuffer, $($argument: $type),*) {
+            let counts = $counts;
+            // SAFETY: the application's own command buffer, which is live.
+            if let Some(next) = unsafe { quick(handle) }.and_then(|armed| armed.next.$field)
+                && count(handle, counts) == Counted::Done
+            {
+                // SAFETY: the application's own arguments.
+                return unsafe { next(handle, $($argument),*) };
+            }
+            guard(
+                $call,
+                // SAFETY: the application's own arguments.
+                || unsafe { pass_on!(with_buffer: handle, $field(handle, $($argument),*), ()) },
+                // SAFETY: as above.
+                |answer| unsafe {
+                    let Some((known, next)) = with_buffer(handle, |next| next.$field) else { return };
+                    next(handle, $($argument),*);
+                    answer.made();
+                    if let Some(known) = known.filter(|known| known.armed.follows_passes()) {
+                        count_noted(&known, handle, counts);
+                    }
+                },
+            );
+        }
+    )*};
+}
+
+draws! {
+    draw, "vkCmdDraw", cmd_draw: (vertices: u32, instances: u32, first_vertex: u32, first_instance: u32),
+        counts Counts::of(vertices, instances);
+    draw_indexed, "vkCmdDrawIndexed", cmd_draw_indexed: (
+        indices: u32, instances: u32, first_index: u32, vertex_offset: i32, first_instance: u32
+    ), counts Counts::of(indices, instances);
+    draw_indirect, "vkCmdDrawIndirect", cmd_draw_indirect: (
+        from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_indexed_indirect, "vkCmdDrawIndexedIndirect", cmd_draw_indexed_indirect: (
+        from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_indirect_count, "vkCmdDrawIndirectCount", cmd_draw_indirect_count: (
+        from: vk::Buffer, offset: vk::DeviceSize, count_buffer: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_indexed_indirect_count, "vkCmdDrawIndexedIndirectCount", cmd_draw_indexed_indirect_count: (
+        from: vk::Buffer, offset: vk::DeviceSize, count_buffer: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_mesh_tasks, "vkCmdDrawMeshTasksEXT", cmd_draw_mesh_tasks: (x: u32, y: u32, z: u32),
+        counts Counts::INDIRECT;
+    draw_mesh_tasks_indirect, "vkCmdDrawMeshTasksIndirectEXT", cmd_draw_mesh_tasks_indirect: (
+        from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_mesh_tasks_indirect_count, "vkCmdDrawMeshTasksIndirectCountEXT", cmd_draw_mesh_tasks_indirect_count: (
+        from: vk::Buffer, offset: vk::DeviceSize, count_buffer: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_multi, "vkCmdDrawMultiEXT", cmd_draw_multi: (
+        draw_count: u32, infos: *const vk::MultiDrawInfoEXT, instances: u32, first_instance: u32, stride: u32
+    ), counts Counts::INDIRECT;
+    draw_multi_indexed, "vkCmdDrawMultiIndexedEXT", cmd_draw_multi_indexed: (
+        draw_count: u32,
+        infos: *const vk::MultiDrawIndexedInfoEXT,
+        instances: u32,
+        first_instance: u32,
+        stride: u32,
+        vertex_offset: *const i32
+    ), counts Counts::INDIRECT;
+    draw_byte_count, "vkCmdDrawIndirectByteCountEXT", cmd_draw_indirect_byte_count: (
+        instances: u32,
+        first_instance: u32,
+        counter: vk::Buffer,
+        counter_offset: vk::DeviceSize,
+        offset: u32,
+        vertex_stride: u32
+    ), counts Counts::INDIRECT;
+}

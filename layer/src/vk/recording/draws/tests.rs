@@ -1,0 +1,60 @@
+use super::*;
+use crate::scene::ImageKey;
+
+#[test]
+fn quads_are_at_most_two_triangles_for_each_eye() {
+    let quads = |vertices, instances| Counts::of(vertices, instances).quads;
+    assert_eq!([quads(3, 1), quads(6, 2), quads(4, 1)], [1, 1, 1]);
+    assert_eq!([quads(7, 1), quads(6, 3), quads(300, 1)], [0, 0, 0]);
+    assert_eq!(Counts::of(u32::MAX, 3).vertices, u32::MAX);
+    assert_eq!(Counts::of(36, 10), Counts { quads: 0, meshes: 1, vertices: 360 });
+}
+
+#[test]
+fn a_thread_counts_for_the_pass_that_it_records_alone() {
+    let [this, other] = [1, 2].map(vk::CommandBuffer::from_raw);
+    let more = Counts::of(3, 1);
+    assert_eq!(count(this, more), Counted::Elsewhere, "no pass");
+    OPEN.with(|open| open.handle.set(1));
+    assert_eq!([count(this, more), count(this, Counts::INDIRECT)], [Counted::Done; 2]);
+    assert_eq!(count(other, more), Counted::Elsewhere);
+    let counts = OPEN.with(|open| open.counts.replace(Counts::default()));
+    assert_eq!(counts, Counts { quads: 1, meshes: 1, vertices: 3 + Draws::INDIRECT_VERTICES });
+    let elsewhere = std::thread::spawn(move || count(this, more)).join().unwrap();
+    assert_eq!(elsewhere, Counted::Elsewhere, "another thread");
+}
+
+#[test]
+fn what_is_bound_is_told_once_by_kind_of_draw() {
+    let this = vk::CommandBuffer::from_raw(3);
+    let [quad, mesh] = [Counts::of(3, 1), Counts::of(30, 1)];
+    OPEN.with(|open| {
+        open.handle.set(3);
+        open.forget_bound(3, false);
+        assert_eq!(count(this, quad), Counted::Done, "nothing is bound");
+        open.sets[2].set(77);
+        open.is_bound_anew();
+        assert_eq!([count(this, quad), count(this, mesh)], [Counted::Untold; 2]);
+        open.told[0].set(true);
+        assert_eq!([count(this, quad), count(this, mesh)], [Counted::Done, Counted::Untold]);
+        // The next pass goes on with it.
+        open.draws_in(3);
+        assert_eq!(count(this, quad), Counted::Untold);
+        open.draws_in(4);
+        assert!(open.is_unknown.get(), "of another command buffer nobody saw what is bound");
+    });
+}
+
+#[test]
+fn counts_that_are_lost_are_not_told() {
+    let mut reads = <[Reads; 2]>::default();
+    reads[1].push(ImageKey(5));
+    let mut tally = Tally { counts: Counts::of(3, 1), ..Tally::default() };
+    tally.execute(&Tally { counts: Counts::of(30, 1), reads, ..Tally::default() });
+    let draws = tally.finish().unwrap();
+    assert_eq!((draws.quads, draws.meshes, draws.vertices), (1, 1, 33));
+    assert_eq!(draws.read_by_meshes.images.as_slice(), [ImageKey(5)]);
+    assert_eq!(tally.finish(), Some(Draws::default()), "of the next pass");
+    tally.execute(&Tally { is_lost: true, ..Tally::default() });
+    assert_eq!(tally.finish(), None);
+}
