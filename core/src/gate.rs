@@ -77,7 +77,7 @@ const LEAST: usize = 8;
 
 /// Time for which a technique that has come on costs more than later, nanoseconds: rates become coarse over a quarter of a second, once
 /// the gaze is known. Its costs until then are none of the stand.
-pub const RAMP_NS: i64 = 500_000_000;
+const RAMP_NS: i64 = 500_000_000;
 
 /// Frames after a switch that do not count: CPU time between two frames has work of the frame before in it, and up to two
 /// frames are under way.

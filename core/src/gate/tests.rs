@@ -262,8 +262,14 @@ fn a_ramp_at_the_start_does_not_prolong_the_first_trial() {
             let was_on = gate.is_on();
             let cost_ns = Some((5e7 * jitter * if was_on { ramp } else { 1.0 }) as u64);
             let phase = GazePhase::Fixation;
-            let frame =
-                GateFrame { time_ns: frames * frame_ns, cost_ns, was_on, phase, passes: Some(1), waited: false };
+            let frame = GateFrame {
+                time_ns: frames * frame_ns,
+                cost_ns,
+                was_on,
+                phase,
+                passes: Some(1),
+                waited: false,
+            };
             gate.frame(&frame, true);
             frames += 1;
         }
