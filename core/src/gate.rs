@@ -75,6 +75,10 @@ const HIDING_NS: i64 = 1_000_000_000;
 /// Costs that are enough ahead of a trial where frames are slow: so many frames, or half a stretch.
 const LEAST: usize = 8;
 
+/// Time for which a technique that has come on costs more than later, nanoseconds: rates become coarse over a quarter of a second, once
+/// the gaze is known. Its costs until then are none of the stand.
+const RAMP_NS: i64 = 500_000_000;
+
 /// Frames after a switch that do not count: CPU time between two frames has work of the frame before in it, and up to two
 /// frames are under way.
 const SETTLING: u32 = 2;
@@ -111,6 +115,8 @@ pub struct Gate {
     /// Frames in a row with the technique as it was in the last.
     same: u32,
     last_was_on: bool,
+    /// When the technique came on last.
+    on_since_ns: i64,
     /// Whole trials that the scene may still have with open eyes.
     whole_left: u8,
     /// Undecided trials since the last decision.
@@ -133,6 +139,7 @@ impl Gate {
             before: Before::default(),
             same: 0,
             last_was_on: false,
+            on_since_ns: 0,
             whole_left: WHOLE,
             undecided: 0,
             last_trial_ns: None,
@@ -235,13 +242,19 @@ impl Gate {
     /// Puts the frame's cost where it belongs.
     fn take(&mut self, frame: &GateFrame) {
         self.same = if frame.was_on == self.last_was_on { self.same.saturating_add(1) } else { 0 };
+        // A clock that starts anew starts the ramp anew.
+        let came_on = frame.was_on && (!self.last_was_on || frame.time_ns < self.on_since_ns);
+        if came_on {
+            self.on_since_ns = frame.time_ns;
+        }
         self.last_was_on = frame.was_on;
+        let is_ramping = frame.was_on && !has_passed(Some(self.on_since_ns), RAMP_NS, frame.time_ns);
         let cost = frame.cost_ns.filter(|&cost| cost > 0 && !frame.waited && self.same >= SETTLING);
         let Some(cost) = cost.filter(|_| self.scenes.is_current(frame.passes)) else { return };
         let cost = Cost { time_ns: frame.time_ns, ln: (cost as f64).ln() as f32 };
         match &mut self.trial {
             Some(under_way) if frame.was_on == under_way.trial.is_on() => under_way.trial.push(cost),
-            None if frame.was_on == self.stands_on => self.before.push(cost),
+            None if frame.was_on == self.stands_on && !is_ramping => self.before.push(cost),
             _ => {}
         }
     }

@@ -247,3 +247,36 @@ fn two_are_told_apart() {
         assert_eq!(kept, [rates < 1.0, reuse < 1.0], "{rates} {reuse}");
     }
 }
+
+/// Rates become coarse within a quarter of a second of the start: those frames are no costs of the stand, or the saving looks smaller
+/// than it is, and the first trial goes on until many later frames outweigh them.
+#[test]
+fn a_ramp_at_the_start_does_not_prolong_the_first_trial() {
+    let mut gate = Gate::new(GateMode::Auto);
+    let frame_ns = 11_111_111;
+    let mut frames = 0;
+    let mut decide = || {
+        while gate.evidence().is_empty() || gate.is_trying() {
+            let ramp = 1.0 - 0.4 * (frames as f64 / 25.0).min(1.0);
+            let jitter = 1.0 + 0.01 * (frames % 3) as f64;
+            let was_on = gate.is_on();
+            let cost_ns = Some((5e7 * jitter * if was_on { ramp } else { 1.0 }) as u64);
+            let phase = GazePhase::Fixation;
+            let frame = GateFrame {
+                time_ns: frames * frame_ns,
+                cost_ns,
+                was_on,
+                phase,
+                passes: Some(1),
+                waited: false,
+            };
+            gate.frame(&frame, true);
+            frames += 1;
+        }
+        frames
+    };
+    let frames = decide();
+    let (ratio, _) = gate.evidence().ratio().unwrap();
+    assert!(gate.is_kept() && (ratio - 0.6).abs() < 0.01, "{ratio}");
+    assert!(frames < 120, "{frames}");
+}

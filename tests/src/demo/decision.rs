@@ -29,6 +29,10 @@ impl Decision {
                 refused.map_or("the device does not support coarser shading", |decision| &decision.line),
             );
         }
+        // The figures are of frames with coarser shading and without, as the trial had them.
+        if gate.is_on_trial {
+            return Self::left_alone("no decision yet, a trial was under way in the measured frames");
+        }
         if !gate.is_kept {
             return Self::left_alone(&format!("trials measured {measured}"));
         }
@@ -96,6 +100,10 @@ mod tests {
                 && dear.contains("1.30 times the cost per frame (1.20 to 1.40)"),
             "{dear}"
         );
+        let mut on_trial = status(true, Some([0.7, 0.65, 0.75]), 2);
+        on_trial.rates_gate.is_on_trial = true;
+        let (engaged, undecided) = told(&on_trial);
+        assert!(!engaged && undecided.contains("no decision yet"), "{undecided}");
         let unclear = told(&status(true, None, 1));
         assert!(unclear.0 && unclear.1.contains("1 pass;"), "{unclear:?}");
         let unmatched = told(&status(true, None, 0));

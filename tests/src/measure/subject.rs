@@ -209,7 +209,10 @@ impl Subject {
             Program::Style(name) => {
                 let [size, frames] =
                     [u64::from(effort.size), effort.length()].map(|number| number.to_string());
-                Application::ours("parafovea-zoo", &["--style", name, "--size", &size, "--frames", &frames])?
+                // With actions, like nearly every application: the layer adds the gaze to them. One without gets the layer's own after half
+                // a minute, which no run here lasts.
+                let arguments = ["--style", name, "--size", &size, "--frames", &frames, "--actions"];
+                Application::ours("parafovea-zoo", &arguments)?
             }
         };
         let run = Run::new(&application, scenario);

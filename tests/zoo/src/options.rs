@@ -24,6 +24,9 @@ pub struct Options {
     /// Work of the application between locating its views and drawing them, in microseconds of each frame: a loop over memory
     #[arg(long, default_value_t = 0, value_name = "MICROSECONDS")]
     pub work: u64,
+    /// Attach and synchronise an action set, as applications with controllers do
+    #[arg(long)]
+    pub actions: bool,
     /// Print every render pass of every frame, one JSON object a line
     #[arg(long)]
     pub passes: bool,

@@ -1,5 +1,6 @@
 //! The OpenXR side: from the loader to the end of the session.
 
+mod input;
 mod layers;
 mod slots;
 mod waiter;
@@ -19,6 +20,7 @@ use parafovea_test_layers::ShadingRateDevice;
 use std::cell::{Cell, RefCell};
 use std::time::Duration;
 
+use input::Input;
 use layers::Layers;
 use slots::Slots;
 use waiter::Waiter;
@@ -110,7 +112,8 @@ pub fn run(style: &Style, options: &Options) -> Result<End> {
     // is dropped after the session and all that is made from it.
     let session = unsafe { instance.create_session::<xr::Vulkan>(system, &gpu.session_info()) };
     let (session, waiter, stream) = session.context("creating the session")?;
-    let mut show = Show::new(style, options, &session, stream, &gpu)?;
+    let input = options.actions.then(|| Input::attach(&instance, &session)).transpose().context("actions")?;
+    let mut show = Show { input, ..Show::new(style, options, &session, stream, &gpu)? };
     let shown = show.run(&instance, waiter);
     if shown.is_err() {
         // What the GPU still works with goes now.
@@ -132,6 +135,7 @@ struct Show<'g> {
     quad: Option<Swapchain>,
     slots: Slots,
     space: xr::Space,
+    input: Option<Input>,
     stream: xr::FrameStream<xr::Vulkan>,
     session: xr::Session<xr::Vulkan>,
     /// Frames rendered so far.
@@ -179,6 +183,7 @@ impl<'g> Show<'g> {
             quad: quad.transpose()?,
             slots: Slots::new(gpu)?,
             space: session.create_reference_space(xr::ReferenceSpaceType::LOCAL, xr::Posef::IDENTITY)?,
+            input: None,
             stream,
             session: session.clone(),
             frame: 0,
@@ -229,6 +234,9 @@ impl<'g> Show<'g> {
                 self.session.request_exit()?;
                 self.exit_requested = true;
                 continue;
+            }
+            if let Some(input) = &self.input {
+                input.synchronise(&self.session)?;
             }
             let state = waiter.wait()?;
             self.show(&app, &mut record, state).with_context(|| format!("frame {}", self.frame))?;
