@@ -138,8 +138,11 @@ struct FrameEnd<'a> {
     config: Arc<ConfigSnapshot>,
     submission: &'a Submission,
     /// How the head is turned in spaces of its layers, each located once: runtimes may answer in another process.
-    heads: RefCell<SmallVec<[(xr::Space, Option<Quat>); 2]>>,
+    heads: RefCell<Heads>,
 }
+
+/// How the head is turned in spaces, where that is known.
+type Heads = SmallVec<[(xr::Space, Option<Quat>); 2]>;
 
 impl FrameEnd<'_> {
     /// How the head was turned when a layer's pictures were drawn, in the layer's space.
