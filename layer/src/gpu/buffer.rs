@@ -93,7 +93,7 @@ impl ResultRing {
     }
 
     /// Reads `count` results from a place on, in place of what is in `out`. The submit that wrote them has finished, after a
-    /// [`Recorder::computed_to_host`].
+    /// [`super::Recorder::computed_to_host`].
     pub(crate) fn read(&self, place: u32, count: usize, out: &mut Vec<f32>) {
         let first = place as usize * size_of::<f32>();
         let bytes = count * size_of::<f32>();

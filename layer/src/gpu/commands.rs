@@ -101,7 +101,7 @@ impl CommandRing {
         Ok(SlotIndex(index))
     }
 
-    /// Records, or finds recorded commands with `content`, and submits; returns the number of the submit. See [`NextSubmit::submit`].
+    /// Records, or finds recorded commands with `content`, and submits; returns the number of the submit. See [`super::NextSubmit::submit`].
     pub(super) fn submit(
         &mut self,
         device: &ash::Device,
