@@ -47,7 +47,7 @@ pub(crate) use image::{ImageDescription, OwnedImage, array_view, color_view, dep
 pub(crate) use owned::Owned;
 pub(crate) use pipeline::{Output, TilePipeline, TileShader};
 pub(crate) use recorder::{Compare, DrawRecorder, Recorder, TileDraw};
-pub(crate) use recordings::{Content, serial};
+pub(crate) use recordings::{RecordingKey, serial};
 pub(crate) use sample_draw::{SampleAspect, SamplePass, SampleTarget, is_left};
 pub use shared::Shared;
 
@@ -95,19 +95,19 @@ impl NextSubmit<'_> {
         self.slot
     }
 
-    /// Records with `record` and submits; returns the number of the submit, for [`Uses::mark`]. Of commands with `content`, those of an
-    /// earlier submit are submitted again, where they are kept: then nothing is recorded.
+    /// Records with `record` and submits; returns the number of the submit, for [`Uses::mark`]. Commands with
+    /// `key` that are still recorded are submitted again: then nothing is recorded.
     ///
     /// # Errors
     /// Errors of `record`; a failed call. Then nothing was submitted.
     pub(crate) fn submit(
         mut self,
-        content: Option<&Content>,
+        key: Option<&RecordingKey>,
         record: impl FnOnce(&Recorder) -> Result<(), GpuError>,
     ) -> Result<u64, GpuError> {
         let Gpu { device, queue, .. } = self.gpu;
         let ring = self.commands.as_mut().ok_or(GpuError::Invalid("a submission without a queue"))?;
-        let result = ring.submit(device, *queue, self.slot, content, record);
+        let result = ring.submit(device, *queue, self.slot, key, record);
         self.gpu.abandon_if_stuck(result)
     }
 }

@@ -1,6 +1,6 @@
 //! A ring of submits, each with command buffers and a fence, so that a submit seldom waits and allocates nothing.
 
-use super::recordings::{Content, Found, Recordings, allocate};
+use super::recordings::{Found, RecordingKey, Recordings, allocate};
 use super::submit_times::{SubmitTime, SubmitTimes};
 use super::{Gpu, GpuError, Recorder, SUBMITS_IN_FLIGHT};
 use crate::link::DeviceRecord;
@@ -101,35 +101,35 @@ impl CommandRing {
         Ok(SlotIndex(index))
     }
 
-    /// Records, or finds recorded commands with `content`, and submits; returns the number of the submit. See [`super::NextSubmit::submit`].
+    /// Records, or finds recorded commands with `key`, and submits; returns the number of the submit. See [`super::NextSubmit::submit`].
     pub(super) fn submit(
         &mut self,
         device: &ash::Device,
         queue: vk::Queue,
         SlotIndex(index): SlotIndex,
-        content: Option<&Content>,
+        key: Option<&RecordingKey>,
         record: impl FnOnce(&Recorder) -> Result<(), GpuError>,
     ) -> Result<u64, GpuError> {
         let number = self.last_submit + 1;
         // Timestamps are written for the frame under way alone.
-        let content = content.filter(|_| !self.times.is_timed());
+        let key = key.filter(|_| !self.times.is_timed());
         let slot = &mut self.slots[index];
-        let found = match content {
+        let found = match key {
             // SAFETY: pool and device are live, and the slot's last submit has finished.
-            Some(content) => unsafe { slot.recordings.find(device, &self.record, self.pool, content) }?,
+            Some(key) => unsafe { slot.recordings.find(device, &self.record, self.pool, key) }?,
             None => Found::Blank(slot.commands),
         };
         let commands = match found {
             Found::Recorded(commands) => commands,
             Found::Blank(commands) => {
-                let once = if content.is_none() {
+                let once = if key.is_none() {
                     vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT
                 } else {
                     vk::CommandBufferUsageFlags::empty()
                 };
                 self.record(device, (commands, once), index, record)?;
-                if let Some(content) = content {
-                    self.slots[index].recordings.set_recorded(commands, content);
+                if let Some(key) = key {
+                    self.slots[index].recordings.set_recorded(commands, key);
                 }
                 commands
             }

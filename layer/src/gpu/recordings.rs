@@ -6,10 +6,10 @@ use ash::vk;
 use smallvec::SmallVec;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Everything that recorded commands depend on, but for the content of memory, in an order that the recording code chooses. Objects
-/// are named by a [`serial`] and not by their handles, which a later object may get again: commands with this content may be submitted as
-/// long as the objects exist, and whoever asks for them has these objects.
-pub(crate) type Content = SmallVec<[u64; 64]>;
+/// Key of recorded commands: all their inputs but the content of memory, in an order of the recording code's own. An object is in it by its
+/// [`serial`] and not by its handle, which a later object may get again. Commands may be submitted again while their objects exist, and a
+/// caller with a key has its objects.
+pub(crate) type RecordingKey = SmallVec<[u64; 64]>;
 
 /// A number that no other object has.
 pub(crate) fn serial() -> u64 {
@@ -32,13 +32,13 @@ pub(super) struct Recordings {
 struct Recording {
     commands: vk::CommandBuffer,
     /// `None` where nothing usable is recorded.
-    content: Option<Content>,
+    key: Option<RecordingKey>,
     last_use: u64,
 }
 
-/// A command buffer for some content.
+/// A command buffer for a key.
 pub(super) enum Found {
-    /// It has that content.
+    /// Its commands have that key.
     Recorded(vk::CommandBuffer),
     /// To be recorded.
     Blank(vk::CommandBuffer),
@@ -51,8 +51,8 @@ impl Default for Recordings {
 }
 
 impl Recordings {
-    /// Finds the command buffer with `content`, or else one to record: a new one, or the one that was used longest ago, whose content is
-    /// forgotten until [`Self::set_recorded`].
+    /// Finds the command buffer with `key`, or else one to record, without a key until [`Self::set_recorded`]: a new one, or the one that was
+    /// used longest ago.
     ///
     /// # Safety
     /// `pool` is a live one of the record's live device, and nothing of this slot is pending.
@@ -61,22 +61,22 @@ impl Recordings {
         device: &ash::Device,
         record: &DeviceRecord,
         pool: vk::CommandPool,
-        content: &Content,
+        key: &RecordingKey,
     ) -> Result<Found, GpuError> {
         self.uses += 1;
-        if let Some(found) = self.kept.iter_mut().find(|kept| kept.content.as_ref() == Some(content)) {
+        if let Some(found) = self.kept.iter_mut().find(|kept| kept.key.as_ref() == Some(key)) {
             found.last_use = self.uses;
             return Ok(Found::Recorded(found.commands));
         }
         if self.kept.len() < PER_SLOT {
             // SAFETY: the caller vouches for all.
             let commands = unsafe { allocate(device, record, pool) }?;
-            self.kept.push(Recording { commands, content: None, last_use: self.uses });
+            self.kept.push(Recording { commands, key: None, last_use: self.uses });
             return Ok(Found::Blank(commands));
         }
         match self.kept.iter_mut().min_by_key(|kept| kept.last_use) {
             Some(oldest) => {
-                oldest.content = None;
+                oldest.key = None;
                 oldest.last_use = self.uses;
                 Ok(Found::Blank(oldest.commands))
             }
@@ -84,10 +84,10 @@ impl Recordings {
         }
     }
 
-    /// A command buffer has that content now.
-    pub(super) fn set_recorded(&mut self, commands: vk::CommandBuffer, content: &Content) {
+    /// A command buffer has that key now.
+    pub(super) fn set_recorded(&mut self, commands: vk::CommandBuffer, key: &RecordingKey) {
         if let Some(kept) = self.kept.iter_mut().find(|kept| kept.commands == commands) {
-            kept.content = Some(content.clone());
+            kept.key = Some(key.clone());
         }
     }
 }

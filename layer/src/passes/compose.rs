@@ -4,10 +4,10 @@
 //! the copy, reading the application's image. Alpha, and pixels without work, stay as they were copied.
 
 mod app_images;
-mod content;
 mod copies;
 mod depth;
 mod draws;
+mod key;
 mod pipelines;
 mod record;
 mod reuse;
@@ -25,8 +25,8 @@ pub use shape::{SwapchainShape, stores_unit_range};
 use super::change::{Change, ChangeRegion, Comparisons, MAX_COMPARED};
 use crate::gpu::{Gpu, GpuError, Later, UniformRing, UniformSet, Uses, serial};
 use ash::vk;
-use content::content;
 use draws::{Draws, EarlierImages};
+use key::key;
 use parafovea_core::geometry::View;
 use parafovea_core::reuse::MAX_AGES;
 use parafovea_core::reuse::Reuse;
@@ -243,8 +243,8 @@ impl Compose {
         if let Changing::There(change) = change {
             change.clear(slot);
         }
-        let content = content(*serial, jobs, &draws);
-        let submit = next.submit(content.as_ref(), |recorder| {
+        let key = key(*serial, jobs, &draws);
+        let submit = next.submit(key.as_ref(), |recorder| {
             let sets = Sets { plain: uniform_set, lists: reuse.as_ref().map(ReuseBuffers::set) };
             record(recorder, jobs, &draws, &sets, pipelines);
             if let Changing::There(change) = change {
