@@ -76,7 +76,7 @@ const HIDING_NS: i64 = 1_000_000_000;
 const LEAST: usize = 8;
 
 /// Time for which a technique that has come on costs more than later, nanoseconds: rates become coarse over a quarter of a second, once
-/// the gaze is known. Its costs until then are none of the stand.
+/// the gaze is known. Earlier costs do not count for the state that trials compare with.
 const RAMP_NS: i64 = 500_000_000;
 
 /// Frames after a switch that do not count: CPU time between two frames has work of the frame before in it, and up to two

@@ -270,7 +270,7 @@ impl Gpu {
     /// The next submit, before anything is recorded. Waits only while [`SUBMITS_IN_FLIGHT`] submits are under way.
     ///
     /// # Errors
-    /// [`GpuError::Timeout`] where that takes too long: a later call may succeed. [`GpuError::Abandoned`], [`GpuError::Invalid`] without a queue.
+    /// [`GpuError::Timeout`] after a long wait: a later call may succeed. [`GpuError::Abandoned`]; [`GpuError::Invalid`] without a queue.
     pub(crate) fn next_submit(&self) -> Result<NextSubmit<'_>, GpuError> {
         if self.is_abandoned() {
             return Err(GpuError::Abandoned);

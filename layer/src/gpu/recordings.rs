@@ -31,7 +31,7 @@ pub(super) struct Recordings {
 
 struct Recording {
     commands: vk::CommandBuffer,
-    /// `None` where nothing usable is recorded.
+    /// `None` before a complete recording.
     key: Option<RecordingKey>,
     last_use: u64,
 }

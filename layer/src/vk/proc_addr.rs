@@ -84,8 +84,8 @@ const STENCIL: &[u8] = b"vkCmdSetStencil";
 /// How the names of draws begin.
 const DRAW: &[u8] = b"vkCmdDraw";
 
-/// Whether it is of interest: stencil where passes may have masks; draws and descriptors where passes may be made coarser; pipelines where rates may have to be set then, or
-/// masks must know of them.
+/// Whether it is of interest: stencil where passes may have masks; draws and descriptors where passes may be made coarser; pipelines where
+/// rates may have to be set then, or masks must know of them.
 fn is_wanted(device: &Device, name: &CStr) -> bool {
     if name.to_bytes().starts_with(STENCIL) {
         return device.masks().is_some();

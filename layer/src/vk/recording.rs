@@ -194,12 +194,12 @@ impl Recorded {
         self.mask.take()
     }
 
-    /// Whether what is bound for compute can be bound again.
+    /// Whether the compute state can be restored.
     fn restores_compute(&self) -> bool {
         self.compute.is_whole() && self.offsets.is_whole()
     }
 
-    /// Whether what is bound for drawing can be bound again, as far as it is followed.
+    /// Whether the followed part of the graphics state can be restored.
     fn restores_graphics(&self) -> bool {
         self.drawing.is_whole() && self.offsets.is_whole()
     }

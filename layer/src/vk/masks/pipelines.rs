@@ -216,7 +216,7 @@ mod tests {
         let of = |tests, is_dynamic: &dyn Fn(vk::DynamicState) -> bool| stencil(tests, is_dynamic).0;
         assert_eq!([of(Some(&off), &fixed), of(Some(&on), &fixed), of(None, &fixed)], [false; 3]);
         assert!(of(Some(&writes), &fixed));
-        // By commands, whatever the structure says, or where there is none.
+        // Dynamic state overrides the structure, and does without it.
         assert_eq!([of(Some(&off), &all), of(None, &all)], [true; 2]);
         assert_eq!(stencil(None, all).1, DynamicStencil { test: true, op: true });
         let test_alone = |state| state == vk::DynamicState::STENCIL_TEST_ENABLE;

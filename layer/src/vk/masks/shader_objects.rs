@@ -9,7 +9,7 @@ use crate::vk::rates::shader_objects::effects;
 use ash::vk;
 
 impl Masks {
-    /// Shaders are made of `infos`, some of which may be null.
+    /// Notes the shaders made of `infos`; shaders that failed are null.
     ///
     /// # Safety
     ///

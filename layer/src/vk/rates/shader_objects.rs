@@ -208,7 +208,7 @@ pub unsafe extern "system" fn bind(
                                 recorded.use_pipeline(masks.shader_object(shader(index)));
                                 recorded.drawing.bind_more();
                             }
-                            // With these alone no colour is drawn, but what was bound for drawing is gone as well.
+                            // Other stages alone draw no colour, but replace the graphics pipeline as well.
                             _ => recorded.drawing.bind_more(),
                         }
                     }

@@ -17,9 +17,9 @@ use smallvec::SmallVec;
 pub struct BufferOffsets {
     /// In their order.
     calls: SmallVec<[Call; 4]>,
-    /// Whether something was set that is not kept, or nobody followed what is bound beside.
+    /// Whether there are calls that cannot be repeated: those with a chain of extensions.
     has_more: bool,
-    /// Whether sets were bound at one bind point after offsets were set at another: whether those still count is a matter of opinion.
+    /// Whether descriptor sets were bound at one bind point after offsets at another, which the specification leaves in doubt.
     is_mixed: bool,
 }
 
@@ -66,7 +66,7 @@ impl BufferOffsets {
         !self.has_more && !self.is_mixed
     }
 
-    /// Buffers are bound, which ends what was set by those before.
+    /// Buffers are bound: offsets into earlier buffers end.
     fn bind_buffers(&mut self) {
         self.calls.retain(|call| call.what == What::Samplers);
         self.is_mixed &= !self.calls.is_empty();
@@ -90,10 +90,10 @@ impl BufferOffsets {
     ///
     /// # Safety
     ///
-    /// `commands` is recording, this is what was set in it, and its descriptor buffers are bound.
+    /// `commands` is recording, these calls were recorded in it, and its descriptor buffers are still bound.
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
         for Call { point, layout, first, what } in &self.calls {
-            // SAFETY: the caller vouches for the command buffer; what was set stays valid as long as that does.
+            // SAFETY: the caller vouches for the command buffer; layouts and offsets of its earlier calls stay valid while it records.
             unsafe {
                 match what {
                     What::Offsets(indices, offsets) => {
@@ -129,7 +129,7 @@ pub(super) fn points(stages: vk::ShaderStageFlags) -> SmallVec<[vk::PipelineBind
     all.into_iter().filter(|(of, _)| stages.intersects(*of)).map(|(_, point)| point).collect()
 }
 
-/// Something was set in a command buffer, which `keep` keeps; at these points a pass may read what nobody knows.
+/// Keeps a call of a command buffer with `keep`; passes at these bind points may read unknown images.
 ///
 /// # Safety
 ///
@@ -353,7 +353,7 @@ mod tests {
         let mut kept = BufferOffsets::default();
         kept.bind_sets(GRAPHICS);
         kept.set(offsets(COMPUTE, 0, &[0]));
-        assert!(kept.is_whole(), "sets that were bound before stay what they are");
+        assert!(kept.is_whole(), "offsets after sets are in no doubt");
         kept.bind_sets(GRAPHICS);
         assert!(!kept.is_whole());
         kept.bind_sets(COMPUTE);
