@@ -1,10 +1,13 @@
 //! The C side of both halves: invariants of every function that a loader or an application calls.
 
 pub mod audio_library;
+pub mod copies;
 pub mod cpu_time;
+mod enablement;
 pub mod guard;
 pub mod local_time;
 pub mod own_folder;
 pub mod pnext;
 
+pub use enablement::Enablement;
 pub use guard::{Answer, attempt, guard};

@@ -1,6 +1,6 @@
 //! Small files in `$XDG_CACHE_HOME/parafovea`, which may be lost or damaged at any time.
 
-use crate::vk::Enablement;
+use crate::abi::Enablement;
 use parafovea_manifest::paths::Environment;
 use std::fs::{self, DirBuilder, OpenOptions};
 use std::io::{self, Read, Write as _};

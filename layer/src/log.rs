@@ -5,9 +5,9 @@
 
 mod file;
 
+use crate::abi::Enablement;
 use crate::abi::local_time::LocalTime;
 use crate::config::{Environment, LogLevel, executable};
-use crate::vk::Enablement;
 use file::BoundedFile;
 use std::fmt::{self, Write};
 use std::hash::{DefaultHasher, Hash, Hasher};

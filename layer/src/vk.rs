@@ -4,7 +4,7 @@
 //! which everything else is reached. Only the functions in `dispatch` are hooked. Everything that is recorded
 //! into command buffers gets the next layer's pointer, so that it costs nothing.
 //!
-//! States: *inert*, see [`Enablement`]: calls pass, nothing is offered to the OpenXR half. *Armed*, from
+//! States: *inert*, see [`Enablement`](crate::abi::Enablement): calls pass, nothing is offered to the OpenXR half. *Armed*, from
 //! vkCreateDevice: the device is offered through [`crate::link`]. *Active*: an OpenXR session is bound to it.
 
 use std::ffi::CStr;
@@ -20,6 +20,9 @@ macro_rules! pass_on {
     };
 }
 
+#[macro_use]
+mod functions;
+
 mod armed;
 mod backend;
 mod candidates;
@@ -27,33 +30,29 @@ mod chain;
 mod device;
 mod dispatch;
 mod dispatch_key;
-mod enablement;
 mod frame;
+mod hooks;
 mod instance;
-mod known_shaders;
 mod layouts;
 mod link_table;
 mod masks;
 mod negotiate;
 mod objects;
 mod perception;
-mod proc_addr;
-mod properties;
 mod quirks;
 mod rates;
 mod recording;
 mod runtime_section;
-mod shader_modules;
+mod shaders;
 mod submit;
 mod table;
 mod timing;
 
 pub use chain::NegotiateLayerInterface;
-pub use enablement::Enablement;
 pub use masks::early_return::{EarlyReturn, NoEarlyReturn, returning_early};
 pub use negotiate::negotiate;
-pub use rates::shader::{Effects, FragmentShaders};
 pub use runtime_section::in_runtime_section;
+pub use shaders::{Effects, FragmentShaders};
 
 /// The layer's name, as its manifest gives it to the Vulkan loader.
 pub const LAYER_NAME: &CStr = c"VK_LAYER_PARAFOVEA_foveation";

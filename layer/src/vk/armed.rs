@@ -2,8 +2,8 @@
 
 use super::backend::Backend;
 use super::candidates::Candidates;
-use super::dispatch::ArmedTable;
 use super::frame::Frame;
+use super::functions::ArmedTable;
 use super::layouts::Layouts;
 use super::masks::Masks;
 use super::objects::{Image, Objects};

@@ -1,14 +1,8 @@
-//! Instances: creation, tracking, destruction.
+//! Live instances.
 
-use super::chain::{self, GetPhysicalDeviceProcAddr, NextInstance};
-use super::dispatch::InstanceTable;
+use super::chain::GetPhysicalDeviceProcAddr;
 use super::dispatch_key::DispatchKey;
-use super::enablement::Enablement;
-use super::rates::{self, Copies, room};
-use crate::abi::guard;
-use crate::config::Arming;
-#[cfg(not(test))]
-use crate::config::Environment;
+use super::functions::InstanceTable;
 use crate::registry::Registry;
 use ash::vk;
 use std::sync::Arc;
@@ -39,179 +33,32 @@ pub unsafe fn of<H: vk::Handle>(object: H) -> Option<Arc<Instance>> {
     INSTANCES.get(unsafe { DispatchKey::of(object) }?)
 }
 
-/// `vkCreateInstance`. Fails with `ERROR_INITIALIZATION_FAILED` when the caller is not a Vulkan loader or
-/// the layer below lacks functions of Vulkan 1.0.
-pub unsafe extern "system" fn create(
-    info: *const vk::InstanceCreateInfo<'_>,
-    allocator: *const vk::AllocationCallbacks<'_>,
-    instance: *mut vk::Instance,
-) -> vk::Result {
-    // SAFETY: the application vouches for `info` and `instance` (valid usage of vkCreateInstance), the loader for what it put
-    // into the chain, and out of which it reads its own pointers.
-    let before = unsafe { (*instance, chain::instance_link(info).map(|at| (at, *at))) };
-    guard(
-        "vkCreateInstance",
-        || {
-            let (handle, link) = before;
-            // SAFETY: as above; all is as it was before the hook.
-            unsafe {
-                *instance = handle;
-                if let Some((at, link)) = link {
-                    *at = link;
-                }
-                create_tracked(info, allocator, instance, false)
-            }
-        },
-        |answer| {
-            let enablement = Enablement::of_process();
-            let enabled = enablement == Enablement::Enabled;
-            // SAFETY: the application's own arguments.
-            let result = answer.record(unsafe { create_tracked(info, allocator, instance, enabled) });
-            if result == vk::Result::SUCCESS {
-                tracing::info!("Vulkan instance: {enablement}");
-            }
-            result
-        },
-    )
+/// The instance of that key.
+pub fn get(key: DispatchKey) -> Option<Arc<Instance>> {
+    INSTANCES.get(key)
 }
-
-/// Creates an instance, whose devices are armed where `enabled` says so, and tracks it.
-///
-/// # Safety
-///
-/// The arguments of vkCreateInstance, as a Vulkan loader hands them to a layer.
-unsafe fn create_tracked(
-    info: *const vk::InstanceCreateInfo<'_>,
-    allocator: *const vk::AllocationCallbacks<'_>,
-    instance: *mut vk::Instance,
-    enabled: bool,
-) -> vk::Result {
-    const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
-    // SAFETY: the caller vouches for the arguments and the chain.
-    let Some(next) = (unsafe { chain::advance_instance(info) }) else { return FAILED };
-    let name = c"vkCreateInstance".as_ptr();
-    // SAFETY: the loader gave the pointer; a null instance is right for this name, which gives the type.
-    let create = unsafe {
-        std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkCreateInstance>>((next
-            .get_instance_proc_addr)(
-            vk::Instance::null(),
-            name,
-        ))
-    };
-    let Some(create) = create else { return FAILED };
-    // SAFETY: the application's own arguments; the loader's structure is advanced.
-    let result = unsafe { create_below(create, info, allocator, instance, enabled) };
-    // SAFETY: where the call succeeded, `instance` points to a live instance of the next layer.
-    if result == vk::Result::SUCCESS && unsafe { track(info, *instance, next, enabled) }.is_none() {
-        return FAILED;
-    }
-    result
-}
-
-/// Creates the instance with what rate attachments need where it is `enabled`, or exactly as the application asks where that
-/// fails or it is not.
-///
-/// # Safety
-///
-/// The arguments of vkCreateInstance, with which `create` may be called.
-unsafe fn create_below(
-    create: vk::PFN_vkCreateInstance,
-    info: *const vk::InstanceCreateInfo<'_>,
-    allocator: *const vk::AllocationCallbacks<'_>,
-    instance: *mut vk::Instance,
-    enabled: bool,
-) -> vk::Result {
-    // SAFETY: the caller vouches for the arguments. The loader below reads its own pointers out of `instance` and
-    // of its structure in the chain, which the first attempt may have changed.
-    unsafe {
-        let mut room = room::<64>();
-        let mut copies = Copies::new(&mut room);
-        let version = requested_version((*info).p_application_info.as_ref());
-        let wants_rates = enabled && arming() == Arming::Rates;
-        if let Some(amended) =
-            wants_rates.then(|| rates::create::instance(&*info, version, &mut copies)).flatten()
-        {
-            let before = *instance;
-            let link = chain::instance_link(info).map(|at| (at, *at));
-            let result = create(&amended, allocator, instance);
-            if result == vk::Result::SUCCESS {
-                return result;
-            }
-            *instance = before;
-            if let Some((at, link)) = link {
-                *at = link;
-            }
-        }
-        create(info, allocator, instance)
-    }
-}
-
-/// The demands of this process's configuration on a new device.
-#[cfg(not(test))]
-pub fn arming() -> Arming {
-    Arming::of_process(&Environment::of_process(Enablement::of_process() == Enablement::Elevated))
-}
-
-#[cfg(test)]
-pub use super::tests::arming;
 
 /// Begins to track an instance.
+pub fn insert(key: DispatchKey, instance: Arc<Instance>) {
+    INSTANCES.insert(key, instance);
+}
+
+/// Forgets an instance.
+pub fn remove(key: DispatchKey) {
+    INSTANCES.remove(key);
+}
+
+/// The properties of a physical device, from the next layer.
 ///
 /// # Safety
 ///
-/// `info` is valid, and `handle` a live instance of the layer that `next` names.
-unsafe fn track(
-    info: *const vk::InstanceCreateInfo<'_>,
-    handle: vk::Instance,
-    next: NextInstance,
-    enabled: bool,
-) -> Option<()> {
-    // SAFETY: the caller vouches for `info`, the handle and the pointer.
-    unsafe {
-        let key = DispatchKey::of(handle)?;
-        let table = InstanceTable::load(|name| (next.get_instance_proc_addr)(handle, name.as_ptr()))?;
-        INSTANCES.insert(
-            key,
-            Arc::new(Instance {
-                handle,
-                enabled,
-                api_version: requested_version((*info).p_application_info.as_ref()),
-                engine: engine((*info).p_application_info.as_ref()),
-                next: table,
-                get_instance_proc_addr: next.get_instance_proc_addr,
-                get_physical_device_proc_addr: next.get_physical_device_proc_addr,
-            }),
-        );
-        Some(())
-    }
-}
-
-/// The version that an application asked for: without an answer it is 1.0 (VkApplicationInfo::apiVersion).
-fn requested_version(application: Option<&vk::ApplicationInfo<'_>>) -> u32 {
-    application.map_or(0, |application| application.api_version).max(vk::API_VERSION_1_0)
-}
-
-/// # Safety
-///
-/// The structure is valid.
-unsafe fn engine(application: Option<&vk::ApplicationInfo<'_>>) -> String {
-    // SAFETY: the caller vouches for the name, which is null or a string.
-    let name = application.and_then(|application| unsafe { application.engine_name_as_c_str() });
-    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
-}
-
-/// `vkDestroyInstance`.
-pub unsafe extern "system" fn destroy(instance: vk::Instance, allocator: *const vk::AllocationCallbacks<'_>) {
-    // SAFETY: the application vouches that the instance is null or live until the call down.
-    let key = unsafe { DispatchKey::of(instance) };
-    let Some((key, known)) = key.and_then(|key| Some((key, INSTANCES.get(key)?))) else { return };
-    let destroy = || {
-        INSTANCES.remove(key);
-        // SAFETY: the next layer's function with the application's own arguments.
-        unsafe { (known.next.destroy_instance)(instance, allocator) }
-    };
-    guard("vkDestroyInstance", destroy, |answer| {
-        destroy();
-        answer.made();
-    });
+/// `physical_device` is a live one of `instance`.
+pub unsafe fn properties(
+    instance: &Instance,
+    physical_device: vk::PhysicalDevice,
+) -> vk::PhysicalDeviceProperties {
+    let mut properties = vk::PhysicalDeviceProperties::default();
+    // SAFETY: the next layer's function, a live physical device and a structure to write to.
+    unsafe { (instance.next.physical_device_properties)(physical_device, &mut properties) };
+    properties
 }

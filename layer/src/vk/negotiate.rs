@@ -1,8 +1,8 @@
 //! The first call of the Vulkan loader.
 
 use super::chain::{INTERFACE_VERSION, NEGOTIATE_INTERFACE_STRUCT, NegotiateLayerInterface};
-use super::proc_addr;
 use crate::abi::guard;
+use crate::vk::dispatch::proc_addr;
 use ash::vk;
 
 /// `vkNegotiateLoaderLayerInterfaceVersion`: agrees on interface version 2 and hands out our functions. The

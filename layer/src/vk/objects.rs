@@ -30,15 +30,15 @@ pub struct Objects {
     handles: Table<ImageKey, vk::Image>,
     /// Images that were destroyed since the end of the last frame: what was done with them is still of interest.
     departed: Mutex<Vec<ImageDescription>>,
-    views: Table<vk::ImageView, View>,
-    render_passes: Table<vk::RenderPass, Arc<RenderPass>>,
-    framebuffers: Table<vk::Framebuffer, Arc<Framebuffer>>,
+    pub views: Table<vk::ImageView, View>,
+    pub render_passes: Table<vk::RenderPass, Arc<RenderPass>>,
+    pub framebuffers: Table<vk::Framebuffer, Arc<Framebuffer>>,
     pools: Table<vk::CommandPool, Arc<Pool>>,
-    queues: Table<vk::Queue, QueueId>,
+    pub queues: Table<vk::Queue, QueueId>,
     /// Descriptor sets with attachments.
     pub descriptors: Descriptors,
     /// Query pools that count samples.
-    occlusion_pools: Table<vk::QueryPool, ()>,
+    pub occlusion_pools: Table<vk::QueryPool, ()>,
 }
 
 impl Objects {
@@ -93,13 +93,13 @@ impl Objects {
     }
 
     /// Begins to keep an image, in place of one of the same handle.
-    fn add_image(&self, image: Image) {
+    pub fn add_image(&self, image: Image) {
         self.remove_image(image.handle);
         self.handles.insert(image.description.key, image.handle);
         self.images.insert(image.handle, image);
     }
 
-    fn remove_image(&self, image: vk::Image) -> Option<Image> {
+    pub fn remove_image(&self, image: vk::Image) -> Option<Image> {
         let known = self.images.remove(image)?;
         self.handles.remove(known.description.key);
         let mut departed = self.departed();

@@ -1,6 +1,6 @@
 //! The quirks of a device, from the table that `parafovea doctor` prints too.
 
-use super::Enablement;
+use crate::abi::Enablement;
 use crate::status::{Topic, decided};
 use ash::vk;
 use parafovea_manifest::paths::Environment;

@@ -6,10 +6,8 @@
 
 pub mod attach;
 pub mod commands;
-pub mod copies;
 pub mod create;
 pub mod framebuffer;
-pub mod identifiers;
 pub mod image;
 pub mod memory;
 pub mod offer;
@@ -17,11 +15,9 @@ pub mod pipeline;
 pub mod pipelines;
 pub mod render_pass;
 pub mod rendering;
-pub mod shader;
 pub mod shader_objects;
 
 pub use attach::Rates;
-pub use copies::{Copies, room};
 pub use offer::NoRates;
 
 use ash::vk;

@@ -3,6 +3,7 @@
 //! Command buffers are recorded on several threads: each has a lock of its own, which nobody else takes meanwhile. Its
 //! lists keep their memory when it is recorded again.
 
+pub mod binding;
 pub mod buffers;
 pub mod compute;
 pub mod descriptor_buffers;
@@ -21,7 +22,7 @@ pub mod transfers;
 use super::armed::Armed;
 use super::candidates::Candidate;
 use super::device;
-use super::dispatch::ArmedTable;
+use super::functions::ArmedTable;
 use super::masks::{Ended, OpenMask, Pending, Prepasses, follows_graphics};
 use super::table::Table;
 use super::timing::Timer;

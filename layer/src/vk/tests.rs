@@ -6,9 +6,10 @@ mod pipelines;
 mod rates;
 
 use super::chain::NegotiateLayerInterface;
-use super::{LAYER_NAME, device, negotiate, proc_addr};
+use super::{LAYER_NAME, device, negotiate};
 use crate::config::Arming;
 use crate::link::{DeviceRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable};
+use crate::vk::dispatch::proc_addr;
 use ash::vk::{self, Handle};
 use std::cell::Cell;
 use std::ffi::{CStr, c_void};

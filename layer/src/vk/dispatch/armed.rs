@@ -1,61 +1,20 @@
-//! The functions of armed devices.
-//!
-//! A line is the field of the table and its type, the name, where the function came into Vulkan's core later the version
-//! and the extension's name for it, and our hook.
+//! Our hooks of the functions of armed devices, as `functions` lists them.
 
-use crate::vk::masks::layouts;
-use crate::vk::objects::{descriptors, framebuffers, images, queues, render_passes, views};
-use crate::vk::rates::{commands, identifiers, pipelines, shader_objects};
+use crate::vk::functions::ArmedTable;
+use crate::vk::hooks::{
+    descriptors, framebuffers, images, layouts, pipelines, queues, render_passes, shader_modules,
+    shader_objects, views,
+};
 use crate::vk::recording::{
-    buffers, compute, descriptor_buffers, drawing, draws, image_layouts, passes, pending, queries, rendering,
-    stencil, transfers,
+    binding, buffers, compute, descriptor_buffers, drawing, draws, image_layouts, passes, pending, queries,
+    rendering, stencil, transfers,
 };
 use crate::vk::submit;
-use ash::vk::{self, API_VERSION_1_1, API_VERSION_1_2, API_VERSION_1_3};
+use ash::vk;
 use std::ffi::CStr;
 
-/// Newer than the headers of `ash`.
-const API_VERSION_1_4: u32 = vk::make_api_version(0, 1, 4, 0);
-
-macro_rules! armed_functions {
+macro_rules! armed_hooks {
     ($($field:ident: $pfn:ident = $name:literal $(since $version:ident, before $extension:literal)? => $hook:path;)*) => {
-        /// The next layer's functions under the hooks of armed devices; nothing where the device lacks one.
-        #[derive(Clone, Copy)]
-        pub struct ArmedTable {
-            $(pub $field: Option<vk::$pfn>,)*
-        }
-
-        impl ArmedTable {
-            /// Resolves every function beforehand. Of two names the core's is taken where the version has it, which
-            /// is the one that both the application asked for and the device has: layers below may answer for names
-            /// that the driver lacks.
-            ///
-            /// # Safety
-            ///
-            /// For a name, `get` returns the function of that name, or `None`.
-            pub unsafe fn load(version: u32, get: impl Fn(&CStr) -> vk::PFN_vkVoidFunction) -> Self {
-                Self {
-                    $($field: {
-                        let name: &CStr = $name;
-                        $(let name = if version >= $version { name } else { $extension };)?
-                        // SAFETY: the caller vouches that the pointer is the function of that name, and the list
-                        // gives each name its type.
-                        unsafe {
-                            std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::$pfn>>(get(name))
-                        }
-                    },)*
-                }
-            }
-
-            /// Our hook for a function of an armed device, where the device has the function.
-            pub fn hook(&self, name: &CStr) -> vk::PFN_vkVoidFunction {
-                $(if (name == $name $(|| name == $extension)?) && self.$field.is_none() {
-                    return None;
-                })*
-                armed_hook(name)
-            }
-        }
-
         /// Our hook for a function of an armed device.
         pub fn armed_hook(name: &CStr) -> vk::PFN_vkVoidFunction {
             $(if name == $name $(|| name == $extension)? {
@@ -71,154 +30,11 @@ macro_rules! armed_functions {
     };
 }
 
-armed_functions! {
-    create_image: PFN_vkCreateImage = c"vkCreateImage" => images::create;
-    image_memory_requirements: PFN_vkGetDeviceImageMemoryRequirements = c"vkGetDeviceImageMemoryRequirements"
-        since API_VERSION_1_3, before c"vkGetDeviceImageMemoryRequirementsKHR" => images::memory_requirements;
-    destroy_image: PFN_vkDestroyImage = c"vkDestroyImage" => images::destroy;
-    create_image_view: PFN_vkCreateImageView = c"vkCreateImageView" => views::create;
-    destroy_image_view: PFN_vkDestroyImageView = c"vkDestroyImageView" => views::destroy;
-    create_render_pass: PFN_vkCreateRenderPass = c"vkCreateRenderPass" => render_passes::create;
-    create_render_pass2: PFN_vkCreateRenderPass2 = c"vkCreateRenderPass2"
-        since API_VERSION_1_2, before c"vkCreateRenderPass2KHR" => render_passes::create2;
-    destroy_render_pass: PFN_vkDestroyRenderPass = c"vkDestroyRenderPass" => render_passes::destroy;
-    create_framebuffer: PFN_vkCreateFramebuffer = c"vkCreateFramebuffer" => framebuffers::create;
-    destroy_framebuffer: PFN_vkDestroyFramebuffer = c"vkDestroyFramebuffer" => framebuffers::destroy;
-    get_device_queue: PFN_vkGetDeviceQueue = c"vkGetDeviceQueue" => queues::get;
-    get_device_queue2: PFN_vkGetDeviceQueue2 = c"vkGetDeviceQueue2" => queues::get2;
-    create_descriptor_set_layout: PFN_vkCreateDescriptorSetLayout = c"vkCreateDescriptorSetLayout"
-        => layouts::create_set_layout;
-    destroy_descriptor_set_layout: PFN_vkDestroyDescriptorSetLayout = c"vkDestroyDescriptorSetLayout"
-        => layouts::destroy_set_layout;
-    allocate_descriptor_sets: PFN_vkAllocateDescriptorSets = c"vkAllocateDescriptorSets" => descriptors::allocate;
-    update_descriptor_sets: PFN_vkUpdateDescriptorSets = c"vkUpdateDescriptorSets" => descriptors::update;
-    update_descriptor_set_with_template: PFN_vkUpdateDescriptorSetWithTemplate =
-        c"vkUpdateDescriptorSetWithTemplate"
-        since API_VERSION_1_1, before c"vkUpdateDescriptorSetWithTemplateKHR" => descriptors::update_with_template;
-    create_pipeline_layout: PFN_vkCreatePipelineLayout = c"vkCreatePipelineLayout" => layouts::create;
-    destroy_pipeline_layout: PFN_vkDestroyPipelineLayout = c"vkDestroyPipelineLayout" => layouts::destroy;
-    create_query_pool: PFN_vkCreateQueryPool = c"vkCreateQueryPool" => queues::create_query_pool;
-    destroy_query_pool: PFN_vkDestroyQueryPool = c"vkDestroyQueryPool" => queues::destroy_query_pool;
+armed_functions!(armed_hooks);
 
-    create_command_pool: PFN_vkCreateCommandPool = c"vkCreateCommandPool" => buffers::create_pool;
-    destroy_command_pool: PFN_vkDestroyCommandPool = c"vkDestroyCommandPool" => buffers::destroy_pool;
-    reset_command_pool: PFN_vkResetCommandPool = c"vkResetCommandPool" => buffers::reset_pool;
-    allocate_command_buffers: PFN_vkAllocateCommandBuffers = c"vkAllocateCommandBuffers" => buffers::allocate;
-    free_command_buffers: PFN_vkFreeCommandBuffers = c"vkFreeCommandBuffers" => buffers::free;
-    begin_command_buffer: PFN_vkBeginCommandBuffer = c"vkBeginCommandBuffer" => buffers::begin;
-    end_command_buffer: PFN_vkEndCommandBuffer = c"vkEndCommandBuffer" => pending::end_buffer;
-    reset_command_buffer: PFN_vkResetCommandBuffer = c"vkResetCommandBuffer" => buffers::reset;
-    cmd_execute_commands: PFN_vkCmdExecuteCommands = c"vkCmdExecuteCommands" => buffers::execute;
-
-    cmd_begin_render_pass: PFN_vkCmdBeginRenderPass = c"vkCmdBeginRenderPass" => passes::begin;
-    cmd_begin_render_pass2: PFN_vkCmdBeginRenderPass2 = c"vkCmdBeginRenderPass2"
-        since API_VERSION_1_2, before c"vkCmdBeginRenderPass2KHR" => passes::begin2;
-    cmd_end_render_pass: PFN_vkCmdEndRenderPass = c"vkCmdEndRenderPass" => passes::end;
-    cmd_end_render_pass2: PFN_vkCmdEndRenderPass2 = c"vkCmdEndRenderPass2"
-        since API_VERSION_1_2, before c"vkCmdEndRenderPass2KHR" => passes::end2;
-    cmd_begin_rendering: PFN_vkCmdBeginRendering = c"vkCmdBeginRendering"
-        since API_VERSION_1_3, before c"vkCmdBeginRenderingKHR" => rendering::begin;
-    cmd_end_rendering: PFN_vkCmdEndRendering = c"vkCmdEndRendering"
-        since API_VERSION_1_3, before c"vkCmdEndRenderingKHR" => rendering::end;
-    create_shader_module: PFN_vkCreateShaderModule = c"vkCreateShaderModule" => pipelines::create_shader_module;
-    destroy_shader_module: PFN_vkDestroyShaderModule = c"vkDestroyShaderModule"
-        => pipelines::destroy_shader_module;
-    get_shader_module_identifier: PFN_vkGetShaderModuleIdentifierEXT = c"vkGetShaderModuleIdentifierEXT"
-        => identifiers::of_module;
-    get_shader_module_create_info_identifier: PFN_vkGetShaderModuleCreateInfoIdentifierEXT =
-        c"vkGetShaderModuleCreateInfoIdentifierEXT" => identifiers::of_create_info;
-    create_graphics_pipelines: PFN_vkCreateGraphicsPipelines = c"vkCreateGraphicsPipelines"
-        => pipelines::create_pipelines;
-    destroy_pipeline: PFN_vkDestroyPipeline = c"vkDestroyPipeline" => pipelines::destroy_pipeline;
-    cmd_bind_pipeline: PFN_vkCmdBindPipeline = c"vkCmdBindPipeline" => commands::bind_pipeline;
-    cmd_set_fragment_shading_rate: PFN_vkCmdSetFragmentShadingRateKHR = c"vkCmdSetFragmentShadingRateKHR"
-        => commands::set_rate;
-    create_shaders: PFN_vkCreateShadersEXT = c"vkCreateShadersEXT" => shader_objects::create;
-    destroy_shader: PFN_vkDestroyShaderEXT = c"vkDestroyShaderEXT" => shader_objects::destroy;
-    cmd_bind_shaders: PFN_vkCmdBindShadersEXT = c"vkCmdBindShadersEXT" => shader_objects::bind;
-
-    cmd_draw: PFN_vkCmdDraw = c"vkCmdDraw" => draws::draw;
-    cmd_draw_indexed: PFN_vkCmdDrawIndexed = c"vkCmdDrawIndexed" => draws::draw_indexed;
-    cmd_draw_indirect: PFN_vkCmdDrawIndirect = c"vkCmdDrawIndirect" => draws::draw_indirect;
-    cmd_draw_indexed_indirect: PFN_vkCmdDrawIndexedIndirect = c"vkCmdDrawIndexedIndirect"
-        => draws::draw_indexed_indirect;
-    cmd_draw_indirect_count: PFN_vkCmdDrawIndirectCount = c"vkCmdDrawIndirectCount"
-        since API_VERSION_1_2, before c"vkCmdDrawIndirectCountKHR" => draws::draw_indirect_count;
-    cmd_draw_indexed_indirect_count: PFN_vkCmdDrawIndexedIndirectCount = c"vkCmdDrawIndexedIndirectCount"
-        since API_VERSION_1_2, before c"vkCmdDrawIndexedIndirectCountKHR" => draws::draw_indexed_indirect_count;
-    cmd_draw_mesh_tasks: PFN_vkCmdDrawMeshTasksEXT = c"vkCmdDrawMeshTasksEXT" => draws::draw_mesh_tasks;
-    cmd_draw_mesh_tasks_indirect: PFN_vkCmdDrawMeshTasksIndirectEXT = c"vkCmdDrawMeshTasksIndirectEXT"
-        => draws::draw_mesh_tasks_indirect;
-    cmd_draw_mesh_tasks_indirect_count: PFN_vkCmdDrawMeshTasksIndirectCountEXT =
-        c"vkCmdDrawMeshTasksIndirectCountEXT" => draws::draw_mesh_tasks_indirect_count;
-    cmd_draw_multi: PFN_vkCmdDrawMultiEXT = c"vkCmdDrawMultiEXT" => draws::draw_multi;
-    cmd_draw_multi_indexed: PFN_vkCmdDrawMultiIndexedEXT = c"vkCmdDrawMultiIndexedEXT"
-        => draws::draw_multi_indexed;
-    cmd_draw_indirect_byte_count: PFN_vkCmdDrawIndirectByteCountEXT = c"vkCmdDrawIndirectByteCountEXT"
-        => draws::draw_byte_count;
-
-    cmd_set_viewport: PFN_vkCmdSetViewport = c"vkCmdSetViewport" => drawing::set_viewport;
-    cmd_set_scissor: PFN_vkCmdSetScissor = c"vkCmdSetScissor" => drawing::set_scissor;
-
-    cmd_bind_descriptor_sets: PFN_vkCmdBindDescriptorSets = c"vkCmdBindDescriptorSets" => compute::bind_sets;
-    cmd_push_descriptor_set: PFN_vkCmdPushDescriptorSetKHR = c"vkCmdPushDescriptorSet"
-        since API_VERSION_1_4, before c"vkCmdPushDescriptorSetKHR" => compute::push_set;
-    cmd_push_descriptor_set_with_template: PFN_vkCmdPushDescriptorSetWithTemplateKHR =
-        c"vkCmdPushDescriptorSetWithTemplate"
-        since API_VERSION_1_4, before c"vkCmdPushDescriptorSetWithTemplateKHR" => compute::push_set_with_template;
-    cmd_bind_descriptor_sets2: PFN_vkCmdBindDescriptorSets2KHR = c"vkCmdBindDescriptorSets2"
-        since API_VERSION_1_4, before c"vkCmdBindDescriptorSets2KHR" => compute::bind_sets2;
-    cmd_push_descriptor_set2: PFN_vkCmdPushDescriptorSet2KHR = c"vkCmdPushDescriptorSet2"
-        since API_VERSION_1_4, before c"vkCmdPushDescriptorSet2KHR" => compute::push_set2;
-    cmd_push_descriptor_set_with_template2: PFN_vkCmdPushDescriptorSetWithTemplate2KHR =
-        c"vkCmdPushDescriptorSetWithTemplate2"
-        since API_VERSION_1_4, before c"vkCmdPushDescriptorSetWithTemplate2KHR" => compute::push_set_with_template2;
-    cmd_bind_descriptor_buffers: PFN_vkCmdBindDescriptorBuffersEXT = c"vkCmdBindDescriptorBuffersEXT"
-        => descriptor_buffers::bind;
-    cmd_set_descriptor_buffer_offsets: PFN_vkCmdSetDescriptorBufferOffsetsEXT =
-        c"vkCmdSetDescriptorBufferOffsetsEXT" => descriptor_buffers::set_offsets;
-    cmd_set_descriptor_buffer_offsets2: PFN_vkCmdSetDescriptorBufferOffsets2EXT =
-        c"vkCmdSetDescriptorBufferOffsets2EXT" => descriptor_buffers::set_offsets2;
-    cmd_bind_descriptor_buffer_embedded_samplers: PFN_vkCmdBindDescriptorBufferEmbeddedSamplersEXT =
-        c"vkCmdBindDescriptorBufferEmbeddedSamplersEXT" => descriptor_buffers::bind_samplers;
-    cmd_bind_descriptor_buffer_embedded_samplers2: PFN_vkCmdBindDescriptorBufferEmbeddedSamplers2EXT =
-        c"vkCmdBindDescriptorBufferEmbeddedSamplers2EXT" => descriptor_buffers::bind_samplers2;
-
-    cmd_set_stencil_test_enable: PFN_vkCmdSetStencilTestEnable = c"vkCmdSetStencilTestEnable"
-        since API_VERSION_1_3, before c"vkCmdSetStencilTestEnableEXT" => stencil::set_test;
-    cmd_set_stencil_op: PFN_vkCmdSetStencilOp = c"vkCmdSetStencilOp"
-        since API_VERSION_1_3, before c"vkCmdSetStencilOpEXT" => stencil::set_op;
-
-    cmd_clear_attachments: PFN_vkCmdClearAttachments = c"vkCmdClearAttachments" => passes::clear_attachments;
-
-    cmd_begin_query: PFN_vkCmdBeginQuery = c"vkCmdBeginQuery" => queries::begin;
-    cmd_end_query: PFN_vkCmdEndQuery = c"vkCmdEndQuery" => queries::end;
-    cmd_begin_conditional_rendering: PFN_vkCmdBeginConditionalRenderingEXT =
-        c"vkCmdBeginConditionalRenderingEXT" => queries::begin_conditional;
-    cmd_end_conditional_rendering: PFN_vkCmdEndConditionalRenderingEXT =
-        c"vkCmdEndConditionalRenderingEXT" => queries::end_conditional;
-
-    cmd_pipeline_barrier: PFN_vkCmdPipelineBarrier = c"vkCmdPipelineBarrier" => image_layouts::pipeline_barrier;
-    cmd_pipeline_barrier2: PFN_vkCmdPipelineBarrier2 = c"vkCmdPipelineBarrier2"
-        since API_VERSION_1_3, before c"vkCmdPipelineBarrier2KHR" => image_layouts::pipeline_barrier2;
-
-    cmd_wait_events: PFN_vkCmdWaitEvents = c"vkCmdWaitEvents" => pending::wait_events;
-    cmd_wait_events2: PFN_vkCmdWaitEvents2 = c"vkCmdWaitEvents2"
-        since API_VERSION_1_3, before c"vkCmdWaitEvents2KHR" => pending::wait_events2;
-
-    cmd_copy_image: PFN_vkCmdCopyImage = c"vkCmdCopyImage" => transfers::copy;
-    cmd_copy_image2: PFN_vkCmdCopyImage2 = c"vkCmdCopyImage2"
-        since API_VERSION_1_3, before c"vkCmdCopyImage2KHR" => transfers::copy2;
-    cmd_blit_image: PFN_vkCmdBlitImage = c"vkCmdBlitImage" => transfers::blit;
-    cmd_blit_image2: PFN_vkCmdBlitImage2 = c"vkCmdBlitImage2"
-        since API_VERSION_1_3, before c"vkCmdBlitImage2KHR" => transfers::blit2;
-    cmd_resolve_image: PFN_vkCmdResolveImage = c"vkCmdResolveImage" => transfers::resolve;
-    cmd_resolve_image2: PFN_vkCmdResolveImage2 = c"vkCmdResolveImage2"
-        since API_VERSION_1_3, before c"vkCmdResolveImage2KHR" => transfers::resolve2;
-
-    queue_submit: PFN_vkQueueSubmit = c"vkQueueSubmit" => submit::submit;
-    queue_submit2: PFN_vkQueueSubmit2 = c"vkQueueSubmit2"
-        since API_VERSION_1_3, before c"vkQueueSubmit2KHR" => submit::submit2;
+/// Our hook for a function of an armed device with that table; `None` where the device lacks the function.
+pub fn hook_of(table: &ArmedTable, name: &CStr) -> vk::PFN_vkVoidFunction {
+    if table.lacks(name) { None } else { armed_hook(name) }
 }
 
 #[cfg(test)]

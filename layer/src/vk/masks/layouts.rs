@@ -2,15 +2,10 @@
 //! application's own, because what those are made of may be gone by the time that one is needed.
 
 use super::Masks;
-use crate::abi::guard;
+use crate::abi::copies::slice;
 use crate::gpu::{AppendedLayout, ReturnLayout};
-use crate::vk::device;
-use crate::vk::objects::descriptors;
-use crate::vk::rates::copies::slice;
 use ash::vk;
 use std::sync::{Arc, MutexGuard, PoisonError};
-
-const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
 
 /// Attachments count as resources of the fragment stage, and so many are the most that devices have.
 const MOST_ATTACHMENTS: u32 = 16;
@@ -101,130 +96,47 @@ impl Masks {
             .map(Arc::new)
     }
 
+    /// Keeps the facts of a set layout of the application.
+    ///
+    /// # Safety
+    ///
+    /// Valid usage of vkCreateDescriptorSetLayout.
+    pub unsafe fn add_set_layout(
+        &self,
+        layout: vk::DescriptorSetLayout,
+        info: &vk::DescriptorSetLayoutCreateInfo<'_>,
+    ) {
+        // SAFETY: `info` is valid, as this function requires.
+        self.sets.insert(layout, unsafe { SetFacts::of(info) });
+    }
+
+    /// A set layout of the application is about to be destroyed.
+    pub fn forget_set_layout(&self, layout: vk::DescriptorSetLayout) {
+        self.sets.remove(layout);
+    }
+
+    /// Creates the appended layout of a pipeline layout of the application.
+    ///
+    /// # Safety
+    ///
+    /// Valid usage of vkCreatePipelineLayout.
+    pub unsafe fn add_layout(&self, layout: vk::PipelineLayout, info: &vk::PipelineLayoutCreateInfo<'_>) {
+        // SAFETY: `info` is valid, as this function requires.
+        match unsafe { self.appended(info) } {
+            Some(appended) => self.layouts.insert(layout, appended),
+            None => drop(self.layouts.remove(layout)),
+        }
+    }
+
+    /// A pipeline layout of the application is about to be destroyed.
+    pub fn forget_layout(&self, layout: vk::PipelineLayout) {
+        drop(self.layouts.remove(layout));
+    }
+
     /// The appended layout of one of the application's.
     pub(super) fn layout(&self, layout: vk::PipelineLayout) -> Option<Arc<AppendedLayout>> {
         self.layouts.get(layout)
     }
-}
-
-/// `vkCreateDescriptorSetLayout`.
-pub unsafe extern "system" fn create_set_layout(
-    device: vk::Device,
-    info: *const vk::DescriptorSetLayoutCreateInfo<'_>,
-    allocator: *const vk::AllocationCallbacks<'_>,
-    layout: *mut vk::DescriptorSetLayout,
-) -> vk::Result {
-    guard(
-        "vkCreateDescriptorSetLayout",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, create_descriptor_set_layout(device, info, allocator, layout), FAILED)
-        },
-        |answer| {
-            // SAFETY: the application's own arguments; on success `info` and `layout` are valid.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_descriptor_set_layout)
-                else {
-                    return FAILED;
-                };
-                let result = answer.record(next(device, info, allocator, layout));
-                if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                    armed.objects.descriptors.add_layout(*layout, descriptors::is_open(&*info));
-                }
-                if let (Some(masks), vk::Result::SUCCESS) = (known.masks(), result) {
-                    masks.sets.insert(*layout, SetFacts::of(&*info));
-                }
-                result
-            }
-        },
-    )
-}
-
-/// `vkDestroyDescriptorSetLayout`.
-pub unsafe extern "system" fn destroy_set_layout(
-    device: vk::Device,
-    layout: vk::DescriptorSetLayout,
-    allocator: *const vk::AllocationCallbacks<'_>,
-) {
-    guard(
-        "vkDestroyDescriptorSetLayout",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, destroy_descriptor_set_layout(device, layout, allocator), ())
-        },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_descriptor_set_layout)
-                else {
-                    return;
-                };
-                if let Some(masks) = known.masks() {
-                    masks.sets.remove(layout);
-                }
-                next(device, layout, allocator);
-                answer.made();
-            }
-        },
-    );
-}
-
-/// `vkCreatePipelineLayout`.
-pub unsafe extern "system" fn create(
-    device: vk::Device,
-    info: *const vk::PipelineLayoutCreateInfo<'_>,
-    allocator: *const vk::AllocationCallbacks<'_>,
-    layout: *mut vk::PipelineLayout,
-) -> vk::Result {
-    guard(
-        "vkCreatePipelineLayout",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, create_pipeline_layout(device, info, allocator, layout), FAILED)
-        },
-        |answer| {
-            // SAFETY: the application's own arguments; on success `info` and `layout` are valid.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_pipeline_layout) else {
-                    return FAILED;
-                };
-                let result = answer.record(next(device, info, allocator, layout));
-                if let (Some(masks), vk::Result::SUCCESS) = (known.masks(), result) {
-                    match masks.appended(&*info) {
-                        Some(appended) => masks.layouts.insert(*layout, appended),
-                        None => drop(masks.layouts.remove(*layout)),
-                    }
-                }
-                result
-            }
-        },
-    )
-}
-
-/// `vkDestroyPipelineLayout`.
-pub unsafe extern "system" fn destroy(
-    device: vk::Device,
-    layout: vk::PipelineLayout,
-    allocator: *const vk::AllocationCallbacks<'_>,
-) {
-    guard(
-        "vkDestroyPipelineLayout",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, destroy_pipeline_layout(device, layout, allocator), ()) },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_pipeline_layout) else {
-                    return;
-                };
-                if let Some(masks) = known.masks() {
-                    drop(masks.layouts.remove(layout));
-                }
-                next(device, layout, allocator);
-                answer.made();
-            }
-        },
-    );
 }
 
 #[cfg(test)]

@@ -6,8 +6,8 @@ mod codes;
 pub use codes::{Code, Codes};
 
 use super::early_return::{EarlyReturn, discards, returning_early};
+use crate::abi::copies::{find, slice, words};
 use crate::gpu::{AppendedLayout, CompatiblePass, Gpu, GpuError, Owned, pipeline_of_code};
-use crate::vk::rates::copies::{find, slice, words};
 use arena::Arena;
 use ash::vk;
 use smallvec::SmallVec;

@@ -4,8 +4,8 @@
 
 use super::Masks;
 use crate::mask::{DynamicStencil, PipelineFacts};
-use crate::vk::rates::shader::Effects;
-use crate::vk::rates::shader_objects::effects;
+use crate::vk::shaders::Effects;
+use crate::vk::shaders::effects_of_object as effects;
 use ash::vk;
 
 impl Masks {

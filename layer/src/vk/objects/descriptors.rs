@@ -4,10 +4,8 @@
 //! look-up.
 
 use super::{Objects, View};
-use crate::abi::guard;
+use crate::abi::copies::slice;
 use crate::scene::{ImageKey, Reads};
-use crate::vk::device;
-use crate::vk::rates::copies::slice;
 use crate::vk::table::Table;
 use ash::vk;
 use ash::vk::Handle;
@@ -135,7 +133,7 @@ impl Descriptors {
     }
 
     /// One element of a binding is written.
-    fn write(&self, set: vk::DescriptorSet, at: (u32, u32), image: Option<ImageKey>) {
+    pub fn write(&self, set: vk::DescriptorSet, at: (u32, u32), image: Option<ImageKey>) {
         if image.is_none() && !self.may_read(set) {
             return;
         }
@@ -150,7 +148,7 @@ impl Descriptors {
     }
 
     /// The attachment that a view is of, if it is of one.
-    fn attachment(&self, objects: &Objects, view: vk::ImageView) -> Option<ImageKey> {
+    pub fn attachment(&self, objects: &Objects, view: vk::ImageView) -> Option<ImageKey> {
         if !self.view_filter.may_have(view.as_raw()) {
             return None;
         }
@@ -159,7 +157,7 @@ impl Descriptors {
 }
 
 /// Whether descriptors of a kind name images that shaders read.
-fn reads_image(kind: vk::DescriptorType) -> bool {
+pub fn reads_image(kind: vk::DescriptorType) -> bool {
     use vk::DescriptorType as Kind;
     matches!(kind, Kind::COMBINED_IMAGE_SAMPLER | Kind::SAMPLED_IMAGE | Kind::STORAGE_IMAGE)
 }
@@ -179,111 +177,6 @@ pub unsafe fn is_open(info: &vk::DescriptorSetLayoutCreateInfo<'_>) -> bool {
     };
     info.flags.intersects(Flags::UPDATE_AFTER_BIND_POOL | Flags::DESCRIPTOR_BUFFER_EXT)
         || bindings.iter().any(is_long)
-}
-
-/// `vkAllocateDescriptorSets`.
-pub unsafe extern "system" fn allocate(
-    device: vk::Device,
-    info: *const vk::DescriptorSetAllocateInfo<'_>,
-    sets: *mut vk::DescriptorSet,
-) -> vk::Result {
-    const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
-    guard(
-        "vkAllocateDescriptorSets",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, allocate_descriptor_sets(device, info, sets), FAILED) },
-        // SAFETY: the application's own arguments: as many layouts and, on success, sets as `info` says.
-        |answer| unsafe {
-            let Some((known, next)) = device::with(device, |next| next.allocate_descriptor_sets) else {
-                return FAILED;
-            };
-            let result = answer.record(next(device, info, sets));
-            if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
-                let count = (*info).descriptor_set_count;
-                for (set, layout) in slice(sets, count).iter().zip(slice((*info).p_set_layouts, count)) {
-                    armed.objects.descriptors.add_set(*set, *layout);
-                }
-            }
-            result
-        },
-    )
-}
-
-/// `vkUpdateDescriptorSets`.
-pub unsafe extern "system" fn update(
-    device: vk::Device,
-    write_count: u32,
-    writes: *const vk::WriteDescriptorSet<'_>,
-    copy_count: u32,
-    copies: *const vk::CopyDescriptorSet<'_>,
-) {
-    guard(
-        "vkUpdateDescriptorSets",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                device::with: device,
-                update_descriptor_sets(device, write_count, writes, copy_count, copies),
-                ()
-            )
-        },
-        // SAFETY: the application's own arguments: so many writes with their arrays, and copies.
-        |answer| unsafe {
-            let Some((known, next)) = device::with(device, |next| next.update_descriptor_sets) else {
-                return;
-            };
-            next(device, write_count, writes, copy_count, copies);
-            answer.made();
-            let Some(armed) = &known.armed else { return };
-            let descriptors = &armed.objects.descriptors;
-            for write in slice(writes, write_count) {
-                if reads_image(write.descriptor_type) {
-                    let images = slice(write.p_image_info, write.descriptor_count);
-                    for (element, image) in (write.dst_array_element..).zip(images) {
-                        let attachment = descriptors.attachment(&armed.objects, image.image_view);
-                        descriptors.write(write.dst_set, (write.dst_binding, element), attachment);
-                    }
-                }
-            }
-            for copy in slice(copies, copy_count) {
-                if descriptors.may_read(copy.src_set) {
-                    descriptors.open(copy.dst_set);
-                }
-            }
-        },
-    );
-}
-
-/// `vkUpdateDescriptorSetWithTemplate`, whose data only the template tells.
-pub unsafe extern "system" fn update_with_template(
-    device: vk::Device,
-    set: vk::DescriptorSet,
-    template: vk::DescriptorUpdateTemplate,
-    data: *const std::ffi::c_void,
-) {
-    guard(
-        "vkUpdateDescriptorSetWithTemplate",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                device::with: device,
-                update_descriptor_set_with_template(device, set, template, data),
-                ()
-            )
-        },
-        // SAFETY: as above.
-        |answer| unsafe {
-            let Some((known, next)) = device::with(device, |next| next.update_descriptor_set_with_template)
-            else {
-                return;
-            };
-            next(device, set, template, data);
-            answer.made();
-            if let Some(armed) = &known.armed {
-                armed.objects.descriptors.open(set);
-            }
-        },
-    );
 }
 
 #[cfg(test)]

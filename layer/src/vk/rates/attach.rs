@@ -1,7 +1,6 @@
 //! What a device's rate attachments are attached to, and by which calls.
 
 use super::commands::SetRates;
-use super::copies::{Copies, room};
 use super::create::Enabled;
 use super::framebuffer::{self, Promise};
 use super::image::{RateImage, RateImageKey, RateImages, USAGE};
@@ -9,13 +8,14 @@ use super::offer::Offer;
 use super::pipeline::PipelineRate;
 use super::render_pass::{self, AddedRates, LeftAlone};
 use super::rendering;
+use crate::abi::copies::{Copies, room};
 use crate::gpu::GpuError;
 use crate::link::{BACKEND_RATE_ATTACHMENT, DeviceRecord, OfferRecord};
 use crate::scene::{ImageDescription, Pass, Target};
 use crate::vk::armed::Armed;
 use crate::vk::backend::{Backend, RateMap};
 use crate::vk::objects::Image;
-use crate::vk::shader_modules::ShaderModules;
+use crate::vk::shaders::ShaderModules;
 use crate::vk::table::Table;
 use ash::vk;
 use parafovea_manifest::quirks::Effect;
@@ -33,11 +33,11 @@ pub struct Rates {
     passes: Table<vk::RenderPass, AddedRates>,
     framebuffers: Table<vk::Framebuffer, Attached>,
     /// What the fragment shaders of modules do.
-    pub(super) modules: ShaderModules,
+    pub modules: ShaderModules,
     /// Pipelines and libraries whose rate is not fixed.
     pub(super) pipelines: Table<vk::Pipeline, PipelineRate>,
     /// Rates that are set by commands.
-    pub(super) set_rates: SetRates,
+    pub set_rates: SetRates,
     /// Fragment shaders without a pipeline, and whether each must shade every pixel.
     pub(super) shader_objects: Table<vk::ShaderEXT, bool>,
     /// Whether the rate of a pipeline may have to be set when it is bound.

@@ -1,9 +1,7 @@
 //! Rates that are set by commands: the application's, and those of pipelines that are linked from parts.
 
 use super::pipeline::{PipelineRate, is_default};
-use crate::abi::guard;
 use crate::vk::table::Table;
-use crate::vk::{device, recording};
 use ash::vk::{self, FragmentShadingRateCombinerOpKHR as Combiner};
 
 /// A rate as vkCmdSetFragmentShadingRateKHR sets it.
@@ -87,91 +85,6 @@ impl SetRates {
 /// 1x1, combined so with the attachment's rate.
 const fn full_rate(combiner: Combiner) -> SetRate {
     SetRate { size: vk::Extent2D { width: 1, height: 1 }, combiners: [Combiner::KEEP, combiner] }
-}
-
-/// `vkCmdSetFragmentShadingRateKHR`.
-pub unsafe extern "system" fn set_rate(
-    buffer: vk::CommandBuffer,
-    size: *const vk::Extent2D,
-    combiners: *const [Combiner; 2],
-) {
-    guard(
-        "vkCmdSetFragmentShadingRateKHR",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: buffer, cmd_set_fragment_shading_rate(buffer, size, combiners), ())
-        },
-        |answer| {
-            // SAFETY: the application's own arguments, which are valid.
-            unsafe {
-                let Some((known, next)) = device::with(buffer, |next| next.cmd_set_fragment_shading_rate)
-                else {
-                    return;
-                };
-                let Some(rates) = known.rates() else {
-                    next(buffer, size, combiners);
-                    return answer.made();
-                };
-                let rate = rates.set_rates.set(buffer, SetRate { size: *size, combiners: *combiners });
-                next(buffer, &rate.size, &rate.combiners);
-                answer.made();
-            }
-        },
-    );
-}
-
-/// `vkCmdBindPipeline`, hooked only where the rate of a pipeline may have to be set, or passes may have masks.
-pub unsafe extern "system" fn bind_pipeline(
-    buffer: vk::CommandBuffer,
-    point: vk::PipelineBindPoint,
-    pipeline: vk::Pipeline,
-) {
-    guard(
-        "vkCmdBindPipeline",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(recording::with_buffer: buffer, cmd_bind_pipeline(buffer, point, pipeline), ())
-        },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = recording::with_buffer(buffer, |next| next.cmd_bind_pipeline)
-                else {
-                    return;
-                };
-                let bind = |pipeline| {
-                    next(buffer, point, pipeline);
-                    answer.made();
-                };
-                let Some(known) = known else { return bind(pipeline) };
-                if known.armed.masks.is_some() && point == vk::PipelineBindPoint::GRAPHICS {
-                    recording::stencil::changes(&known, buffer);
-                }
-                match point {
-                    vk::PipelineBindPoint::GRAPHICS => {
-                        recording::drawing::bind(&known, buffer, pipeline, bind);
-                    }
-                    _ => bind(pipeline),
-                }
-                if let (Some(rates), vk::PipelineBindPoint::GRAPHICS) = (&known.armed.rate_attachments, point)
-                    && let Some(pipeline) = rates.pipeline_rate(pipeline)
-                    && let Some(rate) = rates.set_rates.bound(buffer, pipeline)
-                    && let Some(set) = known.armed.next.cmd_set_fragment_shading_rate
-                {
-                    set(buffer, &rate.size, &rate.combiners);
-                }
-                if let Some(masks) = &known.armed.masks {
-                    match point {
-                        vk::PipelineBindPoint::GRAPHICS => {
-                            known.recorded().use_pipeline(masks.pipeline(pipeline));
-                        }
-                        vk::PipelineBindPoint::COMPUTE => known.recorded().compute.bind_pipeline(pipeline),
-                        _ => {}
-                    }
-                }
-            }
-        },
-    );
 }
 
 #[cfg(test)]

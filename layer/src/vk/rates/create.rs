@@ -1,9 +1,8 @@
 //! The creation of instances and devices, with what rate attachments need added.
 
-use super::copies::{Copies, find, slice};
 use super::offer::{NoRates, Offer, Questions, extensions_of};
-use crate::vk::device::properties;
-use crate::vk::instance::Instance;
+use crate::abi::copies::{Copies, find, slice};
+use crate::vk::instance::{Instance, properties};
 use crate::vk::quirks;
 use ash::vk;
 use parafovea_manifest::quirks::Quirks;

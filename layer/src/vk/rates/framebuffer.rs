@@ -1,6 +1,6 @@
 //! Framebuffers: the view of a rate image joins those of the application.
 
-use super::copies::{Copies, find, slice};
+use crate::abi::copies::{Copies, find, slice};
 use ash::vk;
 
 /// What an imageless framebuffer says of the rate images that it will be used with. It holds for each of them:

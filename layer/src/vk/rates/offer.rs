@@ -1,6 +1,7 @@
 //! What a device's `VK_KHR_fragment_shading_rate` can do.
 
 use crate::vk::instance::Instance;
+use crate::vk::shaders::Effects;
 use ash::vk;
 use parafovea_core::rate::ShadingRate;
 use parafovea_manifest::quirks::{Effect, Quirks};
@@ -260,6 +261,16 @@ impl Limits {
             custom_sample_locations: yes(properties.fragment_shading_rate_with_custom_sample_locations),
             samples: properties.max_fragment_shading_rate_rasterization_samples,
         }
+    }
+
+    /// Whether a fragment shader has to run at 1x1: its effects count for each pixel, or the device does not shade coarsely with them.
+    pub fn need_every_pixel(&self, shader: Effects) -> bool {
+        shader.stores
+            || shader.interlocks
+            || shader.per_sample
+            || shader.writes_integers
+            || (shader.writes_depth_stencil && !self.depth_stencil_writes)
+            || (shader.uses_sample_mask && !self.shader_sample_mask)
     }
 }
 

@@ -1,10 +1,10 @@
 //! Graphics pipelines: each may be used with a rate attachment, and obeys it unless it must shade every pixel.
 
-use super::copies::{Copies, find, slice};
 use super::offer::Offer;
-use super::shader::Effects;
+use crate::abi::copies::{Copies, find, slice};
+use crate::vk::shaders::Effects;
+use crate::vk::shaders::parts::{Parts, dynamic_states, is_discarded, libraries, own_parts};
 use ash::vk;
-pub use ash::vk::GraphicsPipelineLibraryFlagsEXT as Parts;
 
 /// What a pipeline's rate is, after what was added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,47 +161,6 @@ unsafe fn with_dynamic_rate<'c>(
     }
 }
 
-/// # Safety
-///
-/// The structure's chain is valid.
-pub unsafe fn libraries<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [vk::Pipeline] {
-    // SAFETY: the caller vouches for it.
-    unsafe {
-        find::<vk::PipelineLibraryCreateInfoKHR<'_>>(info.p_next)
-            .map_or(&[], |libraries| slice(libraries.p_libraries, libraries.library_count))
-    }
-}
-
-/// The parts that the structure itself has: pointers to the state of others may be anything.
-///
-/// # Safety
-///
-/// The structure's chain is valid.
-pub unsafe fn own_parts(info: &vk::GraphicsPipelineCreateInfo<'_>) -> Parts {
-    // SAFETY: the caller vouches for it.
-    unsafe {
-        if let Some(library) = find::<vk::GraphicsPipelineLibraryCreateInfoEXT<'_>>(info.p_next) {
-            library.flags
-        } else if libraries(info).is_empty() {
-            SHADING | Parts::VERTEX_INPUT_INTERFACE | Parts::FRAGMENT_OUTPUT_INTERFACE
-        } else {
-            Parts::empty()
-        }
-    }
-}
-
-/// # Safety
-///
-/// The structure is valid.
-unsafe fn dynamic_states<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [vk::DynamicState] {
-    // SAFETY: the caller vouches for it.
-    unsafe {
-        info.p_dynamic_state
-            .as_ref()
-            .map_or(&[], |state| slice(state.p_dynamic_states, state.dynamic_state_count))
-    }
-}
-
 /// Whether the application sets the pipeline's rate by a command.
 ///
 /// # Safety
@@ -231,23 +190,6 @@ pub fn is_default(size: vk::Extent2D, combiners: [vk::FragmentShadingRateCombine
     (size.width, size.height) == (1, 1) && combiners == [vk::FragmentShadingRateCombinerOpKHR::KEEP; 2]
 }
 
-/// Whether nothing is rasterised, so that much of the state is ignored, and may be anything.
-///
-/// # Safety
-///
-/// The structure is valid.
-pub unsafe fn is_discarded(info: &vk::GraphicsPipelineCreateInfo<'_>, own: Parts) -> bool {
-    // SAFETY: the caller vouches for it: the rasterisation state is of the pre-rasterisation part.
-    unsafe {
-        own.contains(Parts::PRE_RASTERIZATION_SHADERS)
-            && !dynamic_states(info).contains(&vk::DynamicState::RASTERIZER_DISCARD_ENABLE)
-            && info
-                .p_rasterization_state
-                .as_ref()
-                .is_some_and(|state| state.rasterizer_discard_enable == vk::TRUE)
-    }
-}
-
 /// Whether a pipeline with these parts of its own must not be coarser than 1x1: its fragment shader has effects that
 /// count for each pixel, or the device does not shade coarsely with what it does.
 ///
@@ -270,7 +212,7 @@ unsafe fn must_shade_every_pixel(
         let fragment = slice(info.p_stages, info.stage_count)
             .iter()
             .find(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
-        if fragment.map_or(Effects::default(), effects).need_every_pixel(limits) {
+        if limits.need_every_pixel(fragment.map_or(Effects::default(), effects)) {
             return true;
         }
         let multisample = info.p_multisample_state.as_ref();

@@ -1,14 +1,10 @@
 //! The creation of shader modules and graphics pipelines.
 
 use super::attach::Rates;
-use super::copies::{Copies, room, slice};
 use super::pipeline::{PipelineRate, with_rates};
-use crate::abi::guard;
+use crate::abi::copies::{Copies, room, slice};
 use crate::gpu::GpuError;
-use crate::vk::device;
 use ash::vk;
-
-const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
 
 impl Rates {
     /// A pipeline is about to be destroyed.
@@ -86,136 +82,4 @@ impl Rates {
 /// codes are no failures: `PIPELINE_COMPILE_REQUIRED` is the answer to a question of the application's.
 pub(super) fn may_be_ours(result: vk::Result) -> bool {
     result.as_raw() < 0 && result != vk::Result::ERROR_DEVICE_LOST
-}
-
-/// `vkCreateShaderModule`.
-pub unsafe extern "system" fn create_shader_module(
-    device: vk::Device,
-    info: *const vk::ShaderModuleCreateInfo<'_>,
-    allocator: *const vk::AllocationCallbacks<'_>,
-    module: *mut vk::ShaderModule,
-) -> vk::Result {
-    guard(
-        "vkCreateShaderModule",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, create_shader_module(device, info, allocator, module), FAILED)
-        },
-        |answer| {
-            // SAFETY: the application's own arguments; on success `info` and `module` are valid.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_shader_module) else {
-                    return FAILED;
-                };
-                let result = answer.record(next(device, info, allocator, module));
-                if result == vk::Result::SUCCESS {
-                    if let Some(rates) = known.rates() {
-                        rates.modules.add(*module, &*info);
-                    }
-                    if let Some(masks) = known.masks() {
-                        masks.add_shader_module(*module, &*info);
-                    }
-                }
-                result
-            }
-        },
-    )
-}
-
-/// `vkDestroyShaderModule`.
-pub unsafe extern "system" fn destroy_shader_module(
-    device: vk::Device,
-    module: vk::ShaderModule,
-    allocator: *const vk::AllocationCallbacks<'_>,
-) {
-    guard(
-        "vkDestroyShaderModule",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, destroy_shader_module(device, module, allocator), ()) },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_shader_module) else {
-                    return;
-                };
-                if let Some(rates) = known.rates() {
-                    rates.modules.forget(module);
-                }
-                if let Some(masks) = known.masks() {
-                    masks.forget_shader_module(module);
-                }
-                next(device, module, allocator);
-                answer.made();
-            }
-        },
-    );
-}
-
-/// `vkCreateGraphicsPipelines`.
-pub unsafe extern "system" fn create_pipelines(
-    device: vk::Device,
-    cache: vk::PipelineCache,
-    count: u32,
-    infos: *const vk::GraphicsPipelineCreateInfo<'_>,
-    allocator: *const vk::AllocationCallbacks<'_>,
-    made: *mut vk::Pipeline,
-) -> vk::Result {
-    guard(
-        "vkCreateGraphicsPipelines",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(
-                device::with: device,
-                create_graphics_pipelines(device, cache, count, infos, allocator, made),
-                FAILED
-            )
-        },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_graphics_pipelines) else {
-                    return FAILED;
-                };
-                let result = answer.record(match known.rates() {
-                    Some(rates) => {
-                        let functions = (next, known.hooked.destroy_pipeline);
-                        rates.create_pipelines(device, cache, count, infos, allocator, made, functions)
-                    }
-                    None => next(device, cache, count, infos, allocator, made),
-                });
-                // Where some failed, those are null.
-                if let (Some(masks), true) = (known.masks(), result.as_raw() >= 0) {
-                    masks.add_pipelines(infos, made, count);
-                }
-                result
-            }
-        },
-    )
-}
-
-/// `vkDestroyPipeline`.
-pub unsafe extern "system" fn destroy_pipeline(
-    device: vk::Device,
-    pipeline: vk::Pipeline,
-    allocator: *const vk::AllocationCallbacks<'_>,
-) {
-    guard(
-        "vkDestroyPipeline",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, destroy_pipeline(device, pipeline, allocator), ()) },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_pipeline) else { return };
-                if let Some(rates) = known.rates() {
-                    rates.forget_pipeline(pipeline);
-                }
-                if let Some(masks) = known.masks() {
-                    masks.forget_pipeline(pipeline);
-                }
-                next(device, pipeline, allocator);
-                answer.made();
-            }
-        },
-    );
 }

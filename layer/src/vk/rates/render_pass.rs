@@ -4,8 +4,8 @@ mod version1;
 
 pub use version1::convert;
 
-use super::copies::{Copies, find, slice};
 use super::offer::Offer;
+use crate::abi::copies::{Copies, find, slice};
 use ash::vk;
 
 /// What was added to a render pass, and to each that is compatible with it.

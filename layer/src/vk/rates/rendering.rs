@@ -1,8 +1,8 @@
 //! Dynamic rendering: colour passes get a rate attachment where they begin.
 
-use super::copies::{Copies, find, slice};
 use super::offer::Offer;
 use super::render_pass::LeftAlone;
+use crate::abi::copies::{Copies, find, slice};
 use ash::vk;
 
 type Rates<'a> = vk::RenderingFragmentShadingRateAttachmentInfoKHR<'a>;

@@ -6,25 +6,25 @@
 
 use super::attach::Rates;
 use super::commands::SetRate;
-use super::copies::{slice, words};
 use super::pipelines::may_be_ours;
-use super::shader::{Effects, FragmentShaders};
-use crate::abi::guard;
+use crate::abi::copies::slice;
 use crate::gpu::GpuError;
-use crate::vk::{device, recording};
+use crate::vk::shaders::effects_of_object as effects;
 use ash::vk;
-use std::ffi::CStr;
-
-const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
 
 impl Rates {
+    /// A fragment shader is about to be destroyed.
+    pub fn forget_shader_object(&self, shader: vk::ShaderEXT) {
+        self.shader_objects.remove(shader);
+    }
+
     /// `vkCreateShadersEXT`, with the flag that the shaders may be used with a rate attachment. If that fails, the call
     /// is repeated as the application made it.
     ///
     /// # Safety
     ///
     /// The arguments of the call; functions of the device's next layer.
-    unsafe fn create_shaders(
+    pub unsafe fn create_shaders(
         &self,
         device: vk::Device,
         count: u32,
@@ -50,7 +50,7 @@ impl Rates {
             }
             for (info, &shader) in asked.iter().zip(slice(made.cast_const(), count)) {
                 if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {
-                    let every_pixel = effects(info).need_every_pixel(&self.offer.limits);
+                    let every_pixel = self.offer.limits.need_every_pixel(effects(info));
                     self.shader_objects.insert(shader, every_pixel);
                 }
             }
@@ -63,7 +63,7 @@ impl Rates {
     /// # Safety
     ///
     /// The arguments of vkCmdBindShadersEXT.
-    unsafe fn shaders_bound(
+    pub unsafe fn shaders_bound(
         &self,
         buffer: vk::CommandBuffer,
         count: u32,
@@ -87,160 +87,9 @@ fn flagged<'c>(info: &vk::ShaderCreateInfoEXT<'c>) -> vk::ShaderCreateInfoEXT<'c
     flagged
 }
 
-/// What a fragment shader does; nothing is known of a binary.
-///
-/// # Safety
-///
-/// The structure is valid.
-pub unsafe fn effects(info: &vk::ShaderCreateInfoEXT<'_>) -> Effects {
-    if info.code_type != vk::ShaderCodeTypeEXT::SPIRV {
-        return Effects::UNKNOWN;
-    }
-    // SAFETY: the caller vouches for the code, which is SPIR-V of `code_size` bytes, and the name.
-    unsafe {
-        let words = words(info.p_code, info.code_size);
-        let name = CStr::from_ptr(info.p_name).to_str();
-        let shaders = FragmentShaders::read(&words).zip(name.ok());
-        shaders.map_or(Effects::UNKNOWN, |(shaders, name)| shaders.effects(name))
-    }
-}
-
-/// `vkCreateShadersEXT`.
-pub unsafe extern "system" fn create(
-    device: vk::Device,
-    count: u32,
-    infos: *const vk::ShaderCreateInfoEXT<'_>,
-    allocator: *const vk::AllocationCallbacks<'_>,
-    made: *mut vk::ShaderEXT,
-) -> vk::Result {
-    guard(
-        "vkCreateShadersEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe {
-            pass_on!(device::with: device, create_shaders(device, count, infos, allocator, made), FAILED)
-        },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.create_shaders) else {
-                    return FAILED;
-                };
-                let result = answer.record(match known.rates() {
-                    Some(rates) => {
-                        let functions = (next, known.hooked.destroy_shader);
-                        rates.create_shaders(device, count, infos, allocator, made, functions)
-                    }
-                    None => next(device, count, infos, allocator, made),
-                });
-                if let Some(masks) = known.masks() {
-                    // What could not be made is null.
-                    masks.add_shader_objects(slice(infos, count), slice(made.cast_const(), count));
-                }
-                result
-            }
-        },
-    )
-}
-
-/// `vkDestroyShaderEXT`.
-pub unsafe extern "system" fn destroy(
-    device: vk::Device,
-    shader: vk::ShaderEXT,
-    allocator: *const vk::AllocationCallbacks<'_>,
-) {
-    guard(
-        "vkDestroyShaderEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: device, destroy_shader(device, shader, allocator), ()) },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(device, |next| next.destroy_shader) else { return };
-                if let Some(rates) = known.rates() {
-                    rates.shader_objects.remove(shader);
-                }
-                if let Some(masks) = known.masks() {
-                    masks.forget_shader_object(shader);
-                }
-                next(device, shader, allocator);
-                answer.made();
-            }
-        },
-    );
-}
-
-/// `vkCmdBindShadersEXT`.
-pub unsafe extern "system" fn bind(
-    buffer: vk::CommandBuffer,
-    count: u32,
-    stages: *const vk::ShaderStageFlags,
-    shaders: *const vk::ShaderEXT,
-) {
-    guard(
-        "vkCmdBindShadersEXT",
-        // SAFETY: the application's own arguments.
-        || unsafe { pass_on!(device::with: buffer, cmd_bind_shaders(buffer, count, stages, shaders), ()) },
-        |answer| {
-            // SAFETY: the application's own arguments.
-            unsafe {
-                let Some((known, next)) = device::with(buffer, |next| next.cmd_bind_shaders) else { return };
-                let masked = known.masks().zip(recording::buffer(buffer));
-                if let Some((_, recording)) = &masked {
-                    recording::drawing::leave(recording, buffer);
-                    recording::stencil::changes(recording, buffer);
-                }
-                next(buffer, count, stages, shaders);
-                answer.made();
-                if let Some(rates) = known.rates()
-                    && let Some(rate) = rates.shaders_bound(buffer, count, stages, shaders)
-                    && let Some(set) = known.hooked.cmd_set_fragment_shading_rate
-                {
-                    set(buffer, &rate.size, &rate.combiners);
-                }
-                if let Some((masks, recording)) = masked {
-                    let stages = slice(stages, count);
-                    let shader = |index| slice(shaders, count).get(index).copied().unwrap_or_default();
-                    let mut recorded = recording.recorded();
-                    for (index, &stage) in stages.iter().enumerate() {
-                        match stage {
-                            vk::ShaderStageFlags::COMPUTE => recorded.compute.bind_shader(shader(index)),
-                            vk::ShaderStageFlags::FRAGMENT => {
-                                recorded.use_pipeline(masks.shader_object(shader(index)));
-                                recorded.drawing.bind_more();
-                            }
-                            // Other stages alone draw no colour, but replace the graphics pipeline as well.
-                            _ => recorded.drawing.bind_more(),
-                        }
-                    }
-                }
-            }
-        },
-    );
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::shader::tests::plain_shader;
     use super::*;
-
-    /// Applications include compiled shaders as bytes, at any address.
-    #[test]
-    fn code_at_an_odd_address_is_read() {
-        let code: Vec<u8> = plain_shader().iter().flat_map(|word| word.to_ne_bytes()).collect();
-        for offset in 0..4 {
-            let mut aligned = vec![0u32; code.len() / 4 + 1];
-            let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut aligned);
-            bytes[offset..offset + code.len()].copy_from_slice(&code);
-            let info = vk::ShaderCreateInfoEXT::default()
-                .stage(vk::ShaderStageFlags::FRAGMENT)
-                .code_type(vk::ShaderCodeTypeEXT::SPIRV)
-                .code(&bytes[offset..offset + code.len()])
-                .name(c"main");
-            // SAFETY: the structure is valid but for the alignment of its code.
-            let effects = unsafe { effects(&info) };
-            assert_eq!(effects, Effects::default(), "at an offset of {offset} bytes");
-        }
-    }
 
     #[test]
     fn only_fragment_shaders_get_the_flag() {

@@ -5,11 +5,11 @@
 use super::descriptor_buffers::points;
 use super::sets::BoundSets;
 use super::{Buffer, drawing, draws, with_buffer};
+use crate::abi::copies::slice;
 use crate::abi::guard;
-use crate::vk::dispatch::ArmedTable;
 use crate::vk::dispatch_key::DispatchKey;
+use crate::vk::functions::ArmedTable;
 use crate::vk::masks::follows_graphics;
-use crate::vk::rates::copies::slice;
 use ash::vk;
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::{mem, ptr};

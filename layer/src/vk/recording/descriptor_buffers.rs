@@ -5,10 +5,10 @@
 //! point as far as its words go. The buffers stay bound.
 
 use super::{drawing, draws, with_buffer};
+use crate::abi::copies::slice;
 use crate::abi::guard;
-use crate::vk::dispatch::ArmedTable;
+use crate::vk::functions::ArmedTable;
 use crate::vk::masks::follow_graphics;
-use crate::vk::rates::copies::slice;
 use ash::vk;
 use smallvec::SmallVec;
 

@@ -8,7 +8,7 @@
 use super::sets::BoundSets;
 use super::{Buffer, with_buffer};
 use crate::abi::guard;
-use crate::vk::dispatch::ArmedTable;
+use crate::vk::functions::ArmedTable;
 use crate::vk::masks::Returning;
 use ash::vk;
 use smallvec::SmallVec;

@@ -1,6 +1,6 @@
 //! Descriptor sets that are bound in a command buffer, so that they can be bound again.
 
-use crate::vk::dispatch::ArmedTable;
+use crate::vk::functions::ArmedTable;
 use ash::vk;
 use smallvec::SmallVec;
 

@@ -81,7 +81,7 @@ fn what_is_no_refusal_is_not_tried_again() {
 #[test]
 fn what_a_module_does_is_kept_by_its_identifier() {
     with_device(|device| {
-        let code = crate::vk::rates::shader::tests::plain_shader();
+        let code = crate::vk::shaders::effects::tests::plain_shader();
         let info = vk::ShaderModuleCreateInfo::default().code(&code);
         let mut identifier = vk::ShaderModuleIdentifierEXT::default();
         let function = device_function(device, c"vkGetShaderModuleCreateInfoIdentifierEXT");
@@ -94,7 +94,7 @@ fn what_a_module_does_is_kept_by_its_identifier() {
             );
         }
         assert_eq!(identifier.identifier_size as usize, pipelines::IDENTIFIER.len());
-        let known = crate::vk::known_shaders::KnownShaders::of_process().get(pipelines::IDENTIFIER);
+        let known = crate::vk::shaders::KnownShaders::of_process().get(pipelines::IDENTIFIER);
         assert!(!known.unwrap().effects("main").stores);
     });
 }

@@ -1,6 +1,6 @@
 //! Code of shader modules, kept as long as modules or recipes need it.
 
-use crate::vk::rates::copies::words;
+use crate::abi::copies::words;
 use crate::vk::table::Table;
 use ash::vk;
 use std::sync::Arc;

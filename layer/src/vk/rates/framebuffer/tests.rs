@@ -1,5 +1,5 @@
 use super::*;
-use crate::vk::rates::copies::room;
+use crate::abi::copies::room;
 use ash::vk::Handle;
 
 fn view(number: u64) -> vk::ImageView {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::vk::rates::copies::room;
+use crate::abi::copies::room;
 use crate::vk::rates::offer::tests::offered;
 use ash::vk::Handle;
 use vk::FragmentShadingRateCombinerOpKHR as Combiner;

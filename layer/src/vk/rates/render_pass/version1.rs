@@ -1,7 +1,7 @@
 //! Render passes of Vulkan 1.0 as those of `VK_KHR_create_renderpass2`, which can have a rate attachment.
 
 use super::LeftAlone;
-use crate::vk::rates::copies::{Copies, find, slice};
+use crate::abi::copies::{Copies, find, slice};
 use ash::vk::{self, TaggedStructure};
 
 /// The same render pass in the second version's structures.

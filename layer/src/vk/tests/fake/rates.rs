@@ -82,7 +82,7 @@ pub unsafe fn device_created(info: &vk::DeviceCreateInfo<'_>) -> Result<(), vk::
     assert!(count <= 1, "a structure is doubled");
     // SAFETY: the caller's valid structures.
     unsafe {
-        let features = crate::vk::rates::copies::find::<Features<'_>>(info.p_next);
+        let features = crate::abi::copies::find::<Features<'_>>(info.p_next);
         FEATURES.set(features.map_or([0; 3], |features| {
             [
                 features.pipeline_fragment_shading_rate,

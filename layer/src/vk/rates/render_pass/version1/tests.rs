@@ -1,5 +1,5 @@
 use super::*;
-use crate::vk::rates::copies::room;
+use crate::abi::copies::room;
 use vk::ImageAspectFlags as Aspects;
 use vk::ImageLayout as Layout;
 

@@ -3,12 +3,14 @@
 //! A hook of ours is given out only where the next layer has the function too: what the driver lacks stays
 //! missing.
 
-use super::armed::Armed;
-use super::device::Device;
-use super::dispatch::{armed_hook, device_hook, global_hook, instance_hook, physical_device_hook};
-use super::{device, instance, link_table};
 use crate::abi::guard;
 use crate::link::GET_LINK_NAME;
+use crate::vk::armed::Armed;
+use crate::vk::device::Device;
+use crate::vk::dispatch::{
+    armed_hook, device_hook, global_hook, hook_of, instance_hook, physical_device_hook,
+};
+use crate::vk::{device, instance, link_table};
 use ash::vk;
 use std::ffi::{CStr, c_char};
 
@@ -62,7 +64,7 @@ pub unsafe extern "system" fn device(handle: vk::Device, name: *const c_char) ->
             if is_frequent(name) && !is_wanted(&known, name) {
                 return Some(next);
             }
-            let armed = || known.armed.as_ref().and_then(|_| known.hooked.hook(name));
+            let armed = || known.armed.as_ref().and_then(|_| hook_of(&known.hooked, name));
             device_hook(name).or_else(armed).or(Some(next))
         },
     )

@@ -6,8 +6,8 @@
 
 mod file;
 
-use super::rates::shader::FragmentShaders;
 use crate::cache_file;
+use crate::vk::shaders::effects::FragmentShaders;
 use smallvec::SmallVec;
 use std::collections::{HashMap, VecDeque};
 use std::path::PathBuf;

@@ -1,10 +1,10 @@
 //! What the fragment shaders of live shader modules do.
 
-use super::chain::extension;
-use super::known_shaders::KnownShaders;
-use super::rates::copies::{slice, words};
-use super::rates::shader::{Effects, FragmentShaders};
-use super::table::Table;
+use crate::abi::copies::{slice, words};
+use crate::vk::chain::extension;
+use crate::vk::shaders::effects::{Effects, FragmentShaders};
+use crate::vk::shaders::known::KnownShaders;
+use crate::vk::table::Table;
 use ash::vk;
 use std::ffi::CStr;
 use std::sync::Arc;
@@ -74,10 +74,28 @@ pub unsafe fn read(info: &vk::ShaderModuleCreateInfo<'_>) -> Option<FragmentShad
     FragmentShaders::read(&unsafe { words(info.p_code.cast(), info.code_size) })
 }
 
+/// What a fragment shader does; nothing is known of a binary.
+///
+/// # Safety
+///
+/// The structure is valid.
+pub unsafe fn effects_of_object(info: &vk::ShaderCreateInfoEXT<'_>) -> Effects {
+    if info.code_type != vk::ShaderCodeTypeEXT::SPIRV {
+        return Effects::UNKNOWN;
+    }
+    // SAFETY: the caller vouches for the code, which is SPIR-V of `code_size` bytes, and the name.
+    unsafe {
+        let words = words(info.p_code, info.code_size);
+        let name = CStr::from_ptr(info.p_name).to_str();
+        let shaders = FragmentShaders::read(&words).zip(name.ok());
+        shaders.map_or(Effects::UNKNOWN, |(shaders, name)| shaders.effects(name))
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::rates::shader::tests::plain_shader;
     use super::*;
+    use crate::vk::shaders::effects::tests::plain_shader;
 
     /// As in the second launch of a game of DXVK.
     #[test]
@@ -110,6 +128,25 @@ mod tests {
             // SAFETY: the structure is valid but for the alignment of its code.
             let shaders = unsafe { read(&info) }.unwrap();
             assert_eq!(shaders.effects("main"), Effects::default(), "at an offset of {offset} bytes");
+        }
+    }
+
+    /// Applications include compiled shaders as bytes, at any address.
+    #[test]
+    fn code_of_a_shader_object_at_an_odd_address_is_read() {
+        let code: Vec<u8> = plain_shader().iter().flat_map(|word| word.to_ne_bytes()).collect();
+        for offset in 0..4 {
+            let mut aligned = vec![0u32; code.len() / 4 + 1];
+            let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut aligned);
+            bytes[offset..offset + code.len()].copy_from_slice(&code);
+            let info = vk::ShaderCreateInfoEXT::default()
+                .stage(vk::ShaderStageFlags::FRAGMENT)
+                .code_type(vk::ShaderCodeTypeEXT::SPIRV)
+                .code(&bytes[offset..offset + code.len()])
+                .name(c"main");
+            // SAFETY: the structure is valid but for the alignment of its code.
+            let effects = unsafe { effects_of_object(&info) };
+            assert_eq!(effects, Effects::default(), "at an offset of {offset} bytes");
         }
     }
 }

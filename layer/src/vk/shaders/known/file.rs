@@ -2,7 +2,7 @@
 
 use super::{Facts, Identifier};
 use crate::cache_file::{self, checksum};
-use crate::vk::rates::shader::{Effects, FragmentShaders};
+use crate::vk::shaders::effects::{Effects, FragmentShaders};
 use std::fmt::Write as _;
 use std::io;
 use std::path::Path;

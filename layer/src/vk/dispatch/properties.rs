@@ -1,7 +1,7 @@
 //! What the layer says of itself. It adds no extension, to an instance or a device.
 
-use super::{LAYER_NAME, instance};
 use crate::abi::guard;
+use crate::vk::{LAYER_NAME, instance};
 use ash::vk;
 use parafovea_manifest::json::VULKAN_VERSION;
 use std::ffi::{CStr, c_char};

@@ -1,5 +1,5 @@
 use super::*;
-use crate::vk::rates::shader::Effects;
+use crate::vk::shaders::effects::Effects;
 use std::fs;
 use std::path::Path;
 

@@ -3,7 +3,6 @@
 //! A shader that stores to memory, counts, or writes identifiers runs once for each pixel in the application's mind;
 //! once for each block it would leave holes. Numbers are those of the SPIR-V specification, section 3.
 
-use super::offer::Limits;
 use smallvec::SmallVec;
 use std::collections::HashMap;
 
@@ -34,19 +33,6 @@ impl Effects {
         writes_depth_stencil: true,
         uses_sample_mask: true,
     };
-}
-
-impl Effects {
-    /// Whether a shader must not be coarser than 1x1: what it does counts for each pixel, or the device does not shade
-    /// coarsely with it.
-    pub fn need_every_pixel(&self, limits: &Limits) -> bool {
-        self.stores
-            || self.interlocks
-            || self.per_sample
-            || self.writes_integers
-            || (self.writes_depth_stencil && !limits.depth_stencil_writes)
-            || (self.uses_sample_mask && !limits.shader_sample_mask)
-    }
 }
 
 impl Effects {

@@ -1,0 +1,242 @@
+//! Hooks of devices: creation and destruction.
+
+use super::instance::arming;
+use crate::abi::copies::{Copies, room};
+use crate::abi::guard;
+use crate::config::{Arming, device_armed};
+use crate::link::DeviceRecord;
+use crate::status::{Topic, decided};
+use crate::vk::armed::Armed;
+use crate::vk::chain::{self, NextDevice};
+use crate::vk::device::{self, Device};
+use crate::vk::dispatch_key::DispatchKey;
+use crate::vk::functions::{ArmedTable, DeviceTable};
+use crate::vk::instance::{self, Instance, properties};
+use crate::vk::masks::Masks;
+use crate::vk::quirks;
+use crate::vk::rates::create::Enabled;
+use crate::vk::rates::{self, NoRates, Rates};
+use crate::vk::recording;
+use ash::vk;
+use std::sync::Arc;
+
+/// `vkCreateDevice`. Fails with `ERROR_INITIALIZATION_FAILED` when the caller is not a Vulkan loader.
+pub unsafe extern "system" fn create(
+    physical_device: vk::PhysicalDevice,
+    info: *const vk::DeviceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    device: *mut vk::Device,
+) -> vk::Result {
+    // SAFETY: the application vouches for `info` and `device` (valid usage of vkCreateDevice), the loader for what it put into the
+    // chain, and out of which it reads its own pointers.
+    let before = unsafe { (*device, chain::device_link(info).map(|at| (at, *at))) };
+    guard(
+        "vkCreateDevice",
+        || {
+            let (handle, link) = before;
+            // SAFETY: as above; all is as it was before the hook.
+            unsafe {
+                *device = handle;
+                if let Some((at, link)) = link {
+                    *at = link;
+                }
+                create_tracked(physical_device, info, allocator, device, false).0
+            }
+        },
+        |answer| {
+            // SAFETY: the application's own arguments.
+            let (result, state) = unsafe { create_tracked(physical_device, info, allocator, device, true) };
+            let result = answer.record(result);
+            if let Some(state) = state {
+                tracing::info!("Vulkan device: {state}");
+            }
+            result
+        },
+    )
+}
+
+/// Creates a device and tracks it, armed where that is `wanted` and the instance is enabled. Says in which state it is.
+///
+/// # Safety
+///
+/// The arguments of vkCreateDevice, as a Vulkan loader hands them to a layer.
+unsafe fn create_tracked(
+    physical_device: vk::PhysicalDevice,
+    info: *const vk::DeviceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    device: *mut vk::Device,
+    wanted: bool,
+) -> (vk::Result, Option<&'static str>) {
+    const FAILED: (vk::Result, Option<&str>) = (vk::Result::ERROR_INITIALIZATION_FAILED, None);
+    // SAFETY: the caller vouches for the handle, `info` and the chain.
+    let found = unsafe { instance::of(physical_device).zip(chain::advance_device(info)) };
+    let Some((instance, mut next)) = found else { return FAILED };
+    let name = c"vkCreateDevice".as_ptr();
+    // SAFETY: the loader gave the pointer, the instance is live, and the name gives the type.
+    let create = unsafe {
+        std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkCreateDevice>>((next
+            .get_instance_proc_addr)(
+            instance.handle, name
+        ))
+    };
+    let Some(create) = create else { return FAILED };
+    if !wanted {
+        // Without it no device is armed.
+        next.set_device_loader_data = None;
+    }
+    let may_be_armed = instance.enabled && next.set_device_loader_data.is_some();
+    let arming = if may_be_armed { arming() } else { Arming::Inert };
+    let below = Below { create, instance: &instance, physical_device, info, allocator, device };
+    // SAFETY: the application's own arguments; the loader's structure is advanced.
+    let (result, enabled) = unsafe { below.create(arming) };
+    if result != vk::Result::SUCCESS {
+        return (result, None);
+    }
+    // SAFETY: the call succeeded, so `device` points to a live device of the next layer.
+    match unsafe { track(&instance, physical_device, *device, next, (arming, enabled)) } {
+        Some(state) => (result, Some(state)),
+        None => FAILED,
+    }
+}
+
+/// The call down to create a device.
+struct Below<'a> {
+    create: vk::PFN_vkCreateDevice,
+    instance: &'a Instance,
+    physical_device: vk::PhysicalDevice,
+    info: *const vk::DeviceCreateInfo<'a>,
+    allocator: *const vk::AllocationCallbacks<'a>,
+    device: *mut vk::Device,
+}
+
+impl Below<'_> {
+    /// Creates the device, with rate attachments where the configuration asks for rates and they are possible, or else
+    /// exactly as the application asks. Returns the enabled parts of rate attachments.
+    ///
+    /// # Safety
+    ///
+    /// The arguments of vkCreateDevice, with which the next layer's may be called.
+    unsafe fn create(&self, arming: Arming) -> (vk::Result, Option<Enabled>) {
+        if arming == Arming::Rates {
+            // SAFETY: the caller vouches for the arguments.
+            match unsafe { self.create_with_rates() } {
+                Ok(enabled) => {
+                    tracing::info!("rate attachments: {:?}", enabled.offer);
+                    quirks::tell(&enabled.quirks, &self.instance.engine);
+                    return (vk::Result::SUCCESS, Some(enabled));
+                }
+                Err(reason) => decided(Topic::NoBackend, &format_args!("no rate attachments: {reason}")),
+            }
+        }
+        // SAFETY: as above.
+        let result = unsafe { (self.create)(self.physical_device, self.info, self.allocator, self.device) };
+        (result, None)
+    }
+
+    /// # Safety
+    ///
+    /// As for [`Self::create`].
+    unsafe fn create_with_rates(&self) -> Result<Enabled, NoRates> {
+        // SAFETY: the caller vouches for the arguments. The loader below reads its own pointers out of `device` and
+        // of its structure in the chain, which this attempt may change: a second one needs them as they were.
+        unsafe {
+            let mut room = room::<128>();
+            let mut copies = Copies::new(&mut room);
+            let Self { instance, physical_device, info, .. } = *self;
+            let version = instance.api_version.min(properties(instance, physical_device).api_version);
+            let (amended, enabled) =
+                rates::create::device(instance, physical_device, version, &*info, &mut copies)?;
+            let before = *self.device;
+            let link = chain::device_link(info).map(|at| (at, *at));
+            let result = (self.create)(physical_device, &amended, self.allocator, self.device);
+            if result == vk::Result::SUCCESS {
+                return Ok(enabled);
+            }
+            *self.device = before;
+            if let Some((at, link)) = link {
+                *at = link;
+            }
+            Err(NoRates::Refused(result))
+        }
+    }
+}
+
+/// Begins to track a device, and says in which state.
+///
+/// # Safety
+///
+/// The handles are live and belong together, and `next` is the layer that made the device.
+unsafe fn track(
+    instance: &Instance,
+    physical_device: vk::PhysicalDevice,
+    device: vk::Device,
+    next: NextDevice,
+    (arming, enabled): (Arming, Option<Enabled>),
+) -> Option<&'static str> {
+    // SAFETY: the caller vouches for the handles and the pointer.
+    unsafe {
+        let key = DispatchKey::of(device)?;
+        let table = DeviceTable::load(|name| (next.get_device_proc_addr)(device, name.as_ptr()))?;
+        let set_device_loader_data = next.set_device_loader_data.filter(|_| instance.enabled);
+        let properties = properties(instance, physical_device);
+        let api_version = instance.api_version.min(properties.api_version);
+        let is_cpu = properties.device_type == vk::PhysicalDeviceType::CPU;
+        let hooked = ArmedTable::load(api_version, |name| (next.get_device_proc_addr)(device, name.as_ptr()));
+        let is_linked = set_device_loader_data.is_some();
+        let wanted = set_device_loader_data.filter(|_| arming != Arming::Inert);
+        let armed = wanted.map(|set_device_loader_data| {
+            let record = DeviceRecord {
+                instance: instance.handle,
+                physical_device,
+                device,
+                api_version,
+                next_get_instance_proc_addr: instance.get_instance_proc_addr,
+                next_get_device_proc_addr: next.get_device_proc_addr,
+                set_device_loader_data,
+                arming: arming as u32,
+            };
+            let rates = enabled.and_then(|enabled| Rates::on(&record, enabled, is_cpu)).map(Arc::new);
+            let wants_masks = rates.is_none() && arming != Arming::Pictures;
+            let masks = wants_masks.then(|| Arc::new(Masks::on(&record, is_cpu)));
+            Arc::new(Armed::new(record, hooked, rates, masks))
+        });
+        let state = match (&armed, instance.enabled) {
+            (Some(_), _) => "armed",
+            (None, false) => "inert",
+            (None, true) if is_linked => {
+                "inert: the configuration enables nothing; an edit takes effect after a restart of the application"
+            }
+            (None, true) => "inert: the Vulkan loader offers no vkSetDeviceLoaderData",
+        };
+        device_armed(if armed.is_some() { arming } else { Arming::Inert });
+        if let Some(armed) = &armed {
+            recording::compute::device_made(key, &hooked);
+            recording::draws::device_made(key, armed);
+        }
+        device::insert(key, Device::new(armed, table, hooked, next.get_device_proc_addr, is_linked));
+        Some(state)
+    }
+}
+
+/// `vkDestroyDevice`.
+pub unsafe extern "system" fn destroy(device: vk::Device, allocator: *const vk::AllocationCallbacks<'_>) {
+    // SAFETY: the application vouches that the device is null or live until the call down.
+    let key = unsafe { DispatchKey::of(device) };
+    let Some((key, known)) = key.and_then(|key| Some((key, device::get(key)?))) else { return };
+    let destroy = || {
+        device::remove(key);
+        // SAFETY: the next layer's function with the application's own arguments.
+        unsafe { (known.next.destroy_device)(device, allocator) }
+    };
+    guard("vkDestroyDevice", destroy, |answer| {
+        recording::compute::device_ends(key);
+        recording::draws::device_ends(key);
+        device::remove(key);
+        if let Some(armed) = &known.armed {
+            recording::forget_device(armed);
+            armed.destroy_own();
+        }
+        destroy();
+        answer.made();
+    });
+}

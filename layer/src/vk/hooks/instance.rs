@@ -1,0 +1,191 @@
+//! Hooks of instances: creation and destruction.
+
+use crate::abi::copies::{Copies, room};
+use crate::abi::{Enablement, guard};
+use crate::config::Arming;
+#[cfg(not(test))]
+use crate::config::Environment;
+use crate::vk::chain::{self, NextInstance};
+use crate::vk::dispatch_key::DispatchKey;
+use crate::vk::functions::InstanceTable;
+use crate::vk::instance::{self, Instance};
+use crate::vk::rates;
+use ash::vk;
+use std::sync::Arc;
+
+/// `vkCreateInstance`. Fails with `ERROR_INITIALIZATION_FAILED` when the caller is not a Vulkan loader or
+/// the layer below lacks functions of Vulkan 1.0.
+pub unsafe extern "system" fn create(
+    info: *const vk::InstanceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    instance: *mut vk::Instance,
+) -> vk::Result {
+    // SAFETY: the application vouches for `info` and `instance` (valid usage of vkCreateInstance), the loader for what it put
+    // into the chain, and out of which it reads its own pointers.
+    let before = unsafe { (*instance, chain::instance_link(info).map(|at| (at, *at))) };
+    guard(
+        "vkCreateInstance",
+        || {
+            let (handle, link) = before;
+            // SAFETY: as above; all is as it was before the hook.
+            unsafe {
+                *instance = handle;
+                if let Some((at, link)) = link {
+                    *at = link;
+                }
+                create_tracked(info, allocator, instance, false)
+            }
+        },
+        |answer| {
+            let enablement = Enablement::of_process();
+            let enabled = enablement == Enablement::Enabled;
+            // SAFETY: the application's own arguments.
+            let result = answer.record(unsafe { create_tracked(info, allocator, instance, enabled) });
+            if result == vk::Result::SUCCESS {
+                tracing::info!("Vulkan instance: {enablement}");
+            }
+            result
+        },
+    )
+}
+
+/// Creates an instance, whose devices are armed where `enabled` says so, and tracks it.
+///
+/// # Safety
+///
+/// The arguments of vkCreateInstance, as a Vulkan loader hands them to a layer.
+unsafe fn create_tracked(
+    info: *const vk::InstanceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    instance: *mut vk::Instance,
+    enabled: bool,
+) -> vk::Result {
+    const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
+    // SAFETY: the caller vouches for the arguments and the chain.
+    let Some(next) = (unsafe { chain::advance_instance(info) }) else { return FAILED };
+    let name = c"vkCreateInstance".as_ptr();
+    // SAFETY: the loader gave the pointer; a null instance is right for this name, which gives the type.
+    let create = unsafe {
+        std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkCreateInstance>>((next
+            .get_instance_proc_addr)(
+            vk::Instance::null(),
+            name,
+        ))
+    };
+    let Some(create) = create else { return FAILED };
+    // SAFETY: the application's own arguments; the loader's structure is advanced.
+    let result = unsafe { create_below(create, info, allocator, instance, enabled) };
+    // SAFETY: where the call succeeded, `instance` points to a live instance of the next layer.
+    if result == vk::Result::SUCCESS && unsafe { track(info, *instance, next, enabled) }.is_none() {
+        return FAILED;
+    }
+    result
+}
+
+/// Creates the instance with what rate attachments need where it is `enabled`, or exactly as the application asks where that
+/// fails or it is not.
+///
+/// # Safety
+///
+/// The arguments of vkCreateInstance, with which `create` may be called.
+unsafe fn create_below(
+    create: vk::PFN_vkCreateInstance,
+    info: *const vk::InstanceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    instance: *mut vk::Instance,
+    enabled: bool,
+) -> vk::Result {
+    // SAFETY: the caller vouches for the arguments. The loader below reads its own pointers out of `instance` and
+    // of its structure in the chain, which the first attempt may have changed.
+    unsafe {
+        let mut room = room::<64>();
+        let mut copies = Copies::new(&mut room);
+        let version = requested_version((*info).p_application_info.as_ref());
+        let wants_rates = enabled && arming() == Arming::Rates;
+        if let Some(amended) =
+            wants_rates.then(|| rates::create::instance(&*info, version, &mut copies)).flatten()
+        {
+            let before = *instance;
+            let link = chain::instance_link(info).map(|at| (at, *at));
+            let result = create(&amended, allocator, instance);
+            if result == vk::Result::SUCCESS {
+                return result;
+            }
+            *instance = before;
+            if let Some((at, link)) = link {
+                *at = link;
+            }
+        }
+        create(info, allocator, instance)
+    }
+}
+
+/// Begins to track an instance.
+///
+/// # Safety
+///
+/// `info` is valid, and `handle` a live instance of the layer that `next` names.
+unsafe fn track(
+    info: *const vk::InstanceCreateInfo<'_>,
+    handle: vk::Instance,
+    next: NextInstance,
+    enabled: bool,
+) -> Option<()> {
+    // SAFETY: the caller vouches for `info`, the handle and the pointer.
+    unsafe {
+        let key = DispatchKey::of(handle)?;
+        let table = InstanceTable::load(|name| (next.get_instance_proc_addr)(handle, name.as_ptr()))?;
+        instance::insert(
+            key,
+            Arc::new(Instance {
+                handle,
+                enabled,
+                api_version: requested_version((*info).p_application_info.as_ref()),
+                engine: engine((*info).p_application_info.as_ref()),
+                next: table,
+                get_instance_proc_addr: next.get_instance_proc_addr,
+                get_physical_device_proc_addr: next.get_physical_device_proc_addr,
+            }),
+        );
+        Some(())
+    }
+}
+
+/// `vkDestroyInstance`.
+pub unsafe extern "system" fn destroy(instance: vk::Instance, allocator: *const vk::AllocationCallbacks<'_>) {
+    // SAFETY: the application vouches that the instance is null or live until the call down.
+    let key = unsafe { DispatchKey::of(instance) };
+    let Some((key, known)) = key.and_then(|key| Some((key, instance::get(key)?))) else { return };
+    let destroy = || {
+        instance::remove(key);
+        // SAFETY: the next layer's function with the application's own arguments.
+        unsafe { (known.next.destroy_instance)(instance, allocator) }
+    };
+    guard("vkDestroyInstance", destroy, |answer| {
+        destroy();
+        answer.made();
+    });
+}
+
+/// The version that an application asked for: without an answer it is 1.0 (VkApplicationInfo::apiVersion).
+fn requested_version(application: Option<&vk::ApplicationInfo<'_>>) -> u32 {
+    application.map_or(0, |application| application.api_version).max(vk::API_VERSION_1_0)
+}
+
+/// # Safety
+///
+/// The structure is valid.
+unsafe fn engine(application: Option<&vk::ApplicationInfo<'_>>) -> String {
+    // SAFETY: the caller vouches for the name, which is null or a string.
+    let name = application.and_then(|application| unsafe { application.engine_name_as_c_str() });
+    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// The demands of this process's configuration on a new device.
+#[cfg(not(test))]
+pub fn arming() -> Arming {
+    Arming::of_process(&Environment::of_process(Enablement::of_process() == Enablement::Elevated))
+}
+
+#[cfg(test)]
+pub use crate::vk::tests::arming;

@@ -1,0 +1,76 @@
+//! Hooks of graphics pipelines.
+
+use crate::abi::guard;
+use crate::vk::device;
+use ash::vk;
+
+const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
+
+/// `vkCreateGraphicsPipelines`.
+pub unsafe extern "system" fn create_pipelines(
+    device: vk::Device,
+    cache: vk::PipelineCache,
+    count: u32,
+    infos: *const vk::GraphicsPipelineCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    made: *mut vk::Pipeline,
+) -> vk::Result {
+    guard(
+        "vkCreateGraphicsPipelines",
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(
+                device::with: device,
+                create_graphics_pipelines(device, cache, count, infos, allocator, made),
+                FAILED
+            )
+        },
+        |answer| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.create_graphics_pipelines) else {
+                    return FAILED;
+                };
+                let result = answer.record(match known.rates() {
+                    Some(rates) => {
+                        let functions = (next, known.hooked.destroy_pipeline);
+                        rates.create_pipelines(device, cache, count, infos, allocator, made, functions)
+                    }
+                    None => next(device, cache, count, infos, allocator, made),
+                });
+                // Where some failed, those are null.
+                if let (Some(masks), true) = (known.masks(), result.as_raw() >= 0) {
+                    masks.add_pipelines(infos, made, count);
+                }
+                result
+            }
+        },
+    )
+}
+
+/// `vkDestroyPipeline`.
+pub unsafe extern "system" fn destroy_pipeline(
+    device: vk::Device,
+    pipeline: vk::Pipeline,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    guard(
+        "vkDestroyPipeline",
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, destroy_pipeline(device, pipeline, allocator), ()) },
+        |answer| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.destroy_pipeline) else { return };
+                if let Some(rates) = known.rates() {
+                    rates.forget_pipeline(pipeline);
+                }
+                if let Some(masks) = known.masks() {
+                    masks.forget_pipeline(pipeline);
+                }
+                next(device, pipeline, allocator);
+                answer.made();
+            }
+        },
+    );
+}

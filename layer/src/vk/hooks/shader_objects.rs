@@ -1,0 +1,72 @@
+//! Hooks of shaders without pipelines.
+
+use crate::abi::copies::slice;
+use crate::abi::guard;
+use crate::vk::device;
+use ash::vk;
+
+const FAILED: vk::Result = vk::Result::ERROR_INITIALIZATION_FAILED;
+
+/// `vkCreateShadersEXT`.
+pub unsafe extern "system" fn create(
+    device: vk::Device,
+    count: u32,
+    infos: *const vk::ShaderCreateInfoEXT<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    made: *mut vk::ShaderEXT,
+) -> vk::Result {
+    guard(
+        "vkCreateShadersEXT",
+        // SAFETY: the application's own arguments.
+        || unsafe {
+            pass_on!(device::with: device, create_shaders(device, count, infos, allocator, made), FAILED)
+        },
+        |answer| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.create_shaders) else {
+                    return FAILED;
+                };
+                let result = answer.record(match known.rates() {
+                    Some(rates) => {
+                        let functions = (next, known.hooked.destroy_shader);
+                        rates.create_shaders(device, count, infos, allocator, made, functions)
+                    }
+                    None => next(device, count, infos, allocator, made),
+                });
+                if let Some(masks) = known.masks() {
+                    // What could not be made is null.
+                    masks.add_shader_objects(slice(infos, count), slice(made.cast_const(), count));
+                }
+                result
+            }
+        },
+    )
+}
+
+/// `vkDestroyShaderEXT`.
+pub unsafe extern "system" fn destroy(
+    device: vk::Device,
+    shader: vk::ShaderEXT,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    guard(
+        "vkDestroyShaderEXT",
+        // SAFETY: the application's own arguments.
+        || unsafe { pass_on!(device::with: device, destroy_shader(device, shader, allocator), ()) },
+        |answer| {
+            // SAFETY: the application's own arguments.
+            unsafe {
+                let Some((known, next)) = device::with(device, |next| next.destroy_shader) else { return };
+                if let Some(rates) = known.rates() {
+                    rates.forget_shader_object(shader);
+                }
+                if let Some(masks) = known.masks() {
+                    masks.forget_shader_object(shader);
+                }
+                next(device, shader, allocator);
+                answer.made();
+            }
+        },
+    );
+}

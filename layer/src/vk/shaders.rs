@@ -1,0 +1,10 @@
+//! Facts of fragment shaders: of live modules, and of modules that only an identifier from an earlier launch names.
+
+pub mod effects;
+mod known;
+mod modules;
+pub mod parts;
+
+pub use effects::{Effects, FragmentShaders};
+pub use known::KnownShaders;
+pub use modules::{ShaderModules, effects_of_object, read};

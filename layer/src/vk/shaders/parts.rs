@@ -1,0 +1,70 @@
+//! Parts of graphics pipelines (VK_EXT_graphics_pipeline_library), and the libraries that they are linked from.
+
+use crate::abi::copies::{find, slice};
+use ash::vk;
+pub use ash::vk::GraphicsPipelineLibraryFlagsEXT as Parts;
+
+/// The libraries that a pipeline is linked from.
+///
+/// # Safety
+///
+/// The structure's chain is valid.
+pub unsafe fn libraries<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [vk::Pipeline] {
+    // SAFETY: the caller vouches for it.
+    unsafe {
+        find::<vk::PipelineLibraryCreateInfoKHR<'_>>(info.p_next)
+            .map_or(&[], |libraries| slice(libraries.p_libraries, libraries.library_count))
+    }
+}
+
+/// The parts that the structure itself has: pointers to the state of others may be anything.
+///
+/// # Safety
+///
+/// The structure's chain is valid.
+pub unsafe fn own_parts(info: &vk::GraphicsPipelineCreateInfo<'_>) -> Parts {
+    // SAFETY: the caller vouches for it.
+    unsafe {
+        if let Some(library) = find::<vk::GraphicsPipelineLibraryCreateInfoEXT<'_>>(info.p_next) {
+            library.flags
+        } else if libraries(info).is_empty() {
+            Parts::PRE_RASTERIZATION_SHADERS
+                | Parts::FRAGMENT_SHADER
+                | Parts::VERTEX_INPUT_INTERFACE
+                | Parts::FRAGMENT_OUTPUT_INTERFACE
+        } else {
+            Parts::empty()
+        }
+    }
+}
+
+/// The states that commands set.
+///
+/// # Safety
+///
+/// The structure is valid.
+pub unsafe fn dynamic_states<'c>(info: &vk::GraphicsPipelineCreateInfo<'c>) -> &'c [vk::DynamicState] {
+    // SAFETY: the caller vouches for it.
+    unsafe {
+        info.p_dynamic_state
+            .as_ref()
+            .map_or(&[], |state| slice(state.p_dynamic_states, state.dynamic_state_count))
+    }
+}
+
+/// Whether nothing is rasterised, so that much of the state is ignored, and may be anything.
+///
+/// # Safety
+///
+/// The structure is valid.
+pub unsafe fn is_discarded(info: &vk::GraphicsPipelineCreateInfo<'_>, own: Parts) -> bool {
+    // SAFETY: the caller vouches for it: the rasterisation state is of the pre-rasterisation part.
+    unsafe {
+        own.contains(Parts::PRE_RASTERIZATION_SHADERS)
+            && !dynamic_states(info).contains(&vk::DynamicState::RASTERIZER_DISCARD_ENABLE)
+            && info
+                .p_rasterization_state
+                .as_ref()
+                .is_some_and(|state| state.rasterizer_discard_enable == vk::TRUE)
+    }
+}
