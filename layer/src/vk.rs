@@ -39,6 +39,7 @@ mod masks;
 mod negotiate;
 mod objects;
 mod perception;
+mod pre_submit;
 mod quirks;
 mod rates;
 mod recording;

@@ -8,8 +8,8 @@ use super::layouts::Layouts;
 use super::masks::Masks;
 use super::objects::{Image, Objects};
 use super::perception::Perception;
+use super::pre_submit::{PreSubmitRing, Submitter};
 use super::rates::Rates;
-use super::submit::Prologues;
 use super::table::Table;
 use super::timing::Timing;
 use crate::gpu::Compiler;
@@ -47,8 +47,8 @@ pub struct Armed {
     pub candidates: Candidates,
     /// What the OpenXR half told, and what the frame under way did.
     pub frame: Frame,
-    /// What we submit ahead of the application's submits, by queue.
-    pub prologues: Table<vk::Queue, Arc<Prologues>>,
+    /// Our work ahead of the application's submits, by queue.
+    pub rings: Table<vk::Queue, Arc<PreSubmitRing>>,
     /// What it knows of the pictures.
     pub perception: Perception,
     /// What its passes take.
@@ -85,9 +85,9 @@ impl Armed {
             layouts: Layouts::default(),
             candidates: Candidates::default(),
             frame: Frame::default(),
-            prologues: Table::default(),
+            rings: Table::default(),
             perception: Perception::default(),
-            timing: Timing::default(),
+            timing: Timing::new(record.physical_device, offer.is_cpu != 0),
             functions: OnceLock::new(),
             told_of_end: Mutex::default(),
         }
@@ -115,6 +115,18 @@ impl Armed {
         self.functions.get_or_init(load).as_ref()
     }
 
+    /// The parts with which work of ours is submitted; `None` where a needed function is missing.
+    pub fn submitter(&self) -> Option<Submitter<'_>> {
+        Some(Submitter {
+            record: &self.record,
+            functions: self.functions()?,
+            submit: self.next.queue_submit?,
+            timing: &self.timing,
+            frame: &self.frame,
+            rings: &self.rings,
+        })
+    }
+
     /// Takes the images of a swapchain, or, without any, forgets it.
     pub fn tell_swapchain(&self, record: &SwapchainRecord, images: &[vk::Image]) {
         let swapchain = SwapchainKey(record.swapchain);
@@ -125,7 +137,12 @@ impl Armed {
             }
         }
         if images.is_empty() {
-            self.perception.forget_swapchain(self, record.swapchain);
+            let reader = self.perception.forget_swapchain(record.swapchain);
+            if let (Some(ring), Some(functions)) =
+                (reader.and_then(|queue| self.rings.get(queue)), self.functions())
+            {
+                ring.wait(functions);
+            }
         }
         for &image in images {
             self.layouts.follow(image);
@@ -166,8 +183,10 @@ impl Armed {
             // SAFETY: a function of the other half, which is never unloaded; the device is live.
             unsafe { ends(self.record.device) };
         }
-        for prologues in self.prologues.remove_where(|_, _| true) {
-            prologues.destroy(self);
+        for ring in self.rings.remove_where(|_, _| true) {
+            if let Some(functions) = self.functions() {
+                ring.destroy(functions);
+            }
         }
         self.candidates.clear();
         self.timing.clear();

@@ -1,13 +1,12 @@
 //! What makes passes coarser on a device: a backend, and what it keeps for each candidate.
 
-use super::armed::Armed;
-use super::masks::TargetMask;
 use super::objects::Image;
 use crate::link::OfferRecord;
 use crate::mask::MaskMap;
 use crate::scene::lay::RateImage;
 use crate::scene::{How, Part, Pass};
 use ash::vk;
+use std::any::Any;
 use std::sync::Arc;
 
 /// What makes passes coarser on a device.
@@ -17,12 +16,12 @@ pub trait Backend: Send + Sync {
 
     /// The map of the passes that draw to the same colour target as `pass`, whose image is `image`; nothing where they
     /// cannot be made coarser. Made once for a target, when the first command buffer draws to it.
-    fn map(&self, armed: &Armed, pass: &Pass, image: &Image) -> Option<Box<dyn RateMap>>;
+    fn map(&self, pass: &Pass, image: &Image) -> Option<Box<dyn RateMap>>;
 }
 
 /// The map of rates of a candidate, on the GPU. Its memory and images are destroyed when it is dropped, which happens when
 /// the GPU is done with them, and before the device is destroyed.
-pub trait RateMap: Send + Sync {
+pub trait RateMap: Any + Send + Sync {
     /// How many texels it has.
     fn size(&self) -> MapSize;
 
@@ -42,11 +41,6 @@ pub trait RateMap: Send + Sync {
     /// Whether its passes leave out what is stale; else they shade it as coarsely as can be.
     fn leaves_out(&self) -> bool {
         false
-    }
-
-    /// The mask that it is, if it is one.
-    fn mask(&self) -> Option<&TargetMask> {
-        None
     }
 
     /// What becomes of texels that were laid on the GPU; nothing where they have to be staged.

@@ -6,11 +6,14 @@ mod content;
 
 pub use content::{Content, Need};
 
-use super::armed::Armed;
-use super::backend::RateMap;
+use super::backend::{Backend, MapSize, RateMap};
+use super::frame::MapContent;
+use super::masks::TargetMask;
+use super::objects::Objects;
 use super::perception::Laid;
 use super::table::Table;
 use crate::scene::{ImageKey, Pass, Target};
+use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The candidates of a device.
@@ -35,6 +38,12 @@ impl Candidate {
         Arc::new(Self { target, map, content: Mutex::new(content), laid: Mutex::default() })
     }
 
+    /// Its map as a mask; `None` on devices with rate attachments.
+    pub fn mask(&self) -> Option<&TargetMask> {
+        let map: &dyn Any = self.map.as_ref();
+        map.downcast_ref()
+    }
+
     /// What its map holds, or shall hold.
     pub fn content(&self) -> MutexGuard<'_, Content> {
         self.content.lock().unwrap_or_else(PoisonError::into_inner)
@@ -51,16 +60,21 @@ impl Candidate {
     }
 }
 
+impl MapContent for Candidate {
+    fn read(&self, act: &mut dyn FnMut(MapSize, &[u8])) {
+        act(self.map.size(), self.content().texels());
+    }
+}
+
 impl Candidates {
     /// The candidate that a pass draws to, if it draws colour and can be made coarser.
-    pub fn of(&self, armed: &Armed, pass: &Pass) -> Option<Arc<Candidate>> {
-        let backend = armed.backend.as_deref()?;
+    pub fn of(&self, backend: &dyn Backend, objects: &Objects, pass: &Pass) -> Option<Arc<Candidate>> {
         let target = *pass.colors.first()?;
         if let Some(known) = self.live.get(target) {
             return Some(known);
         }
-        let image = armed.objects.image_of(target.image)?;
-        let map = backend.map(armed, pass, &image)?;
+        let image = objects.image_of(target.image)?;
+        let map = backend.map(pass, &image)?;
         Some(self.live.get_or_insert(target, Candidate::new(target, map)))
     }
 

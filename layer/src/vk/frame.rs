@@ -2,6 +2,7 @@
 
 mod awaited;
 mod log;
+mod map_content;
 #[cfg(debug_assertions)]
 mod passes_file;
 #[cfg(not(debug_assertions))]
@@ -12,6 +13,7 @@ mod swapchains;
 
 pub use awaited::Awaited;
 pub use log::Log;
+pub use map_content::MapContent;
 pub use plan::Plan;
 
 use super::objects::Objects;

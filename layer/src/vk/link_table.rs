@@ -151,7 +151,9 @@ unsafe extern "C" fn picture(device: vk::Device, record: *const PictureRecord) {
     // SAFETY: as above; the image is live until its swapchain is said to end, and this thread may use the queue.
     unsafe {
         told("vkGetParafoveaLink.picture", device, record, |armed, record| {
-            armed.perception.analyze(armed, record);
+            if let Some(own) = armed.submitter() {
+                armed.perception.analyze(own, record);
+            }
         });
     }
 }
@@ -256,7 +258,7 @@ unsafe extern "C" fn copy_rates(device: vk::Device, record: *const RatesCopyReco
         |_| unsafe {
             let known = device::of(device);
             match (known.as_ref().and_then(|known| known.armed.as_ref()), record.as_ref()) {
-                (Some(armed), Some(record)) => armed.perception.copy_rates(armed, record),
+                (Some(armed), Some(record)) => armed.perception.copy_rates(armed.submitter(), record),
                 _ => RATES_OF_PLAN,
             }
         },

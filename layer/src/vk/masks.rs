@@ -21,13 +21,12 @@ mod target;
 mod usage;
 
 pub use attachments::{Attachments, rendering_attachments};
-pub use decision::Place;
+pub use decision::PassContext;
 pub use open_mask::OpenMask;
 pub use pending::{Pending, Prepasses};
 pub use returning::{Returning, follow_graphics, follows_graphics};
 pub use target::{Ended, TargetMask};
 
-use super::armed::Armed;
 use super::backend::{Backend, RateMap};
 use super::objects::Image;
 use super::table::Table;
@@ -198,7 +197,7 @@ impl Backend for Arc<Masks> {
         }
     }
 
-    fn map(&self, _armed: &Armed, pass: &Pass, image: &Image) -> Option<Box<dyn RateMap>> {
+    fn map(&self, pass: &Pass, image: &Image) -> Option<Box<dyn RateMap>> {
         let target = *pass.colors.first()?;
         Some(Box::new(TargetMask::new(self, target, &image.description)))
     }

@@ -12,10 +12,10 @@ mod tools;
 
 pub use laid::{Laid, Place, Written};
 
-use super::armed::Armed;
-use super::submit::Prologues;
+use super::frame::Frame;
+use super::pre_submit::{Kept, PreSubmitRing, Submitter};
 use crate::gpu::{AppCommands, Later};
-use crate::link::PictureRecord;
+use crate::link::{DeviceRecord, PictureRecord};
 use ash::vk;
 use eye::{Eye, EyeTiles, Measured};
 use parafovea_core::kernels::decide::DecideParams;
@@ -34,9 +34,6 @@ pub struct Perception {
 
 /// Contrast that is older than so many plans, of which a frame has two at most, is not of what the application draws now.
 const LONGEST_PLANS: u64 = 60;
-
-/// What has to live until the GPU is done with it.
-pub type Kept = SmallVec<[Arc<dyn Any + Send + Sync>; 12]>;
 
 /// The kernels, compiled once they are needed.
 #[derive(Default)]
@@ -76,24 +73,24 @@ impl Perception {
     /// # Safety
     ///
     /// As [`PictureRecord`] says: the image is live and as it says there, and this thread may use the queue.
-    pub unsafe fn analyze(&self, armed: &Armed, record: &PictureRecord) {
+    pub unsafe fn analyze(&self, own: Submitter<'_>, record: &PictureRecord) {
         let eye = record.eye as usize;
         if eye > 1 {
             return;
         }
         let (told, decision, [extent, texel, tiles]) = {
-            let plan = armed.frame.plan();
+            let plan = own.frame.plan();
             (plan.told(), plan.decision(eye).copied(), plan.shape(eye))
         };
         let Some(decision) = decision else { return self.forget_eye(eye) };
-        let Some(tools) = self.tools(armed) else { return };
+        let Some(tools) = self.tools(own.record) else { return };
         let [_, _, width, height] = record.rect;
         if [width, height] != extent {
             self.tell("the size of the eye buffers differs from the plan");
             return self.forget_eye(eye);
         }
         // SAFETY: the caller vouches for the device's queue.
-        let Some((queue, prologues)) = (unsafe { self.queue(armed, record.queue) }) else { return };
+        let Some((queue, ring)) = (unsafe { self.queue(own, record.queue) }) else { return };
         let Some(eye_tiles) = self.eye(&tools, eye, tiles, extent) else { return };
         if decision.judged.is_none() {
             return self.measured(eye, None);
@@ -111,16 +108,15 @@ impl Perception {
             tools.analyze.record(&commands, &target, layout, same_view);
             Ok(())
         };
-        let Some(functions) = armed.functions() else { return };
         // SAFETY: the caller vouches for the queue.
-        if unsafe { prologues.run(armed, functions, queue, kept, record_commands) } {
+        if unsafe { ring.run(own, queue, kept, record_commands) } {
             self.measured(eye, measured);
         }
     }
 
     /// What is to be decided ahead of a submit to `queue` that draws the scene; nothing where all is as it was decided last, or where it
     /// cannot be decided there.
-    pub fn deciding(&self, armed: &Armed, queue: vk::Queue) -> Option<Deciding> {
+    pub fn deciding(&self, frame: &Frame, queue: vk::Queue) -> Option<Deciding> {
         let state = self.state();
         let (_, own_queue) = state.queue?;
         if own_queue != queue {
@@ -128,7 +124,7 @@ impl Perception {
             self.tell("the scene is drawn on a queue other than the session's");
             return None;
         }
-        let plan = armed.frame.plan();
+        let plan = frame.plan();
         let of = (plan.told(), state.analyzed);
         if state.decided == Some(of) {
             return None;
@@ -155,7 +151,7 @@ impl Perception {
     /// `kept` lives until it has finished.
     pub unsafe fn decide(
         &self,
-        armed: &Armed,
+        frame: &Frame,
         commands: vk::CommandBuffer,
         deciding: &Deciding,
         words: &mut Vec<u32>,
@@ -166,7 +162,7 @@ impl Perception {
         let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
         for (tiles, params) in &deciding.eyes {
             words.clear();
-            words.extend_from_slice(armed.frame.plan().stale()[tiles.eye].words());
+            words.extend_from_slice(frame.plan().stale()[tiles.eye].words());
             let stale: &[u32] = if words.iter().all(|word| *word == 0) { &[] } else { words };
             if let Err(error) = tools.decide.record(&commands, &tiles.decide, params, stale) {
                 error.tell("rates stay unchanged");
@@ -178,12 +174,12 @@ impl Perception {
 
     /// The tiles of both eyes whose rates are decided on the GPU, for what is submitted to `queue`; nothing where the plan's own
     /// rates hold. An eye without tiles shares the other's.
-    fn decided_tiles(&self, armed: &Armed, queue: vk::Queue) -> Option<[Option<Arc<EyeTiles>>; 2]> {
+    fn decided_tiles(&self, frame: &Frame, queue: vk::Queue) -> Option<[Option<Arc<EyeTiles>>; 2]> {
         let state = self.state();
         if state.queue.map(|(_, queue)| queue) != Some(queue) || state.decided.is_none() {
             return None;
         }
-        let plan = armed.frame.plan();
+        let plan = frame.plan();
         let of = |index: usize| {
             let tiles = &state.eyes[index].as_ref()?.tiles;
             let decision = plan.decision(index)?;
@@ -192,18 +188,13 @@ impl Perception {
         Some([of(0), of(1)])
     }
 
-    /// A swapchain is about to end: waits until its pictures are not read any more.
-    pub fn forget_swapchain(&self, armed: &Armed, swapchain: u64) {
-        let queue = {
-            let mut state = self.state();
-            if !state.pictures.forget(swapchain) {
-                return;
-            }
-            state.queue.map(|(_, queue)| queue)
-        };
-        if let Some(prologues) = queue.and_then(|queue| armed.prologues.get(queue)) {
-            prologues.wait(armed);
+    /// A swapchain is about to end. Returns the queue whose work has to be waited for, as it reads pictures of that; `None` if there is none.
+    pub fn forget_swapchain(&self, swapchain: u64) -> Option<vk::Queue> {
+        let mut state = self.state();
+        if !state.pictures.forget(swapchain) {
+            return None;
         }
+        state.queue.map(|(_, queue)| queue)
     }
 
     /// The session ends: nothing is known any more.
@@ -220,11 +211,11 @@ impl Perception {
     }
 
     /// The kernels, once they were compiled; asks for them the first time.
-    fn tools(&self, armed: &Armed) -> Option<Arc<Tools>> {
+    fn tools(&self, record: &DeviceRecord) -> Option<Arc<Tools>> {
         let is_new = matches!(*self.kept_tools(), Made::NotYet);
         if is_new {
             // Asked for without the lock, which is not held across calls down.
-            let asked = Made::Asked(Tools::ask(armed));
+            let asked = Made::Asked(Tools::ask(record));
             *self.kept_tools() = asked;
         }
         self.made()
@@ -270,27 +261,22 @@ impl Perception {
     /// # Safety
     ///
     /// The device was created with that queue.
-    unsafe fn queue(&self, armed: &Armed, id: [u32; 2]) -> Option<(vk::Queue, Arc<Prologues>)> {
+    unsafe fn queue(&self, own: Submitter<'_>, id: [u32; 2]) -> Option<(vk::Queue, Arc<PreSubmitRing>)> {
         let known = self.state().queue.filter(|(known, _)| *known == id);
         let queue = match known {
             Some((_, queue)) => queue,
             None => {
-                let functions = armed.functions()?;
                 // SAFETY: the caller vouches for the queue; the loader's callback may see it again, and writes the same pointer.
                 let queue = unsafe {
-                    let queue = functions.device.get_device_queue(id[0], id[1]);
-                    crate::gpu::functions::init_dispatch(&armed.record, queue).ok()?;
+                    let queue = own.functions.device.get_device_queue(id[0], id[1]);
+                    crate::gpu::functions::init_dispatch(own.record, queue).ok()?;
                     queue
                 };
                 self.state().queue = Some((id, queue));
                 queue
             }
         };
-        let prologues = match armed.prologues.get(queue) {
-            Some(known) => known,
-            None => armed.prologues.get_or_insert(queue, Arc::new(Prologues::new(id[0]))),
-        };
-        Some((queue, prologues))
+        Some((queue, own.ring(queue, id[0])))
     }
 
     /// What is known of an eye with so many tiles and pixels; of others nothing is any more.

@@ -181,7 +181,7 @@ impl Recorded {
     fn end(&mut self) -> Option<OpenMask> {
         let open = self.open.take().and_then(|open| self.events.get(open));
         let candidate = self.target.take();
-        let target = candidate.as_ref().and_then(|candidate| candidate.map.mask());
+        let target = candidate.as_ref().and_then(|candidate| candidate.mask());
         if let (Some(target), Some(Event::Pass(pass))) = (target, open) {
             target.recorded(Ended {
                 facts: pass.facts,

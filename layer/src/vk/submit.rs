@@ -1,10 +1,7 @@
 //! Submits of the application: what their command buffers do is noted, and the maps of their candidates are brought up to
 //! date ahead of them, on the same queue.
 
-mod prologues;
-mod slot;
-
-pub use prologues::Prologues;
+mod maps;
 
 use super::armed::Armed;
 use super::candidates::{Candidate, Need};
@@ -162,7 +159,8 @@ fn add(to: &mut Outdated, candidate: &Arc<Candidate>) {
 /// As for [`prepare`].
 unsafe fn update(armed: &Armed, is_followed: bool, queue: vk::Queue, mut touched: Outdated) {
     let shows_scene = || touched.iter().any(|candidate| candidate.content().shows_scene());
-    let deciding = if is_followed && shows_scene() { armed.perception.deciding(armed, queue) } else { None };
+    let deciding =
+        if is_followed && shows_scene() { armed.perception.deciding(&armed.frame, queue) } else { None };
     let plan = if deciding.is_some() { armed.frame.decided() } else { armed.frame.plan_serial() };
     touched.retain(|candidate| {
         candidate.map.staging_len() > 0
@@ -175,16 +173,16 @@ unsafe fn update(armed: &Armed, is_followed: bool, queue: vk::Queue, mut touched
     if touched.is_empty() {
         return;
     }
-    let Some(functions) = armed.functions() else { return };
-    let prologues = match armed.prologues.get(queue) {
+    let Some(own) = armed.submitter() else { return };
+    let ring = match own.rings.get(queue) {
         Some(known) => known,
         None => match armed.objects.queue(queue) {
-            Some(id) => armed.prologues.get_or_insert(queue, Arc::new(Prologues::new(id.family))),
+            Some(id) => own.ring(queue, id.family),
             None => return,
         },
     };
     // SAFETY: the caller vouches for the queue.
-    unsafe { prologues.submit(armed, functions, queue, touched, deciding.as_ref()) };
+    unsafe { maps::submit(&ring, armed, own, queue, touched, deciding.as_ref()) };
 }
 
 /// Notes what a command buffer of the application does, and what its passes show; adds to `obeyed` the candidates with maps

@@ -12,7 +12,6 @@ mod queries;
 
 pub use frames::{FrameTime, Work};
 
-use super::armed::Armed;
 use super::table::Table;
 use crate::gpu::functions::Functions;
 use ash::vk;
@@ -22,8 +21,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// The times of a device.
-#[derive(Default)]
 pub struct Timing {
+    physical_device: vk::PhysicalDevice,
+    /// Whether the device is a CPU, whose frames are not timed.
+    is_cpu: bool,
     is_wanted: AtomicBool,
     /// Bits of timestamps that hold, by command pool; pools without any are left out.
     pools: Table<vk::CommandPool, u64>,
@@ -74,6 +75,24 @@ enum State {
 }
 
 impl Timing {
+    /// Of a device of which nothing is timed yet; of a CPU nothing will be.
+    pub fn new(physical_device: vk::PhysicalDevice, is_cpu: bool) -> Self {
+        Self {
+            physical_device,
+            is_cpu,
+            is_wanted: AtomicBool::new(false),
+            pools: Table::default(),
+            clock: OnceLock::new(),
+            frames: Mutex::default(),
+            unread: Mutex::default(),
+        }
+    }
+
+    /// Whether frames can be timed: the device is no CPU.
+    pub fn is_possible(&self) -> bool {
+        !self.is_cpu
+    }
+
     /// Takes whether anybody wants to know.
     pub fn set_wanted(&self, is_wanted: bool) {
         self.is_wanted.store(is_wanted, Ordering::Relaxed);
@@ -85,12 +104,11 @@ impl Timing {
     }
 
     /// A command pool for queues of that family was made.
-    pub fn add_pool(&self, armed: &Armed, pool: vk::CommandPool, family: u32) {
-        if armed.offer().is_cpu != 0 || armed.backend.is_none() {
+    pub fn add_pool(&self, functions: &Functions, pool: vk::CommandPool, family: u32) {
+        if self.is_cpu {
             return;
         }
-        let Some(functions) = armed.functions() else { return };
-        let mask = self.clock(armed, functions).masks.get(family as usize).copied().unwrap_or(0);
+        let mask = self.clock(functions).masks.get(family as usize).copied().unwrap_or(0);
         if mask != 0 {
             self.pools.insert(pool, mask);
         }
@@ -109,11 +127,11 @@ impl Timing {
     }
 
     /// For command buffers of our own, for queues of that family.
-    pub fn own_timer(&self, armed: &Armed, functions: &Functions, family: u32) -> Timer {
-        if armed.offer().is_cpu != 0 {
+    pub fn own_timer(&self, functions: &Functions, family: u32) -> Timer {
+        if self.is_cpu {
             return Timer::default();
         }
-        let mask = self.clock(armed, functions).masks.get(family as usize).copied().unwrap_or(0);
+        let mask = self.clock(functions).masks.get(family as usize).copied().unwrap_or(0);
         Timer { mask, ..Timer::default() }
     }
 
@@ -186,9 +204,9 @@ impl Timing {
         drop(std::mem::take(&mut *lock(&self.unread)));
     }
 
-    fn clock(&self, armed: &Armed, functions: &Functions) -> &Clock {
+    fn clock(&self, functions: &Functions) -> &Clock {
         self.clock.get_or_init(|| {
-            let (instance, physical) = (&functions.instance, armed.record.physical_device);
+            let (instance, physical) = (&functions.instance, self.physical_device);
             // SAFETY: the physical device is that of the live device.
             let (properties, families) = unsafe {
                 (
@@ -243,13 +261,17 @@ impl Timer {
     ///
     /// # Safety
     ///
-    /// The command buffer is this one, of the device of `armed`; it is recording, outside of a render pass.
-    pub unsafe fn begin(&mut self, armed: &Armed, commands: vk::CommandBuffer) {
+    /// The command buffer is this one, of the device of `functions`; it is recording, outside of a render pass.
+    pub unsafe fn begin<'a>(
+        &mut self,
+        functions: impl FnOnce() -> Option<&'a Functions>,
+        commands: vk::CommandBuffer,
+    ) {
         if !self.may_begin() {
             return;
         }
         if self.queries.is_none() {
-            let Some(functions) = armed.functions() else { return };
+            let Some(functions) = functions() else { return };
             // SAFETY: the device is live, and command buffers do not outlive it.
             match unsafe { Queries::new(&functions.device, self.mask) } {
                 Ok(queries) => self.queries = Some(Arc::new(queries)),

@@ -1,8 +1,8 @@
 //! What the application did since the last frame ended, and recognition, which learns from it.
 
+use super::MapContent;
 use super::passes_file::Notes;
 use crate::scene::{Event, EyePasses, Match, Pass, Recognition, Shown, Unmatched};
-use crate::vk::candidates::Candidate;
 use crate::vk::objects::Objects;
 use parafovea_core::reuse::StaleTiles;
 use parafovea_manifest::options::PassRules;
@@ -75,11 +75,11 @@ impl Log {
     }
 
     /// Notes what is submitted. Says of a pass what it is, where it draws to a candidate or tests ask for that.
-    pub fn push(
+    pub fn push<C: MapContent>(
         &mut self,
         objects: &Objects,
         event: &Event,
-        candidate: Option<&Arc<Candidate>>,
+        candidate: Option<&Arc<C>>,
     ) -> Option<Result<Match, Unmatched>> {
         let is_told = self.notes.is_wanted();
         let judged = match event {

@@ -1,7 +1,7 @@
 //! In release builds: no file of passes. Such a file reveals the gaze.
 
+use super::MapContent;
 use crate::scene::{Event, Match, Unmatched};
-use crate::vk::candidates::Candidate;
 use crate::vk::objects::Objects;
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ impl Notes {
     }
 
     /// Keeps nothing.
-    pub fn push(&mut self, _: Option<&Result<Match, Unmatched>>, _: Option<&Arc<Candidate>>) {}
+    pub fn push<C: MapContent>(&mut self, _: Option<&Result<Match, Unmatched>>, _: Option<&Arc<C>>) {}
 
     /// Writes nothing.
     pub fn end_frame(&mut self, _: &Objects, _: u64, _: &[Event]) {}

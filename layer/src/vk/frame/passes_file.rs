@@ -13,9 +13,9 @@
 //! is the map of the pass's candidate as it was at the end of the frame, where there is one: `rates` has two hexadecimal
 //! digits a texel, layer by layer, row by row.
 
+use super::MapContent;
 use crate::scene::{Event, Eyes, Match, Pass, Unmatched};
 use crate::vk::backend::MapSize;
-use crate::vk::candidates::Candidate;
 use crate::vk::objects::Objects;
 use std::fmt::Write as _;
 use std::fs::File;
@@ -40,7 +40,7 @@ struct Judged {
     /// Its picture, or why it makes none.
     outcome: Result<Match, Unmatched>,
     /// Its target; this keeps nothing alive.
-    candidate: Option<Weak<Candidate>>,
+    candidate: Option<Weak<dyn MapContent>>,
 }
 
 /// Verdicts on the events of a frame, in their order.
@@ -56,8 +56,12 @@ impl Notes {
     }
 
     /// Keeps the verdict on the next event; `None` for an event that is no pass.
-    pub fn push(&mut self, outcome: Option<&Result<Match, Unmatched>>, candidate: Option<&Arc<Candidate>>) {
-        let candidate = candidate.map(Arc::downgrade);
+    pub fn push<C: MapContent>(
+        &mut self,
+        outcome: Option<&Result<Match, Unmatched>>,
+        candidate: Option<&Arc<C>>,
+    ) {
+        let candidate = candidate.map(|candidate| Arc::downgrade(candidate) as Weak<dyn MapContent>);
         self.judged.push(outcome.cloned().map(|outcome| Judged { outcome, candidate }));
     }
 
@@ -78,10 +82,11 @@ fn write<'a>(objects: &Objects, frame: u64, passes: impl Iterator<Item = (&'a Ev
     let written = judged
         .enumerate()
         .try_for_each(|(index, (pass, judged))| {
-            let map =
-                judged.candidate.as_ref().and_then(Weak::upgrade).map_or(String::new(), |candidate| {
-                    map(candidate.map.size(), candidate.content().texels())
-                });
+            let map = judged.candidate.as_ref().and_then(Weak::upgrade).map_or(String::new(), |candidate| {
+                let mut line = String::new();
+                candidate.read(&mut |size, texels| line = map(size, texels));
+                line
+            });
             file.write_all(line(objects, [frame, index as u64], pass, &judged.outcome, &map).as_bytes())
         })
         .and_then(|()| file.flush());

@@ -7,9 +7,8 @@ use crate::gpu::{GpuError, ImagePart};
 use crate::mask::{Eligible, MaskFacts, MaskMap, Reason, Way, way};
 use crate::passes::samples::SampleKind;
 use crate::scene::{Pass, PassFacts, Target};
-use crate::vk::armed::Armed;
 use crate::vk::backend::RateMap as _;
-use crate::vk::candidates::Candidate;
+use crate::vk::frame::Frame;
 use crate::vk::objects::Objects;
 use ash::vk;
 use smallvec::SmallVec;
@@ -27,7 +26,11 @@ struct How {
 
 /// What holds where a pass begins.
 #[derive(Clone, Copy)]
-pub struct Place<'a> {
+pub struct PassContext<'a> {
+    /// The frame under way.
+    pub frame: &'a Frame,
+    /// The application's objects.
+    pub objects: &'a Objects,
     /// The command buffer is a primary one.
     pub is_primary: bool,
     /// What is bound for compute can be bound again.
@@ -56,33 +59,32 @@ impl Masks {
     /// Why it has none.
     pub(super) fn open(
         &self,
-        armed: &Armed,
-        candidate: &Candidate,
+        (color, target): (Target, Option<&TargetMask>),
         pass: &Pass,
         attachments: &Attachments,
-        place: Place<'_>,
+        context: PassContext<'_>,
     ) -> Result<OpenMask, Reason> {
-        if !armed.frame.is_on() {
+        if !context.frame.is_on() {
             return Err(Reason::Off);
         }
-        let target = candidate.map.mask().ok_or(Reason::New)?;
+        let target = target.ok_or(Reason::New)?;
         if attachments.colors.is_empty() {
-            return self.judged(armed, target, pass, attachments, place);
+            return self.judged(target, pass, attachments, context);
         }
-        if let Some(depth) = attachments.loaded_samples(&armed.objects)
-            && place.covered_by.is_none()
+        if let Some(depth) = attachments.loaded_samples(context.objects)
+            && context.covered_by.is_none()
         {
-            let key = (depth.target.image, place.prepasses);
+            let key = (depth.target.image, context.prepasses);
             let known = self.chains.get(key);
-            if known != Some(candidate.target) {
+            if known != Some(color) {
                 // In later frames the pass that clears it has a template for this one.
-                self.chains.insert(key, candidate.target);
+                self.chains.insert(key, color);
             }
             if known.is_none() {
                 return Err(Reason::New);
             }
         }
-        let outcome = match self.judged(armed, target, pass, attachments, place) {
+        let outcome = match self.judged(target, pass, attachments, context) {
             Err(Reason::DepthLoaded) => Err(target.prepass_refusal().unwrap_or(Reason::DepthLoaded)),
             outcome => outcome,
         };
@@ -93,11 +95,10 @@ impl Masks {
     /// The mask of a pass, by what earlier ones to its target have shown.
     fn judged(
         &self,
-        armed: &Armed,
         target: &TargetMask,
         pass: &Pass,
         attachments: &Attachments,
-        place: Place<'_>,
+        context: PassContext<'_>,
     ) -> Result<OpenMask, Reason> {
         let (facts, pipelines) = target.evidence(attachments.colors.is_empty())?;
         let is_layered = pass.view_mask == 0 && target.layers() > 1;
@@ -106,17 +107,17 @@ impl Masks {
             clears_depth_later: pass.facts.clears_depth_later || facts.clears_depth_later,
             ..pass.facts
         };
-        armed.frame.awaited.finish();
-        let how = How { coarsens: armed.frame.coarsens(), is_layered };
+        context.frame.awaited.finish();
+        let how = How { coarsens: context.frame.coarsens(), is_layered };
         // Measured with llvmpipe of Mesa 26.2.6 (tests/baselines/engines.md).
         let prefers_return = self.is_cpu && pipelines.returns.keeping_coverage && !target.fails_to_return();
         if prefers_return && attachments.colors.is_empty() {
             // Passes that go on with its depth find it as it is.
             return Err(Reason::ShadesHidden);
         }
-        self.opened(&armed.objects, (target, how), attachments, place, |colors| MaskFacts {
+        self.opened((target, how), attachments, context, |colors| MaskFacts {
             pass,
-            depth: attachments.depth_facts(self, &armed.objects, place.covered_by.is_some()),
+            depth: attachments.depth_facts(self, context.objects, context.covered_by.is_some()),
             colors,
             pipelines,
             prefers_return,
@@ -125,29 +126,28 @@ impl Masks {
 
     fn opened(
         &self,
-        objects: &Objects,
         (target, how): (&TargetMask, How),
         attachments: &Attachments,
-        place: Place<'_>,
+        context: PassContext<'_>,
         facts: impl for<'a> FnOnce(&'a [crate::mask::ColorFacts]) -> MaskFacts<'a>,
     ) -> Result<OpenMask, Reason> {
-        if !place.is_primary {
+        if !context.is_primary {
             return Err(Reason::Secondary);
         }
-        if place.has_offsets && !place.follows_graphics {
+        if context.has_offsets && !context.follows_graphics {
             // Sets that are bound for drawing beside them are followed from the next command buffers on.
             return Err(Reason::New);
         }
-        if !place.restores_compute {
+        if !context.restores_compute {
             return Err(Reason::ComputeState);
         }
-        let colors = attachments.color_facts(objects)?;
+        let colors = attachments.color_facts(context.objects)?;
         let (map, way) = match way(&facts(&colors))? {
-            Way::Template(eligible) => self.template(objects, target, attachments, place, eligible)?,
+            Way::Template(eligible) => self.template(target, attachments, context, eligible)?,
             // Of several layers that are no views, the shader does not know which it draws to.
             Way::Return { instead, .. } if how.is_layered => return Err(instead),
             Way::Return { keeps_coverage, instead } => {
-                self.early_return(target, place, keeps_coverage, instead)?
+                self.early_return(target, context, keeps_coverage, instead)?
             }
         };
         let layers = target.layers();
@@ -159,7 +159,7 @@ impl Masks {
         };
         let (mut fills, mut pending) = (SmallVec::new(), SmallVec::new());
         for (color, facts) in attachments.colors.iter().zip(&colors).filter(|(color, _)| color.is_stored) {
-            let part = part(objects, color.target, vk::ImageAspectFlags::COLOR, layers)?;
+            let part = part(context.objects, color.target, vk::ImageAspectFlags::COLOR, layers)?;
             if facts.samples == vk::SampleCountFlags::TYPE_1 {
                 map.prepare(color.format).map_err(failed)?;
             }
@@ -168,13 +168,9 @@ impl Masks {
             }
             match facts.samples {
                 vk::SampleCountFlags::TYPE_1 => fills.push((part, color.format, color.layout)),
-                _ => pending.push(self.pending(
-                    objects,
-                    (&map, target),
-                    (color.target, part),
-                    place,
-                    color.layout,
-                )?),
+                _ => {
+                    pending.push(self.pending((&map, target), (color.target, part), context, color.layout)?)
+                }
             }
         }
         if let OpenWay::Template(depth) = &way
@@ -183,7 +179,7 @@ impl Masks {
             && depth.work.fills
         {
             let of = (attachment.target, depth.depth);
-            pending.push(self.pending(objects, (&map, target), of, place, depth.final_layout)?);
+            pending.push(self.pending((&map, target), of, context, depth.final_layout)?);
         }
         Ok(OpenMask { map, way, is_unfilled, fills, pending })
     }
@@ -191,22 +187,23 @@ impl Masks {
     /// The fill, after a pass, of an image of several samples.
     fn pending(
         &self,
-        objects: &Objects,
         (map, target): (&Arc<MaskMap>, &TargetMask),
         (of, part): (Target, ImagePart),
-        place: Place<'_>,
+        context: PassContext<'_>,
         layout: vk::ImageLayout,
     ) -> Result<Pending, Reason> {
-        if !place.follows_graphics {
+        if !context.follows_graphics {
             // From the next command buffers on.
             follow_graphics();
             return Err(Reason::New);
         }
-        if !place.restores_graphics || target.loses_graphics() || self.extends_dynamic.load(Ordering::Relaxed)
+        if !context.restores_graphics
+            || target.loses_graphics()
+            || self.extends_dynamic.load(Ordering::Relaxed)
         {
             return Err(Reason::GraphicsState);
         }
-        let image = objects.image_of(of.image).ok_or(Reason::Unknown)?.description;
+        let image = context.objects.image_of(of.image).ok_or(Reason::Unknown)?.description;
         let [width, height] = map.extent();
         if of.level != 0 || image.extent[0] < width || image.extent[1] < height {
             return Err(Reason::Area);
@@ -228,24 +225,24 @@ impl Masks {
     fn early_return(
         &self,
         target: &TargetMask,
-        place: Place<'_>,
+        context: PassContext<'_>,
         keeps_coverage: bool,
         instead: Reason,
     ) -> Result<(Arc<MaskMap>, OpenWay), Reason> {
-        if place.is_conditional {
+        if context.is_conditional {
             return Err(instead);
         }
         // Behind a pass with a template, a pass without depth mostly maps tones or scales: it costs little, and reads a filled picture.
         if instead == Reason::NoDepth && self.has_template.load(Ordering::Relaxed) {
             return Err(instead);
         }
-        if !place.follows_graphics {
+        if !context.follows_graphics {
             // From the next command buffers on.
             follow_graphics();
             return Err(Reason::New);
         }
         // A set of ours behind others would end offsets.
-        if !place.restores_graphics || place.has_offsets {
+        if !context.restores_graphics || context.has_offsets {
             return Err(Reason::GraphicsState);
         }
         // What temporal filters keep they read again: what is filled would go on from frame to frame.
@@ -266,22 +263,21 @@ impl Masks {
     /// The map of a pass with a template, and what is done with its depth.
     fn template(
         &self,
-        objects: &Objects,
         target: &TargetMask,
         attachments: &Attachments,
-        place: Place<'_>,
+        context: PassContext<'_>,
         eligible: Eligible,
     ) -> Result<(Arc<MaskMap>, OpenWay), Reason> {
         let depth = attachments.depth.ok_or(Reason::NoDepth)?;
         if depth.layouts[1] == vk::ImageLayout::UNDEFINED {
             return Err(Reason::Layouts);
         }
-        if is_separate(objects, &depth) {
+        if is_separate(context.objects, &depth) {
             return Err(Reason::Layouts);
         }
         let map = target.map(eligible)?;
         let is_multisampled = eligible.drawn.is_some();
-        if place
+        if context
             .covered_by
             .is_some_and(|by| is_multisampled && eligible.work.covers && !Arc::ptr_eq(by, &map))
         {
@@ -294,17 +290,17 @@ impl Masks {
         if !map.is_ready() || (eligible.work.is_any() && !target.note_depth()) {
             return Err(Reason::Undrawn);
         }
-        if !map.takes(place.area) {
+        if !map.takes(context.area) {
             return Err(Reason::Area);
         }
-        let aspects = aspects(objects, depth.target)?;
+        let aspects = aspects(context.objects, depth.target)?;
         let open = OpenDepth {
-            depth: part(objects, depth.target, aspects, target.layers())?,
+            depth: part(context.objects, depth.target, aspects, target.layers())?,
             is_covered: is_multisampled && eligible.work.covers,
             is_multisampled,
             layouts: depth.layouts,
             work: eligible.work,
-            area: place.area,
+            area: context.area,
             final_layout: depth.final_layout,
         };
         self.has_template.store(true, Ordering::Relaxed);

@@ -1,12 +1,10 @@
 //! The commands of a pass with a mask, from its begin to its end.
 
 use super::open_mask::OpenWay;
-use super::{Attachments, Masks, OpenMask, Place};
+use super::{Attachments, Masks, OpenMask, PassContext, TargetMask};
 use crate::gpu::AppCommands;
 use crate::mask::{DepthWork, MaskMap, Reason};
 use crate::scene::{ImageKey, Pass, Target};
-use crate::vk::armed::Armed;
-use crate::vk::candidates::Candidate;
 use ash::vk;
 use std::sync::Arc;
 
@@ -35,18 +33,17 @@ impl Masks {
     #[allow(clippy::too_many_arguments, reason = "what is known of a pass comes from four sides")]
     pub unsafe fn begin_pass<T>(
         &self,
-        armed: &Armed,
         commands: vk::CommandBuffer,
-        candidate: Option<&Candidate>,
+        candidate: Option<(Target, Option<&TargetMask>)>,
         pass: &mut Pass,
         attachments: &Attachments,
-        place: Place<'_>,
+        context: PassContext<'_>,
         (loading, settle): (impl FnOnce(DepthWork) -> Result<T, Reason>, impl FnOnce(Option<&Arc<MaskMap>>)),
     ) -> Option<(OpenMask, Option<T>)> {
         self.note(attachments);
         let open = candidate
             .ok_or(Reason::New)
-            .and_then(|candidate| self.open(armed, candidate, pass, attachments, place))
+            .and_then(|candidate| self.open(candidate, pass, attachments, context))
             .and_then(|open| {
                 let loading = match &open.way {
                     OpenWay::Template(depth) => Some(loading(depth.work)?),
@@ -56,7 +53,7 @@ impl Masks {
             });
         let open = open.and_then(|(open, loading)| Ok((self.gpu().ok_or(Reason::Failed)?, open, loading)));
         if attachments.colors.is_empty()
-            && let Some(target) = candidate.and_then(|candidate| candidate.map.mask())
+            && let Some(target) = candidate.and_then(|(_, mask)| mask)
         {
             target.note_prepass(open.as_ref().map(drop).map_err(|reason| *reason));
         }

@@ -310,10 +310,6 @@ impl RateMap for TargetMask {
         seen.is_shown && !seen.keeps_depth
     }
 
-    fn mask(&self) -> Option<&TargetMask> {
-        Some(self)
-    }
-
     fn laying(&self) -> Option<Laying> {
         self.made().map(|map| Laying::Mask(Arc::clone(map)))
     }

@@ -1,10 +1,10 @@
 //! Copies of what was decided, for people to look at.
 
-use super::{Kept, Perception};
+use super::Perception;
 use crate::gpu::{AppCommands, Scope};
 use crate::link::{RATES_COPIED, RATES_COPY_LEFT_OUT, RATES_OF_PLAN, RatesCopyRecord};
 use crate::passes::analyze::rate_row_bytes;
-use crate::vk::armed::Armed;
+use crate::vk::pre_submit::{Kept, Submitter};
 use ash::vk;
 use std::any::Any;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ impl Perception {
     /// # Safety
     ///
     /// As [`RatesCopyRecord`] says: this thread may use the queue, and the buffer is live and large enough.
-    pub unsafe fn copy_rates(&self, armed: &Armed, record: &RatesCopyRecord) -> u32 {
+    pub unsafe fn copy_rates(&self, own: Option<Submitter<'_>>, record: &RatesCopyRecord) -> u32 {
         let found = {
             let state = self.state();
             let queue = state.queue.filter(|(id, _)| *id == record.queue && state.decided.is_some());
@@ -40,11 +40,8 @@ impl Perception {
         let Some(((_, queue), tiles)) = found.filter(|(_, tiles)| tiles.view.tiles() == record.tiles) else {
             return RATES_OF_PLAN;
         };
-        let (Some(tools), Some(prologues), Some(functions)) =
-            (self.made(), armed.prologues.get(queue), armed.functions())
-        else {
-            return RATES_COPY_LEFT_OUT;
-        };
+        let (Some(tools), Some(own)) = (self.made(), own) else { return RATES_COPY_LEFT_OUT };
+        let Some(ring) = own.rings.get(queue) else { return RATES_COPY_LEFT_OUT };
         let [columns, rows] = record.tiles;
         let size = u64::from(rate_row_bytes(columns)) * u64::from(rows);
         let rates = tiles.view.rates();
@@ -59,7 +56,7 @@ impl Perception {
             Ok(())
         };
         // SAFETY: the caller vouches for the queue.
-        let is_submitted = unsafe { prologues.run(armed, functions, queue, kept, copy) };
+        let is_submitted = unsafe { ring.run(own, queue, kept, copy) };
         if is_submitted { RATES_COPIED } else { RATES_COPY_LEFT_OUT }
     }
 }

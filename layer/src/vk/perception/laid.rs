@@ -1,15 +1,16 @@
 //! The map of one candidate, laid from rates that the GPU decided.
 
 use super::eye::EyeTiles;
-use super::{Kept, Perception, Tools};
+use super::{Perception, Tools};
 use crate::gpu::{AppCommands, GpuError};
 use crate::mask::mask_views;
 use crate::passes::lay::LayTarget;
 use crate::passes::mask::MaskTarget;
 use crate::scene::Part;
-use crate::scene::lay::RateImage;
-use crate::vk::armed::Armed;
+use crate::scene::lay::{DeviceRates, RateImage};
 use crate::vk::backend::Laying;
+use crate::vk::frame::Frame;
+use crate::vk::pre_submit::Kept;
 use ash::vk;
 use smallvec::SmallVec;
 use std::any::Any;
@@ -66,14 +67,14 @@ impl Laid {
     }
 
     fn new(
-        armed: &Armed,
+        (frame, rates): (&Frame, &DeviceRates),
         tools: &Tools,
         place: &Place,
         laying: &Laying,
         shapes: Shapes,
         eyes: [Arc<EyeTiles>; 2],
     ) -> Self {
-        let targets = targets(armed, tools, place, laying, &shapes, &eyes)
+        let targets = targets((frame, rates), tools, place, laying, &shapes, &eyes)
             .inspect_err(|error| error.tell("a map comes from the plan alone"));
         Self {
             parts: place.parts.into(),
@@ -88,7 +89,7 @@ impl Laid {
 
 /// What lays a map; nothing where an eye that it shows has tiles and none of them are decided.
 fn targets(
-    armed: &Armed,
+    (frame, rates): (&Frame, &DeviceRates),
     tools: &Tools,
     place: &Place,
     laying: &Laying,
@@ -99,10 +100,10 @@ fn targets(
         let [_, _, tiles] = shapes[index];
         eye.eye == index || tiles.contains(&0)
     };
-    let table = armed.frame.plan().table(place.parts, place.image);
+    let table = frame.plan().table(place.parts, place.image);
     let Some(table) = table.filter(|_| eyes.iter().enumerate().all(is_own)) else { return Ok(None) };
     let views = eyes.each_ref().map(|eye| &eye.view);
-    let texels = Arc::new(tools.lay.target(&table, views, armed.rates.available(), place.leaves_out)?);
+    let texels = Arc::new(tools.lay.target(&table, views, rates.available(), place.leaves_out)?);
     let mask = match laying {
         Laying::Texels => None,
         Laying::Mask(map) => {
@@ -124,7 +125,7 @@ impl Perception {
     /// finished.
     pub unsafe fn lay(
         &self,
-        armed: &Armed,
+        (frame, rates): (&Frame, &DeviceRates),
         commands: vk::CommandBuffer,
         place: &Place,
         laying: &Laying,
@@ -135,17 +136,17 @@ impl Perception {
             return None;
         }
         let tools = self.made()?;
-        let eyes = match self.decided_tiles(armed, place.queue)? {
+        let eyes = match self.decided_tiles(frame, place.queue)? {
             [Some(left), Some(right)] => [left, right],
             [Some(one), None] | [None, Some(one)] => [Arc::clone(&one), one],
             [None, None] => return None,
         };
         let shapes = {
-            let plan = armed.frame.plan();
+            let plan = frame.plan();
             [plan.shape(0), plan.shape(1)]
         };
         if !laid.as_ref().is_some_and(|laid| laid.is_for(place, &shapes, &eyes)) {
-            *laid = Some(Laid::new(armed, &tools, place, laying, shapes, eyes));
+            *laid = Some(Laid::new((frame, rates), &tools, place, laying, shapes, eyes));
         }
         let Targets { texels, mask } = laid.as_ref()?.targets.as_ref()?;
         // SAFETY: the caller vouches for the command buffer.

@@ -1,11 +1,11 @@
 //! The kernels, on one device.
 
 use crate::gpu::{Compilation, Compiler, Gpu, GpuError, Later};
+use crate::link::DeviceRecord;
 use crate::passes::analyze::Analyze;
 use crate::passes::decide::Decide;
 use crate::passes::lay::Lay;
 use crate::passes::mask::MaskPass;
-use crate::vk::armed::Armed;
 use std::sync::Arc;
 
 /// What pictures are analysed with, and rates decided.
@@ -19,8 +19,8 @@ pub struct Tools {
 
 impl Tools {
     /// Has the kernels compiled.
-    pub(super) fn ask(armed: &Armed) -> Later<Self> {
-        let record = armed.record;
+    pub(super) fn ask(record: &DeviceRecord) -> Later<Self> {
+        let record = *record;
         // SAFETY: the record is of this device, which is live; its compiler ends before it is destroyed, and all that is made of the
         // record is dropped.
         unsafe {

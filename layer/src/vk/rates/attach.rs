@@ -12,7 +12,6 @@ use crate::abi::copies::{Copies, room};
 use crate::gpu::GpuError;
 use crate::link::{BACKEND_RATE_ATTACHMENT, DeviceRecord, OfferRecord};
 use crate::scene::{ImageDescription, Pass, Target};
-use crate::vk::armed::Armed;
 use crate::vk::backend::{Backend, RateMap};
 use crate::vk::objects::Image;
 use crate::vk::shaders::ShaderModules;
@@ -349,7 +348,7 @@ impl Backend for Arc<Rates> {
         }
     }
 
-    fn map(&self, _armed: &Armed, pass: &Pass, image: &Image) -> Option<Box<dyn RateMap>> {
+    fn map(&self, pass: &Pass, image: &Image) -> Option<Box<dyn RateMap>> {
         let key = RateImageKey::of(*pass.colors.first()?, &image.description, &self.offer);
         Some(Box::new(self.images.of(key)?))
     }

@@ -30,7 +30,12 @@ pub unsafe extern "system" fn create_pool(
             let result = answer.record(next(device, info, allocator, pool));
             if let (Some(armed), vk::Result::SUCCESS) = (&known.armed, result) {
                 armed.objects.add_pool(*pool);
-                armed.timing.add_pool(armed, *pool, (*info).queue_family_index);
+                if armed.follows_passes()
+                    && armed.timing.is_possible()
+                    && let Some(functions) = armed.functions()
+                {
+                    armed.timing.add_pool(functions, *pool, (*info).queue_family_index);
+                }
             }
             result
         },

@@ -259,7 +259,7 @@ fn steps(was: Option<vk::PipelineLayout>, is: Option<vk::PipelineLayout>) -> Ste
 /// Has what a pass shall have in place of a pipeline made, in later frames, where it waits for that.
 fn prepare(buffer: &Buffer, pipeline: vk::Pipeline) {
     let target = buffer.recorded().target.clone();
-    let target = target.as_ref().and_then(|candidate| candidate.map.mask());
+    let target = target.as_ref().and_then(|candidate| candidate.mask());
     let Some((target, masks)) = target.zip(buffer.armed.masks.as_ref()) else { return };
     for keeps_coverage in [false, true] {
         if target.waits_for_return(keeps_coverage)

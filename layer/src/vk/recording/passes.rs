@@ -6,7 +6,7 @@ use crate::mask::{DepthWork, MaskMap};
 use crate::scene::{Pass, Target};
 use crate::vk::candidates::Candidate;
 use crate::vk::chain::extension;
-use crate::vk::masks::{Attachments, Masks, Place};
+use crate::vk::masks::{Attachments, Masks, PassContext};
 use crate::vk::objects::{Objects, RenderPass};
 use ash::vk;
 use smallvec::SmallVec;
@@ -170,14 +170,13 @@ unsafe fn begin_noted(
                 if let (Some(pass), Some(attachments)) = (&mut pass, &attachments) {
                     let area = (*info).render_area;
                     let covering = buffer.covering(attachments.depth.map(|depth| depth.target.image));
-                    let place = buffer.place(area, attachments, covering.as_ref());
+                    let context = buffer.context(area, attachments, covering.as_ref());
                     match masks.begin_pass(
-                        armed,
                         handle,
-                        candidate.as_deref(),
+                        candidate.as_ref().map(|candidate| (candidate.target, candidate.mask())),
                         pass,
                         attachments,
-                        place,
+                        context,
                         (
                             |work: DepthWork| match work.covers {
                                 true => Ok(*info),
@@ -246,7 +245,7 @@ impl Buffer {
     pub(super) fn candidate(&self, pass: &Pass, attachments: &Attachments) -> Option<Arc<Candidate>> {
         let armed = &self.armed;
         let Some(depth) = attachments.are_a_prepass(&armed.objects) else {
-            return armed.candidates.of(armed, pass);
+            return armed.candidates.of(armed.backend.as_deref()?, &armed.objects, pass);
         };
         let depth = depth.target.image;
         let count = self.recorded().prepasses.count(depth);
@@ -254,15 +253,17 @@ impl Buffer {
     }
 
     /// Where a pass of this render area begins, whose depth of several samples holds the template of a mask, or of none.
-    pub(super) fn place<'a>(
-        &self,
+    pub(super) fn context<'a>(
+        &'a self,
         area: vk::Rect2D,
         attachments: &Attachments,
         covered_by: Option<&'a Arc<MaskMap>>,
-    ) -> Place<'a> {
+    ) -> PassContext<'a> {
         let recorded = self.recorded();
         let prepasses = attachments.depth.map_or(0, |depth| recorded.prepasses.last(depth.target.image));
-        Place {
+        PassContext {
+            frame: &self.armed.frame,
+            objects: &self.armed.objects,
             covered_by,
             prepasses,
             is_primary: self.is_primary,

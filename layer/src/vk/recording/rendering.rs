@@ -39,14 +39,13 @@ pub unsafe extern "system" fn begin(handle: vk::CommandBuffer, info: *const vk::
                     let candidate = known.candidate(&pass, &attachments);
                     let area = (*info).render_area;
                     let covering = known.covering(attachments.depth.map(|depth| depth.target.image));
-                    let place = known.place(area, &attachments, covering.as_ref());
+                    let context = known.context(area, &attachments, covering.as_ref());
                     match masks.begin_pass(
-                        armed,
                         handle,
-                        candidate.as_deref(),
+                        candidate.as_ref().map(|candidate| (candidate.target, candidate.mask())),
                         &mut pass,
                         &attachments,
-                        place,
+                        context,
                         (
                             |_: DepthWork| loading(&*info),
                             |mask: Option<&_>| known.settle(handle, &attachments, area, mask),

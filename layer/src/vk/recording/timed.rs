@@ -34,7 +34,7 @@ pub unsafe fn work_begins(buffer: &Buffer, handle: vk::CommandBuffer) {
     };
     if may_begin {
         // SAFETY: the caller vouches for the command buffer. A pass that is not known has begun the time already.
-        buffer.with_timer(|timer| unsafe { timer.begin(armed, handle) });
+        buffer.with_timer(|timer| unsafe { timer.begin(|| armed.functions(), handle) });
     }
 }
 

@@ -1,11 +1,9 @@
-//! One prologue: a command buffer, its fence, and the staging memory that it reads.
+//! One command buffer of a ring, its fence, and the staging memory that it reads.
 
-use super::Outdated;
-use crate::gpu::functions::{Functions, init_dispatch};
+use super::{Kept, Submitter};
+use crate::gpu::functions::init_dispatch;
 use crate::gpu::memory::memory_type;
 use crate::gpu::{GpuError, wait_device, wait_fence};
-use crate::vk::armed::Armed;
-use crate::vk::perception::Kept;
 use crate::vk::timing::{Timer, Work};
 use ash::vk;
 
@@ -24,7 +22,6 @@ pub struct Slot {
     /// Space for what is stale.
     pub words: Vec<u32>,
     /// What the command buffer uses while it is under way.
-    uses: Outdated,
     kept: Kept,
     timer: Timer,
     /// The kind of the recorded work.
@@ -46,16 +43,16 @@ unsafe impl Send for Staging {}
 impl Slot {
     /// # Safety
     ///
-    /// The device is live and has queues of that family; `functions` are its own.
-    pub unsafe fn new(armed: &Armed, functions: &Functions, family: u32) -> Result<Self, GpuError> {
-        let device = &functions.device;
+    /// The device is live and has queues of that family; `own` is of it.
+    pub unsafe fn new(own: Submitter<'_>, family: u32) -> Result<Self, GpuError> {
+        let device = &own.functions.device;
         let info = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::TRANSIENT)
             .queue_family_index(family);
         // SAFETY: the caller vouches for the device; what is made is destroyed where a later step fails.
         unsafe {
             let memory =
-                functions.instance.get_physical_device_memory_properties(armed.record.physical_device);
+                own.functions.instance.get_physical_device_memory_properties(own.record.physical_device);
             let pool = device
                 .create_command_pool(&info, None)
                 .map_err(GpuError::from_call("vkCreateCommandPool"))?;
@@ -67,13 +64,12 @@ impl Slot {
                 staging: None,
                 texels: Vec::new(),
                 words: Vec::new(),
-                uses: Outdated::new(),
                 kept: Kept::new(),
-                timer: armed.timing.own_timer(armed, functions, family),
+                timer: own.timing.own_timer(own.functions, family),
                 work: Work::Maps,
                 is_pending: false,
             };
-            match slot.make(armed, device) {
+            match slot.make(own, device) {
                 Ok(()) => Ok(slot),
                 Err(error) => {
                     slot.destroy(device);
@@ -86,7 +82,7 @@ impl Slot {
     /// # Safety
     ///
     /// As for [`Self::new`].
-    unsafe fn make(&mut self, armed: &Armed, device: &ash::Device) -> Result<(), GpuError> {
+    unsafe fn make(&mut self, own: Submitter<'_>, device: &ash::Device) -> Result<(), GpuError> {
         let info = vk::CommandBufferAllocateInfo::default()
             .command_pool(self.pool)
             .level(vk::CommandBufferLevel::PRIMARY)
@@ -97,7 +93,7 @@ impl Slot {
                 .allocate_command_buffers(&info)
                 .map_err(GpuError::from_call("vkAllocateCommandBuffers"))?;
             self.commands = made.first().copied().unwrap_or_default();
-            init_dispatch(&armed.record, self.commands)?;
+            init_dispatch(own.record, self.commands)?;
             self.fence = device
                 .create_fence(&vk::FenceCreateInfo::default(), None)
                 .map_err(GpuError::from_call("vkCreateFence"))?;
@@ -128,7 +124,6 @@ impl Slot {
 
     fn done(&mut self) {
         self.is_pending = false;
-        self.uses.clear();
         self.kept.clear();
     }
 
@@ -146,16 +141,10 @@ impl Slot {
     ///
     /// # Safety
     ///
-    /// It is not pending; `functions` are those of `armed`.
-    pub unsafe fn begin(
-        &mut self,
-        armed: &Armed,
-        functions: &Functions,
-        work: Work,
-        len: usize,
-    ) -> Result<(), GpuError> {
+    /// It is not pending; `own` is of its device.
+    pub unsafe fn begin(&mut self, own: Submitter<'_>, work: Work, len: usize) -> Result<(), GpuError> {
         self.work = work;
-        let device = &functions.device;
+        let device = &own.functions.device;
         if len > 0 && self.staging.as_ref().is_none_or(|staging| staging.len < len) {
             if let Some(small) = self.staging.take() {
                 small.destroy(device);
@@ -172,8 +161,8 @@ impl Slot {
                 .begin_command_buffer(self.commands, &info)
                 .map_err(GpuError::from_call("vkBeginCommandBuffer"))?;
             self.timer.clear();
-            if armed.timing.is_wanted() {
-                self.timer.begin(armed, self.commands);
+            if own.timing.is_wanted() {
+                self.timer.begin(|| Some(own.functions), self.commands);
             }
         }
         Ok(())
@@ -193,16 +182,14 @@ impl Slot {
     ///
     /// # Safety
     ///
-    /// This thread may use the queue now, which is of the pool's family; the slot is recording; `functions` are those of `armed`.
+    /// This thread may use the queue now, which is of the pool's family; the slot is recording; `own` is of its device.
     pub unsafe fn submit(
         &mut self,
-        armed: &Armed,
-        functions: &Functions,
-        submit: vk::PFN_vkQueueSubmit,
+        own: Submitter<'_>,
         queue: vk::Queue,
-        (uses, kept): (Outdated, Kept),
+        kept: Kept,
     ) -> Result<(), GpuError> {
-        let device = &functions.device;
+        let device = &own.functions.device;
         let commands = [self.commands];
         let info = vk::SubmitInfo::default().command_buffers(&commands);
         // SAFETY: the caller vouches for the queue; the fence is not in use, as the slot is not pending.
@@ -210,10 +197,11 @@ impl Slot {
             self.timer.end(self.commands);
             device.end_command_buffer(self.commands).map_err(GpuError::from_call("vkEndCommandBuffer"))?;
             device.reset_fences(&[self.fence]).map_err(GpuError::from_call("vkResetFences"))?;
-            submit(queue, 1, &info, self.fence).result().map_err(GpuError::from_call("vkQueueSubmit"))?;
+            (own.submit)(queue, 1, &info, self.fence)
+                .result()
+                .map_err(GpuError::from_call("vkQueueSubmit"))?;
         }
-        armed.timing.submitted(&self.timer, armed.frame.log().frame(), self.work);
-        self.uses = uses;
+        own.timing.submitted(&self.timer, own.frame.log().frame(), self.work);
         self.kept = kept;
         self.is_pending = true;
         Ok(())
@@ -226,7 +214,6 @@ impl Slot {
         unsafe {
             if self.is_pending && wait_fence(device, self.fence).is_err() && !wait_device(device) {
                 std::mem::forget(std::mem::take(&mut self.timer));
-                self.uses.drain(..).for_each(std::mem::forget);
                 self.kept.drain(..).for_each(std::mem::forget);
                 return;
             }

@@ -1,0 +1,156 @@
+//! Work of ours ahead of the application's submits to a queue: a ring of command buffers that are used again and again.
+
+mod slot;
+
+pub use slot::Slot;
+
+use super::frame::Frame;
+use super::table::Table;
+use super::timing::{Timing, Work};
+use crate::gpu::GpuError;
+use crate::gpu::functions::Functions;
+use crate::link::DeviceRecord;
+use ash::vk;
+use smallvec::SmallVec;
+use std::any::Any;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// So many command buffers of ours for a queue may be under way: of three frames, each with two submits that draw the scene, and a picture of each eye
+/// that is analysed, and one that is drawn over. Beyond that maps stay as they are, unless they have no content yet, or leave something
+/// out, and pictures are left out.
+const MOST_SLOTS: usize = 24;
+
+/// Memory and objects that a submit of ours uses until the GPU is done with them.
+pub type Kept = SmallVec<[Arc<dyn Any + Send + Sync>; 20]>;
+
+/// The parts of a device with which work of ours is submitted.
+#[derive(Clone, Copy)]
+pub struct Submitter<'a> {
+    /// The device.
+    pub record: &'a DeviceRecord,
+    /// The next layer's functions for work of our own.
+    pub functions: &'a Functions,
+    /// The next layer's vkQueueSubmit.
+    pub submit: vk::PFN_vkQueueSubmit,
+    /// The GPU time of frames.
+    pub timing: &'a Timing,
+    /// The frame under way.
+    pub frame: &'a Frame,
+    /// The rings of all queues.
+    pub rings: &'a Table<vk::Queue, Arc<PreSubmitRing>>,
+}
+
+impl Submitter<'_> {
+    /// The ring of a queue of that family.
+    pub fn ring(&self, queue: vk::Queue, family: u32) -> Arc<PreSubmitRing> {
+        let new = || Arc::new(PreSubmitRing::new(family));
+        self.rings.get(queue).unwrap_or_else(|| self.rings.get_or_insert(queue, new()))
+    }
+}
+
+/// Command buffers of ours for one queue, which are used in turn.
+#[derive(Default)]
+pub struct PreSubmitRing {
+    family: u32,
+    slots: Mutex<Vec<Slot>>,
+}
+
+impl PreSubmitRing {
+    /// For a queue of that family.
+    pub fn new(family: u32) -> Self {
+        Self { family, slots: Mutex::default() }
+    }
+
+    /// Submits what `record` records, of which `kept` has to live until it has finished, if there is room; never waits. Whether
+    /// that was done.
+    ///
+    /// # Safety
+    ///
+    /// `queue` is the live queue of this ring, and this thread may use it now; `own` is of its device. The recorded commands may be
+    /// submitted to the queue.
+    pub unsafe fn run(
+        &self,
+        own: Submitter<'_>,
+        queue: vk::Queue,
+        kept: Kept,
+        record: impl FnOnce(vk::CommandBuffer) -> Result<(), GpuError>,
+    ) -> bool {
+        // SAFETY: the caller vouches for the queue; the slot is not pending.
+        self.with_slot(own, false, |slot| unsafe {
+            slot.begin(own, Work::Analysis, 0)?;
+            record(slot.commands())?;
+            slot.submit(own, queue, kept)
+        })
+    }
+
+    /// Does something with a slot that is not pending; with a new one beyond [`MOST_SLOTS`] only where that is urgent. Whether it was
+    /// done.
+    pub fn with_slot(
+        &self,
+        own: Submitter<'_>,
+        is_urgent: bool,
+        act: impl FnOnce(&mut Slot) -> Result<(), GpuError>,
+    ) -> bool {
+        // Taken out, so that no lock is held across a call down. A queue is one thread's at a time; where that rule is
+        // broken, the other thread finds none and makes one.
+        let mut slots = std::mem::take(&mut *self.lock());
+        slots.iter_mut().for_each(|slot| slot.poll(&own.functions.device));
+        // Before what they wrote is overwritten.
+        own.timing.read();
+        let mut free = slots.iter().position(|slot| !slot.is_pending());
+        if free.is_none() && (is_urgent || slots.len() < MOST_SLOTS) {
+            // SAFETY: the device is live and has queues of this family.
+            match unsafe { Slot::new(own, self.family) } {
+                Ok(slot) => {
+                    free = Some(slots.len());
+                    slots.push(slot);
+                }
+                Err(error) => error.tell("shading rates stay unchanged"),
+            }
+        }
+        let done = free.and_then(|index| slots.get_mut(index)).is_some_and(|slot| {
+            act(slot).inspect_err(|error| error.tell("shading rates stay unchanged")).is_ok()
+        });
+        self.put_back(slots);
+        done
+    }
+
+    /// Back with their memory, so that a steady frame asks for none; behind them what another thread has made meanwhile.
+    fn put_back(&self, mut slots: Vec<Slot>) {
+        let mut kept = self.lock();
+        std::mem::swap(&mut *kept, &mut slots);
+        kept.append(&mut slots);
+    }
+
+    /// Waits until the GPU is done with all that is under way.
+    pub fn wait(&self, functions: &Functions) {
+        let mut slots = std::mem::take(&mut *self.lock());
+        slots.iter_mut().for_each(|slot| slot.wait(&functions.device));
+        self.put_back(slots);
+    }
+
+    /// Waits for all, and destroys it, before the device is destroyed.
+    pub fn destroy(&self, functions: &Functions) {
+        for slot in std::mem::take(&mut *self.lock()) {
+            slot.destroy(&functions.device);
+        }
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Vec<Slot>> {
+        self.slots.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slots_keep_their_memory() {
+        let ring = PreSubmitRing::new(0);
+        let slots = Vec::with_capacity(4);
+        let memory = slots.as_ptr();
+        ring.put_back(slots);
+        assert_eq!(ring.lock().as_ptr(), memory);
+    }
+}
