@@ -18,6 +18,7 @@ mod work;
 
 pub use application::{Exhibit, exhibits};
 pub use decision::Decision;
+pub use observed::Observed;
 pub use report::{print_json, print_tables};
 pub use single::{Saving, savings};
 pub use view::EyeView;
@@ -26,10 +27,10 @@ pub use work::work;
 use crate::measure::{Ratio, Technique};
 use crate::progress::Progress;
 use crate::{HarnessError, artifacts};
-use observed::Observed;
 use parafovea_errors::{Metric, RINGS, Report};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::thread::ScopedJoinHandle;
 
 /// What `parafovea run` gives an application without a configuration file.
 const PRESET: &str = "preset = \"balanced\"\n";
@@ -60,7 +61,7 @@ pub struct Finding {
     pub on: Cost,
     /// CPU time with the layer, in units of that without it, from the turns ([`crate::measure::Samples::ratio_to`]).
     pub ratio: f64,
-    /// Half of the interquartile range of the turns' ratios.
+    /// Half of the interquartile range of the ratios of [`timed::BLOCK`]s of frames.
     pub spread: f64,
     /// Largest difference within 5 degrees of the gaze in the picture shown, code values (0..=255), of both eyes.
     pub fovea_max_error: u8,
@@ -75,28 +76,40 @@ pub struct Finding {
     pub decision: Decision,
 }
 
-/// Times, counts and judges `exhibit`; saves its pictures in `folder`.
+/// Times, counts and judges `exhibit`, and saves its pictures in `folder`. Returns the counted run without the layer, too.
 ///
 /// # Errors
 /// Those of the harness, and an application that does not come to its end.
-pub fn run(exhibit: &Exhibit, folder: &Path, progress: &mut Progress) -> Result<Finding, HarnessError> {
+pub fn run(
+    exhibit: &Exhibit,
+    folder: &Path,
+    progress: &mut Progress,
+) -> Result<(Finding, Observed), HarnessError> {
     let techniques = [Technique::off(), Technique::layer("balanced", PRESET)];
     let timed = timed::time(exhibit, &techniques, exhibit.timed, progress)?;
     let [off_ms, on_ms] = [&timed[0].cpu_ms, &timed[1].cpu_ms];
     let Ratio { value: ratio, spread } = on_ms.ratio_to(off_ms);
     let decision = Decision::of(timed[1].status.as_ref());
 
+    progress.next(&format!("{}: pictures, samples and shading rates, off | balanced", exhibit.name()));
     let settled = settled(decision.engaged);
-    let off = Observed::of(exhibit, &Technique::off(), progress)?;
-    let on = Observed::of(exhibit, &Technique::layer("balanced", &settled), progress)?;
     let view = format!("{settled}[debug]\nview = \"rates\"\n");
-    let drawn = Observed::picture_of(exhibit, &Technique::layer("shading rates", &view), progress)?;
-    strip::save(&folder.join(format!("{}.png", exhibit.name())), [&off.picture, &on.picture, &drawn])?;
+    let (subject, effort) = (&exhibit.subject, exhibit.counted);
+    let counted = |technique| move || Observed::of(subject, effort, &technique);
+    // Nothing is timed here.
+    let (off, on, drawn) = all_at_once(
+        counted(Technique::off()),
+        counted(Technique::layer("balanced", &settled)),
+        || Observed::picture_of(subject, effort, &Technique::layer("shading rates", &view)),
+    );
+    let (off, on) = (off?, on?);
+    strip::save(&folder.join(format!("{}.png", exhibit.name())), [&off.picture, &on.picture, &drawn?])?;
+    progress.add(3 * work::rendering(exhibit, effort));
 
     progress.next(&format!("{}: comparing the images", exhibit.name()));
     let errors = off.judge(&on)?;
     progress.add(work::judging(exhibit));
-    Ok(Finding {
+    let finding = Finding {
         app: exhibit.name().to_owned(),
         frames: off_ms.len(),
         off: Cost { cpu_ms: off_ms.median(), samples: off.samples },
@@ -108,7 +121,26 @@ pub fn run(exhibit: &Exhibit, folder: &Path, progress: &mut Progress) -> Result<
         jnd_view: mean(&errors.loss_by_frame()),
         jnd_detected: mean(&errors.detected_loss_by_frame()),
         decision,
+    };
+    Ok((finding, off))
+}
+
+/// Calls three functions, each on a thread of its own.
+fn all_at_once<A: Send, B: Send, C: Send>(
+    first: impl FnOnce() -> A + Send,
+    second: impl FnOnce() -> B + Send,
+    third: impl FnOnce() -> C + Send,
+) -> (A, B, C) {
+    std::thread::scope(|scope| {
+        let (first, second) = (scope.spawn(first), scope.spawn(second));
+        let third = third();
+        (join(first), join(second), third)
     })
+}
+
+/// The result of a thread; panics if that panicked.
+fn join<T>(thread: ScopedJoinHandle<'_, T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// The folder for pictures: `target/demo`, made if need be, without pictures of earlier demos.

@@ -30,14 +30,14 @@ fn main() -> ExitCode {
 fn show(exhibits: &[demo::Exhibit], each_technique: bool, json: bool) -> Result<(), HarnessError> {
     let folder = demo::pictures_folder()?;
     let mut progress = Progress::new(demo::work(exhibits, each_technique));
-    let mut findings = Vec::new();
-    for exhibit in exhibits {
-        findings.push(demo::run(exhibit, &folder, &mut progress)?);
+    let (mut findings, mut savings) = (Vec::new(), Vec::new());
+    for (number, exhibit) in exhibits.iter().enumerate() {
+        let (finding, off) = demo::run(exhibit, &folder, &mut progress)?;
+        findings.push(finding);
+        if number == 0 && each_technique {
+            savings.extend(demo::savings(exhibit, &off, &folder, &mut progress)?);
+        }
     }
-    let savings = match exhibits.first().filter(|_| each_technique) {
-        Some(scene) => demo::savings(scene, &folder, &mut progress)?.to_vec(),
-        None => Vec::new(),
-    };
     eprintln!("[100 %] done after {:.0} s", progress.seconds());
     if json {
         return demo::print_json(&findings, &savings);

@@ -1,9 +1,9 @@
 //! The techniques that the default preset leaves off, each alone: temporal re-use and chroma attenuation.
 
 use super::observed::Observed;
-use super::{Exhibit, chroma, overlay, strip, timed, work};
+use super::{Exhibit, all_at_once, chroma, overlay, strip, timed, work};
 use crate::HarnessError;
-use crate::measure::{Effort, LAYER_RUN_UP, RUN_UP_ALONE, Technique};
+use crate::measure::{Effort, RUN_UP_ALONE, Technique};
 use crate::progress::Progress;
 use parafovea_core::chroma::ChromaSettings;
 use serde::Serialize;
@@ -11,7 +11,10 @@ use std::path::Path;
 
 const REUSE: &str = "preset = \"balanced\"\n[rates]\nmode = \"off\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n";
 
-/// Colour goes at once, so that few frames show the steady state.
+/// Frames until both techniques are steady: passes are recognised, and history is complete.
+const RUN_UP: u64 = 36;
+
+/// Chroma is attenuated at once, so that few frames show the steady state.
 const CHROMA: &str = "preset = \"none\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 
 /// What one technique alone saves on one application.
@@ -29,31 +32,39 @@ pub struct Saving {
     pub ratio: f64,
 }
 
-/// Runs re-use and chroma attenuation alone, and saves a strip of pictures for each, named for what it saves.
+/// Runs re-use and chroma attenuation alone, and saves a strip of pictures for each, named for what it saves. `off` is the counted run
+/// without the layer.
 ///
 /// # Errors
 /// Those of the harness, and an application that does not come to its end.
 pub fn savings(
     exhibit: &Exhibit,
+    off: &Observed,
     folder: &Path,
     progress: &mut Progress,
 ) -> Result<[Saving; 2], HarnessError> {
     let reuse = Technique::layer("re-use alone", REUSE);
     let chroma = Technique::layer("chroma attenuation alone", CHROMA);
     let techniques = [Technique::off(), reuse.clone(), chroma.clone()];
-    let timed = timed::time(exhibit, &techniques, effort(exhibit), progress)?;
+    let later = later(exhibit);
+    let timed = timed::time(&later, &techniques, later.timed, progress)?;
     let ratio = |index: usize| timed[index].cpu_ms.ratio_to(&timed[0].cpu_ms).value;
 
-    let off = Observed::of(exhibit, &techniques[0], progress)?;
-    let reused = Observed::of(exhibit, &reuse, progress)?;
+    progress.next(&format!("{}: re-use, tile ages and chroma attenuation, each alone", exhibit.name()));
+    let Exhibit { subject, counted: effort, .. } = &later;
     let ages = Technique::layer("tile ages", &format!("{REUSE}[debug]\nview = \"age\"\n"));
-    let ages = Observed::picture_of(exhibit, &ages, progress)?;
-    strip::save(&folder.join("reuse_saves_shading.png"), [&off.picture, &reused.picture, &ages])?;
+    let (reused, faded, ages) = all_at_once(
+        || Observed::of(subject, *effort, &reuse),
+        || Observed::of(subject, *effort, &chroma),
+        || Observed::picture_of(subject, *effort, &ages),
+    );
+    let (reused, faded) = (reused?, faded?);
+    strip::save(&folder.join("reuse_saves_shading.png"), [&off.picture, &reused.picture, &ages?])?;
 
-    let faded = Observed::of(exhibit, &chroma, progress)?;
     let plateau_deg = ChromaSettings::default().plateau_deg;
     let rings = overlay::eccentricity(&faded.picture, &off.view(0), plateau_deg);
     strip::save(&folder.join("chroma_saves_bits.png"), [&off.picture, &faded.picture, &rings])?;
+    progress.add(3 * work::rendering(exhibit, *effort));
 
     let share = |part: f64, all: f64| part / all;
     let samples = reused.samples.zip(off.samples).map(|(left, all)| share(left as f64, all as f64));
@@ -79,12 +90,20 @@ pub fn savings(
 
 /// Work of all of it, as [`super::work()`] counts.
 pub fn work_of(exhibit: &Exhibit) -> u64 {
-    let effort = effort(exhibit);
-    let alone = Effort { run_up: RUN_UP_ALONE, ..effort };
-    let timed = work::rendering(exhibit, alone) + 2 * work::rendering(exhibit, effort);
-    timed + 4 * work::rendering(exhibit, exhibit.counted)
+    let Exhibit { timed, counted, .. } = later(exhibit);
+    let alone = Effort { run_up: RUN_UP_ALONE, ..timed };
+    let timed = work::rendering(exhibit, alone) + 2 * work::rendering(exhibit, timed);
+    timed + 3 * work::rendering(exhibit, counted)
 }
 
-fn effort(exhibit: &Exhibit) -> Effort {
-    Effort { turns: 1, run_up: LAYER_RUN_UP, ..exhibit.timed }
+/// The same frames after a shorter run-up.
+fn later(exhibit: &Exhibit) -> Exhibit {
+    let shorter = |effort: Effort| Effort { run_up: effort.run_up.min(RUN_UP), ..effort };
+    let skipped = exhibit.counted.run_up.saturating_sub(RUN_UP);
+    Exhibit {
+        subject: exhibit.subject.later(skipped),
+        timed: shorter(exhibit.timed),
+        counted: shorter(exhibit.counted),
+        weight: exhibit.weight,
+    }
 }

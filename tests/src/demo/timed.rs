@@ -23,6 +23,9 @@ const LOOK: u64 = 15;
 /// Between two of those frames: the layer takes a frame's figures 100 ms before it writes them.
 const PAUSE: Duration = Duration::from_millis(80);
 
+/// Consecutive frames whose ratio counts as one measurement: the spread of a result is that of these blocks.
+pub const BLOCK: usize = 10;
+
 /// Times of one technique.
 pub struct Timed {
     /// CPU time of the process, milliseconds a frame.
@@ -59,7 +62,7 @@ pub fn time(
             }
             let mut cpu_ms = player.stop(run_up + effort.frames)?.cpu_ms_of_frames(run_up);
             cpu_ms.truncate(effort.frames as usize);
-            timed.cpu_ms.push(cpu_ms);
+            cpu_ms.chunks(BLOCK).for_each(|block| timed.cpu_ms.push(block.to_vec()));
             progress.add(work::rendering(exhibit, effort.of(technique)));
         }
     }
