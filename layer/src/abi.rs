@@ -2,6 +2,7 @@
 
 pub mod audio_library;
 pub mod copies;
+pub mod cores;
 pub mod cpu_time;
 mod enablement;
 pub mod guard;

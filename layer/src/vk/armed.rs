@@ -163,6 +163,7 @@ impl Armed {
         let is_allowed = [BACKEND_ANY, self.offer().backend].contains(&record.backend);
         self.frame.set_on(record.is_on != 0 && is_allowed);
         self.timing.set_wanted(record.times_frames != 0 && is_allowed);
+        self.frame.log().set_resting(record.is_on == 0 && record.times_frames == 0);
         let rules = str::from_utf8(passes).map_err(|error| error.to_string());
         match rules.and_then(|rules| rules.parse().map_err(|error: PassRulesError| error.to_string())) {
             Ok(rules) => self.frame.log().set_rules(rules),

@@ -9,6 +9,7 @@ mod passes_file;
 #[path = "frame/no_passes_file.rs"]
 mod passes_file;
 mod plan;
+mod rest;
 mod swapchains;
 
 pub use awaited::Awaited;
@@ -85,6 +86,11 @@ impl Frame {
     /// Whether passes that are recognised get the plan's rates.
     pub fn is_on(&self) -> bool {
         self.is_on.load(Ordering::Relaxed)
+    }
+
+    /// Whether recognition learns from the frame under way.
+    pub fn learns(&self) -> bool {
+        lock(&self.log).learns()
     }
 
     /// Ends a frame with what it shows: views of projection layers, swapchains of other layers, and those submitted

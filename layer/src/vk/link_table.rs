@@ -174,7 +174,7 @@ unsafe extern "C" fn end_frame(
             else {
                 return 0;
             };
-            if armed.follows_passes() {
+            if armed.follows_passes() && armed.frame.learns() {
                 armed.frame.shown(
                     &armed.objects,
                     slice(submission.views, submission.view_count as usize),

@@ -190,7 +190,10 @@ unsafe fn update(armed: &Armed, is_followed: bool, queue: vk::Queue, mut touched
 fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed: &mut Outdated) {
     let mut log = armed.frame.log();
     let is_on = armed.frame.is_on();
-    for event in &recorded.events {
+    // A map that is still coarse becomes 1x1, whether or not the frame is followed.
+    let is_coarse = || recorded.candidates.iter().any(|candidate| candidate.content().shows_scene());
+    let events = if log.follows() || is_coarse() { &recorded.events[..] } else { &[] };
+    for event in events {
         let drawn = match event {
             Event::Pass(pass) => pass.colors.first().zip(Some(pass)),
             Event::Transfer(_) => None,

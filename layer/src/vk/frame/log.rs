@@ -2,6 +2,7 @@
 
 use super::MapContent;
 use super::passes_file::Notes;
+use super::rest::Rest;
 use crate::scene::{Event, EyePasses, Match, Pass, Recognition, Shown, Unmatched};
 use crate::vk::objects::Objects;
 use parafovea_core::reuse::StaleTiles;
@@ -19,6 +20,7 @@ pub struct Log {
     /// For tests: the verdicts on `events`.
     notes: Notes,
     recognition: Recognition,
+    rest: Rest,
     /// Passes that got the plan's rates, in the frame under way and in the last.
     with_rates: [u32; 2],
     /// Passes that were recognised as an eye's picture, in the frame under way.
@@ -33,6 +35,16 @@ impl Log {
     /// Takes the profile's rules on what passes are.
     pub fn set_rules(&mut self, rules: PassRules) {
         self.recognition.set_rules(rules);
+    }
+
+    /// Takes whether the gates rest from the frame under way on.
+    pub fn set_resting(&mut self, rests: bool) {
+        self.rest.set(rests, self.frame);
+    }
+
+    /// Whether the passes of the frame under way are noted.
+    pub fn follows(&self) -> bool {
+        self.rest.follows(self.frame) || self.notes.is_wanted()
     }
 
     /// Number of the frame under way.
@@ -100,6 +112,11 @@ impl Log {
         self.recognition.of(pass, &self.events, |key| objects.describe(key))
     }
 
+    /// Whether recognition learns from the frame under way.
+    pub fn learns(&self) -> bool {
+        self.rest.learns(self.frame) || self.notes.is_wanted()
+    }
+
     /// Learns from the frame, and begins the next one.
     pub fn end_frame(&mut self, objects: &Objects, shown: &Shown) {
         self.notes.end_frame(objects, self.frame, &self.events);
@@ -110,13 +127,70 @@ impl Log {
 
     /// Begins the next frame without learning from the last one.
     pub fn begin_next(&mut self, objects: &Objects) {
+        // Eye passes of a frame that nobody followed are taken to be those of the last sample.
+        if self.learns() {
+            self.last_eye_passes = self.eye_passes.number();
+        }
         self.events.clear();
         objects.forget_departed();
         self.frame += 1;
         self.with_rates = [0, self.with_rates[0]];
-        self.last_eye_passes = self.eye_passes.number();
         self.eye_passes.clear();
         self.left_out.swap(0, 1);
         self.left_out[0].iter_mut().for_each(StaleTiles::clear);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{ImageDescription, ImageKey, PassFacts, Target};
+    use ash::vk;
+    use smallvec::smallvec;
+
+    /// Draws an eye pass in each frame that is followed, and returns the sets that the frames of a minute end with.
+    fn eye_passes_of_a_minute(log: &mut Log) -> Vec<u32> {
+        let first = ImageDescription {
+            key: ImageKey(1),
+            extent: [64, 64],
+            layers: 1,
+            format: vk::Format::R8G8B8A8_SRGB,
+            samples: 1,
+            is_cube: false,
+            swapchain: None,
+        };
+        let pass = Pass {
+            colors: smallvec![Target { image: ImageKey(1), level: 0, base_layer: 0, layers: 1 }],
+            resolves: smallvec![],
+            depth: None,
+            area: [0, 0, 64, 64],
+            view_mask: 0,
+            facts: PassFacts::default(),
+            unmasked: None,
+            draws: None,
+        };
+        let objects = Objects::default();
+        let frame = |_| {
+            if log.follows() {
+                log.eye_passes.add(&pass, &first);
+            }
+            log.begin_next(&objects);
+            log.eye_passes()
+        };
+        (0..5400).map(frame).collect()
+    }
+
+    #[test]
+    fn a_resting_device_has_the_eye_passes_of_its_last_sample() {
+        let mut log = Log::default();
+        let sets = eye_passes_of_a_minute(&mut log);
+        assert!(sets[0] != 0 && sets.iter().all(|set| *set == sets[0]));
+        log.set_resting(true);
+        assert_eq!(eye_passes_of_a_minute(&mut log), sets);
+        let followed = (0..900).filter(|_| {
+            log.begin_next(&Objects::default());
+            log.follows()
+        });
+        assert_eq!(followed.count(), 120, "of ten seconds at 90 Hz");
     }
 }

@@ -2,10 +2,12 @@
 //! thread that needs the plan, so that a busy machine loses nothing: the plan is that of the frame in every case.
 
 use super::work::{FrameTask, PlanWork};
+use crate::abi::cores::{Cores, current_core};
 use crate::abi::guard;
 use crate::link::{AwaitedPlan, FrameStart};
 use std::ffi::c_void;
 use std::ptr;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
@@ -25,8 +27,13 @@ enum Thread {
 pub struct SharedPlan {
     stage: Mutex<Stage>,
     changed: Condvar,
+    /// The core of the thread that handed over the newest task, which draws meanwhile; [`NO_CORE`] where it is not known.
+    drawing_core: AtomicU32,
     work: PlanWork,
 }
+
+/// A number that no core has.
+const NO_CORE: u32 = u32::MAX;
 
 /// Progress of the newest task.
 #[derive(Default)]
@@ -49,7 +56,12 @@ enum Stage {
 impl PlanThread {
     /// Without a task.
     pub fn new(work: PlanWork) -> Self {
-        let shared = SharedPlan { stage: Mutex::default(), changed: Condvar::new(), work };
+        let shared = SharedPlan {
+            stage: Mutex::default(),
+            changed: Condvar::new(),
+            drawing_core: AtomicU32::new(NO_CORE),
+            work,
+        };
         Self { shared: Arc::new(shared), thread: Mutex::new(Thread::NotBegun) }
     }
 
@@ -71,6 +83,7 @@ impl PlanThread {
             self.shared.work.plan(&task);
             return;
         }
+        self.shared.drawing_core.store(current_core().unwrap_or(NO_CORE), Ordering::Relaxed);
         let is_planned = task.inputs.is_none();
         *self.shared.lock() = if is_planned { Stage::Planned(task) } else { Stage::Due(task) };
         if !is_planned {
@@ -172,8 +185,9 @@ impl SharedPlan {
         self.changed.wait(stage).unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Does tasks until the end.
+    /// Does tasks until the end, on another core than the application's thread.
     fn run(&self) {
+        let cores = Cores::of_this_thread();
         let mut stage = self.lock();
         loop {
             let task = match std::mem::replace(&mut *stage, Stage::UnderWay) {
@@ -190,7 +204,10 @@ impl SharedPlan {
                 }
                 other => {
                     *stage = other;
-                    stage = self.wait(stage);
+                    drop(self.wait(stage));
+                    // Before it takes the task, so that the application's thread need not wait for the move.
+                    cores.leave(self.drawing_core.load(Ordering::Relaxed));
+                    stage = self.lock();
                     continue;
                 }
             };

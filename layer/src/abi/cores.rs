@@ -1,0 +1,77 @@
+//! The processor core of a thread.
+//!
+//! Linux may wake a thread on the core of its waker though others are idle, where few cores share a cache, and keeps waking it where it ran
+//! last. A thread that works beside another one leaves that core.
+
+/// Cores on which the calling thread may run.
+pub struct Cores {
+    /// As the process, or its user (`taskset`), has set them; `None` where the system does not tell.
+    allowed: Option<libc::cpu_set_t>,
+}
+
+impl Cores {
+    /// Those of the calling thread.
+    pub fn of_this_thread() -> Self {
+        // SAFETY: a set of bits, of which all values are valid.
+        let mut allowed: libc::cpu_set_t = unsafe { std::mem::zeroed() };
+        // SAFETY: the set is valid to write to, and 0 is the calling thread.
+        let result = unsafe { libc::sched_getaffinity(0, size_of::<libc::cpu_set_t>(), &mut allowed) };
+        Self { allowed: (result == 0).then_some(allowed) }
+    }
+
+    /// Makes the calling thread, whose cores these are, run on other cores than `core` from now on, if it runs there and has others.
+    pub fn leave(&self, core: u32) {
+        let (Some(mut others), true) = (self.allowed, current_core() == Some(core)) else { return };
+        let place = core as usize;
+        // SAFETY: the set is valid, and the place below its size, as the kernel has given the set and the core.
+        unsafe {
+            if place < libc::CPU_SETSIZE as usize && libc::CPU_COUNT(&others) > 1 {
+                libc::CPU_CLR(place, &mut others);
+                // Without success the thread stays where it is.
+                libc::sched_setaffinity(0, size_of::<libc::cpu_set_t>(), &others);
+            }
+        }
+    }
+}
+
+/// The core on which the calling thread runs; `None` where the system does not tell.
+pub fn current_core() -> Option<u32> {
+    // SAFETY: has no precondition.
+    u32::try_from(unsafe { libc::sched_getcpu() }).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On a machine with one core it stays there.
+    #[test]
+    fn a_thread_leaves_the_core_of_another() {
+        let others = std::thread::available_parallelism().unwrap().get() > 1;
+        let left = std::thread::spawn(|| {
+            let cores = Cores::of_this_thread();
+            (0..8).all(|_| {
+                let core = current_core().unwrap();
+                cores.leave(core);
+                current_core() != Some(core)
+            })
+        });
+        assert_eq!(left.join().unwrap(), others);
+    }
+
+    #[test]
+    fn a_thread_elsewhere_stays() {
+        let ran_on = std::thread::spawn(|| {
+            let cores = Cores::of_this_thread();
+            cores.leave(libc::CPU_SETSIZE as u32);
+            cores.leave(u32::MAX);
+            // SAFETY: a set of bits, and the calling thread.
+            unsafe {
+                let mut now: libc::cpu_set_t = std::mem::zeroed();
+                libc::sched_getaffinity(0, size_of::<libc::cpu_set_t>(), &mut now);
+                libc::CPU_EQUAL(&now, &cores.allowed.unwrap())
+            }
+        });
+        assert!(ran_on.join().unwrap());
+    }
+}
