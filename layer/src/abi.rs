@@ -4,10 +4,12 @@ pub mod audio_library;
 pub mod copies;
 pub mod cpu_time;
 mod enablement;
+mod executable;
 pub mod guard;
 pub mod local_time;
 pub mod own_folder;
 pub mod pnext;
 
 pub use enablement::Enablement;
+pub use executable::executable;
 pub use guard::{Answer, attempt, guard};

@@ -2,7 +2,7 @@
 
 use super::MapContent;
 use super::passes_file::Notes;
-use crate::scene::{Event, EyePasses, Match, Pass, Recognition, Shown, Unmatched};
+use crate::pass_detection::{Event, EyePasses, Match, Pass, Recognition, Shown, Unmatched};
 use crate::vk::objects::Objects;
 use parafovea_core::reuse::StaleTiles;
 use parafovea_manifest::options::PassRules;
