@@ -93,7 +93,7 @@ const FNV_PRIME: u64 = 0x0000_0100_0000_01b3;
 
 /// Where a kernel's three files are.
 const PLACES: [(&str, &str); 3] =
-    [("layer/shaders", "wgsl"), ("core/src/kernels", "rs"), ("layer/src/passes", "rs")];
+    [("layer/shaders", "wgsl"), ("core/src/kernels", "rs"), ("layer/src/kernels", "rs")];
 
 /// The stems, each of which must be there in all [`PLACES`].
 fn complete_kernels(repository: &Path) -> Result<BTreeSet<String>, String> {

@@ -1,5 +1,5 @@
 //! CPU references of the GPU kernels. One stem names three files: the reference here, the shader
-//! (`layer/shaders/<stem>.wgsl`) and the pass that records it (`layer/src/passes/<stem>.rs`); the layer's
+//! (`layer/shaders/<stem>.wgsl`) and the pass that records it (`layer/src/kernels/<stem>.rs`); the layer's
 //! build fails where one is missing.
 
 pub mod analyze;

@@ -5,13 +5,13 @@
 
 use ash::{khr, vk};
 use parafovea::gpu::{Gpu, GpuError};
+use parafovea::kernels::analyze::Analyze;
+use parafovea::kernels::compose::Compose;
+use parafovea::kernels::decide::Decide;
+use parafovea::kernels::fill::Fill;
+use parafovea::kernels::lay::Lay;
+use parafovea::kernels::mask::MaskPass;
 use parafovea::link::DeviceRecord;
-use parafovea::passes::analyze::Analyze;
-use parafovea::passes::compose::Compose;
-use parafovea::passes::decide::Decide;
-use parafovea::passes::fill::Fill;
-use parafovea::passes::lay::Lay;
-use parafovea::passes::mask::MaskPass;
 use std::ffi::{CStr, c_char, c_void};
 use std::mem::transmute;
 use std::process::ExitCode;

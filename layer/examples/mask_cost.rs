@@ -17,10 +17,10 @@ mod vulkan;
 
 use application::{Application, COLOR, Setup};
 use ash::vk;
+use parafovea::backend::mask::{DepthWork, Eligible, MaskKernels, MaskMap};
 use parafovea::gpu::AppCommands;
-use parafovea::mask::{DepthWork, Eligible, MaskKernels, MaskMap};
-use parafovea::scene::lay::RateImage;
-use parafovea::scene::{Eyes, Orientation, Part};
+use parafovea::pass_detection::{Eyes, Orientation, Part};
+use parafovea::rate_map::RateImage;
 use parafovea_core::mask::{DepthFormat, TemplateDepths};
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use std::sync::Arc;

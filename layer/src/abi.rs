@@ -5,10 +5,12 @@ pub mod copies;
 pub mod cores;
 pub mod cpu_time;
 mod enablement;
+mod executable;
 pub mod guard;
 pub mod local_time;
 pub mod own_folder;
 pub mod pnext;
 
 pub use enablement::Enablement;
+pub use executable::executable;
 pub use guard::{Answer, attempt, guard};

@@ -3,13 +3,11 @@
 mod arming;
 mod chroma;
 mod debug_view;
-mod executable;
 mod plan;
 
 pub use arming::{Arming, device_armed};
 pub use chroma::chroma_settings;
 pub use debug_view::debug_view;
-pub use executable::executable;
 pub use parafovea_manifest::config::Config;
 pub use parafovea_manifest::options::{
     AudioMode, AudioSource, ChromaMatrix, ChromaMode, DebugView, FilePath, GazeSource, LogLevel, PassRules,
@@ -21,6 +19,7 @@ pub use plan::{
     wants_reuse,
 };
 
+use crate::abi::executable;
 use arc_swap::ArcSwap;
 use parafovea_manifest::config::{ConfigErrors, Watch};
 use parafovea_manifest::status::{AskedView, Settings};

@@ -1,6 +1,6 @@
 //! Vulkan objects of ours on the application's device, and the recording and submitting of our work.
 //!
-//! All calls go to the *next* layer's functions. The types here are safe to use from [`crate::passes`]: an
+//! All calls go to the *next* layer's functions. The types here are safe to use from [`crate::kernels`]: an
 //! object lives until it is dropped, and whoever owns objects that command buffers use also owns a `Uses`,
 //! dropped before them, which waits for the last of those command buffers.
 

@@ -5,10 +5,11 @@
 
 mod file;
 
-use crate::abi::Enablement;
 use crate::abi::local_time::LocalTime;
-use crate::config::{Environment, LogLevel, executable};
+use crate::abi::{Enablement, executable};
 use file::BoundedFile;
+use parafovea_manifest::options::LogLevel;
+use parafovea_manifest::paths::Environment;
 use std::fmt::{self, Write};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::atomic::{AtomicU8, Ordering};

@@ -7,6 +7,7 @@ mod decisions;
 mod moment;
 mod obeyed;
 mod quiet;
+mod signal;
 mod unseen;
 
 pub use decisions::{
@@ -15,6 +16,7 @@ pub use decisions::{
 };
 pub use moment::{GateMoment, Moment};
 pub use quiet::Quiet;
+pub use signal::SignalQuality;
 pub use unseen::{Known, why_unseen};
 
 use obeyed::Obeyed;

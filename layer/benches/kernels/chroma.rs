@@ -5,7 +5,7 @@ use crate::vulkan::Vulkan;
 use crate::{FORMAT, cpu_ms_of, rgba8};
 use ash::vk;
 use glam::Vec3;
-use parafovea::passes::compose::{Compose, ComposeParams, ComposeRegion, stores_unit_range};
+use parafovea::kernels::compose::{Compose, ComposeParams, ComposeRegion, stores_unit_range};
 use parafovea_core::chroma::ChromaSettings;
 use parafovea_core::geometry::Fov;
 

@@ -1,6 +1,7 @@
 //! The configuration's demands on a new Vulkan device.
 
-use super::{Config, Environment, RatesBackend, executable, wants_maps};
+use super::{Config, Environment, RatesBackend, wants_maps};
+use crate::abi::executable;
 use parafovea_manifest::config::Watch;
 use parafovea_manifest::options::{ChromaMode, DebugView, FilePath};
 use std::fmt;

@@ -2,9 +2,12 @@
 //! the head look along -z.
 
 pub mod auto;
+mod look;
 pub mod osc;
 pub mod recording;
 pub mod script;
+
+pub use look::Look;
 
 use glam::{EulerRot, Quat, Vec3};
 

@@ -1,10 +1,10 @@
 //! Status that changes from frame to frame.
 
+use super::SignalQuality;
 use crate::config::{AudioSource, DebugView, GazeSource};
 use crate::inputs::gaze::auto::Holder;
 use crate::inputs::gaze::osc::OscTold;
 use crate::link::{BACKEND_MASK, BACKEND_RATE_ATTACHMENT};
-use crate::planning::SignalQuality;
 use parafovea_core::gate::{Gate, GateMode};
 use parafovea_core::mask::Pattern;
 use parafovea_core::rate::ShadingRate;

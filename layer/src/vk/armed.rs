@@ -1,24 +1,24 @@
 //! Everything that is kept of an armed device.
 
-use super::backend::Backend;
 use super::candidates::Candidates;
 use super::frame::Frame;
 use super::functions::ArmedTable;
 use super::layouts::Layouts;
-use super::masks::Masks;
 use super::objects::{Image, Objects};
 use super::perception::Perception;
 use super::pre_submit::{PreSubmitRing, Submitter};
-use super::rates::Rates;
 use super::table::Table;
 use super::timing::Timing;
+use crate::backend::Backend;
+use crate::backend::attachment::Rates;
+use crate::backend::mask::Masks;
 use crate::gpu::Compiler;
 use crate::gpu::functions::Functions;
 use crate::link::{
     BACKEND_ANY, BACKEND_NONE, DeviceEnds, DeviceRecord, OfferRecord, SettingsRecord, SwapchainRecord,
 };
-use crate::scene::lay::DeviceRates;
-use crate::scene::{ImageKey, SwapchainKey};
+use crate::pass_detection::{ImageKey, SwapchainKey};
+use crate::rate_map::DeviceRates;
 use ash::vk;
 use parafovea_core::rate::ShadingRate;
 use parafovea_manifest::options::PassRulesError;

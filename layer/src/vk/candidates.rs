@@ -6,13 +6,13 @@ mod content;
 
 pub use content::{Content, Need};
 
-use super::backend::{Backend, MapSize, RateMap};
 use super::frame::MapContent;
-use super::masks::TargetMask;
 use super::objects::Objects;
 use super::perception::Laid;
 use super::table::Table;
-use crate::scene::{ImageKey, Pass, Target};
+use crate::backend::mask::TargetMask;
+use crate::backend::{Backend, MapSize, RateMap};
+use crate::pass_detection::{ImageKey, Pass, Target};
 use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

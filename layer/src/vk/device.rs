@@ -3,8 +3,8 @@
 use super::armed::Armed;
 use super::dispatch_key::DispatchKey;
 use super::functions::{ArmedTable, DeviceTable};
-use super::masks::Masks;
-use super::rates::Rates;
+use crate::backend::attachment::Rates;
+use crate::backend::mask::Masks;
 use crate::registry::Registry;
 use ash::vk;
 use std::sync::Arc;

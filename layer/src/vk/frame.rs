@@ -19,7 +19,7 @@ pub use plan::Plan;
 
 use super::objects::Objects;
 use crate::link::{PlanRecord, ShownViewRecord};
-use crate::scene::{Eye, Shown, ShownView, SwapchainKey};
+use crate::pass_detection::{Eye, Shown, ShownView, SwapchainKey};
 use ash::vk;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};

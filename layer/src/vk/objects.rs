@@ -18,7 +18,7 @@ pub use render_passes::RenderPass;
 pub use views::View;
 
 use super::table::Table;
-use crate::scene::{ImageDescription, ImageKey, Pass, SwapchainKey, Target};
+use crate::pass_detection::{ImageDescription, ImageKey, Pass, SwapchainKey, Target};
 use ash::vk;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -304,7 +304,7 @@ impl Perception {
         record: &PictureRecord,
         texel: [u32; 2],
         tiles: &Arc<EyeTiles>,
-    ) -> Option<Arc<crate::passes::analyze::AnalyzeTarget>> {
+    ) -> Option<Arc<crate::kernels::analyze::AnalyzeTarget>> {
         if let Some(known) = self.state().pictures.find(record, tiles) {
             return Some(known);
         }

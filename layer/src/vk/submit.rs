@@ -7,8 +7,7 @@ use super::armed::Armed;
 use super::candidates::{Candidate, Need};
 use super::{device, recording, runtime_section};
 use crate::abi::guard;
-use crate::mask::Reason;
-use crate::scene::{Event, Part};
+use crate::pass_detection::{Event, Part, Unmasked};
 use crate::vk::timing::Work;
 use ash::vk;
 use smallvec::SmallVec;
@@ -209,7 +208,7 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed:
             }
             candidate.map.noted(matched.as_ref().map(|found| found.how), log.frame());
             // A pass without a mask obeys no map, and so says nothing of what that shall hold.
-            if pass.unmasked.is_some_and(|reason| reason != Reason::Undrawn) {
+            if pass.unmasked.is_some_and(|reason| reason != Unmasked::Undrawn) {
                 continue;
             }
             add(obeyed, candidate);

@@ -14,15 +14,14 @@ pub use debug_view::{DebugViews, draw_over_released};
 pub use history::{History, SortedTiles};
 
 use super::instance::next_of_any;
-use super::plan;
 use super::session::{self, Active, Health, Session, Tools};
 use super::submission::{Layer, Projection, Submission};
-use super::swapchain;
 use super::vulkan_device::FrameReport;
+use super::{plan, swapchain};
 use crate::abi::guard;
 use crate::config::ConfigSnapshot;
 use crate::gpu::GpuError;
-use crate::passes::compose::ComposeJob;
+use crate::kernels::compose::ComposeJob;
 use glam::Quat;
 use openxr_sys as xr;
 use parafovea_core::chroma::Focus;

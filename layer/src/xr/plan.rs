@@ -23,7 +23,7 @@ use crate::inputs::audio::Ears;
 use crate::link::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameStart, SettingsRecord,
 };
-use crate::planning::{Benefit, Clock, EndedFrame, Planning, View};
+use crate::planner::{Benefit, Clock, EndedFrame, Planning, View};
 use crate::status::{Known, Moment, Quiet, Topic, all_decisions, decided, decision_count, why_unseen};
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};

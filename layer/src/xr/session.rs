@@ -12,10 +12,8 @@ use super::spaces::Spaces;
 use super::structures::{VulkanBinding, extending};
 use super::swapchain;
 use super::vulkan_device::{RuntimeSection, VulkanDevice};
-use crate::abi::{attempt, guard};
-use crate::config::{
-    ChromaMode, Config, Environment, GazeSource, debug_view, executable, wants_contrast, wants_reuse,
-};
+use crate::abi::{attempt, executable, guard};
+use crate::config::{ChromaMode, Config, Environment, GazeSource, debug_view, wants_contrast, wants_reuse};
 use crate::link::BACKEND_NONE;
 use crate::registry::Registry;
 use crate::status::Telling;

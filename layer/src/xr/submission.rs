@@ -4,7 +4,7 @@
 use super::structures::extending;
 use crate::abi::pnext::Structure;
 use crate::inputs::gaze::rotation;
-use crate::planning::View;
+use crate::planner::View;
 use glam::{Quat, Vec3};
 use openxr_sys as xr;
 use parafovea_core::geometry::{DepthRange, Fov};

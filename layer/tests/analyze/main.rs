@@ -17,7 +17,7 @@ use formats::stored;
 use glam::Vec3;
 use half::f16;
 use parafovea::gpu::AppCommands;
-use parafovea::passes::analyze::{Analyze, AnalyzeParams, Levels, USAGE, ViewTiles, rate_row_bytes};
+use parafovea::kernels::analyze::{Analyze, AnalyzeParams, Levels, USAGE, ViewTiles, rate_row_bytes};
 use parafovea_core::color::Matrix;
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::analyze::{

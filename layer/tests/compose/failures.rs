@@ -6,7 +6,7 @@ use crate::vulkan::Vulkan;
 use ash::vk;
 use glam::Vec3;
 use parafovea::gpu::{Gpu, GpuError};
-use parafovea::passes::compose::Compose;
+use parafovea::kernels::compose::Compose;
 use parafovea_core::chroma::ChromaSettings;
 use std::ffi::{CStr, c_char};
 use std::sync::OnceLock;

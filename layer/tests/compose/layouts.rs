@@ -5,7 +5,7 @@ use crate::swapchain::{Swapchain, shape};
 use crate::vulkan::Vulkan;
 use ash::vk::{self, Handle};
 use glam::Vec3;
-use parafovea::passes::compose::Compose;
+use parafovea::kernels::compose::Compose;
 use parafovea_core::chroma::ChromaSettings;
 use std::ffi::{CStr, c_char};
 use std::sync::{Mutex, OnceLock};

@@ -7,7 +7,7 @@ use crate::swapchain::{Swapchain, shape};
 use crate::vulkan::Vulkan;
 use ash::vk;
 use glam::Vec3;
-use parafovea::passes::compose::{Compose, ComposeJob};
+use parafovea::kernels::compose::{Compose, ComposeJob};
 use parafovea_core::chroma::ChromaSettings;
 
 const SIDE: u32 = 96;

@@ -23,7 +23,7 @@ mod vulkan;
 use ash::vk;
 use glam::{UVec2, Vec2, Vec3};
 use parafovea::gpu::GpuError;
-use parafovea::passes::compose::{Compose, ComposeRegion, MAX_REGIONS, Parameters};
+use parafovea::kernels::compose::{Compose, ComposeRegion, MAX_REGIONS, Parameters};
 use parafovea_core::chroma::{ChromaSettings, Focus, Mode};
 use parafovea_core::geometry::{ImagePlane, eccentricity};
 use parafovea_trial::{Lack, skip};
@@ -300,7 +300,7 @@ fn unsupported_images_are_refused_without_a_call() {
     assert!(!compose.supports(vk::Format::R8G8B8A8_UINT));
     for (width, height, layers) in [(0, 8, 1), (8, 8, 0), (u32::MAX, 8, 1), (8, 8, u32::MAX)] {
         let shape = shape(vk::Format::R8G8B8A8_SRGB, width, height, layers);
-        let result = parafovea::passes::compose::AppImages::new(&vulkan.gpu, &shape, 2);
+        let result = parafovea::kernels::compose::AppImages::new(&vulkan.gpu, &shape, 2);
         assert!(matches!(result, Err(GpuError::Unsupported(_))), "{width}x{height}, {layers} layers");
     }
     vulkan.assert_valid();

@@ -8,8 +8,8 @@ use crate::vulkan::Vulkan;
 use ash::vk;
 use glam::{Quat, Vec2, Vec3};
 use parafovea::gpu::GpuError;
-use parafovea::passes::change::ChangeRegion;
-use parafovea::passes::compose::{
+use parafovea::kernels::change::ChangeRegion;
+use parafovea::kernels::compose::{
     Compose, ComposeJob, ComposeParams, ComposeRegion, DepthShape, DepthSource, EarlierImage, Parameters,
     PictureDepth, ReuseRegion,
 };

@@ -2,7 +2,7 @@
 
 use ash::vk;
 use glam::Vec3;
-use parafovea::passes::compose::{ComposeParams, ComposeRegion, stores_unit_range};
+use parafovea::kernels::compose::{ComposeParams, ComposeRegion, stores_unit_range};
 use parafovea_core::chroma::{ChromaSettings, Matrix};
 use parafovea_core::color::{linear_to_srgb, srgb_to_linear};
 use parafovea_core::geometry::Fov;

@@ -8,7 +8,7 @@ use crate::{allocations, is_untouched};
 use ash::vk;
 use glam::{Quat, Vec3};
 use parafovea::gpu::GpuError;
-use parafovea::passes::compose::{
+use parafovea::kernels::compose::{
     Compose, ComposeJob, ComposeParams, ComposeRegion, EarlierImage, Parameters, ReuseRegion,
 };
 use parafovea_core::chroma::ChromaSettings;

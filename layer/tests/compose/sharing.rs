@@ -3,8 +3,8 @@
 use crate::vulkan::Vulkan;
 use ash::vk;
 use parafovea::gpu::{Gpu, Shared};
+use parafovea::kernels::compose::Compose;
 use parafovea::link::DeviceRecord;
-use parafovea::passes::compose::Compose;
 use std::ffi::{CStr, c_char};
 use std::mem::transmute;
 use std::sync::atomic::{AtomicU32, Ordering};

@@ -4,7 +4,7 @@ use crate::transfer::Layer;
 use crate::vulkan::Vulkan;
 use ash::vk;
 use parafovea::gpu::GpuError;
-use parafovea::passes::compose::{
+use parafovea::kernels::compose::{
     AppImages, Compose, ComposeJob, ComposeRegion, RUNTIME_USAGE, RuntimeImages, SwapchainShape,
 };
 

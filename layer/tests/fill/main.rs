@@ -13,7 +13,7 @@ mod vulkan;
 
 use ash::vk;
 use parafovea::gpu::{AppCommands, ImagePart};
-use parafovea::passes::fill::{Fill, SkipBuffer, USAGE, fill_format};
+use parafovea::kernels::fill::{Fill, SkipBuffer, USAGE, fill_format};
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::fill::FillFormat;
 use parafovea_core::mask::{Mask, MaskView, SkipList, TileRates, predict};

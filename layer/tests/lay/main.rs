@@ -11,13 +11,13 @@ mod transfer;
 mod vulkan;
 
 use ash::vk;
+use parafovea::backend::mask::{DepthWork, Eligible, MaskKernels, MaskMap, lay_mask, mask_views};
 use parafovea::gpu::AppCommands;
-use parafovea::mask::{DepthWork, Eligible, MaskKernels, MaskMap, lay_mask, mask_views};
-use parafovea::passes::analyze::{ViewTiles, rate_row_bytes};
-use parafovea::passes::lay::{Lay, LayTable, LayTarget};
-use parafovea::passes::mask::MaskPass;
-use parafovea::scene::lay::{DeviceRates, EyeMap, RateImage, lay_table};
-use parafovea::scene::{Eyes, Orientation, Part};
+use parafovea::kernels::analyze::{ViewTiles, rate_row_bytes};
+use parafovea::kernels::lay::{Lay, LayTable, LayTarget};
+use parafovea::kernels::mask::MaskPass;
+use parafovea::pass_detection::{Eyes, Orientation, Part};
+use parafovea::rate_map::{DeviceRates, EyeMap, RateImage, lay_table};
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::lay::lay;
 use parafovea_core::mask::{BLOCK, DepthFormat, Mask, TemplateDepths, write_template};
@@ -192,7 +192,7 @@ fn masks_match_the_reference() {
             let map = Arc::new(MaskMap::new(gpu, &kernels, eligible, extent, image.layers).unwrap());
             let views = mask_views(parts, image);
             let masked =
-                pass.target(&map, &target, (image.texel, image.tiles, image.layers), &views).unwrap();
+                pass.target(map.clone(), &target, (image.texel, image.tiles, image.layers), &views).unwrap();
             // Twice: what was listed before is gone.
             for _ in 0..2 {
                 laid.vulkan.run(|commands| {
@@ -242,7 +242,7 @@ fn what_the_kernel_cannot_serve_is_refused() {
         let eligible =
             Eligible { format: DepthFormat::Unorm16, depths, drawn: None, work: DepthWork::default() };
         let map = Arc::new(MaskMap::new(gpu, &kernels, eligible, extent, 1).unwrap());
-        pass.target(&map, &target, (texel, [4, 4], 1), &views).is_ok()
+        pass.target(map.clone(), &target, (texel, [4, 4], 1), &views).is_ok()
     };
     assert!(made([64, 64], TEXEL));
     assert!(!made([63, 64], TEXEL), "a row that does not begin with a word");

@@ -3,9 +3,9 @@
 use crate::transfer::Layer;
 use crate::vulkan::Vulkan;
 use ash::vk;
+use parafovea::backend::mask::{EarlyReturn, returning_early};
 use parafovea::gpu::ImagePart;
-use parafovea::passes::fill::USAGE;
-use parafovea::vk::{EarlyReturn, returning_early};
+use parafovea::kernels::fill::USAGE;
 
 /// Full-screen layers in a frame.
 pub const LAYERS_DRAWN: u32 = 3;

@@ -3,10 +3,10 @@
 use super::{EXTENT, mask, whole};
 use crate::vulkan::Vulkan;
 use ash::vk;
+use parafovea::backend::mask::depth_format;
 use parafovea::gpu::{AppCommands, ImagePart};
-use parafovea::mask::depth_format;
-use parafovea::passes::depth::{DepthCopy, DepthKernels, USAGE};
-use parafovea::passes::fill::SkipBuffer;
+use parafovea::kernels::depth::{DepthCopy, DepthKernels, USAGE};
+use parafovea::kernels::fill::SkipBuffer;
 use parafovea_core::kernels::depth::{self, DepthParams};
 use parafovea_core::mask::{DepthFormat, SkipList};
 

@@ -20,13 +20,13 @@ mod vulkan;
 
 use application::{Application, COLOR, LAYERS_DRAWN, Setup};
 use ash::vk;
-use parafovea::gpu::{AppCommands, Gpu};
-use parafovea::mask::{
+use parafovea::backend::mask::{
     ColorFacts, DepthFacts, DepthTemplate, DepthWork, Eligible, MaskFacts, MaskKernels, MaskMap,
     PipelineFacts, Way, depth_format,
 };
-use parafovea::scene::lay::RateImage;
-use parafovea::scene::{Eyes, Orientation, Part, PassFacts};
+use parafovea::gpu::{AppCommands, Gpu};
+use parafovea::pass_detection::{Eyes, Orientation, Part, PassFacts};
+use parafovea::rate_map::RateImage;
 use parafovea_core::kernels::fill::FillFormat;
 use parafovea_core::mask::{Mask, MaskView, TemplateDepths, TileRates, predict};
 use parafovea_core::rate::VULKAN_RATES;
@@ -83,7 +83,7 @@ fn eligible(application: &Application) -> Eligible {
     };
     let color = ColorFacts { format: COLOR, samples, is_stored: true, is_fillable: true };
     let pass = PassFacts { clears_depth: true, ..PassFacts::default() };
-    parafovea::mask::eligible(&MaskFacts {
+    parafovea::backend::mask::eligible(&MaskFacts {
         pass,
         depth: Some(depth),
         colors: &[color],

@@ -7,8 +7,9 @@ mod allocations;
 
 use glam::{Quat, Vec3};
 use parafovea::config::{Config, Preset, RatesMode};
+use parafovea::inputs::gaze::Look;
 use parafovea::link::{BACKEND_RATE_ATTACHMENT, OfferRecord};
-use parafovea::planning::{Look, Offer, Planning, ShownView, View};
+use parafovea::planner::{Offer, Planning, ShownView, View};
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::geometry::Fov;
 use parafovea_core::rate::VULKAN_RATES;

@@ -6,11 +6,11 @@
 mod allocations;
 
 use ash::vk;
-use parafovea::scene::lay::{DeviceRates, EyeMap, RateImage, Scratch, lay};
-use parafovea::scene::{
+use parafovea::pass_detection::{
     Event, Eye, ImageDescription, ImageKey, Pass, PassFacts, Recognition, Shown, ShownView, SwapchainKey,
     Target, Transfer, TransferKind,
 };
+use parafovea::rate_map::{DeviceRates, EyeMap, RateImage, Scratch, lay};
 use parafovea_core::rate::VULKAN_RATES;
 use smallvec::{SmallVec, smallvec};
 

@@ -6,7 +6,7 @@
 use glam::{Quat, Vec3};
 use parafovea::config::{Config, GazeSource, Preset};
 use parafovea::link::{BACKEND_RATE_ATTACHMENT, OfferRecord};
-use parafovea::planning::{Offer, Planning, ShownView, View};
+use parafovea::planner::{Offer, Planning, ShownView, View};
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use parafovea_errors::{Clip, Eye};
 

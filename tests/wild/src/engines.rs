@@ -9,7 +9,7 @@ pub(crate) mod unreal;
 use crate::frame::{Frame, Image, plain};
 use crate::textures::Texture;
 use ash::vk;
-use parafovea::scene::ImageDescription;
+use parafovea::pass_detection::ImageDescription;
 
 /// Draws one frame, of which the scene samples these textures.
 pub(crate) type Engine = fn(&mut Frame<'_>, &[Texture]);

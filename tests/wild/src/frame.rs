@@ -2,7 +2,7 @@
 
 use crate::step::{Step, Truth};
 use ash::vk;
-use parafovea::scene::{
+use parafovea::pass_detection::{
     Event, Eye, ImageDescription, ImageKey, Match, Recognition, Shown, ShownView, SwapchainKey, Target,
     Transfer, TransferKind, Unmatched,
 };

@@ -3,7 +3,7 @@
 use crate::frame::{Seen, World};
 use crate::graphs::Graph;
 use crate::step::Truth;
-use parafovea::scene::{Eye, Eyes, Match};
+use parafovea::pass_detection::{Eye, Eyes, Match};
 use std::collections::BTreeSet;
 use std::ops::AddAssign;
 use std::time::Duration;
@@ -68,7 +68,8 @@ impl Score {
                 // A pass without colours to be made coarser is left alone, whose ever it is.
                 let is_left_alone = matches!(
                     reason,
-                    parafovea::scene::Unmatched::NoColour | parafovea::scene::Unmatched::Format(_)
+                    parafovea::pass_detection::Unmatched::NoColour
+                        | parafovea::pass_detection::Unmatched::Format(_)
                 );
                 if is_settled && !is_left_alone {
                     self.missed += 1;

@@ -1,7 +1,7 @@
 //! One render pass of a frame graph, with its truth.
 
 use crate::frame::Image;
-use parafovea::scene::{Draws, Eye, ImageKey, Pass, PassFacts, Reads, Target};
+use parafovea::pass_detection::{Draws, Eye, ImageKey, Pass, PassFacts, Reads, Target};
 use smallvec::SmallVec;
 
 /// The truth on a pass.

@@ -2,7 +2,7 @@
 
 use crate::frame::{BYTES, DEPTH, Frame, HDR, Image, LDR, plain, scaled};
 use crate::step::{Step, Truth::Texture as IsTexture};
-use parafovea::scene::ImageDescription;
+use parafovea::pass_detection::ImageDescription;
 
 /// A texture that is drawn in each frame, before the scene samples it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -25,7 +25,7 @@ use libtest_mimic::{Arguments, Failed};
 use noted::Noted;
 use parafovea::config::{Config, GazeSource, Preset};
 use parafovea::link::{BACKEND_MASK, OfferRecord};
-use parafovea::planning::{Offer, Planning, ShownView, View};
+use parafovea::planner::{Offer, Planning, ShownView, View};
 use parafovea_core::geometry::Fov;
 use parafovea_core::kernels::fill::FillFormat;
 use parafovea_core::mask::{Mask, MaskView, TileRates, predict};

@@ -1,6 +1,6 @@
 //! Which of several sources the gaze comes from.
 
-use crate::planning::Look;
+use crate::inputs::gaze::Look;
 
 /// For how long the runtime's eye tracker holds after it saw the eyes last, nanoseconds: longer than a blink is held, so that nothing
 /// changes hands in one.

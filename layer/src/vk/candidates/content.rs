@@ -1,6 +1,6 @@
 //! What the map of a candidate holds, and what it shall hold.
 
-use crate::scene::{Eyes, Part};
+use crate::pass_detection::{Eyes, Part};
 use ash::vk;
 use parafovea_core::reuse::StaleTiles;
 use smallvec::SmallVec;

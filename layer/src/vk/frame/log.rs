@@ -3,7 +3,7 @@
 use super::MapContent;
 use super::passes_file::Notes;
 use super::rest::Rest;
-use crate::scene::{Event, EyePasses, Match, Pass, Recognition, Shown, Unmatched};
+use crate::pass_detection::{Event, EyePasses, Match, Pass, Recognition, Shown, Unmatched};
 use crate::vk::objects::Objects;
 use parafovea_core::reuse::StaleTiles;
 use parafovea_manifest::options::PassRules;
@@ -144,7 +144,7 @@ impl Log {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{ImageDescription, ImageKey, PassFacts, Target};
+    use crate::pass_detection::{ImageDescription, ImageKey, PassFacts, Target};
     use ash::vk;
     use smallvec::smallvec;
 

@@ -1,6 +1,6 @@
 //! The content of a pass's map, as the file of passes shows it.
 
-use crate::vk::backend::MapSize;
+use crate::backend::MapSize;
 
 /// A map of shading rates with known texels.
 pub trait MapContent: Send + Sync + 'static {

@@ -1,7 +1,7 @@
 //! In release builds: no file of passes. Such a file reveals the gaze.
 
 use super::MapContent;
-use crate::scene::{Event, Match, Unmatched};
+use crate::pass_detection::{Event, Match, Unmatched};
 use crate::vk::objects::Objects;
 use std::sync::Arc;
 

@@ -14,8 +14,8 @@
 //! digits a texel, layer by layer, row by row.
 
 use super::MapContent;
-use crate::scene::{Event, Eyes, Match, Pass, Unmatched};
-use crate::vk::backend::MapSize;
+use crate::backend::MapSize;
+use crate::pass_detection::{Event, Eyes, Match, Pass, Unmatched};
 use crate::vk::objects::Objects;
 use std::fmt::Write as _;
 use std::fs::File;
@@ -149,7 +149,7 @@ fn eyes(outcome: &Result<Match, Unmatched>) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{How, Orientation, Part, PassFacts};
+    use crate::pass_detection::{How, Orientation, Part, PassFacts};
     use smallvec::SmallVec;
 
     #[test]

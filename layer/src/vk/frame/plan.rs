@@ -1,8 +1,8 @@
 //! The newest plan.
 
 use crate::link::{EyeMapRecord, PlanRecord};
-use crate::scene::Part;
-use crate::scene::lay::{DeviceRates, EyeMap, RateImage, Scratch, lay, lay_table};
+use crate::pass_detection::Part;
+use crate::rate_map::{DeviceRates, EyeMap, RateImage, Scratch, lay, lay_table};
 use glam::Quat;
 use parafovea_core::kernels::decide::DecideParams;
 use parafovea_core::kernels::lay::LayTable;
@@ -133,7 +133,7 @@ impl Decision {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Eyes, Orientation};
+    use crate::pass_detection::{Eyes, Orientation};
     use parafovea_core::rate::ShadingRate;
 
     fn record(serial: u64) -> PlanRecord {

@@ -1,6 +1,6 @@
 //! The images of XR swapchains.
 
-use crate::scene::SwapchainKey;
+use crate::pass_detection::SwapchainKey;
 use ash::vk;
 
 /// The images of every live swapchain, by their index.

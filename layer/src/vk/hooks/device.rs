@@ -3,6 +3,10 @@
 use super::instance::arming;
 use crate::abi::copies::{Copies, room};
 use crate::abi::guard;
+use crate::backend::attachment;
+use crate::backend::attachment::create::Enabled;
+use crate::backend::attachment::{NoRates, Rates};
+use crate::backend::mask::Masks;
 use crate::config::{Arming, device_armed};
 use crate::link::DeviceRecord;
 use crate::status::{Topic, decided};
@@ -12,11 +16,7 @@ use crate::vk::device::{self, Device};
 use crate::vk::dispatch_key::DispatchKey;
 use crate::vk::functions::{ArmedTable, DeviceTable};
 use crate::vk::instance::{self, Instance, properties};
-use crate::vk::masks::Masks;
-use crate::vk::quirks;
-use crate::vk::rates::create::Enabled;
-use crate::vk::rates::{self, NoRates, Rates};
-use crate::vk::recording;
+use crate::vk::{quirks, recording};
 use ash::vk;
 use std::sync::Arc;
 
@@ -145,7 +145,7 @@ impl Below<'_> {
             let Self { instance, physical_device, info, .. } = *self;
             let version = instance.api_version.min(properties(instance, physical_device).api_version);
             let (amended, enabled) =
-                rates::create::device(instance, physical_device, version, &*info, &mut copies)?;
+                attachment::create::device(instance, physical_device, version, &*info, &mut copies)?;
             let before = *self.device;
             let link = chain::device_link(info).map(|at| (at, *at));
             let result = (self.create)(physical_device, &amended, self.allocator, self.device);

@@ -2,6 +2,7 @@
 
 use crate::abi::copies::{Copies, room};
 use crate::abi::{Enablement, guard};
+use crate::backend::attachment;
 use crate::config::Arming;
 #[cfg(not(test))]
 use crate::config::Environment;
@@ -9,7 +10,6 @@ use crate::vk::chain::{self, NextInstance};
 use crate::vk::dispatch_key::DispatchKey;
 use crate::vk::functions::InstanceTable;
 use crate::vk::instance::{self, Instance};
-use crate::vk::rates;
 use ash::vk;
 use std::sync::Arc;
 
@@ -103,7 +103,7 @@ unsafe fn create_below(
         let version = requested_version((*info).p_application_info.as_ref());
         let wants_rates = enabled && arming() == Arming::Rates;
         if let Some(amended) =
-            wants_rates.then(|| rates::create::instance(&*info, version, &mut copies)).flatten()
+            wants_rates.then(|| attachment::create::instance(&*info, version, &mut copies)).flatten()
         {
             let before = *instance;
             let link = chain::instance_link(info).map(|at| (at, *at));

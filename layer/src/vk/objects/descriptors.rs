@@ -5,7 +5,7 @@
 
 use super::{Objects, View};
 use crate::abi::copies::slice;
-use crate::scene::{ImageKey, Reads};
+use crate::pass_detection::{ImageKey, Reads};
 use crate::vk::table::Table;
 use ash::vk;
 use ash::vk::Handle;

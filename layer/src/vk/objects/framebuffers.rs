@@ -1,7 +1,7 @@
 //! Framebuffers.
 
 use super::Objects;
-use crate::scene::Target;
+use crate::pass_detection::Target;
 use ash::vk;
 use smallvec::SmallVec;
 

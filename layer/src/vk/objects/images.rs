@@ -2,7 +2,7 @@
 
 use super::new_key;
 use crate::link::SwapchainRecord;
-use crate::scene::{ImageDescription, SwapchainKey};
+use crate::pass_detection::{ImageDescription, SwapchainKey};
 use ash::vk;
 
 /// A live image.

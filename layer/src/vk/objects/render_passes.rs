@@ -2,7 +2,7 @@
 
 mod describe;
 
-use crate::scene::PassFacts;
+use crate::pass_detection::PassFacts;
 use ash::vk;
 use smallvec::SmallVec;
 

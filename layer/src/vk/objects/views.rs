@@ -1,7 +1,7 @@
 //! Views of images.
 
 use super::Objects;
-use crate::scene::Target;
+use crate::pass_detection::Target;
 use ash::vk;
 
 /// A live view.

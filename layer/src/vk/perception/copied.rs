@@ -2,8 +2,8 @@
 
 use super::Perception;
 use crate::gpu::{AppCommands, Scope};
+use crate::kernels::analyze::rate_row_bytes;
 use crate::link::{RATES_COPIED, RATES_COPY_LEFT_OUT, RATES_OF_PLAN, RatesCopyRecord};
-use crate::passes::analyze::rate_row_bytes;
 use crate::vk::pre_submit::{Kept, Submitter};
 use ash::vk;
 use std::any::Any;

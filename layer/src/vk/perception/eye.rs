@@ -2,9 +2,9 @@
 
 use super::Tools;
 use crate::gpu::GpuError;
+use crate::kernels::analyze::{Levels, ViewTiles};
+use crate::kernels::decide::DecideTarget;
 use crate::link::PictureRecord;
-use crate::passes::analyze::{Levels, ViewTiles};
-use crate::passes::decide::DecideTarget;
 use ash::vk;
 use glam::{Quat, Vec2};
 use parafovea_core::geometry::{ImagePlane, View};

@@ -2,13 +2,13 @@
 
 use super::eye::EyeTiles;
 use super::{Perception, Tools};
+use crate::backend::Laying;
+use crate::backend::mask::mask_views;
 use crate::gpu::{AppCommands, GpuError};
-use crate::mask::mask_views;
-use crate::passes::lay::LayTarget;
-use crate::passes::mask::MaskTarget;
-use crate::scene::Part;
-use crate::scene::lay::{DeviceRates, RateImage};
-use crate::vk::backend::Laying;
+use crate::kernels::lay::LayTarget;
+use crate::kernels::mask::MaskTarget;
+use crate::pass_detection::Part;
+use crate::rate_map::{DeviceRates, RateImage};
 use crate::vk::frame::Frame;
 use crate::vk::pre_submit::Kept;
 use ash::vk;
@@ -109,7 +109,7 @@ fn targets(
         Laying::Mask(map) => {
             let RateImage { texel, tiles, layers, .. } = *place.image;
             let views = mask_views(place.parts, place.image);
-            Some(Arc::new(tools.mask.target(map, &texels, (texel, tiles, layers), &views)?))
+            Some(Arc::new(tools.mask.target(Arc::clone(map), &texels, (texel, tiles, layers), &views)?))
         }
     };
     Ok(Some(Targets { texels, mask }))

@@ -3,8 +3,8 @@
 use super::Tools;
 use super::eye::EyeTiles;
 use crate::gpu::GpuError;
+use crate::kernels::analyze::{AnalyzeParams, AnalyzeTarget};
 use crate::link::PictureRecord;
-use crate::passes::analyze::{AnalyzeParams, AnalyzeTarget};
 use ash::vk;
 use parafovea_core::color::Matrix;
 use parafovea_core::kernels::analyze::{Aggregation, ContrastSettings};

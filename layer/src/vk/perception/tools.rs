@@ -1,11 +1,11 @@
 //! The kernels, on one device.
 
 use crate::gpu::{Compilation, Compiler, Gpu, GpuError, Later};
+use crate::kernels::analyze::Analyze;
+use crate::kernels::decide::Decide;
+use crate::kernels::lay::Lay;
+use crate::kernels::mask::MaskPass;
 use crate::link::DeviceRecord;
-use crate::passes::analyze::Analyze;
-use crate::passes::decide::Decide;
-use crate::passes::lay::Lay;
-use crate::passes::mask::MaskPass;
 use std::sync::Arc;
 
 /// What pictures are analysed with, and rates decided.

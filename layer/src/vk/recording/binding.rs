@@ -3,8 +3,8 @@
 use super::{drawing, stencil, with_buffer};
 use crate::abi::copies::slice;
 use crate::abi::guard;
+use crate::backend::attachment::commands::SetRate;
 use crate::vk::device;
-use crate::vk::rates::commands::SetRate;
 use ash::vk::{self, FragmentShadingRateCombinerOpKHR as Combiner};
 
 /// `vkCmdSetFragmentShadingRateKHR`.

@@ -7,8 +7,8 @@
 use super::{drawing, draws, with_buffer};
 use crate::abi::copies::slice;
 use crate::abi::guard;
+use crate::backend::mask::follow_graphics;
 use crate::vk::functions::ArmedTable;
-use crate::vk::masks::follow_graphics;
 use ash::vk;
 use smallvec::SmallVec;
 

@@ -8,8 +8,8 @@
 use super::sets::BoundSets;
 use super::{Buffer, with_buffer};
 use crate::abi::guard;
+use crate::backend::mask::Returning;
 use crate::vk::functions::ArmedTable;
-use crate::vk::masks::Returning;
 use ash::vk;
 use smallvec::SmallVec;
 use std::slice;

@@ -10,7 +10,7 @@ pub use hooks::*;
 pub use quick::{device_ends, device_made};
 
 use super::{Buffer, buffer};
-use crate::scene::{Draws, Reads};
+use crate::pass_detection::{Draws, Reads};
 use ash::vk;
 use ash::vk::Handle;
 use quick::quick;

@@ -3,7 +3,7 @@
 use super::pending::{barriers, barriers2};
 use super::{Buffer, timed, with_buffer};
 use crate::abi::guard;
-use crate::scene::Target;
+use crate::pass_detection::Target;
 use ash::vk;
 use std::slice;
 

@@ -2,11 +2,10 @@
 
 use super::{Buffer, Within, drawing, draws, stencil, timed, with_buffer};
 use crate::abi::guard;
-use crate::mask::{DepthWork, MaskMap};
-use crate::scene::{Pass, Target};
+use crate::backend::mask::{Attachments, DepthWork, MaskMap, Masks, PassContext};
+use crate::pass_detection::{Pass, Target};
 use crate::vk::candidates::Candidate;
 use crate::vk::chain::extension;
-use crate::vk::masks::{Attachments, Masks, PassContext};
 use crate::vk::objects::{Objects, RenderPass};
 use ash::vk;
 use smallvec::SmallVec;

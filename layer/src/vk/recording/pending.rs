@@ -1,10 +1,9 @@
-//! Fills that wait in a command buffer for a reader, see [`crate::vk::masks::Pending`].
+//! Fills that wait in a command buffer for a reader, see [`crate::backend::mask::Pending`].
 
 use super::{Buffer, draws, stencil, timed, with_buffer};
 use crate::abi::guard;
-use crate::mask::MaskMap;
-use crate::scene::ImageKey;
-use crate::vk::masks::{Attachments, Pending};
+use crate::backend::mask::{Attachments, MaskMap, Pending};
+use crate::pass_detection::ImageKey;
 use ash::vk;
 use smallvec::SmallVec;
 use std::slice;

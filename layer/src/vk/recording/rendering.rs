@@ -3,10 +3,9 @@
 use super::passes::end_noted;
 use super::{drawing, draws, timed, with_buffer};
 use crate::abi::guard;
-use crate::mask::{DepthWork, Reason};
-use crate::scene::{Pass, PassFacts, Target};
+use crate::backend::mask::{DepthWork, rendering_attachments};
+use crate::pass_detection::{Pass, PassFacts, Target, Unmasked};
 use crate::vk::chain::extension;
-use crate::vk::masks::rendering_attachments;
 use crate::vk::objects::Objects;
 use ash::vk;
 use std::slice;
@@ -159,8 +158,8 @@ unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
 /// # Safety
 ///
 /// Valid usage of vkCmdBeginRendering.
-unsafe fn loading<'a>(info: &vk::RenderingInfo<'a>) -> Result<vk::RenderingAttachmentInfo<'a>, Reason> {
+unsafe fn loading<'a>(info: &vk::RenderingInfo<'a>) -> Result<vk::RenderingAttachmentInfo<'a>, Unmasked> {
     // SAFETY: the caller vouches for the structure: the pointer is null or valid.
-    let depth = unsafe { info.p_depth_attachment.as_ref() }.ok_or(Reason::NoDepth)?;
+    let depth = unsafe { info.p_depth_attachment.as_ref() }.ok_or(Unmasked::NoDepth)?;
     Ok(vk::RenderingAttachmentInfo { load_op: vk::AttachmentLoadOp::LOAD, ..*depth })
 }

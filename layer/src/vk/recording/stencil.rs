@@ -5,7 +5,7 @@
 
 use super::{Buffer, Recorded, draws, with_buffer};
 use crate::abi::guard;
-use crate::mask::PipelineFacts;
+use crate::backend::mask::PipelineFacts;
 use ash::vk;
 
 /// Stencil tests that commands have set, and which draws were looked at.
@@ -112,7 +112,7 @@ pub unsafe extern "system" fn set_op(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mask::DynamicStencil;
+    use crate::backend::mask::DynamicStencil;
 
     const DYNAMIC: PipelineFacts = PipelineFacts {
         write_stencil: true,

@@ -1,6 +1,6 @@
 use super::*;
-use crate::mask::{Directions, DynamicStencil, Returns};
-use crate::scene::{ImageKey, PassFacts, Target, Transfer, TransferKind};
+use crate::backend::mask::{Directions, DynamicStencil, Returns};
+use crate::pass_detection::{ImageKey, PassFacts, Target, Transfer, TransferKind};
 
 fn target(image: u64) -> Target {
     Target { image: ImageKey(image), level: 0, base_layer: 0, layers: 1 }

@@ -1,7 +1,7 @@
 //! The time of command buffers: from their first command that takes time to their last.
 
 use super::{Buffer, Recorded};
-use crate::scene::{Event, Pass};
+use crate::pass_detection::{Event, Pass};
 use crate::vk::timing::Timer;
 use ash::vk;
 

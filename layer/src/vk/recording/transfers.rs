@@ -4,7 +4,7 @@ mod region;
 
 use super::{Buffer, timed, with_buffer};
 use crate::abi::guard;
-use crate::scene::{Event, Transfer, TransferKind};
+use crate::pass_detection::{Event, Transfer, TransferKind};
 use ash::vk;
 use region::Region;
 use std::slice;

@@ -1,10 +1,10 @@
 //! New maps, and the decisions behind them, ahead of the application's submits to a queue.
 
 use super::Outdated;
+use crate::backend::Upload;
 use crate::gpu::GpuError;
-use crate::scene::lay::{RateImage, refine_fresh};
+use crate::rate_map::{RateImage, refine_fresh};
 use crate::vk::armed::Armed;
-use crate::vk::backend::Upload;
 use crate::vk::candidates::Need;
 use crate::vk::perception::{Deciding, Place, Written};
 use crate::vk::pre_submit::{Kept, PreSubmitRing, Slot, Submitter};

@@ -1,8 +1,8 @@
 //! What goes when a swapchain or a device ends.
 
 use super::*;
-use crate::scene::Target;
-use crate::vk::backend::{MapSize, RateMap, Upload};
+use crate::backend::{MapSize, RateMap, Upload};
+use crate::pass_detection::Target;
 use std::cell::RefCell;
 
 thread_local! {

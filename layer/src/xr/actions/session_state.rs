@@ -3,8 +3,7 @@
 use super::gaze_action::GazeAction;
 use super::profiles::Profiles;
 use crate::config::{Config, GazeSource};
-use crate::inputs::gaze::FORWARD;
-use crate::planning::Look;
+use crate::inputs::gaze::{FORWARD, Look};
 use crate::xr::session::Session;
 use crate::xr::spaces;
 use openxr_sys as xr;

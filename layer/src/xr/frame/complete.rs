@@ -1,11 +1,10 @@
 //! Completion of a frame's pictures from earlier ones.
 
-use super::depth;
 use super::history::{Completing, Expected, History, ShownPicture};
 use super::work::Work;
-use super::{FrameEnd, Works};
+use super::{FrameEnd, Works, depth};
 use crate::config::{Config, longest_period, wants_reuse};
-use crate::planning::{Planning, View, Watched};
+use crate::planner::{Planning, View, Watched};
 use crate::xr::plan::PlanWork;
 use crate::xr::session::{Health, Tools};
 use crate::xr::submission::Projection;

@@ -10,9 +10,9 @@ mod lists;
 pub use ahead::{Expected, SortedTiles};
 
 use crate::config::{Config, ReuseMode, longest_period};
-use crate::passes::change::ChangeRegion;
-use crate::passes::compose::{EarlierImage, PictureDepth, ReuseRegion};
-use crate::planning::Watched;
+use crate::kernels::change::ChangeRegion;
+use crate::kernels::compose::{EarlierImage, PictureDepth, ReuseRegion};
+use crate::planner::Watched;
 use crate::xr::swapchain::NewestDepth;
 use ash::vk;
 use glam::Quat;

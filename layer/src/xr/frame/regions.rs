@@ -1,7 +1,7 @@
 //! Which rectangles of a swapchain are processed: those that projection views show and nothing else does.
 
 use crate::inputs::gaze::in_view;
-use crate::passes::compose::{ComposeParams, ComposeRegion};
+use crate::kernels::compose::{ComposeParams, ComposeRegion};
 use crate::xr::submission::ProjectionView;
 use ash::vk;
 use openxr_sys as xr;

@@ -2,8 +2,8 @@
 
 use super::history::ShownPicture;
 use super::regions::{Images, rect_within, region};
-use crate::passes::change::ChangeRegion;
-use crate::passes::compose::{ComposeJob, ReuseRegion, RuntimeImages};
+use crate::kernels::change::ChangeRegion;
+use crate::kernels::compose::{ComposeJob, ReuseRegion, RuntimeImages};
 use crate::xr::dispatch::Next;
 use crate::xr::submission::ProjectionView;
 use crate::xr::swapchain::{Newest, Substitute, Swapchain, Target};

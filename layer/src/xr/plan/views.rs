@@ -5,7 +5,7 @@ use super::work::{FrameTask, PlanInputs};
 use crate::abi::guard;
 use crate::config::{Config, ConfigSnapshot, GazeSource, wants_reuse};
 use crate::inputs::gaze::rotation;
-use crate::planning::{ShownView, View, head_of};
+use crate::planner::{ShownView, View, head_of};
 use crate::xr::instance::next_of_any;
 use crate::xr::session::{self, Active, Health, Session, Tools};
 use crate::xr::submission::{self, Projection, ProjectionView};

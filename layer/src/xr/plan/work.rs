@@ -4,7 +4,7 @@ use super::SERIAL;
 use crate::abi::attempt;
 use crate::config::ConfigSnapshot;
 use crate::link::FrameStart;
-use crate::planning::{Offer, Planning, View};
+use crate::planner::{Offer, Planning, View};
 use crate::xr::frame::{History, SortedTiles, sort_ahead};
 use crate::xr::vulkan_device::VulkanDevice;
 use glam::Quat;

@@ -7,8 +7,8 @@ use super::eligibility::{
 use super::{SWAPCHAINS, Substitute, Swapchain, depth};
 use crate::abi::guard;
 use crate::config::{Config, images_for_reuse, wants_maps};
+use crate::kernels::compose::{APP_USAGE, SwapchainShape};
 use crate::link::BACKEND_MASK;
-use crate::passes::compose::{APP_USAGE, SwapchainShape};
 use crate::xr::instance::next_of_any;
 use crate::xr::session::{self, Active, Session};
 use ash::vk;

@@ -1,8 +1,8 @@
 //! Properties of a swapchain's images, for the Vulkan half.
 
 use super::eligibility::vulkan_usage;
+use crate::kernels::compose::{DEPTH_USAGE, DepthShape, SwapchainShape};
 use crate::link::SwapchainRecord;
-use crate::passes::compose::{DEPTH_USAGE, DepthShape, SwapchainShape};
 use ash::vk;
 use openxr_sys as xr;
 

@@ -3,7 +3,7 @@
 use super::Swapchain;
 use super::create::runtime_images;
 use crate::gpu::Gpu;
-use crate::passes::compose::RuntimeImages;
+use crate::kernels::compose::RuntimeImages;
 use std::sync::{Arc, MutexGuard, PoisonError};
 
 /// Whether they can be drawn over; nobody knows before it is asked for.

@@ -2,8 +2,8 @@
 
 use super::super::structures::extending;
 use crate::abi::pnext::{MAX_LENGTH, Structure};
-use crate::passes::compose::{DEPTH_USAGE, RUNTIME_USAGE, SwapchainShape};
-use crate::passes::{analyze, fill};
+use crate::kernels::compose::{DEPTH_USAGE, RUNTIME_USAGE, SwapchainShape};
+use crate::kernels::{analyze, fill};
 use ash::vk;
 use openxr_sys as xr;
 use std::fmt;

@@ -2,8 +2,8 @@
 
 use super::{Ring, Target};
 use crate::gpu::{Gpu, GpuError};
-use crate::passes::analyze;
-use crate::passes::compose::{AppImages, RuntimeImages, SwapchainShape, stores_unit_range};
+use crate::kernels::analyze;
+use crate::kernels::compose::{AppImages, RuntimeImages, SwapchainShape, stores_unit_range};
 use ash::vk;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};

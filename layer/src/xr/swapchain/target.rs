@@ -1,6 +1,6 @@
 //! The runtime's side of a virtual swapchain: its images, of which one at a time is ours to write to.
 
-use crate::passes::compose::{ComposeRegion, RuntimeImages};
+use crate::kernels::compose::{ComposeRegion, RuntimeImages};
 use crate::xr::dispatch::Next;
 use openxr_sys as xr;
 use std::ptr;

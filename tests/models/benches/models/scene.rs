@@ -2,11 +2,11 @@
 
 use ash::vk;
 use criterion::Criterion;
-use parafovea::scene::lay::{DeviceRates, EyeMap, RateImage, Scratch, lay};
-use parafovea::scene::{
+use parafovea::pass_detection::{
     Event, Eye, Eyes, ImageDescription, ImageKey, Orientation, Part, Pass, PassFacts, Recognition, Shown,
     ShownView, SwapchainKey, Target,
 };
+use parafovea::rate_map::{DeviceRates, EyeMap, RateImage, Scratch, lay};
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use std::hint::black_box;
 

@@ -5,7 +5,7 @@ use crate::Arrangement;
 use crate::frame::{BYTES, DEPTH, Frame, HDR, Image, LDR, NORMALS, eye_of, rect_of};
 use crate::step::{Step, Truth::Eye as IsEye, Truth::FullScreen, Truth::Shading};
 use crate::textures::{Texture, draw_all, draw_all_late};
-use parafovea::scene::TransferKind;
+use parafovea::pass_detection::TransferKind;
 
 /// Where the picture of an eye is copied to.
 fn submit(frame: &mut Frame<'_>, view: usize, from: Image) {

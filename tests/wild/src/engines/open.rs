@@ -6,7 +6,7 @@ use crate::Arrangement;
 use crate::frame::{BYTES, DEPTH, Frame, HDR, NORMALS, VELOCITY, eye_of, scaled};
 use crate::step::{Step, Truth::Eye as IsEye, Truth::FullScreen};
 use crate::textures::{Texture, draw_all, draw_all_late};
-use parafovea::scene::TransferKind;
+use parafovea::pass_detection::TransferKind;
 
 /// Godot's mobile renderer: multiview, tone mapping in a subpass.
 pub(crate) fn godot_mobile(frame: &mut Frame<'_>, textures: &[Texture]) {

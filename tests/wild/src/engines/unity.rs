@@ -5,7 +5,7 @@ use super::multisampled;
 use crate::frame::{BYTES, DEPTH, Frame, HDR, NORMALS, PACKED, VELOCITY, eye_of, scaled};
 use crate::step::{Step, Truth::Eye as IsEye, Truth::FullScreen};
 use crate::textures::{Texture, draw_all, draw_all_late};
-use parafovea::scene::TransferKind;
+use parafovea::pass_detection::TransferKind;
 
 /// URP, multi-pass: the whole of the pipeline for each eye, in images of a pool that both eyes share. An opaque copy for refraction.
 pub(crate) fn urp_multi_pass(frame: &mut Frame<'_>, textures: &[Texture]) {

@@ -3,8 +3,8 @@
 use super::assembly::OscCounts;
 use super::listener::{Heard, Listener};
 use super::message::Format;
+use crate::inputs::gaze::Look;
 use crate::inputs::gaze::auto::SampleTimes;
-use crate::planning::Look;
 use std::io::ErrorKind;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};

@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::{Eyes, Orientation};
+use crate::pass_detection::{Eyes, Orientation};
 use ash::vk::Handle;
 use parafovea_core::reuse::STALE;
 

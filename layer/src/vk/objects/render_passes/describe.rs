@@ -1,7 +1,7 @@
 //! What a render pass is, from either kind of its creation.
 
 use super::{Attachment, RenderPass, Subpass};
-use crate::scene::PassFacts;
+use crate::pass_detection::PassFacts;
 use crate::vk::chain::extension;
 use ash::vk;
 use smallvec::SmallVec;

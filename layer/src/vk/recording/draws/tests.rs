@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::ImageKey;
+use crate::pass_detection::ImageKey;
 
 #[test]
 fn quads_are_at_most_two_triangles_for_each_eye() {

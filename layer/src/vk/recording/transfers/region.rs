@@ -1,6 +1,6 @@
 //! One region of a copy, blit or resolve.
 
-use crate::scene::{ImageDescription, Target};
+use crate::pass_detection::{ImageDescription, Target};
 use ash::vk;
 
 /// Where a region is read and written.
@@ -76,7 +76,7 @@ regions_with_corners!(vk::ImageBlit, vk::ImageBlit2<'_>);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::ImageKey;
+    use crate::pass_detection::ImageKey;
 
     const IMAGE: ImageDescription = ImageDescription {
         key: ImageKey(7),

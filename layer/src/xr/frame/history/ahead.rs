@@ -4,7 +4,8 @@
 
 use super::lists::EyeLists;
 use super::{Completing, Kept};
-use crate::planning::{self, Watched};
+use crate::planner;
+use crate::planner::Watched;
 use glam::{Quat, Vec2};
 use parafovea_core::geometry::{ImagePlane, View};
 use parafovea_core::reuse::{Picture, StaleTiles, Viewpoint};
@@ -16,7 +17,7 @@ pub struct Expected<'a> {
     /// The directions to compare with earlier pictures.
     pub watched: Option<Watched>,
     /// Pose and field of view; the image has the size of the last one.
-    pub view: planning::View,
+    pub view: planner::View,
     /// Writes its stale tiles.
     pub stale: &'a dyn Fn(&mut StaleTiles),
 }
@@ -67,7 +68,7 @@ impl SortedTiles {
     pub(super) fn expect(&mut self, eye: usize, pictures: &[Kept], lost: usize, expected: Expected) {
         let Some(last) = pictures.first() else { return };
         let eye = &mut self.eyes[eye];
-        let Expected { how, watched, view: planning::View { orientation, position, fov }, stale } = expected;
+        let Expected { how, watched, view: planner::View { orientation, position, fov }, stale } = expected;
         let earlier = &pictures[..pictures.len().saturating_sub(lost)];
         (eye.how, eye.watched, eye.len) = (Some(how), watched, 1 + earlier.len());
         // What was the newest comes second now, with all others after it: those that are there already need no copy.

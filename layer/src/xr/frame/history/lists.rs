@@ -1,7 +1,7 @@
 //! What a picture of an eye takes from earlier ones, and which of its tiles are compared with them.
 
 use super::Completing;
-use crate::planning::Watched;
+use crate::planner::Watched;
 use glam::Vec2;
 use parafovea_core::geometry::ImagePlane;
 use parafovea_core::reuse::{ComparedTiles, Picture, Reuse, TileLists};

@@ -1,7 +1,7 @@
 use super::super::work::PlanInputs;
 use super::*;
 use crate::config::{Config, ConfigSnapshot};
-use crate::planning::{ShownView, View};
+use crate::planner::{ShownView, View};
 use crate::xr::tests::fake::vulkan_half;
 use crate::xr::vulkan_device::VulkanDevice;
 use glam::{Quat, Vec3};

@@ -12,15 +12,15 @@ const FOV: Fov = Fov { left: -0.8, right: 0.8, up: 0.5, down: -0.5 };
 const IMAGES: u64 = 4;
 
 /// How the head of frame `number` is turned.
-fn view(number: u64) -> planning::View {
-    planning::View {
+fn view(number: u64) -> planner::View {
+    planner::View {
         orientation: Quat::from_rotation_y(number as f32 * 0.02),
         position: Vec3::new(0.1, 1.7, 0.0),
         fov: FOV,
     }
 }
 
-fn shown(number: u64, view: planning::View) -> ShownPicture {
+fn shown(number: u64, view: planner::View) -> ShownPicture {
     ShownPicture {
         substitute: 1,
         space: xr::Space::from_raw(7),
@@ -62,8 +62,8 @@ fn lists(history: &History) -> Vec<Vec<u32>> {
 /// `expected` has it, and ends as `ended` has it: number, view and stale tiles of that number.
 fn taken(
     frames: u64,
-    expected: impl Fn(u64) -> (u64, planning::View),
-    ended: impl Fn(u64) -> (u64, planning::View),
+    expected: impl Fn(u64) -> (u64, planner::View),
+    ended: impl Fn(u64) -> (u64, planner::View),
 ) -> Vec<bool> {
     let (how, watched) = (Completing::TURNED, Watched::beyond(2.0, Vec3::NEG_Z));
     let [mut history, mut alone] = [History::default(), History::default()];

@@ -1,0 +1,107 @@
+//! What makes passes coarser on a device: a backend, and what it keeps for each candidate.
+
+pub(crate) mod attachment;
+pub mod mask;
+
+use crate::kernels::mask::MaskOutput;
+use crate::link::OfferRecord;
+use crate::pass_detection::{How, Part, Pass};
+use crate::rate_map::RateImage;
+use crate::vk::objects::Image;
+use ash::vk;
+use std::any::Any;
+use std::sync::Arc;
+
+/// What makes passes coarser on a device.
+pub trait Backend: Send + Sync {
+    /// What it can do; the plan is made for it.
+    fn offer(&self) -> OfferRecord;
+
+    /// The map of the passes that draw to the same colour target as `pass`, whose image is `image`; nothing where they
+    /// cannot be made coarser. Made once for a target, when the first command buffer draws to it.
+    fn map(&self, pass: &Pass, image: &Image) -> Option<Box<dyn RateMap>>;
+}
+
+/// The map of rates of a candidate, on the GPU. Its memory and images are destroyed when it is dropped, which happens when
+/// the GPU is done with them, and before the device is destroyed.
+pub trait RateMap: Any + Send + Sync {
+    /// How many texels it has.
+    fn size(&self) -> MapSize;
+
+    /// How many bytes [`Self::stage`] writes; 0 where there is nothing yet that could read them.
+    fn staging_len(&self) -> usize {
+        self.size().texel_count()
+    }
+
+    /// Whether it has content, 1x1 all over, from its creation on; else it has to be uploaded before it is used.
+    fn has_content(&self) -> bool {
+        false
+    }
+
+    /// A pass that draws to its target is submitted in a frame of this number, which is the scene for this reason, or is not.
+    fn noted(&self, _scene: Option<How>, _frame: u64) {}
+
+    /// Whether its passes leave out what is stale; else they shade it as coarsely as can be.
+    fn leaves_out(&self) -> bool {
+        false
+    }
+
+    /// What becomes of texels that were laid on the GPU; nothing where they have to be staged.
+    fn laying(&self) -> Option<Laying> {
+        None
+    }
+
+    /// Writes what is copied to the GPU, from the texels of all layers, row by row (`ShadingRate::texel`, and `STALE` only
+    /// where [`Self::leaves_out`] holds), which were laid into `image` for the pictures that `parts` say.
+    fn stage(&self, _parts: &[Part], _image: &RateImage, texels: &[u8], staging: &mut [u8]) {
+        staging.copy_from_slice(texels);
+    }
+
+    /// Records that the map gets what [`Self::stage`] wrote, with the barriers against earlier and later passes on this
+    /// queue. The first upload finds what the map was created as.
+    ///
+    /// # Safety
+    ///
+    /// The command buffer is being recorded, outside of a render pass, for a queue that draws; the buffer and the map live
+    /// until it ran.
+    unsafe fn record_upload(&self, upload: Upload);
+}
+
+/// What becomes of texels that were laid on the GPU.
+pub enum Laying {
+    /// [`RateMap::record_upload`] takes them as they are.
+    Texels,
+    /// The kernel `mask` makes this of them.
+    Mask(Arc<dyn MaskOutput>),
+}
+
+/// Where a map is uploaded from.
+#[derive(Debug, Clone, Copy)]
+pub struct Upload {
+    /// What is recorded into.
+    pub commands: vk::CommandBuffer,
+    /// What [`RateMap::stage`] wrote to.
+    pub staging: vk::Buffer,
+    /// Where in it, a multiple of 16.
+    pub offset: vk::DeviceSize,
+    /// How many bytes it wrote.
+    pub len: usize,
+}
+
+/// Texels of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MapSize {
+    /// Size of a texel, pixels.
+    pub texel: [u32; 2],
+    /// Columns and rows of texels.
+    pub tiles: [u32; 2],
+    /// Array layers: 1 serves all layers of the target.
+    pub layers: u32,
+}
+
+impl MapSize {
+    /// Number of texels of all layers.
+    pub fn texel_count(&self) -> usize {
+        self.tiles[0] as usize * self.tiles[1] as usize * self.layers as usize
+    }
+}

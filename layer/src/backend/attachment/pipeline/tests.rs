@@ -1,0 +1,218 @@
+use super::*;
+use crate::abi::copies::room;
+use crate::backend::attachment::offer::tests::offered;
+use ash::vk::Handle;
+use vk::FragmentShadingRateCombinerOpKHR as Combiner;
+
+type Rate<'a> = vk::PipelineFragmentShadingRateStateCreateInfoKHR<'a>;
+type Flags2<'a> = vk::PipelineCreateFlags2CreateInfoKHR<'a>;
+
+const FLAG: vk::PipelineCreateFlags = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
+
+/// What became of a pipeline.
+#[derive(Debug, PartialEq, Eq)]
+struct Outcome {
+    flagged: bool,
+    /// The rate state in the chain: its size and combiners.
+    state: Option<([u32; 2], [Combiner; 2])>,
+    dynamic: Vec<vk::DynamicState>,
+    rate: PipelineRate,
+}
+
+fn outcome(info: &vk::GraphicsPipelineCreateInfo<'_>, effects: Effects) -> Outcome {
+    linked(info, effects, |_| None)
+}
+
+fn linked(
+    info: &vk::GraphicsPipelineCreateInfo<'_>,
+    effects: Effects,
+    libraries: impl Fn(vk::Pipeline) -> Option<PipelineRate>,
+) -> Outcome {
+    let mut room = room::<64>();
+    let mut copies = Copies::new(&mut room);
+    // SAFETY: valid structures that outlive the copies.
+    unsafe {
+        let (more, rate) = with_rates(info, &offered([16, 16]), |_| effects, libraries, &mut copies);
+        let flags2 = find::<Flags2<'_>>(more.p_next);
+        Outcome {
+            flagged: flags2.map_or(more.flags.contains(FLAG), |flags| {
+                flags.flags.as_raw() & u64::from(FLAG.as_raw()) != 0
+            }),
+            state: find::<Rate<'_>>(more.p_next).map(|rate| {
+                assert!(find::<Rate<'_>>(rate.p_next).is_none(), "doubled");
+                ([rate.fragment_size.width, rate.fragment_size.height], rate.combiner_ops)
+            }),
+            dynamic: dynamic_states(&more).to_vec(),
+            rate,
+        }
+    }
+}
+
+fn fragment_stage() -> [vk::PipelineShaderStageCreateInfo<'static>; 1] {
+    [vk::PipelineShaderStageCreateInfo::default().stage(vk::ShaderStageFlags::FRAGMENT)]
+}
+
+const OBEYS: Option<([u32; 2], [Combiner; 2])> = Some(([1, 1], [Combiner::KEEP, Combiner::MAX]));
+
+#[test]
+fn a_pipeline_gets_flag_and_combiner() {
+    let stages = fragment_stage();
+    let plain = vk::GraphicsPipelineCreateInfo::default().stages(&stages);
+    let expected = Outcome { flagged: true, state: OBEYS, dynamic: Vec::new(), rate: PipelineRate::Fixed };
+    assert_eq!(outcome(&plain, Effects::default()), expected);
+    let mut own =
+        Rate::default().fragment_size(vk::Extent2D { width: 1, height: 1 }).combiner_ops([Combiner::KEEP; 2]);
+    let says_so = plain.push_next(&mut own);
+    assert_eq!(outcome(&says_so, Effects::default()), expected, "the default, said aloud");
+}
+
+#[test]
+fn the_second_kind_of_flags_counts() {
+    let stages = fragment_stage();
+    let mut flags = Flags2::default().flags(vk::PipelineCreateFlags2KHR::DISABLE_OPTIMIZATION);
+    let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages).push_next(&mut flags);
+    assert!(outcome(&info, Effects::default()).flagged);
+}
+
+#[test]
+fn what_must_shade_every_pixel_keeps_its_rate() {
+    let stages = fragment_stage();
+    let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages);
+    let none = Effects::default();
+    for effects in [
+        Effects { stores: true, ..none },
+        Effects { interlocks: true, ..none },
+        Effects { per_sample: true, ..none },
+        Effects { writes_integers: true, ..none },
+        Effects { writes_depth_stencil: true, ..none },
+        Effects { uses_sample_mask: true, ..none },
+    ] {
+        let outcome = outcome(&info, effects);
+        assert!(outcome.flagged && outcome.state.is_none(), "{effects:?}");
+    }
+    // What no fragment shader does cannot matter.
+    let depth_only = vk::GraphicsPipelineCreateInfo::default();
+    assert_eq!(outcome(&depth_only, Effects::UNKNOWN).state, OBEYS);
+}
+
+#[test]
+fn what_the_device_allows_is_no_reason() {
+    let stages = fragment_stage();
+    let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages);
+    let mut offer = offered([16, 16]);
+    offer.limits.depth_stencil_writes = true;
+    offer.limits.shader_sample_mask = true;
+    let effects = Effects { writes_depth_stencil: true, uses_sample_mask: true, ..Effects::default() };
+    let mut room = room::<64>();
+    let mut copies = Copies::new(&mut room);
+    // SAFETY: valid structures that outlive the copies.
+    let (more, _) = unsafe { with_rates(&info, &offer, |_| effects, |_| None, &mut copies) };
+    // SAFETY: as above.
+    assert!(unsafe { find::<Rate<'_>>(more.p_next) }.is_some());
+}
+
+#[test]
+fn samples_that_are_shaded_or_too_many_keep_their_rate() {
+    let stages = fragment_stage();
+    let state = |state: vk::PipelineMultisampleStateCreateInfo<'_>| {
+        let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages).multisample_state(&state);
+        outcome(&info, Effects::default()).state
+    };
+    let plain = vk::PipelineMultisampleStateCreateInfo::default();
+    let one = plain.rasterization_samples(vk::SampleCountFlags::TYPE_1);
+    assert_eq!(state(one), OBEYS);
+    assert_eq!(state(one.sample_shading_enable(true)), None);
+    assert_eq!(
+        state(plain.rasterization_samples(vk::SampleCountFlags::TYPE_8)),
+        None,
+        "the device has up to 4"
+    );
+    let four = plain.rasterization_samples(vk::SampleCountFlags::TYPE_4);
+    assert_eq!(state(four.sample_mask(&[0xffff_fff7])), None, "a bit that matters");
+    assert_eq!(state(four.sample_mask(&[0xf])), OBEYS, "all bits that matter");
+}
+
+#[test]
+fn where_nothing_is_rasterised_state_is_not_looked_at() {
+    let stages = fragment_stage();
+    let discards = vk::PipelineRasterizationStateCreateInfo::default().rasterizer_discard_enable(true);
+    let mut info = vk::GraphicsPipelineCreateInfo::default().stages(&stages).rasterization_state(&discards);
+    info.p_multisample_state = std::ptr::dangling();
+    let outcome = outcome(&info, Effects::UNKNOWN);
+    assert!(outcome.flagged && outcome.state.is_none());
+}
+
+#[test]
+fn an_applications_own_rate_is_kept() {
+    let stages = fragment_stage();
+    for (width, combiners) in [
+        (2, [Combiner::KEEP; 2]),
+        (1, [Combiner::REPLACE, Combiner::KEEP]),
+        (1, [Combiner::KEEP, Combiner::MIN]),
+    ] {
+        let mut own =
+            Rate::default().fragment_size(vk::Extent2D { width, height: 1 }).combiner_ops(combiners);
+        let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages).push_next(&mut own);
+        let outcome = outcome(&info, Effects::default());
+        assert_eq!((outcome.flagged, outcome.state), (true, Some(([width, 1], combiners))));
+    }
+    let states = [vk::DynamicState::VIEWPORT, vk::DynamicState::FRAGMENT_SHADING_RATE_KHR];
+    let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states);
+    let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages).dynamic_state(&dynamic);
+    for every_pixel in [false, true] {
+        let outcome = outcome(&info, Effects { stores: every_pixel, ..Effects::default() });
+        assert_eq!((outcome.state, &outcome.dynamic[..]), (None, &states[..]));
+        assert_eq!(outcome.rate, PipelineRate::Application { every_pixel });
+    }
+}
+
+/// Of the parts of a library, those that shade get a dynamic rate, and the whole is set when it is bound.
+#[test]
+fn libraries_agree_on_a_rate_that_is_set_when_bound() {
+    let stages = fragment_stage();
+    let viewport = [vk::DynamicState::VIEWPORT];
+    let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&viewport);
+    let part = |parts: Parts, effects: Effects| {
+        let mut library = vk::GraphicsPipelineLibraryCreateInfoEXT::default().flags(parts);
+        let info = vk::GraphicsPipelineCreateInfo::default().dynamic_state(&dynamic).push_next(&mut library);
+        outcome(&if parts.contains(Parts::FRAGMENT_SHADER) { info.stages(&stages) } else { info }, effects)
+    };
+    let stores = Effects { stores: true, ..Effects::default() };
+    let with_rate = [vk::DynamicState::VIEWPORT, vk::DynamicState::FRAGMENT_SHADING_RATE_KHR];
+    for (parts, effects, dynamic, rate) in [
+        (Parts::VERTEX_INPUT_INTERFACE, stores, &viewport[..], PipelineRate::Fixed),
+        (Parts::FRAGMENT_OUTPUT_INTERFACE, stores, &viewport, PipelineRate::Fixed),
+        (Parts::PRE_RASTERIZATION_SHADERS, stores, &with_rate, PipelineRate::AtBind(Combiner::MAX)),
+        (Parts::FRAGMENT_SHADER, Effects::default(), &with_rate, PipelineRate::AtBind(Combiner::MAX)),
+        (Parts::FRAGMENT_SHADER, stores, &with_rate, PipelineRate::AtBind(Combiner::KEEP)),
+    ] {
+        let outcome = part(parts, effects);
+        assert!(outcome.flagged, "{parts:?}");
+        assert_eq!((outcome.state, &outcome.dynamic[..], outcome.rate), (None, dynamic, rate), "{parts:?}");
+    }
+    assert_eq!(part(SHADING, Effects::default()).state, OBEYS, "both in one agree by themselves");
+}
+
+#[test]
+fn a_linked_pipeline_has_the_more_careful_rate_of_its_parts() {
+    let rates = [
+        PipelineRate::Fixed,
+        PipelineRate::AtBind(Combiner::MAX),
+        PipelineRate::AtBind(Combiner::KEEP),
+        PipelineRate::Application { every_pixel: true },
+    ];
+    let whole = |parts: &[u64]| {
+        let handles: Vec<_> = parts.iter().map(|&part| vk::Pipeline::from_raw(part)).collect();
+        let mut libraries = vk::PipelineLibraryCreateInfoKHR::default().libraries(&handles);
+        let info = vk::GraphicsPipelineCreateInfo::default().push_next(&mut libraries);
+        let outcome = linked(&info, Effects::UNKNOWN, |part| rates.get(part.as_raw() as usize).copied());
+        assert!(outcome.flagged && outcome.state.is_none() && outcome.dynamic.is_empty());
+        outcome.rate
+    };
+    assert_eq!(whole(&[0, 0]), PipelineRate::Fixed);
+    assert_eq!(whole(&[0, 1, 1, 0]), rates[1]);
+    assert_eq!(whole(&[0, 1, 2, 0]), rates[2]);
+    assert_eq!(whole(&[2, 1]), rates[2]);
+    assert_eq!(whole(&[1, 3]), rates[3]);
+    assert_eq!(whole(&[9]), PipelineRate::Fixed, "not known here");
+}

@@ -1,0 +1,224 @@
+//! What a pass draws to, as far as its mask needs to know it.
+
+use super::Masks;
+use crate::backend::mask::{ColorFacts, DepthFacts};
+use crate::pass_detection::{ImageKey, Target, Unmasked};
+use crate::vk::objects::{Objects, RenderPass};
+use ash::vk;
+use smallvec::SmallVec;
+use std::slice;
+
+/// The attachments of a pass that begins.
+#[derive(Debug, Default)]
+pub struct Attachments {
+    /// Depth, if there is any.
+    pub depth: Option<DepthAttachment>,
+    /// Colours that are drawn to or resolved to, each once.
+    pub colors: SmallVec<[ColorAttachment; 8]>,
+}
+
+/// Depth of a pass that begins.
+#[derive(Debug, Clone, Copy)]
+pub struct DepthAttachment {
+    /// What it is.
+    pub target: Target,
+    /// What it is cleared to, if it is.
+    pub clear: f32,
+    /// Whether it is cleared, or loaded.
+    pub is_cleared: bool,
+    pub is_loaded: bool,
+    /// Whether the pass can begin with depth that is loaded.
+    pub is_loadable: bool,
+    /// Whether stencil is stored.
+    pub stores_stencil: bool,
+    /// Whether a subpass reads it.
+    pub is_input: bool,
+    /// The layout in which the application's pass expects it, and the one in which its first subpass has it; equal ones of
+    /// dynamic rendering. UNDEFINED as the second: stencil is in another layout.
+    pub layouts: [vk::ImageLayout; 2],
+    /// The layout in which it is after the pass.
+    pub final_layout: vk::ImageLayout,
+}
+
+/// Colour of a pass that begins.
+#[derive(Debug, Clone, Copy)]
+pub struct ColorAttachment {
+    /// What it is.
+    pub target: Target,
+    /// The format in which it is drawn to.
+    pub format: vk::Format,
+    /// Whether it is stored.
+    pub is_stored: bool,
+    /// The layout in which it is after the pass.
+    pub layout: vk::ImageLayout,
+}
+
+impl Attachments {
+    /// Of an instance of a render pass with these attachments and clear values; `is_loadable` if there is a render pass that loads depth where
+    /// it clears it.
+    pub fn of_render_pass(
+        pass: &RenderPass,
+        targets: &[Option<Target>],
+        clears: &[vk::ClearValue],
+        is_loadable: bool,
+    ) -> Self {
+        let at = |index: u32| {
+            let index = index as usize;
+            Some((targets.get(index).copied().flatten()?, pass.attachments.get(index)?))
+        };
+        let colors = pass.colors.iter().chain(&pass.resolves).filter_map(|&index| {
+            let (target, attachment) = at(index)?;
+            let is_stored = attachment.store != vk::AttachmentStoreOp::DONT_CARE;
+            let format = attachment.format;
+            Some(ColorAttachment { target, format, is_stored, layout: attachment.final_layout })
+        });
+        let depth = pass.depth.and_then(|index| {
+            let (target, attachment) = at(index)?;
+            let within = pass.subpasses.iter().find_map(|subpass| subpass.depth)?.1;
+            Some(DepthAttachment {
+                target,
+                // SAFETY: every bit pattern is a number, also where it is a colour.
+                clear: clears
+                    .get(index as usize)
+                    .map_or(f32::NAN, |value| unsafe { value.depth_stencil.depth }),
+                is_cleared: attachment.load == vk::AttachmentLoadOp::CLEAR,
+                is_loaded: attachment.load == vk::AttachmentLoadOp::LOAD,
+                is_loadable: attachment.load == vk::AttachmentLoadOp::LOAD || is_loadable,
+                stores_stencil: attachment.stores_stencil(),
+                is_input: pass.subpasses.iter().any(|subpass| subpass.inputs.contains(&Some(index))),
+                layouts: [attachment.initial_layout, within],
+                final_layout: attachment.final_layout,
+            })
+        });
+        Self { depth, colors: colors.collect() }
+    }
+
+    /// Whether an image is among them.
+    pub fn have(&self, image: ImageKey) -> bool {
+        let targets =
+            self.depth.iter().map(|depth| depth.target).chain(self.colors.iter().map(|color| color.target));
+        targets.into_iter().any(|target| target.image == image)
+    }
+
+    /// Whether it is a pass that does nothing but clear, draw and store depth of several samples, for others to go on with.
+    pub fn are_a_prepass(&self, objects: &Objects) -> Option<DepthAttachment> {
+        let depth = self.depth.filter(|depth| depth.is_cleared && self.colors.is_empty())?;
+        let image = objects.image_of(depth.target.image)?;
+        (image.description.samples > 1).then_some(depth)
+    }
+
+    /// Depth of several samples that a pass goes on with.
+    pub fn loaded_samples(&self, objects: &Objects) -> Option<DepthAttachment> {
+        let depth = self.depth.filter(|depth| depth.is_loaded)?;
+        let image = objects.image_of(depth.target.image)?;
+        (image.description.samples > 1).then_some(depth)
+    }
+
+    /// What is known of depth, where it is of a live image.
+    pub fn depth_facts(&self, masks: &Masks, objects: &Objects, is_covered: bool) -> Option<DepthFacts> {
+        let depth = self.depth.as_ref()?;
+        let image = objects.image_of(depth.target.image)?;
+        let usage =
+            if depth.is_input { vk::ImageUsageFlags::INPUT_ATTACHMENT } else { vk::ImageUsageFlags::empty() };
+        Some(DepthFacts {
+            format: image.description.format,
+            samples: vk::SampleCountFlags::from_raw(image.description.samples),
+            usage: image.usage | usage,
+            clear: match depth.is_cleared {
+                true => depth.clear,
+                false => masks.cleared.get(depth.target.image).unwrap_or(f32::NAN),
+            },
+            is_loaded: depth.is_loaded,
+            is_loadable: depth.is_loadable,
+            is_covered,
+            is_read_within: depth.is_input || !is_written(depth.layouts[1]),
+            stores_stencil: depth.stores_stencil,
+            is_loaded_later: masks.loaded.get(depth.target.image).is_some(),
+            is_submitted: image.description.swapchain.is_some(),
+            is_writable: image.granted.contains(vk::ImageUsageFlags::TRANSFER_DST),
+            is_readable: image.granted.contains(vk::ImageUsageFlags::TRANSFER_SRC),
+        })
+    }
+
+    /// What is known of the colours, in their order.
+    ///
+    /// # Errors
+    ///
+    /// One of them is of no live image.
+    pub fn color_facts(&self, objects: &Objects) -> Result<SmallVec<[ColorFacts; 8]>, Unmasked> {
+        let facts = self.colors.iter().map(|color| {
+            let image = objects.image_of(color.target.image).ok_or(Unmasked::Unknown)?;
+            Ok(ColorFacts {
+                format: color.format,
+                samples: vk::SampleCountFlags::from_raw(image.description.samples),
+                is_stored: color.is_stored,
+                is_fillable: image.granted.contains(match image.description.samples {
+                    1 => crate::kernels::fill::USAGE,
+                    _ => crate::kernels::samples::USAGE,
+                }),
+            })
+        });
+        facts.collect()
+    }
+}
+
+/// Whether depth in this layout can be an attachment and nothing else (Vulkan specification, "Image Layouts").
+pub(super) fn is_written(layout: vk::ImageLayout) -> bool {
+    use vk::ImageLayout as Layout;
+    matches!(
+        layout,
+        Layout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL
+            | Layout::DEPTH_ATTACHMENT_STENCIL_READ_ONLY_OPTIMAL
+            | Layout::DEPTH_ATTACHMENT_OPTIMAL
+            | Layout::ATTACHMENT_OPTIMAL
+    )
+}
+
+/// The attachments of dynamic rendering.
+///
+/// # Safety
+///
+/// Valid usage of vkCmdBeginRendering.
+pub unsafe fn rendering_attachments(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Attachments {
+    // SAFETY: the caller vouches for the structure and its arrays; the depth's clear value is one.
+    unsafe {
+        let colors = match info.color_attachment_count {
+            0 => &[][..],
+            count => slice::from_raw_parts(info.p_color_attachments, count as usize),
+        };
+        let one = |view: vk::ImageView, layout, is_stored| {
+            let known = objects.view(view)?;
+            let mut target = known.target;
+            if info.view_mask == 0 {
+                target.layers = target.layers.min(info.layer_count);
+            }
+            Some(ColorAttachment { target, format: known.format, is_stored, layout })
+        };
+        let drawn = colors.iter().filter_map(|found| {
+            let is_stored = found.store_op != vk::AttachmentStoreOp::DONT_CARE;
+            one(found.image_view, found.image_layout, is_stored)
+        });
+        let resolved = colors.iter().filter(|found| found.resolve_mode != vk::ResolveModeFlags::NONE);
+        let resolved =
+            resolved.filter_map(|found| one(found.resolve_image_view, found.resolve_image_layout, true));
+        let stencil = info.p_stencil_attachment.as_ref();
+        let stencil = stencil.filter(|found| found.image_view != vk::ImageView::null());
+        let depth = info.p_depth_attachment.as_ref().and_then(|found| {
+            let target = one(found.image_view, found.image_layout, false)?.target;
+            let is_one = stencil.is_none_or(|stencil| stencil.image_layout == found.image_layout);
+            let within = if is_one { found.image_layout } else { vk::ImageLayout::UNDEFINED };
+            Some(DepthAttachment {
+                target,
+                clear: found.clear_value.depth_stencil.depth,
+                is_cleared: found.load_op == vk::AttachmentLoadOp::CLEAR,
+                is_loaded: found.load_op == vk::AttachmentLoadOp::LOAD,
+                is_loadable: true,
+                stores_stencil: stencil.is_some_and(|found| found.store_op == vk::AttachmentStoreOp::STORE),
+                is_input: false,
+                layouts: [found.image_layout, within],
+                final_layout: found.image_layout,
+            })
+        });
+        Attachments { depth, colors: drawn.chain(resolved).collect() }
+    }
+}

@@ -1,0 +1,108 @@
+//! The mask of a pass that is being recorded.
+
+use super::Pending;
+use crate::backend::mask::{DepthWork, MaskMap};
+use crate::gpu::{AppCommands, ImagePart};
+use crate::pass_detection::Unmasked;
+use ash::vk;
+use smallvec::SmallVec;
+use std::sync::Arc;
+
+/// A pass that is being recorded with a mask.
+pub struct OpenMask {
+    pub(super) map: Arc<MaskMap>,
+    pub(super) way: OpenWay,
+    /// Whether nothing is filled after it, because nothing is coarse.
+    pub(super) is_unfilled: bool,
+    /// What is filled after it, with its format and layout then.
+    pub(super) fills: SmallVec<[(ImagePart, vk::Format, vk::ImageLayout); 4]>,
+    /// The same of several samples, depth among it.
+    pub(super) pending: SmallVec<[Pending; 2]>,
+}
+
+/// How fragments are kept from being shaded in it.
+pub(super) enum OpenWay {
+    Template(OpenDepth),
+    Return(Return),
+}
+
+/// What fragment shaders of a pass return early by.
+#[derive(Debug, Clone, Copy)]
+pub struct Return {
+    /// The set that they read.
+    pub set: vk::DescriptorSet,
+    /// Whether only those do that cover the same samples, with the same depth.
+    pub keeps_coverage: bool,
+    /// Why there is no template.
+    pub(super) instead: Unmasked,
+}
+
+/// Depth of a pass with a template.
+pub(super) struct OpenDepth {
+    /// Its depth, as the template takes it.
+    pub(super) depth: ImagePart,
+    /// Whether an earlier pass of the command buffer had the template, which still holds.
+    pub(super) is_covered: bool,
+    /// Whether it has several samples.
+    pub(super) is_multisampled: bool,
+    pub(super) layouts: [vk::ImageLayout; 2],
+    /// What else is done with that, in this area, and the layout in which it is after the pass.
+    pub(super) work: DepthWork,
+    pub(super) area: vk::Rect2D,
+    pub(super) final_layout: vk::ImageLayout,
+}
+
+impl OpenMask {
+    /// Why it has no template, if it has none.
+    pub(super) fn instead(&self) -> Option<Unmasked> {
+        self.returns().map(|by| by.instead)
+    }
+
+    /// The mask of a template.
+    pub fn template(&self) -> Option<&Arc<MaskMap>> {
+        match self.way {
+            OpenWay::Template(_) => Some(&self.map),
+            OpenWay::Return(_) => None,
+        }
+    }
+
+    /// What of several samples is filled after it.
+    pub fn pending(&self) -> &[Pending] {
+        &self.pending
+    }
+
+    /// What fragment shaders return early by, if they do.
+    pub fn returns(&self) -> Option<Return> {
+        match self.way {
+            OpenWay::Return(by) => Some(by),
+            OpenWay::Template(_) => None,
+        }
+    }
+
+    /// Records what comes ahead of the pass.
+    pub(super) fn record_ahead(&self, commands: &AppCommands) {
+        match &self.way {
+            OpenWay::Template(depth) if depth.is_covered => {}
+            OpenWay::Template(depth) if depth.work.covers => {
+                self.map.cover(commands, depth.depth, depth.area, depth.layouts[0]);
+            }
+            OpenWay::Template(depth) => {
+                self.map.begin(commands, depth.depth, depth.area, depth.layouts);
+            }
+            OpenWay::Return(_) => {}
+        }
+    }
+
+    /// Records what comes after it.
+    pub(super) fn record_after(&self, commands: &AppCommands) {
+        for &(part, format, layout) in &self.fills {
+            self.map.end(commands, part, format, layout);
+        }
+        if let OpenWay::Template(depth) = &self.way
+            && depth.work.fills
+            && !depth.is_multisampled
+        {
+            self.map.fill_depth(commands, depth.depth, depth.area, depth.final_layout);
+        }
+    }
+}

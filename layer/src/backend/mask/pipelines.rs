@@ -1,0 +1,225 @@
+//! What pipelines do that a mask must know.
+
+use super::recipe::{Ingredients, PassOf, Recipe, dynamic_states};
+use super::{Masks, Returning};
+use crate::backend::mask::{DynamicStencil, PipelineFacts};
+use crate::gpu::is_left;
+use crate::vk::shaders::ShaderModules;
+use crate::vk::shaders::parts::{Parts, is_discarded, libraries, own_parts};
+use ash::vk;
+use std::slice;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+impl Masks {
+    /// A shader module was created.
+    ///
+    /// # Safety
+    ///
+    /// `info` is valid (valid usage of vkCreateShaderModule).
+    pub unsafe fn add_shader_module(&self, module: vk::ShaderModule, info: &vk::ShaderModuleCreateInfo<'_>) {
+        // SAFETY: the caller vouches for the code.
+        unsafe {
+            self.modules.add(module, info);
+            self.codes.add(module, info);
+        }
+    }
+
+    /// A shader module is about to be destroyed.
+    pub fn forget_shader_module(&self, module: vk::ShaderModule) {
+        self.modules.forget(module);
+        self.codes.forget(module);
+    }
+
+    /// Facts of modules' fragment shaders.
+    pub fn shader_modules(&self) -> &ShaderModules {
+        &self.modules
+    }
+
+    /// Pipelines are made of `infos`.
+    ///
+    /// # Safety
+    ///
+    /// The structures are valid (valid usage of vkCreateGraphicsPipelines); as many pipelines were written, some of which
+    /// may be null.
+    pub unsafe fn add_pipelines(
+        &self,
+        infos: *const vk::GraphicsPipelineCreateInfo<'_>,
+        pipelines: *const vk::Pipeline,
+        count: u32,
+    ) {
+        if count == 0 {
+            return;
+        }
+        // SAFETY: the caller vouches for both arrays.
+        unsafe {
+            let infos = slice::from_raw_parts(infos, count as usize);
+            let pipelines = slice::from_raw_parts(pipelines, count as usize);
+            for (info, &pipeline) in infos.iter().zip(pipelines) {
+                if !dynamic_states(info).iter().all(|state| is_left(*state)) {
+                    self.extends_dynamic.store(true, Ordering::Relaxed);
+                }
+                if pipeline != vk::Pipeline::null() {
+                    let mut facts = self.facts(info);
+                    match self.recipe(info, facts) {
+                        Some(returning) => {
+                            facts.returns = returning.facts();
+                            self.returning.insert(pipeline, Arc::new(returning));
+                        }
+                        None => drop(self.returning.remove(pipeline)),
+                    }
+                    self.pipelines.insert(pipeline, facts);
+                }
+            }
+        }
+    }
+
+    /// A pipeline is about to be destroyed.
+    pub fn forget_pipeline(&self, pipeline: vk::Pipeline) {
+        self.pipelines.remove(pipeline);
+        drop(self.returning.remove(pipeline));
+    }
+
+    /// What a pipeline does.
+    pub fn pipeline(&self, pipeline: vk::Pipeline) -> PipelineFacts {
+        self.pipelines.get(pipeline).unwrap_or(PipelineFacts::UNKNOWN)
+    }
+
+    /// What it takes to have the fragment shader of a pipeline return early; nothing where it must not, or something is not known.
+    ///
+    /// # Safety
+    ///
+    /// Valid usage of vkCreateGraphicsPipelines.
+    unsafe fn recipe(
+        &self,
+        info: &vk::GraphicsPipelineCreateInfo<'_>,
+        facts: PipelineFacts,
+    ) -> Option<Returning> {
+        let whole = Parts::PRE_RASTERIZATION_SHADERS
+            | Parts::FRAGMENT_SHADER
+            | Parts::VERTEX_INPUT_INTERFACE
+            | Parts::FRAGMENT_OUTPUT_INTERFACE;
+        // What a fragment shader does besides drawing, it does for every fragment.
+        if facts.have_side_effects {
+            return None;
+        }
+        // SAFETY: the caller vouches for the structure; what belongs to a whole pipeline is valid.
+        unsafe {
+            if own_parts(info) != whole || !libraries(info).is_empty() || is_discarded(info, whole) {
+                return None;
+            }
+            let stages = slice::from_raw_parts(info.p_stages, info.stage_count as usize);
+            let mesh = vk::ShaderStageFlags::MESH_EXT | vk::ShaderStageFlags::TASK_EXT;
+            if stages.iter().any(|stage| mesh.contains(stage.stage)) {
+                return None;
+            }
+            let fragment = stages.iter().find(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT)?;
+            let render_pass = match info.render_pass {
+                pass if pass == vk::RenderPass::null() => None,
+                pass => {
+                    let known = self.compatible.get(pass)?;
+                    let subpass = known.description.subpasses.get(info.subpass as usize)?;
+                    if subpass.colors.iter().all(Option::is_none) {
+                        return None;
+                    }
+                    let (views, has_depth) = (subpass.view_mask, subpass.depth.is_some());
+                    Some(PassOf { compatible: known.pass, views, has_depth })
+                }
+            };
+            let layout = self.layout(info.layout)?;
+            let code = |module| self.codes.get(module);
+            let recipe = Recipe::of(info, Ingredients { code: &code, layout, render_pass })?;
+            let effects = self.modules.effects(fragment);
+            let by_alpha = dynamic_states(info).contains(&vk::DynamicState::ALPHA_TO_COVERAGE_ENABLE_EXT)
+                || info
+                    .p_multisample_state
+                    .as_ref()
+                    .is_some_and(|state| state.alpha_to_coverage_enable == vk::TRUE);
+            let changes_coverage =
+                by_alpha || effects.writes_depth_stencil || effects.uses_sample_mask || recipe.discards();
+            Some(Returning::new(recipe, !changes_coverage))
+        }
+    }
+
+    /// # Safety
+    ///
+    /// Valid usage of vkCreateGraphicsPipelines.
+    unsafe fn facts(&self, info: &vk::GraphicsPipelineCreateInfo<'_>) -> PipelineFacts {
+        // SAFETY: the caller vouches for the structure and its chain; the parts that are its own are valid.
+        unsafe {
+            let mut facts = PipelineFacts::default();
+            for &library in libraries(info) {
+                facts.see(self.pipeline(library));
+            }
+            let own = own_parts(info);
+            if !own.contains(Parts::FRAGMENT_SHADER) || is_discarded(info, own) {
+                return facts;
+            }
+            let stages = match info.stage_count {
+                0 => &[][..],
+                count => slice::from_raw_parts(info.p_stages, count as usize),
+            };
+            for stage in stages.iter().filter(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT) {
+                let effects = self.modules.effects(stage);
+                facts.have_side_effects |= effects.stores || effects.interlocks;
+            }
+            let is_dynamic = |state| {
+                info.p_dynamic_state.as_ref().is_some_and(|dynamic| match dynamic.dynamic_state_count {
+                    0 => false,
+                    count => slice::from_raw_parts(dynamic.p_dynamic_states, count as usize).contains(&state),
+                })
+            };
+            let tests = info.p_depth_stencil_state.as_ref();
+            let (write_stencil, dynamic_stencil) = stencil(tests, is_dynamic);
+            facts.write_stencil |= write_stencil;
+            facts.dynamic_stencil = dynamic_stencil;
+            if let Some(tests) = tests
+                && tests.depth_test_enable == vk::TRUE
+                && !is_dynamic(vk::DynamicState::DEPTH_COMPARE_OP)
+            {
+                facts.directions.see(tests.depth_compare_op);
+            }
+            facts
+        }
+    }
+}
+
+/// Whether a pipeline may write stencil, and what of that is dynamic state. Where all of it is, the structure may be missing
+/// (VK_EXT_extended_dynamic_state3).
+fn stencil(
+    tests: Option<&vk::PipelineDepthStencilStateCreateInfo<'_>>,
+    is_dynamic: impl Fn(vk::DynamicState) -> bool,
+) -> (bool, DynamicStencil) {
+    let set = DynamicStencil {
+        test: is_dynamic(vk::DynamicState::STENCIL_TEST_ENABLE),
+        op: is_dynamic(vk::DynamicState::STENCIL_OP),
+    };
+    let keeps = |face: &vk::StencilOpState| {
+        [face.fail_op, face.pass_op, face.depth_fail_op].iter().all(|op| *op == vk::StencilOp::KEEP)
+    };
+    let may_test = set.test || tests.is_some_and(|tests| tests.stencil_test_enable == vk::TRUE);
+    let keeps = !set.op && tests.is_none_or(|tests| keeps(&tests.front) && keeps(&tests.back));
+    (may_test && !keeps, set)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stencil_is_written_by_a_test_that_does_not_keep_it() {
+        let replace = vk::StencilOpState { pass_op: vk::StencilOp::REPLACE, ..Default::default() };
+        let off = vk::PipelineDepthStencilStateCreateInfo::default();
+        let on = off.stencil_test_enable(true);
+        let writes = on.back(replace);
+        let [fixed, all] = [false, true].map(|all| move |_| all);
+        let of = |tests, is_dynamic: &dyn Fn(vk::DynamicState) -> bool| stencil(tests, is_dynamic).0;
+        assert_eq!([of(Some(&off), &fixed), of(Some(&on), &fixed), of(None, &fixed)], [false; 3]);
+        assert!(of(Some(&writes), &fixed));
+        // Dynamic state overrides the structure, and does without it.
+        assert_eq!([of(Some(&off), &all), of(None, &all)], [true; 2]);
+        assert_eq!(stencil(None, all).1, DynamicStencil { test: true, op: true });
+        let test_alone = |state| state == vk::DynamicState::STENCIL_TEST_ENABLE;
+        assert_eq!([of(Some(&off), &test_alone), of(Some(&off.front(replace)), &test_alone)], [false, true]);
+    }
+}

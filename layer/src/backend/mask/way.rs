@@ -1,0 +1,207 @@
+//! The two ways of a mask: a template in depth, or a return at the beginning of fragment shaders.
+
+use crate::backend::mask::DepthWork;
+use crate::backend::mask::eligibility::{Eligible, MaskFacts, eligible, of_colors};
+use crate::pass_detection::Unmasked;
+use parafovea_core::mask::{DepthFormat, RETURNS};
+
+/// Whether fragment shaders of some pipelines can return early.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Returns {
+    /// There is one.
+    pub any: bool,
+    /// There is one that covers the same samples, with the same depth, when it does.
+    pub keeping_coverage: bool,
+}
+
+/// The means by which a pass skips fragments.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Way {
+    /// A template in depth.
+    Template(Eligible),
+    /// Fragment shaders return at their beginning; shaders without a return shade everything.
+    Return {
+        /// Only those do that cover the same samples, with the same depth: depth is as without, and so is what queries count
+        /// and what conditions decide.
+        keeps_coverage: bool,
+        /// Why there is no template.
+        instead: Unmasked,
+    },
+}
+
+impl Way {
+    /// The kind of the template of [`Way::Return`], which only shaders read.
+    pub const RETURN: Eligible = Eligible {
+        depths: RETURNS,
+        format: DepthFormat::Blocks,
+        drawn: None,
+        work: DepthWork { covers: false, fills: false },
+    };
+}
+
+/// The way of a pass.
+///
+/// A template is taken where there can be one, as fragments then never begin. Else fragment shaders return early: where depth is
+/// tested or samples are counted, only such that change neither. An early fragment's colour is zero, blended with what was
+/// loaded or not; that lies in skipped blocks, all of which are filled after the pass, in each stored colour attachment, whatever
+/// earlier passes drew there: a block that is skipped is so in all passes to a target, until its mask is written anew between two
+/// submits. Later subpasses see zeros in skipped blocks alone, as they read their own pixel.
+///
+/// # Errors
+/// As for [`eligible`], where no shader can return early; or what stands against that.
+pub fn way(facts: &MaskFacts) -> Result<Way, Unmasked> {
+    let instead = match eligible(facts) {
+        Ok(eligible) => return Ok(Way::Template(eligible)),
+        Err(reason) => reason,
+    };
+    let returns = facts.pipelines.returns;
+    let keeps_coverage = facts.depth.is_some() || facts.pass.is_queried;
+    let can = if keeps_coverage { returns.keeping_coverage } else { returns.any };
+    if !can || !allows_return(instead) {
+        return Err(instead);
+    }
+    of_colors(facts.colors)?;
+    Ok(Way::Return { keeps_coverage, instead })
+}
+
+/// Whether a pass without a template for this reason can have an early return, which leaves depth, stencil and the effects of other
+/// shaders as they are.
+fn allows_return(reason: Unmasked) -> bool {
+    matches!(
+        reason,
+        Unmasked::NoDepth
+            | Unmasked::Queried
+            | Unmasked::SideEffects
+            | Unmasked::ShadesHidden
+            | Unmasked::RenderPass
+            | Unmasked::DepthUndefined
+            | Unmasked::DepthLoaded
+            | Unmasked::DepthUncleared
+            | Unmasked::DepthReadWithin
+            | Unmasked::DepthFormat(_)
+            | Unmasked::Transient
+            | Unmasked::DepthResolved
+            | Unmasked::DepthClearedLater
+            | Unmasked::StencilLoaded
+            | Unmasked::StencilStored
+            | Unmasked::NotWritable
+            | Unmasked::NotReadable
+            | Unmasked::Near(_)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::mask::eligibility::{ColorFacts, DepthFacts, PipelineFacts};
+    use crate::pass_detection::PassFacts;
+    use ash::vk;
+
+    const KEEPING: Returns = Returns { any: true, keeping_coverage: true };
+    const ANY: Returns = Returns { any: true, keeping_coverage: false };
+
+    fn color() -> ColorFacts {
+        let samples = vk::SampleCountFlags::TYPE_1;
+        ColorFacts { format: vk::Format::R8G8B8A8_SRGB, samples, is_stored: true, is_fillable: true }
+    }
+
+    fn depth() -> DepthFacts {
+        DepthFacts {
+            format: vk::Format::D32_SFLOAT,
+            samples: vk::SampleCountFlags::TYPE_1,
+            usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+            clear: 1.0,
+            is_loaded: false,
+            is_loadable: true,
+            is_covered: false,
+            is_read_within: false,
+            stores_stencil: false,
+            is_loaded_later: false,
+            is_submitted: false,
+            is_writable: true,
+            is_readable: true,
+        }
+    }
+
+    /// By depth, queries and fragment shaders of a pass.
+    fn of(
+        depth: Option<DepthFacts>,
+        is_queried: bool,
+        returns: Returns,
+        color: ColorFacts,
+    ) -> Result<Way, Unmasked> {
+        let pass = PassFacts { clears_depth: true, is_queried, ..PassFacts::default() };
+        let pipelines = PipelineFacts { returns, ..PipelineFacts::default() };
+        way(&MaskFacts { pass, depth, colors: &[color], pipelines, prefers_return: false })
+    }
+
+    #[test]
+    fn a_template_comes_first() {
+        assert!(matches!(of(Some(depth()), false, KEEPING, color()), Ok(Way::Template(_))));
+    }
+
+    #[test]
+    fn without_depth_shaders_return_early() {
+        let returned = |returns| of(None, false, returns, color());
+        let way = Way::Return { keeps_coverage: false, instead: Unmasked::NoDepth };
+        assert_eq!((returned(ANY), returned(KEEPING)), (Ok(way), Ok(way)));
+        assert_eq!(returned(Returns::default()), Err(Unmasked::NoDepth));
+    }
+
+    /// What is counted, and depth that must stay as it is, does not change.
+    #[test]
+    fn where_coverage_counts_only_shaders_that_keep_it_return_early() {
+        let queried = |depth, returns| of(depth, true, returns, color());
+        let way = Way::Return { keeps_coverage: true, instead: Unmasked::Queried };
+        for depth in [Some(depth()), None] {
+            assert_eq!(queried(depth, KEEPING), Ok(way));
+            assert_eq!(queried(depth, ANY), Err(Unmasked::Queried));
+        }
+        let transient = DepthFacts {
+            usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSIENT_ATTACHMENT,
+            ..depth()
+        };
+        let way = Way::Return { keeps_coverage: true, instead: Unmasked::Transient };
+        assert_eq!(of(Some(transient), false, KEEPING, color()), Ok(way));
+        assert_eq!(of(Some(transient), false, ANY, color()), Err(Unmasked::Transient));
+    }
+
+    #[test]
+    fn a_pass_that_cannot_load_its_depth_returns_early() {
+        let unloadable = Some(DepthFacts { is_loadable: false, ..depth() });
+        let way = Way::Return { keeps_coverage: true, instead: Unmasked::RenderPass };
+        assert_eq!(of(unloadable, false, KEEPING, color()), Ok(way));
+        assert_eq!(of(unloadable, false, ANY, color()), Err(Unmasked::RenderPass));
+    }
+
+    /// A template keeps no work from a CPU that tests depth of several samples.
+    #[test]
+    fn several_samples_return_early_where_that_saves_more() {
+        let pass = PassFacts { clears_depth: true, ..PassFacts::default() };
+        let of = |samples, returns, prefers_return| {
+            let pipelines = PipelineFacts { returns, ..PipelineFacts::default() };
+            let depth = Some(DepthFacts { samples, ..depth() });
+            way(&MaskFacts { pass, depth, colors: &[color()], pipelines, prefers_return })
+        };
+        let [one, four] = [vk::SampleCountFlags::TYPE_1, vk::SampleCountFlags::TYPE_4];
+        let returned = Way::Return { keeps_coverage: true, instead: Unmasked::ShadesHidden };
+        assert_eq!(of(four, KEEPING, true), Ok(returned));
+        for template in [of(four, KEEPING, false), of(one, KEEPING, true)] {
+            assert!(matches!(template, Ok(Way::Template(_))), "{template:?}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_filled_is_left_alone() {
+        let format = vk::Format::R32_UINT;
+        let identifiers = ColorFacts { format, ..color() };
+        assert_eq!(of(None, false, KEEPING, identifiers), Err(Unmasked::ColorFormat(format)));
+        let pass = PassFacts { has_own_rates: true, ..PassFacts::default() };
+        let pipelines = PipelineFacts { returns: KEEPING, ..PipelineFacts::default() };
+        let colors = &[color()];
+        assert_eq!(
+            way(&MaskFacts { pass, depth: None, colors, pipelines, prefers_return: false }),
+            Err(Unmasked::OwnRates)
+        );
+    }
+}

@@ -1,0 +1,126 @@
+//! The images that the application renders to instead of the runtime's.
+
+use super::SwapchainShape;
+use crate::gpu::barrier::APP_CREATED;
+use crate::gpu::{Gpu, GpuError, ImageDescription, Owned, OwnedImage, TextureSets, Uses, color_view, serial};
+use ash::vk;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicI32, Ordering};
+
+/// What we do with the application's images, besides what it does: `compose` reads and draws them, `fill` copies them.
+pub const APP_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::SAMPLED.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_SRC.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_DST.as_raw()
+        | vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw(),
+);
+
+/// Images of ours that the application renders to.
+pub struct AppImages {
+    // First: waits before the rest is destroyed. The others in the order in which each may be destroyed.
+    uses: Uses,
+    textures: TextureSets,
+    _views: Vec<Owned<vk::ImageView>>,
+    _images: Vec<OwnedImage>,
+    handles: Vec<vk::Image>,
+    /// The layouts in which the application left them.
+    layouts: Vec<AtomicI32>,
+    shape: SwapchainShape,
+    serial: u64,
+    gpu: Arc<Gpu>,
+}
+
+impl AppImages {
+    /// Creates `count` images, with the application's usage and ours; for views of other formats if it asked for that,
+    /// as an imageless framebuffer names flags and formats of the images. Submits nothing: a swapchain is created where the queue is the application's alone.
+    ///
+    /// # Errors
+    /// [`GpuError::Unsupported`] when the device has no such images; a failed call.
+    pub fn new(gpu: &Arc<Gpu>, shape: &SwapchainShape, count: u32) -> Result<Self, GpuError> {
+        let view_formats = shape.listed_view_formats();
+        let description = ImageDescription {
+            format: shape.format,
+            samples: vk::SampleCountFlags::TYPE_1,
+            extent: shape.extent,
+            array_layers: shape.array_layers,
+            usage: shape.usage | APP_USAGE,
+            mutable: shape.mutable,
+            view_formats: &view_formats,
+        };
+        let uses = Uses::new(gpu);
+        let images =
+            (0..count).map(|_| OwnedImage::new(gpu, &description)).collect::<Result<Vec<_>, GpuError>>()?;
+        let handles: Vec<vk::Image> = images.iter().map(OwnedImage::handle).collect();
+        let views = handles
+            .iter()
+            .flat_map(|&image| (0..shape.array_layers).map(move |layer| (image, layer)))
+            .map(|(image, layer)| color_view(gpu, image, shape.format, layer))
+            .collect::<Result<Vec<_>, GpuError>>()?;
+        let textures = TextureSets::new(gpu, &views)?;
+        Ok(Self {
+            uses,
+            textures,
+            _views: views,
+            _images: images,
+            layouts: handles
+                .iter()
+                .map(|_| AtomicI32::new(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL.as_raw()))
+                .collect(),
+            handles,
+            shape: shape.clone(),
+            serial: serial(),
+            gpu: Arc::clone(gpu),
+        })
+    }
+
+    /// Brings the images to COLOR_ATTACHMENT_OPTIMAL, with a submit. Once, before the application gets one.
+    ///
+    /// # Errors
+    /// [`GpuError::Timeout`] when earlier submits hang; a failed call. Then nothing was submitted.
+    pub fn make_ready(&self) -> Result<(), GpuError> {
+        let submit = self.gpu.submit(|recorder| {
+            for &image in &self.handles {
+                recorder.barrier(&APP_CREATED, image, self.shape.array_layers);
+            }
+            Ok(())
+        })?;
+        self.uses.mark(submit);
+        Ok(())
+    }
+
+    /// The images, in order.
+    pub fn images(&self) -> &[vk::Image] {
+        &self.handles
+    }
+
+    /// The application left an image in this layout, and expects it so.
+    pub fn left_in(&self, image: u32, layout: vk::ImageLayout) {
+        if let Some(known) = self.layouts.get(image as usize) {
+            known.store(layout.as_raw(), Ordering::Relaxed);
+        }
+    }
+
+    /// The layout of an image outside of our work.
+    pub(in crate::kernels) fn layout(&self, image: usize) -> vk::ImageLayout {
+        let known = self.layouts.get(image).map(|known| known.load(Ordering::Relaxed));
+        known.map_or(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, vk::ImageLayout::from_raw)
+    }
+
+    pub(in crate::kernels) fn shape(&self) -> &SwapchainShape {
+        &self.shape
+    }
+
+    /// No other images have it.
+    pub(in crate::kernels) fn serial(&self) -> u64 {
+        self.serial
+    }
+
+    pub(in crate::kernels) fn uses(&self) -> &Uses {
+        &self.uses
+    }
+
+    /// What reads a layer of an image.
+    pub(in crate::kernels) fn texture(&self, image: u32, layer: u32) -> Option<vk::DescriptorSet> {
+        self.textures.get((image * self.shape.array_layers + layer) as usize)
+    }
+}

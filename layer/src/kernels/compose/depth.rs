@@ -1,0 +1,211 @@
+//! Copies of the depth of the last pictures, made before the application returns it to the runtime.
+
+use crate::gpu::barrier::{
+    DEPTH_COPIED_TO_WRITTEN, DEPTH_WRITTEN_TO_COPIED, KEPT_DEPTH_COPIED_TO_READ, KEPT_DEPTH_READ_TO_COPIED,
+};
+use crate::gpu::{
+    Gpu, GpuError, ImageDescription, Owned, OwnedImage, RecordingKey, TextureSets, Uses, depth_view, serial,
+};
+use ash::vk;
+use parafovea_core::kernels::compose::DepthRect;
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What the runtime's images must be usable for, so that their depth can be copied.
+pub const DEPTH_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::TRANSFER_SRC;
+
+/// What depth images are like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DepthShape {
+    /// Their format.
+    pub format: vk::Format,
+    /// Size, pixels.
+    pub extent: vk::Extent2D,
+    /// Array layers.
+    pub array_layers: u32,
+}
+
+/// The runtime's images of a swapchain with depth, and the copies.
+pub struct DepthSource {
+    // First: waits before the runtime's images go.
+    uses: Uses,
+    images: Vec<vk::Image>,
+    kept: Arc<KeptDepth>,
+    serial: u64,
+}
+
+/// Copies of the depth of the last pictures, in turn.
+pub struct KeptDepth {
+    // First: waits before the rest is destroyed. The others in the order in which each may be destroyed.
+    uses: Uses,
+    textures: TextureSets,
+    _views: Vec<Owned<vk::ImageView>>,
+    _images: Vec<OwnedImage>,
+    handles: Vec<vk::Image>,
+    aspects: vk::ImageAspectFlags,
+    shape: DepthShape,
+    /// How many copies were made.
+    turns: AtomicU64,
+    gpu: Arc<Gpu>,
+}
+
+impl fmt::Debug for KeptDepth {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("KeptDepth").field("shape", &self.shape).finish_non_exhaustive()
+    }
+}
+
+/// The depth of a picture.
+#[derive(Clone, Copy, Debug)]
+pub struct PictureDepth<'a> {
+    /// The copies of which it is one.
+    pub kept: &'a KeptDepth,
+    /// Which one, counted from 1.
+    pub turn: u64,
+    /// The array layer.
+    pub array_layer: u32,
+    /// The rectangle.
+    pub rect: DepthRect,
+}
+
+impl DepthSource {
+    /// With room for `count` copies, at least 1, of `images` of that shape, which live until the result is dropped.
+    ///
+    /// # Errors
+    /// [`GpuError::Unsupported`] where depth of that format cannot be read, or the format has none; a failed call.
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        shape: &DepthShape,
+        images: Vec<vk::Image>,
+        count: u32,
+    ) -> Result<Self, GpuError> {
+        let kept = Arc::new(KeptDepth::new(gpu, shape, count)?);
+        Ok(Self { uses: Uses::new(gpu), images, kept, serial: serial() })
+    }
+
+    /// Copies the depth of an image that the application has written, and returns next; says which copy that is, counted from 1.
+    ///
+    /// # Errors
+    /// [`GpuError::Invalid`] for an index out of range, [`GpuError::Timeout`] when earlier submits hang; a failed call.
+    pub fn copy(&self, index: u32) -> Result<u64, GpuError> {
+        let KeptDepth { handles, aspects, shape, turns, gpu, uses, .. } = &*self.kept;
+        let from =
+            *self.images.get(index as usize).ok_or(GpuError::Invalid("an image index out of range"))?;
+        let turn = turns.load(Ordering::Relaxed) + 1;
+        let to = handles[self.kept.slot(turn)];
+        let layers = shape.array_layers;
+        // While it is written, nothing counts on what is overwritten.
+        turns.store(turn, Ordering::Relaxed);
+        let slot = self.kept.slot(turn) as u64;
+        let key = RecordingKey::from_slice(&[self.serial, index.into(), slot]);
+        let submit = gpu.next_submit()?.submit(Some(&key), |recorder| {
+            recorder.barrier_of(&DEPTH_WRITTEN_TO_COPIED, from, *aspects, layers);
+            recorder.barrier_of(&KEPT_DEPTH_READ_TO_COPIED, to, *aspects, layers);
+            recorder.copy_aspect(vk::ImageAspectFlags::DEPTH, [from, to], shape.extent, layers);
+            recorder.barrier_of(&DEPTH_COPIED_TO_WRITTEN, from, *aspects, layers);
+            recorder.barrier_of(&KEPT_DEPTH_COPIED_TO_READ, to, *aspects, layers);
+            Ok(())
+        })?;
+        uses.mark(submit);
+        self.uses.mark(submit);
+        Ok(turn)
+    }
+
+    /// The copies.
+    pub fn kept(&self) -> &Arc<KeptDepth> {
+        &self.kept
+    }
+}
+
+impl KeptDepth {
+    fn new(gpu: &Arc<Gpu>, shape: &DepthShape, count: u32) -> Result<Self, GpuError> {
+        let DepthShape { format, extent, array_layers } = *shape;
+        let aspects = aspects(format).ok_or(GpuError::Unsupported("a format without depth"))?;
+        let description = ImageDescription {
+            format,
+            samples: vk::SampleCountFlags::TYPE_1,
+            extent,
+            array_layers,
+            usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
+            mutable: false,
+            view_formats: &[],
+        };
+        let uses = Uses::new(gpu);
+        let images = (0..count.max(1))
+            .map(|_| OwnedImage::new(gpu, &description))
+            .collect::<Result<Vec<_>, GpuError>>()?;
+        let handles: Vec<vk::Image> = images.iter().map(OwnedImage::handle).collect();
+        let views = handles
+            .iter()
+            .flat_map(|&image| (0..array_layers).map(move |layer| (image, layer)))
+            .map(|(image, layer)| depth_view(gpu, image, format, layer))
+            .collect::<Result<Vec<_>, GpuError>>()?;
+        let textures = TextureSets::new(gpu, &views)?;
+        Ok(Self {
+            uses,
+            textures,
+            _views: views,
+            _images: images,
+            handles,
+            aspects,
+            shape: *shape,
+            turns: AtomicU64::new(0),
+            gpu: Arc::clone(gpu),
+        })
+    }
+
+    /// Whether a copy is still there.
+    pub fn is_there(&self, turn: u64) -> bool {
+        let turns = self.turns.load(Ordering::Relaxed);
+        (1..=turns).contains(&turn) && turns < turn + self.handles.len() as u64
+    }
+
+    /// What the images are like.
+    pub fn shape(&self) -> &DepthShape {
+        &self.shape
+    }
+
+    fn slot(&self, turn: u64) -> usize {
+        (turn % self.handles.len() as u64) as usize
+    }
+}
+
+impl PictureDepth<'_> {
+    /// Refuses what is not there.
+    pub(super) fn check(&self) -> Result<(), GpuError> {
+        let DepthShape { extent, array_layers, .. } = self.kept.shape;
+        let DepthRect { offset, extent: size } = self.rect;
+        let fits = |axis: usize, limit: u32| {
+            size[axis] > 0 && offset[axis].checked_add(size[axis]).is_some_and(|end| end <= limit)
+        };
+        let is_inside = fits(0, extent.width) && fits(1, extent.height) && self.array_layer < array_layers;
+        match is_inside && self.kept.is_there(self.turn) {
+            true => Ok(()),
+            false => Err(GpuError::Invalid("missing depth")),
+        }
+    }
+
+    /// What reads it.
+    pub(in crate::kernels) fn texture(&self) -> Option<vk::DescriptorSet> {
+        let layers = self.kept.shape.array_layers as usize;
+        self.kept.textures.get(self.kept.slot(self.turn) * layers + self.array_layer as usize)
+    }
+
+    /// Notes that a submit of that number reads it.
+    pub(super) fn mark(&self, submit: u64) {
+        self.kept.uses.mark(submit);
+    }
+}
+
+/// The aspects of a format with depth.
+fn aspects(format: vk::Format) -> Option<vk::ImageAspectFlags> {
+    let (depth, stencil) = (vk::ImageAspectFlags::DEPTH, vk::ImageAspectFlags::STENCIL);
+    match format {
+        vk::Format::D16_UNORM | vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D32_SFLOAT => Some(depth),
+        vk::Format::D16_UNORM_S8_UINT | vk::Format::D24_UNORM_S8_UINT | vk::Format::D32_SFLOAT_S8_UINT => {
+            Some(depth | stencil)
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,186 @@
+//! What submitted command buffers do to images, in submission order.
+
+use super::{SwapchainKey, Unmasked};
+use ash::vk;
+use smallvec::SmallVec;
+
+/// An image of the application. A key is never given twice, so it cannot be mistaken for an image that was destroyed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ImageKey(pub u64);
+
+/// What recognition needs to know of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImageDescription {
+    /// Which image.
+    pub key: ImageKey,
+    /// Size of level 0, pixels.
+    pub extent: [u32; 2],
+    /// Array layers.
+    pub layers: u32,
+    /// Its format.
+    pub format: vk::Format,
+    /// Samples of a pixel: 1, 2, 4, ...
+    pub samples: u32,
+    /// Whether views may be cubes (`VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT`).
+    pub is_cube: bool,
+    /// Whether it is one of an XR swapchain's.
+    pub swapchain: Option<SwapchainKey>,
+}
+
+/// One level and some layers of an image, as an attachment or one end of a transfer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Target {
+    /// The image.
+    pub image: ImageKey,
+    /// Mip level.
+    pub level: u32,
+    /// First array layer.
+    pub base_layer: u32,
+    /// Number of array layers.
+    pub layers: u32,
+}
+
+/// Something that a command buffer does, as far as it says where a picture comes from.
+#[allow(clippy::large_enum_variant, reason = "steady recording allocates nothing, so nothing is boxed")]
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// A render pass or an instance of dynamic rendering, from its begin to its end.
+    Pass(Pass),
+    /// A copy, blit or resolve outside of render passes.
+    Transfer(Transfer),
+}
+
+/// One render pass instance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pass {
+    /// Colour attachments of all subpasses, each once, input attachments that are also written among them.
+    pub colors: SmallVec<[Target; 8]>,
+    /// Where colour attachments are resolved to at the end, in the order of `colors`.
+    pub resolves: SmallVec<[Target; 4]>,
+    /// Depth attachment, if any.
+    pub depth: Option<Target>,
+    /// The render area: x, y, width, height in pixels.
+    pub area: [u32; 4],
+    /// Multiview's mask; 0 without.
+    pub view_mask: u32,
+    /// What limits what may be done to it.
+    pub facts: PassFacts,
+    /// Why it was recorded without a mask; nothing where it has one, or where the device masks nothing.
+    pub unmasked: Option<Unmasked>,
+    /// Its draws; `None` where they are not followed.
+    pub draws: Option<Draws>,
+}
+
+/// The draws of a pass.
+///
+/// Descriptor sets tell the reads of a draw. Images that are never attachments are left out: their content comes from no pass.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Draws {
+    /// Draws of one triangle or two, of one instance or one for each eye: at most [`Draws::QUAD_VERTICES`] vertices, known to the CPU.
+    pub quads: u32,
+    /// All other draws.
+    pub meshes: u32,
+    /// Vertices of all instances of all draws; saturates. Each draw that only the GPU knows counts [`Draws::INDIRECT_VERTICES`].
+    pub vertices: u32,
+    /// Attachments that quads may read.
+    pub read_by_quads: Reads,
+    /// Attachments that other draws may read.
+    pub read_by_meshes: Reads,
+}
+
+impl Draws {
+    /// Most vertices of a quad: two triangles.
+    pub const QUAD_VERTICES: u32 = 6;
+
+    /// Vertices that an indirect draw counts for: more than a full-screen pass has.
+    pub const INDIRECT_VERTICES: u32 = 1 << 16;
+
+    /// Adds the draws of a secondary command buffer, or of the next subpass.
+    pub fn add(&mut self, more: &Self) {
+        self.quads = self.quads.saturating_add(more.quads);
+        self.meshes = self.meshes.saturating_add(more.meshes);
+        self.vertices = self.vertices.saturating_add(more.vertices);
+        self.read_by_quads.add(&more.read_by_quads);
+        self.read_by_meshes.add(&more.read_by_meshes);
+    }
+}
+
+/// Images that shaders may read.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Reads {
+    /// Each once.
+    pub images: SmallVec<[ImageKey; Reads::MOST]>,
+    /// Whether more may be read than is known: descriptor buffers, arrays without end, or more than [`Reads::MOST`].
+    pub may_read_more: bool,
+}
+
+impl Reads {
+    /// Images that are told apart.
+    pub const MOST: usize = 8;
+
+    /// Adds an image.
+    pub fn push(&mut self, image: ImageKey) {
+        if self.images.contains(&image) {
+            return;
+        }
+        match self.images.len() < Self::MOST {
+            true => self.images.push(image),
+            false => self.may_read_more = true,
+        }
+    }
+
+    /// Adds all of `more`.
+    pub fn add(&mut self, more: &Self) {
+        self.may_read_more |= more.may_read_more;
+        more.images.iter().for_each(|image| self.push(*image));
+    }
+}
+
+/// Facts of a pass that decide what a backend may do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct PassFacts {
+    /// Depth is cleared at the begin (`loadOp` CLEAR).
+    pub clears_depth: bool,
+    /// Depth is stored at the end, or stays as it is (`storeOp` NONE).
+    pub stores_depth: bool,
+    /// Depth or stencil is resolved at the end.
+    pub resolves_depth: bool,
+    /// Stencil is loaded at the begin.
+    pub loads_stencil: bool,
+    /// vkCmdClearAttachments clears depth in it.
+    pub clears_depth_later: bool,
+    /// An occlusion query or conditional rendering is active in it.
+    pub is_queried: bool,
+    /// It has a shading-rate attachment of the application's own.
+    pub has_own_rates: bool,
+    /// Part of suspended and resumed rendering.
+    pub is_suspended: bool,
+    /// It has a mask that may leave tiles out, but nothing after it fills those that are coarse.
+    pub is_unfilled: bool,
+}
+
+/// A copy, blit or resolve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transfer {
+    /// Copy, blit or resolve.
+    pub kind: TransferKind,
+    /// Read.
+    pub from: Target,
+    /// x, y, width, height in pixels, of what is read; a negative extent is mirrored (blits only).
+    pub from_rect: [i32; 4],
+    /// Written.
+    pub to: Target,
+    /// As `from_rect`, of what is written.
+    pub to_rect: [i32; 4],
+}
+
+/// Kinds of transfers between images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TransferKind {
+    /// vkCmdCopyImage.
+    Copy,
+    /// vkCmdBlitImage.
+    Blit,
+    /// vkCmdResolveImage.
+    Resolve,
+}

@@ -1,0 +1,207 @@
+//! The passes of the last frames in their order: what an image is that was made anew is seen from others of its shape.
+
+use super::merge;
+use crate::pass_detection::{Event, ImageDescription, ImageKey, Match, Pass, Target, Unmatched};
+use ash::vk;
+use std::fmt;
+
+/// Frames that are kept: what a pass was may be known one frame later, and places in the order count once two frames
+/// agree.
+const KEPT: usize = 3;
+
+/// The passes of the last frames, the newest frame first. Frames without passes do not count.
+#[derive(Debug, Default)]
+pub(super) struct Cast {
+    frames: [Vec<Role>; KEPT],
+}
+
+/// One pass and what it was.
+#[derive(Debug)]
+struct Role {
+    shape: Shape,
+    pass: Pass,
+    /// How many passes of its frame drew its first image before.
+    ordinal: usize,
+    /// Whether its first image was made for this frame, or the last.
+    is_young: bool,
+    outcome: Outcome,
+}
+
+type Outcome = Result<Match, Unmatched>;
+
+/// What passes of one kind have in common from frame to frame, if nothing else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Shape {
+    format: vk::Format,
+    extent: [u32; 2],
+    samples: u32,
+    layers: u32,
+    base_layer: u32,
+    view_mask: u32,
+    colors: usize,
+    has_depth: bool,
+    /// Whether it is an image of an XR swapchain.
+    is_shown: bool,
+}
+
+impl Shape {
+    /// The shape of a pass, by its first target: depth where there is no colour.
+    pub(super) fn new(
+        pass: &Pass,
+        description: impl Fn(ImageKey) -> Option<ImageDescription>,
+    ) -> Option<Self> {
+        let first = first_target(pass)?;
+        let image = description(first.image)?;
+        Some(Self {
+            format: image.format,
+            extent: image.extent,
+            samples: image.samples,
+            layers: first.layers,
+            base_layer: first.base_layer,
+            view_mask: pass.view_mask,
+            colors: pass.colors.len(),
+            has_depth: pass.depth.is_some(),
+            is_shown: image.swapchain.is_some(),
+        })
+    }
+
+    /// Whether `self` is `other` at another size: dynamic resolution.
+    fn is_resized(&self, other: &Self) -> bool {
+        let scale = [0, 1].map(|axis: usize| self.extent[axis] as f32 / other.extent[axis] as f32);
+        let short = other.extent[0].min(other.extent[1]) as f32;
+        *self == Self { extent: self.extent, ..*other }
+            && scale.iter().all(|scale| (0.5..=2.0).contains(scale))
+            && (scale[0] / scale[1] - 1.0).abs() * short <= 16.0
+    }
+}
+
+impl fmt::Display for Shape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [width, height] = self.extent;
+        write!(f, "{width}x{height} {:?}", self.format)?;
+        if self.colors > 1 {
+            write!(f, " and {} more", self.colors - 1)?;
+        }
+        if self.layers > 1 {
+            write!(f, ", {} layers", self.layers)?;
+        }
+        if self.base_layer > 0 {
+            write!(f, ", layer {}", self.base_layer)?;
+        }
+        if self.samples > 1 {
+            write!(f, ", {} samples", self.samples)?;
+        }
+        Ok(())
+    }
+}
+
+/// The first colour target, or depth.
+fn first_target(pass: &Pass) -> Option<&Target> {
+    pass.colors.first().or(pass.depth.as_ref())
+}
+
+impl Cast {
+    /// Takes the passes of a frame.
+    pub(super) fn take(
+        &mut self,
+        events: &[Event],
+        description: impl Fn(ImageKey) -> Option<ImageDescription> + Copy,
+        is_young: impl Fn(ImageKey) -> bool,
+    ) {
+        let passes = events.iter().filter_map(|event| match event {
+            Event::Pass(pass) => Some(pass),
+            Event::Transfer(_) => None,
+        });
+        if passes.clone().next().is_none() {
+            return;
+        }
+        self.frames.rotate_right(1);
+        self.frames[0].clear();
+        for pass in passes {
+            if let Some(shape) = Shape::new(pass, description) {
+                let image = pass.colors.first().map(|target| target.image);
+                let is_before = |role: &&Role| role.pass.colors.first().map(|target| target.image) == image;
+                let ordinal = self.frames[0].iter().filter(is_before).count();
+                let is_young = image.is_some_and(&is_young);
+                let outcome = Err(Unmatched::New);
+                self.frames[0].push(Role { shape, pass: pass.clone(), ordinal, is_young, outcome });
+            }
+        }
+    }
+
+    /// Judges all passes with what is known now.
+    pub(super) fn judge(&mut self, judge: impl Fn(&Pass, usize) -> Outcome) {
+        for role in self.frames.iter_mut().flatten() {
+            role.outcome = judge(&role.pass, role.ordinal);
+        }
+    }
+
+    /// What a pass of this shape was in the last frames, after the passes of `earlier`; nothing where there was none.
+    pub(super) fn like(
+        &self,
+        shape: &Shape,
+        earlier: &[Event],
+        description: impl Fn(ImageKey) -> Option<ImageDescription> + Copy,
+    ) -> Option<Outcome> {
+        let before = || {
+            let is_same = |event: &&Event| matches!(event, Event::Pass(pass) if Shape::new(pass, description) == Some(*shape));
+            earlier.iter().filter(is_same).count()
+        };
+        self.agreed(|other| other == shape, before)
+            // Of another size it may be anything else just as well, unless all were the scene.
+            .or_else(|| self.agreed(|other| shape.is_resized(other), before).filter(Result::is_ok))
+    }
+
+    /// What the passes of some shape were, in the newest frame that leaves no doubt.
+    fn agreed(&self, is_like: impl Fn(&Shape) -> bool, before: impl Fn() -> usize) -> Option<Outcome> {
+        let outcomes = |frame: usize| {
+            let roles = self.frames.get(frame).map_or(&[][..], Vec::as_slice);
+            // What lasts says nothing of a new image: that may be a mirror's, which was not there before.
+            let counts = |role: &&Role| role.is_young || role.shape.is_shown;
+            roles.iter().filter(|role| is_like(&role.shape)).filter(counts).map(|role| &role.outcome)
+        };
+        let mut doubtful = None;
+        for frame in 0..KEPT - 1 {
+            let Some(first) = outcomes(frame).next() else { continue };
+            let alike = outcomes(frame).all(|outcome| outcome == first);
+            let stable = outcomes(frame).eq(outcomes(frame + 1));
+            if alike && (first.is_ok() || stable) {
+                return Some(first.clone());
+            }
+            // What turned up in a quad is given up at once, whatever it was before.
+            if !stable && outcomes(frame).any(|outcome| *outcome == Err(Unmatched::Flat)) {
+                return Some(Err(if alike { Unmatched::Flat } else { Unmatched::Ambiguous }));
+            }
+            if stable && let Some(outcome) = outcomes(frame).nth(before()) {
+                return Some(outcome.clone());
+            }
+            if let Some(all) = union(outcomes(frame)) {
+                return Some(Ok(all));
+            }
+            doubtful = Some(Err(if alike { first.clone().err()? } else { Unmatched::Ambiguous }));
+        }
+        doubtful
+    }
+
+    /// What the pass with this depth attachment was, in the newest frame with one that was the scene.
+    pub(super) fn scene_with_depth(&self, depth: Target) -> Option<&Match> {
+        let is_like = |role: &&Role| role.pass.depth == Some(depth);
+        self.frames.iter().flatten().filter(is_like).find_map(|role| role.outcome.as_ref().ok())
+    }
+
+    /// The newest frame's passes.
+    pub(super) fn last(&self) -> impl Iterator<Item = (&Shape, &Outcome)> {
+        self.frames[0].iter().map(|role| (&role.shape, &role.outcome))
+    }
+}
+
+/// All matches as one, where all are matches.
+fn union<'a>(mut outcomes: impl Iterator<Item = &'a Outcome>) -> Option<Match> {
+    let mut all = outcomes.next()?.clone().ok()?;
+    for outcome in outcomes {
+        let Match { parts, how } = outcome.as_ref().ok()?;
+        merge(&mut all.parts, parts);
+        all.how = all.how.max(*how);
+    }
+    Some(all)
+}

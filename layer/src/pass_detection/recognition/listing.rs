@@ -1,0 +1,93 @@
+//! The listing of passes, for the log: what each kind of pass is, or why it is not the scene.
+
+use super::cast::Shape;
+use crate::pass_detection::{Eyes, Match, Orientation, Unmatched};
+use crate::status::Topic;
+use smallvec::SmallVec;
+use std::fmt;
+
+/// Most lines: images made anew at every size of dynamic resolution would fill the log.
+const MOST_LINES: usize = 100;
+
+/// What has been told.
+#[derive(Debug, Default)]
+pub(super) struct Listing {
+    /// What the passes of a shape were last told to be.
+    told: Vec<(Shape, SmallVec<[Verdict; 2]>)>,
+    lines: usize,
+}
+
+/// What a pass is, without what changes from frame to frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Verdict(Result<[Option<(Eyes, Orientation)>; 2], Unmatched>);
+
+impl Verdict {
+    fn new(outcome: &Result<Match, Unmatched>) -> Self {
+        Self(outcome.as_ref().map_err(|reason| *reason).map(|found| {
+            let mut parts = found.parts.iter().map(|part| (part.eyes, part.orientation));
+            [parts.next(), parts.next()]
+        }))
+    }
+}
+
+impl Listing {
+    /// Tells of each pass that is what none of its shape has been.
+    pub(super) fn news<'a>(
+        &mut self,
+        passes: impl Iterator<Item = (&'a Shape, &'a Result<Match, Unmatched>)>,
+        mut tell: impl FnMut(Topic, &dyn fmt::Display),
+    ) {
+        for (shape, outcome) in passes {
+            if self.lines >= MOST_LINES {
+                return;
+            }
+            let verdict = Verdict::new(outcome);
+            let index = self.told.iter().position(|(told, _)| told == shape).unwrap_or_else(|| {
+                self.told.push((*shape, SmallVec::new()));
+                self.told.len() - 1
+            });
+            let verdicts = &mut self.told[index].1;
+            if !verdicts.contains(&verdict) {
+                verdicts.push(verdict);
+                self.lines += 1;
+                let topic = if outcome.is_ok() { Topic::Scene } else { Topic::OtherPass };
+                tell(topic, &Line { shape, outcome });
+                if self.lines == MOST_LINES {
+                    tell(Topic::OtherPass, &"further passes are not listed");
+                }
+            }
+        }
+    }
+}
+
+struct Line<'a> {
+    shape: &'a Shape,
+    outcome: &'a Result<Match, Unmatched>,
+}
+
+impl fmt::Display for Line<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "pass {}: ", self.shape)?;
+        match self.outcome {
+            Err(reason) => write!(f, "not the scene: {reason}"),
+            Ok(found) => {
+                f.write_str("the scene: ")?;
+                for (index, part) in found.parts.iter().enumerate() {
+                    let separator = if index == 0 { "" } else { " and " };
+                    let eyes = match part.eyes {
+                        Eyes::Left => "left eye",
+                        Eyes::Right => "right eye",
+                        Eyes::Finer => "both eyes (finer rate)",
+                    };
+                    let way_up = match part.orientation {
+                        Orientation::Upright => "",
+                        Orientation::UpsideDown => ", upside-down",
+                        Orientation::Unknown => ", unknown orientation",
+                    };
+                    write!(f, "{separator}{eyes}{way_up}")?;
+                }
+                write!(f, ": {}", found.how)
+            }
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! The content of an image when it is read.
+
+use super::{Kind, Known, MOST_STEPS, Provenance, Sources, writes};
+use crate::pass_detection::recognition::candidate;
+use crate::pass_detection::{Event, ImageKey};
+
+impl Provenance {
+    /// Adds the cameras whose content an image holds where event number `reader` reads it. Whether it may hold something else.
+    ///
+    /// What no earlier event of the frame writes is from the last frame, whose later events were as this one's.
+    pub(super) fn sources_of(
+        &mut self,
+        image: ImageKey,
+        reader: usize,
+        events: &[Event],
+        known: &Known<'_>,
+        depth: usize,
+        sources: &mut Sources,
+    ) -> bool {
+        if depth > super::DEEPEST {
+            return true;
+        }
+        let mut is_written = false;
+        let order = (0..reader).rev().chain((reader + 1..events.len()).rev());
+        for index in order {
+            self.steps += 1;
+            if self.steps > MOST_STEPS {
+                return true;
+            }
+            match &events[index] {
+                Event::Pass(pass) if writes(pass, image) => {
+                    is_written = true;
+                    match self.nodes[index].kind {
+                        Kind::Camera => {
+                            let group = self.nodes[index].group;
+                            if !sources.contains(&group) {
+                                sources.push(group);
+                            }
+                            return false;
+                        }
+                        Kind::Screen { .. } => {
+                            let (found, has_unknown) = self.origins(index, pass, events, known, depth + 1);
+                            // Without any of its own, it draws over what is there.
+                            let is_over = self.is_over(index, image, &found, events);
+                            if !found.is_empty() || has_unknown {
+                                sources.extend(
+                                    found
+                                        .into_iter()
+                                        .filter(|found| !sources.contains(found))
+                                        .collect::<Sources>(),
+                                );
+                                // The picture under it may be the one as well.
+                                if !is_over || has_unknown {
+                                    return has_unknown;
+                                }
+                            }
+                        }
+                        Kind::Transfer | Kind::Other => {}
+                    }
+                }
+                Event::Transfer(transfer) if transfer.to.image == image && transfer.from.image != image => {
+                    return self.sources_of(transfer.from.image, index, events, known, depth + 1, sources);
+                }
+                Event::Pass(_) | Event::Transfer(_) => {}
+            }
+        }
+        // Nothing draws it, ever: compute does.
+        let holds_colours =
+            known.memory.description(image).is_none_or(|image| candidate::holds_colours(image.format));
+        !is_written && holds_colours && !known.memory.is_drawn(image)
+    }
+}

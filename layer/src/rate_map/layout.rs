@@ -1,0 +1,266 @@
+//! Where the tiles of plans lie under the texels of a layer. That takes many divisions, and changes only with the sizes of pictures and
+//! passes, so it is kept from frame to frame.
+
+use super::rates::FULL;
+use super::span::{self, Span};
+use super::{COARSEST, DeviceRates, EyeMap, Place, Places, RateImage, is_covered, maps};
+use crate::pass_detection::Orientation;
+use smallvec::SmallVec;
+use std::ops::Range;
+use std::ptr;
+
+/// So many layouts are kept: of two passes that draw both eyes, with two sizes each.
+const MOST_LAYOUTS: usize = 8;
+
+/// The layouts that were needed last, the newest first.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Layouts(Vec<Layout>);
+
+impl Layouts {
+    /// That of a layer on which `places` show `eyes`; allocates only where it is not known.
+    pub(super) fn of(&mut self, eyes: [&EyeMap; 2], places: &Places, image: &RateImage) -> &Layout {
+        let shapes = eyes.map(|map| [map.extent(), map.texel(), map.tiles()]);
+        let is_same =
+            |layout: &Layout| layout.image == *image && layout.shapes == shapes && layout.places == *places;
+        match self.0.iter().position(is_same) {
+            Some(index) => self.0[..=index].rotate_right(1),
+            None => {
+                self.0.truncate(MOST_LAYOUTS - 1);
+                self.0.insert(0, Layout::new(eyes, shapes, places, image));
+            }
+        }
+        &self.0[0]
+    }
+}
+
+/// Where the tiles of plans lie under the texels of a layer: no texel is coarser than the finest tile under it.
+#[derive(Clone, Debug)]
+pub(super) struct Layout {
+    image: RateImage,
+    places: Places,
+    /// Of both eyes: size of the picture and of a tile, pixels, and columns and rows of tiles.
+    shapes: [[[u32; 2]; 3]; 2],
+    limits: SmallVec<[Limit; 4]>,
+    rows: Vec<Row>,
+    /// Of each row that has its own, the rows of the plan that each limit meets.
+    met: Vec<Span>,
+    /// Columns of texels with a pixel of the render area that no part covers, or outside of it.
+    uncovered: Vec<u32>,
+}
+
+/// A plan under a part. One without tiles limits all texels of its part to 1x1.
+#[derive(Clone, Debug)]
+struct Limit {
+    /// 0: left, 1: right.
+    eye: usize,
+    columns: Columns,
+}
+
+/// How columns of the rate image meet columns of the plan.
+#[derive(Clone, Debug)]
+enum Columns {
+    /// One each, in turn: first and end column, first of the plan.
+    Straight(usize, usize, usize),
+    /// At most one each: which, or [`NONE`].
+    Single(Vec<u8>),
+    Several(Vec<Span>),
+}
+
+/// No column of the plan.
+const NONE: u8 = u8::MAX;
+
+/// A row of texels.
+#[derive(Clone, Debug)]
+enum Row {
+    /// It is that above.
+    Repeated,
+    /// The place of its first span in [`Layout::met`], and its part of [`Layout::uncovered`].
+    Own(usize, Range<usize>),
+}
+
+/// What decides a row of texels: rows that agree in it are alike.
+#[derive(PartialEq, Eq)]
+struct RowKey {
+    /// For each limit, the rows of the plan that it meets.
+    met: SmallVec<[Span; 8]>,
+    /// For each part, whether it has all pixels of the row within the render area, or none.
+    covers: SmallVec<[bool; 8]>,
+}
+
+impl Layout {
+    fn new(eyes: [&EyeMap; 2], shapes: [[[u32; 2]; 3]; 2], places: &Places, image: &RateImage) -> Self {
+        let mut layout = Self {
+            image: *image,
+            places: places.clone(),
+            shapes,
+            limits: SmallVec::new(),
+            rows: Vec::new(),
+            met: Vec::new(),
+            uncovered: Vec::new(),
+        };
+        let mut sources: SmallVec<[(&EyeMap, &Place, bool); 8]> = SmallVec::new();
+        for place in places {
+            for map in maps(eyes, place.eyes) {
+                let flips: &[bool] = match place.orientation {
+                    Orientation::Upright => &[false],
+                    Orientation::UpsideDown => &[true],
+                    Orientation::Unknown => &[false, true],
+                };
+                for is_flipped in flips {
+                    sources.push((map, place, *is_flipped));
+                    let met = |column| span::met(map, place, image, 0, column, false);
+                    let columns = Columns::new((0..image.tiles[0]).map(met).collect());
+                    layout.limits.push(Limit { eye: usize::from(!ptr::eq(map, eyes[0])), columns });
+                }
+            }
+        }
+        let mut last: Option<RowKey> = None;
+        for row in 0..image.tiles[1] {
+            let met: SmallVec<[Span; 8]> = sources
+                .iter()
+                .map(|(map, place, is_flipped)| span::met(map, place, image, 1, row, *is_flipped))
+                .collect();
+            // None for a row that a part covers partly, as keys do not tell such rows apart.
+            let covers = places.iter().map(|place| place.covers_row(image, row)).collect::<Option<_>>();
+            let key = covers.map(|covers| RowKey { met: met.clone(), covers });
+            if key.is_some() && key == last {
+                layout.rows.push(Row::Repeated);
+                continue;
+            }
+            last = key;
+            let begin = layout.uncovered.len();
+            let columns = 0..image.tiles[0];
+            layout.uncovered.extend(columns.filter(|column| !is_covered(places, image, [*column, row])));
+            layout.rows.push(Row::Own(layout.met.len(), begin..layout.uncovered.len()));
+            layout.met.extend(met);
+        }
+        layout
+    }
+
+    /// Writes the texels of the layer, row by row: [`parafovea_core::rate::ShadingRate::texel`], with
+    /// [`parafovea_core::reuse::STALE`].
+    pub(super) fn fill(
+        &self,
+        eyes: [&EyeMap; 2],
+        rates: &DeviceRates,
+        finest_of: &mut Vec<u8>,
+        texels: &mut [u8],
+    ) {
+        let width = self.image.tiles[0] as usize;
+        for (index, row) in self.rows.iter().enumerate() {
+            let begin = index * width;
+            let Row::Own(met, uncovered) = row else {
+                texels.copy_within(begin - width..begin, begin);
+                continue;
+            };
+            let texels = &mut texels[begin..begin + width];
+            let met = &self.met[*met..*met + self.limits.len()];
+            if !self.fill_from_one(eyes, met, rates, finest_of, texels) {
+                texels.fill(COARSEST);
+                self.limit(eyes, met, finest_of, texels);
+                texels.iter_mut().for_each(|texel| *texel = rates.of_unary(*texel));
+            }
+            // 1x1 is FULL, in unary and as a rate.
+            self.uncovered[uncovered.clone()].iter().for_each(|column| texels[*column as usize] = FULL);
+        }
+    }
+
+    /// Writes a row of texels that has a single limit, with tiles at least as large as texels: tiles become rates before they are spread
+    /// over texels. Returns false, and does nothing, for other rows.
+    fn fill_from_one(
+        &self,
+        eyes: [&EyeMap; 2],
+        met: &[Span],
+        rates: &DeviceRates,
+        finest_of: &mut Vec<u8>,
+        texels: &mut [u8],
+    ) -> bool {
+        let ([Limit { eye, columns: Columns::Single(columns) }], [rows]) = (&self.limits[..], met) else {
+            return false;
+        };
+        if rows.is_empty() {
+            return false;
+        }
+        finest_row(eyes[*eye], *rows, finest_of);
+        let mut of_column = [rates.of_unary(COARSEST); NONE as usize + 1];
+        for (rate, tile) in of_column[..usize::from(NONE)].iter_mut().zip(&*finest_of) {
+            *rate = rates.of_unary(*tile);
+        }
+        for (texel, column) in texels.iter_mut().zip(columns) {
+            *texel = of_column[usize::from(*column)];
+        }
+        true
+    }
+
+    /// Limits the texels of a row to the finest tile under each.
+    fn limit(&self, eyes: [&EyeMap; 2], met: &[Span], finest_of: &mut Vec<u8>, texels: &mut [u8]) {
+        for (Limit { eye, columns }, rows) in self.limits.iter().zip(met) {
+            if rows.is_empty() {
+                continue;
+            }
+            finest_row(eyes[*eye], *rows, finest_of);
+            match columns {
+                Columns::Straight(from, to, first) => {
+                    for (texel, rate) in texels[*from..*to].iter_mut().zip(&finest_of[*first..]) {
+                        *texel &= rate;
+                    }
+                }
+                Columns::Single(columns) => {
+                    for (texel, column) in
+                        texels.iter_mut().zip(columns).filter(|(_, column)| **column != NONE)
+                    {
+                        *texel &= finest_of[usize::from(*column)];
+                    }
+                }
+                Columns::Several(spans) => {
+                    for (texel, span) in texels.iter_mut().zip(spans).filter(|(_, span)| !span.is_empty()) {
+                        *texel &= finest(&finest_of[span.range()]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Columns {
+    fn new(met: Vec<Span>) -> Self {
+        if let Some((from, to, first)) = straight(&met) {
+            return Self::Straight(from, to, first);
+        }
+        let single = |span: &Span| match span.range() {
+            range if range.is_empty() => Some(NONE),
+            range => u8::try_from(range.start).ok().filter(|first| *first != NONE && range.len() == 1),
+        };
+        met.iter().map(single).collect::<Option<_>>().map_or(Self::Several(met), Self::Single)
+    }
+}
+
+/// The finest of some unary rates; mostly there are one or two.
+fn finest(rates: &[u8]) -> u8 {
+    match rates {
+        [one] => *one,
+        [one, other] => one & other,
+        _ => rates.iter().fold(COARSEST, |finest, rate| finest & rate),
+    }
+}
+
+/// Where each column meets one column of the plan, and they follow each other: first and end column, first of the plan.
+fn straight(columns: &[Span]) -> Option<(usize, usize, usize)> {
+    let from = columns.iter().position(|span| !span.is_empty())?;
+    let to = columns.iter().rposition(|span| !span.is_empty())? + 1;
+    let first = columns[from].range().start;
+    let in_turn =
+        (first..).zip(&columns[from..to]).all(|(column, span)| span.range() == (column..column + 1));
+    in_turn.then_some((from, to, first))
+}
+
+fn finest_row(map: &EyeMap, rows: Span, out: &mut Vec<u8>) {
+    out.clear();
+    let mut rows = rows.range().map(|row| map.unary_row(row));
+    out.extend_from_slice(rows.next().unwrap_or_default());
+    for row in rows {
+        for (finest, rate) in out.iter_mut().zip(row) {
+            *finest &= rate;
+        }
+    }
+}
