@@ -5,9 +5,9 @@ use super::contrast::VisibleContrast;
 use super::eye::EyeMemory;
 use super::frame::FramePlan;
 use super::input::{EyeInput, PlanInput};
-use super::rails::RailMemory;
 use super::reasons::{Reason, Reasons};
 use super::rules::{AgeLimits, FrameRules, Permit};
+use super::safety::SafetyState;
 use super::sensitivity::Sensitivity;
 use super::settings::{PlanSettings, RateSettings, Turns};
 use crate::chroma::Focus;
@@ -25,7 +25,7 @@ pub struct Planner {
     settings: PlanSettings,
     /// Present where contrast is judged.
     sensitivity: Option<Sensitivity>,
-    rails: RailMemory,
+    safety: SafetyState,
     cap: PeriodCap,
     /// How far what is re-used may be out of place for each frame that it is old, arc minutes.
     drift_arcmin: f32,
@@ -42,7 +42,7 @@ impl Planner {
         let mut planner = Self {
             settings,
             sensitivity: None,
-            rails: RailMemory::default(),
+            safety: SafetyState::default(),
             cap: PeriodCap::default(),
             drift_arcmin: 0.0,
             ages: None,
@@ -54,7 +54,7 @@ impl Planner {
         planner
     }
 
-    /// What it plans with, the rails in numbers that can be used.
+    /// What it plans with, the safety limits in numbers that can be used.
     pub fn settings(&self) -> &PlanSettings {
         &self.settings
     }
@@ -68,7 +68,7 @@ impl Planner {
 
     /// Plans with `settings` from now on. Tiles keep what they remember, so that an edit does not show as a jump.
     pub fn set_settings(&mut self, settings: PlanSettings) {
-        self.settings = PlanSettings { rails: settings.rails.usable(), ..settings };
+        self.settings = PlanSettings { safety: settings.safety.usable(), ..settings };
         let wanted = match settings.rates {
             RateSettings::AudioVisual(model) if !settings.contrast_on_gpu => Some(model.budget.unit),
             RateSettings::AudioVisual(_) | RateSettings::Off | RateSettings::Fixed(_) => None,
@@ -103,11 +103,11 @@ impl Planner {
     pub fn plan(&mut self, input: &PlanInput) -> &FramePlan {
         let mut reasons = Reasons::default();
         let is_judged = matches!(self.settings.rates, RateSettings::AudioVisual(_));
-        let rails =
-            self.rails.frame(&self.settings.rails, is_judged, input.time_ns, &input.gaze, &mut reasons);
+        let safety =
+            self.safety.frame(&self.settings.safety, is_judged, input.time_ns, &input.gaze, &mut reasons);
         let period_cap = self.cap.update(input.frame_rate_hz);
         let limits = AgeLimits { period_cap, drift_arcmin: self.drift_arcmin };
-        let rules = FrameRules::new(&self.settings, rails, input.audio.as_ref(), limits, &mut reasons);
+        let rules = FrameRules::new(&self.settings, safety, input.audio.as_ref(), limits, &mut reasons);
         let head = rotation(input.head).unwrap_or(Quat::IDENTITY);
         if let (Some(ages), Some(schedule)) = (&mut self.ages, &rules.schedule) {
             let gazes = rules.centres.map(|centre| head * centre);
@@ -122,7 +122,7 @@ impl Planner {
         let schedule = rules.schedule.unwrap_or_default();
         self.plan.frame = input.frame;
         self.plan.available = self.settings.device.available;
-        self.plan.inflation_deg = rules.rails.inflation_deg;
+        self.plan.inflation_deg = rules.safety.inflation_deg;
         self.plan.regions_deg = schedule.regions.radii_deg;
         self.plan.periods = schedule.configuration.factors();
         self.plan.budget = rules.judged.and_then(|judged| judged.budget);

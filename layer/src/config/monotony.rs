@@ -8,7 +8,7 @@ use parafovea_core::gaze::{GazePhase, GazeState};
 use parafovea_core::geometry::Fov;
 use parafovea_core::image::Plane;
 use parafovea_core::perception::{ContrastMap, TileContrast};
-use parafovea_core::plan::{EyeInput, PlanInput, PlanSettings, Planner, RailSettings};
+use parafovea_core::plan::{EyeInput, PlanInput, PlanSettings, Planner, SafetySettings};
 use parafovea_core::rate::VULKAN_RATES;
 use parafovea_manifest::config::parse;
 use parafovea_manifest::options::{Allowed, OPTIONS};
@@ -32,9 +32,12 @@ fn config(settings: &str) -> Config {
 fn shaded(config: &Config) -> f32 {
     let settings = plan_settings(config, &VULKAN_RATES, [16; 2], true);
     let at_once = f32::INFINITY;
-    let rails =
-        RailSettings { coarsening_octaves_per_s: at_once, judged_octaves_per_s: at_once, ..settings.rails };
-    let mut planner = Planner::new(PlanSettings { contrast_on_gpu: false, rails, ..settings });
+    let safety = SafetySettings {
+        coarsening_octaves_per_s: at_once,
+        judged_octaves_per_s: at_once,
+        ..settings.safety
+    };
+    let mut planner = Planner::new(PlanSettings { contrast_on_gpu: false, safety, ..settings });
     let map = ContrastMap {
         tiles: Plane::from_fn(TILES, TILES, |x, _| TileContrast {
             bands: [0.004 * (x + 1) as f32; 4],

@@ -9,6 +9,6 @@ pub mod checks;
 pub mod debug_views;
 pub mod eyes;
 pub mod hard_cases;
-pub mod rails;
 pub mod reference;
 pub mod room;
+pub mod safety;

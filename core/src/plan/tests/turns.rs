@@ -12,7 +12,7 @@ fn as_published(configuration: UpdateConfiguration) -> PlanSettings {
         uncapped: true,
         ..UpdateSettings::from(schedule)
     };
-    PlanSettings { schedule: Some(updates), rails: RailSettings::PAPER, ..PlanSettings::default() }
+    PlanSettings { schedule: Some(updates), safety: SafetySettings::PAPER, ..PlanSettings::default() }
 }
 
 /// The display that paper B's table fits best: 1440 x 1600 pixels, 110.5 degrees high.

@@ -49,7 +49,7 @@ fn cheaper_presets_are_nowhere_finer() {
 /// The fovea of the planner's safety limits, with the tracker's error, lies within the inner ring.
 #[test]
 fn rings_of_presets_begin_outside_of_the_fovea() {
-    let RailSettings { least_foveal_deg, tracker_error_deg, .. } = RailSettings::default();
+    let SafetySettings { least_foveal_deg, tracker_error_deg, .. } = SafetySettings::default();
     for (preset, _) in RINGS {
         let rings = fixed_foveation(&Config::of_preset(preset));
         assert_eq!(rings.rate_at(least_foveal_deg + tracker_error_deg), 1.0, "{preset:?}");
@@ -96,7 +96,7 @@ fn the_paper_preset_has_the_papers_rates_schedule_and_curves_and_no_safety_limit
             uncapped: true,
         }),
         chroma: Some(ChromaSettings { mode: chroma::Mode::Paper, ..ChromaSettings::default() }),
-        rails: RailSettings::PAPER,
+        safety: SafetySettings::PAPER,
         device: DeviceRates { available: AvailableRates::new(&PAPER_RATES), texel: [16, 16] },
         contrast_on_gpu: true,
     };
