@@ -25,7 +25,7 @@ mod sensitivity;
 mod settings;
 mod statistics;
 mod text;
-mod turns;
+mod tile_schedule;
 
 pub use contrast::VisibleContrast;
 pub use frame::{EyePlan, FramePlan};
@@ -36,7 +36,7 @@ pub use reasons::{Reason, Reasons};
 pub use rings::{AvailableRates, COARSER_RATES, Rings, STEPS_PER_OCTAVE};
 pub use sensitivity::Sensitivity;
 pub use settings::{
-    AudioVisual, DeviceRates, PlanSettings, RateSettings, SafetySettings, Turns, UpdateSettings,
+    AudioVisual, DeviceRates, PlanSettings, RateSettings, SafetySettings, UpdateSettings, UpdateUnit,
 };
 pub use statistics::Statistics;
 

@@ -9,7 +9,7 @@ use super::reasons::{Reason, Reasons};
 use super::rules::{AgeLimits, FrameRules, Permit};
 use super::safety::SafetyState;
 use super::sensitivity::Sensitivity;
-use super::settings::{PlanSettings, RateSettings, Turns};
+use super::settings::{PlanSettings, RateSettings, UpdateUnit};
 use crate::chroma::Focus;
 use crate::gaze::GazePhase;
 use crate::geometry::{View, rotation, unit_direction};
@@ -89,7 +89,7 @@ impl Planner {
     /// `view` is that of the picture in the world, as [`PlanInput::head`] leads to it; its image is one of tiles in place of
     /// pixels. Tiles are given as column, and row in the upper 16 bits.
     pub fn content_changed(&mut self, view: &View, tiles: impl ExactSizeIterator<Item = (u32, f32)>) {
-        if self.settings.schedule.is_some_and(|updates| updates.turns == Turns::Directions) {
+        if self.settings.schedule.is_some_and(|updates| updates.unit == UpdateUnit::Directions) {
             self.changes.seen(view, tiles);
         }
     }
@@ -157,9 +157,9 @@ impl Planner {
         memory.is_full = false;
         match (&self.settings.schedule, &self.ages, &rules.schedule) {
             (Some(updates), Some(ages), Some(schedule)) if !eye.refresh && orientation.is_some() => {
-                match updates.turns {
-                    Turns::Directions => memory.renewal.renew(&memory.lattice, ages, index),
-                    Turns::Tiles => {
+                match updates.unit {
+                    UpdateUnit::Directions => memory.renewal.renew(&memory.lattice, ages, index),
+                    UpdateUnit::Tiles => {
                         memory.renewal.renew_in_turn(&mut memory.lattice, schedule, index, out.centres);
                     }
                 }

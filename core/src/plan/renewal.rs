@@ -1,7 +1,7 @@
 //! Which tiles of a view are rendered: those whose turn it is, and those that had no picture a frame ago.
 
 use super::lattice::TileLattice;
-use super::turns::TileTurns;
+use super::tile_schedule::TileSchedule;
 use crate::geometry::FovTangents;
 use crate::schedule::{CellAges, Schedule, TileCells};
 use glam::{Quat, Vec3};
@@ -15,7 +15,7 @@ pub(super) struct Renewal {
     /// Whether each tile is to be rendered.
     due: Vec<bool>,
     cells: TileCells,
-    turns: TileTurns,
+    schedule: TileSchedule,
     /// Orientation of the view in the world in the frame before this one, by its last plan; nothing where there was no
     /// usable picture.
     last: Option<Quat>,
@@ -29,7 +29,7 @@ impl Renewal {
     pub(super) fn reset(&mut self, tiles: usize) {
         self.due.clear();
         self.due.resize(tiles, true);
-        self.turns.reset(tiles);
+        self.schedule.reset(tiles);
         (self.last, self.now) = (None, None);
     }
 
@@ -51,7 +51,7 @@ impl Renewal {
     /// Everything is rendered.
     pub(super) fn renew_all(&mut self) {
         self.due.fill(true);
-        self.turns.rendered(self.frame);
+        self.schedule.rendered(self.frame);
     }
 
     /// Rendered is what `ages` says for `eye`, and what came into view since the last frame.
@@ -74,7 +74,7 @@ impl Renewal {
         eye: usize,
         gazes: [Vec3; 2],
     ) {
-        self.turns.advance(schedule, self.frame, eye, lattice, gazes, &mut self.due);
+        self.schedule.advance(schedule, self.frame, eye, lattice, gazes, &mut self.due);
     }
 
     /// Adds the tiles that are not wholly within the last view, into whose space `to_last` leads.

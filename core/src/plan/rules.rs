@@ -5,7 +5,7 @@ use super::reasons::{Reason, Reasons};
 use super::rings::Rings;
 use super::safety::{Area, FrameSafety};
 use super::sensitivity::Sensitivity;
-use super::settings::{AudioVisual, PlanSettings, RateSettings, Turns};
+use super::settings::{AudioVisual, PlanSettings, RateSettings, UpdateUnit};
 use crate::audio::AudioFeatures;
 use crate::avpm::{Budget, SensitivityUnit};
 use crate::fixed_foveation::FixedFoveation;
@@ -208,10 +208,10 @@ fn schedule(
     reasons.insert_if(followed != asked, Reason::Pursuit);
     let capped = if updates.uncapped { followed } else { followed.capped(limits.period_cap) };
     reasons.insert_if(capped != followed, Reason::LeastFrequency);
-    let configuration = match updates.turns {
-        Turns::Directions => capped.limited(limits.unseen(&updates.schedule.regions)),
+    let configuration = match updates.unit {
+        UpdateUnit::Directions => capped.limited(limits.unseen(&updates.schedule.regions)),
         // What stays where it is in the picture is out of place by every turn of the head too.
-        Turns::Tiles => capped,
+        UpdateUnit::Tiles => capped,
     };
     reasons.insert_if(configuration != capped, Reason::HeadMoves);
     (configuration != UpdateConfiguration::F11111).then(|| Schedule {

@@ -113,28 +113,26 @@ pub struct UpdateSettings {
     /// Whether every region is one step faster while the eyes follow something: paper B's participants noticed more
     /// then than while they fixated.
     pub faster_in_pursuit: bool,
-    /// What takes turns.
-    pub turns: Turns,
+    /// Unit of the schedule.
+    pub unit: UpdateUnit,
     /// Whether regions may be rendered less often than [`crate::schedule::cap::MIN_UPDATE_HZ`] asks for.
     pub uncapped: bool,
 }
 
-/// What takes turns to be rendered.
+/// Unit of an update schedule, which has one age.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Turns {
-    /// Directions that are fixed in the world: what was rendered is looked for where the head's turn has moved it, and both
-    /// eyes see a direction at one age.
+pub enum UpdateUnit {
+    /// Directions that are fixed in the world: earlier images are reprojected, and both eyes see a direction at one age.
     #[default]
     Directions,
-    /// Tiles of the picture, each by its point nearest to the gaze, as paper B has it for pixels: what was rendered stays
-    /// where it is in the picture. [`crate::schedule::Phase::Staggered`] counts as [`crate::schedule::Phase::Aligned`].
+    /// Tiles of the view, each by its point nearest to the gaze, as pixels in paper B: earlier images are not reprojected. [`crate::schedule::Phase::Staggered`] counts as [`crate::schedule::Phase::Aligned`].
     Tiles,
 }
 
 impl From<Schedule> for UpdateSettings {
-    /// Turns of directions, with both safety limits.
+    /// UpdateUnit of directions, with both safety limits.
     fn from(schedule: Schedule) -> Self {
-        Self { schedule, faster_in_pursuit: true, turns: Turns::Directions, uncapped: false }
+        Self { schedule, faster_in_pursuit: true, unit: UpdateUnit::Directions, uncapped: false }
     }
 }
 

@@ -13,7 +13,7 @@ use glam::{Quat, Vec3};
 mod feedback;
 mod properties;
 mod safety;
-mod turns;
+mod update_unit;
 
 /// A frame at 100 Hz.
 const FRAME_NS: i64 = 10_000_000;

@@ -9,8 +9,8 @@ use parafovea_core::fixed_foveation::FixedFoveation;
 use parafovea_core::gate::{GateMode, Techniques};
 use parafovea_core::gaze::GazeSettings;
 use parafovea_core::plan::{
-    AudioVisual, AvailableRates, DeviceRates, PlanSettings, RateSettings, SafetySettings, Turns,
-    UpdateSettings,
+    AudioVisual, AvailableRates, DeviceRates, PlanSettings, RateSettings, SafetySettings, UpdateSettings,
+    UpdateUnit,
 };
 use parafovea_core::rate::{PAPER_RATES, ShadingRate, VULKAN_RATES};
 use parafovea_core::schedule::{Phase, Schedule, UpdateConfiguration};
@@ -157,7 +157,7 @@ fn update_settings(config: &Config) -> Option<UpdateSettings> {
     Some(UpdateSettings {
         schedule,
         faster_in_pursuit: config.preset != Preset::Paper && !is_paper,
-        turns: if is_paper { Turns::Tiles } else { Turns::Directions },
+        turns: if is_paper { UpdateUnit::Tiles } else { UpdateUnit::Directions },
         uncapped: is_paper || config.reuse.below_30_hz,
     })
 }

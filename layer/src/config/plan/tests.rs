@@ -92,7 +92,7 @@ fn the_paper_preset_has_the_papers_rates_schedule_and_curves_and_no_safety_limit
         schedule: Some(UpdateSettings {
             schedule,
             faster_in_pursuit: false,
-            turns: Turns::Tiles,
+            unit: UpdateUnit::Tiles,
             uncapped: true,
         }),
         chroma: Some(ChromaSettings { mode: chroma::Mode::Paper, ..ChromaSettings::default() }),
@@ -110,7 +110,7 @@ fn reuse_is_one_step_faster_in_pursuit_but_in_the_paper_preset() {
         config.reuse.mode = ReuseMode::On;
         let updates = settings(&config).schedule.unwrap();
         assert_eq!(updates.faster_in_pursuit, preset != Preset::Paper, "{preset:?}");
-        assert!(!updates.uncapped && updates.turns == Turns::Directions, "{preset:?}");
+        assert!(!updates.uncapped && updates.unit == UpdateUnit::Directions, "{preset:?}");
     }
 }
 
