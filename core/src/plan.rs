@@ -17,7 +17,6 @@ mod lattice;
 mod picture;
 mod planner;
 mod reasons;
-mod renewal;
 mod rings;
 mod rules;
 mod safety;
@@ -26,6 +25,7 @@ mod settings;
 mod statistics;
 mod text;
 mod tile_schedule;
+mod tile_updates;
 
 pub use contrast::VisibleContrast;
 pub use frame::{EyePlan, FramePlan};

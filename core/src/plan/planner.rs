@@ -149,22 +149,22 @@ impl Planner {
 
         let to_view = orientation.unwrap_or(Quat::IDENTITY).inverse();
         out.centres = rules.centres.map(|centre| to_view * centre);
-        memory.renewal.begin(frame, orientation.map(|orientation| head * orientation));
+        memory.updates.begin(frame, orientation.map(|orientation| head * orientation));
         out.gaze = if rules.has_gaze() { out.centres[index] } else { Vec3::ZERO };
         if matches!(self.settings.rates, RateSettings::Off) && self.settings.schedule.is_none() {
-            return memory.renew_at_full_rate(rules, &self.settings, out);
+            return memory.plan_at_full_rate(rules, &self.settings, out);
         }
         memory.is_full = false;
         match (&self.settings.schedule, &self.ages, &rules.schedule) {
             (Some(updates), Some(ages), Some(schedule)) if !eye.refresh && orientation.is_some() => {
                 match updates.unit {
-                    UpdateUnit::Directions => memory.renewal.renew(&memory.lattice, ages, index),
+                    UpdateUnit::Directions => memory.updates.update_directions(&memory.lattice, ages, index),
                     UpdateUnit::Tiles => {
-                        memory.renewal.renew_in_turn(&mut memory.lattice, schedule, index, out.centres);
+                        memory.updates.update_tiles(&mut memory.lattice, schedule, index, out.centres);
                     }
                 }
             }
-            _ => memory.renewal.renew_all(),
+            _ => memory.updates.update_all(),
         }
 
         let on_gpu = self.settings.contrast_on_gpu;
@@ -181,7 +181,7 @@ impl Planner {
         let params = rules.params(&self.settings, out.centres, &permit, &memory.lattice);
         out.decision = params;
         let contrast = contrast.filter(|_| permit.budget.is_some());
-        decide(&params, &mut memory.lattice, memory.renewal.due(), contrast, &mut memory.tiles, out);
+        decide(&params, &mut memory.lattice, memory.updates.due(), contrast, &mut memory.tiles, out);
     }
 
     /// Chroma of one eye. Colour follows the gaze in the world, so that the limit on its change holds for what is there.
