@@ -4,7 +4,7 @@
 //! numbers: the safety limits widen every radius by the uncertainty of the gaze, limit how fast tiles become coarser, and leave
 //! things off while the gaze is lost. From these come a [`DecideParams`](crate::kernels::decide::DecideParams) for each eye, the uniform of the kernel
 //! `decide`; [`crate::kernels::decide`] is its reference, and all that is done for each tile. Around it, [`crate::schedule::CellAges`] says which
-//! directions are rendered anew, and [`crate::chroma::Trail`] how colour follows the gaze.
+//! directions are rendered anew, and [`crate::chroma::ChromaTemporalFilter`] how colour follows the gaze.
 //!
 //! [`FramePlan`] as text (its `Display`) and [`FramePlan::picture`] show a plan to people.
 

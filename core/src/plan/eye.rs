@@ -6,7 +6,7 @@ use super::lattice::{LatticeShape, TileLattice};
 use super::rules::{FrameRules, Permit};
 use super::settings::PlanSettings;
 use super::tile_updates::TileUpdates;
-use crate::chroma::Trail;
+use crate::chroma::ChromaTemporalFilter;
 use crate::geometry::{Fov, rotation};
 use crate::image::Plane;
 use crate::kernels::decide::{TileMemory, decide};
@@ -19,7 +19,7 @@ pub(super) struct EyeMemory {
     pub(super) lattice: TileLattice,
     pub(super) updates: TileUpdates,
     pub(super) tiles: TileMemory,
-    pub(super) trail: Trail,
+    pub(super) filter: ChromaTemporalFilter,
     /// Whether the plan that was made last has every tile rendered at full rate, and nothing could have become coarser.
     pub(super) is_full: bool,
 }

@@ -186,10 +186,10 @@ impl Planner {
 
     /// Chroma of one eye. Colour follows the gaze in the world, so that the limit on its change holds for what is there.
     fn attenuate(&mut self, index: usize, input: &PlanInput, head: Quat, rules: &FrameRules) {
-        let trail = &mut self.eyes[index].trail;
+        let filter = &mut self.eyes[index].filter;
         let out = &mut self.plan.eyes[index];
         let Some(settings) = &self.settings.chroma else {
-            trail.switched_off(input.time_ns);
+            filter.show_full_color(input.time_ns);
             out.focus = None;
             return;
         };
@@ -201,7 +201,7 @@ impl Planner {
         let direction = input.gaze.ray.and_then(unit_direction).unwrap_or(rules.centres[index]);
         let gaze = known.then(|| head * direction);
         let to_view = (head * orientation.unwrap_or(Quat::IDENTITY)).inverse();
-        out.focus = trail
+        out.focus = filter
             .update(gaze, input.time_ns, settings)
             .map(|focus| Focus { direction: to_view * focus.direction, ..focus });
     }

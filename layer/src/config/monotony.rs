@@ -3,7 +3,7 @@
 use super::{Config, chroma_settings, plan_settings};
 use glam::{Quat, Vec3};
 use parafovea_core::audio::AudioFeatures;
-use parafovea_core::chroma::{Curves, Trail};
+use parafovea_core::chroma::{ChromaTemporalFilter, Curves};
 use parafovea_core::gaze::{GazePhase, GazeState};
 use parafovea_core::geometry::Fov;
 use parafovea_core::image::Plane;
@@ -80,9 +80,9 @@ fn colour(config: &Config, of: fn(parafovea_core::chroma::Gains) -> f32) -> f32 
 /// Strength of chroma attenuation 5 ms after it was switched on.
 fn strength(config: &Config) -> f32 {
     let settings = chroma_settings(config).unwrap();
-    let mut trail = Trail::default();
-    trail.switched_off(0);
-    trail.update(Some(Vec3::NEG_Z), 5_000_000, &settings).map_or(0.0, |focus| focus.strength)
+    let mut filter = ChromaTemporalFilter::default();
+    filter.show_full_color(0);
+    filter.update(Some(Vec3::NEG_Z), 5_000_000, &settings).map_or(0.0, |focus| focus.strength)
 }
 
 /// The effect of an option, whether it rises with the option, and other settings.
