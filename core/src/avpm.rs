@@ -2,12 +2,8 @@
 //! sound therefore pays for (paper A, "Audio-visual aware Foveated Rendering", Eq. 12-17).
 //!
 //! [`Coefficients::alpha`] is the budget that [`crate::frco`] spends tile by tile; [`Budget`] says what happens in silence.
-//! [`fit`] finds coefficients from a [`study`].
 
 mod budget;
-pub mod fit;
-pub mod least_squares;
-pub mod study;
 
 use crate::audio::{GREATEST_KILOMEL, LEAST_KILOMEL};
 pub use budget::{Budget, BudgetSettings, SensitivityUnit, SilenceRule};

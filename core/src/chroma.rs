@@ -2,7 +2,7 @@
 //! Gaze-Contingent VR Displays" (paper C below). Works on linear light, where it keeps luminance exactly.
 //!
 //! [`Curves`] say how much of each chroma channel is kept at an eccentricity, as [`Polynomials`] where that is asked for
-//! each pixel, [`attenuate()`] applies that to a colour, and [`Trail`] lets the gains of a place fall slowly once the gaze
+//! each pixel, [`attenuate()`] applies that to a colour, and [`ChromaTemporalFilter`] lets the gains of a place fall slowly once the gaze
 //! has left it. [`report`] adds up what is kept.
 //!
 //! It saves bits of an encoder and power of a display, never GPU time.
@@ -12,14 +12,14 @@ mod curves;
 mod floor;
 mod polynomials;
 pub mod report;
-mod trail;
+mod temporal_filter;
 
 pub use crate::color::Matrix;
 pub use attenuate::{Gamut, attenuate};
 pub use curves::{Curves, Gains, cb_gain, cr_gain};
 pub use floor::{FLOOR_FREQUENCY_CPD, floor};
 pub use polynomials::Polynomials;
-pub use trail::{Focus, Trail};
+pub use temporal_filter::{ChromaTemporalFilter, Focus};
 
 /// Which form of the model runs (`chroma.mode`; "off" is having no settings).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,14 +1,12 @@
 //! The models of Parafovea, as pure functions: no OpenXR, no Vulkan, no files, no clocks, no threads.
 //!
-//! In the order in which a frame passes through them: [`geometry`] says how far from the gaze a pixel is, and
-//! [`gaze`] how far the gaze itself can be trusted; [`audio`] measures what is heard, [`perception`] what contrast
-//! there is and how much of it is seen; [`avpm`] turns both into a budget and [`frco`] the budget into a
-//! [`rate::ShadingRate`], for which [`fixed_foveation`] is the baseline; [`schedule`] says which parts are rendered
-//! anew, [`chroma`] how much colour the eye resolves. [`plan`] holds the answer for one frame, and [`presets`]
-//! are the settings that people choose; [`gate`] judges by what frames cost whether a technique pays. Where a device has
-//! no shading rates, [`mask`] says which blocks are skipped. [`reuse`] names the parts of a picture that are not rendered at all. [`color`] says how colours are coded, [`image`] how pictures
-//! are kept, and [`kernels`] are the CPU references of what the layer does on the GPU, with parameters laid out as
-//! [`layout`] states.
+//! In the order of a frame: [`geometry`] measures eccentricity, and [`gaze`] filters the samples of the eye tracker; [`audio`] measures
+//! loudness and pitch, [`perception`] contrast and sensitivity to it; [`avpm`] turns both into a budget of visible contrast, and [`frco`] the
+//! budget into a [`rate::ShadingRate`], with [`fixed_foveation`] as the baseline; [`schedule`] decides when parts of the view are updated, and
+//! [`chroma`] how much chroma they keep. [`plan`] joins them in the plan of one frame. [`gate`] measures whether a technique saves time.
+//! [`mask`] has the blocks that are skipped on devices without shading rates, and [`reuse`] the tiles that are taken from earlier
+//! images. [`color`] has transfer functions, [`image`] buffers of pixels, and [`kernels`] the CPU references of the layer's kernels, with
+//! parameters laid out as [`layout`] states.
 
 #![forbid(unsafe_code)]
 
@@ -27,7 +25,6 @@ pub mod layout;
 pub mod mask;
 pub mod perception;
 pub mod plan;
-pub mod presets;
 mod range;
 pub mod rate;
 pub mod reuse;

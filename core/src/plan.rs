@@ -1,10 +1,10 @@
 //! What one frame shall do, for each eye: the rate of every tile, which tiles are rendered anew, and how colour falls off.
 //!
 //! [`Planner`] makes a [`FramePlan`] of a [`PlanInput`] in three steps. What holds for the whole frame is a handful of
-//! numbers: the rails widen every radius by the uncertainty of the gaze, limit how fast tiles become coarser, and leave
+//! numbers: the safety limits widen every radius by the uncertainty of the gaze, limit how fast tiles become coarser, and leave
 //! things off while the gaze is lost. From these come a [`DecideParams`](crate::kernels::decide::DecideParams) for each eye, the uniform of the kernel
 //! `decide`; [`crate::kernels::decide`] is its reference, and all that is done for each tile. Around it, [`crate::schedule::CellAges`] says which
-//! directions are rendered anew, and [`crate::chroma::Trail`] how colour follows the gaze.
+//! directions are rendered anew, and [`crate::chroma::ChromaTemporalFilter`] how colour follows the gaze.
 //!
 //! [`FramePlan`] as text (its `Display`) and [`FramePlan::picture`] show a plan to people.
 
@@ -16,16 +16,16 @@ mod input;
 mod lattice;
 mod picture;
 mod planner;
-mod rails;
 mod reasons;
-mod renewal;
 mod rings;
 mod rules;
+mod safety;
 mod sensitivity;
 mod settings;
 mod statistics;
 mod text;
-mod turns;
+mod tile_schedule;
+mod tile_updates;
 
 pub use contrast::VisibleContrast;
 pub use frame::{EyePlan, FramePlan};
@@ -36,7 +36,7 @@ pub use reasons::{Reason, Reasons};
 pub use rings::{AvailableRates, COARSER_RATES, Rings, STEPS_PER_OCTAVE};
 pub use sensitivity::Sensitivity;
 pub use settings::{
-    AudioVisual, DeviceRates, PlanSettings, RailSettings, RateSettings, Turns, UpdateSettings,
+    AudioVisual, DeviceRates, PlanSettings, RateSettings, SafetySettings, UpdateSettings, UpdateUnit,
 };
 pub use statistics::Statistics;
 

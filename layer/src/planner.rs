@@ -30,7 +30,7 @@ use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::{GateMode, Techniques};
 use parafovea_core::gaze::{GazePhase, GazeSample, GazeSettings, GazeState, GazeTracker, Rejection};
 use parafovea_core::geometry;
-use parafovea_core::plan::{PlanInput, PlanSettings, Planner, RailSettings, tile_of};
+use parafovea_core::plan::{PlanInput, PlanSettings, Planner, SafetySettings, tile_of};
 use parafovea_core::reuse::StaleTiles;
 use signal::Signal;
 use told::LastLook;
@@ -350,12 +350,14 @@ impl Planning {
         });
         let tile = tile_of(self.offer.texel(), extent);
         let settings = plan_settings(config, self.offer.rates(), tile, self.offer.is_cpu());
-        let rails = match config.gaze.source {
-            GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => settings.rails,
+        let safety = match config.gaze.source {
+            GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => settings.safety,
             // Nothing moves: there is no change that could be seen, and every frame has the same rings.
-            GazeSource::Centre => RailSettings { coarsening_octaves_per_s: f32::INFINITY, ..settings.rails },
+            GazeSource::Centre => {
+                SafetySettings { coarsening_octaves_per_s: f32::INFINITY, ..settings.safety }
+            }
         };
-        PlanSettings { rails, chroma: self.chroma(config, can_attenuate), ..settings }
+        PlanSettings { safety, chroma: self.chroma(config, can_attenuate), ..settings }
     }
 }
 

@@ -211,6 +211,11 @@ choice! {
     }
 }
 
+// The radii are pairs of paper A's pilot study, the only ones with scores behind them; its baseline is L1-C1 (balanced). From there
+// Table 1 lists for how many combinations of loudness and frequency another pair scored no worse: L1-C2 16, L2-C1 11, L1-C3 8 (scores
+// up to 4.14), L2-C2 6 (up to 3.24), L3-C1 5, and none for the other three. Of these L1-C3 (performance) shades least, and it keeps the
+// widest fovea, which tolerates the largest tracker error. Quality has balanced's schedule: with reprojection, updates lose less than
+// rates do for the same time.
 presets! {
     /// Preset that provides the values of all options that the file does not set.
     Preset {

@@ -79,7 +79,7 @@ fn sources_of(task: &str) -> String {
         "run" => &["tests/src/bin/parafovea-run.rs"],
         "break-even" => &["tests/benches/break_even.rs"],
         "models" => &["tests/models/benches/models.rs"],
-        "rails" => &["tests/models/benches/rails.rs"],
+        "safety" => &["tests/models/benches/safety.rs"],
         "kernels" => &["layer/benches/kernels/main.rs"],
         other => return read(&format!("tests/benches/{other}.rs")),
     };

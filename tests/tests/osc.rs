@@ -15,7 +15,7 @@ use std::time::{Duration, Instant, SystemTime};
 /// Where the eyes look, degrees to the left and upwards.
 const LOOK: [f32; 2] = [-18.0, 9.0];
 
-/// Frames until filter and rails have settled, and more.
+/// Frames until filter and safety limits have settled, and more.
 const FRAMES: u64 = 150;
 
 /// Long enough on a machine that does much else.

@@ -3,10 +3,10 @@
 use super::frame::EyePlan;
 use super::input::EyeInput;
 use super::lattice::{LatticeShape, TileLattice};
-use super::renewal::Renewal;
 use super::rules::{FrameRules, Permit};
 use super::settings::PlanSettings;
-use crate::chroma::Trail;
+use super::tile_updates::TileUpdates;
+use crate::chroma::ChromaTemporalFilter;
 use crate::geometry::{Fov, rotation};
 use crate::image::Plane;
 use crate::kernels::decide::{TileMemory, decide};
@@ -17,9 +17,9 @@ use glam::Quat;
 pub(super) struct EyeMemory {
     shape: Option<LatticeShape>,
     pub(super) lattice: TileLattice,
-    pub(super) renewal: Renewal,
+    pub(super) updates: TileUpdates,
     pub(super) tiles: TileMemory,
-    pub(super) trail: Trail,
+    pub(super) filter: ChromaTemporalFilter,
     /// Whether the plan that was made last has every tile rendered at full rate, and nothing could have become coarser.
     pub(super) is_full: bool,
 }
@@ -40,7 +40,7 @@ impl EyeMemory {
             let [columns, rows] = self.lattice.tiles();
             let tiles = columns as usize * rows as usize;
             self.tiles.reset(tiles);
-            self.renewal.reset(tiles);
+            self.updates.reset(tiles);
             out.rates = Plane::filled(columns, rows, 0);
             out.ages = Plane::filled(columns, rows, u8::MAX);
             out.offset = input.offset;
@@ -53,7 +53,7 @@ impl EyeMemory {
 
     /// Plans every tile at full rate, as settings without rates and without a schedule have it. Frame after frame that is the same plan,
     /// and costs nothing for each tile.
-    pub(super) fn renew_at_full_rate(
+    pub(super) fn plan_at_full_rate(
         &mut self,
         rules: &FrameRules,
         settings: &PlanSettings,
@@ -67,8 +67,8 @@ impl EyeMemory {
             return;
         }
         self.is_full = true;
-        self.renewal.renew_all();
-        decide(&params, &mut self.lattice, self.renewal.due(), None, &mut self.tiles, out);
+        self.updates.update_all();
+        decide(&params, &mut self.lattice, self.updates.due(), None, &mut self.tiles, out);
     }
 }
 

@@ -5,11 +5,11 @@ use super::contrast::VisibleContrast;
 use super::eye::EyeMemory;
 use super::frame::FramePlan;
 use super::input::{EyeInput, PlanInput};
-use super::rails::RailMemory;
 use super::reasons::{Reason, Reasons};
 use super::rules::{AgeLimits, FrameRules, Permit};
+use super::safety::SafetyState;
 use super::sensitivity::Sensitivity;
-use super::settings::{PlanSettings, RateSettings, Turns};
+use super::settings::{PlanSettings, RateSettings, UpdateUnit};
 use crate::chroma::Focus;
 use crate::gaze::GazePhase;
 use crate::geometry::{View, rotation, unit_direction};
@@ -25,7 +25,7 @@ pub struct Planner {
     settings: PlanSettings,
     /// Present where contrast is judged.
     sensitivity: Option<Sensitivity>,
-    rails: RailMemory,
+    safety: SafetyState,
     cap: PeriodCap,
     /// How far what is re-used may be out of place for each frame that it is old, arc minutes.
     drift_arcmin: f32,
@@ -42,7 +42,7 @@ impl Planner {
         let mut planner = Self {
             settings,
             sensitivity: None,
-            rails: RailMemory::default(),
+            safety: SafetyState::default(),
             cap: PeriodCap::default(),
             drift_arcmin: 0.0,
             ages: None,
@@ -54,7 +54,7 @@ impl Planner {
         planner
     }
 
-    /// What it plans with, the rails in numbers that can be used.
+    /// What it plans with, the safety limits in numbers that can be used.
     pub fn settings(&self) -> &PlanSettings {
         &self.settings
     }
@@ -68,7 +68,7 @@ impl Planner {
 
     /// Plans with `settings` from now on. Tiles keep what they remember, so that an edit does not show as a jump.
     pub fn set_settings(&mut self, settings: PlanSettings) {
-        self.settings = PlanSettings { rails: settings.rails.usable(), ..settings };
+        self.settings = PlanSettings { safety: settings.safety.usable(), ..settings };
         let wanted = match settings.rates {
             RateSettings::AudioVisual(model) if !settings.contrast_on_gpu => Some(model.budget.unit),
             RateSettings::AudioVisual(_) | RateSettings::Off | RateSettings::Fixed(_) => None,
@@ -89,7 +89,7 @@ impl Planner {
     /// `view` is that of the picture in the world, as [`PlanInput::head`] leads to it; its image is one of tiles in place of
     /// pixels. Tiles are given as column, and row in the upper 16 bits.
     pub fn content_changed(&mut self, view: &View, tiles: impl ExactSizeIterator<Item = (u32, f32)>) {
-        if self.settings.schedule.is_some_and(|updates| updates.turns == Turns::Directions) {
+        if self.settings.schedule.is_some_and(|updates| updates.unit == UpdateUnit::Directions) {
             self.changes.seen(view, tiles);
         }
     }
@@ -103,11 +103,11 @@ impl Planner {
     pub fn plan(&mut self, input: &PlanInput) -> &FramePlan {
         let mut reasons = Reasons::default();
         let is_judged = matches!(self.settings.rates, RateSettings::AudioVisual(_));
-        let rails =
-            self.rails.frame(&self.settings.rails, is_judged, input.time_ns, &input.gaze, &mut reasons);
+        let safety =
+            self.safety.frame(&self.settings.safety, is_judged, input.time_ns, &input.gaze, &mut reasons);
         let period_cap = self.cap.update(input.frame_rate_hz);
         let limits = AgeLimits { period_cap, drift_arcmin: self.drift_arcmin };
-        let rules = FrameRules::new(&self.settings, rails, input.audio.as_ref(), limits, &mut reasons);
+        let rules = FrameRules::new(&self.settings, safety, input.audio.as_ref(), limits, &mut reasons);
         let head = rotation(input.head).unwrap_or(Quat::IDENTITY);
         if let (Some(ages), Some(schedule)) = (&mut self.ages, &rules.schedule) {
             let gazes = rules.centres.map(|centre| head * centre);
@@ -122,7 +122,7 @@ impl Planner {
         let schedule = rules.schedule.unwrap_or_default();
         self.plan.frame = input.frame;
         self.plan.available = self.settings.device.available;
-        self.plan.inflation_deg = rules.rails.inflation_deg;
+        self.plan.inflation_deg = rules.safety.inflation_deg;
         self.plan.regions_deg = schedule.regions.radii_deg;
         self.plan.periods = schedule.configuration.factors();
         self.plan.budget = rules.judged.and_then(|judged| judged.budget);
@@ -149,22 +149,22 @@ impl Planner {
 
         let to_view = orientation.unwrap_or(Quat::IDENTITY).inverse();
         out.centres = rules.centres.map(|centre| to_view * centre);
-        memory.renewal.begin(frame, orientation.map(|orientation| head * orientation));
+        memory.updates.begin(frame, orientation.map(|orientation| head * orientation));
         out.gaze = if rules.has_gaze() { out.centres[index] } else { Vec3::ZERO };
         if matches!(self.settings.rates, RateSettings::Off) && self.settings.schedule.is_none() {
-            return memory.renew_at_full_rate(rules, &self.settings, out);
+            return memory.plan_at_full_rate(rules, &self.settings, out);
         }
         memory.is_full = false;
         match (&self.settings.schedule, &self.ages, &rules.schedule) {
             (Some(updates), Some(ages), Some(schedule)) if !eye.refresh && orientation.is_some() => {
-                match updates.turns {
-                    Turns::Directions => memory.renewal.renew(&memory.lattice, ages, index),
-                    Turns::Tiles => {
-                        memory.renewal.renew_in_turn(&mut memory.lattice, schedule, index, out.centres);
+                match updates.unit {
+                    UpdateUnit::Directions => memory.updates.update_directions(&memory.lattice, ages, index),
+                    UpdateUnit::Tiles => {
+                        memory.updates.update_tiles(&mut memory.lattice, schedule, index, out.centres);
                     }
                 }
             }
-            _ => memory.renewal.renew_all(),
+            _ => memory.updates.update_all(),
         }
 
         let on_gpu = self.settings.contrast_on_gpu;
@@ -181,15 +181,15 @@ impl Planner {
         let params = rules.params(&self.settings, out.centres, &permit, &memory.lattice);
         out.decision = params;
         let contrast = contrast.filter(|_| permit.budget.is_some());
-        decide(&params, &mut memory.lattice, memory.renewal.due(), contrast, &mut memory.tiles, out);
+        decide(&params, &mut memory.lattice, memory.updates.due(), contrast, &mut memory.tiles, out);
     }
 
     /// Chroma of one eye. Colour follows the gaze in the world, so that the limit on its change holds for what is there.
     fn attenuate(&mut self, index: usize, input: &PlanInput, head: Quat, rules: &FrameRules) {
-        let trail = &mut self.eyes[index].trail;
+        let filter = &mut self.eyes[index].filter;
         let out = &mut self.plan.eyes[index];
         let Some(settings) = &self.settings.chroma else {
-            trail.switched_off(input.time_ns);
+            filter.show_full_color(input.time_ns);
             out.focus = None;
             return;
         };
@@ -201,7 +201,7 @@ impl Planner {
         let direction = input.gaze.ray.and_then(unit_direction).unwrap_or(rules.centres[index]);
         let gaze = known.then(|| head * direction);
         let to_view = (head * orientation.unwrap_or(Quat::IDENTITY)).inverse();
-        out.focus = trail
+        out.focus = filter
             .update(gaze, input.time_ns, settings)
             .map(|focus| Focus { direction: to_view * focus.direction, ..focus });
     }

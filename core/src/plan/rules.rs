@@ -1,11 +1,11 @@
 //! What holds for all tiles of one frame, in both eyes.
 
 use super::lattice::TileLattice;
-use super::rails::{Area, FrameRails};
 use super::reasons::{Reason, Reasons};
 use super::rings::Rings;
+use super::safety::{Area, FrameSafety};
 use super::sensitivity::Sensitivity;
-use super::settings::{AudioVisual, PlanSettings, RateSettings, Turns};
+use super::settings::{AudioVisual, PlanSettings, RateSettings, UpdateUnit};
 use crate::audio::AudioFeatures;
 use crate::avpm::{Budget, SensitivityUnit};
 use crate::fixed_foveation::FixedFoveation;
@@ -18,7 +18,7 @@ use glam::Vec3;
 /// What holds for all tiles of one frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FrameRules {
-    pub(super) rails: FrameRails,
+    pub(super) safety: FrameSafety,
     /// What the rings are around, unit vectors in the common space.
     pub(super) centres: [Vec3; 2],
     /// Where rates follow eccentricity alone.
@@ -68,43 +68,43 @@ impl Permit {
 impl FrameRules {
     pub(super) fn new(
         settings: &PlanSettings,
-        rails: FrameRails,
+        safety: FrameSafety,
         audio: Option<&AudioFeatures>,
         limits: AgeLimits,
         reasons: &mut Reasons,
     ) -> Self {
-        let around_gaze = matches!(rails.area, Area::AroundGaze(_));
-        let map = match (&settings.rates, rails.area) {
+        let around_gaze = matches!(safety.area, Area::AroundGaze(_));
+        let map = match (&settings.rates, safety.area) {
             (RateSettings::Off, _) | (_, Area::Nowhere) => None,
-            (_, Area::AroundAhead) => settings.rails.lost.as_ref(),
+            (_, Area::AroundAhead) => settings.safety.lost.as_ref(),
             (RateSettings::Fixed(map), Area::AroundGaze(_)) => Some(map),
             (RateSettings::AudioVisual(model), Area::AroundGaze(_)) => Some(&model.fixed),
         };
         let judged = match &settings.rates {
             RateSettings::AudioVisual(model) if around_gaze => {
-                judged(settings, model, &rails, audio, reasons)
+                judged(settings, model, &safety, audio, reasons)
             }
             _ => None,
         };
-        let fixed = map.map_or(Permit::NOTHING, |map| permit(settings, ring_map(settings, map), &rails));
+        let fixed = map.map_or(Permit::NOTHING, |map| permit(settings, ring_map(settings, map), &safety));
         let first = judged.unwrap_or(fixed).rings.from_deg()[0];
-        let least_deg = settings.rails.least_foveal_deg;
-        reasons.insert_if(least_deg > 0.0 && first == least_deg + rails.inflation_deg, Reason::LeastFovea);
+        let least_deg = settings.safety.least_foveal_deg;
+        reasons.insert_if(least_deg > 0.0 && first == least_deg + safety.inflation_deg, Reason::LeastFovea);
         Self {
-            rails,
-            centres: match rails.area {
+            safety,
+            centres: match safety.area {
                 Area::AroundGaze(gazes) => gazes,
                 Area::AroundAhead | Area::Nowhere => [Vec3::NEG_Z; 2],
             },
             fixed,
             judged,
-            schedule: if around_gaze { schedule(settings, &rails, limits, reasons) } else { None },
+            schedule: if around_gaze { schedule(settings, &safety, limits, reasons) } else { None },
         }
     }
 
     /// Whether there is a gaze that rates follow.
     pub(super) fn has_gaze(&self) -> bool {
-        matches!(self.rails.area, Area::AroundGaze(_))
+        matches!(self.safety.area, Area::AroundGaze(_))
     }
 
     /// The uniform of one view, in whose space `centres` are.
@@ -122,14 +122,14 @@ impl FrameRules {
         let plane = lattice.plane();
         let available = &settings.device.available;
         let budget = permit.budget.unwrap_or(0.0);
-        let coarsening_budget = budget * settings.rails.hysteresis_budget;
-        let holding_budget = budget * settings.rails.holding_budget;
+        let coarsening_budget = budget * settings.safety.hysteresis_budget;
+        let holding_budget = budget * settings.safety.holding_budget;
         let least_budget = budget.min(coarsening_budget).min(holding_budget);
         DecideParams {
             gaze_left: centres[0].into(),
-            inflation_deg: self.rails.inflation_deg,
+            inflation_deg: self.safety.inflation_deg,
             gaze_right: centres[1].into(),
-            coarsening: self.rails.coarsening,
+            coarsening: self.safety.coarsening,
             ring_chords: permit.rings.chords(),
             coarsening_chords: permit.growing.chords(),
             levels: available.levels().map(u32::from),
@@ -153,7 +153,7 @@ impl FrameRules {
             has_stale: 0,
             holding_budget,
             measured_column: [0.0; 3],
-            elapsed_ms: self.rails.elapsed_ms,
+            elapsed_ms: self.safety.elapsed_ms,
             measured_row: [0.0; 3],
             flat_contrast: judged.map_or(-1.0, |model| {
                 least_budget / (model.allocation.greatest_factor() * Sensitivity::greatest(model.budget.unit))
@@ -168,16 +168,16 @@ fn ring_map(settings: &PlanSettings, map: &FixedFoveation) -> Rings {
     Rings::new(map, &settings.device.available)
 }
 
-fn permit(settings: &PlanSettings, rings: Rings, rails: &FrameRails) -> Permit {
-    let rings = rings.widened(settings.rails.least_foveal_deg, rails.inflation_deg);
-    Permit { rings, growing: rings.widened(0.0, rails.hysteresis_deg), budget: None }
+fn permit(settings: &PlanSettings, rings: Rings, safety: &FrameSafety) -> Permit {
+    let rings = rings.widened(settings.safety.least_foveal_deg, safety.inflation_deg);
+    Permit { rings, growing: rings.widened(0.0, safety.hysteresis_deg), budget: None }
 }
 
 /// What contrast may permit, if sound is known and does not ask for fixed foveation.
 fn judged(
     settings: &PlanSettings,
     model: &AudioVisual,
-    rails: &FrameRails,
+    safety: &FrameSafety,
     audio: Option<&AudioFeatures>,
     reasons: &mut Reasons,
 ) -> Option<Permit> {
@@ -192,30 +192,30 @@ fn judged(
     };
     let rings = model.cap.as_ref().map_or(Rings::OPEN, |cap| ring_map(settings, cap));
     reasons.insert_if(rings.from_deg()[0] > 0.0, Reason::FixedCap);
-    Some(Permit { budget: Some(model.budget_with(budget)), ..permit(settings, rings, rails) })
+    Some(Permit { budget: Some(model.budget_with(budget)), ..permit(settings, rings, safety) })
 }
 
 /// The schedule of this frame; nothing where it would leave nothing out.
 fn schedule(
     settings: &PlanSettings,
-    rails: &FrameRails,
+    safety: &FrameSafety,
     limits: AgeLimits,
     reasons: &mut Reasons,
 ) -> Option<Schedule> {
     let updates = settings.schedule.as_ref()?;
     let asked = updates.schedule.configuration;
-    let followed = if rails.pursuit && updates.faster_in_pursuit { asked.faster() } else { asked };
+    let followed = if safety.pursuit && updates.faster_in_pursuit { asked.faster() } else { asked };
     reasons.insert_if(followed != asked, Reason::Pursuit);
     let capped = if updates.uncapped { followed } else { followed.capped(limits.period_cap) };
     reasons.insert_if(capped != followed, Reason::LeastFrequency);
-    let configuration = match updates.turns {
-        Turns::Directions => capped.limited(limits.unseen(&updates.schedule.regions)),
+    let configuration = match updates.unit {
+        UpdateUnit::Directions => capped.limited(limits.unseen(&updates.schedule.regions)),
         // What stays where it is in the picture is out of place by every turn of the head too.
-        Turns::Tiles => capped,
+        UpdateUnit::Tiles => capped,
     };
     reasons.insert_if(configuration != capped, Reason::HeadMoves);
     (configuration != UpdateConfiguration::F11111).then(|| Schedule {
-        regions: updates.schedule.regions.enlarged(rails.inflation_deg),
+        regions: updates.schedule.regions.enlarged(safety.inflation_deg),
         configuration,
         ..updates.schedule
     })

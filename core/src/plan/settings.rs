@@ -5,8 +5,6 @@ use crate::avpm::BudgetSettings;
 use crate::chroma::ChromaSettings;
 use crate::fixed_foveation::FixedFoveation;
 use crate::frco::Allocation;
-use crate::presets::Preset;
-use crate::rate::ShadingRate;
 use crate::schedule::Schedule;
 
 /// What a plan may do, and on which device.
@@ -19,7 +17,7 @@ pub struct PlanSettings {
     /// How colour falls off; not at all without.
     pub chroma: Option<ChromaSettings>,
     /// What keeps all of it safe.
-    pub rails: RailSettings,
+    pub safety: SafetySettings,
     /// What the device offers.
     pub device: DeviceRates,
     /// Whether contrast is known to the GPU alone. Then [`super::EyePlan::judged`] is what the kernel `decide` is to be given there, and
@@ -34,42 +32,8 @@ impl Default for PlanSettings {
             rates: RateSettings::Off,
             schedule: None,
             chroma: None,
-            rails: RailSettings::default(),
+            safety: SafetySettings::default(),
             device: DeviceRates::default(),
-            contrast_on_gpu: false,
-        }
-    }
-}
-
-impl PlanSettings {
-    /// What a preset sets, on a device that offers these rates, in any order, for tiles of `texel` pixels. With `by_sound`
-    /// rates follow contrast and sound, else eccentricity alone.
-    pub fn of(preset: Preset, by_sound: bool, offered: &[ShadingRate], texel: [u32; 2]) -> Self {
-        let chosen = preset.settings();
-        let is_paper = preset == Preset::Paper;
-        let usual = if is_paper { AudioVisual::PAPER } else { AudioVisual::default() };
-        let model = AudioVisual {
-            budget: chosen.budget,
-            fixed: chosen.fixed_foveation,
-            cap: usual.cap.map(|cap| cap.with_peripheral(chosen.fixed_foveation.peripheral)),
-            greatest_loss: chosen.greatest_loss.unwrap_or(usual.greatest_loss),
-            ..usual
-        };
-        let schedule =
-            Schedule { regions: chosen.regions, configuration: chosen.update, phase: chosen.phase };
-        Self {
-            rates: if by_sound {
-                RateSettings::AudioVisual(model)
-            } else {
-                RateSettings::Fixed(chosen.fixed_foveation)
-            },
-            schedule: Some(UpdateSettings {
-                faster_in_pursuit: chosen.faster_in_pursuit,
-                ..UpdateSettings::from(schedule)
-            }),
-            chroma: chosen.chroma,
-            rails: if is_paper { RailSettings::PAPER } else { RailSettings::default() },
-            device: DeviceRates { available: AvailableRates::among(chosen.rates, offered), texel },
             contrast_on_gpu: false,
         }
     }
@@ -149,35 +113,33 @@ pub struct UpdateSettings {
     /// Whether every region is one step faster while the eyes follow something: paper B's participants noticed more
     /// then than while they fixated.
     pub faster_in_pursuit: bool,
-    /// What takes turns.
-    pub turns: Turns,
+    /// Unit of the schedule.
+    pub unit: UpdateUnit,
     /// Whether regions may be rendered less often than [`crate::schedule::cap::MIN_UPDATE_HZ`] asks for.
     pub uncapped: bool,
 }
 
-/// What takes turns to be rendered.
+/// Unit of an update schedule, which has one age.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Turns {
-    /// Directions that are fixed in the world: what was rendered is looked for where the head's turn has moved it, and both
-    /// eyes see a direction at one age.
+pub enum UpdateUnit {
+    /// Directions that are fixed in the world: earlier images are reprojected, and both eyes see a direction at one age.
     #[default]
     Directions,
-    /// Tiles of the picture, each by its point nearest to the gaze, as paper B has it for pixels: what was rendered stays
-    /// where it is in the picture. [`crate::schedule::Phase::Staggered`] counts as [`crate::schedule::Phase::Aligned`].
+    /// Tiles of the view, each by its point nearest to the gaze, as pixels in paper B: earlier images are not reprojected. [`crate::schedule::Phase::Staggered`] counts as [`crate::schedule::Phase::Aligned`].
     Tiles,
 }
 
 impl From<Schedule> for UpdateSettings {
-    /// Turns of directions, with both rails.
+    /// UpdateUnit of directions, with both safety limits.
     fn from(schedule: Schedule) -> Self {
-        Self { schedule, faster_in_pursuit: true, turns: Turns::Directions, uncapped: false }
+        Self { schedule, faster_in_pursuit: true, unit: UpdateUnit::Directions, uncapped: false }
     }
 }
 
 /// What keeps a plan safe, whatever the other settings ask for. What is not a number counts as the default's, what is
 /// negative as 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RailSettings {
+pub struct SafetySettings {
     /// Least radius of the area at full rate, before anything widens it, degrees.
     pub least_foveal_deg: f32,
     /// By how much the eye tracker may be off, degrees. Widens every radius.
@@ -203,8 +165,8 @@ pub struct RailSettings {
     pub lost: Option<FixedFoveation>,
 }
 
-impl RailSettings {
-    /// No rail but those that keep the plan finite, to reproduce the papers.
+impl SafetySettings {
+    /// No safety limit but those that keep the plan finite, to reproduce the papers.
     pub const PAPER: Self = Self {
         least_foveal_deg: 0.0,
         tracker_error_deg: 0.0,
@@ -219,7 +181,7 @@ impl RailSettings {
     };
 }
 
-impl RailSettings {
+impl SafetySettings {
     /// The same with numbers in place of what is none: the default's, or 0 for what is negative.
     pub(super) fn usable(&self) -> Self {
         let usual = Self::default();
@@ -239,7 +201,7 @@ impl RailSettings {
     }
 }
 
-impl Default for RailSettings {
+impl Default for SafetySettings {
     /// A fovea of 5 degrees; 1.1 degrees of error (vendor of the Vive Pro Eye, as paper B takes it); 60 ms from eye to
     /// image, within the 50 to 70 that Albert et al. 2017 found tolerable. One octave takes an
     /// eighth of a second, so that no tile becomes coarser twice within a tenth, and a quarter where contrast decides; no time where

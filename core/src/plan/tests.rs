@@ -6,15 +6,14 @@ use crate::gaze::{GazePhase, GazeState};
 use crate::geometry::{Fov, eccentricity};
 use crate::image::Plane;
 use crate::perception::{ContrastMap, TileContrast};
-use crate::presets::Preset;
-use crate::rate::{PAPER_RATES, ShadingRate, VULKAN_RATES};
+use crate::rate::{ShadingRate, VULKAN_RATES};
 use crate::schedule::{Phase, Schedule, UpdateConfiguration};
 use glam::{Quat, Vec3};
 
 mod feedback;
 mod properties;
-mod rails;
-mod turns;
+mod safety;
+mod update_unit;
 
 /// A frame at 100 Hz.
 const FRAME_NS: i64 = 10_000_000;
@@ -49,7 +48,7 @@ fn fixed() -> PlanSettings {
 }
 
 fn without_rails(settings: PlanSettings) -> PlanSettings {
-    PlanSettings { rails: RailSettings::PAPER, ..settings }
+    PlanSettings { safety: SafetySettings::PAPER, ..settings }
 }
 
 fn with_schedule(configuration: UpdateConfiguration, phase: Phase) -> PlanSettings {
@@ -252,7 +251,7 @@ fn contrast_and_sound_lead_to_coarser_rates_down_to_the_cap() {
 
 #[test]
 fn colour_follows_the_gaze_and_comes_back_when_that_is_lost() {
-    let settings = PlanSettings::of(Preset::Streaming, false, &VULKAN_RATES, [16, 16]);
+    let settings = PlanSettings { chroma: Some(ChromaSettings::default()), ..fixed() };
     let mut planner = Planner::new(settings);
     let side = Vec3::new(0.3, 0.0, -1.0).normalize();
     let head = Quat::from_rotation_y(0.4);
@@ -268,20 +267,6 @@ fn colour_follows_the_gaze_and_comes_back_when_that_is_lost() {
     let plan = planner.plan(&PlanInput { time_ns: 2 * FRAME_NS, gaze: gaze(side, side), head, ..input() });
     // Half of it in a second.
     assert!(plan.eyes.iter().all(|eye| eye.focus.is_some_and(|focus| focus.strength < 0.02)));
-}
-
-#[test]
-fn presets_shade_less_from_quality_to_performance() {
-    let settings = |preset, by_sound| PlanSettings::of(preset, by_sound, &VULKAN_RATES, [16, 16]);
-    let shares = [Preset::Quality, Preset::Balanced, Preset::Performance].map(|preset| {
-        let mut planner = Planner::new(settings(preset, false));
-        settled(&mut planner, input()).eyes[0].statistics().pixel_share
-    });
-    assert!(shares.is_sorted_by(|a, b| a > b), "{shares:?}");
-    let paper = settings(Preset::Paper, true);
-    assert_eq!(paper.rails, RailSettings::PAPER);
-    assert_eq!(paper.device.available, AvailableRates::new(&PAPER_RATES));
-    assert!(matches!(paper.rates, RateSettings::AudioVisual(AudioVisual { cap: None, .. })));
 }
 
 #[test]

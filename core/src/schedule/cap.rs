@@ -1,4 +1,4 @@
-//! The rail that the periphery is not rendered more slowly than 30 times a second: paper B's slowest regions, 22.5 and
+//! The safety limit that the periphery is not rendered more slowly than 30 times a second: paper B's slowest regions, 22.5 and
 //! 18 Hz, lie where flicker is most likely to provoke seizures (15 to 25 Hz; Fisher et al., Epilepsia 46(9), 2005).
 
 /// The slowest that a region is rendered unless asked for, times a second.

@@ -3,12 +3,12 @@
 use super::{Config, chroma_settings, plan_settings};
 use glam::{Quat, Vec3};
 use parafovea_core::audio::AudioFeatures;
-use parafovea_core::chroma::{Curves, Trail};
+use parafovea_core::chroma::{ChromaTemporalFilter, Curves};
 use parafovea_core::gaze::{GazePhase, GazeState};
 use parafovea_core::geometry::Fov;
 use parafovea_core::image::Plane;
 use parafovea_core::perception::{ContrastMap, TileContrast};
-use parafovea_core::plan::{EyeInput, PlanInput, PlanSettings, Planner, RailSettings};
+use parafovea_core::plan::{EyeInput, PlanInput, PlanSettings, Planner, SafetySettings};
 use parafovea_core::rate::VULKAN_RATES;
 use parafovea_manifest::config::parse;
 use parafovea_manifest::options::{Allowed, OPTIONS};
@@ -32,9 +32,12 @@ fn config(settings: &str) -> Config {
 fn shaded(config: &Config) -> f32 {
     let settings = plan_settings(config, &VULKAN_RATES, [16; 2], true);
     let at_once = f32::INFINITY;
-    let rails =
-        RailSettings { coarsening_octaves_per_s: at_once, judged_octaves_per_s: at_once, ..settings.rails };
-    let mut planner = Planner::new(PlanSettings { contrast_on_gpu: false, rails, ..settings });
+    let safety = SafetySettings {
+        coarsening_octaves_per_s: at_once,
+        judged_octaves_per_s: at_once,
+        ..settings.safety
+    };
+    let mut planner = Planner::new(PlanSettings { contrast_on_gpu: false, safety, ..settings });
     let map = ContrastMap {
         tiles: Plane::from_fn(TILES, TILES, |x, _| TileContrast {
             bands: [0.004 * (x + 1) as f32; 4],
@@ -77,9 +80,9 @@ fn colour(config: &Config, of: fn(parafovea_core::chroma::Gains) -> f32) -> f32 
 /// Strength of chroma attenuation 5 ms after it was switched on.
 fn strength(config: &Config) -> f32 {
     let settings = chroma_settings(config).unwrap();
-    let mut trail = Trail::default();
-    trail.switched_off(0);
-    trail.update(Some(Vec3::NEG_Z), 5_000_000, &settings).map_or(0.0, |focus| focus.strength)
+    let mut filter = ChromaTemporalFilter::default();
+    filter.show_full_color(0);
+    filter.update(Some(Vec3::NEG_Z), 5_000_000, &settings).map_or(0.0, |focus| focus.strength)
 }
 
 /// The effect of an option, whether it rises with the option, and other settings.

@@ -8,9 +8,11 @@ use parafovea_core::avpm::{self, BudgetSettings};
 use parafovea_core::fixed_foveation::FixedFoveation;
 use parafovea_core::gate::{GateMode, Techniques};
 use parafovea_core::gaze::GazeSettings;
-use parafovea_core::plan::{AudioVisual, PlanSettings, RateSettings, Turns, UpdateSettings};
-use parafovea_core::presets;
-use parafovea_core::rate::ShadingRate;
+use parafovea_core::plan::{
+    AudioVisual, AvailableRates, DeviceRates, PlanSettings, RateSettings, SafetySettings, UpdateSettings,
+    UpdateUnit,
+};
+use parafovea_core::rate::{PAPER_RATES, ShadingRate, VULKAN_RATES};
 use parafovea_core::schedule::{Phase, Schedule, UpdateConfiguration};
 
 /// The source of rates on a device: `rates.mode`, with "auto" decided. On a CPU device the kernels that measure contrast take as long
@@ -54,13 +56,16 @@ pub fn plan_settings(
         RatesSource::Contrast => RateSettings::AudioVisual(audio_visual(config)),
         RatesSource::Paper => RateSettings::AudioVisual(AudioVisual { fixed, ..AudioVisual::PAPER }),
     };
-    let preset = preset(config.preset);
+    // All seven rates of Vulkan follow the radii more closely than the paper's four, and never shade more.
+    let is_paper = config.preset == Preset::Paper;
+    let wanted: &[ShadingRate] = if is_paper { &PAPER_RATES } else { &VULKAN_RATES };
     PlanSettings {
         rates,
-        schedule: update_settings(config, preset.settings().faster_in_pursuit),
+        schedule: update_settings(config),
         chroma: chroma_settings(config),
+        safety: if is_paper { SafetySettings::PAPER } else { SafetySettings::default() },
+        device: DeviceRates { available: AvailableRates::among(wanted, offered), texel },
         contrast_on_gpu: wants_contrast(config, on_cpu),
-        ..PlanSettings::of(preset, false, offered, texel)
     }
 }
 
@@ -134,20 +139,8 @@ pub fn gate_modes(config: &Config) -> Techniques<GateMode> {
     Techniques { rates: of(has_rates), reuse: of(wants_reuse(config)) }
 }
 
-/// The preset of the models for values without an option: the rates to choose from and the safety rails.
-fn preset(preset: Preset) -> presets::Preset {
-    match preset {
-        Preset::None | Preset::Balanced => presets::Preset::Balanced,
-        Preset::Quality => presets::Preset::Quality,
-        Preset::Performance => presets::Preset::Performance,
-        Preset::Streaming => presets::Preset::Streaming,
-        Preset::Fixed => presets::Preset::Fixed,
-        Preset::Paper => presets::Preset::Paper,
-    }
-}
-
-/// How often the periphery is rendered; nothing where every frame renders everything.
-fn update_settings(config: &Config, faster_in_pursuit: bool) -> Option<UpdateSettings> {
+/// The update schedule; `None` if every frame renders everything.
+fn update_settings(config: &Config) -> Option<UpdateSettings> {
     if !wants_reuse(config) {
         return None;
     }
@@ -163,8 +156,8 @@ fn update_settings(config: &Config, faster_in_pursuit: bool) -> Option<UpdateSet
     let schedule = Schedule { configuration, phase, ..Schedule::default() };
     Some(UpdateSettings {
         schedule,
-        faster_in_pursuit: faster_in_pursuit && !is_paper,
-        turns: if is_paper { Turns::Tiles } else { Turns::Directions },
+        faster_in_pursuit: config.preset != Preset::Paper && !is_paper,
+        turns: if is_paper { UpdateUnit::Tiles } else { UpdateUnit::Directions },
         uncapped: is_paper || config.reuse.below_30_hz,
     })
 }
@@ -183,138 +176,4 @@ fn fixed_foveation(config: &Config) -> FixedFoveation {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use parafovea_core::rate::VULKAN_RATES;
-
-    fn settings(config: &Config) -> PlanSettings {
-        plan_settings(config, &VULKAN_RATES, [16, 16], false)
-    }
-
-    #[test]
-    fn a_preset_of_the_configuration_is_that_of_the_models() {
-        for (ours, theirs) in [
-            (Preset::Quality, presets::Preset::Quality),
-            (Preset::Balanced, presets::Preset::Balanced),
-            (Preset::Performance, presets::Preset::Performance),
-            (Preset::Streaming, presets::Preset::Streaming),
-            (Preset::Fixed, presets::Preset::Fixed),
-            (Preset::Paper, presets::Preset::Paper),
-        ] {
-            let is_paper = ours == Preset::Paper;
-            // Without a tracker the eyes may be anywhere: rings around the centre, at any contrast.
-            let by_contrast = ours != Preset::Fixed;
-            let mut expected = PlanSettings {
-                contrast_on_gpu: by_contrast,
-                ..PlanSettings::of(theirs, by_contrast, &VULKAN_RATES, [16, 16])
-            };
-            if let RateSettings::AudioVisual(model) = &mut expected.rates {
-                model.budget.silence = avpm::SilenceRule::Strict;
-            }
-            let mut config = Config::of_preset(ours);
-            assert_eq!(config.reuse.mode != ReuseMode::Off, is_paper, "{theirs}");
-            config.reuse.mode = ReuseMode::Off;
-            assert_eq!(settings(&config), PlanSettings { schedule: None, ..expected }, "{theirs}");
-            config.reuse.mode = if is_paper { ReuseMode::Paper } else { ReuseMode::On };
-            let schedule = expected.schedule.map(|updates| match ours {
-                Preset::Paper => UpdateSettings { turns: Turns::Tiles, uncapped: true, ..updates },
-                _ => updates,
-            });
-            assert_eq!(settings(&config), PlanSettings { schedule, ..expected }, "{theirs}");
-        }
-    }
-
-    /// On a CPU device contrast costs more than it saves, and each preset has the rings of the models.
-    #[test]
-    fn presets_measure_contrast_on_gpus_alone() {
-        for (ours, theirs) in [
-            (Preset::Quality, presets::Preset::Quality),
-            (Preset::Balanced, presets::Preset::Balanced),
-            (Preset::Performance, presets::Preset::Performance),
-            (Preset::Streaming, presets::Preset::Streaming),
-        ] {
-            let config = Config::of_preset(ours);
-            assert_eq!(
-                [true, false].map(|on_cpu| wants_contrast(&config, on_cpu)),
-                [false, true],
-                "{theirs}"
-            );
-            let expected = PlanSettings::of(theirs, false, &VULKAN_RATES, [16, 16]);
-            let found = plan_settings(&config, &VULKAN_RATES, [16, 16], true);
-            assert_eq!(found, PlanSettings { schedule: None, ..expected }, "{theirs}");
-        }
-        let mut config = Config::of_preset(Preset::Fixed);
-        assert_eq!([true, false].map(|on_cpu| wants_contrast(&config, on_cpu)), [false; 2]);
-        config.rates.mode = RatesMode::AudioVisual;
-        assert_eq!([true, false].map(|on_cpu| wants_contrast(&config, on_cpu)), [true; 2], "as asked for");
-        config.enabled = false;
-        assert_eq!([true, false].map(|on_cpu| wants_contrast(&config, on_cpu)), [false; 2]);
-    }
-
-    #[test]
-    fn a_configuration_without_any_file_is_balanced() {
-        assert_eq!(Config::default(), Config::of_preset(Preset::Balanced));
-        assert_eq!(gaze_settings(&Config::default()), GazeSettings::default());
-    }
-
-    #[test]
-    fn what_is_off_is_not_planned() {
-        let mut disabled = Config::of_preset(Preset::Streaming);
-        disabled.enabled = false;
-        disabled.reuse.mode = ReuseMode::On;
-        for config in [disabled, Config::of_preset(Preset::None)] {
-            let settings = settings(&config);
-            assert_eq!((settings.rates, settings.schedule, settings.chroma), (RateSettings::Off, None, None));
-        }
-    }
-
-    #[test]
-    fn sound_hides_what_is_configured_and_in_the_paper_all_that_it_can() {
-        let model = |config: &Config| match settings(config) {
-            PlanSettings { rates: RateSettings::AudioVisual(model), contrast_on_gpu: true, .. } => model,
-            other => panic!("{other:?}"),
-        };
-        let mut config = Config::default();
-        config.rates.mode = RatesMode::AudioVisual;
-        let strict = BudgetSettings { silence: avpm::SilenceRule::Strict, ..BudgetSettings::default() };
-        assert_eq!(model(&config), AudioVisual { budget: strict, ..AudioVisual::default() });
-        config.rates.greatest_loss = 1.5;
-        config.rates.silence = SilenceRule::Fixed;
-        config.rates.peripheral = PeripheralRate::R2x2;
-        let edited = model(&config);
-        assert_eq!((edited.greatest_loss, edited.budget.silence), (1.5, avpm::SilenceRule::FixedFoveation));
-        assert_eq!(edited.cap.unwrap().peripheral, ShadingRate::R2X2, "no coarser than configured");
-        config.rates.peripheral = PeripheralRate::R4x4;
-        config.rates.mode = RatesMode::Paper;
-        assert_eq!(model(&config), AudioVisual::PAPER);
-    }
-
-    #[test]
-    fn what_is_not_configured_is_off() {
-        let modes = |rates, reuse| Techniques { rates, reuse };
-        let mut config = Config::default();
-        assert_eq!(gate_modes(&config), modes(GateMode::Auto, GateMode::Off));
-        config.reuse.mode = ReuseMode::On;
-        config.rates.gate = RatesGate::On;
-        assert_eq!(gate_modes(&config), modes(GateMode::On, GateMode::On));
-        config.rates.mode = RatesMode::Off;
-        assert_eq!(gate_modes(&config), modes(GateMode::Off, GateMode::On));
-        config.rates.backend = RatesBackend::Off;
-        assert_eq!(gate_modes(&config), modes(GateMode::Off, GateMode::Off));
-    }
-
-    #[test]
-    fn periods_and_phase_are_as_configured() {
-        let mut config = Config::default();
-        config.reuse.mode = ReuseMode::On;
-        config.reuse.phase = ReusePhase::AlternateEye;
-        let updates = settings(&config).schedule.unwrap();
-        assert_eq!(updates.schedule.configuration, UpdateConfiguration::F11223);
-        assert_eq!(updates.schedule.phase, Phase::AlternateEye);
-        assert!(!updates.uncapped && updates.faster_in_pursuit);
-        config.reuse.below_30_hz = true;
-        assert!(settings(&config).schedule.unwrap().uncapped);
-        config.rates.backend = RatesBackend::Off;
-        assert_eq!(settings(&config).schedule, None, "nothing could be left out");
-    }
-}
+mod tests;

@@ -32,7 +32,7 @@ use parafovea_core::perception::ContrastMap;
 use parafovea_core::perception::luminance::luminance_plane;
 use parafovea_core::plan::{
     AudioVisual, AvailableRates, DeviceRates, EyeInput, EyePlan, LatticeShape, PlanInput, PlanSettings,
-    Planner, RailSettings, RateSettings, Sensitivity, TileLattice, VisibleContrast,
+    Planner, RateSettings, SafetySettings, Sensitivity, TileLattice, VisibleContrast,
 };
 use parafovea_core::rate::{PAPER_RATES, VULKAN_RATES};
 use std::sync::Arc;
@@ -83,22 +83,22 @@ fn gaze(frame: u64) -> GazeState {
     GazeState { directions, phase, trust: if frame % 24 == 20 { 0.0 } else { 1.0 }, ..GazeState::LOST }
 }
 
-fn settings(unit: SensitivityUnit, rails: bool, texel: [u32; 2]) -> PlanSettings {
+fn settings(unit: SensitivityUnit, safety: bool, texel: [u32; 2]) -> PlanSettings {
     // Both ways to spend a budget: the paper's is for each tile.
     let usual = if unit == SensitivityUnit::Tursun { AudioVisual::PAPER } else { AudioVisual::default() };
     let model = AudioVisual {
         budget: BudgetSettings { unit, ..BudgetSettings::default() },
-        cap: rails.then_some(FixedFoveation::L1_C3),
+        cap: safety.then_some(FixedFoveation::L1_C3),
         greatest_loss: 2.0,
         ..usual
     };
-    let offered: &[_] = if rails { &VULKAN_RATES } else { &PAPER_RATES };
+    let offered: &[_] = if safety { &VULKAN_RATES } else { &PAPER_RATES };
     PlanSettings {
         rates: RateSettings::AudioVisual(model),
-        rails: if rails {
-            RailSettings { judged_octaves_per_s: 8.0, ..RailSettings::default() }
+        safety: if safety {
+            SafetySettings { judged_octaves_per_s: 8.0, ..SafetySettings::default() }
         } else {
-            RailSettings::PAPER
+            SafetySettings::PAPER
         },
         device: DeviceRates { available: AvailableRates::new(offered), texel },
         ..PlanSettings::default()
@@ -237,9 +237,9 @@ fn pictures_are_decided_as_in_the_reference() {
     for picture in pictures::ALL {
         let contrast = USUAL.contrast(picture);
         for unit in [SensitivityUnit::CastleCsf, SensitivityUnit::Tursun] {
-            for rails in [true, false] {
-                let counts = both.compare(&USUAL, settings(unit, rails, USUAL.texel), &contrast, 16);
-                assert_same(&format!("{}, {unit:?}, rails: {rails}", picture.0), &counts);
+            for safety in [true, false] {
+                let counts = both.compare(&USUAL, settings(unit, safety, USUAL.texel), &contrast, 16);
+                assert_same(&format!("{}, {unit:?}, safety limits: {safety}", picture.0), &counts);
                 all.tiles += counts.tiles;
                 all.coarse += counts.coarse;
                 all.differ += counts.differ;

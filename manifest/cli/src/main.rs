@@ -2,7 +2,6 @@
 
 mod config;
 mod doctor;
-mod fit;
 mod gaze;
 mod generate;
 mod install;
@@ -53,11 +52,6 @@ enum Command {
         #[command(flatten)]
         options: doctor::Options,
     },
-    /// Fit the audio-visual model to the scores of a user study, and print its coefficients
-    Fit {
-        /// CSV file with the columns loudness_lufs (or gamma_ld), frequency_khz (or gamma_fq), gamma_vis and mu
-        study: PathBuf,
-    },
     /// Show the state of the layer in running applications, updated every second
     Status {
         #[command(flatten)]
@@ -98,7 +92,6 @@ fn main() -> ExitCode {
         Command::Uninstall { scope } => install::uninstall(scope),
         Command::Run { command } => run::run(&command),
         Command::Doctor { application, options } => doctor::doctor(application, options),
-        Command::Fit { study } => fit::fit(&study),
         Command::Status { options } => status::status(options),
         Command::Gaze { options } => gaze::gaze(options),
         Command::Profile(command) => profile::profile(&command),

@@ -96,28 +96,6 @@ fn validate_tells_each_error_in_a_line() {
 }
 
 #[test]
-fn fit_prints_coefficients_or_what_is_wrong_with_the_study() {
-    let home = TempDir::new().unwrap();
-    // Scores that a = 0.05, b = 0.45, c = 0.19, d = 3.63 give.
-    let rows = (0..12).map(|i| {
-        let (loudness, kilomel, loss) =
-            (f64::from(i * 2), 1.0 + f64::from(i % 5) * 0.25, f64::from(i * 7 % 12) * 1e3);
-        let mu = 0.05 * loudness + 0.45 / kilomel - 0.19 * loss / 1e4 + 3.63;
-        format!("{loudness},{kilomel},{loss},{mu}\n")
-    });
-    let study = format!("gamma_ld,gamma_fq,gamma_vis,mu\n{}", rows.collect::<String>());
-    fs::write(home.path().join("study.csv"), study).unwrap();
-    let found = printed(&parafovea(home.path(), &["fit", "study.csv"]));
-    for line in ["a = 0.0500 ", "b = 0.4500 ", "c = 0.1900 ", "d = 3.6300 ", "# 12 rows"] {
-        assert!(found.lines().any(|found| found.starts_with(line)), "{line} in\n{found}");
-    }
-    fs::write(home.path().join("study.csv"), "gamma_ld,gamma_fq,mu\n1,1,4\n").unwrap();
-    let wrong = complained(&parafovea(home.path(), &["fit", "study.csv"]));
-    assert!(wrong.starts_with("parafovea: study.csv: line 1: there is no column gamma_vis"), "{wrong}");
-    assert!(complained(&parafovea(home.path(), &["fit", "none.csv"])).contains("No such file"));
-}
-
-#[test]
 fn a_doctor_that_can_ask_nobody_says_what_is_wrong_and_fixes_what_is_ours() {
     let home = TempDir::new().unwrap();
     let names =

@@ -19,7 +19,7 @@ const BENCHES: [(&str, &str); 11] = [
     ("kernels", "parafovea-layer"),
     ("models", "parafovea-models"),
     ("overhead", "parafovea-tests"),
-    ("rails", "parafovea-models"),
+    ("safety", "parafovea-models"),
     ("recognition", "parafovea-wild"),
     ("reuse", "parafovea-tests"),
     ("status", "parafovea-tests"),

@@ -5,7 +5,6 @@ use parafovea::inputs::gaze::osc::{OscGaze, read};
 use parafovea::inputs::gaze::script::GazeScript;
 use parafovea::vk::FragmentShaders;
 use parafovea_audio::wav::Wav;
-use parafovea_core::avpm::study;
 use parafovea_manifest::config;
 use parafovea_manifest::json::Half;
 use parafovea_mock_runtime::scenario::Scenario;
@@ -25,7 +24,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 9] = [
+pub const TARGETS: [Target; 8] = [
     Target { name: "config", execute: config },
     Target { name: "gaze", execute: gaze },
     Target { name: "manifest", execute: manifest },
@@ -33,7 +32,6 @@ pub const TARGETS: [Target; 9] = [
     Target { name: "pnext", execute: pnext },
     Target { name: "scenario", execute: scenario },
     Target { name: "spirv", execute: spirv },
-    Target { name: "study", execute: study },
     Target { name: "wav", execute: wav },
 ];
 
@@ -148,22 +146,6 @@ fn spirv(input: &[u8]) {
     let words: Vec<u32> =
         input.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect();
     assert_eq!(FragmentShaders::read(&words), FragmentShaders::read(&words));
-}
-
-/// Entries are finite numbers, and no more than rows; or the error has a text.
-fn study(input: &[u8]) {
-    let text = text(input);
-    match study::parse(&text) {
-        Err(error) => assert!(!error.to_string().is_empty()),
-        Ok(entries) => {
-            assert!(entries.len() <= text.lines().count() + text.matches('\r').count());
-            let numbers = entries
-                .iter()
-                .flat_map(|entry| [entry.gamma_ld, entry.gamma_fq_kilomel, entry.gamma_vis, entry.mu]);
-            assert!(numbers.into_iter().all(f32::is_finite));
-            assert!(study::averaged(&entries).len() <= entries.len());
-        }
-    }
 }
 
 /// Whatever a header says, a portion has no more samples than were asked for.

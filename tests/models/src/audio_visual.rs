@@ -1,7 +1,7 @@
 //! Paper A on pictures: how many fragments sound saves, by loudness and pitch, against fixed foveation.
 //!
-//! One eye of paper A's headset looks straight ahead. *Paper*: Tursun's sensitivity, the mean contrast of a tile and no rail.
-//! *castleCSF*: its sensitivity in place of Tursun's, the greatest contrast of a tile, no rail. *Default*: that, within the rails.
+//! One eye of paper A's headset looks straight ahead. *Paper*: Tursun's sensitivity, the mean contrast of a tile and no safety limit.
+//! *castleCSF*: its sensitivity in place of Tursun's, the greatest contrast of a tile, no safety limit. *Default*: that, within the safety limits.
 
 mod report;
 
@@ -18,8 +18,8 @@ use parafovea_core::image::Plane;
 use parafovea_core::kernels::analyze::{Aggregation, Buffers, ContrastSettings, analyze};
 use parafovea_core::perception::{ContrastMap, TileContrast};
 use parafovea_core::plan::{
-    AudioVisual, EyeInput, EyePlan, LatticeShape, PlanInput, PlanSettings, Planner, RailSettings,
-    RateSettings, Sensitivity, TileLattice,
+    AudioVisual, EyeInput, EyePlan, LatticeShape, PlanInput, PlanSettings, Planner, RateSettings,
+    SafetySettings, Sensitivity, TileLattice,
 };
 use parafovea_core::rate::ShadingRate;
 
@@ -59,7 +59,7 @@ impl Scene {
 pub enum Constants {
     /// To the letter of the paper.
     Paper,
-    /// castleCSF instead, without rails.
+    /// castleCSF instead, without safety limits.
     Castle,
     /// What an application gets.
     Default,
@@ -154,7 +154,7 @@ fn planned(settings: PlanSettings, contrast: Option<&ContrastMap>, audio: Option
 /// Fixed foveation as the paper compares with.
 pub fn fixed(map: FixedFoveation) -> Map {
     let rates = RateSettings::Fixed(map);
-    planned(PlanSettings { rates, rails: RailSettings::PAPER, ..PlanSettings::default() }, None, None)
+    planned(PlanSettings { rates, safety: SafetySettings::PAPER, ..PlanSettings::default() }, None, None)
 }
 
 /// Everything at full rate.
@@ -178,21 +178,21 @@ fn by_coefficients(scene: &Scene, constants: Constants, sound: Sound, coefficien
 }
 
 fn settings(constants: Constants, coefficients: Coefficients) -> PlanSettings {
-    let at_once = RailSettings { judged_octaves_per_s: f32::INFINITY, ..RailSettings::default() };
-    let (model, rails) = match constants {
-        Constants::Paper => (AudioVisual::PAPER, RailSettings::PAPER),
+    let at_once = SafetySettings { judged_octaves_per_s: f32::INFINITY, ..SafetySettings::default() };
+    let (model, safety) = match constants {
+        Constants::Paper => (AudioVisual::PAPER, SafetySettings::PAPER),
         Constants::Castle => {
             let unit = SensitivityUnit::CastleCsf;
             let budget = BudgetSettings { unit, silence: SilenceRule::Strict, ..BudgetSettings::default() };
-            (AudioVisual { budget, ..AudioVisual::PAPER }, RailSettings::PAPER)
+            (AudioVisual { budget, ..AudioVisual::PAPER }, SafetySettings::PAPER)
         }
         Constants::Default => (AudioVisual::default(), at_once),
     };
     let model = AudioVisual { budget: BudgetSettings { coefficients, ..model.budget }, ..model };
-    PlanSettings { rates: RateSettings::AudioVisual(model), rails, ..PlanSettings::default() }
+    PlanSettings { rates: RateSettings::AudioVisual(model), safety, ..PlanSettings::default() }
 }
 
-/// What the rails alone would permit: the map of a picture without any contrast.
+/// What the safety limits alone would permit: the map of a picture without any contrast.
 fn rails_alone(constants: Constants) -> Map {
     let level = TileContrast { bands: [0.0; 4], adaptation_cd_m2: 100.0 };
     let flat = ContrastMap { tiles: Plane::filled(TILES as u32, TILES as u32, level) };
@@ -200,7 +200,7 @@ fn rails_alone(constants: Constants) -> Map {
     planned(settings(constants, PAPER), Some(&flat), Some(loud.features()))
 }
 
-/// Share of the tiles that contrast and sound decide: they are finer than the rails alone would have them.
+/// Share of the tiles that contrast and sound decide: they are finer than the safety limits alone would have them.
 pub fn decided_by_model(map: &Map, constants: Constants) -> f64 {
     map.differing(&rails_alone(constants))
 }

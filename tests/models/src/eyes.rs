@@ -16,7 +16,7 @@ pub use baselines::{OneEuro, TUNED};
 pub use path::{Event, EyePath, HALF_IPD_M, Look};
 pub use region::{Region, union_area_deg2};
 pub use report::{Row, rows, table};
-pub use score::{Follower, Method, Radius, Score, follow, rail_bases_deg};
+pub use score::{Follower, Method, Radius, Score, follow, foveal_radii_deg};
 pub use tracker::{LATENCY_S, Report, TrackerErrors, TrackerModel, nanoseconds};
 
 /// Seeds of what is reported.

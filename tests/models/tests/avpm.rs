@@ -1,12 +1,12 @@
 //! The audio-visual perception model against paper A's Table 1 and against double precision.
 
 use parafovea_core::audio::{self, AudioSettings, mel_of_hz};
-use parafovea_core::avpm::fit::fit;
-use parafovea_core::avpm::least_squares::non_negative;
-use parafovea_core::avpm::study::{Entry, parse};
 use parafovea_core::avpm::{Budget, BudgetSettings, PAPER};
 use parafovea_core::frco;
 use parafovea_core::rate::VULKAN_RATES;
+use parafovea_models::avpm::fit::fit;
+use parafovea_models::avpm::least_squares::non_negative;
+use parafovea_models::avpm::study::Entry;
 use parafovea_models::checks::{Tuple, checks};
 use parafovea_models::reference::avpm as reference;
 use proptest::prelude::*;
@@ -169,20 +169,22 @@ fn no_refit_of_table_1_explains_it() {
 }
 
 /// Table 1 as a study, with the visual loss of each condition that fits it best.
-fn study_of_table_1() -> String {
+fn study_of_table_1() -> Vec<Entry> {
     let visual_loss = [2.77e4, 8.11e4, 2.03e4, 1.05e5, 9.98e4];
     let conditions =
         visual_loss.into_iter().zip(CONDITIONS).flat_map(|(loss, n)| std::iter::repeat_n(loss, n));
-    let rows = table().into_iter().zip(conditions).map(|(tuple, loss)| {
-        let Tuple { lufs, khz, mu, .. } = tuple;
-        format!("{lufs},{khz},{loss},{mu}\n")
-    });
-    ["loudness_lufs,frequency_khz,gamma_vis,mu\n".to_owned()].into_iter().chain(rows).collect()
+    let entry = |(tuple, gamma_vis): (Tuple, f32)| Entry {
+        gamma_ld: gamma_ld(tuple.lufs as f32),
+        gamma_fq_kilomel: gamma_fq_kilomel(tuple.khz as f32 * 1000.0),
+        gamma_vis,
+        mu: tuple.mu as f32,
+    };
+    table().into_iter().zip(conditions).map(entry).collect()
 }
 
 #[test]
 fn a_study_is_fitted_as_the_reference_does() {
-    let entries = parse(&study_of_table_1()).unwrap();
+    let entries = study_of_table_1();
     assert_eq!(entries.len(), 46);
     let fit = fit(&entries).unwrap();
     let (rows, scores): (Vec<_>, Vec<_>) = entries.iter().map(row).unzip();

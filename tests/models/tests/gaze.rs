@@ -8,7 +8,7 @@ use parafovea_core::plan::{EyeInput, PlanInput, PlanSettings, Planner, RateSetti
 use parafovea_core::rate::ShadingRate;
 use parafovea_models::eyes::{
     DURATION_S, EyePath, HALF_IPD_M, LATENCY_S, Method, Radius, SEEDS, Score, TUNED, TUNING_SEEDS,
-    TrackerModel, follow, nanoseconds, rail_bases_deg, union_area_deg2,
+    TrackerModel, follow, foveal_radii_deg, nanoseconds, union_area_deg2,
 };
 
 /// Rates that the aims hold for, Hz.
@@ -20,31 +20,31 @@ fn score(method: Method, rate_hz: f64) -> Score {
 
 #[test]
 fn what_either_eye_looks_at_is_at_full_rate() {
-    let rails = Radius::Inflated(rail_bases_deg()[0]);
+    let safety = Radius::Inflated(foveal_radii_deg()[0]);
     for rate_hz in RATES_HZ {
         for method in [Method::Tracker, Method::TrackerWithDepth] {
-            let hits = score(method, rate_hz).hits(rails);
+            let hits = score(method, rate_hz).hits(safety);
             assert!(hits > 0.998, "{} at {rate_hz} Hz: {hits}", method.name());
         }
         let without_times = TrackerModel { rate_hz, tells_time: false };
-        let hits = follow(Method::Tracker, without_times, &SEEDS, DURATION_S).hits(rails);
+        let hits = follow(Method::Tracker, without_times, &SEEDS, DURATION_S).hits(safety);
         assert!(hits > 0.998, "without times at {rate_hz} Hz: {hits}");
     }
 }
 
 #[test]
 fn no_distance_is_worse_off_than_the_aim() {
-    let rails = Radius::Inflated(rail_bases_deg()[0]);
+    let safety = Radius::Inflated(foveal_radii_deg()[0]);
     let score = score(Method::Tracker, 60.0);
     for distance in 0..4 {
-        let hits = score.hits_at(rails, distance);
+        let hits = score.hits_at(safety, distance);
         assert!(hits > 0.997, "distance {distance}: {hits}");
     }
 }
 
 #[test]
 fn the_area_at_full_rate_is_less_than_twice_a_perfect_tracker_s() {
-    let [base, perfect_base] = rail_bases_deg();
+    let [base, perfect_base] = foveal_radii_deg();
     for rate_hz in RATES_HZ {
         for (method, most, most_without_error) in [
             (Method::Tracker, 1.45, if rate_hz < 60.0 { 2.1 } else { 2.0 }),
@@ -61,7 +61,7 @@ fn the_area_at_full_rate_is_less_than_twice_a_perfect_tracker_s() {
 
 #[test]
 fn the_area_is_smaller_than_one_euro_s_and_the_unfiltered_at_the_same_hits() {
-    let [base, _] = rail_bases_deg();
+    let [base, _] = foveal_radii_deg();
     for rate_hz in RATES_HZ {
         let ours = score(Method::Tracker, rate_hz);
         for other in [Method::OneEuro(TUNED), Method::Unfiltered] {
@@ -75,8 +75,8 @@ fn the_area_is_smaller_than_one_euro_s_and_the_unfiltered_at_the_same_hits() {
             assert!(fixed(&ours) < fixed(&theirs), "{}", what("fixed area"));
             let soon = |score: &Score| score.area_deg2(score.radius_from_landing(0.98, Radius::Inflated));
             assert!(soon(&ours) < soon(&theirs), "{}", what("area from landing on"));
-            let rails = Radius::Inflated(base);
-            assert!(ours.area_deg2(rails) < 0.9 * theirs.area_deg2(rails), "{}", what("rails' area"));
+            let safety = Radius::Inflated(base);
+            assert!(ours.area_deg2(safety limits) < 0.9 * theirs.area_deg2(safety limits), "{}", what("safety limits' area"));
         }
     }
 }

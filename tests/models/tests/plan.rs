@@ -10,7 +10,7 @@ use parafovea_core::geometry::Fov;
 use parafovea_core::image::Plane;
 use parafovea_core::perception::{ContrastMap, TileContrast};
 use parafovea_core::plan::{
-    AudioVisual, EyeInput, FramePlan, PlanInput, PlanSettings, Planner, RailSettings, RateSettings,
+    AudioVisual, EyeInput, FramePlan, PlanInput, PlanSettings, Planner, RateSettings, SafetySettings,
 };
 use parafovea_core::rate::{PAPER_RATES, ShadingRate};
 use parafovea_core::schedule::{Schedule, UpdateConfiguration};
@@ -72,7 +72,7 @@ fn map() -> impl Strategy<Value = FixedFoveation> {
 }
 
 fn without_rails(rates: RateSettings) -> PlanSettings {
-    PlanSettings { rates, rails: RailSettings::PAPER, ..PlanSettings::default() }
+    PlanSettings { rates, safety: SafetySettings::PAPER, ..PlanSettings::default() }
 }
 
 fn reference(eye: &EyeInput) -> View {
@@ -180,11 +180,11 @@ proptest! {
         prop_assert!(ties <= 6 + count / 100, "{ties} of {count} tiles are ties");
     }
 
-    /// With all rails, once the rates have settled.
+    /// With all safety limits, once the rates have settled.
     #[test]
     fn settled_rates_are_those_of_the_widened_rings(eyes in [any_eye(), any_eye()], gazes in [gaze(), gaze()], map in map()) {
         let settings = PlanSettings { rates: RateSettings::Fixed(map), ..PlanSettings::default() };
-        let rails = settings.rails;
+        let safety = settings.safety;
         let mut planner = Planner::new(settings);
         let input = input(eyes, gazes);
         for frame in 0..15 {
@@ -192,15 +192,15 @@ proptest! {
         }
         let plan = planner.plan(&PlanInput { frame: 15, time_ns: 15 * 50_000_000, ..input });
         let at = |angle: f64| {
-            if angle < f64::from(rails.least_foveal_deg) {
+            if angle < f64::from(safety.least_foveal_deg) {
                 ShadingRate::R1X1
             } else {
                 fixed_rate(&map, angle, &PAPER_RATES)
             }
         };
-        let widened = f64::from(rails.tracker_error_deg);
+        let widened = f64::from(safety.tracker_error_deg);
         for (index, tile, angle, rate) in tiles(plan, &input) {
-            let fine = at(angle - widened - f64::from(rails.hysteresis_deg) - TIE_DEG);
+            let fine = at(angle - widened - f64::from(safety.hysteresis_deg) - TIE_DEG);
             let coarse = at(angle - widened + TIE_DEG);
             prop_assert!(
                 is_between(rate, fine, coarse), "tile {tile:?} of eye {index} at {angle} degrees: {rate:?}, not {fine:?}"

@@ -26,13 +26,13 @@ pub struct HardwarePoint {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rates {
     /// FR as in "Audio-Visual Foveated Rendering": its four rates, rounded to the finer one, so that 1x1 reaches to 24.5 degrees with L1-C1, and around
-    /// where the eyes truly look, without any rail.
+    /// where the eyes truly look, without any safety limit.
     Fixed(FixedFoveation),
     /// Ellipses of OpenXR Toolkit, which stay where they are.
     Ellipses(ScreenEllipses),
     /// One rate everywhere.
     Uniform(ShadingRate),
-    /// The layer, on lavapipe that looks like a device with all rates: the maps that it attached, with all of its rails, by the gaze that the tracker reports.
+    /// The layer, on lavapipe that looks like a device with all rates: the maps that it attached, with all of its safety limits, by the gaze that the tracker reports.
     Layer(Technique),
 }
 

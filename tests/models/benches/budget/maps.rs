@@ -8,8 +8,8 @@ use parafovea_core::fixed_foveation::FixedFoveation;
 use parafovea_core::frco::Allocation;
 use parafovea_core::gaze::{GazePhase, GazeState};
 use parafovea_core::plan::{
-    AudioVisual, AvailableRates, DeviceRates, EyeInput, PlanInput, PlanSettings, Planner, RailSettings,
-    RateSettings,
+    AudioVisual, AvailableRates, DeviceRates, EyeInput, PlanInput, PlanSettings, Planner, RateSettings,
+    SafetySettings,
 };
 use parafovea_core::rate::{PAPER_RATES, ShadingRate, VULKAN_RATES};
 
@@ -48,15 +48,15 @@ pub struct Way {
 impl Way {
     fn new(name: &str, rates: RateSettings, is_paper: bool) -> Self {
         let at_once = f32::INFINITY;
-        let rails = RailSettings {
+        let safety = SafetySettings {
             coarsening_octaves_per_s: at_once,
             judged_octaves_per_s: at_once,
-            ..RailSettings::default()
+            ..SafetySettings::default()
         };
         let offered: &[_] = if is_paper { &PAPER_RATES } else { &VULKAN_RATES };
         let settings = PlanSettings {
             rates,
-            rails: if is_paper { RailSettings::PAPER } else { rails },
+            safety: if is_paper { SafetySettings::PAPER } else { safety },
             device: DeviceRates { available: AvailableRates::new(offered), texel: [16; 2] },
             ..PlanSettings::default()
         };
@@ -116,7 +116,7 @@ impl Way {
     }
 }
 
-/// Equal marginal loss as judged, outside of the fovea that the rails keep.
+/// Equal marginal loss as judged, outside of the fovea that the safety limits keep.
 fn by_the_judge(still: &Still, price: f32) -> Map {
     const STEPS: [ShadingRate; 4] =
         [ShadingRate::R2X1, ShadingRate::R2X2, ShadingRate::R4X2, ShadingRate::R4X4];
@@ -163,8 +163,16 @@ pub fn ways(stills: &[Still]) -> Vec<Way> {
     ] {
         ways.push(Way::new(name, RateSettings::Fixed(map), true));
     }
-    ways.push(Way::new("rings of L1-C1, with rails", RateSettings::Fixed(FixedFoveation::L1_C1), false));
-    ways.push(Way::new("rings of L1-C3, with rails", RateSettings::Fixed(FixedFoveation::L1_C3), false));
+    ways.push(Way::new(
+        "rings of L1-C1, with safety limits",
+        RateSettings::Fixed(FixedFoveation::L1_C1),
+        false,
+    ));
+    ways.push(Way::new(
+        "rings of L1-C3, with safety limits",
+        RateSettings::Fixed(FixedFoveation::L1_C3),
+        false,
+    ));
     let capped = Some(FixedFoveation::L1_C3);
     ways.push(Way::of_contrast("1.0 for each tile, within rings", Allocation::PerTile, capped, 1.0));
     for budget in [1.0, 1.8, 3.0, 5.0] {

@@ -1,9 +1,7 @@
 //! Cost of `avpm` and `frco`.
 
 use criterion::{Criterion, Throughput};
-use parafovea_core::avpm::fit::fit;
-use parafovea_core::avpm::study::Entry;
-use parafovea_core::avpm::{BudgetSettings, PAPER};
+use parafovea_core::avpm::BudgetSettings;
 use parafovea_core::fixed_foveation::FixedFoveation;
 use parafovea_core::frco::{Block, by_half_octaves, half_octaves_within, visual_loss};
 use parafovea_core::perception::BANDS;
@@ -22,8 +20,6 @@ pub fn benches(criterion: &mut Criterion) {
         let settings = BudgetSettings::default();
         bencher.iter(|| settings.budget(black_box(12.0), black_box(1.5), black_box(false)));
     });
-    let entries = study();
-    group.bench_function("fit, 100 entries", |bencher| bencher.iter(|| fit(black_box(&entries))));
     group.finish();
 
     let mut group = criterion.benchmark_group("frco");
@@ -62,14 +58,4 @@ fn tiles() -> Vec<[f32; BANDS]> {
     let noise =
         |i: usize, band: usize| ((i * 4 + band) as u32).wrapping_mul(2_654_435_761) as f32 / u32::MAX as f32;
     (0..TILES).map(|i| std::array::from_fn(|band| noise(i, band))).collect()
-}
-
-fn study() -> Vec<Entry> {
-    let entry = |i: usize| {
-        let (gamma_ld, gamma_fq_kilomel) = ((i * 7 % 25) as f32, 1.0 + (i * 11 % 15) as f32 * 0.1);
-        let gamma_vis = (i * 13 % 31) as f32 * 1e3;
-        let mu = PAPER.score(gamma_ld, gamma_fq_kilomel, gamma_vis) + (i % 3) as f32 * 0.1;
-        Entry { gamma_ld, gamma_fq_kilomel, gamma_vis, mu }
-    };
-    (0..100).map(entry).collect()
 }

@@ -2,7 +2,7 @@
 
 use criterion::{Criterion, Throughput};
 use glam::Vec3;
-use parafovea_core::chroma::{ChromaSettings, Curves, Mode, Trail};
+use parafovea_core::chroma::{ChromaSettings, ChromaTemporalFilter, Curves, Mode};
 use parafovea_core::geometry::Fov;
 use parafovea_core::kernels::compose::{ComposeParams, PixelFormat, compose_image};
 use std::{hint::black_box, time::Duration};
@@ -12,14 +12,14 @@ pub fn benches(criterion: &mut Criterion) {
     group.sample_size(20).measurement_time(Duration::from_secs(1)).warm_up_time(Duration::from_millis(300));
     let default = ChromaSettings::default();
     group.bench_function("curves of a frame", |b| b.iter(|| Curves::new(black_box(&default))));
-    group.bench_function("trail of a frame", |b| {
-        let mut trail = Trail::default();
+    group.bench_function("temporal filter of a frame", |b| {
+        let mut filter = ChromaTemporalFilter::default();
         let mut frame = 0i64;
         b.iter(|| {
             frame += 1;
             // A saccade of 20 degrees every 30 frames.
             let gaze = Vec3::new(if frame / 30 % 2 == 0 { -0.18 } else { 0.18 }, 0.0, -1.0);
-            trail.update(Some(gaze), frame * 11_111_111, black_box(&default))
+            filter.update(Some(gaze), frame * 11_111_111, black_box(&default))
         });
     });
     const SIDE: u32 = 256;

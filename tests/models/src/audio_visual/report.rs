@@ -92,9 +92,9 @@ fn of_scene(scene: &Scene, fixed: &[(&str, Map); 2]) -> Vec<Row> {
 
 const HEAD: &str = "\
 Paper A on still pictures: one eye of 2160 x 2160 pixels and 104 degrees looks straight ahead. Mean rate: invocations for each
-pixel. FR is the paper's fixed foveation, L1-C1, with a peripheral rate of 1/4 or 1/16. Paper: Tursun's sensitivity, no rails.
-Castle: castleCSF's, no rails. Default: what an application gets. model: share of the tiles that contrast and sound decide, as they are
-finer than the rails alone would have them.
+pixel. FR is the paper's fixed foveation, L1-C1, with a peripheral rate of 1/4 or 1/16. Paper: Tursun's sensitivity, no safety limits.
+Castle: castleCSF's, no safety limits. Default: what an application gets. model: share of the tiles that contrast and sound decide, as they are
+finer than the safety limits alone would have them.
 ";
 
 /// The figures as text.

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use parafovea_core::gaze::{GazeState, foveal_inflation_deg};
-use parafovea_core::plan::RailSettings;
+use parafovea_core::plan::SafetySettings;
 
 /// Directions no farther than a radius from either of two centres.
 #[derive(Clone, Copy, Debug)]
@@ -14,11 +14,11 @@ pub struct Region {
 }
 
 impl Region {
-    /// As the rails make it, without what the tracker may be off by, which counts to the base.
+    /// As the safety limits make it, without what the tracker may be off by, which counts to the base.
     pub fn new(gaze: &GazeState) -> Self {
-        let rails = RailSettings::default();
-        let (least, error) = (rails.least_foveal_deg, rails.tracker_error_deg);
-        let radius = foveal_inflation_deg(least, error, gaze.motion_deg(rails.latency_s));
+        let safety = SafetySettings::default();
+        let (least, error) = (safety.least_foveal_deg, safety.tracker_error_deg);
+        let radius = foveal_inflation_deg(least, error, gaze.motion_deg(safety.latency_s));
         Self { centres: gaze.directions, inflation_deg: f64::from(radius - least - error) }
     }
 

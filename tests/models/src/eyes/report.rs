@@ -2,7 +2,7 @@
 
 use super::path::DISTANCES_M;
 use super::score::Radius::{self, Fixed, Inflated};
-use super::score::{Method, follow, rail_bases_deg};
+use super::score::{Method, follow, foveal_radii_deg};
 use super::tracker::TrackerModel;
 use super::{DURATION_S, SEEDS};
 use std::fmt::Write;
@@ -27,7 +27,7 @@ const HEAD: &str = "\
 Gaze with known truth: fixations, saccades of 2 to 30 degrees and pursuit, at things 0.3, 0.5, 1 m and infinitely far away, by a
 tracker that is 50 ms late, 1.1 degrees off in each fixation and scatters by 0.3; slower than 60 Hz it is outside of the aims.
 error: median, degrees, between the eyes; hits: share of fixation and pursuit in which each eye's gaze is in the region at full rate,
-from 50 ms, a sample and a frame after landing on, and from landing on; area: mean, square degrees, of the rails' region (5 + 1.1
+from 50 ms, a sample and a frame after landing on, and from landing on; area: mean, square degrees, of the safety' region (5 + 1.1
 degrees, inflated), and as a part of a perfect tracker's with that radius and with 5 degrees; of the least such region with 99 and 99.9 % hits,
 inflated and with a fixed radius; late: from landing after 12 degrees or more to the region, ms, median and 95 %.
 
@@ -49,7 +49,7 @@ pub fn rows() -> Vec<Row> {
 }
 
 fn rows_of(model: TrackerModel, methods: &[Method]) -> Vec<Row> {
-    let [base, perfect_base] = rail_bases_deg();
+    let [base, perfect_base] = foveal_radii_deg();
     let scores: Vec<_> =
         methods.iter().map(|method| (method, follow(*method, model, &SEEDS, DURATION_S))).collect();
     let mut rows = Vec::new();

@@ -6,7 +6,7 @@ use super::region::{Region, angle_deg, union_area_deg2};
 use super::tracker::{LATENCY_S, Report, TrackerModel, nanoseconds};
 use glam::{DVec3, Vec3};
 use parafovea_core::gaze::{GazeSettings, GazeState, GazeTracker};
-use parafovea_core::plan::RailSettings;
+use parafovea_core::plan::SafetySettings;
 
 /// Time that a frame is shown, seconds.
 const FRAME_S: f64 = 1.0 / 90.0;
@@ -96,7 +96,7 @@ struct Moment {
 /// How large the region is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Radius {
-    /// As the rails make it: a base, degrees, and on top of it what the eyes may have moved.
+    /// As the safety limits make it: a base, degrees, and on top of it what the eyes may have moved.
     Inflated(f64),
     /// Always the same, degrees.
     Fixed(f64),
@@ -123,7 +123,7 @@ pub struct Score {
     frames: Vec<[f64; 2]>,
     /// Separation of the true directions of both eyes in each frame, degrees.
     truths: Vec<f64>,
-    /// From the landing of each saccade of [`FAR_DEG`] or more until the region of the rails holds what both eyes look at,
+    /// From the landing of each saccade of [`FAR_DEG`] or more until the region of the safety limits holds what both eyes look at,
     /// seconds.
     late_s: Vec<f64>,
 }
@@ -185,10 +185,10 @@ impl Score {
     }
 }
 
-/// The radius that the rails give a gaze at rest, degrees: of the tracker's model, and of a perfect one without error.
-pub fn rail_bases_deg() -> [f64; 2] {
-    let rails = RailSettings::default();
-    [rails.least_foveal_deg + rails.tracker_error_deg, rails.least_foveal_deg].map(f64::from)
+/// The radius that the safety limits give a gaze at rest, degrees: of the tracker's model, and of a perfect one without error.
+pub fn foveal_radii_deg() -> [f64; 2] {
+    let safety = SafetySettings::default();
+    [safety.least_foveal_deg + safety.tracker_error_deg, safety.least_foveal_deg].map(f64::from)
 }
 
 /// Follows the gaze of some seeds, each for `duration_s`.
@@ -213,7 +213,7 @@ fn follow_path(
     let mut follower = method.follower();
     let (mut next, mut newest) = (0, None);
     let mut reached = 0;
-    let base_deg = rail_bases_deg()[0];
+    let base_deg = foveal_radii_deg()[0];
     for frame in 0..((duration_s / FRAME_S) as u32) {
         let shown = f64::from(frame) * FRAME_S;
         while let Some(report) = reports.get(next).filter(|report| report.known_s <= shown) {

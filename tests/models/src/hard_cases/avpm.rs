@@ -1,10 +1,10 @@
 //! Hard cases of `avpm` and `frco`.
 
 use super::Case;
+use crate::avpm::fit::{Fit, FitError, fit};
+use crate::avpm::study::Entry;
 use crate::reference::avpm as reference;
 use parafovea_core::audio::{AudioSettings, gamma_ld};
-use parafovea_core::avpm::fit::{Fit, FitError, fit};
-use parafovea_core::avpm::study::{Entry, parse};
 use parafovea_core::avpm::{Budget, BudgetSettings, PAPER, SilenceRule};
 use parafovea_core::frco::{coarsest, loss};
 use parafovea_core::perception::BANDS;
@@ -12,8 +12,6 @@ use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 
 /// 2x2 loses 8, 4x4 loses 12.
 const BAND_SENSITIVITY: [f32; BANDS] = [8.0, 4.0, 2.0, 1.0];
-
-const HEADER: &str = "gamma_ld,gamma_fq,gamma_vis,mu\n";
 
 pub(super) fn cases() -> Vec<Case> {
     [rates(), budgets(), studies()].concat()
@@ -132,61 +130,78 @@ fn budgets() -> Vec<Case> {
 }
 
 fn studies() -> Vec<Case> {
-    let with = |rows: &str, name: &str, expected: &str| {
-        let entries = parse(&format!("{HEADER}{rows}"));
-        let got = match entries.as_deref().map(fit) {
-            Err(error) => error.to_string(),
-            Ok(Err(error)) => named(&error),
-            Ok(Ok(fit)) => describe(&fit),
+    let with = |rows: &[[f32; 4]], name: &str, expected: &str| {
+        let entry = |&[gamma_ld, gamma_fq_kilomel, gamma_vis, mu]: &[f32; 4]| Entry {
+            gamma_ld,
+            gamma_fq_kilomel,
+            gamma_vis,
+            mu,
         };
-        let error = entries.ok().and_then(|entries| fit(&entries).ok().map(|fit| difference(&entries, &fit)));
+        let entries: Vec<Entry> = rows.iter().map(entry).collect();
+        let fitted = fit(&entries);
+        let got = fitted.as_ref().map_or_else(named, describe);
+        let error = fitted.ok().map(|fit| difference(&entries, &fit));
         case("avpm fit", name, expected, got, error)
     };
+    let three = [[2.0, 1.2, 0.0, 3.0], [9.0, 1.4, 1e4, 4.0], [20.0, 2.0, 2e4, 4.5]];
     vec![
-        with("", "no rows", "0 rows"),
-        with("2,1.2,0,3\n9,1.4,1e4,4\n20,2,2e4,4.5\n", "three rows", "3 rows"),
-        with("2,1.2,0,3\n9,1.4,1e4,4\n20,2,2e4,4.5\n20,2,2e4,4\n", "four rows, two of them alike", "3 rows"),
+        with(&[], "no rows", "0 rows"),
+        with(&three, "three rows", "3 rows"),
         with(
-            "2,1.2,0,3\n9,1.4,0,4\n20,2,0,4.5\n5,1.7,0,4\n6,1.1,0,4\n",
+            &[three[0], three[1], three[2], [20.0, 2.0, 2e4, 4.0]],
+            "four rows, two of them alike",
+            "3 rows",
+        ),
+        with(
+            &[
+                [2.0, 1.2, 0.0, 3.0],
+                [9.0, 1.4, 0.0, 4.0],
+                [20.0, 2.0, 0.0, 4.5],
+                [5.0, 1.7, 0.0, 4.0],
+                [6.0, 1.1, 0.0, 4.0],
+            ],
             "visual loss never varies",
             "rank 3: visual loss (gamma_vis)",
         ),
         with(
-            "2,1.5,0,3\n9,1.5,0,4\n20,1.5,0,4.5\n5,1.5,0,4\n",
+            &[[2.0, 1.5, 0.0, 3.0], [9.0, 1.5, 0.0, 4.0], [20.0, 1.5, 0.0, 4.5], [5.0, 1.5, 0.0, 4.0]],
             "only loudness varies",
             "rank 2: frequency (gamma_fq), visual loss (gamma_vis)",
         ),
         with(
-            "2,1.2,2e3,3\n9,1.4,9e3,4\n20,2,2e4,4.5\n5,1.1,5e3,4\n",
+            &[[2.0, 1.2, 2e3, 3.0], [9.0, 1.4, 9e3, 4.0], [20.0, 2.0, 2e4, 4.5], [5.0, 1.1, 5e3, 4.0]],
             "visual loss follows loudness",
             "rank 3",
         ),
         // 3 + 0.05 gamma_ld + 0.4 gamma_fq - gamma_vis / 1e5: higher sounds are liked.
         with(
-            "2,1,0,3.5\n2,1,2e4,3.3\n2,2,0,3.9\n2,2,2e4,3.7\n20,1,0,4.4\n20,1,2e4,4.2\n20,2,0,4.8\n20,2,2e4,4.6\n",
+            &[
+                [2.0, 1.0, 0.0, 3.5],
+                [2.0, 1.0, 2e4, 3.3],
+                [2.0, 2.0, 0.0, 3.9],
+                [2.0, 2.0, 2e4, 3.7],
+                [20.0, 1.0, 0.0, 4.4],
+                [20.0, 1.0, 2e4, 4.2],
+                [20.0, 2.0, 0.0, 4.8],
+                [20.0, 2.0, 2e4, 4.6],
+            ],
             "higher sounds are liked: b held",
             "a .050 b .000 c .100 d 3.600",
         ),
         with(
-            "2,1,0,4\n9,2,1e4,4\n20,1.5,2e4,4\n3,1.2,5e3,4\n5,2,0,4\n",
+            &[
+                [2.0, 1.0, 0.0, 4.0],
+                [9.0, 2.0, 1e4, 4.0],
+                [20.0, 1.5, 2e4, 4.0],
+                [3.0, 1.2, 5e3, 4.0],
+                [5.0, 2.0, 0.0, 4.0],
+            ],
             "scores all the same",
             "a .000 b .000 c .000 d 4.000",
         ),
-        with(
-            "2,1.2,0,nan\n",
-            "a score NaN",
-            "line 2, column mu: \"nan\" is not allowed; allowed: a number from 0 to 100",
-        ),
-        with(
-            "2,0,0,3\n",
-            "gamma_fq 0",
-            "line 2, column gamma_fq: \"0\" is not allowed; allowed: a number from 0.0317 to 3.817",
-        ),
-        with(
-            "2,1,1e30,3\n",
-            "gamma_vis huge",
-            "line 2, column gamma_vis: \"1e30\" is not allowed; allowed: a number from 0 to 1000000000",
-        ),
+        with(&[[2.0, 1.2, 0.0, f32::NAN]], "a score NaN", "entry 0"),
+        with(&[[2.0, 0.0, 0.0, 3.0]], "gamma_fq 0", "entry 0"),
+        with(&[[2.0, 1.0, f32::INFINITY, 3.0]], "gamma_vis infinite", "entry 0"),
     ]
 }
 

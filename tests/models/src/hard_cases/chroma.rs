@@ -4,7 +4,7 @@ use super::Case;
 use crate::reference::chroma as reference;
 use glam::Vec3;
 use parafovea_core::chroma::{
-    ChromaSettings, Curves, Gains, Gamut, Matrix, Mode, Trail, attenuate, cb_gain, cr_gain,
+    ChromaSettings, ChromaTemporalFilter, Curves, Gains, Gamut, Matrix, Mode, attenuate, cb_gain, cr_gain,
 };
 use parafovea_core::geometry::Fov;
 use parafovea_core::kernels::compose::ComposeParams;
@@ -155,9 +155,9 @@ fn times() -> Vec<Case> {
     let settings = ChromaSettings::default();
     let month_ns = 30 * 86_400 * 1_000_000_000i64;
     let after = |name: &str, from: i64, to: i64, gaze: Vec3, radius: std::ops::RangeInclusive<f32>| {
-        let mut trail = Trail::default();
-        trail.update(Some(Vec3::NEG_Z), from, &settings);
-        let focus = trail.update(Some(gaze), to, &settings);
+        let mut filter = ChromaTemporalFilter::default();
+        filter.update(Some(Vec3::NEG_Z), from, &settings);
+        let focus = filter.update(Some(gaze), to, &settings);
         let got = focus
             .map_or("no focus".to_owned(), |focus| format!("{:.4} rad, {}", focus.radius, focus.strength));
         let passed = focus.is_some_and(|focus| radius.contains(&focus.radius) && focus.strength == 1.0);
@@ -183,10 +183,10 @@ fn times() -> Vec<Case> {
         after("gaze of length 1e-38", 0, 0, Vec3::NEG_Z * 1e-38, 0.0..=1e-6),
     ];
     for (name, gaze) in [("lost", None), ("zero", Some(Vec3::ZERO)), ("NaN", Some(Vec3::NAN))] {
-        let mut trail = Trail::default();
-        trail.update(Some(Vec3::NEG_Z), 0, &settings);
-        let lost = trail.update(gaze, frame_ns, &settings);
-        let back = trail.update(Some(Vec3::NEG_Z), 2 * frame_ns, &settings);
+        let mut filter = ChromaTemporalFilter::default();
+        filter.update(Some(Vec3::NEG_Z), 0, &settings);
+        let lost = filter.update(gaze, frame_ns, &settings);
+        let back = filter.update(Some(Vec3::NEG_Z), 2 * frame_ns, &settings);
         let strength = back.map_or(f32::NAN, |focus| focus.strength);
         let error = f64::from(strength) - 0.5 * frame_ns as f64 * 1e-9;
         let made = case(

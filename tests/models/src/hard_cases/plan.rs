@@ -10,7 +10,7 @@ use parafovea_core::geometry::Fov;
 use parafovea_core::image::Plane;
 use parafovea_core::perception::{ContrastMap, TileContrast};
 use parafovea_core::plan::{
-    AudioVisual, EyeInput, EyePlan, FramePlan, PlanInput, PlanSettings, Planner, RailSettings, RateSettings,
+    AudioVisual, EyeInput, EyePlan, FramePlan, PlanInput, PlanSettings, Planner, RateSettings, SafetySettings,
 };
 use parafovea_core::rate::PAPER_RATES;
 use parafovea_core::schedule::{Schedule, UpdateConfiguration};
@@ -50,13 +50,13 @@ fn looking(gaze: Vec3) -> GazeState {
     GazeState { directions: [gaze; 2], phase: GazePhase::Fixation, trust: 1.0, ..GazeState::LOST }
 }
 
-/// A plan without rails, which is settled at once.
+/// A plan without safety limits, which is settled at once.
 fn plan(input: &PlanInput) -> FramePlan {
-    planner(RailSettings::PAPER).plan(input).clone()
+    planner(SafetySettings::PAPER).plan(input).clone()
 }
 
-fn planner(rails: RailSettings) -> Planner {
-    Planner::new(PlanSettings { rates: RateSettings::Fixed(MAP), rails, ..PlanSettings::default() })
+fn planner(safety: SafetySettings) -> Planner {
+    Planner::new(PlanSettings { rates: RateSettings::Fixed(MAP), safety, ..PlanSettings::default() })
 }
 
 fn is_full(eye: &EyePlan) -> bool {
@@ -191,7 +191,7 @@ fn gazes() -> Vec<Case> {
         }),
         told("speed of the eyes NaN", "30 degrees at full rate", || {
             let gaze = GazeState { velocity_deg_s: f32::NAN, ..looking(Vec3::NEG_Z) };
-            planner(RailSettings::default()).plan(&PlanInput { gaze, ..input(eye([64, 64])) }).inflation_deg
+            planner(SafetySettings::default()).plan(&PlanInput { gaze, ..input(eye([64, 64])) }).inflation_deg
                 == 25.0
         }),
     ]
@@ -201,7 +201,7 @@ fn clocks() -> Vec<Case> {
     /// 30 days in nanoseconds.
     const DAYS_30: i64 = 30 * 24 * 3600 * 1_000_000_000;
     let after = |stamps: &[i64]| {
-        let mut planner = planner(RailSettings::default());
+        let mut planner = planner(SafetySettings::default());
         let input = input(eye([640, 560]));
         for (frame, &time_ns) in stamps.iter().enumerate() {
             planner.plan(&PlanInput { frame: frame as u64, time_ns, ..input });
@@ -248,7 +248,7 @@ fn contrasts() -> Vec<Case> {
         let model = AudioVisual { cap: None, ..AudioVisual::default() };
         let mut planner = Planner::new(PlanSettings {
             rates: RateSettings::AudioVisual(model),
-            rails: RailSettings::PAPER,
+            safety: SafetySettings::PAPER,
             ..PlanSettings::default()
         });
         let eye = EyeInput { contrast: Some(map), ..eye([640, 560]) };

@@ -8,7 +8,7 @@ use glam::{Quat, Vec2, Vec3};
 use parafovea_core::fixed_foveation::openxr_toolkit::ScreenEllipses;
 use parafovea_core::gaze::{GazePhase, GazeState};
 use parafovea_core::image::Plane;
-use parafovea_core::plan::{EyeInput, PlanInput, PlanSettings, Planner, RailSettings, RateSettings};
+use parafovea_core::plan::{EyeInput, PlanInput, PlanSettings, Planner, RateSettings, SafetySettings};
 use parafovea_core::rate::ShadingRate;
 use parafovea_test_layers::{
     SHADING_RATE_GPU_VARIABLE, SHADING_RATE_TEXELS_VARIABLE, ShadingRateLine, ShadingRatePass,
@@ -142,7 +142,7 @@ fn maps(
         Rates::Fixed(map) => {
             let settings = PlanSettings {
                 rates: RateSettings::Fixed(*map),
-                rails: RailSettings::PAPER,
+                safety: SafetySettings::PAPER,
                 ..PlanSettings::default()
             };
             let mut planner = Planner::new(settings);

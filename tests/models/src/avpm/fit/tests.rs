@@ -1,5 +1,5 @@
-use super::super::PAPER;
 use super::*;
+use parafovea_core::avpm::PAPER;
 use proptest::prelude::*;
 
 fn entry(gamma_ld: f32, gamma_fq_kilomel: f32, gamma_vis: f32, mu: f32) -> Entry {

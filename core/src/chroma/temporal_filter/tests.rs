@@ -26,19 +26,19 @@ fn gains(focus: Option<Focus>, direction: Vec3, settings: &ChromaSettings) -> Ga
 fn after_a_saccade_the_goal_is_clear_at_once_and_the_start_fades_within_seconds() {
     let settings = ChromaSettings::default();
     let (from, to) = (right(-15.0), right(15.0));
-    let mut trail = Trail::default();
-    let first = trail.update(Some(from), 0, &settings).unwrap();
+    let mut filter = ChromaTemporalFilter::default();
+    let first = filter.update(Some(from), 0, &settings).unwrap();
     assert!(
         first.direction.distance(from) < 1e-6 && first.radius == 0.0 && first.strength == 1.0,
         "{first:?}"
     );
-    let landed = trail.update(Some(to), SECOND / 90, &settings);
+    let landed = filter.update(Some(to), SECOND / 90, &settings);
     assert_eq!(gains(landed, to, &settings), Gains::FULL);
     assert!(gains(landed, from, &settings).cr > 0.99);
     let mut time = SECOND / 90;
     let closed = loop {
         time += SECOND / 90;
-        let focus = trail.update(Some(to), time, &settings).unwrap();
+        let focus = filter.update(Some(to), time, &settings).unwrap();
         if focus.radius < 1e-6 {
             break focus;
         }
@@ -53,38 +53,38 @@ fn after_a_saccade_the_goal_is_clear_at_once_and_the_start_fades_within_seconds(
 fn a_lost_gaze_gives_colour_back_at_once_and_takes_it_slowly() {
     let settings = ChromaSettings::default();
     let far = right(60.0);
-    let mut trail = Trail::default();
-    let before = gains(trail.update(Some(Vec3::NEG_Z), 0, &settings), far, &settings);
+    let mut filter = ChromaTemporalFilter::default();
+    let before = gains(filter.update(Some(Vec3::NEG_Z), 0, &settings), far, &settings);
     assert!(before.cr < 0.3);
-    assert_eq!(trail.update(None, SECOND, &settings), None);
-    assert_eq!(trail.update(Some(Vec3::NAN), SECOND, &settings), None);
-    let back = trail.update(Some(Vec3::NEG_Z), SECOND + SECOND / 10, &settings).unwrap();
+    assert_eq!(filter.update(None, SECOND, &settings), None);
+    assert_eq!(filter.update(Some(Vec3::NAN), SECOND, &settings), None);
+    let back = filter.update(Some(Vec3::NEG_Z), SECOND + SECOND / 10, &settings).unwrap();
     assert!((back.strength - 0.05).abs() < 1e-6, "{back:?}");
     for tenth in 2..=20 {
-        trail.update(Some(Vec3::NEG_Z), SECOND + tenth * SECOND / 10, &settings);
+        filter.update(Some(Vec3::NEG_Z), SECOND + tenth * SECOND / 10, &settings);
     }
-    let after = gains(trail.update(Some(Vec3::NEG_Z), 3 * SECOND + 1, &settings), far, &settings);
+    let after = gains(filter.update(Some(Vec3::NEG_Z), 3 * SECOND + 1, &settings), far, &settings);
     assert_eq!(after, before, "two seconds later");
 }
 
 #[test]
 fn switching_on_and_other_settings_begin_with_full_colour() {
     let settings = ChromaSettings::default();
-    let mut trail = Trail::default();
-    trail.switched_off(0);
-    assert_eq!(trail.update(Some(Vec3::NEG_Z), 0, &settings).unwrap().strength, 0.0);
-    let mut trail = Trail::default();
-    assert_eq!(trail.update(Some(Vec3::NEG_Z), 0, &settings).unwrap().strength, 1.0);
+    let mut filter = ChromaTemporalFilter::default();
+    filter.show_full_color(0);
+    assert_eq!(filter.update(Some(Vec3::NEG_Z), 0, &settings).unwrap().strength, 0.0);
+    let mut filter = ChromaTemporalFilter::default();
+    assert_eq!(filter.update(Some(Vec3::NEG_Z), 0, &settings).unwrap().strength, 1.0);
     let other = ChromaSettings { plateau_deg: 3.0, ..settings };
-    assert_eq!(trail.update(Some(Vec3::NEG_Z), 1, &other).unwrap().strength, 5e-10);
+    assert_eq!(filter.update(Some(Vec3::NEG_Z), 1, &other).unwrap().strength, 5e-10);
 }
 
 #[test]
 fn paper_mode_follows_at_once() {
     let settings = ChromaSettings { mode: Mode::Paper, ..ChromaSettings::default() };
-    let mut trail = Trail::default();
+    let mut filter = ChromaTemporalFilter::default();
     for (frame, gaze) in [right(-40.0), right(40.0), right(0.0)].into_iter().enumerate() {
-        let focus = trail.update(Some(gaze), frame as i64, &settings).unwrap();
+        let focus = filter.update(Some(gaze), frame as i64, &settings).unwrap();
         assert!(focus.direction.distance(gaze) < 1e-6 && focus.radius == 0.0 && focus.strength == 1.0);
     }
 }
@@ -119,12 +119,12 @@ proptest! {
     fn no_gain_falls_faster_than_the_limit_and_the_gaze_is_always_clear(
         settings in settings(), path in path(), probes in proptest::collection::vec(direction(), 8),
     ) {
-        let mut trail = Trail::default();
+        let mut filter = ChromaTemporalFilter::default();
         let mut time = 0;
         let mut before: Option<Vec<Gains>> = None;
         for (gaze, step) in path {
             time += step;
-            let focus = trail.update(gaze, time, &settings);
+            let focus = filter.update(gaze, time, &settings);
             if let Some(gaze) = gaze {
                 prop_assert_eq!(gains(focus, gaze, &settings), Gains::FULL);
             }
@@ -141,18 +141,18 @@ proptest! {
 
     #[test]
     fn a_steady_gaze_ends_up_alone(settings in settings(), path in path(), gaze in direction()) {
-        let mut trail = Trail::default();
+        let mut filter = ChromaTemporalFilter::default();
         let mut time = 0;
         for (gaze, step) in path {
             time += step;
-            trail.update(gaze, time, &settings);
+            filter.update(gaze, time, &settings);
         }
         // Ten seconds for the strength, and for a half turn at 0.1 / s through the steepest of descents.
         for _ in 0..3 {
             time += 1000 * SECOND;
-            trail.update(Some(gaze), time, &settings);
+            filter.update(Some(gaze), time, &settings);
         }
-        let focus = trail.update(Some(gaze), time, &settings).unwrap();
+        let focus = filter.update(Some(gaze), time, &settings).unwrap();
         prop_assert!(focus.strength == 1.0 && focus.radius < 1e-5, "{focus:?}");
         prop_assert!(focus.direction.distance(gaze) < 1e-5);
     }
@@ -163,9 +163,9 @@ proptest! {
     ) {
         let settings =
             ChromaSettings { max_change_per_s: limit, plateau_deg, max_eccentricity_deg, ..ChromaSettings::default() };
-        let mut trail = Trail::default();
-        trail.update(Some(Vec3::NEG_Z), from, &settings);
-        if let Some(focus) = trail.update(Some(Vec3::new(x, y, z)), to, &settings) {
+        let mut filter = ChromaTemporalFilter::default();
+        filter.update(Some(Vec3::NEG_Z), from, &settings);
+        if let Some(focus) = filter.update(Some(Vec3::new(x, y, z)), to, &settings) {
             prop_assert!(focus.direction.is_normalized(), "{focus:?}");
             prop_assert!((0.0..=std::f32::consts::PI).contains(&focus.radius), "{focus:?}");
             prop_assert!((0.0..=1.0).contains(&focus.strength), "{focus:?}");

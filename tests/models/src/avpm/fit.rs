@@ -5,7 +5,7 @@
 
 use super::least_squares::{non_negative, rank};
 use super::study::{Entry, averaged};
-use super::{Coefficients, VISUAL_LOSS_SCALE};
+use parafovea_core::avpm::{Coefficients, VISUAL_LOSS_SCALE};
 use std::fmt;
 use thiserror::Error;
 
@@ -91,7 +91,7 @@ fn list(features: &[Feature]) -> String {
 /// Eq. 13: the coefficients >= 0 that predict the scores best. Entries with identical features are averaged first
 /// (Algorithm 1, line 8), whatever their order.
 ///
-/// In double precision inside. [`super::study::parse`] gives entries from text.
+/// Computed in double precision.
 ///
 /// # Errors
 /// Where the entries do not determine all four coefficients, or are no numbers: see [`FitError`].

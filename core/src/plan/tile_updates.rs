@@ -1,7 +1,7 @@
-//! Which tiles of a view are rendered: those whose turn it is, and those that had no picture a frame ago.
+//! The tiles of a view that are rendered in a frame: tiles that are due, and tiles that came into view since the last frame.
 
 use super::lattice::TileLattice;
-use super::turns::TileTurns;
+use super::tile_schedule::TileSchedule;
 use crate::geometry::FovTangents;
 use crate::schedule::{CellAges, Schedule, TileCells};
 use glam::{Quat, Vec3};
@@ -9,27 +9,26 @@ use glam::{Quat, Vec3};
 /// Part of a pixel that a corner may lie beyond the border of the last frame's view: rounding.
 const SLACK_PIXELS: f32 = 0.5;
 
-/// What one view remembers to decide it.
+/// Due tiles of one view, and its state from frame to frame.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Renewal {
+pub(super) struct TileUpdates {
     /// Whether each tile is to be rendered.
     due: Vec<bool>,
     cells: TileCells,
-    turns: TileTurns,
-    /// Orientation of the view in the world in the frame before this one, by its last plan; nothing where there was no
-    /// usable picture.
+    schedule: TileSchedule,
+    /// Orientation of the view in the world in the previous frame, by its last plan; `None` without a usable image.
     last: Option<Quat>,
     /// The same in this frame, by the newest plan.
     now: Option<Quat>,
     frame: u64,
 }
 
-impl Renewal {
+impl TileUpdates {
     /// Forgets the last frame: `tiles` tiles, all due.
     pub(super) fn reset(&mut self, tiles: usize) {
         self.due.clear();
         self.due.resize(tiles, true);
-        self.turns.reset(tiles);
+        self.schedule.reset(tiles);
         (self.last, self.now) = (None, None);
     }
 
@@ -38,8 +37,7 @@ impl Renewal {
         &self.due
     }
 
-    /// Frame number `frame` is planned, perhaps not for the first time. The view's orientation is that in the world, or
-    /// nothing where that is not known.
+    /// Begins frame number `frame`, perhaps again, with the view's orientation in the world; `None` if it is unknown.
     pub(super) fn begin(&mut self, frame: u64, orientation: Option<Quat>) {
         if self.frame != frame {
             self.frame = frame;
@@ -48,17 +46,17 @@ impl Renewal {
         self.now = orientation;
     }
 
-    /// Everything is rendered.
-    pub(super) fn renew_all(&mut self) {
+    /// Marks all tiles as due.
+    pub(super) fn update_all(&mut self) {
         self.due.fill(true);
-        self.turns.rendered(self.frame);
+        self.schedule.rendered(self.frame);
     }
 
-    /// Rendered is what `ages` says for `eye`, and what came into view since the last frame.
-    pub(super) fn renew(&mut self, lattice: &TileLattice, ages: &CellAges, eye: usize) {
+    /// Marks the tiles with due cells of `eye`, and the tiles that came into view since the last frame.
+    pub(super) fn update_directions(&mut self, lattice: &TileLattice, ages: &CellAges, eye: usize) {
         let view = self.now.and_then(|now| Some((now, lattice.tile_view(now)?)));
         let Some((last, (now, view))) = self.last.zip(view) else {
-            self.renew_all();
+            self.update_all();
             return;
         };
         self.cells.update(&view, lattice.tiles(), 1);
@@ -66,15 +64,15 @@ impl Renewal {
         self.reveal(lattice, last.inverse() * now);
     }
 
-    /// Rendered is whose turn it is among the tiles themselves, around the gazes in the view's space.
-    pub(super) fn renew_in_turn(
+    /// Marks the tiles that are due by the schedule of tiles, around the gazes in the view's space.
+    pub(super) fn update_tiles(
         &mut self,
         lattice: &mut TileLattice,
         schedule: &Schedule,
         eye: usize,
         gazes: [Vec3; 2],
     ) {
-        self.turns.advance(schedule, self.frame, eye, lattice, gazes, &mut self.due);
+        self.schedule.advance(schedule, self.frame, eye, lattice, gazes, &mut self.due);
     }
 
     /// Adds the tiles that are not wholly within the last view, into whose space `to_last` leads.

@@ -1,8 +1,8 @@
-//! The safety rails that depend on the frame alone: how far to widen, how fast to coarsen, what to leave off.
+//! The safety limits that depend on the frame alone: how far to widen, how fast to coarsen, what to leave off.
 
 use super::reasons::{Reason, Reasons};
 use super::rings::STEPS_PER_OCTAVE;
-use super::settings::RailSettings;
+use super::settings::SafetySettings;
 use crate::gaze::{GazePhase, GazeState, foveal_inflation_deg};
 use crate::geometry::unit_direction;
 use glam::Vec3;
@@ -10,9 +10,9 @@ use glam::Vec3;
 /// Longest time that one frame accounts for, nanoseconds: after a pause tiles do not become coarse at once.
 const LONGEST_FRAME_NS: i64 = 100_000_000;
 
-/// What the rails say about one frame.
+/// What the safety limits say about one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct FrameRails {
+pub(super) struct FrameSafety {
     /// What may be coarse.
     pub(super) area: Area,
     /// By how much every radius is wider, degrees, 0..=180.
@@ -38,25 +38,25 @@ pub(super) enum Area {
     Nowhere,
 }
 
-/// What the rails remember from frame to frame.
+/// What the safety limits remember from frame to frame.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct RailMemory {
+pub(super) struct SafetyState {
     last_ns: Option<i64>,
     /// Part of a step that is left over.
     carry: f32,
 }
 
-impl RailMemory {
-    /// The rails of the frame that is shown at `time_ns`; `is_judged` where contrast may decide. All numbers of `settings` are usable
-    /// ([`RailSettings::usable`]).
+impl SafetyState {
+    /// The safety limits of the frame that is shown at `time_ns`; `is_judged` where contrast may decide. All numbers of `settings` are usable
+    /// ([`SafetySettings::usable`]).
     pub(super) fn frame(
         &mut self,
-        settings: &RailSettings,
+        settings: &SafetySettings,
         is_judged: bool,
         time_ns: i64,
         gaze: &GazeState,
         reasons: &mut Reasons,
-    ) -> FrameRails {
+    ) -> FrameSafety {
         let trust = if gaze.trust.is_nan() { 0.0 } else { gaze.trust.clamp(0.0, 1.0) };
         let area = area(gaze, trust);
         let lost = area == Area::AroundAhead;
@@ -69,7 +69,7 @@ impl RailMemory {
             true => settings.judged_octaves_per_s,
             false => settings.coarsening_octaves_per_s,
         };
-        FrameRails {
+        FrameSafety {
             area,
             inflation_deg: if lost { 0.0 } else { inflation_deg(settings, gaze, trust) },
             hysteresis_deg: hysteresis_deg(settings, gaze),
@@ -115,14 +115,14 @@ fn area(gaze: &GazeState, trust: f32) -> Area {
 }
 
 /// Tracker error, the turn of the eyes within the latency, and, as trust falls to 0, everything.
-fn inflation_deg(settings: &RailSettings, gaze: &GazeState, trust: f32) -> f32 {
+fn inflation_deg(settings: &SafetySettings, gaze: &GazeState, trust: f32) -> f32 {
     let base = settings.least_foveal_deg;
     let radius = foveal_inflation_deg(base, settings.tracker_error_deg, gaze.motion_deg(settings.latency_s));
     (radius - base + (1.0 - trust) * 180.0).clamp(0.0, 180.0)
 }
 
 /// What becomes coarser on the way to a landing is twice as far from it as that may be off.
-fn hysteresis_deg(settings: &RailSettings, gaze: &GazeState) -> f32 {
+fn hysteresis_deg(settings: &SafetySettings, gaze: &GazeState) -> f32 {
     let error_deg = gaze.prediction_error_deg.filter(|_| gaze.is_suppressed).unwrap_or(0.0);
     settings.hysteresis_deg + if error_deg.is_nan() { 180.0 } else { error_deg.max(0.0) }
 }

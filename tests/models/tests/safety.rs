@@ -1,6 +1,6 @@
-//! The safety rails on synthetic gaze with known truth: what `cargo dev bench rails` prints, asserted of shorter scripts.
+//! The safety limits on synthetic gaze with known truth: what `cargo dev bench safety` prints, asserted of shorter scripts.
 
-use parafovea_models::rails::{Case, When, cases, follow};
+use parafovea_models::safety::{Case, When, cases, follow};
 
 const SEEDS: [u64; 1] = [42];
 const DURATION_S: f64 = 12.0;
@@ -32,7 +32,7 @@ fn what_coarsens_in_saccades_saves_and_costs_little_after_landing() {
 /// Bare rings around the true gaze lose nothing there: the measure is worth no more than that.
 #[test]
 fn the_true_gaze_loses_nothing_in_its_own_rings() {
-    let score = follow(&case("moving, true gaze, no rails"), true, &SEEDS, 3.0);
+    let score = follow(&case("moving, true gaze, no safety limits"), true, &SEEDS, 3.0);
     for when in When::ALL {
         assert_eq!(score.when[when as usize].central_loss(), 0.0, "{when:?}");
     }

@@ -1,4 +1,4 @@
-//! The safety rails: what they hold, limit and leave off.
+//! The safety limits: what they hold, limit and leave off.
 
 use super::*;
 
@@ -34,8 +34,8 @@ fn where_the_eyes_left_is_coarse_at_once_in_a_saccade_outside_of_where_they_may_
         (f32::INFINITY, f32::NAN, false),
         (0.0, 1.0, false),
     ] {
-        let rails = RailSettings { suppressed_octaves_per_s, ..RailSettings::default() };
-        let mut planner = Planner::new(PlanSettings { rails, ..fixed() });
+        let safety = SafetySettings { suppressed_octaves_per_s, ..SafetySettings::default() };
+        let mut planner = Planner::new(PlanSettings { safety, ..fixed() });
         settled(&mut planner, input());
         let before = planner.newest().eyes[0].gaze_pixel().expect("the gaze is in view");
         let phase = GazePhase::Saccade;
@@ -77,7 +77,7 @@ fn lost_gaze_ramps_to_full_rate_and_then_to_wide_fixed_rates() {
     for eye in &plan.eyes {
         assert!(eye.ages.texels().iter().all(|age| *age == 0), "nothing is re-used");
         assert_eq!(eye.gaze, Vec3::ZERO);
-        let lost = RailSettings::default().lost.expect("wide rates");
+        let lost = SafetySettings::default().lost.expect("wide rates");
         for (x, y) in (0..40).flat_map(|x| (0..35).map(move |y| (x, y))) {
             let angle = eccentricity(eye.centres[0], middle_of(eye, x, y)).to_degrees();
             let rate = eye.rate(x, y);
@@ -93,8 +93,8 @@ fn small_motion_does_not_change_rates() {
     // There and back by 0.3 degrees, less than the hysteresis, each for long enough to grow by 2 octaves.
     let turned = Vec3::new(0.3f32.to_radians().sin(), 0.0, -1.0).normalize();
     for (hysteresis_deg, changes) in [(0.5, false), (0.0, true)] {
-        let rails = RailSettings { hysteresis_deg, ..RailSettings::default() };
-        let mut planner = Planner::new(PlanSettings { rails, ..fixed() });
+        let safety = SafetySettings { hysteresis_deg, ..SafetySettings::default() };
+        let mut planner = Planner::new(PlanSettings { safety, ..fixed() });
         let mut plan_of = |frame: u64| {
             let direction = if (frame / 50).is_multiple_of(2) { Vec3::NEG_Z } else { turned };
             let gaze = gaze(direction, direction);
@@ -144,7 +144,7 @@ fn updates_are_faster_in_pursuit_and_at_low_frame_rates() {
 
 #[test]
 fn rails_that_are_no_numbers_are_the_usual_ones() {
-    let wild = RailSettings {
+    let wild = SafetySettings {
         least_foveal_deg: f32::NAN,
         tracker_error_deg: f32::NAN,
         latency_s: f32::NAN,
@@ -152,31 +152,23 @@ fn rails_that_are_no_numbers_are_the_usual_ones() {
         hysteresis_budget: f32::NAN,
         coarsening_octaves_per_s: f32::NAN,
         judged_octaves_per_s: f32::NAN,
-        ..RailSettings::default()
+        ..SafetySettings::default()
     };
-    let planner = Planner::new(PlanSettings { rails: wild, ..fixed() });
-    assert_eq!(planner.settings().rails, RailSettings::default());
+    let planner = Planner::new(PlanSettings { safety: wild, ..fixed() });
+    assert_eq!(planner.settings().safety, SafetySettings::default());
 }
 
 #[test]
-fn presets_are_one_step_faster_in_pursuit_but_for_the_paper_s() {
-    for (preset, resting, pursuit) in [
-        (Preset::Quality, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
-        (Preset::Balanced, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
-        (Preset::Performance, [1, 1, 2, 3, 3], [1, 1, 1, 2, 2]),
-        (Preset::Streaming, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
-        (Preset::Fixed, [1, 1, 2, 2, 3], [1, 1, 1, 1, 2]),
-        (Preset::Paper, [1, 1, 2, 2, 3], [1, 1, 2, 2, 3]),
-    ] {
+fn the_schedule_is_one_step_faster_in_pursuit_if_the_settings_ask_for_it() {
+    for (faster_in_pursuit, pursuit) in [(true, [1, 1, 1, 1, 2]), (false, [1, 1, 2, 2, 3])] {
         let periods = |phase: GazePhase| {
-            let mut planner = Planner::new(PlanSettings::of(preset, false, &VULKAN_RATES, [16, 16]));
+            let schedule = Schedule { configuration: UpdateConfiguration::F11223, ..Schedule::default() };
+            let updates = UpdateSettings { faster_in_pursuit, ..UpdateSettings::from(schedule) };
+            let mut planner = Planner::new(PlanSettings { schedule: Some(updates), ..fixed() });
             let gaze = GazeState { phase, ..input().gaze };
             planner.plan(&PlanInput { frame_rate_hz: 90.0, gaze, ..input() }).periods
         };
-        assert_eq!(
-            (periods(GazePhase::Fixation), periods(GazePhase::Pursuit)),
-            (resting, pursuit),
-            "{preset}"
-        );
+        assert_eq!(periods(GazePhase::Fixation), [1, 1, 2, 2, 3]);
+        assert_eq!(periods(GazePhase::Pursuit), pursuit);
     }
 }

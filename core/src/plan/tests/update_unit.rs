@@ -8,11 +8,11 @@ fn as_published(configuration: UpdateConfiguration) -> PlanSettings {
     let schedule = Schedule { configuration, phase: Phase::Aligned, ..Schedule::default() };
     let updates = UpdateSettings {
         faster_in_pursuit: false,
-        turns: Turns::Tiles,
+        unit: UpdateUnit::Tiles,
         uncapped: true,
         ..UpdateSettings::from(schedule)
     };
-    PlanSettings { schedule: Some(updates), rails: RailSettings::PAPER, ..PlanSettings::default() }
+    PlanSettings { schedule: Some(updates), safety: SafetySettings::PAPER, ..PlanSettings::default() }
 }
 
 /// The display that paper B's table fits best: 1440 x 1600 pixels, 110.5 degrees high.
@@ -45,9 +45,9 @@ fn tiles_cost_half_a_point_more_than_pixels() {
 
 #[test]
 fn a_frame_that_is_planned_again_renders_no_less() {
-    for turns in [Turns::Directions, Turns::Tiles] {
+    for unit in [UpdateUnit::Directions, UpdateUnit::Tiles] {
         let schedule = Schedule { configuration: UpdateConfiguration::F11223, ..Schedule::default() };
-        let updates = UpdateSettings { turns, ..UpdateSettings::from(schedule) };
+        let updates = UpdateSettings { unit, ..UpdateSettings::from(schedule) };
         let mut planner = Planner::new(PlanSettings { schedule: Some(updates), ..fixed() });
         for frame in 0..20 {
             let turned = |by: f32| PlanInput { head: Quat::from_rotation_y(by * 0.05), frame, ..input() };
@@ -55,7 +55,7 @@ fn a_frame_that_is_planned_again_renders_no_less() {
                 |plan: &FramePlan| plan.eyes[0].ages.texels().iter().map(|age| *age == 0).collect::<Vec<_>>();
             let first = due(planner.plan(&turned(frame as f32)));
             let again = due(planner.plan(&turned(frame as f32)));
-            assert_eq!(first, again, "{turns:?}, frame {frame}: what came into view since the last frame");
+            assert_eq!(first, again, "{unit:?}, frame {frame}: what came into view since the last frame");
         }
     }
 }

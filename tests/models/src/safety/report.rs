@@ -30,10 +30,10 @@ pub fn cases() -> Vec<Case> {
     let case = |name, eyes, gaze| Case { name, eyes, gaze, rates: Rates::Rings };
     let of_contrast = |name, gaze| Case { name, eyes: Eyes::Moving, gaze, rates: Rates::Contrast };
     vec![
-        case("resting, true gaze, no rails", Eyes::Resting, Gaze::TrueWithoutRails),
+        case("resting, true gaze, no safety limits", Eyes::Resting, Gaze::TrueWithoutSafety),
         case("resting, no error, depth known", Eyes::Resting, tracked(360.0, true, none, true)),
         case("resting, 120 Hz", Eyes::Resting, tracked(120.0, true, usual, false)),
-        case("moving, true gaze, no rails", Eyes::Moving, Gaze::TrueWithoutRails),
+        case("moving, true gaze, no safety limits", Eyes::Moving, Gaze::TrueWithoutSafety),
         case("moving, no error", Eyes::Moving, tracked(360.0, true, none, false)),
         case("moving, 120 Hz, depth known", Eyes::Moving, tracked(120.0, true, usual, true)),
         case("moving, 120 Hz", Eyes::Moving, tracked(120.0, true, usual, false)),
@@ -52,7 +52,7 @@ pub fn rows() -> Vec<Row> {
 }
 
 const HEAD: &str = "\
-What the safety rails cost, and what is lost at the true gaze: views of 1024 pixels and 104 degrees, tiles of 32, rings of paper A's
+What the safety limits cost, and what is lost at the true gaze: views of 1024 pixels and 104 degrees, tiles of 32, rings of paper A's
 baseline, uniform contrast; trackers are 50 ms late, 1.1 degrees off in each fixation and scatter by 0.3 unless said otherwise. Each
 figure twice: nothing becomes coarser in saccades and for 60 ms after landing > at once. Shaded: invocations for each pixel. Lost: mean
 loss of visible contrast within 12 degrees of the true gaze, thousandths of a just noticeable difference, in flight, within 60 ms after landing, and later.

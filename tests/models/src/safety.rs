@@ -1,4 +1,4 @@
-//! What the safety rails cost while the eyes move, and what is lost where the eyes really look: shares of fully shaded pixels and
+//! What the safety limits cost while the eyes move, and what is lost where the eyes really look: shares of fully shaded pixels and
 //! losses of visible contrast, by the [`Planner`] behind a [`GazeTracker`], in simulated time.
 //!
 //! Every tile shows the same contrast in each octave, so that no place of the view hides a coarse rate. Losses are those of
@@ -20,7 +20,7 @@ use parafovea_core::image::Plane;
 use parafovea_core::perception::{ContrastMap, TileContrast};
 use parafovea_core::plan::{
     AudioVisual, AvailableRates, DeviceRates, EyeInput, EyePlan, LatticeShape, PlanInput, PlanSettings,
-    Planner, RailSettings, RateSettings, Sensitivity, TileLattice,
+    Planner, RateSettings, SafetySettings, Sensitivity, TileLattice,
 };
 use parafovea_core::rate::VULKAN_RATES;
 
@@ -52,8 +52,8 @@ const LUMINANCE_CD_M2: f32 = 50.0;
 /// How the gaze is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Gaze {
-    /// As it is, and no rail.
-    TrueWithoutRails,
+    /// As it is, and no safety limit.
+    TrueWithoutSafety,
     /// By a tracker.
     Tracked {
         /// The tracker.
@@ -198,14 +198,14 @@ fn follow_path(
     duration_s: f64,
     score: &mut Score,
 ) {
-    let (reports, rails) = match case.gaze {
-        Gaze::TrueWithoutRails => (Vec::new(), RailSettings::PAPER),
+    let (reports, safety) = match case.gaze {
+        Gaze::TrueWithoutSafety => (Vec::new(), SafetySettings::PAPER),
         Gaze::Tracked { model, errors, .. } => {
-            let mut rails = RailSettings::default();
+            let mut safety = SafetySettings::default();
             if !coarsens_suppressed {
-                rails.suppressed_octaves_per_s = 0.0;
+                safety.suppressed_octaves_per_s = 0.0;
             }
-            (model.reports_with(errors, path, seed, duration_s), rails)
+            (model.reports_with(errors, path, seed, duration_s), safety)
         }
     };
     let mut tracker = GazeTracker::new(GazeSettings::default());
@@ -218,7 +218,7 @@ fn follow_path(
                 ..AudioVisual::default()
             }),
         },
-        rails,
+        safety,
         device: DeviceRates { available: AvailableRates::new(&VULKAN_RATES), texel: [TEXEL; 2] },
         ..PlanSettings::default()
     });
@@ -235,7 +235,7 @@ fn follow_path(
         }
         let truth = path.eyes_at(shown).map(|direction| direction.as_vec3());
         let state = match case.gaze {
-            Gaze::TrueWithoutRails => {
+            Gaze::TrueWithoutSafety => {
                 GazeState { directions: truth, phase: GazePhase::Fixation, trust: 1.0, ..GazeState::LOST }
             }
             Gaze::Tracked { depth, errors, .. } => {

@@ -33,18 +33,18 @@ impl Focus {
 /// The limit holds for directions in the space in which the gaze is given; best one in which the scene rests, so that
 /// it holds for what is seen there.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Trail {
-    last: Option<Shown>,
+pub struct ChromaTemporalFilter {
+    last: Option<LastFrame>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Shown {
+struct LastFrame {
     time_ns: i64,
     /// `None` for full colour everywhere.
     attenuated: Option<(Focus, ChromaSettings)>,
 }
 
-impl Trail {
+impl ChromaTemporalFilter {
     /// The focus at `time_ns` with that gaze, a direction of any length. `None` without a usable gaze (zero, not
     /// finite): colour is full everywhere at once, and is attenuated by degrees when the gaze is back.
     ///
@@ -53,25 +53,25 @@ impl Trail {
     /// limited.
     pub fn update(&mut self, gaze: Option<Vec3>, time_ns: i64, settings: &ChromaSettings) -> Option<Focus> {
         let Some(gaze) = gaze.and_then(unit_direction) else {
-            self.switched_off(time_ns);
+            self.show_full_color(time_ns);
             return None;
         };
         let focus = match self.last {
             Some(last) if settings.mode == Mode::Default => follow(&last, gaze, time_ns, settings),
             _ => Focus::at(gaze),
         };
-        self.last = Some(Shown { time_ns, attenuated: Some((focus, *settings)) });
+        self.last = Some(LastFrame { time_ns, attenuated: Some((focus, *settings)) });
         Some(focus)
     }
 
     /// A frame was shown at `time_ns` with full colour everywhere: without a gaze, or because attenuation is off.
-    pub fn switched_off(&mut self, time_ns: i64) {
-        self.last = Some(Shown { time_ns, attenuated: None });
+    pub fn show_full_color(&mut self, time_ns: i64) {
+        self.last = Some(LastFrame { time_ns, attenuated: None });
     }
 }
 
 /// The next focus after `last`, with no gain falling by more than the time since then allows.
-fn follow(last: &Shown, gaze: Vec3, time_ns: i64, settings: &ChromaSettings) -> Focus {
+fn follow(last: &LastFrame, gaze: Vec3, time_ns: i64, settings: &ChromaSettings) -> Focus {
     let limit = within(settings.max_change_per_s, [0.1, 100.0], ChromaSettings::default().max_change_per_s);
     let elapsed_s = time_ns.saturating_sub(last.time_ns).max(0) as f32 * 1e-9;
     let allowed = limit * elapsed_s;

@@ -1,12 +1,12 @@
-//! Tiles of the picture that take turns themselves, as the pixels of paper B do.
+//! An update schedule of the tiles of a view, as paper B has it for pixels.
 
 use super::lattice::{TileLattice, chord_of_deg};
 use crate::schedule::{REGIONS, Schedule};
 use glam::Vec3;
 
-/// How old the tiles of one view are.
+/// Ages of the tiles of one view.
 #[derive(Clone, Debug, Default)]
-pub(super) struct TileTurns {
+pub(super) struct TileSchedule {
     /// Frames since each was rendered, 255 for longer ago or never.
     ages: Vec<u8>,
     /// Squared chord from each to the nearer gaze.
@@ -14,8 +14,8 @@ pub(super) struct TileTurns {
     frame: Option<u64>,
 }
 
-impl TileTurns {
-    /// Forgets everything: `tiles` tiles, none of them ever rendered.
+impl TileSchedule {
+    /// Starts with `tiles` tiles, none of them ever rendered.
     pub(super) fn reset(&mut self, tiles: usize) {
         self.ages.clear();
         self.ages.resize(tiles, u8::MAX);
@@ -24,15 +24,14 @@ impl TileTurns {
         self.frame = None;
     }
 
-    /// All are rendered in `frame`.
+    /// Notes that all tiles are rendered in `frame`.
     pub(super) fn rendered(&mut self, frame: u64) {
         self.ages.fill(0);
         self.frame = Some(frame);
     }
 
-    /// Goes on to `frame`, and says of each tile whether it is rendered: in the frames that the period at its point nearest
-    /// to either gaze (unit vectors, view space) divides, and at once where it would become older than that. The same
-    /// frame again only adds.
+    /// Advances to `frame`, and writes whether each tile is due: in the frames that the period at its point nearest to either
+    /// gaze (unit vectors, view space) divides, and at once if it would become older than that. The same frame again only adds tiles.
     pub(super) fn advance(
         &mut self,
         schedule: &Schedule,
