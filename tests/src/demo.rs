@@ -97,11 +97,10 @@ pub fn run(
     let (subject, effort) = (&exhibit.subject, exhibit.counted);
     let counted = |technique| move || Observed::of(subject, effort, &technique);
     // Nothing is timed here.
-    let (off, on, drawn) = all_at_once(
-        counted(Technique::off()),
-        counted(Technique::layer("balanced", &settled)),
-        || Observed::picture_of(subject, effort, &Technique::layer("shading rates", &view)),
-    );
+    let (off, on, drawn) =
+        all_at_once(counted(Technique::off()), counted(Technique::layer("balanced", &settled)), || {
+            Observed::picture_of(subject, effort, &Technique::layer("shading rates", &view))
+        });
     let (off, on) = (off?, on?);
     strip::save(&folder.join(format!("{}.png", exhibit.name())), [&off.picture, &on.picture, &drawn?])?;
     progress.add(3 * work::rendering(exhibit, effort));
