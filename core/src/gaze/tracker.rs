@@ -198,7 +198,7 @@ impl GazeTracker {
             None => self.ended = false,
             Some(Rejection::Frozen) => self.source_ended(now_ns),
             // One of these alone is no interruption; a stream of them is, as nothing else arrives.
-            Some(Rejection::Implausible | Rejection::OutOfOrder) => {}
+            Some(Rejection::TooFast | Rejection::OutOfOrder) => {}
             Some(_) => {
                 if let Some(seen) = &mut self.seen {
                     seen.interrupted = true;
@@ -269,7 +269,7 @@ impl GazeTracker {
                     // Eyes that rest on the world may be faster from the head than eyes turn.
                     let _ = seen.from_head.add(settings, from_head, 0.0);
                     let (before, settled) = (seen.motion.newest().time_ns, seen.motion.settled_ns());
-                    seen.motion.add(settings, sample, head_deg_s).map_err(|_| Rejection::Implausible)?;
+                    seen.motion.add(settings, sample, head_deg_s).map_err(|_| Rejection::TooFast)?;
                     if seen.motion.settled_ns() != settled {
                         seen.settled_ns = seen.motion.landing_ns().unwrap_or(now_ns);
                     }

@@ -96,8 +96,8 @@ mod tests {
             let map = ContrastMap { tiles: Plane::filled(1, 1, tile) };
             let permitted = |params: &DecideParams| {
                 let mut permitted = [vec![0], vec![0]];
-                let judged = VisibleContrast { map: &map, sensitivity: &sensitivity };
-                judged.permit(params, &[resolution], &[chord], &[age_ms], &mut permitted);
+                let visible = VisibleContrast { map: &map, sensitivity: &sensitivity };
+                visible.permit(params, &[resolution], &[chord], &[age_ms], &mut permitted);
                 permitted
             };
             prop_assert_eq!(permitted(&flat), permitted(&DecideParams { flat_contrast: -1.0, ..flat }));

@@ -3,7 +3,7 @@
 use super::frame::EyePlan;
 use super::input::EyeInput;
 use super::lattice::{LatticeShape, TileLattice};
-use super::rules::{FrameRules, Permit};
+use super::rules::{FrameRules, RateLimit};
 use super::settings::PlanSettings;
 use super::tile_updates::TileUpdates;
 use crate::chroma::ChromaTemporalFilter;
@@ -59,9 +59,9 @@ impl EyeMemory {
         settings: &PlanSettings,
         out: &mut EyePlan,
     ) {
-        out.judged = None;
-        out.rings = Permit::NOTHING.rings;
-        let params = rules.params(settings, out.centres, &Permit::NOTHING, &self.lattice);
+        out.by_contrast = None;
+        out.rings = RateLimit::FULL_RATE.rings;
+        let params = rules.params(settings, out.centres, &RateLimit::FULL_RATE, &self.lattice);
         out.decision = params;
         if self.is_full {
             return;

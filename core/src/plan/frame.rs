@@ -61,7 +61,7 @@ pub struct EyePlan {
     /// What the rates were decided by: the uniform of the kernel `decide`.
     pub decision: DecideParams,
     /// What they are to be decided by where the GPU knows contrast; nothing where contrast does not count in this frame.
-    pub judged: Option<DecideParams>,
+    pub by_contrast: Option<DecideParams>,
 }
 
 impl Default for EyePlan {
@@ -78,7 +78,7 @@ impl Default for EyePlan {
             ages: Plane::filled(0, 0, 0),
             rings: Rings::FULL,
             decision: bytemuck::Zeroable::zeroed(),
-            judged: None,
+            by_contrast: None,
         }
     }
 }

@@ -6,7 +6,7 @@ use super::eye::EyeMemory;
 use super::frame::FramePlan;
 use super::input::{EyeInput, PlanInput};
 use super::reasons::{Reason, Reasons};
-use super::rules::{AgeLimits, FrameRules, Permit};
+use super::rules::{AgeLimits, FrameRules, RateLimit};
 use super::safety::SafetyState;
 use super::sensitivity::Sensitivity;
 use super::settings::{PlanSettings, RateSettings, UpdateUnit};
@@ -102,9 +102,9 @@ impl Planner {
     /// Plans a frame.
     pub fn plan(&mut self, input: &PlanInput) -> &FramePlan {
         let mut reasons = Reasons::default();
-        let is_judged = matches!(self.settings.rates, RateSettings::AudioVisual(_));
+        let by_contrast = matches!(self.settings.rates, RateSettings::AudioVisual(_));
         let safety =
-            self.safety.frame(&self.settings.safety, is_judged, input.time_ns, &input.gaze, &mut reasons);
+            self.safety.frame(&self.settings.safety, by_contrast, input.time_ns, &input.gaze, &mut reasons);
         let period_cap = self.cap.update(input.frame_rate_hz);
         let limits = AgeLimits { period_cap, drift_arcmin: self.drift_arcmin };
         let rules = FrameRules::new(&self.settings, safety, input.audio.as_ref(), limits, &mut reasons);
@@ -125,7 +125,7 @@ impl Planner {
         self.plan.inflation_deg = rules.safety.inflation_deg;
         self.plan.regions_deg = schedule.regions.radii_deg;
         self.plan.periods = schedule.configuration.factors();
-        self.plan.budget = rules.judged.and_then(|judged| judged.budget);
+        self.plan.budget = rules.by_contrast.and_then(|limit| limit.budget);
         self.plan.chroma = self.settings.chroma;
         self.plan.reasons = reasons;
         &self.plan
@@ -169,18 +169,20 @@ impl Planner {
 
         let on_gpu = self.settings.contrast_on_gpu;
         let contrast = contrast(eye, memory.lattice.tiles(), self.sensitivity.as_ref()).filter(|_| !on_gpu);
-        reasons.insert_if(rules.judged.is_some() && contrast.is_none() && !on_gpu, Reason::NothingMeasured);
-        let judged = rules.judged.filter(|_| on_gpu && orientation.is_some());
-        out.judged = judged.map(|judged| rules.params(&self.settings, out.centres, &judged, &memory.lattice));
-        let permit = match (orientation, rules.judged, contrast) {
-            (None, ..) => Permit::NOTHING,
-            (Some(_), Some(judged), Some(_)) => judged,
+        reasons
+            .insert_if(rules.by_contrast.is_some() && contrast.is_none() && !on_gpu, Reason::NothingMeasured);
+        let limit = rules.by_contrast.filter(|_| on_gpu && orientation.is_some());
+        out.by_contrast =
+            limit.map(|limit| rules.params(&self.settings, out.centres, &limit, &memory.lattice));
+        let limit = match (orientation, rules.by_contrast, contrast) {
+            (None, ..) => RateLimit::FULL_RATE,
+            (Some(_), Some(limit), Some(_)) => limit,
             (Some(_), ..) => rules.fixed,
         };
-        out.rings = permit.rings;
-        let params = rules.params(&self.settings, out.centres, &permit, &memory.lattice);
+        out.rings = limit.rings;
+        let params = rules.params(&self.settings, out.centres, &limit, &memory.lattice);
         out.decision = params;
-        let contrast = contrast.filter(|_| permit.budget.is_some());
+        let contrast = contrast.filter(|_| limit.budget.is_some());
         decide(&params, &mut memory.lattice, memory.updates.due(), contrast, &mut memory.tiles, out);
     }
 

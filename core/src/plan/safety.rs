@@ -47,12 +47,12 @@ pub(super) struct SafetyState {
 }
 
 impl SafetyState {
-    /// The safety limits of the frame that is shown at `time_ns`; `is_judged` where contrast may decide. All numbers of `settings` are usable
+    /// The safety limits of the frame that is shown at `time_ns`; `by_contrast` where contrast may decide. All numbers of `settings` are usable
     /// ([`SafetySettings::usable`]).
     pub(super) fn frame(
         &mut self,
         settings: &SafetySettings,
-        is_judged: bool,
+        by_contrast: bool,
         time_ns: i64,
         gaze: &GazeState,
         reasons: &mut Reasons,
@@ -64,9 +64,9 @@ impl SafetyState {
         reasons.insert_if(lost, Reason::GazeLost);
         reasons.insert_if(trust < 1.0 && matches!(area, Area::AroundGaze(_)), Reason::GazeFading);
         let seconds = self.elapsed_s(time_ns, reasons);
-        let speed = match is_judged {
+        let speed = match by_contrast {
             _ if gaze.is_suppressed => settings.suppressed_octaves_per_s,
-            true => settings.judged_octaves_per_s,
+            true => settings.contrast_octaves_per_s,
             false => settings.coarsening_octaves_per_s,
         };
         FrameSafety {

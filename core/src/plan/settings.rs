@@ -20,7 +20,7 @@ pub struct PlanSettings {
     pub safety: SafetySettings,
     /// What the device offers.
     pub device: DeviceRates,
-    /// Whether contrast is known to the GPU alone. Then [`super::EyePlan::judged`] is what the kernel `decide` is to be given there, and
+    /// Whether contrast is known to the GPU alone. Then [`super::EyePlan::by_contrast`] is what the kernel `decide` is to be given there, and
     /// the plan's own rates are those of fixed foveation, for where that is not possible.
     pub contrast_on_gpu: bool,
 }
@@ -157,7 +157,7 @@ pub struct SafetySettings {
     /// gaze that was just found again too.
     pub coarsening_octaves_per_s: f32,
     /// The same where contrast decides, which noise in the pictures changes too.
-    pub judged_octaves_per_s: f32,
+    pub contrast_octaves_per_s: f32,
     /// The same while changes go unnoticed ([`GazeState::is_suppressed`](crate::gaze::GazeState::is_suppressed)), whoever decides: then a tile
     /// that the eyes have left may be as coarse in the next frame as it may ever be.
     pub suppressed_octaves_per_s: f32,
@@ -175,7 +175,7 @@ impl SafetySettings {
         hysteresis_budget: 1.0,
         holding_budget: 1.0,
         coarsening_octaves_per_s: f32::INFINITY,
-        judged_octaves_per_s: f32::INFINITY,
+        contrast_octaves_per_s: f32::INFINITY,
         suppressed_octaves_per_s: f32::INFINITY,
         lost: None,
     };
@@ -194,7 +194,7 @@ impl SafetySettings {
             hysteresis_budget: or(self.hysteresis_budget, usual.hysteresis_budget).min(1.0),
             holding_budget: or(self.holding_budget, usual.holding_budget).clamp(1.0, 16.0),
             coarsening_octaves_per_s: or(self.coarsening_octaves_per_s, usual.coarsening_octaves_per_s),
-            judged_octaves_per_s: or(self.judged_octaves_per_s, usual.judged_octaves_per_s),
+            contrast_octaves_per_s: or(self.contrast_octaves_per_s, usual.contrast_octaves_per_s),
             suppressed_octaves_per_s: or(self.suppressed_octaves_per_s, usual.suppressed_octaves_per_s),
             lost: self.lost,
         }
@@ -216,7 +216,7 @@ impl Default for SafetySettings {
             hysteresis_budget: 0.9,
             holding_budget: 1.35,
             coarsening_octaves_per_s: 8.0,
-            judged_octaves_per_s: 4.0,
+            contrast_octaves_per_s: 4.0,
             suppressed_octaves_per_s: f32::INFINITY,
             lost: Some(FixedFoveation::WITHOUT_TRACKER),
         }
