@@ -254,7 +254,7 @@ impl<'a> Reuse<'a> {
 
     /// Whether an edge or a corner of a tile is blended with earlier pictures: the tile is fresh, and what it touches there is
     /// stale; of a corner, nothing beside it, as else that fades into it already.
-    pub fn is_border(&self, tile: [u32; 2], Edge { across, down }: Edge) -> bool {
+    pub fn is_seam(&self, tile: [u32; 2], Edge { across, down }: Edge) -> bool {
         let is_stale = |across: i8, down: i8| {
             let beside =
                 [tile[0].wrapping_add_signed(across.into()), tile[1].wrapping_add_signed(down.into())];
