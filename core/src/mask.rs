@@ -21,7 +21,7 @@ mod sources;
 pub use depth::{
     DepthFormat, Direction, NoNearValue, TemplateDepths, TemplateWords, near_value, write_template,
 };
-pub use early_return::{RETURNS, ReturnParams};
+pub use early_return::{EarlyReturnParams, RETURNS};
 pub use list::{BLOCKS_PER_GROUP, HEADER_WORDS, SkipList, SkippedBlock};
 pub use pattern::Pattern;
 pub use sources::{REACH, SOURCES, Source};

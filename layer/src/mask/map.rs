@@ -9,7 +9,7 @@ use crate::scene::lay::RateImage;
 use crate::scene::{Part, Target};
 use ash::vk;
 use parafovea_core::kernels::samples::SampleParams;
-use parafovea_core::mask::{BLOCK, Mask, ReturnParams};
+use parafovea_core::mask::{BLOCK, EarlyReturnParams, Mask};
 use smallvec::SmallVec;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -96,7 +96,7 @@ impl MaskMap {
     pub(crate) fn return_set(&self, layout: &Arc<ReturnLayout>) -> Option<vk::DescriptorSet> {
         let make = || {
             let Eligible { format, depths, .. } = self.eligible;
-            let params = ReturnParams::new(self.extent, format, depths)?;
+            let params = EarlyReturnParams::new(self.extent, format, depths)?;
             let set = ReturnSet::new(&self.gpu, layout, self.template()?, params);
             set.inspect_err(|error| error.tell("no mask")).ok()
         };
