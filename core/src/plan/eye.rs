@@ -1,4 +1,4 @@
-//! What the planner keeps of one view from frame to frame.
+//! The planner's state of one view from frame to frame.
 
 use super::frame::EyePlan;
 use super::input::EyeInput;
@@ -12,7 +12,7 @@ use crate::image::Plane;
 use crate::kernels::decide::{TileMemory, decide};
 use glam::Quat;
 
-/// One view: where its tiles look, and what they remember.
+/// State of one view: the directions of its tiles, their rates and their updates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EyeMemory {
     shape: Option<LatticeShape>,

@@ -1,4 +1,4 @@
-//! From what is known when a frame is planned to its plan.
+//! The planner: from the input of a frame to its plan.
 
 use super::changes::Changes;
 use super::contrast::VisibleContrast;
@@ -27,7 +27,7 @@ pub struct Planner {
     sensitivity: Option<Sensitivity>,
     safety: SafetyState,
     cap: PeriodCap,
-    /// How far what is re-used may be out of place for each frame that it is old, arc minutes.
+    /// Displacement of re-used content for each frame of its age, arc minutes.
     drift_arcmin: f32,
     /// Present where the schedule can leave something out.
     ages: Option<CellAges>,
@@ -54,14 +54,14 @@ impl Planner {
         planner
     }
 
-    /// What it plans with, the safety limits in numbers that can be used.
+    /// Its settings, with usable numbers in place of unusable safety limits.
     pub fn settings(&self) -> &PlanSettings {
         &self.settings
     }
 
-    /// Says how far what is re-used may be out of place for each frame that it is old, after the head's turn is accounted for:
-    /// arc minutes, by its translation and the distance of what is near. Holds until it is said anew; 0 at first. What
-    /// is no number counts as infinite, and then nothing is re-used.
+    /// Sets the displacement of re-used content for each frame of its age, after correction of the head's rotation: arc minutes, by the
+    /// head's translation and the distance of near content. Holds until it is said anew; 0 at first. What is no number counts as infinite,
+    /// and then nothing is re-used.
     pub fn set_drift(&mut self, arcmin: f32) {
         self.drift_arcmin = if arcmin.is_nan() { f32::INFINITY } else { arcmin.abs() };
     }
@@ -82,9 +82,9 @@ impl Planner {
         }
     }
 
-    /// Says how much each of some tiles of a picture differed from what would have been shown in its place, as the kernel
-    /// `change` found, [`crate::kernels::change::ChangeParams::change`]: what changes visibly is rendered in each of the next
-    /// frames, and everything is in the next one where most of it changed.
+    /// Takes differences of some tiles of an image from re-used content, as measured by the kernel `change`
+    /// ([`crate::kernels::change::ChangeParams::change`]): visibly changing content is rendered in each of the next frames, and all content
+    /// in the next one if most of it changed.
     ///
     /// `view` is that of the picture in the world, as [`PlanInput::head`] leads to it; its image is one of tiles in place of
     /// pixels. Tiles are given as column, and row in the upper 16 bits.

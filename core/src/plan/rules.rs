@@ -1,4 +1,4 @@
-//! What holds for all tiles of one frame, in both eyes.
+//! Rules for all tiles of one frame, in both eyes.
 
 use super::lattice::TileLattice;
 use super::reasons::{Reason, Reasons};
@@ -15,32 +15,31 @@ use crate::schedule::refresh::visible_shift_arcmin;
 use crate::schedule::{MAX_FACTOR, REGIONS, Regions, Schedule, UpdateConfiguration};
 use glam::Vec3;
 
-/// What holds for all tiles of one frame.
+/// Rules for all tiles of one frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FrameRules {
     pub(super) safety: FrameSafety,
-    /// What the rings are around, unit vectors in the common space.
+    /// Centres of the rings, unit vectors in the common space.
     pub(super) centres: [Vec3; 2],
     /// Where rates follow eccentricity alone.
     pub(super) fixed: RateLimit,
     /// Where contrast is known, if it counts.
     pub(super) by_contrast: Option<RateLimit>,
-    /// What is rendered less often, with everything that makes it more often; nothing where all is rendered.
+    /// The update schedule, with all limits applied; `None` if every tile is rendered.
     pub(super) schedule: Option<Schedule>,
 }
 
-/// What limits how old anything may become.
+/// Limits on the age of re-used content.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AgeLimits {
     /// Longest period at the measured frame rate, frames.
     pub(super) period_cap: u8,
-    /// How far what is re-used is out of place for each frame that it is old, arc minutes; not a number below 0.
+    /// Displacement of re-used content for each frame of its age, arc minutes, >= 0.
     pub(super) drift_arcmin: f32,
 }
 
 impl AgeLimits {
-    /// For each region the longest period after which what is near is not seen to be out of place where the region begins,
-    /// frames.
+    /// Longest period of each region at which the displacement of near content stays invisible at the region's inner edge, frames.
     fn unseen(&self, regions: &Regions) -> [u8; REGIONS] {
         let [a, b, c, d] = regions.radii_deg;
         [0.0, a, b, c, d].map(|begins_deg| {
@@ -174,7 +173,7 @@ fn rate_limit(settings: &PlanSettings, rings: Rings, safety: &FrameSafety) -> Ra
     RateLimit { rings, coarsening: rings.widened(0.0, safety.hysteresis_deg), budget: None }
 }
 
-/// What contrast may permit, if sound is known and does not ask for fixed foveation.
+/// Limit by contrast; `None` if silence asks for fixed foveation.
 fn contrast_limit(
     settings: &PlanSettings,
     model: &AudioVisual,

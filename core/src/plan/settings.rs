@@ -1,4 +1,4 @@
-//! What a plan may do.
+//! Settings of a planner.
 
 use super::rings::AvailableRates;
 use crate::avpm::BudgetSettings;
@@ -7,7 +7,7 @@ use crate::fixed_foveation::FixedFoveation;
 use crate::frco::Allocation;
 use crate::schedule::Schedule;
 
-/// What a plan may do, and on which device.
+/// Settings of a planner, on one device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanSettings {
     /// How shading rates are chosen.
@@ -16,9 +16,9 @@ pub struct PlanSettings {
     pub schedule: Option<UpdateSettings>,
     /// How colour falls off; not at all without.
     pub chroma: Option<ChromaSettings>,
-    /// What keeps all of it safe.
+    /// Safety limits.
     pub safety: SafetySettings,
-    /// What the device offers.
+    /// Rates and tile size of the device.
     pub device: DeviceRates,
     /// Whether contrast is known to the GPU alone. Then [`super::EyePlan::by_contrast`] is what the kernel `decide` is to be given there, and
     /// the plan's own rates are those of fixed foveation, for where that is not possible.
@@ -54,7 +54,7 @@ pub enum RateSettings {
 /// Paper A's map of rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AudioVisual {
-    /// How much visible contrast may be lost by what is heard, and in the units of which contrast sensitivity function.
+    /// The budget of visible contrast by sound, with the unit of its contrast sensitivity function.
     pub budget: BudgetSettings,
     /// How that is spent.
     pub allocation: Allocation,
@@ -136,15 +136,14 @@ impl From<Schedule> for UpdateSettings {
     }
 }
 
-/// What keeps a plan safe, whatever the other settings ask for. What is not a number counts as the default's, what is
-/// negative as 0.
+/// Safety limits of a plan, independent of the other settings. What is not a number counts as the default's, what is negative as 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SafetySettings {
     /// Least radius of the area at full rate, before anything widens it, degrees.
     pub least_foveal_deg: f32,
     /// By how much the eye tracker may be off, degrees. Widens every radius.
     pub tracker_error_deg: f32,
-    /// Time from the eye to the image, seconds: every radius is widened by what the eyes turn in it.
+    /// Time from the eye to the image, seconds: every radius is widened by the movement of the eyes in it.
     pub latency_s: f32,
     /// How far outside of its ring a tile has to be to become coarser, degrees.
     pub hysteresis_deg: f32,
@@ -182,7 +181,7 @@ impl SafetySettings {
 }
 
 impl SafetySettings {
-    /// The same with numbers in place of what is none: the default's, or 0 for what is negative.
+    /// These settings with usable numbers: the default's for NaN, 0 for negative ones.
     pub(super) fn usable(&self) -> Self {
         let usual = Self::default();
         let or = |value: f32, usual: f32| if value.is_nan() { usual } else { value.max(0.0) };
@@ -223,7 +222,7 @@ impl Default for SafetySettings {
     }
 }
 
-/// What a device offers.
+/// Rates and tile size of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeviceRates {
     /// Rates.

@@ -1,4 +1,4 @@
-//! Tiles, sorted by what drawing them takes.
+//! Tiles, sorted by the kind of draw that they need.
 
 use super::history::Earlier;
 use super::places::{Found, TilePlaces};
@@ -109,7 +109,7 @@ struct Row {
     open_seams: u32,
     /// Stale tiles that no picture so far has all of.
     left: Vec<u64>,
-    /// What each earlier picture has of those.
+    /// Coverage of those by each earlier image.
     found: [Found; MAX_AGES],
     /// Tiles with an edge in an earlier picture, by place in [`Edge::ALL`].
     found_edges: [Vec<u64>; Edge::ALL.len()],

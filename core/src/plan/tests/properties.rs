@@ -1,4 +1,4 @@
-//! What holds for any map, gaze and orientation.
+//! Properties for any map, gaze and orientation.
 
 use super::*;
 use proptest::prelude::*;

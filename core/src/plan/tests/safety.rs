@@ -1,4 +1,4 @@
-//! The safety limits: what they hold, limit and leave off.
+//! The safety limits.
 
 use super::*;
 
