@@ -48,7 +48,7 @@ impl FixedFoveation {
     /// The peripheral rate everywhere.
     pub const ANYWHERE: Self = Self { foveal_deg: 0.0, transitional_deg: 0.0, peripheral: ShadingRate::R4X4 };
 
-    /// For a gaze that nobody knows: full rate to 30 degrees from straight ahead and 2x2 from 40 on, beyond what eyes turn to
+    /// Map for an unknown gaze: full rate to 30 degrees around the centre of the view, and 2x2 from 40 on, the range of eye movements
     /// without the head (Carpenter 1988).
     pub const WITHOUT_TRACKER: Self =
         Self { foveal_deg: 30.0, transitional_deg: 40.0, peripheral: ShadingRate::R2X2 };

@@ -1,16 +1,16 @@
-//! The benefit gate: whether a technique pays in this application, by the cost of frames with it and without it.
+//! The benefit gate: whether a technique saves time in this application, by the cost of frames with and without it.
 //!
-//! [`Gate`] judges one technique. It stands at *on* or *off*, and learns of the other side by *trials*. A trial has up to
-//! four stretches: at the stand, away, at the stand again, away again. After 8, 16, 32 ... frames of a stretch the costs so far
-//! are fitted over the technique and time; the trial ends as soon as the result is sure to 99.95 %, and at
-//! the latest after four stretches. So a gain of 30 % takes a second, and one of 3 % half a minute.
+//! [`Gate`] decides about one technique. It keeps the technique on or off, and measures the alternative in *A/B trials*. A trial has up
+//! to four segments: the state that is kept, the other one, and both again. After 8, 16, 32 ... frames of a segment a line is fitted to the
+//! costs so far, over technique and time; the trial ends once the result has a confidence of 99.95 %, and at the latest
+//! after four segments. A saving of 30 % takes a second, and a saving of 3 % half a minute.
 //!
-//! - At the start and in a scene that was not seen before there is one whole trial, of three switches, and one more where its end
-//!   changes the stand. Its end decides with 97 %; undecided means off. Where an undecided one promised a saving, a second
-//!   follows after [`TRIAL_REST_NS`].
-//! - Later trials are short controls of two switches, one each [`CONTROL_REST_NS`] with open eyes, or each
-//!   [`HIDDEN_REST_NS`] in saccades and blinks; only a result that is sure to 99.95 % changes the stand.
-//! - After an undecided trial, and only in saccades and blinks, whole trials go on with rests of
+//! - The start and each new scene have one full trial, of three switches, and one more switch if the state changes at its end. The end
+//!   decides with a confidence of 97 %; without a decision the technique is off. After a trial without a decision but with a likely
+//!   saving, a second one follows after [`TRIAL_REST_NS`].
+//! - Later trials are short controls of two switches, one per [`CONTROL_REST_NS`] with open eyes, or per
+//!   [`HIDDEN_REST_NS`] in saccades and blinks; only a confidence of 99.95 % changes the state.
+//! - After a trial without a decision, full trials continue in saccades and blinks alone, with rests of
 //!   [`RETRY_REST_NS`], twice that, and so on.
 //! - A switch waits up to a second for a saccade or blink of eyes that are tracked.
 //!
@@ -21,22 +21,22 @@
 mod both;
 mod estimate;
 mod evidence;
+mod running_trial;
 mod scenes;
 mod trial;
-mod under_way;
 
-pub use both::{Gates, JudgedFrame, Techniques};
+pub use both::{Gates, MeasuredFrame, Techniques};
 pub use estimate::{MARGIN, Verdict};
 pub use evidence::Evidence;
 pub use scenes::SCENE_HOLD_NS;
 
 use crate::gaze::GazePhase;
 use estimate::Estimate;
+use running_trial::{RunningTrial, Step};
 use scenes::{Decision, Scenes};
-use trial::{BEFORE, Before, Cost, Trial};
-use under_way::{Step, UnderWay};
+use trial::{Cost, RECENT, RecentCosts, Trial};
 
-/// Who decides.
+/// Source of the decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum GateMode {
     /// The gate, by the cost of frames.
@@ -48,42 +48,42 @@ pub enum GateMode {
     Off,
 }
 
-/// Longest stretch of a whole trial, nanoseconds: three of them, the frames ahead and the settling fit into 30 s at 2 Hz.
-pub const STRETCH_NS: i64 = 8_000_000_000;
+/// Longest segment of a full trial, nanoseconds: three of them, the frames ahead and the settling fit into 30 s at 2 Hz.
+pub const SEGMENT_NS: i64 = 8_000_000_000;
 
-/// Whole trials of a scene: the second only where the first was undecided, but promised a saving.
-const WHOLE: u8 = 2;
+/// Full trials of a scene: the second only after a first one without a decision, but with a likely saving.
+const FULL_TRIALS: u8 = 2;
 
-/// Longest stretch of a control, nanoseconds.
+/// Longest segment of a control, nanoseconds.
 pub const CONTROL_NS: i64 = 2_000_000_000;
 
-/// Least time from one whole trial to the next that may be seen, nanoseconds.
+/// Least time from one full trial to the next one with open eyes, nanoseconds.
 pub const TRIAL_REST_NS: i64 = 60_000_000_000;
 
-/// Least time from one trial to a control that may be seen, nanoseconds: one switch in five minutes.
+/// Least time from one trial to a control with open eyes, nanoseconds: one switch in five minutes.
 pub const CONTROL_REST_NS: i64 = 600_000_000_000;
 
-/// Least time from one trial to a control that nobody sees, nanoseconds.
+/// Least time from one trial to a control in a saccade or blink, nanoseconds.
 pub const HIDDEN_REST_NS: i64 = 300_000_000_000;
 
-/// Time from an undecided trial to the next that nobody sees, nanoseconds; doubled each time, up to [`HIDDEN_REST_NS`].
+/// Time from a trial without a decision to the next in a saccade or blink, nanoseconds; doubled each time, up to [`HIDDEN_REST_NS`].
 pub const RETRY_REST_NS: i64 = 30_000_000_000;
 
 /// Longest wait of a switch for a saccade or blink, nanoseconds, of eyes that had one within twice that time.
 const HIDING_NS: i64 = 1_000_000_000;
 
-/// Costs that are enough ahead of a trial where frames are slow: so many frames, or half a stretch.
+/// Least costs ahead of a trial of slow frames: this number, or half a segment.
 const LEAST: usize = 8;
 
-/// Time for which a technique that has come on costs more than later, nanoseconds: rates become coarse over a quarter of a second, once
-/// the gaze is known. Earlier costs do not count for the state that trials compare with.
+/// Time for which a technique costs more after it is turned on, nanoseconds: rates become coarse over a quarter of a second, once
+/// the gaze is known. Costs within it do not count ahead of trials.
 const RAMP_NS: i64 = 500_000_000;
 
 /// Frames after a switch that do not count: CPU time between two frames has work of the frame before in it, and up to two
 /// frames are under way.
 const SETTLING: u32 = 2;
 
-/// A frame that was rendered, as a gate sees it. Its cost may be known later than the frame was; frames come in order.
+/// A rendered frame with its cost, which may be known later than the frame ended. Frames come in order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GateFrame {
     /// Now, nanoseconds on any one clock.
@@ -91,85 +91,82 @@ pub struct GateFrame {
     /// Time *spent* on the frame, nanoseconds, never the time between frames, which a display's clock or a frame limiter can pin: GPU
     /// time of the whole frame, our own work with it, or CPU time of the process where a CPU renders. None if unknown.
     pub cost_ns: Option<u64>,
-    /// Whether the technique was at work in that frame.
+    /// Whether the technique was on in that frame.
     pub was_on: bool,
     /// Phase of the gaze now.
     pub phase: GazePhase,
-    /// The set of eye passes of that frame, as any number that tells one set from another. None without passes.
+    /// Number that identifies the set of eye passes of that frame. `None` without passes.
     pub passes: Option<u32>,
-    /// Whether the frame waited for something that the technique cannot change. Its processors may have slept or clocked
-    /// down: its cost does not count, and no trial begins.
-    pub waited: bool,
 }
 
-/// Judges one technique. Holds no clock; allocates nothing.
+/// Gate of one technique. Has no clock; allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Gate {
     mode: GateMode,
-    /// Where it is when it is not away.
-    stands_on: bool,
-    trial: Option<UnderWay>,
+    /// Whether the technique is on, apart from trials.
+    is_kept_on: bool,
+    trial: Option<RunningTrial>,
     evidence: Evidence,
     scenes: Scenes,
-    before: Before,
-    /// Frames in a row with the technique as it was in the last.
+    recent: RecentCosts,
+    /// Consecutive frames with the technique in one state.
     same: u32,
     last_was_on: bool,
-    /// When the technique came on last.
+    /// Time of the last frame that turned the technique on.
     on_since_ns: i64,
-    /// Whole trials that the scene may still have with open eyes.
-    whole_left: u8,
-    /// Undecided trials since the last decision.
+    /// Remaining full trials of the scene with open eyes.
+    full_trials_left: u8,
+    /// Trials without a decision since the last one with a decision.
     undecided: u32,
     last_trial_ns: Option<i64>,
-    last_whole_ns: Option<i64>,
+    last_full_ns: Option<i64>,
     last_hidden_ns: Option<i64>,
     wants_costs: bool,
 }
 
 impl Gate {
-    /// A gate that has seen nothing. [`GateMode::Auto`] begins at on, and stays there as long as no cost is known.
+    /// A gate before the first frame. [`GateMode::Auto`] begins with the technique on, and keeps it on while no cost is known.
     pub fn new(mode: GateMode) -> Self {
         Self {
             mode,
-            stands_on: true,
+            is_kept_on: true,
             trial: None,
             evidence: Evidence::default(),
             scenes: Scenes::default(),
-            before: Before::default(),
+            recent: RecentCosts::default(),
             same: 0,
             last_was_on: false,
             on_since_ns: 0,
-            whole_left: WHOLE,
+            full_trials_left: FULL_TRIALS,
             undecided: 0,
             last_trial_ns: None,
-            last_whole_ns: None,
+            last_full_ns: None,
             last_hidden_ns: None,
             wants_costs: true,
         }
     }
 
-    /// Who decides.
+    /// Source of the decision.
     pub fn mode(&self) -> GateMode {
         self.mode
     }
 
-    /// Changes who decides. Decisions stay; a trial under way ends without one.
+    /// Changes the source of the decision. Earlier decisions stay; a running trial ends without one.
     pub fn set_mode(&mut self, mode: GateMode) {
         if self.mode != mode {
             self.trial = None;
-            self.before.clear();
+            self.recent.clear();
         }
         self.mode = mode;
     }
 
-    /// Whether the technique is to be at work in the next frame.
+    /// Whether the technique is on in the next frame.
     pub fn is_on(&self) -> bool {
         match (self.mode, &self.trial) {
             (GateMode::On, _) => true,
             (GateMode::Off, _) => false,
-            (GateMode::Auto, None) => self.stands_on,
-            (GateMode::Auto, Some(under_way)) => under_way.trial.is_on(),
+            (GateMode::Auto, None) => self.is_kept_on,
+            (GateMode::Auto, Some(running)) => running.trial.is_on(),
         }
     }
 
@@ -178,34 +175,34 @@ impl Gate {
         match self.mode {
             GateMode::On => true,
             GateMode::Off => false,
-            GateMode::Auto => self.stands_on,
+            GateMode::Auto => self.is_kept_on,
         }
     }
 
-    /// The result of the last trial, and during the first trial the result so far, for people.
+    /// Result of the last trial, or of the first one so far, for reports.
     pub fn evidence(&self) -> &Evidence {
         &self.evidence
     }
 
-    /// Whether a trial is under way.
-    pub fn is_trying(&self) -> bool {
+    /// Whether a trial is running.
+    pub fn has_trial(&self) -> bool {
         self.trial.is_some()
     }
 
-    /// Whether costs of frames are of use now: a trial is under way or due. Between trials nobody needs to measure.
+    /// Whether a trial is running or due, so that costs of frames are needed.
     pub fn wants_costs(&self) -> bool {
         self.mode == GateMode::Auto && self.wants_costs
     }
 
-    /// Takes a frame that was rendered; says whether the technique is to be at work in the next.
+    /// Records a rendered frame, and returns whether the technique is on in the next one.
     ///
-    /// `may_begin`: whether a trial may begin now; another gate's may be under way.
+    /// `may_begin`: whether a trial may begin now; not while another gate has one.
     pub fn frame(&mut self, frame: &GateFrame, may_begin: bool) -> bool {
         if self.mode != GateMode::Auto {
             return self.is_on();
         }
         let now = frame.time_ns;
-        for last in [&mut self.last_trial_ns, &mut self.last_whole_ns, &mut self.last_hidden_ns] {
+        for last in [&mut self.last_trial_ns, &mut self.last_full_ns, &mut self.last_hidden_ns] {
             // A clock that starts anew starts the rest anew.
             *last = last.map(|last| last.min(now));
         }
@@ -215,32 +212,32 @@ impl Gate {
         if self.scenes.frame(frame.passes, now) {
             self.begin_scene(now);
         }
-        self.take(frame);
+        self.record_cost(frame);
         if self.trial.is_some() {
-            self.go_on(frame);
-        } else if may_begin && !frame.waited && self.is_due(is_hidden(frame.phase), now) {
+            self.advance_trial(frame);
+        } else if may_begin && self.is_due(is_hidden(frame.phase), now) {
             self.begin_trial(now);
         }
-        let eyes_move = !has_passed(self.last_hidden_ns, 10 * HIDING_NS, now);
+        let eyes_move = !has_elapsed(self.last_hidden_ns, 10 * HIDING_NS, now);
         self.wants_costs = self.trial.is_some() || self.is_due(eyes_move, now);
         self.is_on()
     }
 
-    /// Begins another scene with its earlier decision, or else with a whole trial.
+    /// Begins a scene with its earlier decision, or else with a full trial.
     fn begin_scene(&mut self, now: i64) {
         if self.trial.take().is_some() {
             self.last_trial_ns = Some(now);
         }
-        self.before.clear();
+        self.recent.clear();
         self.undecided = 0;
         let decision = self.scenes.decision();
-        self.whole_left = if decision.is_none() { WHOLE } else { 0 };
+        self.full_trials_left = if decision.is_none() { FULL_TRIALS } else { 0 };
         self.evidence = decision.map(|decision| decision.evidence).unwrap_or_default();
-        self.stands_on = decision.map_or(self.stands_on, |decision| decision.is_on);
+        self.is_kept_on = decision.map_or(self.is_kept_on, |decision| decision.is_on);
     }
 
-    /// Puts the frame's cost where it belongs.
-    fn take(&mut self, frame: &GateFrame) {
+    /// Adds the frame's cost to the running trial or to the recent costs.
+    fn record_cost(&mut self, frame: &GateFrame) {
         self.same = if frame.was_on == self.last_was_on { self.same.saturating_add(1) } else { 0 };
         // A clock that starts anew starts the ramp anew.
         let came_on = frame.was_on && (!self.last_was_on || frame.time_ns < self.on_since_ns);
@@ -248,103 +245,103 @@ impl Gate {
             self.on_since_ns = frame.time_ns;
         }
         self.last_was_on = frame.was_on;
-        let is_ramping = frame.was_on && !has_passed(Some(self.on_since_ns), RAMP_NS, frame.time_ns);
-        let cost = frame.cost_ns.filter(|&cost| cost > 0 && !frame.waited && self.same >= SETTLING);
+        let is_ramping = frame.was_on && !has_elapsed(Some(self.on_since_ns), RAMP_NS, frame.time_ns);
+        let cost = frame.cost_ns.filter(|&cost| cost > 0 && self.same >= SETTLING);
         let Some(cost) = cost.filter(|_| self.scenes.is_current(frame.passes)) else { return };
         let cost = Cost { time_ns: frame.time_ns, ln: (cost as f64).ln() as f32 };
         match &mut self.trial {
-            Some(under_way) if frame.was_on == under_way.trial.is_on() => under_way.trial.push(cost),
-            None if frame.was_on == self.stands_on && !is_ramping => self.before.push(cost),
+            Some(running) if frame.was_on == running.trial.is_on() => running.trial.push(cost),
+            None if frame.was_on == self.is_kept_on && !is_ramping => self.recent.push(cost),
             _ => {}
         }
     }
 
-    /// Whether it is time for a trial, with open eyes or not.
+    /// Whether a trial is due; `hidden` in a saccade or blink.
     fn is_due(&self, hidden: bool, now: i64) -> bool {
-        if self.whole_left > 0 {
-            return has_passed(self.last_whole_ns, TRIAL_REST_NS, now) || hidden;
+        if self.full_trials_left > 0 {
+            return has_elapsed(self.last_full_ns, TRIAL_REST_NS, now) || hidden;
         }
         let hidden_rest = match self.undecided {
             0 => HIDDEN_REST_NS,
             trials => RETRY_REST_NS.saturating_mul(1 << (trials - 1).min(8)).min(HIDDEN_REST_NS),
         };
-        has_passed(self.last_trial_ns, CONTROL_REST_NS, now)
-            || hidden && has_passed(self.last_trial_ns, hidden_rest, now)
+        has_elapsed(self.last_trial_ns, CONTROL_REST_NS, now)
+            || hidden && has_elapsed(self.last_trial_ns, hidden_rest, now)
     }
 
     /// Begins a trial, if there are costs to compare with.
     fn begin_trial(&mut self, now: i64) {
         let is_seen = self.last_hidden_ns != Some(now);
-        let is_control = self.whole_left == 0 && (self.undecided == 0 || is_seen);
-        let before = self.before.since(now.saturating_sub(STRETCH_NS));
-        let span = before.first().map_or(0, |first| now.saturating_sub(first.time_ns));
-        if before.len() < LEAST || (before.len() < BEFORE && span < STRETCH_NS / 2) {
+        let is_control = self.full_trials_left == 0 && (self.undecided == 0 || is_seen);
+        let recent = self.recent.since(now.saturating_sub(SEGMENT_NS));
+        let span = recent.first().map_or(0, |first| now.saturating_sub(first.time_ns));
+        if recent.len() < LEAST || (recent.len() < RECENT && span < SEGMENT_NS / 2) {
             return;
         }
-        let trial = Trial::begin(now, self.stands_on, before);
-        self.trial = Some(UnderWay::begin(trial, is_control, self.whole_left > 0, now));
+        let trial = Trial::begin(now, self.is_kept_on, recent);
+        self.trial = Some(RunningTrial::begin(trial, is_control, self.full_trials_left > 0, now));
     }
 
-    /// Goes on with the trial under way.
-    fn go_on(&mut self, frame: &GateFrame) {
+    /// Advances the running trial.
+    fn advance_trial(&mut self, frame: &GateFrame) {
         let now = frame.time_ns;
-        let Some(under_way) = &mut self.trial else { return };
-        under_way.next = under_way.next.or_else(|| Some((under_way.step(now)?, now)));
-        if self.evidence.verdict() == Verdict::Unclear
-            && under_way.trial.at() > 1
-            && under_way.latest.is_some()
-        {
-            self.evidence = Evidence::new(under_way.latest, Verdict::Unclear);
+        let Some(running) = &mut self.trial else { return };
+        running.next = running.next.or_else(|| Some((running.step(now)?, now)));
+        if self.evidence.verdict() == Verdict::Unclear && running.trial.at() > 1 && running.latest.is_some() {
+            self.evidence = Evidence::new(running.latest, Verdict::Unclear);
         }
-        let Some((step, since)) = under_way.next else { return };
+        let Some((step, since)) = running.next else { return };
         let is_on_after = match step {
-            Step::Switch => !under_way.trial.is_on(),
-            Step::GiveUp => self.stands_on,
-            Step::End(_, Verdict::Unclear) if under_way.is_control => self.stands_on,
-            Step::End(_, verdict) => verdict == Verdict::Pays,
+            Step::Switch => !running.trial.is_on(),
+            Step::GiveUp => self.is_kept_on,
+            Step::End(_, Verdict::Unclear) if running.is_control => self.is_kept_on,
+            Step::End(_, verdict) => verdict == Verdict::Saves,
         };
         let may_switch = is_hidden(frame.phase)
-            || has_passed(self.last_hidden_ns, 2 * HIDING_NS, now)
-            || has_passed(Some(since.min(now)), HIDING_NS, now);
-        if is_on_after != under_way.trial.is_on() && !may_switch {
+            || has_elapsed(self.last_hidden_ns, 2 * HIDING_NS, now)
+            || has_elapsed(Some(since.min(now)), HIDING_NS, now);
+        if is_on_after != running.trial.is_on() && !may_switch {
             return;
         }
-        under_way.next = None;
-        let is_control = under_way.is_control;
+        running.next = None;
+        let is_control = running.is_control;
         match step {
-            Step::Switch => return under_way.switch(now),
+            Step::Switch => return running.switch(now),
             Step::End(_, Verdict::Unclear) if is_control => {}
             Step::End(estimate, verdict) => self.decide(estimate, verdict),
             Step::GiveUp => {
-                self.whole_left = 0;
+                self.full_trials_left = 0;
                 self.undecided = self.undecided.saturating_add(1);
             }
         }
         self.trial = None;
-        self.before.clear();
+        self.recent.clear();
         self.last_trial_ns = Some(now);
         if !is_control {
-            self.last_whole_ns = Some(now);
+            self.last_full_ns = Some(now);
         }
     }
 
     fn decide(&mut self, estimate: Option<Estimate>, verdict: Verdict) {
-        self.stands_on = verdict == Verdict::Pays;
+        self.is_kept_on = verdict == Verdict::Saves;
         self.undecided = if verdict == Verdict::Unclear { self.undecided.saturating_add(1) } else { 0 };
         let is_promising = estimate.is_some_and(|estimate| estimate.is_promising());
-        self.whole_left =
-            if is_promising && verdict == Verdict::Unclear { self.whole_left.saturating_sub(1) } else { 0 };
+        self.full_trials_left = if is_promising && verdict == Verdict::Unclear {
+            self.full_trials_left.saturating_sub(1)
+        } else {
+            0
+        };
         self.evidence = Evidence::new(estimate, verdict);
-        self.scenes.decide(Decision { is_on: self.stands_on, evidence: self.evidence });
+        self.scenes.decide(Decision { is_on: self.is_kept_on, evidence: self.evidence });
     }
 }
 
-/// Whether nobody sees a change of the picture now.
+/// Whether the user cannot see a change of the image now.
 fn is_hidden(phase: GazePhase) -> bool {
     matches!(phase, GazePhase::Saccade | GazePhase::Blink)
 }
 
-fn has_passed(last_ns: Option<i64>, rest_ns: i64, now: i64) -> bool {
+fn has_elapsed(last_ns: Option<i64>, rest_ns: i64, now: i64) -> bool {
     last_ns.is_none_or(|last| now.saturating_sub(last) >= rest_ns)
 }
 

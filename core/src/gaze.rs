@@ -51,8 +51,8 @@ pub struct GazeState {
     /// where it is about to land in a saccade, the last known ones in a blink and when lost, straight ahead (-z) before there
     /// were any. Both are the same where the source has one ray for both eyes: see [`Self::with_vergence`].
     pub directions: [Vec3; 2],
-    /// The ray that `directions` are from, a unit vector, where they are for a distance that nobody knows
-    /// ([`Self::with_nearest`]): what is made around one point, and not around both directions, is made around this.
+    /// The ray of the gaze, a unit vector, if `directions` are for an assumed distance ([`Self::with_nearest`]); the centre of areas around
+    /// one point.
     pub ray: Option<Vec3>,
     /// Speed at which the gaze turns in the world, degrees a second, 0..=1000; 0 while not seen.
     pub velocity_deg_s: f32,
@@ -80,8 +80,8 @@ impl GazeState {
         trust: 0.0,
     };
 
-    /// Eccentricity of a direction, in the same space, from the nearer of the two eyes' gaze, in radians within
-    /// 0..=pi: what either eye could be looking at counts as looked at, in both eyes.
+    /// Eccentricity of a direction, in the same space, from the nearer of the two eyes' gaze, in radians within 0..=pi: both eyes count as
+    /// looking where either looks.
     ///
     /// A direction without a meaning gives 0, as [`eccentricity`] does.
     pub fn eccentricity(&self, direction: Vec3) -> f32 {

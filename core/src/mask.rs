@@ -21,7 +21,7 @@ mod sources;
 pub use depth::{
     DepthFormat, Direction, NoNearValue, TemplateDepths, TemplateWords, near_value, write_template,
 };
-pub use early_return::{RETURNS, ReturnParams};
+pub use early_return::{EarlyReturnParams, RETURNS};
 pub use list::{BLOCKS_PER_GROUP, HEADER_WORDS, SkipList, SkippedBlock};
 pub use pattern::Pattern;
 pub use sources::{REACH, SOURCES, Source};
@@ -180,8 +180,7 @@ impl Mask {
         Self { extent, layers, list, left_out: 0, patterns, around, shaded }
     }
 
-    /// Lays the rates of `views` over the picture, in place of what was there. A view that overlaps an earlier one is
-    /// shaded, where that one does not skip.
+    /// Replaces the image's rates by those of `views`. A view that overlaps an earlier one is shaded, where that one does not skip.
     pub fn lay(&mut self, views: &[MaskView]) {
         self.list.clear();
         self.left_out = 0;

@@ -1,4 +1,4 @@
-//! What one frame shall do, for each eye: the rate of every tile, which tiles are rendered anew, and how colour falls off.
+//! The plan of one frame, for each eye: the rate of every tile, its updates, and attenuation of chroma.
 //!
 //! [`Planner`] makes a [`FramePlan`] of a [`PlanInput`] in three steps. What holds for the whole frame is a handful of
 //! numbers: the safety limits widen every radius by the uncertainty of the gaze, limit how fast tiles become coarser, and leave

@@ -1,5 +1,4 @@
-//! Installing the layer for one user, and taking it away again: first a plan, which says what will be done,
-//! then its steps.
+//! Installation of the layer for one user, and its removal: a plan of steps, which can be printed, and the steps.
 //!
 //! The library is copied into `$XDG_DATA_HOME/parafovea`, so that the build folder may go, and both manifests
 //! name that one copy by its absolute path. The library that listens is copied beside it, where it was built: without

@@ -1,5 +1,5 @@
-//! The options, each stated once: the table below makes the typed [`Config`], its defaults, what is
-//! allowed, the error texts and the commented default file.
+//! The options, each defined once: the table below makes the typed [`Config`], its defaults, allowed values, error texts and the commented
+//! default file.
 
 mod angles;
 mod choice;

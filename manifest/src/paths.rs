@@ -94,8 +94,8 @@ impl Environment {
 /// The longest name before an extension: file systems allow 255 bytes in all.
 const STEM_BYTES: usize = 200;
 
-/// `name`, which an application chose, as the stem of a file name: `/`, control characters, what is not
-/// UTF-8 and leading dots become `_`, and it is cut to 200 bytes; `None` if it is empty.
+/// `name`, chosen by an application, as the stem of a file name: `/`, control characters, invalid UTF-8 and leading dots become `_`, and it
+/// is cut to 200 bytes; `None` if it is empty.
 pub fn file_stem(name: impl AsRef<OsStr>) -> Option<String> {
     let mut stem = String::new();
     let mut leading = true;

@@ -45,8 +45,7 @@ pub struct Status {
     pub backend: String,
     /// Passes that had coarser rates, or parts left out, in the last frame.
     pub passes_matched: u32,
-    /// Decisions with reasons, as the log has them: how the device makes shading coarser, what each kind of pass was taken for, which has
-    /// a mask.
+    /// Decisions with reasons, as in the log: how the device makes shading coarser, the kind of each pass, and the passes with a mask.
     pub decisions: Vec<Decision>,
     /// The gaze.
     pub gaze: Gaze,
@@ -187,8 +186,8 @@ pub struct Rates {
     pub tiles: Vec<(String, f32)>,
     /// Share of the pixels that passes shaded: 0..=1; 1 where every pass was left alone.
     pub shaded: f32,
-    /// Whether the GPU decides each tile by the picture's contrast: then `tiles` and `shaded` are what holds where contrast is not known,
-    /// and what each tile has only the GPU knows.
+    /// Whether the GPU decides each tile by the image's contrast: then `tiles` and `shaded` are those for unknown contrast, and only the
+    /// GPU has the real ones.
     pub decided_on_gpu: bool,
     /// Share of the tiles that is rendered in a frame, 0..=1; 1: nothing is re-used.
     pub rendered: f32,

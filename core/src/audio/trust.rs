@@ -6,8 +6,7 @@ use std::collections::VecDeque;
 /// Hops that count by themselves: a failure that has just begun is not hidden behind the seconds before.
 const LAST_HOPS: usize = 2;
 
-/// Features that are later than they should be by this much still count in full, seconds: what a sound takes through the
-/// server and a busy machine.
+/// Delay up to which features still count in full, seconds: the usual delay of sound through the server on a busy machine.
 const FULL_S: f32 = 0.1;
 
 /// From that late on features do not count, seconds; in between they do less and less.

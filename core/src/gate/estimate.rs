@@ -7,7 +7,7 @@ pub const MARGIN: f64 = 0.015;
 /// 16 looks at the costs.
 pub(super) const STRICT: f64 = 3.2905;
 
-/// Quantile for the decision at the end of a whole trial: 97 %. A scene has one or two such trials.
+/// Quantile for the decision at the end of a full trial: 97 %. A scene has one or two such trials.
 pub(super) const FINAL: f64 = 1.8808;
 
 /// Residuals beyond so many standard deviations are pulled in to that (Huber's winsorizing; 1.345 would be his choice
@@ -17,10 +17,10 @@ const OUTLIER: f64 = 2.5;
 /// Standard deviation of a normal distribution, in medians of its absolute values.
 const OF_MEDIAN: f64 = 1.4826;
 
-/// Rounds of pulling in: with one frame in ten of ten times the cost, each takes two thirds of the rest away.
+/// Rounds of winsorizing: with one frame in ten of ten times the cost, each removes two thirds of the excess.
 const ROUNDS: usize = 4;
 
-/// Fewer costs on each side are never enough.
+/// Least costs with and without the technique.
 const LEAST: usize = 4;
 
 /// The cost of one frame, or the mean of a few.
@@ -39,10 +39,10 @@ pub(super) struct Point {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Verdict {
     /// Frames cost less with the technique, by more than [`MARGIN`].
-    Pays,
-    /// They do not.
-    DoesNotPay,
-    /// Neither is sure.
+    Saves,
+    /// Frames do not cost less by more than [`MARGIN`].
+    SavesNothing,
+    /// Neither has enough confidence.
     #[default]
     Unclear,
 }
@@ -69,7 +69,7 @@ impl Estimate {
         let scratch = scratch.get_mut(..points.len())?;
         let mut line = Line::through(points, with_drift)?;
         for _ in 0..ROUNDS {
-            line.pull_in(points, scratch);
+            line.winsorize(points, scratch);
             line = Line::through(points, with_drift)?;
         }
         let freedom = points.len() - 2 - usize::from(with_drift);
@@ -90,28 +90,28 @@ impl Estimate {
     pub(super) fn verdict(&self, quantile: f64) -> Verdict {
         let reach = student_t(quantile, self.freedom) * self.standard_error;
         if self.mean + reach < 0.0 && self.mean < -MARGIN {
-            Verdict::Pays
+            Verdict::Saves
         } else if self.mean - reach > -MARGIN {
-            Verdict::DoesNotPay
+            Verdict::SavesNothing
         } else {
             Verdict::Unclear
         }
     }
 
-    /// Whether a saving is likelier than not, without being sure.
+    /// Whether a saving is likely, without enough confidence for a decision.
     pub(super) fn is_promising(&self) -> bool {
         self.mean < -MARGIN && self.mean + self.standard_error < 0.0
     }
 
-    /// The ratio, and an interval around it that holds the truth with 95 %.
+    /// The ratio, and its 95 % confidence interval.
     pub(super) fn ratio(&self) -> (f64, [f64; 2]) {
         let reach = student_t(1.96, self.freedom) * self.standard_error;
         (self.mean.exp(), [(self.mean - reach).exp(), (self.mean + reach).exp()])
     }
 }
 
-/// In how many consecutive values, 1 or more, there is as much as in one independent value: 1 + 2 times the sum of
-/// autocorrelations up to the first that may be chance (Sokal 1997, Monte Carlo methods, section 3).
+/// Correlation time: the number of consecutive values, 1 or more, that have the information of one independent value. 1 + 2 times the sum
+/// of autocorrelations up to the first that may be chance (Sokal 1997, Monte Carlo methods, section 3).
 fn correlation_time(values: &[f32]) -> f64 {
     let product = |lag: usize| -> f64 {
         let later = values.get(lag..).unwrap_or_default();
@@ -164,8 +164,8 @@ impl Line {
         (technique.is_finite() && inverse.is_finite()).then_some(Self { means, technique, drift, inverse })
     }
 
-    /// Brings outliers nearer to the line.
-    fn pull_in(&self, points: &mut [Point], scratch: &mut [f32]) {
+    /// Winsorizes outliers.
+    fn winsorize(&self, points: &mut [Point], scratch: &mut [f32]) {
         for (residual, point) in scratch.iter_mut().zip(&*points) {
             *residual = self.residual(point).abs() as f32;
         }
@@ -204,7 +204,7 @@ fn student_t(quantile: f64, degrees_of_freedom: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// Costs in four stretches of so many frames, by turns with the technique and without; `noise` of each frame.
+    /// Costs in four segments of so many frames, by turns with the technique and without; `noise` of each frame.
     fn points(frames: usize, ratio: f64, drift: f64, noise: impl Fn(usize) -> f64) -> Vec<Point> {
         let point = |frame: usize| {
             let is_on = (frame / frames).is_multiple_of(2);
@@ -236,7 +236,8 @@ mod tests {
 
     #[test]
     fn a_drift_is_no_saving() {
-        for (ratio, verdict) in [(0.8, Verdict::Pays), (1.0, Verdict::DoesNotPay), (1.2, Verdict::DoesNotPay)]
+        for (ratio, verdict) in
+            [(0.8, Verdict::Saves), (1.0, Verdict::SavesNothing), (1.2, Verdict::SavesNothing)]
         {
             let found = estimate(points(64, ratio, 0.01, |frame| 0.1 * alternating(frame)));
             assert!((found.ratio().0 / ratio - 1.0).abs() < 0.01, "{found:?}");
@@ -245,10 +246,10 @@ mod tests {
     }
 
     #[test]
-    fn outliers_are_pulled_in() {
+    fn outliers_are_winsorized() {
         let outlier = |frame: usize| if frame % 10 == 3 { 2.3 } else { alternating(frame) };
         let found = estimate(points(40, 0.9, 0.0, outlier));
-        assert_eq!(found.verdict(STRICT), Verdict::Pays, "{found:?}");
+        assert_eq!(found.verdict(STRICT), Verdict::Saves, "{found:?}");
     }
 
     /// Slow waves leave few independent costs: an error that took them for many would decide.
@@ -262,7 +263,7 @@ mod tests {
     #[test]
     fn half_a_percent_is_nothing() {
         let found = estimate(points(100, 0.995, 0.0, |frame| 0.01 * alternating(frame)));
-        assert_eq!(found.verdict(STRICT), Verdict::DoesNotPay, "{found:?}");
+        assert_eq!(found.verdict(STRICT), Verdict::SavesNothing, "{found:?}");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The result of the last trial, for people and for the gate.
+//! The result of the last trial.
 
 use super::estimate::{Estimate, Verdict};
 
@@ -14,7 +14,7 @@ impl Evidence {
         Self { estimate, verdict }
     }
 
-    /// Whether there was no trial with a result.
+    /// Whether no trial had a result yet.
     pub fn is_empty(&self) -> bool {
         self.estimate.is_none()
     }
@@ -24,8 +24,7 @@ impl Evidence {
         self.verdict
     }
 
-    /// The cost of a frame with the technique, in costs without it, and the interval around it that holds the truth with 95 %.
-    /// None before the end of the first trial.
+    /// Cost of a frame with the technique in costs without it, and its 95 % confidence interval. `None` before the end of the first trial.
     pub fn ratio(&self) -> Option<(f64, [f64; 2])> {
         self.estimate.map(|estimate| estimate.ratio())
     }

@@ -6,21 +6,21 @@ use super::evidence::Evidence;
 /// pass, a refraction, a scope) do so for shorter.
 pub const SCENE_HOLD_NS: i64 = 10_000_000_000;
 
-/// A scene that was young has ended sooner: when its set was not seen for so many times as long as it had been. At an application's
-/// start recognition finds one pass after the other.
+/// A short scene ends sooner: once its set was absent for this multiple of the scene's length. At an application's start pass detection
+/// finds one pass after the other.
 const YOUNG_HOLD: i64 = 4;
 
-/// Most remembered decisions; beyond them the scene with the oldest is judged anew.
+/// Most stored decisions; the scene with the oldest one then needs a new trial.
 const MOST: usize = 8;
 
-/// A decision, and the costs that it rests on.
+/// A decision, with its evidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Decision {
     pub(super) is_on: bool,
     pub(super) evidence: Evidence,
 }
 
-/// The scene under way, and decisions in earlier ones.
+/// The current scene, and decisions in earlier ones.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scenes {
     current: Option<u32>,
@@ -31,7 +31,7 @@ pub(super) struct Scenes {
 }
 
 impl Scenes {
-    /// Takes the set of eye passes of a frame, if there was any. Whether another scene than before begins with it.
+    /// Takes the set of eye passes of a frame, if there was any, and returns whether a scene begins with it.
     pub(super) fn frame(&mut self, passes: Option<u32>, now_ns: i64) -> bool {
         self.seen_ns = self.seen_ns.min(now_ns);
         self.began_ns = self.began_ns.min(now_ns);
@@ -58,13 +58,13 @@ impl Scenes {
         passes.is_some() && self.current == passes
     }
 
-    /// The decision in the scene under way, if it was there before.
+    /// The earlier decision in the current scene.
     pub(super) fn decision(&self) -> Option<Decision> {
         let known = self.decisions.iter().flatten().find(|known| Some(known.0) == self.current);
         known.map(|known| known.1)
     }
 
-    /// Remembers the decision in the scene under way.
+    /// Stores the decision in the current scene.
     pub(super) fn decide(&mut self, decision: Decision) {
         let Some(current) = self.current else { return };
         let same = self.decisions.iter_mut().flatten().find(|known| known.0 == current);

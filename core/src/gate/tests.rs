@@ -61,7 +61,7 @@ proptest! {
         prop_assert_eq!(run(&mut simulation, &mut gate, 20 * 60).changes, 0);
     }
 
-    /// With open eyes at most four switches in any minute, whatever frames cost; after two whole trials, a control and
+    /// With open eyes at most four switches in any minute, whatever frames cost; after two full trials, a control and
     /// at most one change of the stand in ten minutes.
     #[test]
     fn open_eyes_see_little(
@@ -97,33 +97,21 @@ proptest! {
     #[test]
     fn takes_anything(
         frames in prop::collection::vec(
-            (any::<i64>(), any::<Option<u64>>(), any::<bool>(), 0usize..5, any::<Option<u32>>(), any::<bool>(), any::<bool>()),
+            (any::<i64>(), any::<Option<u64>>(), any::<bool>(), 0usize..5, any::<Option<u32>>(), any::<bool>()),
             0..300,
         ),
     ) {
         let phases =
             [GazePhase::Fixation, GazePhase::Saccade, GazePhase::PostSaccade, GazePhase::Blink, GazePhase::Lost];
         let mut gate = Gate::new(GateMode::Auto);
-        for (time_ns, cost_ns, was_on, phase, passes, waited, may_begin) in frames {
-            let was_trying = gate.is_trying();
+        for (time_ns, cost_ns, was_on, phase, passes, may_begin) in frames {
+            let had_trial = gate.has_trial();
             let passes = passes.map(|passes| passes % 4);
-            let frame = GateFrame { time_ns, cost_ns, was_on, phase: phases[phase], passes, waited };
+            let frame = GateFrame { time_ns, cost_ns, was_on, phase: phases[phase], passes };
             gate.frame(&frame, may_begin);
-            let began = gate.is_trying() && !was_trying;
-            prop_assert!(!began || (may_begin && !waited));
+            let began = gate.has_trial() && !had_trial;
+            prop_assert!(!began || may_begin);
         }
-    }
-}
-
-/// While everything waits, nothing is begun and nothing decided.
-#[test]
-fn decides_nothing_while_frames_wait() {
-    for eyes in [Eyes::Rest, Eyes::Move] {
-        let mut simulation = Simulation::new(1).ratio(1.5).eyes(eyes).waiting();
-        let mut gate = Gate::new(GateMode::Auto);
-        let run = run(&mut simulation, &mut gate, 10 * 60);
-        assert_eq!((run.toggles, run.changes, run.on), (0, 0, true));
-        assert!(gate.evidence().is_empty());
     }
 }
 
@@ -134,7 +122,7 @@ fn outliers_hide_nothing() {
         let mut simulation = Simulation::new(2).ratio(ratio).noise(0.05).outliers();
         let mut gate = Gate::new(GateMode::Auto);
         assert_eq!(run(&mut simulation, &mut gate, 10 * 60).on, on, "{:?}", gate.evidence().ratio());
-        let verdict = if on { Verdict::Pays } else { Verdict::DoesNotPay };
+        let verdict = if on { Verdict::Saves } else { Verdict::SavesNothing };
         assert_eq!(gate.evidence().verdict(), verdict);
     }
 }
@@ -217,7 +205,7 @@ fn what_is_set_holds() {
     for (mode, on) in [(GateMode::On, true), (GateMode::Off, false)] {
         let mut gate = Gate::new(mode);
         let run = run(&mut Simulation::new(6).ratio(if on { 2.0 } else { 0.5 }), &mut gate, 60);
-        assert_eq!((run.on, run.toggles, gate.is_trying()), (on, 0, false));
+        assert_eq!((run.on, run.toggles, gate.has_trial()), (on, 0, false));
     }
 }
 
@@ -232,16 +220,15 @@ fn two_are_told_apart() {
         for _ in 0..90 * 120 {
             let factor = if on.rates { rates } else { 1.0 } * if on.reuse { reuse } else { 1.0 };
             let frame = simulation.frame_with_factor(on.rates, factor);
-            on = gates.frame(&JudgedFrame {
+            on = gates.frame(&MeasuredFrame {
                 time_ns: frame.time_ns,
                 cost_ns: frame.cost_ns,
                 was_on: on,
                 phase: frame.phase,
                 passes: Some(2),
-                waited: false,
             });
             let gates = gates.gates();
-            assert!(!(gates.rates.is_trying() && gates.reuse.is_trying()));
+            assert!(!(gates.rates.has_trial() && gates.reuse.has_trial()));
         }
         let kept = [gates.gates().rates.is_kept(), gates.gates().reuse.is_kept()];
         assert_eq!(kept, [rates < 1.0, reuse < 1.0], "{rates} {reuse}");
@@ -256,20 +243,13 @@ fn a_ramp_at_the_start_does_not_prolong_the_first_trial() {
     let frame_ns = 11_111_111;
     let mut frames = 0;
     let mut decide = || {
-        while gate.evidence().is_empty() || gate.is_trying() {
+        while gate.evidence().is_empty() || gate.has_trial() {
             let ramp = 1.0 - 0.4 * (frames as f64 / 25.0).min(1.0);
             let jitter = 1.0 + 0.01 * (frames % 3) as f64;
             let was_on = gate.is_on();
             let cost_ns = Some((5e7 * jitter * if was_on { ramp } else { 1.0 }) as u64);
             let phase = GazePhase::Fixation;
-            let frame = GateFrame {
-                time_ns: frames * frame_ns,
-                cost_ns,
-                was_on,
-                phase,
-                passes: Some(1),
-                waited: false,
-            };
+            let frame = GateFrame { time_ns: frames * frame_ns, cost_ns, was_on, phase, passes: Some(1) };
             gate.frame(&frame, true);
             frames += 1;
         }

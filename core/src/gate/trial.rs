@@ -1,18 +1,18 @@
-//! One trial: costs at the stand, away from it, at the stand again, and away again.
+//! Costs of one A/B trial, in up to four segments with the technique on and off in alternation.
 
 use super::estimate::{Estimate, Point};
 
-/// Points of a stretch; when there is no room for more, groups of frames become one point each.
+/// Most points of a segment; once it is full, groups of frames become one point each.
 const ROOM: usize = 128;
 
 /// Frames of a group.
 const GROUP: usize = 8;
 
-/// Stretches of a trial: the stand, away, the stand, away.
-pub(super) const STRETCHES: usize = 4;
+/// Segments of a trial; even ones have the state that is kept.
+pub(super) const SEGMENTS: usize = 4;
 
-/// Frames ahead of a trial that count for the stand.
-pub(super) const BEFORE: usize = 32;
+/// Frames ahead of a trial that count as its first segment.
+pub(super) const RECENT: usize = 32;
 
 /// A cost, and when it was.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,26 +22,26 @@ pub(super) struct Cost {
     pub(super) ln: f32,
 }
 
-/// The newest costs at the stand, in their order.
+/// The newest costs outside of trials, in order.
 #[derive(Clone, Debug)]
-pub(super) struct Before {
-    costs: [Cost; BEFORE],
+pub(super) struct RecentCosts {
+    costs: [Cost; RECENT],
     len: usize,
 }
 
-impl Default for Before {
+impl Default for RecentCosts {
     fn default() -> Self {
-        Self { costs: [Cost::default(); BEFORE], len: 0 }
+        Self { costs: [Cost::default(); RECENT], len: 0 }
     }
 }
 
-impl Before {
+impl RecentCosts {
     pub(super) fn clear(&mut self) {
         self.len = 0;
     }
 
     pub(super) fn push(&mut self, cost: Cost) {
-        if self.len == BEFORE {
+        if self.len == RECENT {
             self.costs.copy_within(1.., 0);
             self.len -= 1;
         }
@@ -49,7 +49,7 @@ impl Before {
         self.len += 1;
     }
 
-    /// Leaves out costs before `since_ns`; the rest.
+    /// Removes costs before `since_ns`, and returns the others.
     pub(super) fn since(&mut self, since_ns: i64) -> &[Cost] {
         let old = self.costs[..self.len].iter().take_while(|cost| cost.time_ns < since_ns).count();
         self.costs.copy_within(old..self.len, 0);
@@ -58,9 +58,9 @@ impl Before {
     }
 }
 
-/// Costs without a switch between them. Allocates nothing.
+/// Costs between two switches. Allocates nothing.
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
+struct Segment {
     points: [(f32, f32); ROOM],
     len: usize,
     /// Frames in each point: 1 or [`GROUP`].
@@ -70,7 +70,7 @@ struct Stretch {
     frames: usize,
 }
 
-impl Stretch {
+impl Segment {
     const EMPTY: Self = Self {
         points: [(0.0, 0.0); ROOM],
         len: 0,
@@ -121,57 +121,57 @@ fn trimmed_mean(group: &[(f32, f32)]) -> (f32, f32) {
 #[derive(Clone, Debug)]
 pub(super) struct Trial {
     began_ns: i64,
-    stands_on: bool,
-    stretches: [Stretch; STRETCHES],
+    is_kept_on: bool,
+    segments: [Segment; SEGMENTS],
     at: usize,
 }
 
 impl Trial {
-    /// Leaves the stand now, with the costs from before.
-    pub(super) fn begin(now_ns: i64, stands_on: bool, before: &[Cost]) -> Self {
-        let mut trial = Self { began_ns: now_ns, stands_on, stretches: [Stretch::EMPTY; STRETCHES], at: 0 };
-        before.iter().for_each(|&cost| trial.push(cost));
+    /// Begins the second segment now; `recent` costs are the first.
+    pub(super) fn begin(now_ns: i64, is_kept_on: bool, recent: &[Cost]) -> Self {
+        let mut trial = Self { began_ns: now_ns, is_kept_on, segments: [Segment::EMPTY; SEGMENTS], at: 0 };
+        recent.iter().for_each(|&cost| trial.push(cost));
         trial.at = 1;
         trial
     }
 
-    /// Number of the stretch under way, 1 to 3.
+    /// Number of the current segment, 1 to 3.
     pub(super) fn at(&self) -> usize {
         self.at
     }
 
-    /// Whether the technique is on in the stretch under way.
+    /// Whether the technique is on in the current segment.
     pub(super) fn is_on(&self) -> bool {
-        self.stands_on == self.at.is_multiple_of(2)
+        self.is_kept_on == self.at.is_multiple_of(2)
     }
 
-    /// Frames that count in the stretch under way, and in the one before.
+    /// Frames that count in the current segment, and in the one before.
     pub(super) fn frames(&self) -> [usize; 2] {
-        [self.at, self.at - 1].map(|at| self.stretches[at].frames)
+        [self.at, self.at - 1].map(|at| self.segments[at].frames)
     }
 
-    /// Goes on to the next stretch.
+    /// Begins the next segment.
     pub(super) fn switch(&mut self) {
-        self.at = (self.at + 1).min(STRETCHES - 1);
+        self.at = (self.at + 1).min(SEGMENTS - 1);
     }
 
     pub(super) fn push(&mut self, cost: Cost) {
         let at_s = cost.time_ns.saturating_sub(self.began_ns) as f64 / 1e9;
-        self.stretches[self.at].push(at_s as f32, cost.ln);
+        self.segments[self.at].push(at_s as f32, cost.ln);
     }
 
-    /// The estimate so far. Before the stand was seen again a drift and a saving look alike, and no drift is assumed.
+    /// The estimate so far. Before the third segment a drift cannot be told from a saving, and no drift is assumed.
     pub(super) fn estimate(&self) -> Option<Estimate> {
-        let mut points = [Point::default(); STRETCHES * ROOM];
+        let mut points = [Point::default(); SEGMENTS * ROOM];
         let mut len = 0;
-        for (at, stretch) in self.stretches.iter().enumerate() {
-            let is_on = self.stands_on == (at % 2 == 0);
-            for &(at_s, cost) in &stretch.points[..stretch.len] {
-                points[len] = Point { at_s, cost, weight: stretch.per_point as f32, is_on };
+        for (at, segment) in self.segments.iter().enumerate() {
+            let is_on = self.is_kept_on == (at % 2 == 0);
+            for &(at_s, cost) in &segment.points[..segment.len] {
+                points[len] = Point { at_s, cost, weight: segment.per_point as f32, is_on };
                 len += 1;
             }
         }
-        Estimate::of(&mut points[..len], self.at > 1, &mut [0.0; STRETCHES * ROOM])
+        Estimate::of(&mut points[..len], self.at > 1, &mut [0.0; SEGMENTS * ROOM])
     }
 }
 
@@ -181,23 +181,23 @@ mod tests {
 
     #[test]
     fn the_oldest_costs_go() {
-        let mut before = Before::default();
-        (0..40).for_each(|time_ns| before.push(Cost { time_ns, ln: 1.0 }));
-        assert_eq!(before.since(0).first().unwrap().time_ns, 8);
-        assert_eq!(before.since(30).len(), 10);
-        before.clear();
-        assert!(before.since(i64::MIN).is_empty());
+        let mut recent = RecentCosts::default();
+        (0..40).for_each(|time_ns| recent.push(Cost { time_ns, ln: 1.0 }));
+        assert_eq!(recent.since(0).first().unwrap().time_ns, 8);
+        assert_eq!(recent.since(30).len(), 10);
+        recent.clear();
+        assert!(recent.since(i64::MIN).is_empty());
     }
 
     /// More frames than points: none is lost, and an outlier in each group does not show.
     #[test]
     fn groups_keep_the_mean() {
-        let mut stretch = Stretch::EMPTY;
-        (0..1000).for_each(|frame| stretch.push(frame as f32, if frame % 8 == 5 { 9.0 } else { 2.0 }));
-        assert_eq!((stretch.frames, stretch.len, stretch.per_point), (1000, 125, 8));
-        assert!(stretch.points[..stretch.len].iter().all(|point| (point.1 - 2.0).abs() < 1e-6));
-        (0..1000).for_each(|frame| stretch.push(frame as f32, 2.0));
-        assert_eq!((stretch.frames, stretch.len), (1024, ROOM));
+        let mut segment = Segment::EMPTY;
+        (0..1000).for_each(|frame| segment.push(frame as f32, if frame % 8 == 5 { 9.0 } else { 2.0 }));
+        assert_eq!((segment.frames, segment.len, segment.per_point), (1000, 125, 8));
+        assert!(segment.points[..segment.len].iter().all(|point| (point.1 - 2.0).abs() < 1e-6));
+        (0..1000).for_each(|frame| segment.push(frame as f32, 2.0));
+        assert_eq!((segment.frames, segment.len), (1024, ROOM));
     }
 
     #[test]

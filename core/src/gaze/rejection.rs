@@ -77,8 +77,7 @@ pub(super) fn plausible(directions: [Vec3; 2], reach_deg: f32) -> Result<[Vec3; 
 pub(super) struct Views([(Fov, Quat); 2]);
 
 impl Views {
-    /// Of fields of view and rotations to the common space; nothing where one is not finite, no rotation or shows nothing, as
-    /// then nobody knows what is outside.
+    /// Limits of fields of view with rotations to the common space; `None` if one is not finite, has no area or is no rotation.
     pub(super) fn new(views: [(Fov, Quat); 2]) -> Option<Self> {
         let [left, right] = views.map(|(fov, orientation)| {
             let angles = [fov.left, fov.right, fov.up, fov.down];

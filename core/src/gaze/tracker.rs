@@ -6,16 +6,16 @@ use super::{GazePhase, GazeSample, GazeState};
 use crate::geometry::{Fov, rotation};
 use glam::{Quat, Vec3};
 
-mod flight;
-mod freeze;
+mod freeze_detector;
 mod head;
-mod line;
+mod line_fit;
 mod motion;
+mod saccade;
 
-use freeze::Freeze;
+use freeze_detector::FreezeDetector;
 use head::Head;
-use line::Moment;
-use motion::{Course, Motion};
+use line_fit::EyeSample;
+use motion::{EyeMovement, Motion};
 
 /// Without a sample for longer than this, the eyes are taken as not seen: three frames of a 60 Hz tracker.
 const SILENT_NS: i64 = 50_000_000;
@@ -43,7 +43,7 @@ pub struct GazeTracker {
     /// The source said that it has ended ([`Self::source_ended`]), or is not believed any more.
     ended: bool,
     rejection: Option<Rejection>,
-    freeze: Freeze,
+    freeze: FreezeDetector,
     head: Head,
     views: Option<Views>,
 }
@@ -72,15 +72,15 @@ struct Seen {
 /// A plausible sample.
 #[derive(Clone, Copy, Debug)]
 struct Sighting {
-    in_world: Moment,
-    from_head: Moment,
+    in_world: EyeSample,
+    from_head: EyeSample,
 }
 
 impl Seen {
     /// Whether the eyes turn in the world only because the head does. What they follow stays where it is in the views.
     fn looks_along(&self) -> bool {
-        let courses = (self.motion.course(), self.from_head.course());
-        courses == (Course::Turning, Course::Resting) && self.motion.in_doubt().is_none()
+        let movements = (self.motion.movement(), self.from_head.movement());
+        movements == (EyeMovement::Turning, EyeMovement::Resting) && self.motion.in_doubt().is_none()
     }
 
     /// Whether the newest sample is not long before a time.
@@ -98,7 +98,7 @@ impl GazeTracker {
             seen: None,
             ended: false,
             rejection: None,
-            freeze: Freeze::default(),
+            freeze: FreezeDetector::default(),
             head: Head::default(),
             views: None,
         }
@@ -221,16 +221,16 @@ impl GazeTracker {
         if self.freeze.is_frozen(&self.settings, sample.directions, now_ns) {
             return Err(Rejection::Frozen);
         }
-        let at = |directions: [Vec3; 2]| Moment { directions, time_ns: sample.time_ns };
+        let at = |directions: [Vec3; 2]| EyeSample { directions, time_ns: sample.time_ns };
         let in_world = at(turned(directions, self.head.at(sample.time_ns)));
         Ok(Sighting { in_world, from_head: at(directions) })
     }
 
     /// The state after a plausible sample.
     fn follow(&mut self, sighting: Sighting, now_ns: i64, is_dated: bool) -> Result<(), Rejection> {
-        let Sighting { in_world: moment, from_head } = sighting;
+        let Sighting { in_world: sample, from_head } = sighting;
         let trust = self.trust_at(now_ns);
-        let head = self.head.at(moment.time_ns);
+        let head = self.head.at(sample.time_ns);
         let found = |[motion, from_head]: [Motion; 2], trust: f32| Seen {
             motion,
             from_head,
@@ -246,15 +246,15 @@ impl GazeTracker {
             seen.is_dated = is_dated;
         }
         match &mut self.seen {
-            None => self.seen = Some(found([moment, from_head].map(Motion::new), trust)),
+            None => self.seen = Some(found([sample, from_head].map(Motion::new), trust)),
             Some(seen) => {
-                let gap = moment.time_ns.saturating_sub(seen.motion.newest().time_ns);
+                let gap = sample.time_ns.saturating_sub(seen.motion.newest().time_ns);
                 if gap < 0 {
                     if gap >= -nanoseconds(settings.hold_ms) {
                         return Err(Rejection::OutOfOrder);
                     }
                     // The clock began anew.
-                    *seen = found([moment, from_head].map(Motion::new), 0.0);
+                    *seen = found([sample, from_head].map(Motion::new), 0.0);
                 } else if self.ended
                     || seen.interrupted
                     || gap > silent_ns(&seen.motion) && seen.motion.in_doubt().is_none()
@@ -263,13 +263,13 @@ impl GazeTracker {
                     // with the next sample.
                     let late = gap <= LONGEST_NS && !self.ended && !seen.interrupted;
                     let again =
-                        [seen.motion.found_again(moment, late), seen.from_head.found_again(from_head, late)];
+                        [seen.motion.found_again(sample, late), seen.from_head.found_again(from_head, late)];
                     *seen = found(again, trust);
                 } else {
                     // Eyes that rest on the world may be faster from the head than eyes turn.
                     let _ = seen.from_head.add(settings, from_head, 0.0);
                     let (before, settled) = (seen.motion.newest().time_ns, seen.motion.settled_ns());
-                    seen.motion.add(settings, moment, head_deg_s).map_err(|_| Rejection::TooFast)?;
+                    seen.motion.add(settings, sample, head_deg_s).map_err(|_| Rejection::TooFast)?;
                     if seen.motion.settled_ns() != settled {
                         seen.settled_ns = seen.motion.landing_ns().unwrap_or(now_ns);
                     }
@@ -295,13 +295,13 @@ impl GazeTracker {
         if seen.motion.in_doubt().is_some() {
             return GazePhase::PostSaccade;
         }
-        match seen.motion.course() {
-            Course::Jumping => GazePhase::Saccade,
+        match seen.motion.movement() {
+            EyeMovement::Saccade => GazePhase::Saccade,
             _ if now.saturating_sub(seen.settled_ns) < nanoseconds(self.settings.post_saccade_ms) => {
                 GazePhase::PostSaccade
             }
-            Course::Turning if !seen.looks_along() => GazePhase::Pursuit,
-            Course::Turning | Course::Resting => GazePhase::Fixation,
+            EyeMovement::Turning if !seen.looks_along() => GazePhase::Pursuit,
+            EyeMovement::Turning | EyeMovement::Resting => GazePhase::Fixation,
         }
     }
 

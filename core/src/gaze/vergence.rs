@@ -3,8 +3,8 @@
 use crate::geometry::unit_direction;
 use glam::Vec3;
 
-/// Distance that is assumed where none is known, metres: rings around the directions of both eyes that look there cover all
-/// that is farther away, and with an eye at 6 degrees from the ray what is at 0.3 m nearly so.
+/// Assumed distance of an unknown fixation point, metres: rings around both eyes' directions to it cover all points farther away, and with
+/// an eye at 6 degrees from the ray nearly all points from 0.3 m on.
 pub const NEAREST_ASSUMED_M: f32 = 0.4;
 
 /// Nearest distance that is believed, metres: the near point of a child's eye is at 0.07 to 0.1.

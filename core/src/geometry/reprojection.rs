@@ -1,5 +1,4 @@
-//! Where what one view shows lies in another: for things so far away that only the views' orientations count, and by how much
-//! what is near lies elsewhere.
+//! Reprojection between two views: by orientation for distant content, and the parallax of near content.
 
 use super::ImagePlane;
 use glam::{Mat3, Quat, Vec2, Vec3};
@@ -45,10 +44,9 @@ impl Reprojection {
     }
 }
 
-/// What is to be added to what [`Reprojection::matrix`] makes of a pixel, times the nearness of what that shows (1 / distance
-/// along -z of its view's space, 1/m), where the view was at `from_m` and the other one, `to`, was at `to_m` of the space that
-/// both orientations lead to. The last coordinate of the sum is the quotient of both distances, that in `to` by that in the
-/// other view. `None` as there.
+/// Parallax: the vector to add to the homogeneous point of [`Reprojection::matrix`], times the pixel's nearness (1 / distance along -z of
+/// its view's space, 1/m), if the view was at `from_m` and the other one, `to`, at `to_m` of the space that both orientations lead to. The
+/// last coordinate of the sum is the quotient of both distances, that in `to` by that in the other view. `None` as there.
 pub fn parallax(to: &View, from_m: Vec3, to_m: Vec3) -> Option<Vec3> {
     let shift = to_pixels(&to.plane)? * (rotation(to.orientation)?.inverse() * (from_m - to_m));
     shift.is_finite().then_some(shift)

@@ -58,8 +58,8 @@ fn pierces(corners: &[Vec3; 4], gaze: Vec3) -> bool {
     point.cmpge(a.min(b)).all() && point.cmple(a.max(b)).all()
 }
 
-/// Angle from `gaze` to the nearest point of the great-circle arc from `a` to `b`, which is what a straight
-/// edge in the image is on the sphere of directions.
+/// Angle from `gaze` to the nearest point of the great-circle arc from `a` to `b`, the image of a straight edge on the sphere of
+/// directions.
 fn arc_distance(gaze: Vec3, a: Vec3, b: Vec3) -> f32 {
     let ends = eccentricity(gaze, a).min(eccentricity(gaze, b));
     let normal = a.cross(b).normalize_or_zero();

@@ -37,8 +37,8 @@ pub enum Aggregation {
 pub struct ContrastSettings {
     /// Size of a tile, pixels; sides outside of [`TEXEL_SIDES`] count as its nearest end.
     pub texel: [u32; 2],
-    /// Pixels of the first tile that lie before the picture, as tiles are counted from the corner of the image that the
-    /// picture is a part of; what exceeds a tile counts as what is left of it after whole ones.
+    /// Pixels of the first tile that lie before the view, as tiles are counted from the corner of the view's image; counted modulo the
+    /// tile's size.
     pub overhang: [u32; 2],
     /// Aggregation of the pixels of a tile.
     pub aggregation: Aggregation,

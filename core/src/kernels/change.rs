@@ -1,5 +1,5 @@
-//! `change`: how much what is shown in tiles of a picture differs from what an earlier picture shows in the same directions, or,
-//! where the head has moved and depth is known, at the same places.
+//! `change`: difference of tiles of an image from an earlier image in the same directions, or, if the head has moved and depth is known, at
+//! the same places.
 //!
 //! A tile has four parts, each of which is compared by the mean luminance of a few samples: finer detail is not seen where
 //! pictures are re-used, and comparing it would take a still texture that turns with the head for one that changes.

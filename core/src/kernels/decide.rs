@@ -56,8 +56,8 @@ uniform! {
         pub tiles: [u32; 2],
         /// Whose turn it is to be seen at full rate, below `look_every`.
         pub look_at: u32,
-        /// 1 where contrast was measured in a view that is turned against this one, see [`Self::measured_in`]; else 0, and tiles
-        /// show what they showed then.
+        /// 1 if contrast was measured in a view of another orientation, see [`Self::measured_in`]; else 0, and each tile has its own
+        /// contrast.
         pub is_turned: u32,
         /// 1 where some tiles are left out ([`crate::reuse::STALE`]); those are said apart.
         pub has_stale: u32,
@@ -96,9 +96,9 @@ impl DecideParams {
         self
     }
 
-    /// With contrast that was measured while the view was `measured`, where it is `now` in this frame: what is far away lies
-    /// elsewhere in the picture once the head has turned. Of orientations that are none, and of turns of less than an eighth of a tile, the
-    /// tiles are taken to be where they were.
+    /// With contrast that was measured while the view was `measured`, for a view that is `now` in this frame: distant content moves within
+    /// the image as the head turns. Of orientations that are none, and of turns of less than an eighth of a tile, the tiles are taken to be
+    /// where they were.
     pub fn measured_in(mut self, measured: &View, now: Quat) -> Self {
         self.is_turned = 0;
         let ahead = View { orientation: now, plane: ImagePlane { origin: Vec2::ZERO, step: Vec2::ONE } };
@@ -230,8 +230,8 @@ pub fn decide(
     }
 }
 
-/// Moves each tile's coarseness: at once down to what rings and contrast permit it to keep, slowly up. On the way up it starts
-/// anew from its rate wherever it is not permitted to grow, so that it becomes coarser only after it was for the whole time.
+/// Moves each tile's coarseness: at once down to the limit of rings and contrast, slowly up. On the way up it starts anew from its rate
+/// wherever it is not permitted to grow, so that it becomes coarser only after it was for the whole time.
 fn coarsen(params: &DecideParams, is_judged: bool, memory: &mut TileMemory) {
     let step = params.coarsening.min(255) as u8;
     let elapsed_ms = params.elapsed_ms.min(255) as u8;

@@ -4,11 +4,11 @@
 //! source pixel in the nearest ring of blocks that has a shaded one: depth is not interpolated, see [`super::depth`].
 
 use crate::layout::uniform;
-use crate::mask::{BLOCK, DepthFormat, REACH, ReturnParams, TemplateDepths};
+use crate::mask::{BLOCK, DepthFormat, EarlyReturnParams, REACH, TemplateDepths};
 use glam::{IVec2, UVec2};
 
 uniform! {
-    /// Parameters of one template, the shader's struct of the same name: as [`ReturnParams`], and the pictures' size.
+    /// Parameters of one template, the shader's struct of the same name: as [`EarlyReturnParams`], and the pictures' size.
     pub struct SampleParams {
         /// Words of a row of the template.
         pub row_words: u32,
@@ -32,8 +32,8 @@ uniform! {
 impl SampleParams {
     /// Parameters of a template for pictures of this size. None where words hold pixels of two blocks, or of two rows.
     pub fn new(extent: [u32; 2], format: DepthFormat, depths: TemplateDepths) -> Option<Self> {
-        let ReturnParams { row_words, layer_words, column_shift, row_shift, shaded } =
-            ReturnParams::new(extent, format, depths)?;
+        let EarlyReturnParams { row_words, layer_words, column_shift, row_shift, shaded } =
+            EarlyReturnParams::new(extent, format, depths)?;
         let [width, height] = extent;
         Some(Self { row_words, layer_words, column_shift, row_shift, shaded, width, height, padding: 0 })
     }

@@ -1,5 +1,5 @@
-//! The depth template: what a depth buffer holds before the application draws, so that what it draws in skipped blocks
-//! fails its own depth test.
+//! The depth template: values in a depth buffer ahead of the application's draws, with which fragments in skipped blocks fail the depth
+//! test.
 //!
 //! Shaded blocks hold the value that the application clears to; skipped ones the value that is nearest to the viewer.
 //! Whatever passes nonetheless is drawn and then replaced by the fill: it costs time, but never shows. Pipelines save:

@@ -9,7 +9,7 @@ pub const RETURNS: TemplateDepths = TemplateDepths { shaded: 0.0, skipped: 1.0 }
 /// The place of a pixel's word in a template, and the word of shaded blocks: words of a storage buffer, in this order.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct ReturnParams {
+pub struct EarlyReturnParams {
     /// Words of a row of the template.
     pub row_words: u32,
     /// Words of an array layer.
@@ -22,7 +22,7 @@ pub struct ReturnParams {
     pub shaded: u32,
 }
 
-impl ReturnParams {
+impl EarlyReturnParams {
     /// Parameters of a template for pictures of `extent` pixels. Nothing where words hold pixels of two blocks, or of two
     /// rows.
     pub fn new(extent: [u32; 2], format: DepthFormat, depths: TemplateDepths) -> Option<Self> {
@@ -76,7 +76,7 @@ mod tests {
             for (layer, out) in (0..).zip(words.chunks_exact_mut(layer_words)) {
                 write_template(&mask, layer, format, depths, bytemuck::cast_slice_mut(out));
             }
-            let params = ReturnParams::new(extent, format, depths).unwrap();
+            let params = EarlyReturnParams::new(extent, format, depths).unwrap();
             for index in 0..2 * extent[0] * extent[1] {
                 let (layer, index) = (index / (extent[0] * extent[1]), index % (extent[0] * extent[1]));
                 let pixel = [index % extent[0], index / extent[0]];
@@ -84,6 +84,6 @@ mod tests {
                 assert_eq!(params.returns(&words, layer, pixel), skips, "{format:?} {pixel:?}");
             }
         }
-        assert_eq!(ReturnParams::new([61, 42], DepthFormat::Unorm16, depths), None);
+        assert_eq!(EarlyReturnParams::new([61, 42], DepthFormat::Unorm16, depths), None);
     }
 }

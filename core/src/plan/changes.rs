@@ -1,11 +1,11 @@
-//! Where the content of the periphery changes, by what the pictures showed.
+//! Changing content of the periphery, found in rendered images.
 
 use crate::geometry::{View, eccentricity};
 use crate::schedule::refresh::{RefreshSettings, VisibleChange};
 use crate::schedule::{Activity, Cell, CellAges};
 use glam::{Vec2, Vec3};
 
-/// What is refreshed because it changes.
+/// Refresh of changing content.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Changes {
     settings: RefreshSettings,
@@ -57,7 +57,7 @@ impl Changes {
         }
     }
 
-    /// Refreshes what changes, in a frame that has begun in `ages`; whether anything is.
+    /// Refreshes changing cells, in a frame that has begun in `ages`; returns whether any cell is refreshed.
     pub(super) fn refresh(&mut self, frame: u64, gazes: [Vec3; 2], ages: &mut CellAges) -> bool {
         self.gazes = gazes;
         if self.granted.0 != frame {

@@ -1,5 +1,4 @@
-//! What contrast permits: how coarse each tile may be before more of its contrast is lost than the budget allows
-//! (paper A, Algorithm 2).
+//! Limits by contrast: the coarseness at which a tile loses no more visible contrast than the budget allows (paper A, Algorithm 2).
 
 use super::lattice::deg_of_chord;
 use super::rings::STEPS_PER_OCTAVE;
@@ -68,8 +67,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// A tile that counts as flat may be as coarse as if it had been looked at: around the greatest contrast of flat tiles, and
-        /// with what is no number.
+        /// The shortcut for flat tiles permits the coarseness that a full decision would: around the greatest contrast of flat tiles, and
+        /// with values that are not numbers.
         #[test]
         fn flat_tiles_may_be_as_coarse_as_when_looked_at(
             is_castle in any::<bool>(), is_marginal in 0u32..2, budget in prop_oneof![0.0f32..5.0, Just(f32::INFINITY)], least in 0.2f32..1.0,
@@ -96,8 +95,8 @@ mod tests {
             let map = ContrastMap { tiles: Plane::filled(1, 1, tile) };
             let permitted = |params: &DecideParams| {
                 let mut permitted = [vec![0], vec![0]];
-                let judged = VisibleContrast { map: &map, sensitivity: &sensitivity };
-                judged.permit(params, &[resolution], &[chord], &[age_ms], &mut permitted);
+                let visible = VisibleContrast { map: &map, sensitivity: &sensitivity };
+                visible.permit(params, &[resolution], &[chord], &[age_ms], &mut permitted);
                 permitted
             };
             prop_assert_eq!(permitted(&flat), permitted(&DecideParams { flat_contrast: -1.0, ..flat }));

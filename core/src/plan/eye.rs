@@ -1,9 +1,9 @@
-//! What the planner keeps of one view from frame to frame.
+//! The planner's state of one view from frame to frame.
 
 use super::frame::EyePlan;
 use super::input::EyeInput;
 use super::lattice::{LatticeShape, TileLattice};
-use super::rules::{FrameRules, Permit};
+use super::rules::{FrameRules, RateLimit};
 use super::settings::PlanSettings;
 use super::tile_updates::TileUpdates;
 use crate::chroma::ChromaTemporalFilter;
@@ -12,7 +12,7 @@ use crate::image::Plane;
 use crate::kernels::decide::{TileMemory, decide};
 use glam::Quat;
 
-/// One view: where its tiles look, and what they remember.
+/// State of one view: the directions of its tiles, their rates and their updates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EyeMemory {
     shape: Option<LatticeShape>,
@@ -59,9 +59,9 @@ impl EyeMemory {
         settings: &PlanSettings,
         out: &mut EyePlan,
     ) {
-        out.judged = None;
-        out.rings = Permit::NOTHING.rings;
-        let params = rules.params(settings, out.centres, &Permit::NOTHING, &self.lattice);
+        out.by_contrast = None;
+        out.rings = RateLimit::FULL_RATE.rings;
+        let params = rules.params(settings, out.centres, &RateLimit::FULL_RATE, &self.lattice);
         out.decision = params;
         if self.is_full {
             return;

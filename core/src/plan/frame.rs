@@ -1,4 +1,4 @@
-//! What one frame shall do.
+//! The plan of one frame.
 
 use super::reasons::Reasons;
 use super::rings::{AvailableRates, Rings};
@@ -11,14 +11,14 @@ use crate::rate::ShadingRate;
 use crate::reuse::STALE;
 use glam::{UVec2, Vec2, Vec3};
 
-/// What one frame shall do, for both eyes.
+/// The plan of one frame, for both eyes.
 #[derive(Clone, Debug, Default)]
 pub struct FramePlan {
     /// Number of the frame.
     pub frame: u64,
     /// For the left and the right eye.
     pub eyes: [EyePlan; 2],
-    /// What made the plan more careful than its settings.
+    /// Reasons for a plan that is more careful than its settings.
     pub reasons: Reasons,
     /// The rates that there are.
     pub available: AvailableRates,
@@ -34,7 +34,7 @@ pub struct FramePlan {
     pub chroma: Option<ChromaSettings>,
 }
 
-/// What one frame shall do for one eye.
+/// The plan of one frame for one eye.
 #[derive(Clone, Debug)]
 pub struct EyePlan {
     /// First pixel of the view in its image.
@@ -47,8 +47,7 @@ pub struct EyePlan {
     pub fov: Fov,
     /// Where this eye looks, unit vector in the view's space; all 0 when that is unknown.
     pub gaze: Vec3,
-    /// What the rings are around, unit vectors in the view's space: the gaze of the left and of the right eye, or
-    /// straight ahead.
+    /// Centres of the rings, unit vectors in the view's space: the gaze of the left and of the right eye, or the centre of the view.
     pub centres: [Vec3; 2],
     /// Where colour is kept, in the view's space; all colour is, everywhere, where there is none.
     pub focus: Option<Focus>,
@@ -58,10 +57,10 @@ pub struct EyePlan {
     pub ages: Plane<u8>,
     /// Rings that limit the rates, with everything that widens them.
     pub rings: Rings,
-    /// What the rates were decided by: the uniform of the kernel `decide`.
+    /// Parameters of the decision about rates: the uniform of the kernel `decide`.
     pub decision: DecideParams,
-    /// What they are to be decided by where the GPU knows contrast; nothing where contrast does not count in this frame.
-    pub judged: Option<DecideParams>,
+    /// Parameters of the decision on the GPU, by contrast; `None` if contrast does not count in this frame.
+    pub by_contrast: Option<DecideParams>,
 }
 
 impl Default for EyePlan {
@@ -78,7 +77,7 @@ impl Default for EyePlan {
             ages: Plane::filled(0, 0, 0),
             rings: Rings::FULL,
             decision: bytemuck::Zeroable::zeroed(),
-            judged: None,
+            by_contrast: None,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What a plan is made from.
+//! Input of a plan.
 
 use super::lattice::LatticeShape;
 use crate::audio::AudioFeatures;
@@ -7,7 +7,7 @@ use crate::geometry::Fov;
 use crate::perception::ContrastMap;
 use glam::Quat;
 
-/// What is known when a frame is planned.
+/// Input of a plan: time, views, gaze and sound.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanInput<'a> {
     /// When the frame is shown, nanoseconds on any one clock (XrTime).
@@ -23,7 +23,7 @@ pub struct PlanInput<'a> {
     pub head: Quat,
     /// The gaze, in the space common to both views.
     pub gaze: GazeState,
-    /// What is heard, where that is known.
+    /// Features of the sound, if known.
     pub audio: Option<AudioFeatures>,
 }
 
@@ -34,7 +34,7 @@ pub struct EyeInput<'a> {
     pub offset: [u32; 2],
     /// Size of the view, pixels; 0 where there is no such view.
     pub extent: [u32; 2],
-    /// What the view shows.
+    /// Field of view.
     pub fov: Fov,
     /// From the view's space to the common one: canted displays turn the two views apart. Any length but 0.
     pub orientation: Quat,

@@ -12,7 +12,7 @@ use std::ops::RangeInclusive;
 /// (Vulkan specification, `minFragmentShadingRateAttachmentTexelSize` and its maximum).
 pub const TEXEL_SIDES: RangeInclusive<u32> = 8..=64;
 
-/// Longest side of a view, pixels; what lies beyond has no tiles, and is not to be coarsened.
+/// Longest side of a view, pixels; pixels beyond have no tiles, and keep full rate.
 pub const MAX_SIDE: u32 = 16_384;
 
 /// Columns or rows of tiles beyond which a plan takes larger tiles. At 110 degrees they are 1.5 degrees wide, as 16 pixels are at
@@ -31,7 +31,7 @@ pub fn tile_of(texel: [u32; 2], extent: [u32; 2]) -> [u32; 2] {
     })
 }
 
-/// Where a view lies in its image, and what it shows: all that the lattice depends on.
+/// Shape of a lattice: a view's place in its image, field of view and tile size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatticeShape {
     /// First pixel of the view in its image: tiles are counted from the image's corner.
@@ -129,7 +129,7 @@ impl TileLattice {
         self.overhang.into()
     }
 
-    /// What the view shows; one point before it was set.
+    /// Image plane of the view; one point before the first [`Self::set`].
     pub(super) fn plane(&self) -> ImagePlane {
         self.plane.unwrap_or(ImagePlane { origin: Vec2::ZERO, step: Vec2::ZERO })
     }

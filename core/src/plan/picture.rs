@@ -1,4 +1,4 @@
-//! A plan as a picture: rates as colours, what is re-used darker, radii as lines, the gaze as a dot.
+//! A plan as an image: rates as colours, re-used tiles darker, radii as lines, the gaze as a dot.
 
 use super::frame::{EyePlan, FramePlan};
 use crate::geometry::eccentricity;
@@ -12,7 +12,7 @@ type Colour = [u8; 3];
 /// Colours of 1, 1/2, 1/4, 1/8 and 1/16 invocations per pixel: light to dark, told apart by the colour-blind too.
 const RATES: [Colour; 5] = [[250, 231, 85], [122, 209, 81], [34, 168, 132], [42, 120, 142], [65, 68, 135]];
 
-/// What re-use leaves of a colour.
+/// Brightness of re-used tiles, as part of their colour.
 const REUSED: f32 = 0.45;
 
 const GAZE: Colour = [255, 255, 255];

@@ -1,4 +1,4 @@
-//! From what is known when a frame is planned to its plan.
+//! The planner: from the input of a frame to its plan.
 
 use super::changes::Changes;
 use super::contrast::VisibleContrast;
@@ -6,7 +6,7 @@ use super::eye::EyeMemory;
 use super::frame::FramePlan;
 use super::input::{EyeInput, PlanInput};
 use super::reasons::{Reason, Reasons};
-use super::rules::{AgeLimits, FrameRules, Permit};
+use super::rules::{AgeLimits, FrameRules, RateLimit};
 use super::safety::SafetyState;
 use super::sensitivity::Sensitivity;
 use super::settings::{PlanSettings, RateSettings, UpdateUnit};
@@ -27,7 +27,7 @@ pub struct Planner {
     sensitivity: Option<Sensitivity>,
     safety: SafetyState,
     cap: PeriodCap,
-    /// How far what is re-used may be out of place for each frame that it is old, arc minutes.
+    /// Displacement of re-used content for each frame of its age, arc minutes.
     drift_arcmin: f32,
     /// Present where the schedule can leave something out.
     ages: Option<CellAges>,
@@ -54,14 +54,14 @@ impl Planner {
         planner
     }
 
-    /// What it plans with, the safety limits in numbers that can be used.
+    /// Its settings, with usable numbers in place of unusable safety limits.
     pub fn settings(&self) -> &PlanSettings {
         &self.settings
     }
 
-    /// Says how far what is re-used may be out of place for each frame that it is old, after the head's turn is accounted for:
-    /// arc minutes, by its translation and the distance of what is near. Holds until it is said anew; 0 at first. What
-    /// is no number counts as infinite, and then nothing is re-used.
+    /// Sets the displacement of re-used content for each frame of its age, after correction of the head's rotation: arc minutes, by the
+    /// head's translation and the distance of near content. Holds until it is said anew; 0 at first. What is no number counts as infinite,
+    /// and then nothing is re-used.
     pub fn set_drift(&mut self, arcmin: f32) {
         self.drift_arcmin = if arcmin.is_nan() { f32::INFINITY } else { arcmin.abs() };
     }
@@ -82,9 +82,9 @@ impl Planner {
         }
     }
 
-    /// Says how much each of some tiles of a picture differed from what would have been shown in its place, as the kernel
-    /// `change` found, [`crate::kernels::change::ChangeParams::change`]: what changes visibly is rendered in each of the next
-    /// frames, and everything is in the next one where most of it changed.
+    /// Takes differences of some tiles of an image from re-used content, as measured by the kernel `change`
+    /// ([`crate::kernels::change::ChangeParams::change`]): visibly changing content is rendered in each of the next frames, and all content
+    /// in the next one if most of it changed.
     ///
     /// `view` is that of the picture in the world, as [`PlanInput::head`] leads to it; its image is one of tiles in place of
     /// pixels. Tiles are given as column, and row in the upper 16 bits.
@@ -102,9 +102,9 @@ impl Planner {
     /// Plans a frame.
     pub fn plan(&mut self, input: &PlanInput) -> &FramePlan {
         let mut reasons = Reasons::default();
-        let is_judged = matches!(self.settings.rates, RateSettings::AudioVisual(_));
+        let by_contrast = matches!(self.settings.rates, RateSettings::AudioVisual(_));
         let safety =
-            self.safety.frame(&self.settings.safety, is_judged, input.time_ns, &input.gaze, &mut reasons);
+            self.safety.frame(&self.settings.safety, by_contrast, input.time_ns, &input.gaze, &mut reasons);
         let period_cap = self.cap.update(input.frame_rate_hz);
         let limits = AgeLimits { period_cap, drift_arcmin: self.drift_arcmin };
         let rules = FrameRules::new(&self.settings, safety, input.audio.as_ref(), limits, &mut reasons);
@@ -125,7 +125,7 @@ impl Planner {
         self.plan.inflation_deg = rules.safety.inflation_deg;
         self.plan.regions_deg = schedule.regions.radii_deg;
         self.plan.periods = schedule.configuration.factors();
-        self.plan.budget = rules.judged.and_then(|judged| judged.budget);
+        self.plan.budget = rules.by_contrast.and_then(|limit| limit.budget);
         self.plan.chroma = self.settings.chroma;
         self.plan.reasons = reasons;
         &self.plan
@@ -169,18 +169,20 @@ impl Planner {
 
         let on_gpu = self.settings.contrast_on_gpu;
         let contrast = contrast(eye, memory.lattice.tiles(), self.sensitivity.as_ref()).filter(|_| !on_gpu);
-        reasons.insert_if(rules.judged.is_some() && contrast.is_none() && !on_gpu, Reason::NothingMeasured);
-        let judged = rules.judged.filter(|_| on_gpu && orientation.is_some());
-        out.judged = judged.map(|judged| rules.params(&self.settings, out.centres, &judged, &memory.lattice));
-        let permit = match (orientation, rules.judged, contrast) {
-            (None, ..) => Permit::NOTHING,
-            (Some(_), Some(judged), Some(_)) => judged,
+        reasons
+            .insert_if(rules.by_contrast.is_some() && contrast.is_none() && !on_gpu, Reason::NothingMeasured);
+        let limit = rules.by_contrast.filter(|_| on_gpu && orientation.is_some());
+        out.by_contrast =
+            limit.map(|limit| rules.params(&self.settings, out.centres, &limit, &memory.lattice));
+        let limit = match (orientation, rules.by_contrast, contrast) {
+            (None, ..) => RateLimit::FULL_RATE,
+            (Some(_), Some(limit), Some(_)) => limit,
             (Some(_), ..) => rules.fixed,
         };
-        out.rings = permit.rings;
-        let params = rules.params(&self.settings, out.centres, &permit, &memory.lattice);
+        out.rings = limit.rings;
+        let params = rules.params(&self.settings, out.centres, &limit, &memory.lattice);
         out.decision = params;
-        let contrast = contrast.filter(|_| permit.budget.is_some());
+        let contrast = contrast.filter(|_| limit.budget.is_some());
         decide(&params, &mut memory.lattice, memory.updates.due(), contrast, &mut memory.tiles, out);
     }
 

@@ -26,15 +26,15 @@ pub enum Reason {
     LeastFovea,
     /// Contrast permits coarser rates than fixed foveation would; these are not used.
     FixedCap,
-    /// Nothing is heard: what is said about silence holds.
+    /// No sound: the settings for silence apply.
     Silence,
     /// Sound or contrast is not known: fixed foveation instead.
     NothingMeasured,
     /// The periphery is updated more often than the settings ask for, for the sake of the least frequency.
     LeastFrequency,
-    /// Regions are updated more often, because the head's translation moves what is near visibly.
+    /// Regions are updated more often, because the head's translation moves near content visibly.
     HeadMoves,
-    /// What changes in the periphery is rendered in each frame.
+    /// Changing content in the periphery is rendered in each frame.
     ContentChanges,
     /// All tiles are rendered, because that was asked for.
     Refresh,

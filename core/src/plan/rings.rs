@@ -24,8 +24,8 @@ pub struct AvailableRates {
 }
 
 impl AvailableRates {
-    /// From what a device offers, in any order. 1x1 is always there; of several rates that remove as many octaves
-    /// (2x4 and 4x2) the first one counts.
+    /// From the rates of a device, in any order. 1x1 is always there; of several rates that remove as many octaves (2x4 and 4x2) the first
+    /// one counts.
     pub fn new(offered: &[ShadingRate]) -> Self {
         Self::among(offered, offered)
     }
@@ -122,7 +122,7 @@ impl Rings {
         last.map_or(ShadingRate::R1X1, |(rate, _)| *rate)
     }
 
-    /// The same as squared chords; what is at 180 degrees or beyond is never reached.
+    /// The radii as squared chords; 180 degrees or more is never reached.
     pub(super) fn chords(&self) -> [f32; COARSER_RATES] {
         self.from_deg.map(chord_or_never)
     }

@@ -1,4 +1,4 @@
-//! What holds for all tiles of one frame, in both eyes.
+//! Rules for all tiles of one frame, in both eyes.
 
 use super::lattice::TileLattice;
 use super::reasons::{Reason, Reasons};
@@ -15,32 +15,31 @@ use crate::schedule::refresh::visible_shift_arcmin;
 use crate::schedule::{MAX_FACTOR, REGIONS, Regions, Schedule, UpdateConfiguration};
 use glam::Vec3;
 
-/// What holds for all tiles of one frame.
+/// Rules for all tiles of one frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FrameRules {
     pub(super) safety: FrameSafety,
-    /// What the rings are around, unit vectors in the common space.
+    /// Centres of the rings, unit vectors in the common space.
     pub(super) centres: [Vec3; 2],
     /// Where rates follow eccentricity alone.
-    pub(super) fixed: Permit,
+    pub(super) fixed: RateLimit,
     /// Where contrast is known, if it counts.
-    pub(super) judged: Option<Permit>,
-    /// What is rendered less often, with everything that makes it more often; nothing where all is rendered.
+    pub(super) by_contrast: Option<RateLimit>,
+    /// The update schedule, with all limits applied; `None` if every tile is rendered.
     pub(super) schedule: Option<Schedule>,
 }
 
-/// What limits how old anything may become.
+/// Limits on the age of re-used content.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AgeLimits {
     /// Longest period at the measured frame rate, frames.
     pub(super) period_cap: u8,
-    /// How far what is re-used is out of place for each frame that it is old, arc minutes; not a number below 0.
+    /// Displacement of re-used content for each frame of its age, arc minutes, >= 0.
     pub(super) drift_arcmin: f32,
 }
 
 impl AgeLimits {
-    /// For each region the longest period after which what is near is not seen to be out of place where the region begins,
-    /// frames.
+    /// Longest period of each region at which the displacement of near content stays invisible at the region's inner edge, frames.
     fn unseen(&self, regions: &Regions) -> [u8; REGIONS] {
         let [a, b, c, d] = regions.radii_deg;
         [0.0, a, b, c, d].map(|begins_deg| {
@@ -53,16 +52,16 @@ impl AgeLimits {
 
 /// How coarse tiles may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Permit {
+pub(super) struct RateLimit {
     pub(super) rings: Rings,
     /// The rings for tiles that have yet to become as coarse.
-    growing: Rings,
+    coarsening: Rings,
     /// Loss of visible contrast that is allowed, where contrast counts.
     pub(super) budget: Option<f32>,
 }
 
-impl Permit {
-    pub(super) const NOTHING: Self = Self { rings: Rings::FULL, growing: Rings::FULL, budget: None };
+impl RateLimit {
+    pub(super) const FULL_RATE: Self = Self { rings: Rings::FULL, coarsening: Rings::FULL, budget: None };
 }
 
 impl FrameRules {
@@ -80,14 +79,15 @@ impl FrameRules {
             (RateSettings::Fixed(map), Area::AroundGaze(_)) => Some(map),
             (RateSettings::AudioVisual(model), Area::AroundGaze(_)) => Some(&model.fixed),
         };
-        let judged = match &settings.rates {
+        let by_contrast = match &settings.rates {
             RateSettings::AudioVisual(model) if around_gaze => {
-                judged(settings, model, &safety, audio, reasons)
+                contrast_limit(settings, model, &safety, audio, reasons)
             }
             _ => None,
         };
-        let fixed = map.map_or(Permit::NOTHING, |map| permit(settings, ring_map(settings, map), &safety));
-        let first = judged.unwrap_or(fixed).rings.from_deg()[0];
+        let fixed =
+            map.map_or(RateLimit::FULL_RATE, |map| rate_limit(settings, ring_map(settings, map), &safety));
+        let first = by_contrast.unwrap_or(fixed).rings.from_deg()[0];
         let least_deg = settings.safety.least_foveal_deg;
         reasons.insert_if(least_deg > 0.0 && first == least_deg + safety.inflation_deg, Reason::LeastFovea);
         Self {
@@ -97,7 +97,7 @@ impl FrameRules {
                 Area::AroundAhead | Area::Nowhere => [Vec3::NEG_Z; 2],
             },
             fixed,
-            judged,
+            by_contrast,
             schedule: if around_gaze { schedule(settings, &safety, limits, reasons) } else { None },
         }
     }
@@ -112,16 +112,16 @@ impl FrameRules {
         &self,
         settings: &PlanSettings,
         centres: [Vec3; 2],
-        permit: &Permit,
+        limit: &RateLimit,
         lattice: &TileLattice,
     ) -> DecideParams {
-        let judged = match &settings.rates {
-            RateSettings::AudioVisual(model) if permit.budget.is_some() => Some(model),
+        let model = match &settings.rates {
+            RateSettings::AudioVisual(model) if limit.budget.is_some() => Some(model),
             _ => None,
         };
         let plane = lattice.plane();
         let available = &settings.device.available;
-        let budget = permit.budget.unwrap_or(0.0);
+        let budget = limit.budget.unwrap_or(0.0);
         let coarsening_budget = budget * settings.safety.hysteresis_budget;
         let holding_budget = budget * settings.safety.holding_budget;
         let least_budget = budget.min(coarsening_budget).min(holding_budget);
@@ -130,13 +130,13 @@ impl FrameRules {
             inflation_deg: self.safety.inflation_deg,
             gaze_right: centres[1].into(),
             coarsening: self.safety.coarsening,
-            ring_chords: permit.rings.chords(),
-            coarsening_chords: permit.growing.chords(),
+            ring_chords: limit.rings.chords(),
+            coarsening_chords: limit.coarsening.chords(),
             levels: available.levels().map(u32::from),
             texels: available.texels().map(u32::from),
             budget,
             coarsening_budget,
-            sensitivity: match judged.map(|model| model.budget.unit) {
+            sensitivity: match model.map(|model| model.budget.unit) {
                 None => 0,
                 Some(SensitivityUnit::CastleCsf) => 1,
                 Some(SensitivityUnit::Tursun) => 2,
@@ -155,11 +155,11 @@ impl FrameRules {
             measured_column: [0.0; 3],
             elapsed_ms: self.safety.elapsed_ms,
             measured_row: [0.0; 3],
-            flat_contrast: judged.map_or(-1.0, |model| {
+            flat_contrast: model.map_or(-1.0, |model| {
                 least_budget / (model.allocation.greatest_factor() * Sensitivity::greatest(model.budget.unit))
             }),
             measured_depth: [0.0; 3],
-            is_marginal: judged.is_some_and(|model| model.allocation == Allocation::EqualMarginalLoss).into(),
+            is_marginal: model.is_some_and(|model| model.allocation == Allocation::EqualMarginalLoss).into(),
         }
     }
 }
@@ -168,19 +168,19 @@ fn ring_map(settings: &PlanSettings, map: &FixedFoveation) -> Rings {
     Rings::new(map, &settings.device.available)
 }
 
-fn permit(settings: &PlanSettings, rings: Rings, safety: &FrameSafety) -> Permit {
+fn rate_limit(settings: &PlanSettings, rings: Rings, safety: &FrameSafety) -> RateLimit {
     let rings = rings.widened(settings.safety.least_foveal_deg, safety.inflation_deg);
-    Permit { rings, growing: rings.widened(0.0, safety.hysteresis_deg), budget: None }
+    RateLimit { rings, coarsening: rings.widened(0.0, safety.hysteresis_deg), budget: None }
 }
 
-/// What contrast may permit, if sound is known and does not ask for fixed foveation.
-fn judged(
+/// Limit by contrast; `None` if silence asks for fixed foveation.
+fn contrast_limit(
     settings: &PlanSettings,
     model: &AudioVisual,
     safety: &FrameSafety,
     audio: Option<&AudioFeatures>,
     reasons: &mut Reasons,
-) -> Option<Permit> {
+) -> Option<RateLimit> {
     reasons.insert_if(audio.is_none(), Reason::NothingMeasured);
     // Where nobody listens, nothing is heard: the ablation of the paper without both features of sound.
     let audio = audio.unwrap_or(&AudioFeatures::SILENT);
@@ -192,7 +192,7 @@ fn judged(
     };
     let rings = model.cap.as_ref().map_or(Rings::OPEN, |cap| ring_map(settings, cap));
     reasons.insert_if(rings.from_deg()[0] > 0.0, Reason::FixedCap);
-    Some(Permit { budget: Some(model.budget_with(budget)), ..permit(settings, rings, safety) })
+    Some(RateLimit { budget: Some(model.budget_with(budget)), ..rate_limit(settings, rings, safety) })
 }
 
 /// The schedule of this frame; nothing where it would leave nothing out.

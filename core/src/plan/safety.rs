@@ -1,4 +1,4 @@
-//! The safety limits that depend on the frame alone: how far to widen, how fast to coarsen, what to leave off.
+//! Safety limits that depend on the frame alone: wider rings, slower coarsening, techniques that are off.
 
 use super::reasons::{Reason, Reasons};
 use super::rings::STEPS_PER_OCTAVE;
@@ -10,10 +10,10 @@ use glam::Vec3;
 /// Longest time that one frame accounts for, nanoseconds: after a pause tiles do not become coarse at once.
 const LONGEST_FRAME_NS: i64 = 100_000_000;
 
-/// What the safety limits say about one frame.
+/// Safety limits of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FrameSafety {
-    /// What may be coarse.
+    /// Area that may be coarse.
     pub(super) area: Area,
     /// By how much every radius is wider, degrees, 0..=180.
     pub(super) inflation_deg: f32,
@@ -27,18 +27,18 @@ pub(super) struct FrameSafety {
     pub(super) pursuit: bool,
 }
 
-/// What may be coarse.
+/// Area that may be coarse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Area {
-    /// What is not near to where the eyes look: unit vectors in the common space, left and right.
+    /// The periphery around the gaze: unit vectors in the common space, left and right.
     AroundGaze([Vec3; 2]),
-    /// What is far from straight ahead: nobody knows where the eyes look.
+    /// The periphery around the centre of the view, for an unknown gaze.
     AroundAhead,
     /// Nothing.
     Nowhere,
 }
 
-/// What the safety limits remember from frame to frame.
+/// State of the safety limits from frame to frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SafetyState {
     last_ns: Option<i64>,
@@ -47,12 +47,12 @@ pub(super) struct SafetyState {
 }
 
 impl SafetyState {
-    /// The safety limits of the frame that is shown at `time_ns`; `is_judged` where contrast may decide. All numbers of `settings` are usable
+    /// The safety limits of the frame that is shown at `time_ns`; `by_contrast` where contrast may decide. All numbers of `settings` are usable
     /// ([`SafetySettings::usable`]).
     pub(super) fn frame(
         &mut self,
         settings: &SafetySettings,
-        is_judged: bool,
+        by_contrast: bool,
         time_ns: i64,
         gaze: &GazeState,
         reasons: &mut Reasons,
@@ -64,9 +64,9 @@ impl SafetyState {
         reasons.insert_if(lost, Reason::GazeLost);
         reasons.insert_if(trust < 1.0 && matches!(area, Area::AroundGaze(_)), Reason::GazeFading);
         let seconds = self.elapsed_s(time_ns, reasons);
-        let speed = match is_judged {
+        let speed = match by_contrast {
             _ if gaze.is_suppressed => settings.suppressed_octaves_per_s,
-            true => settings.judged_octaves_per_s,
+            true => settings.contrast_octaves_per_s,
             false => settings.coarsening_octaves_per_s,
         };
         FrameSafety {
@@ -121,7 +121,7 @@ fn inflation_deg(settings: &SafetySettings, gaze: &GazeState, trust: f32) -> f32
     (radius - base + (1.0 - trust) * 180.0).clamp(0.0, 180.0)
 }
 
-/// What becomes coarser on the way to a landing is twice as far from it as that may be off.
+/// Tiles become coarser on the way to a landing at twice the distance of its error.
 fn hysteresis_deg(settings: &SafetySettings, gaze: &GazeState) -> f32 {
     let error_deg = gaze.prediction_error_deg.filter(|_| gaze.is_suppressed).unwrap_or(0.0);
     settings.hysteresis_deg + if error_deg.is_nan() { 180.0 } else { error_deg.max(0.0) }

@@ -36,7 +36,7 @@ impl Sensitivity {
         }
     }
 
-    /// What no sensitivity of a unit exceeds in the two finest bands, those that rates remove.
+    /// Upper bound of the sensitivity of a unit in the two finest bands, the bands that rates remove.
     pub fn greatest(unit: SensitivityUnit) -> f32 {
         match unit {
             // 151 is the greatest that the test below finds.

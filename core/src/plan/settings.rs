@@ -1,4 +1,4 @@
-//! What a plan may do.
+//! Settings of a planner.
 
 use super::rings::AvailableRates;
 use crate::avpm::BudgetSettings;
@@ -7,7 +7,7 @@ use crate::fixed_foveation::FixedFoveation;
 use crate::frco::Allocation;
 use crate::schedule::Schedule;
 
-/// What a plan may do, and on which device.
+/// Settings of a planner, on one device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanSettings {
     /// How shading rates are chosen.
@@ -16,11 +16,11 @@ pub struct PlanSettings {
     pub schedule: Option<UpdateSettings>,
     /// How colour falls off; not at all without.
     pub chroma: Option<ChromaSettings>,
-    /// What keeps all of it safe.
+    /// Safety limits.
     pub safety: SafetySettings,
-    /// What the device offers.
+    /// Rates and tile size of the device.
     pub device: DeviceRates,
-    /// Whether contrast is known to the GPU alone. Then [`super::EyePlan::judged`] is what the kernel `decide` is to be given there, and
+    /// Whether contrast is known to the GPU alone. Then [`super::EyePlan::by_contrast`] is what the kernel `decide` is to be given there, and
     /// the plan's own rates are those of fixed foveation, for where that is not possible.
     pub contrast_on_gpu: bool,
 }
@@ -54,7 +54,7 @@ pub enum RateSettings {
 /// Paper A's map of rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AudioVisual {
-    /// How much visible contrast may be lost by what is heard, and in the units of which contrast sensitivity function.
+    /// The budget of visible contrast by sound, with the unit of its contrast sensitivity function.
     pub budget: BudgetSettings,
     /// How that is spent.
     pub allocation: Allocation,
@@ -136,15 +136,14 @@ impl From<Schedule> for UpdateSettings {
     }
 }
 
-/// What keeps a plan safe, whatever the other settings ask for. What is not a number counts as the default's, what is
-/// negative as 0.
+/// Safety limits of a plan, independent of the other settings. What is not a number counts as the default's, what is negative as 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SafetySettings {
     /// Least radius of the area at full rate, before anything widens it, degrees.
     pub least_foveal_deg: f32,
     /// By how much the eye tracker may be off, degrees. Widens every radius.
     pub tracker_error_deg: f32,
-    /// Time from the eye to the image, seconds: every radius is widened by what the eyes turn in it.
+    /// Time from the eye to the image, seconds: every radius is widened by the movement of the eyes in it.
     pub latency_s: f32,
     /// How far outside of its ring a tile has to be to become coarser, degrees.
     pub hysteresis_deg: f32,
@@ -157,7 +156,7 @@ pub struct SafetySettings {
     /// gaze that was just found again too.
     pub coarsening_octaves_per_s: f32,
     /// The same where contrast decides, which noise in the pictures changes too.
-    pub judged_octaves_per_s: f32,
+    pub contrast_octaves_per_s: f32,
     /// The same while changes go unnoticed ([`GazeState::is_suppressed`](crate::gaze::GazeState::is_suppressed)), whoever decides: then a tile
     /// that the eyes have left may be as coarse in the next frame as it may ever be.
     pub suppressed_octaves_per_s: f32,
@@ -175,14 +174,14 @@ impl SafetySettings {
         hysteresis_budget: 1.0,
         holding_budget: 1.0,
         coarsening_octaves_per_s: f32::INFINITY,
-        judged_octaves_per_s: f32::INFINITY,
+        contrast_octaves_per_s: f32::INFINITY,
         suppressed_octaves_per_s: f32::INFINITY,
         lost: None,
     };
 }
 
 impl SafetySettings {
-    /// The same with numbers in place of what is none: the default's, or 0 for what is negative.
+    /// These settings with usable numbers: the default's for NaN, 0 for negative ones.
     pub(super) fn usable(&self) -> Self {
         let usual = Self::default();
         let or = |value: f32, usual: f32| if value.is_nan() { usual } else { value.max(0.0) };
@@ -194,7 +193,7 @@ impl SafetySettings {
             hysteresis_budget: or(self.hysteresis_budget, usual.hysteresis_budget).min(1.0),
             holding_budget: or(self.holding_budget, usual.holding_budget).clamp(1.0, 16.0),
             coarsening_octaves_per_s: or(self.coarsening_octaves_per_s, usual.coarsening_octaves_per_s),
-            judged_octaves_per_s: or(self.judged_octaves_per_s, usual.judged_octaves_per_s),
+            contrast_octaves_per_s: or(self.contrast_octaves_per_s, usual.contrast_octaves_per_s),
             suppressed_octaves_per_s: or(self.suppressed_octaves_per_s, usual.suppressed_octaves_per_s),
             lost: self.lost,
         }
@@ -216,14 +215,14 @@ impl Default for SafetySettings {
             hysteresis_budget: 0.9,
             holding_budget: 1.35,
             coarsening_octaves_per_s: 8.0,
-            judged_octaves_per_s: 4.0,
+            contrast_octaves_per_s: 4.0,
             suppressed_octaves_per_s: f32::INFINITY,
             lost: Some(FixedFoveation::WITHOUT_TRACKER),
         }
     }
 }
 
-/// What a device offers.
+/// Rates and tile size of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeviceRates {
     /// Rates.

@@ -4,7 +4,7 @@ use super::frame::EyePlan;
 use super::lattice::MAX_SIDE;
 use crate::rate::ShadingRate;
 
-/// What a plan costs, against shading every pixel of every frame.
+/// Cost of a plan, relative to shading every pixel of every frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
     /// Tiles of the view.

@@ -228,10 +228,10 @@ fn contrast_and_sound_lead_to_coarser_rates_down_to_the_cap() {
         settled(&mut planner, input).clone()
     };
     let mean = |plan: &FramePlan| plan.eyes[0].statistics().mean_rate;
-    let judged = RateSettings::AudioVisual(model);
+    let by_contrast = RateSettings::AudioVisual(model);
     let cap = share(RateSettings::Fixed(model.cap.expect("a cap")), None, None);
-    let of_plain = share(judged, Some(&plain), Some(loud()));
-    let of_busy = share(judged, Some(&busy), Some(loud()));
+    let of_plain = share(by_contrast, Some(&plain), Some(loud()));
+    let of_busy = share(by_contrast, Some(&busy), Some(loud()));
     assert_eq!(of_plain.eyes[0].rates, cap.eyes[0].rates, "without contrast the cap alone limits");
     assert!(mean(&of_busy) > mean(&of_plain) * 1.5, "{} and {}", mean(&of_busy), mean(&of_plain));
     assert!(of_busy.budget.is_some_and(|budget| budget > 0.0));
@@ -243,7 +243,7 @@ fn contrast_and_sound_lead_to_coarser_rates_down_to_the_cap() {
         ("no sound known", Some(&plain), None, Reason::NothingMeasured),
         ("no contrast known", None, Some(loud()), Reason::NothingMeasured),
     ] {
-        let plan = share(judged, map, audio);
+        let plan = share(by_contrast, map, audio);
         assert_eq!(plan.eyes[0].rates, fixed.eyes[0].rates, "{case}");
         assert!(plan.reasons.contains(reason), "{case}");
     }

@@ -1,4 +1,4 @@
-//! Which tiles of a picture are compared with earlier pictures, to see whether what they show has changed.
+//! Tiles of an image that are compared with earlier images, to find changing content.
 
 use super::places::{Found, TilePlaces};
 use super::{MAX_AGES, Reuse, bits};
@@ -15,9 +15,9 @@ pub struct ComparedTiles {
 }
 
 impl ComparedTiles {
-    /// Takes the fresh tiles of the newest picture that `is_wanted` says, each with the oldest picture of at most `oldest`
-    /// pictures ago in which all of it was rendered: what would have been shown in its place, had it not been rendered since.
-    /// So what is rendered in each frame because it changes is judged as what is not.
+    /// Takes the fresh tiles of the newest image that `is_wanted` accepts, each with the oldest image of at most `oldest` images ago in
+    /// which all of it was rendered: its content without the update. So what is rendered in each frame because it changes is judged as what
+    /// is not.
     pub fn update(&mut self, reuse: &Reuse, oldest: usize, is_wanted: impl Fn([u32; 2]) -> bool) {
         self.clear();
         self.places.begin(reuse, 0.0);
@@ -46,7 +46,7 @@ impl ComparedTiles {
         self.by_age.iter_mut().for_each(Vec::clear);
     }
 
-    /// What is compared with the picture of an age, 1..=[`MAX_AGES`]: column, and row in the upper 16 bits.
+    /// Tiles that are compared with the image of an age, 1..=[`MAX_AGES`]: column, and row in the upper 16 bits.
     pub fn with_age(&self, age: usize) -> &[u32] {
         age.checked_sub(1).and_then(|index| self.by_age.get(index)).map_or(&[], Vec::as_slice)
     }

@@ -9,15 +9,15 @@ use glam::{Mat3, Vec2, Vec3};
 /// A turn that moves no pixel farther than this, pixels, counts as none: it would only blur.
 const STILL_PIXELS: f32 = 1.0 / 64.0;
 
-/// A move of the head that takes nothing from [`NEAREST_ASSUMED_M`] on farther than this, pixels, counts as none: to follow it would
-/// take depth for what nobody sees.
+/// Head movement that moves nothing from [`NEAREST_ASSUMED_M`] on farther than this, pixels, counts as none: following it by depth would
+/// make no visible difference.
 const UNMOVED_PIXELS: f32 = 0.25;
 
-/// What lies where something is looked for in an earlier picture is that, if it were within so many pixels of it here: so far an edge
-/// may be beside its place. A surface seen at a slant has less from pixel to pixel.
+/// Tolerance of the comparison by depth, pixels: a texel of an earlier image shows the same surface if its point lies within this distance
+/// here. A surface seen at a slant has less from pixel to pixel.
 const SAME_PIXELS: f32 = 0.25;
 
-/// What is known of a picture of an eye.
+/// One image of an eye, with its view and stale tiles.
 ///
 /// Points are in pixels from the upper left corner of the rectangle of the image that shows the eye's view; the centre of a
 /// pixel is at + 0.5.
@@ -33,12 +33,12 @@ pub struct Picture<'a> {
     pub viewpoint: Option<Viewpoint>,
 }
 
-/// From where a picture was seen, with what its depth says: so what it shows is found by one that was seen from elsewhere.
+/// Viewpoint of an image, with the meaning of its depth, for reprojection by depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewpoint {
     /// Where the view was in the space that its orientation leads to, metres.
     pub position_m: Vec3,
-    /// What the values of its depth image stand for.
+    /// Meaning of the values of its depth image.
     pub nearness: Nearness,
 }
 
@@ -77,14 +77,14 @@ pub(crate) struct Earlier<'a> {
     pub(crate) tiles_per_pixel: Vec2,
 }
 
-/// How what is near lies elsewhere in a picture that was seen from elsewhere.
+/// Parallax of near content between the newest image and an earlier one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Parallax {
-    /// What is added to homogeneous points of the earlier picture for each 1/m ([`parallax`]).
+    /// Vector to add to homogeneous points of the earlier image for each 1/m ([`parallax`]).
     pub(crate) shift: Vec3,
-    /// What depth stands for in the newest picture.
+    /// Meaning of depth in the newest image.
     pub(crate) now: Nearness,
-    /// What it stood for in the earlier one.
+    /// Meaning of depth in the earlier one.
     pub(crate) then: Nearness,
 }
 
@@ -101,7 +101,7 @@ impl Earlier<'_> {
         is_inside.then_some(at)
     }
 
-    /// [`Self::matrix`] of what is [`NEAREST_ASSUMED_M`] away, where it matters how far away things are.
+    /// [`Self::matrix`] for content at [`NEAREST_ASSUMED_M`]; `None` if distance does not matter.
     pub(crate) fn near_matrix(&self) -> Option<Mat3> {
         let Mat3 { x_axis, y_axis, z_axis } = self.matrix;
         self.parallax
@@ -123,7 +123,7 @@ pub struct Source {
 pub struct MovedSource {
     /// The picture, and the point there.
     pub source: Source,
-    /// How near what the pixel shows was there, 1/m.
+    /// Nearness of the pixel's content there, 1/m.
     pub nearness: f32,
     /// How far something moves here for each 1/m that it is nearer there, pixels.
     pub pixels_m: f32,
@@ -141,8 +141,7 @@ pub struct Reuse<'a> {
 }
 
 impl<'a> Reuse<'a> {
-    /// `earlier` pictures, the newest first; what is more than [`MAX_AGES`] is left out, and all from the first on that
-    /// cannot be related to `now`.
+    /// `earlier` images, the newest first; at most [`MAX_AGES`], and only up to the first one that cannot be related to `now`.
     ///
     /// With `turns` pixels are looked for in the direction that they show, without it (paper B) at the same place of
     /// the picture.
@@ -175,7 +174,7 @@ impl<'a> Reuse<'a> {
         self.at_age(age).is_some_and(|earlier| earlier.is_still)
     }
 
-    /// Whether what the picture of an age has is found by its depth: it was seen from elsewhere, and both have depth.
+    /// Whether content of the image of an age is found by its depth: the head has moved, and both have depth.
     pub fn has_moved_since(&self, age: usize) -> bool {
         self.at_age(age).is_some_and(|earlier| earlier.parallax.is_some())
     }
@@ -199,7 +198,7 @@ impl<'a> Reuse<'a> {
         self.earlier().count()
     }
 
-    /// Where what a point shows lies in the picture of an age, if that picture has it: the tile there was rendered.
+    /// The point's source in the image of an age; `None` if its tile there was not rendered.
     pub fn source(&self, point: Vec2, age: usize) -> Option<Source> {
         let earlier = self.at_age(age)?;
         let at = earlier.point(point).filter(|at| earlier.picture.is_fresh_at(*at))?;
@@ -220,13 +219,13 @@ impl<'a> Reuse<'a> {
         })
     }
 
-    /// What a source is made of: bilinear, without the texels of tiles that were not rendered.
+    /// The texels of a source: bilinear, without texels of tiles that were not rendered.
     pub fn footprint(&self, source: Source) -> Option<Footprint> {
         self.footprint_of(source, |_| true)
     }
 
-    /// As [`Self::footprint`], without the texels that show something else: what moves away from in front of things leaves them to
-    /// be seen, of which the earlier picture has nothing. `depth` says the values of the earlier depth image.
+    /// As [`Self::footprint`], without texels of other surfaces: an earlier image lacks content that was occluded then. `depth` says the
+    /// values of the earlier depth image.
     pub fn moved_footprint(&self, moved: &MovedSource, depth: impl Fn([u32; 2]) -> f32) -> Option<Footprint> {
         let then = self.at_age(moved.source.age)?.parallax?.then;
         self.footprint_of(moved.source, |texel| {
@@ -252,9 +251,9 @@ impl<'a> Reuse<'a> {
         (sum > 0.0).then_some(footprint)
     }
 
-    /// Whether an edge or a corner of a tile is blended with earlier pictures: the tile is fresh, and what it touches there is
-    /// stale; of a corner, nothing beside it, as else that fades into it already.
-    pub fn is_border(&self, tile: [u32; 2], Edge { across, down }: Edge) -> bool {
+    /// Whether an edge or a corner of a tile is blended with earlier images: the tile is fresh, and its neighbour there is stale; of a
+    /// corner, only the diagonal one.
+    pub fn is_seam(&self, tile: [u32; 2], Edge { across, down }: Edge) -> bool {
         let is_stale = |across: i8, down: i8| {
             let beside =
                 [tile[0].wrapping_add_signed(across.into()), tile[1].wrapping_add_signed(down.into())];
@@ -313,7 +312,7 @@ fn turn(from: &Picture, to: &Picture) -> Option<Mat3> {
     Some(if is_still { same } else { matrix })
 }
 
-/// How what is near lies elsewhere in an earlier picture, where both have depth, and the head has moved.
+/// Parallax of near content in an earlier image; `None` unless both have depth, and the head has moved.
 fn move_between(now: &Picture, then: &Picture, matrix: &Mat3) -> Option<Parallax> {
     let (here, there) = now.viewpoint.zip(then.viewpoint)?;
     let shift = parallax(&then.view, here.position_m, there.position_m)?;

@@ -1,4 +1,4 @@
-//! Tiles, sorted by what drawing them takes.
+//! Tiles, sorted by the kind of draw that they need.
 
 use super::history::Earlier;
 use super::places::{Found, TilePlaces};
@@ -13,12 +13,12 @@ pub struct TileLists {
     /// For each age, from 1 on: stale tiles all of which is taken from the picture of that age, and from nothing of it that was
     /// not rendered there. Each stale tile is in one of these, or in [`Self::fresh`]. None where the head has moved, by
     /// [`Reuse::has_moved_since`]: of what was hidden there is nothing to take.
-    pub whole: [TileRects; MAX_AGES],
+    pub full: [TileRects; MAX_AGES],
     /// Stale tiles of which a part is taken from the picture of that age, if that has it: to be drawn over the others, the
     /// oldest first.
-    pub mixed: [TileRects; MAX_AGES],
+    pub partial: [TileRects; MAX_AGES],
     /// Edges of fresh tiles beside stale ones that are blended with the picture of that age, by place in [`Edge::ALL`].
-    pub border: [[TileRects; Edge::ALL.len()]; MAX_AGES],
+    pub seam: [[TileRects; Edge::ALL.len()]; MAX_AGES],
     places: TilePlaces,
     row: Row,
     touched: TouchedLists,
@@ -45,10 +45,10 @@ impl TouchedLists {
 enum List {
     Fresh,
     /// By place of the earlier picture.
-    Whole(usize),
-    Mixed(usize),
+    Full(usize),
+    Partial(usize),
     /// By place of the earlier picture and of the edge in [`Edge::ALL`].
-    Border(usize, usize),
+    Seam(usize, usize),
 }
 
 impl List {
@@ -58,9 +58,9 @@ impl List {
     fn index(self) -> usize {
         match self {
             Self::Fresh => 0,
-            Self::Whole(age) => 1 + age * Self::OF_AGE,
-            Self::Mixed(age) => 2 + age * Self::OF_AGE,
-            Self::Border(age, edge) => 3 + age * Self::OF_AGE + edge,
+            Self::Full(age) => 1 + age * Self::OF_AGE,
+            Self::Partial(age) => 2 + age * Self::OF_AGE,
+            Self::Seam(age, edge) => 3 + age * Self::OF_AGE + edge,
         }
     }
 
@@ -68,9 +68,9 @@ impl List {
         let Some(index) = index.checked_sub(1) else { return Self::Fresh };
         let age = index / Self::OF_AGE;
         match index % Self::OF_AGE {
-            0 => Self::Whole(age),
-            1 => Self::Mixed(age),
-            edge => Self::Border(age, edge - 2),
+            0 => Self::Full(age),
+            1 => Self::Partial(age),
+            edge => Self::Seam(age, edge - 2),
         }
     }
 }
@@ -103,13 +103,13 @@ struct Row {
     stale: Vec<u64>,
     above: Vec<u64>,
     below: Vec<u64>,
-    /// Fresh tiles with an edge that is a border and has no earlier picture yet, by place in [`Edge::ALL`].
-    borders: [Vec<u64>; Edge::ALL.len()],
+    /// Fresh tiles with a seam that has no earlier image yet, by place in [`Edge::ALL`].
+    seams: [Vec<u64>; Edge::ALL.len()],
     /// Which of these have any tile, a bit each.
-    open_borders: u32,
+    open_seams: u32,
     /// Stale tiles that no picture so far has all of.
     left: Vec<u64>,
-    /// What each earlier picture has of those.
+    /// Coverage of those by each earlier image.
     found: [Found; MAX_AGES],
     /// Tiles with an edge in an earlier picture, by place in [`Edge::ALL`].
     found_edges: [Vec<u64>; Edge::ALL.len()],
@@ -133,22 +133,22 @@ impl TileLists {
             self.row.begin(reuse, row, border > 0.0);
             let mut looked_into = 0;
             for (index, earlier) in reuse.earlier().enumerate() {
-                if index < oldest && self.row.open_borders != 0 {
-                    self.add_borders(reuse, (index, earlier), row);
+                if index < oldest && self.row.open_seams != 0 {
+                    self.add_seams(reuse, (index, earlier), row);
                 }
                 if self.row.left.iter().any(|tiles| *tiles != 0) {
                     looked_into = index + 1;
                     let Row { left, found, .. } = &mut self.row;
                     self.places.find(reuse, (index, earlier), row, left, &mut found[index]);
-                    self.add_whole(row, index, reuse.has_moved_since(index + 1), index >= oldest);
-                } else if self.row.open_borders == 0 {
+                    self.add_full(row, index, reuse.has_moved_since(index + 1), index >= oldest);
+                } else if self.row.open_seams == 0 {
                     break;
                 }
             }
             self.row.add_rest();
             self.touched.insert(List::Fresh);
             push_all(&mut self.fresh, &self.row.fresh, row, None);
-            self.add_parts(reuse, row, looked_into);
+            self.add_partial(reuse, row, looked_into);
             self.end_row();
         }
     }
@@ -163,9 +163,9 @@ impl TileLists {
     fn list(&mut self, list: List) -> &mut TileRects {
         match list {
             List::Fresh => &mut self.fresh,
-            List::Whole(age) => &mut self.whole[age],
-            List::Mixed(age) => &mut self.mixed[age],
-            List::Border(age, edge) => &mut self.border[age][edge],
+            List::Full(age) => &mut self.full[age],
+            List::Partial(age) => &mut self.partial[age],
+            List::Seam(age, edge) => &mut self.seam[age][edge],
         }
     }
 
@@ -179,12 +179,12 @@ impl TileLists {
 
     /// How many words all lists have.
     pub fn words(&self) -> usize {
-        let of_ages = self.whole.iter().chain(&self.mixed).chain(self.border.as_flattened());
+        let of_ages = self.full.iter().chain(&self.partial).chain(self.seam.as_flattened());
         std::iter::once(&self.fresh).chain(of_ages).map(|list| list.words().len()).sum()
     }
 
     /// Adds the stale tiles that the picture at place `index` is the first to have all of; parts of them are taken where it `is_old`.
-    fn add_whole(&mut self, row: u32, index: usize, has_moved: bool, is_old: bool) {
+    fn add_full(&mut self, row: u32, index: usize, has_moved: bool, is_old: bool) {
         let Row { left, found, fresh, parts, listed, .. } = &mut self.row;
         listed.clear();
         for (word, left) in left.iter_mut().enumerate() {
@@ -195,18 +195,18 @@ impl TileLists {
             parts[word] |= if has_moved || is_old { whole } else { 0 };
         }
         if listed.iter().any(|tiles| *tiles != 0) {
-            self.touched.insert(List::Whole(index));
-            push_all(&mut self.whole[index], listed, row, None);
+            self.touched.insert(List::Full(index));
+            push_all(&mut self.full[index], listed, row, None);
         }
     }
 
-    /// Adds the edges of fresh tiles that are borders, as [`Reuse::is_border`] says, and that the picture at place `index` is the first
+    /// Adds the edges of fresh tiles that are seams, as [`Reuse::is_seam`] says, and that the picture at place `index` is the first
     /// to have.
-    fn add_borders(&mut self, reuse: &Reuse, picture: (usize, &Earlier), row: u32) {
-        let Row { borders, open_borders, found_edges, .. } = &mut self.row;
+    fn add_seams(&mut self, reuse: &Reuse, picture: (usize, &Earlier), row: u32) {
+        let Row { seams, open_seams, found_edges, .. } = &mut self.row;
         let (index, _) = picture;
-        self.places.find_edges(reuse, picture, row, borders, found_edges);
-        for (kind, (open, found)) in borders.iter_mut().zip(&*found_edges).enumerate() {
+        self.places.find_edges(reuse, picture, row, seams, found_edges);
+        for (kind, (open, found)) in seams.iter_mut().zip(&*found_edges).enumerate() {
             let mut is_open = false;
             let mut is_found = false;
             for (open, found) in open.iter_mut().zip(found) {
@@ -214,16 +214,16 @@ impl TileLists {
                 is_open |= *open != 0;
                 is_found |= *found != 0;
             }
-            *open_borders &= !(u32::from(!is_open) << kind);
+            *open_seams &= !(u32::from(!is_open) << kind);
             if is_found {
-                self.touched.insert(List::Border(index, kind));
-                push_all(&mut self.border[index][kind], found, row, Some(Edge::ALL[kind]));
+                self.touched.insert(List::Seam(index, kind));
+                push_all(&mut self.seam[index][kind], found, row, Some(Edge::ALL[kind]));
             }
         }
     }
 
     /// Adds tiles of which parts are taken to the list of each picture that has any, up to the first one that has all.
-    fn add_parts(&mut self, reuse: &Reuse, row: u32, looked_into: usize) {
+    fn add_partial(&mut self, reuse: &Reuse, row: u32, looked_into: usize) {
         let Row { parts, found, listed, .. } = &mut self.row;
         for (index, Found { all, any }) in found[..looked_into].iter().enumerate() {
             if parts.iter().all(|tiles| *tiles == 0) {
@@ -236,8 +236,8 @@ impl TileLists {
                 *parts &= !all;
             }
             if listed.iter().any(|tiles| *tiles != 0) {
-                self.touched.insert(List::Mixed(index));
-                push_all(&mut self.mixed[index], listed, row, None);
+                self.touched.insert(List::Partial(index));
+                push_all(&mut self.partial[index], listed, row, None);
             }
         }
     }
@@ -249,7 +249,7 @@ fn push_all(list: &mut TileRects, tiles: &[u64], row: u32, edge: Option<Edge>) {
 
 impl Row {
     /// Goes on to the first row of the newest picture, or to the one below; nothing was looked for yet.
-    fn begin(&mut self, reuse: &Reuse, row: u32, has_borders: bool) {
+    fn begin(&mut self, reuse: &Reuse, row: u32, has_seams: bool) {
         let tiles = reuse.now().stale;
         let [columns, _] = tiles.tiles();
         let set = |into: &mut Vec<u64>, row: i32| {
@@ -271,17 +271,17 @@ impl Row {
         self.left.clone_from(&self.stale);
         self.fresh.clear();
         self.fresh.extend_from_slice(tiles.fresh_row(row));
-        for bits in std::iter::once(&mut self.parts).chain(&mut self.borders) {
+        for bits in std::iter::once(&mut self.parts).chain(&mut self.seams) {
             bits.clear();
             bits.resize(self.stale.len(), 0);
         }
-        self.open_borders = 0;
-        if has_borders {
-            self.set_borders();
+        self.open_seams = 0;
+        if has_seams {
+            self.set_seams();
         }
     }
 
-    fn set_borders(&mut self) {
+    fn set_seams(&mut self) {
         for word in 0..self.stale.len() {
             let column = (word * bits::WORD) as i32;
             let [above, here, below] = [&self.above, &self.stale, &self.below]
@@ -299,9 +299,9 @@ impl Row {
                 corner(below[0], down, left),
                 corner(below[2], down, right),
             ];
-            for (kind, (borders, edge)) in self.borders.iter_mut().zip(edges).enumerate() {
-                borders[word] = edge & fresh;
-                self.open_borders |= u32::from(edge & fresh != 0) << kind;
+            for (kind, (seams, edge)) in self.seams.iter_mut().zip(edges).enumerate() {
+                seams[word] = edge & fresh;
+                self.open_seams |= u32::from(edge & fresh != 0) << kind;
             }
         }
     }

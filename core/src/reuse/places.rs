@@ -60,9 +60,9 @@ struct Blocks {
 #[derive(Clone, Debug, Default)]
 struct AgePlaces {
     frame: Frame,
-    /// What tiles meet.
+    /// Reach of tiles.
     tiles: Stretches<Reach>,
-    /// What their edges meet.
+    /// Reach of their edges.
     edges: Stretches<EdgeReach>,
     reaches: Reaches,
     far: Bounds,
@@ -73,8 +73,8 @@ struct AgePlaces {
 /// Rows of blocks, in stretches that are alike.
 #[derive(Clone, Debug, Default)]
 struct Stretches<Reach> {
-    /// Row of blocks after row of blocks: the column of tiles after the last one, and what each tile meets, from the end of the stretch
-    /// before; `None` where each tile has its own.
+    /// For each stretch of each row of blocks, from the end of the stretch before: the column of tiles after the last one, and the reach of
+    /// each tile; `None` if each tile has its own.
     all: Vec<(u32, Option<Reach>)>,
     /// The end of each row of blocks in `all`.
     ends: Vec<usize>,
@@ -343,8 +343,8 @@ fn fill_line([xs, ys]: &mut [Vec<f32>; 2], matrix: &Mat3, edges: &[f32], line: f
     }
 }
 
-/// The least and the greatest of the four corners of each block between two lines, with what its inside may lie beyond them. NaN stays in
-/// the least.
+/// The least and the greatest of the four corners of each block between two lines, widened by the bend of its inside. NaN stays in the
+/// least.
 fn bound(upper: &[f32], lower: &[f32], bend: f32, low: &mut [f32], high: &mut [f32]) {
     let count = low.len();
     let [a, b, c, d] = [&upper[..count], &upper[1..=count], &lower[..count], &lower[1..=count]];
@@ -357,9 +357,9 @@ fn bound(upper: &[f32], lower: &[f32], bend: f32, low: &mut [f32], high: &mut [f
     }
 }
 
-/// The most by which the inside of a block may lie beyond the range of its corners: what a matrix does to points of a picture of that size
-/// differs from what is interpolated between four of them by at most an eighth of the square of their distance times the second
-/// derivative, on each axis. NaN or infinite where some point of the picture is not shown.
+/// Bound of the bend of a block's inside beyond the range of its corners: a matrix maps points of an image of that size to at most an
+/// eighth of the square of their distance times the second derivative from the interpolation of four corners, on each axis. NaN or infinite
+/// where some point of the picture is not shown.
 fn bend(matrix: &Mat3, across: Vec2) -> Vec2 {
     let rows = matrix.transpose();
     let depth = |x: f32, y: f32| rows.z_axis.dot(Vec3::new(x, y, 1.0));

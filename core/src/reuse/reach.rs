@@ -29,7 +29,7 @@ pub(super) struct Frame {
     pub(super) last: [f32; 2],
     /// Whether the border cuts off the last column and row.
     is_cut: [bool; 2],
-    /// What blocks give away for rounding, tiles; negative: what they take more.
+    /// Tolerance of blocks for rounding, tiles; negative: an extension.
     given: f32,
 }
 
@@ -97,7 +97,7 @@ pub(super) struct EdgeReach {
     beyond: Beyond,
 }
 
-/// What edges meet at the left (or upper) side of a tile, from side to side, and at its right (or lower) side.
+/// Ranges of edges at the left (or upper) side of a tile, from side to side, and at its right (or lower) side.
 type EdgeRanges = [Range; 3];
 
 impl EdgeReach {
@@ -173,7 +173,7 @@ pub(super) struct Reaches {
     is_known: Vec<i32>,
     /// Not 0 for a block with another reach than the block before it.
     differs: Vec<i32>,
-    /// The same of what their edges meet.
+    /// The same for reaches of edges.
     edges_differ: Vec<i32>,
 }
 
@@ -237,8 +237,7 @@ impl Reaches {
         }
     }
 
-    /// For each stretch of blocks whose tiles meet the same: the block after its last one, and what they meet; `None` where they have to
-    /// be looked at one by one.
+    /// For each stretch of blocks with one reach: the block after its last one, and the reach; `None` if each tile has its own.
     pub(super) fn stretches(&self) -> impl Iterator<Item = (usize, Option<Reach>)> {
         stretches(&self.differs).map(|blocks| {
             let reach = (self.is_known[blocks.start] != 0).then(|| {

@@ -1,4 +1,4 @@
-//! Tiles as rectangles: what is drawn alike and lies side by side is drawn at once.
+//! Tiles as rectangles: adjacent tiles with one kind of draw are drawn at once.
 
 use crate::geometry::PixelRect;
 use bytemuck::{Pod, Zeroable};

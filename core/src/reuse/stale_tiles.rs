@@ -103,8 +103,8 @@ impl StaleTiles {
         self.words.iter().all(|word| *word == 0)
     }
 
-    /// Adds what is stale in `other`: after that, each point of the picture is stale that was so in either. With tiles of
-    /// another size, those are added that meet a stale one.
+    /// Adds the stale tiles of `other`: each point of the image is stale afterwards that was so in either. With tiles of another size,
+    /// those are added that meet a stale one.
     pub fn unite(&mut self, other: &Self) {
         if self.tiles == [0; 2] {
             return self.clone_from(other);
@@ -142,7 +142,7 @@ impl StaleTiles {
         (by_other(first) / tile_of_other) as u32..by_other(end).div_ceil(tile_of_other) as u32
     }
 
-    /// Whether a tile, by column and row, is stale; what is beyond the picture is not.
+    /// Whether a tile, by column and row, is stale; false beyond the image.
     pub fn is_stale(&self, tile: [u32; 2]) -> bool {
         let is_inside = tile[0] < self.tiles[0] && tile[1] < self.tiles[1];
         is_inside && {

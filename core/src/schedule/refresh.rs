@@ -26,9 +26,9 @@ pub struct VisibleChange {
 }
 
 impl VisibleChange {
-    /// For changes that are as wide as `width_deg` degrees, half a period of the spatial frequency that is asked about: at 8 Hz,
-    /// where eyes are most sensitive to flicker, over four square degrees, as what moves has an edge that is longer than wide, at 50
-    /// cd/m^2, a bright part of what headsets show. These are our choice.
+    /// For changes of a width of `width_deg` degrees, half a period of the spatial frequency: at 8 Hz, where flicker sensitivity peaks,
+    /// over four square degrees, as moving content has edges that are longer than wide, at 50 cd/m^2, a bright part of a headset's image.
+    /// These are our choice.
     pub fn new(width_deg: f32) -> Self {
         let stimulus = Stimulus {
             frequency_cpd: 0.5 / width_deg,

@@ -34,7 +34,7 @@ fn shaded(config: &Config) -> f32 {
     let at_once = f32::INFINITY;
     let safety = SafetySettings {
         coarsening_octaves_per_s: at_once,
-        judged_octaves_per_s: at_once,
+        contrast_octaves_per_s: at_once,
         ..settings.safety
     };
     let mut planner = Planner::new(PlanSettings { contrast_on_gpu: false, safety, ..settings });

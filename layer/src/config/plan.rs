@@ -157,7 +157,7 @@ fn update_settings(config: &Config) -> Option<UpdateSettings> {
     Some(UpdateSettings {
         schedule,
         faster_in_pursuit: config.preset != Preset::Paper && !is_paper,
-        turns: if is_paper { UpdateUnit::Tiles } else { UpdateUnit::Directions },
+        unit: if is_paper { UpdateUnit::Tiles } else { UpdateUnit::Directions },
         uncapped: is_paper || config.reuse.below_30_hz,
     })
 }

@@ -5,7 +5,7 @@ use super::compute::{ComputeLayout, ComputeSet};
 use super::pipeline::{graphics_pipeline, module_of_words};
 use super::{DeviceBuffer, Gpu, GpuError, Owned};
 use ash::vk;
-use parafovea_core::mask::ReturnParams;
+use parafovea_core::mask::EarlyReturnParams;
 use smallvec::SmallVec;
 use std::sync::Arc;
 
@@ -100,7 +100,7 @@ impl ReturnSet {
         gpu: &Arc<Gpu>,
         layout: &Arc<ReturnLayout>,
         template: vk::Buffer,
-        params: ReturnParams,
+        params: EarlyReturnParams,
     ) -> Result<Self, GpuError> {
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let params = DeviceBuffer::holding(gpu, uniform, bytemuck::bytes_of(&params))?;

@@ -1,7 +1,7 @@
 //! Whether rates and re-use pay: what frames cost goes to the gates of the models, and their answer to the Vulkan half.
 
 use crate::inputs::cost::{CpuCost, GpuCost, Late, OwnWork};
-use parafovea_core::gate::{Gate, GateMode, Gates, JudgedFrame, Techniques, Verdict};
+use parafovea_core::gate::{Gate, GateMode, Gates, MeasuredFrame, Techniques, Verdict};
 use parafovea_core::gaze::GazePhase;
 use parafovea_manifest::status::effect;
 use std::fmt;
@@ -135,14 +135,12 @@ impl Benefit {
         let was = |wanted: bool| wanted && frame.passes > 0;
         let was_on = Techniques { rates: was(frame.wanted.rates), reuse: was(frame.wanted.reuse) };
         self.had_maps |= was_on.rates || was_on.reuse;
-        self.gates.frame(&JudgedFrame {
+        self.gates.frame(&MeasuredFrame {
             time_ns: now.time_ns,
             cost_ns,
             was_on,
             phase: now.phase,
             passes: (frame.eye_passes > 0).then_some(frame.eye_passes),
-            // Time spent has no waiting in it, whatever the frame waits for.
-            waited: false,
         });
     }
 }

@@ -96,7 +96,7 @@ fn settings(unit: SensitivityUnit, safety: bool, texel: [u32; 2]) -> PlanSetting
     PlanSettings {
         rates: RateSettings::AudioVisual(model),
         safety: if safety {
-            SafetySettings { judged_octaves_per_s: 8.0, ..SafetySettings::default() }
+            SafetySettings { contrast_octaves_per_s: 8.0, ..SafetySettings::default() }
         } else {
             SafetySettings::PAPER
         },

@@ -2,7 +2,7 @@
 //! without, bit for bit.
 
 use super::*;
-use parafovea_core::mask::{DepthFormat, ReturnParams};
+use parafovea_core::mask::{DepthFormat, EarlyReturnParams};
 
 /// By a template that only shaders read, and by one that is a depth template too.
 #[test]
@@ -36,7 +36,7 @@ fn check(vulkan: &Vulkan, version: (u8, u8), eligible: Eligible, area: vk::Rect2
     let kernels = Arc::new(MaskKernels::new(gpu).unwrap());
     let map = MaskMap::new(gpu, &kernels, eligible, EXTENT, 1).unwrap();
     map.prepare(COLOR).unwrap();
-    let params = ReturnParams::new(EXTENT, eligible.format, eligible.depths).unwrap();
+    let params = EarlyReturnParams::new(EXTENT, eligible.format, eligible.depths).unwrap();
     let (buffer, memory) = vulkan.buffer_of(64, vk::BufferUsageFlags::UNIFORM_BUFFER);
     vulkan.write_memory(memory, bytemuck::bytes_of(&params));
     let buffers = [map.template().unwrap(), buffer];

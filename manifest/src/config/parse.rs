@@ -17,7 +17,7 @@ const MAX_MISSPELT: usize = 64;
 /// How similar a key must be to be proposed (Jaro-Winkler, 0..=1): admits a slip or two, and beginnings.
 const MIN_SIMILARITY: f64 = 0.8;
 
-/// The configuration that `text` states; what it does not set is as its preset has it, or keeps its default. `path` is for the errors.
+/// The configuration of `text`; options that it does not set have the value of its preset, or their default. `path` is for the errors.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Answers of Vulkan and OpenXR: whether the loaders list the layers, what the GPU can do, whether eyes are tracked.
+//! Answers of Vulkan and OpenXR: layers listed by the loaders, capabilities of the GPU, and eye tracking.
 
 use super::configuration::in_force;
 use super::layers::Layers;

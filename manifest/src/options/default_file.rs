@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use super::{Allowed, Config, OPTIONS};
 
-/// A configuration file that lists every option with its meaning, what is allowed and its default, all of
-/// them commented out: what is not set follows the defaults, also when a later version changes them.
+/// A configuration file that lists every option with its meaning, allowed values and default, all of them commented out: unset options
+/// follow the defaults, also when a later version changes them.
 pub fn default_file() -> String {
     let defaults = Config::default();
     let mut text = String::from(

@@ -24,7 +24,8 @@ fn set_by(preset: Preset) -> String {
     if set.is_empty() { "every default".to_owned() } else { set.join(", ") }
 }
 
-/// A Markdown page with every option, its default, allowed values and meaning, what each preset sets, and the meaning of each named value.
+/// A Markdown page with every option, its default, allowed values and meaning, the values of each preset, and the meaning of each named
+/// value.
 pub fn reference() -> String {
     let defaults = Config::default();
     let mut text = HEAD.to_owned();

@@ -1,4 +1,4 @@
-//! The debug view that `parafovea status --view` asks of an application while it runs, in place of what its configuration says.
+//! The debug view that `parafovea status --view` requests of a running application, in place of its configuration's.
 //!
 //! It is a file with the view's name beside the status, in the folder that is its user's alone, and goes with the session: the
 //! configuration stays as the user wrote it.
@@ -24,8 +24,8 @@ impl AskedView {
         Self(folder(environment).map(|folder| asked_file(&folder, pid)))
     }
 
-    /// What is asked for now; `None`: what the configuration says. What is no name of a view, or not a file that only this folder's owner
-    /// can write, asks for nothing. Never waits, and allocates nothing.
+    /// The requested view; `None` for the configuration's. What is no name of a view, or not a file that only this folder's owner can
+    /// write, asks for nothing. Never waits, and allocates nothing.
     pub fn look(&self) -> Option<DebugView> {
         let path = self.0.as_deref()?;
         let flags = libc::O_NOFOLLOW | libc::O_NONBLOCK;
@@ -40,7 +40,7 @@ impl AskedView {
     }
 }
 
-/// Asks the process `pid`, as its status calls it, for `view`; `None`: for what its configuration says. It follows within a second.
+/// Requests `view` of the process `pid`, as its status calls it; `None` for the configuration's view. It follows within a second.
 ///
 /// # Errors
 /// Nothing tells of that process, or the file system refuses.

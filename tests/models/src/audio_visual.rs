@@ -178,7 +178,7 @@ fn by_coefficients(scene: &Scene, constants: Constants, sound: Sound, coefficien
 }
 
 fn settings(constants: Constants, coefficients: Coefficients) -> PlanSettings {
-    let at_once = SafetySettings { judged_octaves_per_s: f32::INFINITY, ..SafetySettings::default() };
+    let at_once = SafetySettings { contrast_octaves_per_s: f32::INFINITY, ..SafetySettings::default() };
     let (model, safety) = match constants {
         Constants::Paper => (AudioVisual::PAPER, SafetySettings::PAPER),
         Constants::Castle => {

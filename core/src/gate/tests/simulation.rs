@@ -24,7 +24,6 @@ pub(super) struct Simulation {
     wander: f64,
     wandered: f64,
     outliers: bool,
-    waiting: bool,
     eyes: Eyes,
     /// Frames whose cost is not known yet: whether the technique was on, and the cost.
     in_flight: VecDeque<(bool, u64)>,
@@ -43,7 +42,6 @@ impl Simulation {
             wander: 0.0,
             wandered: 0.0,
             outliers: false,
-            waiting: false,
             eyes: Eyes::Move,
             in_flight: VecDeque::new(),
             latency: 0,
@@ -89,10 +87,6 @@ impl Simulation {
         Self { outliers: true, ..self }
     }
 
-    pub(super) fn waiting(self) -> Self {
-        Self { waiting: true, ..self }
-    }
-
     pub(super) fn now(&self) -> i64 {
         self.frame * self.frame_ns
     }
@@ -122,7 +116,6 @@ impl Simulation {
             was_on: known.map_or(on, |(on, _)| on),
             phase: self.phase(),
             passes: Some(2),
-            waited: self.waiting,
         }
     }
 

@@ -15,7 +15,7 @@ const LEAST_S: f32 = 0.01;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Head {
     /// Oldest first.
-    moments: [(Quat, i64); KEPT],
+    samples: [(Quat, i64); KEPT],
     count: usize,
     /// From the space in which the head is told.
     origin: Quat,
@@ -25,7 +25,7 @@ pub(super) struct Head {
 impl Default for Head {
     /// A head of which nothing was told, which does not turn.
     fn default() -> Self {
-        Self { moments: [(Quat::IDENTITY, 0); KEPT], count: 0, origin: Quat::IDENTITY, deg_s: 0.0 }
+        Self { samples: [(Quat::IDENTITY, 0); KEPT], count: 0, origin: Quat::IDENTITY, deg_s: 0.0 }
     }
 }
 
@@ -64,7 +64,7 @@ impl Head {
     }
 
     fn newest(&self) -> Option<(Quat, i64)> {
-        self.moments[..self.count].last().copied()
+        self.samples[..self.count].last().copied()
     }
 
     fn keep(&mut self, head: Quat, time_ns: i64) {
@@ -72,19 +72,19 @@ impl Head {
             self.count -= 1;
         }
         if self.count == KEPT {
-            self.moments.rotate_left(1);
+            self.samples.rotate_left(1);
             self.count -= 1;
         }
-        self.moments[self.count] = (head, time_ns);
+        self.samples[self.count] = (head, time_ns);
         self.count += 1;
     }
 
     /// How it was turned at a time, from its own space to the world's; before the first and after the newest time that is remembered
     /// it did not turn. None where nothing was told, so that directions stay what they are in every bit.
     pub(super) fn at(&self, time_ns: i64) -> Option<Quat> {
-        let moments = &self.moments[..self.count];
-        let later = moments.partition_point(|(_, moment_ns)| *moment_ns <= time_ns);
-        let (before, after) = (later.checked_sub(1).map(|index| moments[index]), moments.get(later).copied());
+        let samples = &self.samples[..self.count];
+        let later = samples.partition_point(|(_, moment_ns)| *moment_ns <= time_ns);
+        let (before, after) = (later.checked_sub(1).map(|index| samples[index]), samples.get(later).copied());
         match (before, after) {
             (Some((before, before_ns)), Some((after, after_ns))) => {
                 let since = |ns: i64| ns.saturating_sub(before_ns) as f64;

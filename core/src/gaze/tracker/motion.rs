@@ -1,7 +1,7 @@
 //! Eye movement: rest or pursuit (a line through the samples), or jump (a saccade in flight).
 
-use super::flight::Flight;
-use super::line::{Line, Moment};
+use super::line_fit::{EyeSample, LineFit};
+use super::saccade::SaccadePath;
 use crate::gaze::GazeSettings;
 use glam::Vec3;
 
@@ -42,40 +42,40 @@ const NOISE_COUNT: u16 = 6;
 
 /// Not plausible: faster than eyes turn.
 #[derive(Debug)]
-pub(super) struct TooFast;
+pub(super) struct Implausible;
 
 /// Eye movement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motion {
-    line: Line,
+    line: LineFit,
     /// Present in a saccade.
-    flight: Option<Flight>,
+    saccade: Option<SaccadePath>,
     /// When nothing was known last, or a saccade ended.
     settled_ns: i64,
     /// Whether that was the landing of a saccade.
     has_landed: bool,
     turning: bool,
     /// A sample that was too far away, until the next one says whether the eyes are there.
-    suspect: Option<Moment>,
+    suspect: Option<EyeSample>,
     noise_deg: f32,
     interval_s: f32,
 }
 
 /// How the eyes turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Course {
+pub(super) enum EyeMovement {
     Resting,
     Turning,
-    Jumping,
+    Saccade,
 }
 
 impl Motion {
     /// Nothing is known of before.
-    pub(super) fn new(moment: Moment) -> Self {
+    pub(super) fn new(sample: EyeSample) -> Self {
         Self {
-            line: Line::new(moment),
-            flight: None,
-            settled_ns: moment.time_ns,
+            line: LineFit::new(sample),
+            saccade: None,
+            settled_ns: sample.time_ns,
             has_landed: false,
             turning: false,
             suspect: None,
@@ -86,10 +86,10 @@ impl Motion {
 
     /// Nothing is known of where the eyes were before, but still of the tracker. `late` says that this is the sample after
     /// the newest, and that the tracker may be slow.
-    pub(super) fn found_again(&self, moment: Moment, late: bool) -> Self {
-        let mut found = Self { noise_deg: self.noise_deg, interval_s: self.interval_s, ..Self::new(moment) };
+    pub(super) fn found_again(&self, sample: EyeSample, late: bool) -> Self {
+        let mut found = Self { noise_deg: self.noise_deg, interval_s: self.interval_s, ..Self::new(sample) };
         if late {
-            found.note_interval(moment.seconds_since(self.newest().time_ns));
+            found.note_interval(sample.seconds_since(self.newest().time_ns));
         }
         found
     }
@@ -99,37 +99,37 @@ impl Motion {
     pub(super) fn add(
         &mut self,
         settings: &GazeSettings,
-        moment: Moment,
+        sample: EyeSample,
         head_deg_s: f32,
-    ) -> Result<(), TooFast> {
+    ) -> Result<(), Implausible> {
         let newest = *self.newest();
-        let repeated = moment.time_ns.saturating_sub(newest.time_ns) < LEAST_STEP_NS;
-        let seconds = if repeated { 0.0 } else { moment.seconds_since(newest.time_ns) };
+        let repeated = sample.time_ns.saturating_sub(newest.time_ns) < LEAST_STEP_NS;
+        let seconds = if repeated { 0.0 } else { sample.seconds_since(newest.time_ns) };
         let allowance_deg = (PURSUIT_ONSET_DEG_S + head_deg_s) * seconds.min(LONGEST_ALLOWANCE_S);
         let limit_deg = settings.least_saccade_deg.max(JUMP_SIGMAS * self.noise_deg) + allowance_deg;
-        let missed_deg = match &self.flight {
-            Some(_) => moment.angle_deg(newest.directions),
-            None => moment.angle_deg(self.line.at(moment.time_ns)),
+        let missed_deg = match &self.saccade {
+            Some(_) => sample.angle_deg(newest.directions),
+            None => sample.angle_deg(self.line.at(sample.time_ns)),
         };
         // After a sample in doubt, the next one confirms that or what was before it.
         if missed_deg > limit_deg && (self.suspect.is_some() || missed_deg > FASTEST_DEG_S * seconds) {
-            return self.doubt(moment, limit_deg);
+            return self.doubt(sample, limit_deg);
         }
         if repeated {
             return Ok(());
         }
         self.suspect = None;
         self.note_interval(seconds);
-        match self.flight {
-            Some(flight) => self.fly(settings, flight, moment, head_deg_s),
+        match self.saccade {
+            Some(saccade) => self.add_to_saccade(settings, saccade, sample, head_deg_s),
             None if missed_deg > limit_deg => {
-                let start = Moment { directions: self.line.at(newest.time_ns), ..newest };
-                self.flight = Some(Flight::new(start, moment, self.noise_deg));
+                let start = EyeSample { directions: self.line.at(newest.time_ns), ..newest };
+                self.saccade = Some(SaccadePath::new(start, sample, self.noise_deg));
                 self.turning = false;
             }
             None => {
                 self.note_noise(missed_deg);
-                self.line.add(moment, self.memory(settings));
+                self.line.add(sample, self.memory(settings));
                 self.turning = self.is_turning(settings);
             }
         }
@@ -137,8 +137,8 @@ impl Motion {
     }
 
     /// The newest sample that was believed, or the line at its time.
-    pub(super) fn newest(&self) -> &Moment {
-        self.flight.as_ref().map_or(self.line.newest(), Flight::newest)
+    pub(super) fn newest(&self) -> &EyeSample {
+        self.saccade.as_ref().map_or(self.line.newest(), SaccadePath::newest)
     }
 
     /// Where the newest sample is, if that is too far away to be believed.
@@ -146,11 +146,11 @@ impl Motion {
         self.suspect.map(|suspect| suspect.directions)
     }
 
-    pub(super) fn course(&self) -> Course {
-        match (&self.flight, self.turning) {
-            (Some(_), _) => Course::Jumping,
-            (None, true) => Course::Turning,
-            (None, false) => Course::Resting,
+    pub(super) fn movement(&self) -> EyeMovement {
+        match (&self.saccade, self.turning) {
+            (Some(_), _) => EyeMovement::Saccade,
+            (None, true) => EyeMovement::Turning,
+            (None, false) => EyeMovement::Resting,
         }
     }
 
@@ -162,8 +162,8 @@ impl Motion {
     /// When the eyes land or have landed, by the clock of the samples: of a saccade in flight once a second sample has confirmed
     /// it, and of the last thing that they did if that was a saccade.
     pub(super) fn landing_ns(&self) -> Option<i64> {
-        match &self.flight {
-            Some(flight) => (!flight.is_single()).then_some(flight.landing.time_ns),
+        match &self.saccade {
+            Some(saccade) => (!saccade.is_single()).then_some(saccade.landing.time_ns),
             None => self.has_landed.then_some(self.settled_ns),
         }
     }
@@ -175,8 +175,8 @@ impl Motion {
 
     /// Where the eyes are `ahead_s` after the newest sample, and how far that may be off where it is a prediction, degrees.
     pub(super) fn directions(&self, settings: &GazeSettings, ahead_s: f32) -> ([Vec3; 2], Option<f32>) {
-        match &self.flight {
-            Some(flight) => (flight.landing.directions, Some(flight.landing.error_deg)),
+        match &self.saccade {
+            Some(saccade) => (saccade.landing.directions, Some(saccade.landing.error_deg)),
             None if self.turning => {
                 // What they follow may have stopped anywhere on this way: the standard deviation of an even distribution.
                 let way_deg = self.line.speed_deg_s() * ahead_s.max(settings.latency_ms * 1e-3);
@@ -188,8 +188,8 @@ impl Motion {
 
     /// How fast they turn, degrees a second.
     pub(super) fn speed_deg_s(&self) -> f32 {
-        let speed = match (&self.flight, self.turning) {
-            (Some(flight), _) => flight.speed_deg_s,
+        let speed = match (&self.saccade, self.turning) {
+            (Some(saccade), _) => saccade.speed_deg_s,
             (None, true) => self.line.speed_deg_s(),
             (None, false) => 0.0,
         };
@@ -197,44 +197,50 @@ impl Motion {
     }
 
     /// A jump that no eye makes: either one sample is wrong, or the next one is there too.
-    fn doubt(&mut self, moment: Moment, limit_deg: f32) -> Result<(), TooFast> {
+    fn doubt(&mut self, sample: EyeSample, limit_deg: f32) -> Result<(), Implausible> {
         let confirmed = self.suspect.is_some_and(|suspect| {
-            let seconds = moment.seconds_since(suspect.time_ns);
-            moment.angle_deg(suspect.directions) < limit_deg.max(FASTEST_DEG_S * seconds)
-                && moment.time_ns.saturating_sub(suspect.time_ns) >= LEAST_STEP_NS
+            let seconds = sample.seconds_since(suspect.time_ns);
+            sample.angle_deg(suspect.directions) < limit_deg.max(FASTEST_DEG_S * seconds)
+                && sample.time_ns.saturating_sub(suspect.time_ns) >= LEAST_STEP_NS
         });
         if confirmed {
-            *self = self.found_again(moment, false);
+            *self = self.found_again(sample, false);
             return Ok(());
         }
-        self.suspect = Some(moment);
-        Err(TooFast)
+        self.suspect = Some(sample);
+        Err(Implausible)
     }
 
-    fn fly(&mut self, settings: &GazeSettings, flight: Flight, moment: Moment, head_deg_s: f32) {
-        let before = *flight.newest();
+    fn add_to_saccade(
+        &mut self,
+        settings: &GazeSettings,
+        saccade: SaccadePath,
+        sample: EyeSample,
+        head_deg_s: f32,
+    ) {
+        let before = *saccade.newest();
         let slow_deg_s = settings.saccade_end_deg_s.max(0.0) + head_deg_s;
-        let still_deg = slow_deg_s * moment.seconds_since(before.time_ns) + 3.0 * self.noise_deg;
-        let back_deg = moment.angle_deg(self.line.at(moment.time_ns));
-        if flight.is_single() && back_deg < settings.least_saccade_deg.max(JUMP_SIGMAS * self.noise_deg) {
+        let still_deg = slow_deg_s * sample.seconds_since(before.time_ns) + 3.0 * self.noise_deg;
+        let back_deg = sample.angle_deg(self.line.at(sample.time_ns));
+        if saccade.is_single() && back_deg < settings.least_saccade_deg.max(JUMP_SIGMAS * self.noise_deg) {
             // One sample was off, and the eyes never left.
-            self.flight = None;
-            self.line.add(moment, self.memory(settings));
-        } else if moment.angle_deg(before.directions) < still_deg {
-            self.flight = None;
-            self.line = Line::new(moment);
-            self.settled_ns = moment.time_ns;
+            self.saccade = None;
+            self.line.add(sample, self.memory(settings));
+        } else if sample.angle_deg(before.directions) < still_deg {
+            self.saccade = None;
+            self.line = LineFit::new(sample);
+            self.settled_ns = sample.time_ns;
             self.has_landed = true;
-        } else if moment.time_ns.saturating_sub(flight.first_ns()) > LONGEST_SACCADE_NS {
-            self.flight = None;
-            self.line = Line::through(&before, moment);
-            self.settled_ns = moment.time_ns;
+        } else if sample.time_ns.saturating_sub(saccade.first_ns()) > LONGEST_SACCADE_NS {
+            self.saccade = None;
+            self.line = LineFit::through(&before, sample);
+            self.settled_ns = sample.time_ns;
             self.has_landed = false;
             self.turning = true;
         } else {
-            let mut flight = flight;
-            flight.add(moment, self.noise_deg);
-            self.flight = Some(flight);
+            let mut saccade = saccade;
+            saccade.add(sample, self.noise_deg);
+            self.saccade = Some(saccade);
         }
     }
 

@@ -22,8 +22,8 @@ const FOLLOW: f32 = 0.1;
 /// Contrast that is added before two are compared, so that noise on a plain wall is no change.
 const FLOOR: f32 = 0.01;
 
-/// After so many analyses of one picture at the same rates, more of them change nothing: what is twice as much as before takes ten to be followed to
-/// within [`STEADY`], and stays from there on.
+/// Analyses of one image at the same rates after which the restored contrast no longer changes: a contrast that doubled is followed to
+/// within [`STEADY`] in ten, and stays from there on.
 pub const SETTLED: u32 = 16;
 
 /// Contrast of a tile.
@@ -36,9 +36,9 @@ pub struct Shown {
     pub rate: u32,
 }
 
-/// Puts back what the tiles of `map` do not show because they were shaded at `rates` ([`ShadingRate::texel`]; those with [`STALE`] were
-/// not shaded at all, and stay as they were known), where `previous` is what was known a frame ago and `shown` what was measured then. All four are of the
-/// same tiles; what is missing in one counts as 1x1, and as not known. `shown` takes the size of `map`.
+/// Restores contrast that `map` lacks because tiles were shaded at `rates` ([`ShadingRate::texel`]; tiles with [`STALE`] were not shaded,
+/// and keep their known contrast), from `previous`, the known contrast of the last frame, and `shown`, the contrast measured then. All four
+/// are of the same tiles; what is missing in one counts as 1x1, and as not known. `shown` takes the size of `map`.
 ///
 /// A map that judged coarse tiles by what they show would find nothing in them and keep them coarse for ever. One that
 /// only guessed would refine where the guess is too high, measure, coarsen, and guess again: hence the memory.

@@ -189,12 +189,12 @@ pub fn reuse_image(
     };
     fill(&lists.fresh, 0);
     for age in 1..=reuse.ages() {
-        fill(&lists.whole[age - 1], age);
+        fill(&lists.full[age - 1], age);
     }
     for age in (1..=reuse.ages()).rev() {
-        fill(&lists.mixed[age - 1], age);
+        fill(&lists.partial[age - 1], age);
     }
-    for (age, borders) in (1..=reuse.ages()).zip(&lists.border) {
+    for (age, borders) in (1..=reuse.ages()).zip(&lists.seam) {
         for (edge, tiles) in Edge::ALL.into_iter().zip(borders) {
             for tile in tiles.iter().flat_map(TileRect::tiles) {
                 let rect = reuse.edge(tile, edge, border);

@@ -91,8 +91,7 @@ fn shaded_blocks_and_other_layers_are_untouched() {
     }
 }
 
-/// A straight edge through blocks of a checkerboard is followed: by distance alone, 0.15 of what is on its other side
-/// would come across.
+/// A straight edge through blocks of a checkerboard is followed: by distance alone, 0.15 of its other side would come across.
 #[test]
 fn edges_are_followed() {
     let upright = |x: u32, _: u32| if x < 34 { Vec4::ZERO } else { Vec4::ONE };

@@ -31,7 +31,7 @@ fn refresh(changes: &mut Changes, ages: &mut CellAges, frame: u64) -> bool {
     changes.refresh(frame, [Vec3::NEG_Z; 2], ages)
 }
 
-/// What is found in a picture whose head has turned on since is refreshed where it is in the world.
+/// Changes in an image that was seen before the head turned are refreshed at their place in the world.
 #[test]
 fn what_changes_visibly_is_refreshed_where_it_is() {
     let (mut ages, mut changes) = (CellAges::new(), Changes::default());

@@ -1,4 +1,4 @@
-//! The loop that the kernels close: rates, what is left of a picture at these rates, its contrast, and rates again.
+//! The feedback loop of the kernels: rates, an image at these rates, its contrast, and rates again.
 
 use super::*;
 use crate::kernels::analyze::{Buffers, ContrastSettings, analyze, restore};
@@ -20,7 +20,7 @@ fn eye<'a>(contrast: &'a ContrastMap) -> EyeInput<'a> {
     }
 }
 
-/// What is drawn, and seen.
+/// A scene with its frames.
 #[derive(Clone, Copy, Debug)]
 struct Scene {
     /// Width of the noise, of its own in each frame, cd/m^2; the picture has 50 in the mean.
@@ -56,7 +56,7 @@ impl Scene {
         50.0 + detail + noise
     }
 
-    /// What the tiles show at these rates: each block what its middle would.
+    /// Luminance of tiles at these rates: each block has that of its middle.
     fn shaded(&self, rates: &Plane<u8>, frame: u64) -> Plane {
         Plane::from_fn(EXTENT[0], EXTENT[1], |x, y| {
             let rate = ShadingRate::from_texel(rates.at(x / 16, y / 16)).unwrap_or(ShadingRate::R1X1);

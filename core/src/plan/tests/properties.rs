@@ -1,4 +1,4 @@
-//! What holds for any map, gaze and orientation.
+//! Properties for any map, gaze and orientation.
 
 use super::*;
 use proptest::prelude::*;
@@ -89,10 +89,10 @@ proptest! {
     /// With any settings, whatever contrast and sound say.
     #[test]
     fn fovea_has_full_rate(
-        map in any_map(), left in ahead(), velocity_deg_s in 0.0f32..800.0, judged in any::<bool>(), cap in any::<bool>(),
+        map in any_map(), left in ahead(), velocity_deg_s in 0.0f32..800.0, by_contrast in any::<bool>(), cap in any::<bool>(),
     ) {
         let model = AudioVisual { cap: cap.then_some(map), fixed: map, ..AudioVisual::default() };
-        let rates = if judged { RateSettings::AudioVisual(model) } else { RateSettings::Fixed(map) };
+        let rates = if by_contrast { RateSettings::AudioVisual(model) } else { RateSettings::Fixed(map) };
         let tile = TileContrast { bands: [0.0; 4], adaptation_cd_m2: 1.0 };
         let plain = ContrastMap { tiles: Plane::filled(40, 35, tile) };
         let gaze = GazeState { velocity_deg_s, ..gaze(left, left) };

@@ -1,4 +1,4 @@
-//! The safety limits: what they hold, limit and leave off.
+//! The safety limits.
 
 use super::*;
 
@@ -151,7 +151,7 @@ fn rails_that_are_no_numbers_are_the_usual_ones() {
         hysteresis_deg: f32::NAN,
         hysteresis_budget: f32::NAN,
         coarsening_octaves_per_s: f32::NAN,
-        judged_octaves_per_s: f32::NAN,
+        contrast_octaves_per_s: f32::NAN,
         ..SafetySettings::default()
     };
     let planner = Planner::new(PlanSettings { safety: wild, ..fixed() });

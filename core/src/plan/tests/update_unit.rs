@@ -24,7 +24,7 @@ fn paper_display<'a>() -> PlanInput<'a> {
     PlanInput { eyes: [eye; 2], ..input() }
 }
 
-/// What tiles of 16 pixels cost: those that a region's edge cuts are rendered as often as their fastest pixel.
+/// Cost of tiles of 16 pixels: tiles across a region's edge are rendered as often as their fastest pixel.
 #[test]
 fn tiles_cost_half_a_point_more_than_pixels() {
     let paper = paper_display();
@@ -73,7 +73,7 @@ fn a_map_says_what_is_stale() {
     assert_eq!(map, expected.collect::<Vec<_>>());
 }
 
-/// A frame old, what drifts by 20 arc minutes is seen up to 14.2 degrees; two frames old, up to 29.4.
+/// A drift of 20 arc minutes is visible up to 14.2 degrees after one frame, and up to 29.4 after two.
 #[test]
 fn what_drifts_visibly_is_rendered_more_often() {
     let mut planner = Planner::new(with_schedule(UpdateConfiguration::F11223, Phase::Staggered));

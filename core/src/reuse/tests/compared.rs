@@ -43,7 +43,7 @@ fn what_is_rendered_is_compared_with_what_would_have_been_shown() {
     assert_eq!((none.count(), none.with_age(0).len(), none.with_age(9).len()), (0, 0, 0));
 }
 
-/// What is rendered in each frame is judged as if it were not.
+/// Tiles that are rendered in each frame are compared as if they were not.
 #[test]
 fn what_is_always_rendered_is_compared_with_the_oldest() {
     let fresh = set(EXTENT, [16; 2], |_, _| false);

@@ -94,9 +94,9 @@ fn borders_fade_over_their_width() {
     let share = |tile: [u32; 2], across: i8, down: i8, x: f32, y: f32| {
         let edge = Edge { across, down };
         let rect = reuse.edge(tile, edge, 4.0);
-        let (point, is_border) = (Vec2::new(x, y), reuse.is_border(tile, edge));
+        let (point, is_seam) = (Vec2::new(x, y), reuse.is_seam(tile, edge));
         assert!(point.cmpge(rect.min).all() && point.cmplt(rect.max).all(), "{point} is not in {rect:?}");
-        is_border.then(|| edge.share(&rect, point))
+        is_seam.then(|| edge.share(&rect, point))
     };
     assert_eq!(share([0, 1], 1, 0, 15.5, 20.5), Some(0.875));
     assert_eq!(share([0, 1], 1, 0, 12.5, 20.5), Some(0.125));
@@ -109,8 +109,8 @@ fn borders_fade_over_their_width() {
     let beside = set(extent, [16, 16], |column, row| row == 1 && column > 0);
     let reuse = Reuse::new(picture(extent, 0.0, &beside), [], true);
     let corner = Edge { across: -1, down: -1 };
-    assert!(!reuse.is_border([2, 2], corner), "it fades upwards");
-    assert!(reuse.is_border([0, 2], Edge { across: 1, down: -1 }));
+    assert!(!reuse.is_seam([2, 2], corner), "it fades upwards");
+    assert!(reuse.is_seam([0, 2], Edge { across: 1, down: -1 }));
 }
 
 #[test]
@@ -154,9 +154,9 @@ proptest! {
         let reuse = Reuse::new(now, earlier, true);
         let mut lists = TileLists::default();
         lists.update(&reuse, 4.0, oldest);
-        let (fresh, whole) = (tiles(&lists.fresh), lists.whole.each_ref().map(tiles));
-        let mixed = lists.mixed.each_ref().map(tiles);
-        let border = lists.border.each_ref().map(|of_age| of_age.each_ref().map(tiles));
+        let (fresh, whole) = (tiles(&lists.fresh), lists.full.each_ref().map(tiles));
+        let mixed = lists.partial.each_ref().map(tiles);
+        let border = lists.seam.each_ref().map(|of_age| of_age.each_ref().map(tiles));
         // Every pixel of the footprint was rendered in that picture.
         let is_had = |point: Vec2, index: usize| {
             let Some(source) = reuse.source(point, index + 1) else { return false };
@@ -176,7 +176,7 @@ proptest! {
             }
             for (kind, edge) in Edge::ALL.into_iter().enumerate() {
                 let listed: Vec<_> = (0..MAX_AGES).filter(|&age| border[age][kind].contains(&tile)).collect();
-                prop_assert!(listed.len() <= usize::from(reuse.is_border(tile, edge)), "{tile:?} {edge:?}");
+                prop_assert!(listed.len() <= usize::from(reuse.is_seam(tile, edge)), "{tile:?} {edge:?}");
                 for index in listed {
                     let [first, end] = reuse.pixels(&reuse.edge(tile, edge, 4.0));
                     for (x, y) in (first[1]..end[1]).flat_map(|y| (first[0]..end[0]).map(move |x| (x, y))) {

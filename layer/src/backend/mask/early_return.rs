@@ -1,6 +1,6 @@
 //! Fragment shaders that return at once in skipped blocks: SPIR-V with a test of ours in front of the application's code.
 //!
-//! The entry point becomes a function of ours, which looks up the fragment's block ([`ReturnParams`]) and calls the
+//! The entry point becomes a function of ours, which looks up the fragment's block ([`EarlyReturnParams`]) and calls the
 //! application's where that is shaded. Nothing else of the module changes, so that shaded fragments compute what they would:
 //! - Blocks of 4x4 pixels are counted from the framebuffer's corner, whatever viewport and render area are, and so are quads
 //!   of 2x2: all invocations of a quad, helpers too, have their own FragCoord and take the same way. Derivatives need no more
@@ -13,7 +13,7 @@
 //!
 //! Numbers are those of the SPIR-V specification, section 3. The result depends on the module alone: it is the same in every run.
 //!
-//! [`ReturnParams`]: parafovea_core::mask::ReturnParams
+//! [`EarlyReturnParams`]: parafovea_core::mask::EarlyReturnParams
 
 mod module;
 
@@ -49,8 +49,8 @@ pub enum NoEarlyReturn {
     Position,
 }
 
-/// Words of [`ReturnParams`](parafovea_core::mask::ReturnParams).
-const PARAMS: usize = size_of::<parafovea_core::mask::ReturnParams>() / 4;
+/// Words of [`EarlyReturnParams`](parafovea_core::mask::EarlyReturnParams).
+const PARAMS: usize = size_of::<parafovea_core::mask::EarlyReturnParams>() / 4;
 
 const MODEL_FRAGMENT: u32 = 4;
 const VERSION_1_3: u32 = 0x0001_0300;

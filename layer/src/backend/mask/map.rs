@@ -10,7 +10,11 @@ use crate::pass_detection::{Part, Target};
 use crate::rate_map::RateImage;
 use ash::vk;
 use parafovea_core::kernels::samples::SampleParams;
+<<<<<<< HEAD:layer/src/backend/mask/map.rs
 use parafovea_core::mask::{BLOCK, DepthFormat, Mask, ReturnParams, TemplateDepths};
+=======
+use parafovea_core::mask::{BLOCK, EarlyReturnParams, Mask};
+>>>>>>> names:layer/src/mask/map.rs
 use smallvec::SmallVec;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -97,7 +101,7 @@ impl MaskMap {
     pub(crate) fn return_set(&self, layout: &Arc<ReturnLayout>) -> Option<vk::DescriptorSet> {
         let make = || {
             let Eligible { format, depths, .. } = self.eligible;
-            let params = ReturnParams::new(self.extent, format, depths)?;
+            let params = EarlyReturnParams::new(self.extent, format, depths)?;
             let set = ReturnSet::new(&self.gpu, layout, self.template()?, params);
             set.inspect_err(|error| error.tell("no mask")).ok()
         };

@@ -33,7 +33,7 @@ pub(super) fn copy(recorder: &Recorder, number: usize, job: &ComposeJob, draws: 
             for (index, image) in draw.copied() {
                 let from = job.app.images()[image.app_index as usize];
                 let mut earlier = Copies::new(recorder, from, job.runtime_image());
-                let tiles = &region.lists.whole[index];
+                let tiles = &region.lists.full[index];
                 earlier.add_tiles(draw, &region.reuse, tiles, image.array_layer, Some(image.offset));
                 earlier.flush();
             }

@@ -102,7 +102,7 @@ impl<'a> Draw<'a> {
         let regions = self.reuse.into_iter();
         regions.flat_map(move |region| {
             let is_copied =
-                move |age: usize| !region.lists.whole[age].is_empty() && self.is_copied(region, age);
+                move |age: usize| !region.lists.full[age].is_empty() && self.is_copied(region, age);
             region.pictures().filter(move |(age, _)| is_copied(*age))
         })
     }
@@ -112,7 +112,7 @@ impl<'a> Draw<'a> {
         let regions = self.reuse.into_iter();
         regions.flat_map(move |region| {
             let is_sampled = move |age: usize| {
-                let is_drawn = !region.lists.whole[age].is_empty() && !self.is_copied(region, age);
+                let is_drawn = !region.lists.full[age].is_empty() && !self.is_copied(region, age);
                 is_drawn || region.has_parts(age)
             };
             region.pictures().filter(move |(age, _)| is_sampled(*age))

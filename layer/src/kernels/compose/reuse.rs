@@ -55,8 +55,8 @@ impl<'a> ReuseRegion<'a> {
 
     /// Whether parts of tiles are drawn from the picture of this index.
     pub(super) fn has_parts(&self, age: usize) -> bool {
-        !self.lists.mixed[age].is_empty()
-            || (self.border > 0.0 && !self.lists.border[age].iter().all(TileRects::is_empty))
+        !self.lists.partial[age].is_empty()
+            || (self.border > 0.0 && !self.lists.seam[age].iter().all(TileRects::is_empty))
     }
 
     fn words(&self) -> usize {
@@ -171,10 +171,10 @@ impl ReuseBuffers {
                 whole: if draw.is_copied(region, index) {
                     0..0
                 } else {
-                    self.list(slot, &[&lists.whole[index]], at)?
+                    self.list(slot, &[&lists.full[index]], at)?
                 },
-                mixed: self.list(slot, &[&lists.mixed[index]], at)?,
-                border: self.list(slot, &lists.border[index].each_ref(), at)?,
+                mixed: self.list(slot, &[&lists.partial[index]], at)?,
+                border: self.list(slot, &lists.seam[index].each_ref(), at)?,
             };
         }
         Ok(placed)
@@ -189,7 +189,7 @@ impl ReuseBuffers {
         at: &mut u32,
     ) -> Result<u32, GpuError> {
         let picture = region.reuse.pictures().nth(index);
-        match picture.filter(|_| !region.lists.mixed[index].is_empty()) {
+        match picture.filter(|_| !region.lists.partial[index].is_empty()) {
             Some(picture) => self.write(slot, picture.stale.words(), at),
             None => Ok(0),
         }

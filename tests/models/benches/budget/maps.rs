@@ -50,7 +50,7 @@ impl Way {
         let at_once = f32::INFINITY;
         let safety = SafetySettings {
             coarsening_octaves_per_s: at_once,
-            judged_octaves_per_s: at_once,
+            contrast_octaves_per_s: at_once,
             ..SafetySettings::default()
         };
         let offered: &[_] = if is_paper { &PAPER_RATES } else { &VULKAN_RATES };

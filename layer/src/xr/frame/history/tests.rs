@@ -58,7 +58,7 @@ fn stale_pictures_are_completed_from_earlier_ones() {
     assert_eq!(region.rect, shown(2).rect);
     let offset = [64, 0];
     assert_eq!(region.earlier[0], EarlierImage { app_index: 1, array_layer: 0, offset });
-    let whole: Vec<_> = region.lists.whole[0].iter().map(|rect| (rect.first(), rect.size())).collect();
+    let whole: Vec<_> = region.lists.full[0].iter().map(|rect| (rect.first(), rect.size())).collect();
     assert_eq!((whole, region.reuse.ages()), (vec![([0, 0], [2, 2])], 1));
     assert!(history.region(1, Completing::PAPER).is_none(), "the other eye has none");
 }

@@ -9,12 +9,12 @@ use glam::Vec3;
 
 /// Both eyes' directions (unit vectors) at a time.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Moment {
+pub(super) struct EyeSample {
     pub(super) directions: [Vec3; 2],
     pub(super) time_ns: i64,
 }
 
-impl Moment {
+impl EyeSample {
     /// Mean of both eyes' angles to where they are in `other`, degrees.
     pub(super) fn angle_deg(&self, other: [Vec3; 2]) -> f32 {
         let angle = |eye: usize| eccentricity(self.directions[eye], other[eye]);
@@ -29,9 +29,9 @@ impl Moment {
 
 /// The line, of both eyes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub(super) struct LineFit {
     /// Where the eyes are at the time of the newest sample.
-    newest: Moment,
+    newest: EyeSample,
     /// How they turn, a second; across the directions.
     turns: [Vec3; 2],
     /// Samples that the line is through, at least 1, no more than its memory holds.
@@ -40,40 +40,40 @@ pub(super) struct Line {
     interval_s: f32,
 }
 
-impl Line {
+impl LineFit {
     /// Nothing is known of before.
-    pub(super) fn new(moment: Moment) -> Self {
-        Self { newest: moment, turns: [Vec3::ZERO; 2], count: 1, interval_s: 0.0 }
+    pub(super) fn new(sample: EyeSample) -> Self {
+        Self { newest: sample, turns: [Vec3::ZERO; 2], count: 1, interval_s: 0.0 }
     }
 
     /// Through two samples.
-    pub(super) fn through(older: &Moment, newer: Moment) -> Self {
+    pub(super) fn through(older: &EyeSample, newer: EyeSample) -> Self {
         let mut line = Self::new(*older);
         line.add(newer, 2);
         line
     }
 
     /// Takes one more sample, after the newest. The line remembers at most `memory` of them, at least 2.
-    pub(super) fn add(&mut self, moment: Moment, memory: u16) {
-        let seconds = moment.seconds_since(self.newest.time_ns);
-        let expected = self.at(moment.time_ns);
+    pub(super) fn add(&mut self, sample: EyeSample, memory: u16) {
+        let seconds = sample.seconds_since(self.newest.time_ns);
+        let expected = self.at(sample.time_ns);
         let steps = f32::from(self.count);
         self.interval_s += (seconds - self.interval_s) / steps.min(8.0);
         self.count = (self.count + 1).min(memory.max(2));
         let n = f32::from(self.count);
         let (position, slope) = (2.0 * (2.0 * n - 1.0) / (n * (n + 1.0)), 6.0 / (n * (n + 1.0)));
         let eyes = self.newest.directions.iter_mut().zip(&mut self.turns);
-        for ((direction, turn), (seen, expected)) in eyes.zip(moment.directions.into_iter().zip(expected)) {
+        for ((direction, turn), (seen, expected)) in eyes.zip(sample.directions.into_iter().zip(expected)) {
             let missed = seen - expected;
             *direction = (expected + missed * position).normalize_or(seen);
             let turned = *turn + missed * (slope / seconds);
             *turn = turned - *direction * turned.dot(*direction);
         }
-        self.newest.time_ns = moment.time_ns;
+        self.newest.time_ns = sample.time_ns;
     }
 
     /// Where the line is, with the time of the newest sample.
-    pub(super) fn newest(&self) -> &Moment {
+    pub(super) fn newest(&self) -> &EyeSample {
         &self.newest
     }
 

@@ -5,14 +5,14 @@ use glam::Vec3;
 
 /// State of the newest sample.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Freeze {
+pub(super) struct FreezeDetector {
     directions: Option<[Vec3; 2]>,
     since_ns: i64,
     /// How far the head has turned since then, degrees, there and back.
     turned_deg: f32,
 }
 
-impl Freeze {
+impl FreezeDetector {
     /// The head has turned by so many degrees.
     pub(super) fn head_turned(&mut self, angle_deg: f32) {
         self.turned_deg += angle_deg;

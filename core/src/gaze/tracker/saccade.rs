@@ -4,7 +4,7 @@
 //! 1988), and in between it follows nearly the path of least jerk (Flash and Hogan 1985). So the samples since it left say
 //! how likely each amplitude is, and with it each place of landing.
 
-use super::line::Moment;
+use super::line_fit::EyeSample;
 use crate::geometry::eccentricity;
 use glam::{Quat, Vec3};
 
@@ -34,15 +34,15 @@ const UNSEEN_DEG: f32 = 0.6;
 /// By how much a path may differ from that of least jerk, part of its amplitude.
 const PATH_ERROR: f32 = 0.04;
 
-/// A saccade in flight.
+/// A saccade in saccade.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Flight {
+pub(super) struct SaccadePath {
     /// Where it left, and when it certainly had not left for long.
-    start: Moment,
-    moments: [Moment; KEPT],
+    start: EyeSample,
+    samples: [EyeSample; KEPT],
     count: usize,
     /// The newest sample, kept or not.
-    newest: Moment,
+    newest: EyeSample,
     /// Speed over the last step, degrees a second.
     pub(super) speed_deg_s: f32,
     /// Where it will land, as far as the newest sample tells.
@@ -59,44 +59,44 @@ pub(super) struct Landing {
     pub(super) time_ns: i64,
 }
 
-impl Flight {
+impl SaccadePath {
     /// One that has just shown; samples scatter by `noise_deg`.
-    pub(super) fn new(start: Moment, first: Moment, noise_deg: f32) -> Self {
+    pub(super) fn new(start: EyeSample, first: EyeSample, noise_deg: f32) -> Self {
         let seconds = first.seconds_since(start.time_ns);
         let speed_deg_s = first.angle_deg(start.directions) / seconds;
         let landing = Landing { directions: first.directions, error_deg: 0.0, time_ns: start.time_ns };
-        let mut flight =
-            Self { start, moments: [first; KEPT], count: 1, newest: first, speed_deg_s, landing };
-        flight.landing = flight.predicted(noise_deg);
-        flight
+        let mut saccade =
+            Self { start, samples: [first; KEPT], count: 1, newest: first, speed_deg_s, landing };
+        saccade.landing = saccade.predicted(noise_deg);
+        saccade
     }
 
     /// Takes one more sample, after the newest.
-    pub(super) fn add(&mut self, moment: Moment, noise_deg: f32) {
-        let seconds = moment.seconds_since(self.newest.time_ns);
-        self.speed_deg_s = moment.angle_deg(self.newest.directions) / seconds;
-        self.newest = moment;
-        let last = self.moments[self.count - 1];
-        let replaced = moment.time_ns.saturating_sub(last.time_ns) < KEPT_STEP_NS || self.count == KEPT;
+    pub(super) fn add(&mut self, sample: EyeSample, noise_deg: f32) {
+        let seconds = sample.seconds_since(self.newest.time_ns);
+        self.speed_deg_s = sample.angle_deg(self.newest.directions) / seconds;
+        self.newest = sample;
+        let last = self.samples[self.count - 1];
+        let replaced = sample.time_ns.saturating_sub(last.time_ns) < KEPT_STEP_NS || self.count == KEPT;
         if !(replaced && self.count > 1) {
             self.count = (self.count + 1).min(KEPT);
         }
-        self.moments[self.count - 1] = moment;
+        self.samples[self.count - 1] = sample;
         self.landing = self.predicted(noise_deg);
     }
 
-    pub(super) fn newest(&self) -> &Moment {
+    pub(super) fn newest(&self) -> &EyeSample {
         &self.newest
     }
 
     /// Whether there is one sample only.
     pub(super) fn is_single(&self) -> bool {
-        self.newest.time_ns == self.moments[0].time_ns
+        self.newest.time_ns == self.samples[0].time_ns
     }
 
     /// When its first sample was taken.
     pub(super) fn first_ns(&self) -> i64 {
-        self.moments[0].time_ns
+        self.samples[0].time_ns
     }
 
     /// Where it will land, from all samples so far.
@@ -119,10 +119,10 @@ impl Flight {
     fn amplitude(&self, start: Vec3, now: Vec3, noise_deg: f32) -> (f32, f32) {
         let away = (now - start * now.dot(start)).normalize_or_zero();
         let mut gone = [(0.0f32, 0.0f32); KEPT];
-        for (gone, moment) in gone.iter_mut().zip(&self.moments[..self.count]) {
-            let direction = middle(moment);
+        for (gone, sample) in gone.iter_mut().zip(&self.samples[..self.count]) {
+            let direction = middle(sample);
             let angle = direction.dot(away).atan2(direction.dot(start)).to_degrees();
-            *gone = (moment.seconds_since(self.start.time_ns), angle);
+            *gone = (sample.seconds_since(self.start.time_ns), angle);
         }
         let gone = &gone[..self.count];
         // It left between the sample before the start and the first that shows it.
@@ -135,7 +135,7 @@ impl Flight {
             let mut ways = 0.0f32;
             for departure in 0..DEPARTURES {
                 let left = window * f32::from(departure) / f32::from(DEPARTURES - 1) - UNSEEN_S;
-                let away = |at: f32| amplitude * way((at - left) / duration);
+                let away = |at: f32| amplitude * minimum_jerk((at - left) / duration);
                 let at_rest = (away(0.0) / scatter.hypot(UNSEEN_DEG)).powi(2);
                 let missed = |(at, angle): &(f32, f32)| ((angle - away(*at)) / scatter).powi(2);
                 ways += (-0.5 * (at_rest + gone.iter().map(missed).sum::<f32>())).exp();
@@ -166,8 +166,8 @@ fn duration_s(amplitude_deg: f32) -> f32 {
 }
 
 /// The direction between both eyes'.
-fn middle(moment: &Moment) -> Vec3 {
-    let [left, right] = moment.directions;
+fn middle(sample: &EyeSample) -> Vec3 {
+    let [left, right] = sample.directions;
     (left + right).normalize_or(left)
 }
 
@@ -177,7 +177,7 @@ fn axis(from: Vec3, to: Vec3) -> Vec3 {
 }
 
 /// The path of least jerk from 0 to 1 as time goes from 0 to 1.
-fn way(s: f32) -> f32 {
+fn minimum_jerk(s: f32) -> f32 {
     let s = s.clamp(0.0, 1.0);
     s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
 }
