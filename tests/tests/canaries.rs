@@ -19,7 +19,7 @@ const FOLLOW: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nm
 const FRAMES: u64 = 20;
 const SAVED: [u64; 2] = [1, 18];
 
-/// What goes through the layer.
+/// An application that runs through the layer.
 #[derive(Clone, Copy, PartialEq)]
 enum Work {
     /// Pictures from which colour is removed.

@@ -1,4 +1,4 @@
-//! What `debug.view` draws over the pictures of applications, and where it does not.
+//! `debug.view` over the images of applications, and applications without it.
 
 use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
 use parafovea_tests::artifacts::program;
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 const FRAMES: u64 = 24;
 const LAST: u64 = FRAMES - 1;
-/// How far the middle of what both eyes look at may be from the ray.
+/// Allowed distance of the middle of both eyes' fixation from the ray.
 const BETWEEN_EYES_DEG: f32 = 0.15;
 const NONE: &str = "preset = \"none\"\n";
 /// Nothing is done, and a live edit may change that: a device without work for the layer is inert until the next start.
@@ -205,8 +205,8 @@ fn of_guide() -> Vec<&'static str> {
     guide.lines().filter_map(|line| line.strip_prefix("$ parafovea status --view ")).collect()
 }
 
-/// What `parafovea status --view` asks for is drawn until it is not asked for any more, whether the pictures are in images of ours or in the
-/// runtime's, and the configuration stays as it is.
+/// The view of `parafovea status --view` is drawn until the request ends, both in images of ours and in the runtime's, and the
+/// configuration stays unchanged.
 #[test]
 fn parafovea_status_shows_it_in_an_application_that_runs_and_takes_it_away() {
     const EVERY: u64 = 30;
@@ -263,7 +263,7 @@ fn parafovea_status_shows_it_in_an_application_that_runs_and_takes_it_away() {
     }
 }
 
-/// Who asks for what cannot be seen is told why.
+/// A request for a view that cannot be visible gets the reason.
 #[test]
 fn parafovea_status_says_why_a_view_is_not_drawn() {
     let running = Run::new(&hello_xr(), &Scenario::new(100_000).sized(96, 96)).on(COLOURED).start().unwrap();

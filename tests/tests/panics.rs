@@ -1,4 +1,4 @@
-//! A bug of ours that panics in a hook, whichever, costs what Parafovea does, and nothing else.
+//! A bug of ours that panics in any hook turns Parafovea's techniques off, and has no other effect.
 
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};

@@ -1,4 +1,4 @@
-//! What applications tell while they run, as `parafovea status` reads it.
+//! Status of running applications, as `parafovea status` reads it.
 
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{Decision, Found, Status, Topic, read_all};
@@ -27,7 +27,7 @@ fn start(application: &Application) -> Running {
     run(application).start().unwrap()
 }
 
-/// What it tells, once that is so; panics where it never is.
+/// Its status, once it meets the condition; panics if it never does.
 fn told(running: &Running, is_so: impl Fn(&Status) -> bool) -> Status {
     let begin = Instant::now();
     let environment =
@@ -109,7 +109,7 @@ fn styles_of_the_zoo_tell() {
     }
 }
 
-/// What `parafovea status` shows of an application, second after second, until it has shown three other numbers of frames.
+/// Output of `parafovea status` for an application, second after second, until it has shown three other numbers of frames.
 fn refreshed(running: &Running) -> String {
     let mut command = Command::new(program("parafovea").unwrap());
     command.arg("status").env("XDG_RUNTIME_DIR", running.runtime_folder()).stdout(Stdio::piped());

@@ -1,4 +1,4 @@
-//! PipeWire speaks PulseAudio's protocol: what is played into it is heard as well.
+//! PipeWire speaks PulseAudio's protocol: sound that is played into it is captured as well.
 
 use parafovea_ears::heard::lines;
 use parafovea_ears::pipewire::PipeWire;

@@ -17,7 +17,7 @@ pub const DROP_BARRIER_VARIABLE: &str = "PARAFOVEA_TEST_DROP_BARRIER";
 /// The variable with the file to which each device appends a line, a [`Dropped`] as JSON, when it is destroyed.
 pub const DROP_FILE_VARIABLE: &str = "PARAFOVEA_TEST_DROP_FILE";
 
-/// What was dropped on one device.
+/// Dropped barriers of one device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Dropped {
     /// Image barriers left out, at the time of recording.

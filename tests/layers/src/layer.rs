@@ -1,5 +1,5 @@
-//! What every layer here has: creation and destruction of instances and devices, and the way to the next
-//! layer's functions. A layer adds hooks, and what it keeps for a device.
+//! Common parts of the layers: creation and destruction of instances and devices, and the way to the next layer's functions. A layer adds
+//! hooks, and what it keeps for a device.
 //!
 //! A panic ends the process: these layers are for tests, which are to notice.
 
@@ -19,7 +19,7 @@ pub(crate) trait Layer: Sized + Send + Sync + 'static {
     /// The objects that it tracks.
     fn tracked() -> &'static Tracked<Self>;
 
-    /// Calls `create`, perhaps with changes to `info`, and makes what is kept for the device.
+    /// Calls `create`, perhaps with changes to `info`, and makes the layer's state of the device.
     ///
     /// # Safety
     ///
@@ -157,7 +157,7 @@ pub(crate) unsafe fn instance_of<L: Layer>(object: impl vk::Handle) -> Option<In
     L::tracked().instances.read().unwrap_or_else(PoisonError::into_inner).get(&key).copied()
 }
 
-/// What the layer keeps for the device of a device, queue or command buffer.
+/// The layer's state of the device of a device, queue or command buffer.
 ///
 /// # Safety
 ///

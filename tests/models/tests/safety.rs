@@ -1,4 +1,4 @@
-//! The safety limits on synthetic gaze with known truth: what `cargo dev bench safety` prints, asserted of shorter scripts.
+//! The safety limits on synthetic gaze with known truth: the figures of `cargo dev bench safety`, asserted of shorter scripts.
 
 use parafovea_models::safety::{Case, When, cases, follow};
 

@@ -5,12 +5,12 @@ use crate::scenario::{Answer, Fault};
 use openxr_sys as xr;
 use std::time::Duration;
 
-/// What happens to a call.
+/// Fault of a call.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Happening {
-    /// What it returns.
+    /// Its result.
     pub result: Option<xr::Result>,
-    /// What it answers.
+    /// Its answer.
     pub answer: Answer,
     /// How much later it returns.
     pub late: Duration,
@@ -23,7 +23,7 @@ pub(crate) struct Planted {
 }
 
 impl Planted {
-    /// A call in a frame of the process: what of `faults`, always the same, happens to it.
+    /// The fault, if any of `faults`, of a call in a frame of the process; always the same.
     pub fn next(&mut self, faults: &[Fault], call: &str, frame: u64) -> Happening {
         self.calls.resize(faults.len(), 0);
         let mut happens = Happening::default();

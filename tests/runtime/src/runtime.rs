@@ -41,7 +41,7 @@ pub(crate) struct Runtime {
     pub actions: Table<xr::Action, Action>,
     /// The function that runs.
     call: &'static str,
-    /// What it answers.
+    /// Its answer.
     pub answer: Answer,
     /// How often each of the scenario's faults could have happened.
     planted: Planted,
@@ -96,7 +96,7 @@ pub(crate) fn is_in_frame(session: xr::Session) -> bool {
     runtime.sessions.get(session).is_ok_and(|session| session.frames.is_in_frame())
 }
 
-/// What the scenario has the runtime do worse.
+/// The scenario's deviations from the specification.
 pub(crate) fn quirks() -> crate::scenario::Quirks {
     RUNTIME.lock().unwrap_or_else(PoisonError::into_inner).scenario.quirks.clone()
 }
@@ -146,7 +146,7 @@ impl Runtime {
         }
     }
 
-    /// What of the scenario's faults happens to a call.
+    /// The scenario's fault of a call.
     fn next_fault(&mut self, call: &str) -> Happening {
         let happening = self.planted.next(&self.scenario.fault, call, self.frames);
         if happening != Happening::default() {

@@ -99,7 +99,7 @@ fn ellipses_stay_on_the_screen() {
     assert!(radii.len() > full.len() / 4 / 5, "only {} texels changed", radii.len());
 }
 
-/// What was skipped is filled: no texel keeps the black that the image was cleared with.
+/// Skipped texels are filled: none keeps the black of the image's clear.
 #[test]
 fn nothing_stays_black() {
     let mut visitor = Visitor::new();

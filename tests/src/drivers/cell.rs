@@ -1,4 +1,4 @@
-//! One run of a program: with which layers around ours, in which configuration, and what came of it.
+//! One run of a program: the layers around ours, the configuration, and the outcome.
 
 use super::program::{FRAMES, Program};
 use crate::HarnessError;
@@ -146,7 +146,7 @@ pub struct Engaged {
     pub has_attachments: bool,
 }
 
-/// What came of a run.
+/// Outcome of a run.
 pub struct Seen {
     /// How the program ended.
     pub end: End,

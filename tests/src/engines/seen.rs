@@ -1,4 +1,4 @@
-//! What came of one run of an engine.
+//! Outcome of one run of an engine.
 
 use parafovea_manifest::status::{Status, Topic};
 use parafovea_test_layers::SampleCount;
@@ -22,7 +22,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Of what the engine printed, the layer logged, and the layer that counts samples wrote.
+    /// From the engine's output, the layer's log, and the lines of the layer that counts samples.
     ///
     /// # Errors
     /// The engine did not say what its frames cost.

@@ -1,4 +1,4 @@
-//! A gaze from a file drives a run, the same in every one; and what is recorded can be played.
+//! A gaze from a file drives a run, the same in every one; and a recording can be played.
 
 use super::{following, run, scenario};
 use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};

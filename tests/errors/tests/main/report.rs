@@ -1,4 +1,4 @@
-//! What a report says, and when there is none.
+//! Content of reports, and clips without one.
 
 use crate::scene::{SIDE, blurred, clip, held, noisy};
 use parafovea_errors::{Clip, JudgeError, Metric, RING_NAMES, RINGS, Viewing, judge};

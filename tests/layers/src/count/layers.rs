@@ -1,4 +1,4 @@
-//! The layers themselves: what each counts, which hooks it has besides those that all have, and what it reports.
+//! The layers themselves: counts, hooks besides the common ones, and report of each.
 
 use super::buffers::Sums;
 use super::recording::{counting_of_device, draw, draw_indexed, draw_indexed_indirect, draw_indirect};

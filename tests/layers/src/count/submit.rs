@@ -57,7 +57,7 @@ unsafe extern "system" fn queue_submit2<L: Counting>(
     }
 }
 
-/// Reads what is left of the buffers' last submits, then submits them.
+/// Reads the remaining results of the buffers' last submits, then submits them.
 ///
 /// # Safety
 ///

@@ -78,7 +78,7 @@ pub(super) unsafe extern "system" fn create(
     }
 }
 
-/// What is known of an attachment when the framebuffer is made.
+/// Facts about an attachment at the creation of the framebuffer.
 struct Attachment {
     usage: vk::ImageUsageFlags,
     width: u32,

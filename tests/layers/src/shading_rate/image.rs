@@ -22,7 +22,7 @@ impl Image {
     }
 }
 
-/// A view, or what is known of one of an image of the swapchain: nothing.
+/// A view; without facts for a view of an image of the swapchain.
 #[derive(Clone, Copy)]
 pub(super) struct View {
     pub image: vk::Image,

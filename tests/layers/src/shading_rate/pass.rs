@@ -1,4 +1,4 @@
-//! The begin and end of passes: what they say of rates is checked and taken out, and the map is copied ahead.
+//! The begin and end of passes: their rate attachments are checked and removed, and the map is copied ahead.
 
 use super::barrier::note;
 use super::chain::{find, slice};
@@ -134,7 +134,7 @@ unsafe fn render_pass_begins(buffer: vk::CommandBuffer, info: &vk::RenderPassBeg
     }
 }
 
-/// What a render pass's begin says of all its subpasses.
+/// Facts of all subpasses from a render pass's begin.
 struct Described {
     form: &'static str,
     layers: u32,

@@ -1,4 +1,4 @@
-//! What a physical device says of itself: the next layer's answers, and the extension.
+//! Answers about a physical device: the next layer's, and the extension.
 
 use super::Emulator;
 use super::chain::{LeftOut, find};

@@ -1,4 +1,4 @@
-//! Command buffers, and what was recorded into them.
+//! Command buffers with their recorded commands.
 
 use super::capture::Capture;
 use super::chain::slice;
@@ -14,14 +14,14 @@ use super::{emulator, submit};
 use ash::vk;
 use std::sync::Arc;
 
-/// A command buffer, and what was recorded since it was begun.
+/// A command buffer, with the commands recorded since its begin.
 #[derive(Default)]
 pub(super) struct Recording {
     pub events: Vec<Event>,
     pub passes: Vec<RecordedPass>,
     pub current: Option<Current>,
     pub pipeline: Option<Arc<Pipeline>>,
-    /// What vkCmdSetFragmentShadingRateKHR set, while no pipeline with a rate of its own was bound.
+    /// Rate of vkCmdSetFragmentShadingRateKHR, while no pipeline with a rate of its own was bound.
     pub set_rate: Option<Rate>,
     /// Draws of a secondary buffer in the pass of a primary one.
     continued: Draws,
@@ -220,7 +220,7 @@ pub(super) unsafe extern "system" fn reset(
     }
 }
 
-/// Takes back what a buffer recorded, once its last submit was read.
+/// Returns a buffer's captures, once its last submit was read.
 ///
 /// # Safety
 ///

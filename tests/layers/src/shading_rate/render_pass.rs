@@ -32,7 +32,7 @@ pub(super) struct RenderPass {
     pub layouts: Vec<Layouts>,
     /// The colour attachments of the first subpass.
     pub colours: Vec<u32>,
-    /// What a dependency on what is before the render pass waits for on behalf of the rate stage.
+    /// Stages before the render pass that a dependency makes the rate stage wait for.
     pub waits_for: (vk::PipelineStageFlags2, vk::AccessFlags2),
 }
 

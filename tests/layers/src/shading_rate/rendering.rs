@@ -1,4 +1,4 @@
-//! Dynamic rendering: what it says of rates is checked and taken out.
+//! Dynamic rendering: its rate attachments are checked and removed.
 
 use super::chain::{LeftOut, find, slice};
 use super::image::{Range, View};

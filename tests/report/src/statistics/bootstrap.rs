@@ -36,9 +36,8 @@ impl Default for Bootstrap {
 }
 
 impl Bootstrap {
-    /// The interval of what `figure` finds in frames that are drawn from `frames` ones, given by their indices. Where it measures
-    /// several things in the same frames, these are paired. None where it finds nothing in more than one in twenty draws, or
-    /// there are no frames.
+    /// The interval of `figure` over frames that are drawn from `frames` ones, given by their indices. Where it measures several things in
+    /// the same frames, these are paired. None where it finds nothing in more than one in twenty draws, or there are no frames.
     pub fn interval(
         &self,
         frames: usize,
@@ -134,7 +133,7 @@ mod tests {
         assert_eq!(interval(200), one);
     }
 
-    /// Two figures of the same frames: what moves both does not make their difference unsure.
+    /// Two figures of the same frames: variation that both share does not widen the interval of their difference.
     #[test]
     fn pairs_stay_together() {
         let mut random = Rng::with_seed(3);

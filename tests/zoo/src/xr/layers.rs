@@ -7,7 +7,7 @@ use anyhow::Result;
 use openxr as xr;
 use std::ffi::c_void;
 
-/// What a frame shows.
+/// Layers of a frame.
 pub struct Layers<'a> {
     pub arrangement: Arrangement,
     pub color: &'a [Swapchain],

@@ -11,7 +11,7 @@ pub const SHADERS: &str = "
         return vec4f(at.xy / 256.0, 0.0, 1.0);
     }";
 
-/// What to draw, and how.
+/// Settings of the program.
 pub struct Drawing {
     pub asks: Asks,
     /// How often the same command buffer is submitted.
@@ -30,7 +30,7 @@ impl Default for Drawing {
     }
 }
 
-/// Draws, and returns what the program itself counted.
+/// Draws, and returns the program's own count.
 pub fn draw(drawing: Drawing) -> Option<u64> {
     let features = vk::PhysicalDeviceFeatures::default().pipeline_statistics_query(drawing.own_query);
     let device = Device::new(vk::API_VERSION_1_3, features, drawing.asks);
