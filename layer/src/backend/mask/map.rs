@@ -10,11 +10,7 @@ use crate::pass_detection::{Part, Target};
 use crate::rate_map::RateImage;
 use ash::vk;
 use parafovea_core::kernels::samples::SampleParams;
-<<<<<<< HEAD:layer/src/backend/mask/map.rs
-use parafovea_core::mask::{BLOCK, DepthFormat, Mask, ReturnParams, TemplateDepths};
-=======
-use parafovea_core::mask::{BLOCK, EarlyReturnParams, Mask};
->>>>>>> names:layer/src/mask/map.rs
+use parafovea_core::mask::{BLOCK, DepthFormat, EarlyReturnParams, Mask, TemplateDepths};
 use smallvec::SmallVec;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
