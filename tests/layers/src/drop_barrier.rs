@@ -92,6 +92,8 @@ unsafe fn slice<'a, T>(first: *const T, count: u32) -> &'a [T] {
     unsafe { std::slice::from_raw_parts(first, count as usize) }
 }
 
+/// # Safety
+/// As `vkCmdPipelineBarrier`.
 unsafe extern "system" fn pipeline_barrier(
     buffer: vk::CommandBuffer,
     src_stage: vk::PipelineStageFlags,
@@ -130,6 +132,8 @@ unsafe extern "system" fn pipeline_barrier(
     }
 }
 
+/// # Safety
+/// As `vkCmdPipelineBarrier2`.
 unsafe extern "system" fn pipeline_barrier2(
     buffer: vk::CommandBuffer,
     dependency: *const vk::DependencyInfo<'_>,

@@ -121,6 +121,8 @@ impl Layer for Emulator {
         &TRACKED
     }
 
+    /// # Safety
+    /// As [`Layer::create_device`].
     unsafe fn create_device(
         instance: &Instance,
         physical_device: vk::PhysicalDevice,

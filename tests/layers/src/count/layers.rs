@@ -28,6 +28,8 @@ macro_rules! counting_layers {
                 &TRACKED
             }
 
+            /// # Safety
+            /// As [`Layer::create_device`].
             unsafe fn create_device(
                 instance: &Instance,
                 physical_device: vk::PhysicalDevice,
@@ -115,6 +117,9 @@ fn report_times(sums: Sums) {
 }
 
 /// An application that makes occlusion queries would begin them while one of the layer `samples` is active.
+///
+/// # Safety
+/// As `vkCreateQueryPool`.
 unsafe extern "system" fn create_query_pool(
     device: vk::Device,
     info: *const vk::QueryPoolCreateInfo<'_>,

@@ -21,6 +21,8 @@ pub(super) struct Framebuffer {
 
 const KIND: &str = "framebuffer";
 
+/// # Safety
+/// As `vkCreateFramebuffer`.
 pub(super) unsafe extern "system" fn create(
     device: vk::Device,
     info: *const vk::FramebufferCreateInfo<'_>,
@@ -147,6 +149,8 @@ fn check(
     }
 }
 
+/// # Safety
+/// As `vkDestroyFramebuffer`.
 pub(super) unsafe extern "system" fn destroy(
     device: vk::Device,
     framebuffer: vk::Framebuffer,

@@ -195,6 +195,8 @@ pub(super) fn finish(emulator: &Emulator) {
     }
 }
 
+/// # Safety
+/// As `vkQueueSubmit`.
 pub(super) unsafe extern "system" fn queue_submit(
     queue: vk::Queue,
     count: u32,
@@ -229,6 +231,8 @@ pub(super) unsafe extern "system" fn queue_submit(
     }
 }
 
+/// # Safety
+/// As `vkQueueSubmit2`.
 pub(super) unsafe extern "system" fn queue_submit2(
     queue: vk::Queue,
     count: u32,
