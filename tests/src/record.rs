@@ -1,7 +1,7 @@
 //! The mock runtime's record of a run, as far as the harness needs it.
 
 use crate::HarnessError;
-use parafovea_mock_runtime::record::PLANTED;
+use parafovea_mock_runtime::record::INJECTED;
 use parafovea_test_layers::GpuTime;
 use serde::Deserialize;
 use std::path::Path;
@@ -21,7 +21,7 @@ pub struct Record {
     /// `actions_synced`.
     pub input: Vec<serde_json::Value>,
     /// Calls that a fault of the scenario happened to.
-    pub planted: u64,
+    pub injected: u64,
 }
 
 /// One `xrEndFrame`.
@@ -109,7 +109,7 @@ impl Record {
                 Line::Frame(frame) => record.frames.push(frame),
                 Line::Error(error) => record.errors.push(error),
                 Line::SwapchainCreated(swapchain) => record.swapchains.push(swapchain),
-                Line::Warning { message, .. } if message == PLANTED => record.planted += 1,
+                Line::Warning { message, .. } if message == INJECTED => record.injected += 1,
                 Line::Warning { call, message } => record.warnings.push((call, message)),
                 Line::Other => {}
             }

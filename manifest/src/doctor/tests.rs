@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 mod faults;
 
-/// A machine on which everything is as it should be, until a fault is planted.
+/// A machine on which everything is as it should be, until a fault is injected.
 struct Machine {
     folder: TempDir,
     variables: Vec<(&'static str, OsString)>,

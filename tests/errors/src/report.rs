@@ -26,7 +26,7 @@ pub struct Row {
     pub pixels: u64,
 }
 
-/// One eye's picture.
+/// One eye buffer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EyeSummary {
     /// Columns and rows.

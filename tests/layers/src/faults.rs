@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::ffi::CStr;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The variable with the fault to plant, a [`VulkanFault`] as JSON; without it calls are only counted.
+/// The variable with the fault to inject, a [`VulkanFault`] as JSON; without it calls are only counted.
 pub const FAULT_VARIABLE: &str = "PARAFOVEA_TEST_FAULT";
 
 /// The variable with the file to which each device appends a line, a [`FaultReport`] as JSON, when it is destroyed.

@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The message of the warning that the record has for each call that a fault of the scenario happens to.
-pub const PLANTED: &str = "a fault of the scenario";
+pub const INJECTED: &str = "a fault of the scenario";
 
 /// One line of `record.jsonl`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

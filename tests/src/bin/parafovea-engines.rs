@@ -24,7 +24,7 @@ struct Request {
     json: bool,
     /// Timed runs in each mode.
     turns: u32,
-    /// Size of an eye's picture, per cent of Monado's 320x240.
+    /// Size of an eye buffer, per cent of Monado's 320x240.
     scale: u32,
     /// Checks beside times.
     checks: Checks,

@@ -18,7 +18,7 @@ pub struct Finding {
     pub app: String,
     /// `rates.gate`.
     pub gate: &'static str,
-    /// Width and height of an eye's picture, pixels.
+    /// Width and height of an eye buffer, pixels.
     pub eye: [u32; 2],
     /// Timed frames in each mode, all turns together.
     pub frames: usize,

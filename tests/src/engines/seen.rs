@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 /// A run.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
-    /// Width and height of an eye's picture, pixels.
+    /// Width and height of an eye buffer, pixels.
     pub eye: [u32; 2],
     /// CPU time of a frame in each round, milliseconds: all threads of the application's process.
     pub cpu_ms: Vec<f64>,

@@ -13,7 +13,7 @@ use crate::run::{Application, Run};
 use crate::scenario::{ClockMode, Head, Scenario, ScenarioExt};
 use serde::Serialize;
 
-/// Width and height of an eye's picture, pixels.
+/// Width and height of an eye buffer, pixels.
 const SIDE: u32 = 2160;
 
 /// The application's own work of a frame before it draws, microseconds: a tenth of a frame.

@@ -263,7 +263,7 @@ impl Seen {
                 .iter()
                 .flat_map(|&frame| (0..2).filter_map(move |view| picture(view, frame)))
                 .collect(),
-            hits: outcome.record.planted + faults.iter().map(|report| report.failed).sum::<u64>(),
+            hits: outcome.record.injected + faults.iter().map(|report| report.failed).sum::<u64>(),
         }
     }
 }

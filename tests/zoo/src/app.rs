@@ -19,7 +19,7 @@ pub struct App<'g> {
     pub scene: Scene,
     /// Seed of random recordings.
     pub seed: u64,
-    /// Width and height of an eye's picture.
+    /// Width and height of an eye buffer.
     pub size: [u32; 2],
     /// Images of each colour swapchain.
     pub color: Vec<Vec<Image>>,
@@ -52,7 +52,7 @@ pub struct Frame<'f> {
     pub after: RefCell<Vec<vk::CommandBuffer>>,
     /// Semaphores that the submission waits for.
     pub waits: RefCell<Vec<vk::Semaphore>>,
-    /// Width and height of the part of an eye's picture that is shown.
+    /// Width and height of the part of an eye buffer that is shown.
     pub shown: Cell<[u32; 2]>,
 }
 
@@ -92,7 +92,7 @@ impl App<'_> {
     }
 }
 
-/// Two eyes' pictures beside each other.
+/// Two eye buffers beside each other.
 pub const fn wide([width, height]: [u32; 2]) -> [u32; 2] {
     [2 * width, height]
 }

@@ -12,7 +12,7 @@ pub struct Options {
     /// Name of the style
     #[arg(long, required_unless_present_any = ["list", "devices", "shading_rates"])]
     pub style: Option<String>,
-    /// Width and height of an eye's picture, in pixels
+    /// Width and height of an eye buffer, in pixels
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=8192))]
     pub size: u32,
     /// Frames after which it asks for the end of the session

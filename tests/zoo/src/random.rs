@@ -29,7 +29,7 @@ pub const STYLE: Style = Style {
     ..Style::PLAIN
 };
 
-/// Canvases beside the eyes' pictures.
+/// Canvases beside the eye buffers.
 const CANVASES: usize = 4;
 
 /// Things that are done in a frame before the eyes are drawn.

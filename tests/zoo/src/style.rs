@@ -5,7 +5,7 @@ use crate::support::Needs;
 use crate::truth::PassTruth;
 use anyhow::Result;
 
-/// How the eyes' pictures lie in swapchains.
+/// How the eye buffers lie in swapchains.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Arrangement {
     /// A swapchain for each eye.
@@ -35,7 +35,7 @@ pub struct Style {
     pub needs: Needs,
     /// First Vulkan headers (1.3.N) whose validation knows its features; 0: any.
     pub headers: u32,
-    /// Where the eyes' pictures are.
+    /// Where the eye buffers are.
     pub arrangement: Arrangement,
     /// Threads of its calls.
     pub threads: Threads,

@@ -1,5 +1,5 @@
 //! Every style on a device that looks as if it had shading rates, with rings that stay where they are: the passes of an
-//! eye's picture have coarser texels once they are known, all others none, and all that is done is right for the extension.
+//! eye buffer have coarser texels once they are known, all others none, and all that is done is right for the extension.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 

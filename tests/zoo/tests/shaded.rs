@@ -24,7 +24,7 @@ use parafovea_zoo::{Queues, Style};
 use std::process::ExitCode;
 use trial::{skip_unless_run, trial};
 
-/// Side of an eye's picture, pixels. Rings are rounded up to blocks of 16, which are wider than rings in much smaller pictures.
+/// Side of an eye buffer, pixels. Rings are rounded up to blocks of 16, which are wider than rings in much smaller pictures.
 const SIZE: u32 = 768;
 
 /// Counted frames: those in which every eligible pass has a mask.

@@ -13,7 +13,7 @@ use crate::renderer::{DEPTH_FORMAT, FoveatedImage, Foveator, Pass, Rect, Rendere
 
 const EYES: usize = 2;
 
-/// Where an eye's picture is.
+/// Where an eye buffer is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Slot {
     swapchain: usize,

@@ -51,7 +51,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// The first two are as large as an eye's picture.
+    /// The first two are as large as an eye buffer.
     pub fn new(app: &App, numbers: &mut fastrand::Rng, number: usize) -> Result<Self> {
         let gpu = app.gpu;
         let sizes = [app.size, app.size.map(|length| length / 2), [2 * app.size[0], app.size[1]]];
