@@ -23,7 +23,7 @@ fn chroma_attenuation_adds_no_fragments_of_the_application() {
 /// The scene draws front to back, so few of its fragments pass the depth test and are then hidden. With its own template, each pixel is
 /// either shaded or filled, by a pass of the scene's too: what the template hides is not among the samples.
 #[test]
-fn what_a_depth_template_hides_is_not_among_the_samples() {
+fn fragments_behind_a_depth_template_are_not_among_the_samples() {
     let samples = |frames: u64, arguments: &[&str]| {
         let application = Application::ours("parafovea-scene", arguments).unwrap();
         let run = Run::new(&application, &Scenario::new(frames).sized(128, 128)).counted();

@@ -176,7 +176,7 @@ fn rates_that_the_gpu_decided_are_drawn() {
 
 /// A picture that is submitted again, without being drawn anew, has the dot where the eyes look by then.
 #[test]
-fn what_is_drawn_follows_where_a_picture_is_only_submitted_again() {
+fn overlays_follow_the_gaze_on_resubmitted_images() {
     const SHOWN: u64 = 8;
     let mut scenario = Scenario::new(1000).sized(192, 160).saving(&(0..SHOWN).collect::<Vec<_>>());
     let gaze = |t, yaw_deg| Gaze { t, yaw_deg, pitch_deg: 0.0, tracked: true };

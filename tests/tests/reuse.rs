@@ -139,7 +139,7 @@ fn config_of_refresh(refresh: bool) -> String {
 
 /// People who walk in the periphery are not seen where they were some frames ago.
 #[test]
-fn what_moves_is_rendered_at_once() {
+fn moving_content_is_rendered_at_once() {
     let frames = RUN_UP + 14;
     let saved: Vec<u64> = (frames - 6..frames).collect();
     let scenario = Scenario::new(frames).sized(320, 320).saving(&saved);
@@ -156,7 +156,7 @@ fn what_moves_is_rendered_at_once() {
 
 /// Where nothing moves nothing is rendered beyond its turn, whether the head turns or not.
 #[test]
-fn what_stands_still_keeps_its_turn() {
+fn content_at_rest_follows_the_schedule() {
     let frames = RUN_UP + 14;
     for speed in [0.0, 60.0] {
         let scenario = turning(Scenario::new(frames).sized(320, 320), speed);
@@ -266,7 +266,7 @@ fn rendered(outcome: &Outcome, frames: u64) -> f64 {
 
 /// Near content is found at its place as the head moves, if the application submits depth: as much is re-used as at rest.
 #[test]
-fn what_is_near_is_followed_by_its_depth() {
+fn near_content_is_followed_by_its_depth() {
     const CONFIG: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"off\"\nbackend = \"attachment\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n";
     let frames = RUN_UP + 12;
     let saved: Vec<u64> = (RUN_UP + 3..frames).collect();

@@ -135,7 +135,7 @@ fn refreshed(running: &Running) -> String {
 
 /// hello_xr, for which the device is made to look as if it had rates, our scene, and three styles of rendering.
 #[test]
-fn what_is_saved_is_measured_and_shown_anew_every_second() {
+fn savings_are_measured_and_updated_every_second() {
     const AUTO: &str = "preset = \"none\"\n[rates]\nmode = \"fixed\"\n[gaze]\nsource = \"centre\"\n";
     let scenario = Scenario::new(FRAMES).sized(128, 128);
     let start = |application: Application| Run::new(&application, &scenario).on(AUTO);
@@ -174,7 +174,7 @@ fn what_is_saved_is_measured_and_shown_anew_every_second() {
 }
 
 #[test]
-fn what_ends_is_told_of_no_more() {
+fn ended_applications_are_not_listed() {
     let scenario = Scenario::new(30).sized(256, 256);
     let application = Application::hello_xr("Vulkan2").unwrap();
     let running = Run::new(&application, &scenario).on("[rates]\ngate = \"off\"\n").start().unwrap();

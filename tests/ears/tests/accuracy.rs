@@ -71,12 +71,12 @@ fn differences(heard: &[Set], samples: &[f32], mode: Mode) -> Set {
 }
 
 #[test]
-fn what_is_heard_is_what_was_played() {
+fn captured_features_are_those_of_the_played_sound() {
     expect_the_samples_features(Mode::Paper, &LEVELS);
 }
 
 #[test]
-fn what_is_heard_is_what_was_played_in_the_last_moment() {
+fn captured_features_are_those_of_the_last_moment() {
     expect_the_samples_features(Mode::Default, &LEVELS[1..2]);
 }
 

@@ -8,7 +8,7 @@ use parafovea_ears::stage::{SAMPLE_RATE_HZ, application, configuration};
 use std::time::{Duration, Instant};
 
 #[test]
-fn what_is_played_into_pipewire_is_heard() {
+fn sound_played_into_pipewire_is_captured() {
     let server = PipeWire::start().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("heard.jsonl");

@@ -186,7 +186,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_detected_adds_up_by_powers() {
+    fn detection_adds_up_by_powers() {
         let mut pool = Pool::default();
         let sums = |powers| FrameSums { values: 0.0, powers, pixels: 4 };
         // One of four pixels with 2 JND, and all of them with 0.5.

@@ -19,7 +19,7 @@ fn score(method: Method, rate_hz: f64) -> Score {
 }
 
 #[test]
-fn what_either_eye_looks_at_is_at_full_rate() {
+fn the_fixation_point_of_either_eye_is_at_full_rate() {
     let safety = Radius::Inflated(foveal_radii_deg()[0]);
     for rate_hz in RATES_HZ {
         for method in [Method::Tracker, Method::TrackerWithDepth] {

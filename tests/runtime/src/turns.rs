@@ -56,7 +56,7 @@ mod tests {
 
     /// Work of another thread counts meanwhile, and work of this one after its turn has come does not.
     #[test]
-    fn what_is_done_while_a_frame_waits_is_told_apart() {
+    fn cpu_time_of_a_waiting_frame_is_separate() {
         const BUSY_NS: i64 = 50_000_000;
         let busy = || {
             let start_ns = process_cpu_ns();

@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_must_not_be_is_a_fault() {
+    fn differences_and_findings_are_faults() {
         let found = |differing_pixels, changed_pixels, coarse_maps| Comparison {
             coarse_maps,
             differing_pixels,

@@ -353,7 +353,7 @@ fn the_fifteen_faults_that_users_meet_most_are_found_with_what_to_do() {
 }
 
 #[test]
-fn what_can_be_fixed_is_well_afterwards() {
+fn fixable_faults_are_gone_after_the_fix() {
     for (name, inject, _, _) in FAULTS.iter().filter(|(.., is_fixable)| *is_fixable) {
         let mut machine = Machine::new();
         inject(&mut machine);

@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_vary_has_an_interval_of_one_point() {
+    fn constant_samples_have_an_interval_of_one_point() {
         let values = [3.0; 12];
         let interval = Bootstrap::default().interval(12, |drawn| Some(mean(&values, drawn)));
         assert_eq!(interval, Some(Interval { low: 3.0, high: 3.0 }));
