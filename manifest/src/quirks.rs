@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_version_fixed_does_not_hold_from_then_on() {
+    fn quirks_end_with_the_version_that_fixed_them() {
         let of = |version| names(RADV, "AMD Radeon (RADV NAVI31)", version, "");
         assert!(of([26, 1, 9]).contains(&"four-samples"));
         assert!(!of([26, 2, 6]).contains(&"four-samples"));

@@ -35,7 +35,7 @@ fn main() -> ExitCode {
 
 const ARGUMENTS: &str = "--json, --scenes, --techniques, --tracker, --frames, --run-up, --turns, --size, --error-frames, --error-size, --head, --system-driver, --fvvdp, --against";
 
-/// What is measured.
+/// Arguments of the bench.
 #[derive(Clone, Copy)]
 enum App {
     Scene(SceneName),
@@ -163,7 +163,7 @@ fn tracker(name: &str) -> Result<Tracker, String> {
     Tracker::named(name).ok_or_else(|| format!("unknown tracker `{name}`; allowed: {known}"))
 }
 
-/// An error with what caused it.
+/// An error with its causes.
 fn describe(error: &dyn Error) -> String {
     match error.source() {
         Some(source) => format!("{error}: {}", describe(source)),

@@ -1,10 +1,9 @@
-//! `cargo dev bench reuse [--size PIXELS] [--frames N] [--speeds A,B | --moves A,B] [--scene NAME] [--moving | --paces A,B] [--gaze]`: what
-//! re-use does to pictures while the head turns, or moves to the right by so many metres a second, as the mean squared error and the mean of FLIP outside of 10 degrees, and as flicker, 8 to 30
-//! Hz, in each ring, in paper B's mode and turned with the head; and the energy of the latter's flicker by the former's.
-//! With `--moves` the application submits depth, but for the mode "on, without depth", and rates are attachments of the stand-in for
-//! devices that have them.
-//! With `--moving` the scene moves too, with `--paces` so many times as fast as it is meant, and with `--gaze` the eyes
-//! do, three times a second.
+//! `cargo dev bench reuse [--size PIXELS] [--frames N] [--speeds A,B | --moves A,B] [--scene NAME] [--moving | --paces A,B] [--gaze]`:
+//! errors of re-use while the head turns, or moves to the right by so many metres a second, as the mean squared error and the mean of FLIP
+//! outside of 10 degrees, and as flicker, 8 to 30 Hz, in each ring, in paper B's mode and turned with the head; and the energy of the
+//! latter's flicker by the former's. With `--moves` the application submits depth, but for the mode "on, without depth", and rates are
+//! attachments of the stand-in for devices that have them. With `--moving` the scene moves too, with `--paces` so many times as fast as it
+//! is meant, and with `--gaze` the eyes do, three times a second.
 
 use glam::{Quat, Vec3};
 use parafovea_core::geometry::Fov;
@@ -127,7 +126,7 @@ impl Request {
         Ok(())
     }
 
-    /// What is compared: the mode, and whether the application submits depth.
+    /// One side of a comparison: the mode, and whether the application submits depth.
     fn modes(&self) -> &'static [(&'static str, bool)] {
         match self.has_moves {
             true => &[("paper", false), ("on", false), ("on", true)],

@@ -1,5 +1,5 @@
-//! `cargo dev bench status [--json] [--seconds N]`: what `parafovea status` shows of five applications, one after the other, and the
-//! CPU time of a core that it takes meanwhile, with that of the application's thread that tells it.
+//! `cargo dev bench status [--json] [--seconds N]`: output of `parafovea status` for five applications, one after the other, and the CPU
+//! time of a core that it takes meanwhile, with that of the application's thread that writes the status.
 
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{Status, read_all};
@@ -113,7 +113,7 @@ fn one(
     Ok(())
 }
 
-/// What is told of the application, once that is so.
+/// The application's status, once it meets the condition.
 fn told(running: &Running, is_so: impl Fn(&Status) -> bool) -> Result<Status, Failure> {
     let begin = Instant::now();
     let environment =

@@ -14,7 +14,7 @@ pub enum Library {
     MockRuntime,
     /// The Vulkan layers for tests and benches.
     TestLayers,
-    /// What counts allocations.
+    /// The library that counts allocations.
     TestAllocations,
 }
 
@@ -63,7 +63,7 @@ pub fn system_program(name: &str) -> Result<PathBuf, HarnessError> {
     found.ok_or_else(|| HarnessError::NotInstalled { name: name.to_owned() })
 }
 
-/// `target`, or what `CARGO_TARGET_DIR` makes of it.
+/// `target`, or the folder of `CARGO_TARGET_DIR`.
 ///
 /// # Errors
 /// [`HarnessError::File`] where the running program's own path is unknown.

@@ -15,7 +15,7 @@ pub const WITH_RATES: &str = "preset = \"balanced\"\n[rates]\ngate = \"on\"\n";
 /// Rounds of arithmetic for each pixel that are tried.
 pub const ITERATIONS: [u32; 8] = [0, 2, 4, 8, 16, 32, 64, 128];
 
-/// What frames cost at one cost of a pixel.
+/// Cost of frames at one cost of a pixel.
 #[derive(Clone, Debug)]
 pub struct Point {
     /// Rounds of arithmetic for each pixel.
@@ -86,7 +86,7 @@ pub fn points(
     Ok(pairs.into_iter().zip(iterations).map(point).collect())
 }
 
-/// What is measured: with so many rounds of arithmetic for each pixel, or without anything drawn.
+/// A measured workload: so many rounds of arithmetic for each pixel, or no draws.
 ///
 /// # Errors
 /// [`HarnessError::NotBuilt`].

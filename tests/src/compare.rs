@@ -1,4 +1,4 @@
-//! How two pictures of the same frame differ: the three figures of the demo's table, and what tests ask.
+//! Differences of two images of the same frame: the three figures of the demo's table, and those that tests use.
 //!
 //! All pictures are as stored: sRGB code values. `selected` chooses the pixels that count, by column and row.
 

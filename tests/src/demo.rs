@@ -32,7 +32,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::thread::ScopedJoinHandle;
 
-/// What `parafovea run` gives an application without a configuration file.
+/// Configuration of `parafovea run` without a file.
 const PRESET: &str = "preset = \"balanced\"\n";
 
 /// Half of the field in which the layer never shades coarsely, degrees: the least value of `rates.foveal_deg`.

@@ -13,14 +13,14 @@ use std::fmt::{self, Display};
 pub struct Machine {
     /// How the device is found.
     pub driver: Driver,
-    /// What it says of itself.
+    /// Its properties.
     pub device: Device,
     /// The device that the stand-in for shading rates makes of it; none: it is as it is.
     pub stand_in: Option<ShadingRateProfile>,
 }
 
 impl Machine {
-    /// What there is with a driver.
+    /// Devices of a driver.
     ///
     /// # Errors
     /// Those of the harness, and a machine without any device.

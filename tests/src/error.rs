@@ -1,4 +1,4 @@
-//! What can go wrong in the harness itself, as opposed to in the application that it runs.
+//! Errors of the harness itself, as opposed to those of the application that it runs.
 
 use std::path::{Path, PathBuf};
 
@@ -48,22 +48,22 @@ pub enum HarnessError {
         /// Why.
         source: std::io::Error,
     },
-    /// A picture, record or result is not what its format says.
+    /// An image, record or result does not have its format.
     #[error("{path}: {reason}")]
     Format {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The error.
         reason: String,
     },
-    /// The application did not do what the measurement needs; its output says more.
+    /// The application did not meet the measurement's needs; its output says more.
     #[error("{application}: {reason}\n{output}")]
     Application {
         /// Which one.
         application: String,
-        /// What was expected of it.
+        /// The expectation.
         reason: String,
-        /// The last of what it printed.
+        /// The end of its output.
         output: String,
     },
 }

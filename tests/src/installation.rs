@@ -36,7 +36,7 @@ pub enum Driver {
     /// lavapipe, where it is installed: the same pictures on every machine.
     #[default]
     Lavapipe,
-    /// What the system has: real GPUs.
+    /// Access to the system's real GPUs.
     System,
     /// One of Mesa's real drivers over a shim of the kernel's device. Programs must be started by [`Driver::command`].
     Shim(ShimDevice),

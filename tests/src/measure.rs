@@ -1,5 +1,5 @@
-//! Measuring what a frame costs and how wrong it is: several techniques on one application, by turns, so that what else
-//! the machine does falls on all of them alike.
+//! Measurement of a frame's cost and errors: several techniques on one application, in turn, so that other work of the machine affects all
+//! of them alike.
 //!
 //! A [`Subject`] is a scene with somebody in it; a [`Technique`] is what is done to it. [`time`] gives each its turns and
 //! makes [`Timing`]s of them, [`errors()`] judges the pictures, [`rows()`] and [`Summary`] print both.

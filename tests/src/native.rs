@@ -37,7 +37,7 @@ pub fn styles() -> impl Iterator<Item = &'static Style> + Clone {
     STYLES.iter().copied().filter(|style| style.can_set_rates)
 }
 
-/// Frames, and width and height of an eye's picture.
+/// Frames, and width and height of an eye buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Length {
     /// Frames of a run.

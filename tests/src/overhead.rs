@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// What stands between the application and the driver.
+/// Layers between the application and the driver.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Case {
     None,
@@ -81,7 +81,7 @@ pub struct Figure {
     pub app: String,
     /// `none`, `pass_through`, `inert` or `on`.
     pub case: &'static str,
-    /// What was measured.
+    /// The measurements.
     pub metric: &'static str,
     /// The median of the turn where it was lowest.
     pub value: f64,
@@ -154,8 +154,8 @@ pub fn recording(effort: Effort) -> Result<Vec<Figure>, HarnessError> {
     Ok(all)
 }
 
-/// Instructions of the recording thread for the same command buffer in OpenXR applications, by Valgrind's callgrind: what the
-/// machine does besides does not change them, so one turn tells.
+/// Instructions of the recording thread for the same command buffer in OpenXR applications, by Valgrind's callgrind: other work of the
+/// machine does not change them, so one turn is enough.
 ///
 /// # Errors
 /// Those of the harness, where Valgrind is not installed, and where it says no number.
@@ -208,7 +208,7 @@ fn counted_instructions(case: Case, style: &[&str]) -> Result<f64, HarnessError>
 /// Under Valgrind everything takes some fifty times as long.
 const COUNTED_TIMEOUT: Duration = Duration::from_secs(300);
 
-/// What `parafovea-overhead` prints, as far as it is used here.
+/// Output of `parafovea-overhead`, as far as it is used here.
 #[derive(Deserialize)]
 struct DrawTimes {
     record_ns_per_draw: f64,

@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_picture_is_named() {
+    fn files_that_are_no_image_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("text.png");
         std::fs::write(&path, "no picture").unwrap();

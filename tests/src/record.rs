@@ -1,7 +1,7 @@
-//! What the mock runtime recorded of a run, as far as the harness asks about it.
+//! The mock runtime's record of a run, as far as the harness needs it.
 
 use crate::HarnessError;
-use parafovea_mock_runtime::record::PLANTED;
+use parafovea_mock_runtime::record::INJECTED;
 use parafovea_test_layers::GpuTime;
 use serde::Deserialize;
 use std::path::Path;
@@ -11,17 +11,17 @@ use std::path::Path;
 pub struct Record {
     /// The frames that were ended, in order.
     pub frames: Vec<Frame>,
-    /// What the application, or the layer on its behalf, did wrong in the runtime's eyes.
+    /// Violations of the specification by the application, or by the layer on its behalf, as the runtime sees them.
     pub errors: Vec<RuntimeError>,
-    /// What is allowed, but hardly meant so: the function, and what is odd, such as structures that it does not know, in their order.
+    /// Allowed, but odd calls: the function, and the oddity, such as unknown structures, in order.
     pub warnings: Vec<(String, String)>,
     /// The swapchains as the runtime was asked for them.
     pub swapchains: Vec<serde_json::Value>,
-    /// What was attached and synchronised, in order, where the scenario asks for that: lines of the kinds
-    /// `actions_attached` and `actions_synced`.
+    /// Attached and synchronised action sets, in order, if the scenario records them: lines of the kinds `actions_attached` and
+    /// `actions_synced`.
     pub input: Vec<serde_json::Value>,
     /// Calls that a fault of the scenario happened to.
-    pub planted: u64,
+    pub injected: u64,
 }
 
 /// One `xrEndFrame`.
@@ -36,7 +36,7 @@ pub struct Frame {
     /// CPU time of the thread that called `xrEndFrame`, in nanoseconds.
     #[serde(default)]
     pub thread_cpu_ns: u64,
-    /// What of it was spent while frames waited for their turn, and others had theirs.
+    /// The part of it that was spent while frames waited for their turn, and others had theirs.
     #[serde(default)]
     pub held_cpu_ns: u64,
     /// Most memory that the process has had resident until then, KiB.
@@ -70,7 +70,7 @@ pub struct RuntimeError {
     pub call: String,
     /// Its result.
     pub result: String,
-    /// What was wrong.
+    /// The violation.
     pub message: String,
 }
 
@@ -109,7 +109,7 @@ impl Record {
                 Line::Frame(frame) => record.frames.push(frame),
                 Line::Error(error) => record.errors.push(error),
                 Line::SwapchainCreated(swapchain) => record.swapchains.push(swapchain),
-                Line::Warning { message, .. } if message == PLANTED => record.planted += 1,
+                Line::Warning { message, .. } if message == INJECTED => record.injected += 1,
                 Line::Warning { call, message } => record.warnings.push((call, message)),
                 Line::Other => {}
             }
@@ -117,8 +117,7 @@ impl Record {
         Ok(record)
     }
 
-    /// What the runtime was asked for when swapchains were created, in order, without handles, which differ in every
-    /// run.
+    /// Requests at the creation of swapchains, in order, without handles, which differ in every run.
     pub fn created(&self) -> Vec<serde_json::Value> {
         let mut swapchains = self.swapchains.clone();
         for swapchain in swapchains.iter_mut().filter_map(serde_json::Value::as_object_mut) {
@@ -127,8 +126,8 @@ impl Record {
         swapchains
     }
 
-    /// CPU time that the process spent from one `xrEndFrame` to the next, but for what it spent while it waited for its turn, in
-    /// milliseconds, without the first `run_up` frames.
+    /// CPU time of the process from one `xrEndFrame` to the next, without the time during its wait for its turn, in milliseconds, without
+    /// the first `run_up` frames.
     pub fn cpu_ms_of_frames(&self, run_up: u64) -> Vec<f64> {
         let own_ns = |frame: &Frame| frame.process_cpu_ns.saturating_sub(frame.held_cpu_ns);
         let spent = |pair: &[Frame]| own_ns(&pair[1]).saturating_sub(own_ns(&pair[0])) as f64 / 1e6;
@@ -142,8 +141,8 @@ impl Record {
         self.after(run_up).windows(2).map(spent).collect()
     }
 
-    /// What command buffers took on the GPU that were submitted from one `xrEndFrame` to the next, in milliseconds, in the
-    /// same frames as [`Self::cpu_ms_of_frames`].
+    /// GPU time of command buffers that were submitted from one `xrEndFrame` to the next, in milliseconds, in the same frames as
+    /// [`Self::cpu_ms_of_frames`].
     pub fn gpu_ms_of_frames(&self, run_up: u64, times: &[GpuTime]) -> Vec<f64> {
         let taken = |pair: &[Frame]| {
             let frame = pair[0].process_cpu_ns..pair[1].process_cpu_ns;

@@ -25,7 +25,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// What is run.
+/// The program.
 #[derive(Clone, Debug)]
 pub struct Application {
     name: String,
@@ -75,7 +75,7 @@ impl Application {
         })
     }
 
-    /// What it is called in tables and results.
+    /// Its name in tables and results.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -210,8 +210,8 @@ impl Run {
         self.test_layer(TestLayer::PassThrough).env(&TestLayer::Above.implicit_variable(), "1")
     }
 
-    /// Counts the fragments that the application shades, above our layer: what that draws itself is not counted. Counts
-    /// also the samples that pass the depth test in the application's render passes, directly below ours.
+    /// Counts the fragments that the application shades, above our layer: its own draws are not counted. Counts also the samples that pass
+    /// the depth test in the application's render passes, directly below ours.
     pub fn counted(mut self) -> Self {
         self.test_layers.insert(0, TestLayer::Samples);
         self.env(&TestLayer::Count.implicit_variable(), "1")
@@ -224,7 +224,7 @@ impl Run {
     }
 
     /// Counts the calls that come down to the driver, the application's and the layer's own, and makes those of `fault` fail, directly
-    /// below ours; [`Outcome::faults`] has what came down.
+    /// below ours; [`Outcome::faults`] has the counts.
     pub fn faulted(mut self, fault: Option<&VulkanFault>) -> Self {
         self.test_layers.insert(0, TestLayer::Faults);
         let run = self.env(&TestLayer::Calls.implicit_variable(), "1");
@@ -250,8 +250,8 @@ impl Run {
         self.test_layer(TestLayer::DropBarrier).env(DROP_BARRIER_VARIABLE, pattern)
     }
 
-    /// Makes the device look as if it had shading rates, below ours and above validation; what is drawn with them is
-    /// in [`Outcome::shading_rates`].
+    /// Makes the device look as if it had shading rates, below ours and above validation; [`Outcome::shading_rates`] has the passes with
+    /// rates.
     pub fn shading_rates(self, profile: ShadingRateProfile) -> Self {
         self.test_layer(TestLayer::ShadingRate).env(SHADING_RATE_PROFILE_VARIABLE, profile.name())
     }
@@ -421,7 +421,7 @@ impl Running {
         self.child.has_ended()
     }
 
-    /// What the layer has logged so far.
+    /// The layer's log so far.
     pub fn log(&self) -> String {
         outcome::read_logs(&self.installation.log_folder())
     }

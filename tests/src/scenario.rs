@@ -1,8 +1,8 @@
-//! Scenarios for the mock runtime, and short forms for what most runs set.
+//! Scenarios for the mock runtime, and short forms for the settings of most runs.
 
 pub use parafovea_mock_runtime::scenario::*;
 
-/// Short forms, so that a run says only what matters to it.
+/// Short forms, so that a run has only its own settings.
 pub trait ScenarioExt {
     /// So many frames with the mock runtime's defaults (two upright eyes of 90 by 90 degrees and 1024 by 1024 pixels, a
     /// still head and gaze straight ahead, simulated time), except that nothing is composited: runs are timed.

@@ -1,4 +1,4 @@
-//! Rates by what the pictures show and what is heard, in running applications.
+//! Rates by the contrast of images and by sound, in running applications.
 
 use parafovea_core::rate::ShadingRate;
 use parafovea_test_layers::{ShadingRateFinding, ShadingRateLine, ShadingRatePass, ShadingRateProfile};
@@ -21,7 +21,7 @@ const LEAST_BETWEEN: usize = 9;
 /// The test layer copies each map before its pass, and leaves it in a layout for everything.
 const COPY_OF_MAP: &str = "vkCmdCopyImageToBuffer: For optimal performance";
 
-/// What was logged where rates are decided on the CPU after all.
+/// Log line of rates that are decided on the CPU.
 const FALLS_BACK: &str = "rates by eccentricity alone";
 
 /// Tiles of 16 x 16 along the sides of a picture of 256 x 224.
@@ -290,7 +290,7 @@ fn a_scene_cut_is_followed_without_oscillation() {
     assert!(lit.iter().sum::<u32>() > 0 && by_cut > 2 * by_time, "{by_time} {by_cut}\n{}", outcome.log);
 }
 
-/// In silence rings hold: what the GPU decides and lays is then what the CPU does, to the last bit, on both backends.
+/// In silence rings hold: maps of the GPU then equal those of the CPU, to the last bit, on both backends.
 #[test]
 fn rings_from_the_gpu_are_those_of_the_cpu() {
     const FRAMES: u64 = SETTLED;

@@ -20,9 +20,9 @@ fn dearer_pixels_cost_more() {
     assert!(rows.iter().filter_map(|row| row.comparison).all(|comparison| comparison.ratio > 0.0));
 }
 
-/// What has no masks has no break-even.
+/// A style without masks has no break-even.
 #[test]
-fn what_is_measured_skips_pixels() {
+fn measured_frames_skip_pixels() {
     let effort = Effort { turns: 1, run_up: 0, frames: 60, size: 256 };
     let scenario = Scenario::new(effort.length()).sized(effort.size, effort.size);
     let samples = |config: &str| {

@@ -1,4 +1,4 @@
-//! The capturing layer sits below ours: it saves what the runtime gets.
+//! The capturing layer sits below ours: it saves the images that the runtime gets.
 
 use parafovea_test_layers::{CAPTURE_FOLDER_VARIABLE, CAPTURE_LAYER, CapturedView, capture_manifest};
 use parafovea_tests::artifacts::Library;

@@ -53,7 +53,7 @@ fn a_value_out_of_range_is_named_with_the_range() {
 }
 
 #[test]
-fn what_is_no_toml_is_named_with_its_line() {
+fn invalid_toml_is_named_with_its_line() {
     assert_one_complaint("[chroma]\nmode = \n", &["config.toml", "2"]);
 }
 

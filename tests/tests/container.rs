@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
-/// What runs inside: `/usr` cannot be written, stderr is closed.
+/// Shell script that runs a command with a read-only `/usr` and closed stderr.
 const INSIDE: &str = "mount --bind /usr /usr && mount -o remount,ro,bind /usr && exec \"$@\" 2>&-";
 /// Where namespaces are not to be had.
 const OUTSIDE: &str = "exec \"$@\" 2>&-";
@@ -66,7 +66,7 @@ impl Container {
         fs::read_to_string(self.home().join(".local/state/parafovea/hello_xr.log")).unwrap_or_default()
     }
 
-    /// Runs hello_xr, and returns with it what it added to the log.
+    /// Runs hello_xr, and returns with it the lines that it added to the log.
     fn play(&self) -> (Output, String) {
         let before = self.log().len();
         let [unshare, sh] = ["unshare", "sh"].map(|name| system_program(name).unwrap());

@@ -1,4 +1,4 @@
-//! The counting layer sits above ours: it counts what the application shades, and nothing of what we draw.
+//! The counting layer sits above ours: it counts fragments of the application, and none of our draws.
 
 use parafovea_tests::run::{Application, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
@@ -20,10 +20,10 @@ fn chroma_attenuation_adds_no_fragments_of_the_application() {
     assert_eq!(off.samples().unwrap(), on.samples().unwrap());
 }
 
-/// The scene draws front to back, so little of what it draws passes the depth test and is then hidden. With its own template,
-/// each pixel is either shaded or filled, by a pass of the scene's too: what the template hides is not among the samples.
+/// The scene draws front to back, so few of its fragments pass the depth test and are then hidden. With its own template, each pixel is
+/// either shaded or filled, by a pass of the scene's too: what the template hides is not among the samples.
 #[test]
-fn what_a_depth_template_hides_is_not_among_the_samples() {
+fn fragments_behind_a_depth_template_are_not_among_the_samples() {
     let samples = |frames: u64, arguments: &[&str]| {
         let application = Application::ours("parafovea-scene", arguments).unwrap();
         let run = Run::new(&application, &Scenario::new(frames).sized(128, 128)).counted();

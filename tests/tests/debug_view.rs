@@ -1,4 +1,4 @@
-//! What `debug.view` draws over the pictures of applications, and where it does not.
+//! `debug.view` over the images of applications, and applications without it.
 
 use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
 use parafovea_tests::artifacts::program;
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 const FRAMES: u64 = 24;
 const LAST: u64 = FRAMES - 1;
-/// How far the middle of what both eyes look at may be from the ray.
+/// Allowed distance of the middle of both eyes' fixation from the ray.
 const BETWEEN_EYES_DEG: f32 = 0.15;
 const NONE: &str = "preset = \"none\"\n";
 /// Nothing is done, and a live edit may change that: a device without work for the layer is inert until the next start.
@@ -176,7 +176,7 @@ fn rates_that_the_gpu_decided_are_drawn() {
 
 /// A picture that is submitted again, without being drawn anew, has the dot where the eyes look by then.
 #[test]
-fn what_is_drawn_follows_where_a_picture_is_only_submitted_again() {
+fn overlays_follow_the_gaze_on_resubmitted_images() {
     const SHOWN: u64 = 8;
     let mut scenario = Scenario::new(1000).sized(192, 160).saving(&(0..SHOWN).collect::<Vec<_>>());
     let gaze = |t, yaw_deg| Gaze { t, yaw_deg, pitch_deg: 0.0, tracked: true };
@@ -205,8 +205,8 @@ fn of_guide() -> Vec<&'static str> {
     guide.lines().filter_map(|line| line.strip_prefix("$ parafovea status --view ")).collect()
 }
 
-/// What `parafovea status --view` asks for is drawn until it is not asked for any more, whether the pictures are in images of ours or in the
-/// runtime's, and the configuration stays as it is.
+/// The view of `parafovea status --view` is drawn until the request ends, both in images of ours and in the runtime's, and the
+/// configuration stays unchanged.
 #[test]
 fn parafovea_status_shows_it_in_an_application_that_runs_and_takes_it_away() {
     const EVERY: u64 = 30;
@@ -263,7 +263,7 @@ fn parafovea_status_shows_it_in_an_application_that_runs_and_takes_it_away() {
     }
 }
 
-/// Who asks for what cannot be seen is told why.
+/// A request for a view that cannot be visible gets the reason.
 #[test]
 fn parafovea_status_says_why_a_view_is_not_drawn() {
     let running = Run::new(&hello_xr(), &Scenario::new(100_000).sized(96, 96)).on(COLOURED).start().unwrap();

@@ -1,4 +1,4 @@
-//! What users get, installed in folders of its own.
+//! Packages for users, installed in folders of their own.
 
 use parafovea_dist::{DistError, Parts, TEST_NAMES, archive, package};
 use parafovea_tests::artifacts::{program, system_program};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
-/// What cargo built for this test.
+/// Cargo's build for this test.
 fn parts() -> Parts {
     let built = program("parafovea").unwrap().parent().unwrap().to_owned();
     Parts::collect(&built, &Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap()

@@ -1,5 +1,5 @@
-//! The commands that README, guide and the other texts name are there, and take what they are given. What is cheap is run here or by the tests of
-//! the guide, the installer and the mock runtime; of builds, benches and reports the names are looked up.
+//! Commands in README, guide and the other texts exist, and accept their arguments. What is cheap is run here or by the tests of the guide,
+//! the installer and the mock runtime; of builds, benches and reports the names are looked up.
 
 use parafovea_tests::artifacts::program;
 use std::fs;
@@ -40,7 +40,7 @@ fn commands(text: &str) -> Vec<String> {
     all.filter(|command| is_ours(command)).collect()
 }
 
-/// What `parafovea` says to these arguments.
+/// Output of `parafovea` for these arguments.
 fn parafovea(arguments: &[&str]) -> String {
     let output = Command::new(program("parafovea").unwrap()).args(arguments).output().unwrap();
     String::from_utf8(output.stdout).unwrap()
@@ -69,7 +69,7 @@ fn packages() -> Vec<String> {
     found
 }
 
-/// The sources of a bench, and of what it reads its arguments with.
+/// The sources of a bench and of its arguments' parser.
 fn sources_of(task: &str) -> String {
     let files: &[&str] = match task {
         "report" => &["tests/report/src/main.rs", "tests/report/src/plan.rs"],

@@ -1,4 +1,4 @@
-//! The fault matrix: whatever fails, comes late or is garbage below the layer, the application sees what it sees without the layer.
+//! The fault matrix: with any failure, delay or garbage below the layer, the application sees the same as without the layer.
 //!
 //! A cell is a call, a fault of it, and a technique. `cargo dev test` runs every [`SHARE`]th cell, `cargo dev faults` all.
 

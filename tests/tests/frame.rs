@@ -39,8 +39,8 @@ fn techniques_take_turns_and_fragments_are_counted() {
     assert!(rows.iter().all(|row| row.comparison.is_none_or(|with| with.ratio.is_finite())), "{rows:#?}");
 }
 
-/// Side by side, each has its own frames, the same as alone: what needs a run-up begins sooner, and all are shown the same time of the
-/// script in what counts.
+/// Side by side, each has its own frames, the same as alone: a subject with a run-up begins sooner, and all show the same time of the
+/// script in the frames that count.
 #[test]
 fn frames_side_by_side_are_those_of_runs_alone() {
     let subject = Subject::around_a_saccade(SceneName::Street, Tracker::IDEAL);
@@ -61,7 +61,7 @@ fn frames_side_by_side_are_those_of_runs_alone() {
     }
 }
 
-/// Chroma, with nothing that hides what a late gaze does.
+/// Chroma, with nothing that hides the effect of a late gaze.
 const IMPATIENT_CHROMA: &str = "preset = \"none\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 
 fn judged(subject: &Subject, frames: u64) -> Report {

@@ -44,7 +44,7 @@ fn check(graphics: &str) {
     }
 }
 
-/// What is asked for happens, and rates are right in the eyes of the layer that stands in for them.
+/// Requested techniques are on, and rates are right by the checks of the layer that stands in for them.
 fn is_at_work(outcome: &Outcome, has_rates: bool) {
     let lines = outcome.shading_rates().unwrap();
     let wrong: Vec<_> = lines.iter().filter(|line| matches!(line, ShadingRateLine::Finding(_))).collect();

@@ -1,5 +1,5 @@
-//! Eye gaze never costs an application its input: whatever it does about actions and whatever the runtime is like, it sees and
-//! gets with the layer what it sees and gets without, in the same order.
+//! Eye gaze never costs an application its input: with any use of actions and any runtime, it sees and gets the same with the layer as
+//! without, in the same order.
 //!
 //! Each case runs twice, without the layer and with it. The layer follows the gaze in those where a gaze can be had.
 
@@ -53,7 +53,7 @@ fn run(application: &Application, scenario: &Scenario, config: Option<&str>) -> 
     run.finish().unwrap()
 }
 
-/// What the runtime was asked for about input and answered, without the layer's own part in it.
+/// Requests and answers of the runtime about input, without the layer's own part in them.
 fn input_at_the_runtime(outcome: &Outcome) -> Vec<Value> {
     outcome.record.input.iter().filter_map(without_ours).collect()
 }

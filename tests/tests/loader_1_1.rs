@@ -24,7 +24,7 @@ fn our_scene() {
     check(&Application::ours("parafovea-scene", &[]).unwrap());
 }
 
-/// Works with the new loader, and shows what it shows with the old one.
+/// Works with the new loader, with the same images as with the old one.
 fn check(application: &Application) {
     let scenario = Scenario::new(FRAMES).sized(256, 256).gazing(14.0, -6.0).saving(&[LAST]);
     let run = || Run::new(application, &scenario).validated();

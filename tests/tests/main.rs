@@ -4,7 +4,6 @@
 
 mod audio_visual;
 mod break_even;
-mod canaries;
 mod capture;
 mod configuration;
 mod container;
@@ -21,6 +20,7 @@ mod input;
 mod layer_readme;
 mod loader_1_1;
 mod memory;
+mod missing_barriers;
 mod mock_runtime_readme;
 mod native;
 mod osc;

@@ -1,4 +1,4 @@
-//! What frames leave behind in the process.
+//! Memory that frames leave behind in the process.
 
 #[cfg(target_arch = "x86_64")]
 use parafovea_tests::artifacts::Library;
@@ -9,7 +9,7 @@ use parafovea_tests::scenario::{Gaze, Head, Scenario, ScenarioExt};
 const RUN_UP: usize = 40;
 const FRAMES: usize = 120;
 
-/// A head that turns and a gaze that jumps: what kernels are given changes in every frame.
+/// A head that turns and a gaze that jumps: kernels' parameters change in every frame.
 fn scenario(frames: u64) -> Scenario {
     let head = |t: f64, yaw_deg: f32| Head { t, position: [0.0; 3], yaw_deg, pitch_deg: 0.0, roll_deg: 0.0 };
     let gaze = |t: f64, yaw_deg: f32| Gaze { t, yaw_deg, pitch_deg: 0.0, tracked: true };

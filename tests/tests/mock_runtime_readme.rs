@@ -1,4 +1,4 @@
-//! What the mock runtime's README tells others to do in their CI works.
+//! Instructions of the mock runtime's README for other projects' CI work.
 
 use parafovea_tests::artifacts::{Library, program, system_program};
 use parafovea_trial::{Lack, skip};

@@ -1,5 +1,5 @@
-//! The gaze from OSC packets: a sender of the tests drives unmodified applications on the mock runtime, in each format; and what a
-//! sender of anything else sends costs nothing but a count.
+//! The gaze from OSC packets: a sender of the tests drives unmodified applications on the mock runtime, in each format; and other packets
+//! only increase a count.
 
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{Status, read_all};

@@ -1,4 +1,4 @@
-//! The bench `overhead` runs, and says what it should.
+//! The bench `overhead` runs, and prints its figures.
 
 use parafovea_tests::overhead::{Effort, Figure, hello_xr, recording};
 

@@ -1,4 +1,4 @@
-//! A bug of ours that panics in a hook, whichever, costs what Parafovea does, and nothing else.
+//! A bug of ours that panics in any hook turns Parafovea's techniques off, and has no other effect.
 
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
@@ -11,11 +11,11 @@ const EVERYTHING: &str =
 const FRAMES: u64 = 20;
 
 /// Runs an application in which hooks panic.
-fn run(application: &Application, planted: &str) -> Outcome {
+fn run(application: &Application, injected: &str) -> Outcome {
     let scenario = Scenario::new(FRAMES).sized(64, 64).gazing(-20.0, 0.0);
-    let run = Run::new(application, &scenario).on(EVERYTHING).env("PARAFOVEA_PANIC", planted);
-    let outcome = run.finish().unwrap_or_else(|error| panic!("{planted}: {error}"));
-    outcome.expect_frames(FRAMES).unwrap_or_else(|error| panic!("{planted}: {error}"))
+    let run = Run::new(application, &scenario).on(EVERYTHING).env("PARAFOVEA_PANIC", injected);
+    let outcome = run.finish().unwrap_or_else(|error| panic!("{injected}: {error}"));
+    outcome.expect_frames(FRAMES).unwrap_or_else(|error| panic!("{injected}: {error}"))
 }
 
 /// The hooks that an application reaches.
@@ -29,12 +29,12 @@ fn survives_a_panic_in_each_hook(application: &Application, least: usize) {
     let hooks = reached(application);
     assert!(hooks.len() >= least, "only {hooks:?}");
     for call in &hooks {
-        for planted in [call.clone(), format!("{call}:after")] {
-            let outcome = run(application, &planted);
+        for injected in [call.clone(), format!("{call}:after")] {
+            let outcome = run(application, &injected);
             let told = outcome.log.lines().filter(|line| line.contains("internal error in")).count();
             // Not every hook has something to record.
-            let expected = if planted == *call { 1..=1 } else { 0..=1 };
-            assert!(expected.contains(&told), "{planted}: told {told} times\n{}", outcome.log);
+            let expected = if injected == *call { 1..=1 } else { 0..=1 };
+            assert!(expected.contains(&told), "{injected}: told {told} times\n{}", outcome.log);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What the layer does to the pictures of hello_xr and of our scene, pixel by pixel.
+//! The layer's effect on the images of hello_xr and of our scene, pixel by pixel.
 
 use glam::Vec3;
 use parafovea_core::chroma::ChromaSettings;

@@ -1,5 +1,5 @@
-//! Rate attachments, on devices that look as if they had them: what applications create and record is right for the
-//! extension, and as long as every rate is 1x1 pictures are what they are without the layer.
+//! Rate attachments, on devices that look as if they had them: the applications' objects and commands are valid for the extension, and as
+//! long as every rate is 1x1 images are the same as without the layer.
 
 use parafovea_test_layers::{
     SHADING_RATE_GPU_VARIABLE, ShadingRateFinding, ShadingRateLine, ShadingRatePass, ShadingRateProfile,
@@ -79,7 +79,8 @@ fn our_scene() {
     check(&Application::ours("parafovea-scene", &[]).unwrap());
 }
 
-/// On what says that it is a GPU, the gate looks by timestamps around command buffers, of several queues too; without any it would leave rates as they are.
+/// On a device that claims to be a GPU, the gate measures by timestamps around command buffers, of several queues too; without any it would
+/// leave rates unchanged.
 #[test]
 fn the_gate_hears_what_passes_take_on_a_gpu() {
     const FRAMES: u64 = 80;

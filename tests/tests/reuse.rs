@@ -1,4 +1,4 @@
-//! What re-use does to the pictures of our scene, against those without the layer.
+//! The effect of re-use on the images of our scene, against those without the layer.
 
 use glam::{Vec2, Vec3};
 use parafovea_core::geometry::{Fov, eccentricity};
@@ -40,7 +40,7 @@ fn finish(run: Run, frames: u64) -> Outcome {
     run.finish().unwrap().expect_frames(frames).unwrap()
 }
 
-/// Nothing moves: what is re-used is what would be rendered.
+/// Nothing moves: re-used tiles equal rendered ones.
 #[test]
 fn a_still_scene_stays_as_it_is() {
     let frames = RUN_UP + 8;
@@ -116,7 +116,7 @@ fn a_field_of_view_may_change() {
     }
 }
 
-/// What moved while nothing was rendered is not seen where it was before.
+/// Content that moved while its tile was not rendered is not visible at its old place.
 #[test]
 fn a_pause_leaves_nothing_old() {
     let frames = RUN_UP + 40;
@@ -132,14 +132,14 @@ fn a_pause_leaves_nothing_old() {
     }
 }
 
-/// With what changes rendered at once, and without.
+/// With changing content rendered at once, and without.
 fn config_of_refresh(refresh: bool) -> String {
     format!("{}refresh = {refresh}\n", config("on"))
 }
 
 /// People who walk in the periphery are not seen where they were some frames ago.
 #[test]
-fn what_moves_is_rendered_at_once() {
+fn moving_content_is_rendered_at_once() {
     let frames = RUN_UP + 14;
     let saved: Vec<u64> = (frames - 6..frames).collect();
     let scenario = Scenario::new(frames).sized(320, 320).saving(&saved);
@@ -156,7 +156,7 @@ fn what_moves_is_rendered_at_once() {
 
 /// Where nothing moves nothing is rendered beyond its turn, whether the head turns or not.
 #[test]
-fn what_stands_still_keeps_its_turn() {
+fn content_at_rest_follows_the_schedule() {
     let frames = RUN_UP + 14;
     for speed in [0.0, 60.0] {
         let scenario = turning(Scenario::new(frames).sized(320, 320), speed);
@@ -264,9 +264,9 @@ fn rendered(outcome: &Outcome, frames: u64) -> f64 {
     count(|rate| rate == "1x1") / count(|_| true)
 }
 
-/// What is near is found where it is as the head moves, where the application submits depth: as much is re-used as if it were still.
+/// Near content is found at its place as the head moves, if the application submits depth: as much is re-used as at rest.
 #[test]
-fn what_is_near_is_followed_by_its_depth() {
+fn near_content_is_followed_by_its_depth() {
     const CONFIG: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"off\"\nbackend = \"attachment\"\ngate = \"on\"\n[reuse]\nmode = \"on\"\n";
     let frames = RUN_UP + 12;
     let saved: Vec<u64> = (RUN_UP + 3..frames).collect();

@@ -1,5 +1,5 @@
-//! What the update schedule leaves of the pixels, as the device counts them, against the table of paper B ("Evaluating
-//! Foveated Frame Rate Reduction in Virtual Reality for Head-Mounted Displays").
+//! The share of pixels that the update schedule renders, as the device counts them, against the table of paper B ("Evaluating Foveated
+//! Frame Rate Reduction in Virtual Reality for Head-Mounted Displays").
 
 use parafovea_tests::run::{Application, Run};
 use parafovea_tests::scenario::{FovDegrees, Scenario, ScenarioExt};

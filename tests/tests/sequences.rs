@@ -1,10 +1,10 @@
-//! Random sequences of OpenXR calls return with the layer what they return without.
+//! Random sequences of OpenXR calls have the same results with the layer as without.
 
 use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
 use parafovea_tests::run::{Application, Outcome, Run};
 use parafovea_tests::scenario::{Scenario, ScenarioExt};
 
-/// What makes swapchains virtual, with as many images as the runtime's, and has passes recognised.
+/// A configuration that makes swapchains virtual, with as many images as the runtime's, and recognises passes.
 const EVERYTHING: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nmode = \"fixed\"\ngate = \"on\"\n[chroma]\nmode = \"default\"\n";
 
 /// In every test; all of them by `cargo dev sequences`.

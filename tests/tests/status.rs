@@ -1,4 +1,4 @@
-//! What applications tell while they run, as `parafovea status` reads it.
+//! Status of running applications, as `parafovea status` reads it.
 
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{Decision, Found, Status, Topic, read_all};
@@ -27,7 +27,7 @@ fn start(application: &Application) -> Running {
     run(application).start().unwrap()
 }
 
-/// What it tells, once that is so; panics where it never is.
+/// Its status, once it meets the condition; panics if it never does.
 fn told(running: &Running, is_so: impl Fn(&Status) -> bool) -> Status {
     let begin = Instant::now();
     let environment =
@@ -109,7 +109,7 @@ fn styles_of_the_zoo_tell() {
     }
 }
 
-/// What `parafovea status` shows of an application, second after second, until it has shown three other numbers of frames.
+/// Output of `parafovea status` for an application, second after second, until it has shown three other numbers of frames.
 fn refreshed(running: &Running) -> String {
     let mut command = Command::new(program("parafovea").unwrap());
     command.arg("status").env("XDG_RUNTIME_DIR", running.runtime_folder()).stdout(Stdio::piped());
@@ -135,7 +135,7 @@ fn refreshed(running: &Running) -> String {
 
 /// hello_xr, for which the device is made to look as if it had rates, our scene, and three styles of rendering.
 #[test]
-fn what_is_saved_is_measured_and_shown_anew_every_second() {
+fn savings_are_measured_and_updated_every_second() {
     const AUTO: &str = "preset = \"none\"\n[rates]\nmode = \"fixed\"\n[gaze]\nsource = \"centre\"\n";
     let scenario = Scenario::new(FRAMES).sized(128, 128);
     let start = |application: Application| Run::new(&application, &scenario).on(AUTO);
@@ -174,7 +174,7 @@ fn what_is_saved_is_measured_and_shown_anew_every_second() {
 }
 
 #[test]
-fn what_ends_is_told_of_no_more() {
+fn ended_applications_are_not_listed() {
     let scenario = Scenario::new(30).sized(256, 256);
     let application = Application::hello_xr("Vulkan2").unwrap();
     let running = Run::new(&application, &scenario).on("[rates]\ngate = \"off\"\n").start().unwrap();

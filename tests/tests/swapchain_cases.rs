@@ -15,7 +15,7 @@ use runs::{Finished, run};
 /// The layer with every technique off.
 const OFF: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"off\"\n";
 
-/// A case and what is expected of the layer in it.
+/// A case with its expectations of the layer.
 struct Case {
     name: &'static str,
     arguments: &'static [&'static str],
@@ -23,7 +23,7 @@ struct Case {
     format: PixelFormat,
     /// Whether the application's colour swapchains get images of ours where chroma attenuation is on.
     substituted: bool,
-    /// Width of those that keep the runtime's all the same, because of what is chained to their creation; 0: none.
+    /// Width of those that keep the runtime's swapchain, because of a structure in the chain of their creation; 0: none.
     left_alone: u32,
     /// Which frame's picture each frame shows, where not its own: in front of a runtime that is not ready for another
     /// image, the layer submits the last one again instead of making the application wait.
@@ -33,7 +33,7 @@ struct Case {
     openxr_validation: bool,
     /// Whether the application makes its swapchains in the same order in each run.
     in_order: bool,
-    /// What the runtime is to do beside the usual.
+    /// The runtime's additional behaviour.
     scenario: fn(&mut Scenario),
 }
 

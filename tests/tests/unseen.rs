@@ -52,12 +52,12 @@ fn an_application_of_vulkan_1_0_has_masks() {
 
 /// The device is inert, which is told when it is made.
 #[test]
-fn where_nothing_is_asked_for_nothing_is_missed() {
+fn no_requested_technique_needs_no_line() {
     assert_eq!(log(&Application::hello_xr("Vulkan2").unwrap(), NOTHING), [""; 0]);
 }
 
 #[test]
-fn where_rates_are_coarse_nothing_is_said() {
+fn coarse_rates_need_no_line() {
     let scene = Application::ours("parafovea-scene", &["--still"]).unwrap();
     assert_eq!(log(&scene, RATES), [""; 0]);
 }

@@ -172,10 +172,10 @@ fn messages_and_help_are_in_plain_english() {
 }
 
 #[test]
-fn planted_sentences_are_found() {
+fn bad_sentences_are_found() {
     let banned = banned();
     let count = |text: &str| complaints(text, &banned).len();
-    for planted in [
+    for sentence in [
         "What is less loud counts as this.",
         "Whoever asks for it gets it.",
         "Fine. Where the device has none, a mask does it.",
@@ -189,7 +189,7 @@ fn planted_sentences_are_found() {
         "it takes root's rights",
         "the log says why",
     ] {
-        assert!(count(planted) > 0, "{planted}");
+        assert!(count(sentence) > 0, "{sentence}");
     }
     for fine in [
         "Where does it work?",

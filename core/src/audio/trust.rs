@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_fresh_is_taken_as_it_is_and_what_is_old_is_not_taken() {
+    fn fresh_features_count_in_full_and_old_ones_not_at_all() {
         assert_eq!(LOUD.relied_on(0.15, 1.0, 0.1), Some(LOUD));
         assert_eq!(LOUD.relied_on(0.4, 1.0, 0.1), None);
         assert_eq!(LOUD.relied_on(0.4, 1.0, 0.4), Some(LOUD), "they come less often");

@@ -29,7 +29,7 @@ fn the_budget_is_the_visual_loss_that_brings_the_score_to_the_threshold() {
 }
 
 #[test]
-fn what_no_sound_has_is_worth_nothing() {
+fn features_outside_of_any_sound_give_no_budget() {
     for (gamma_ld, gamma_fq) in [
         (12.0, 0.0),
         (12.0, -1.0),

@@ -66,7 +66,7 @@ fn at_a_price_a_tile_stops_where_a_sample_is_worth_more_than_what_it_shows() {
 }
 
 #[test]
-fn what_is_no_number_is_shaded_fully() {
+fn contrast_that_is_no_number_is_shaded_fully() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         assert_eq!(coarsest([1.0; BANDS], bad, &VULKAN_RATES), ShadingRate::R1X1);
         for band in 0..BANDS {

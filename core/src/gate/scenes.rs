@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stays_away_ends_the_scene_and_its_decision_is_remembered() {
+    fn a_set_of_passes_that_stays_away_ends_the_scene_and_its_decision_is_remembered() {
         let mut scenes = Scenes::default();
         assert!(scenes.frame(Some(2), 0) && !scenes.frame(None, 60 * SECOND));
         let decision = Decision { is_on: false, evidence: Evidence::default() };

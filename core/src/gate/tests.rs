@@ -8,7 +8,7 @@ use simulation::{Eyes, Simulation};
 
 const SECOND: i64 = 1_000_000_000;
 
-/// Toggles seen with open eyes, as times, and all changes of the stand.
+/// Toggles seen with open eyes, as times, and all changes of the kept state.
 struct Run {
     visible_toggles: Vec<i64>,
     toggles: usize,
@@ -52,7 +52,7 @@ proptest! {
 
     /// A plain gain is known after three seconds, without any movement of the eyes, and stays.
     #[test]
-    fn what_is_plain_is_found_at_the_start(seed: u64, gain in 0.25f64..0.6, costs: bool) {
+    fn clear_savings_and_slowdowns_are_found_at_the_start(seed: u64, gain in 0.25f64..0.6, costs: bool) {
         let ratio = if costs { 1.0 + gain } else { 1.0 - gain };
         let mut simulation = Simulation::new(seed).ratio(ratio).noise(0.1).eyes(Eyes::Rest);
         let mut gate = Gate::new(GateMode::Auto);
@@ -62,7 +62,7 @@ proptest! {
     }
 
     /// With open eyes at most four switches in any minute, whatever frames cost; after two full trials, a control and
-    /// at most one change of the stand in ten minutes.
+    /// at most one change of the kept state in ten minutes.
     #[test]
     fn open_eyes_see_little(
         seed: u64,
@@ -84,7 +84,7 @@ proptest! {
         prop_assert!(run.visible_toggles.len() <= 4 * 3 + 3);
     }
 
-    /// Noise alone does not make it flap: at a true ratio of 1 the stand changes at most four times in an hour.
+    /// Noise alone does not make it flap: at a true ratio of 1 the kept state changes at most four times in an hour.
     #[test]
     fn noise_does_not_make_it_flap(seed: u64, noise in 0.0f64..0.5, ratio in 0.995f64..1.005) {
         let mut simulation = Simulation::new(seed).ratio(ratio).noise(noise);
@@ -201,7 +201,7 @@ fn waits_until_the_technique_works() {
 }
 
 #[test]
-fn what_is_set_holds() {
+fn modes_on_and_off_override_costs() {
     for (mode, on) in [(GateMode::On, true), (GateMode::Off, false)] {
         let mut gate = Gate::new(mode);
         let run = run(&mut Simulation::new(6).ratio(if on { 2.0 } else { 0.5 }), &mut gate, 60);
@@ -235,7 +235,7 @@ fn two_are_told_apart() {
     }
 }
 
-/// Rates become coarse within a quarter of a second of the start: those frames are no costs of the stand, or the saving looks smaller
+/// Rates become coarse within a quarter of a second of the start: those frames are no costs of the kept state, or the saving looks smaller
 /// than it is, and the first trial goes on until many later frames outweigh them.
 #[test]
 fn a_ramp_at_the_start_does_not_prolong_the_first_trial() {

@@ -47,7 +47,7 @@ impl DebugView {
 }
 
 uniform! {
-    /// Parameters of one eye's picture, the shader's uniform of the same name.
+    /// Parameters of one eye buffer, the shader's uniform of the same name.
     pub struct DebugViewParams {
         /// First pixel of the picture in its image.
         pub rect_offset: [u32; 2],

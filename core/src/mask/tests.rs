@@ -232,7 +232,7 @@ fn some_stale(rate: ShadingRate, stale: impl Fn(u32, u32) -> bool) -> Plane<u8> 
 }
 
 #[test]
-fn what_is_stale_is_skipped_and_neither_filled_nor_read() {
+fn stale_tiles_are_skipped_and_neither_filled_nor_read() {
     let checkers = |x: u32, y: u32| (x / 3 + y / 2).is_multiple_of(2);
     for rate in VULKAN_RATES {
         let tiles = some_stale(rate, checkers);

@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_together_is_one() {
+    fn adjacent_tiles_are_one_rectangle() {
         let mut rects = TileRects::default();
         for row in 0..5 {
             for column in 0..6 {

@@ -4,7 +4,7 @@ use super::{STALE, bits};
 use glam::Vec2;
 use std::ops::Range;
 
-/// The tiles of an eye's picture that are stale in a frame; all others are fresh.
+/// The tiles of an eye buffer that are stale in a frame; all others are fresh.
 ///
 /// A set of tiles is laid over pictures of other sizes proportionally, as the rates are.
 #[derive(Debug, Default)]

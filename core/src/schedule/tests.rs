@@ -104,7 +104,7 @@ fn regions_end_at_their_radii() {
 }
 
 #[test]
-fn what_cannot_be_placed_is_always_due() {
+fn directions_without_a_cell_are_always_due() {
     let schedule = Schedule::default();
     for direction in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY] {
         assert!((0..9).all(|frame| schedule.is_due(frame, direction, 3, 0)));

@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_set_holds() {
+    fn modes_on_and_off_override_costs() {
         let (mut benefit, mut clock) = (judging_rates(), (0, 0));
         benefit.set_mode(of_rates(GateMode::On));
         assert_eq!(run(&mut benefit, &mut clock, 500, 2, 3.0), [""; 0]);

@@ -4,11 +4,11 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 mod allocations;
-mod canaries;
 mod change;
 mod failures;
 mod layouts;
 mod left;
+mod missing_barriers;
 mod moved;
 mod pictures;
 mod repeated;

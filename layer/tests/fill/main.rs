@@ -158,7 +158,7 @@ fn large_pictures_are_filled_whole() {
 }
 
 #[test]
-fn what_is_not_finite_does_not_spread() {
+fn values_that_are_not_finite_do_not_spread() {
     let vulkan = Vulkan::at(vk::API_VERSION_1_1);
     let fill = Fill::new(&vulkan.gpu).unwrap();
     let mask = rings([128, 128], 1, 8);

@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn what_follows_run_is_the_applications_own() {
+    fn arguments_after_run_are_the_applications() {
         for arguments in [
             &["parafovea", "run", "--", "game", "--help", "-v"][..],
             &["parafovea", "run", "game", "--help", "-v"],

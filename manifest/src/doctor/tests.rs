@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 mod faults;
 
-/// A machine on which everything is as it should be, until a fault is planted.
+/// A machine on which everything is as it should be, until a fault is injected.
 struct Machine {
     folder: TempDir,
     variables: Vec<(&'static str, OsString)>,
@@ -149,7 +149,7 @@ fn a_healthy_machine_has_nothing_to_do() {
 }
 
 #[test]
-fn what_nobody_can_check_is_said_and_is_no_fault() {
+fn impossible_checks_are_named_and_are_no_fault() {
     let mut machine = Machine::new();
     machine.probed = Probed::default();
     let findings = machine.findings();
@@ -161,7 +161,7 @@ fn what_nobody_can_check_is_said_and_is_no_fault() {
 
 /// As RADV answers on RDNA2.
 #[test]
-fn what_a_gpu_can_give_and_its_quirks_are_told() {
+fn capabilities_and_quirks_of_the_gpu_are_reported() {
     let mut machine = Machine::new();
     *machine.probed.vulkan.as_mut().unwrap().devices.first_mut().unwrap() = Device {
         name: "AMD Radeon RX 6800 (RADV NAVI21)".to_owned(),

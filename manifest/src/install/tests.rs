@@ -203,7 +203,7 @@ fn a_plan_alone_changes_nothing() {
 }
 
 #[test]
-fn what_is_not_ours_is_neither_replaced_nor_removed() {
+fn foreign_files_are_neither_replaced_nor_removed() {
     for half in Half::BOTH {
         for content in ["", "{\"layer\": {\"name\": \"VK_LAYER_other\"}}"] {
             let machine = Machine::new();

@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read_as_the_same() {
+    fn paths_are_read_as_written() {
         for text in ["", "/a", "/\"quoted\" \\ ünd"] {
             let file = FilePath::new(text).unwrap();
             let table: toml::Table = format!("file = {}", file.to_toml()).parse().unwrap();

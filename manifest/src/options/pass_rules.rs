@@ -39,11 +39,11 @@ pub struct PassRule {
 pub enum PassKind {
     /// Not the scene.
     Exclude,
-    /// The left eye's picture.
+    /// The left eye buffer.
     Left,
-    /// The right eye's picture.
+    /// The right eye buffer.
     Right,
-    /// One eye's picture or the other's: the finer of both holds.
+    /// Either eye buffer: the finer of both maps applies.
     Either,
     /// Both eyes beside each other, the left one on the left.
     DoubleWide,

@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read_until_the_application_ends() {
+    fn a_status_is_read_until_the_application_ends() {
         let runtime = TempDir::new().unwrap();
         let environment = environment(&runtime);
         let now = SystemTime::now();
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_old_is_not_shown_and_in_the_end_removed() {
+    fn an_old_status_is_not_shown_and_in_the_end_removed() {
         let runtime = TempDir::new().unwrap();
         let environment = environment(&runtime);
         let file = StatusFile::new(&environment, 7).unwrap().unwrap();
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_status_is_skipped() {
+    fn files_that_are_no_status_are_skipped() {
         let runtime = TempDir::new().unwrap();
         let folder = runtime.path().join("parafovea");
         fs::create_dir(&folder).unwrap();

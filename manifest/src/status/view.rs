@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_asked_for_holds_until_the_session_ends() {
+    fn a_requested_view_lasts_until_the_session_ends() {
         let runtime = TempDir::new().unwrap();
         let environment = environment(&runtime);
         let asked = AskedView::new(&environment, 7);
@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn what_others_could_have_written_asks_for_nothing() {
+    fn requests_that_others_could_have_written_are_ignored() {
         let runtime = TempDir::new().unwrap();
         let environment = environment(&runtime);
         let _session = StatusFile::new(&environment, 7).unwrap().unwrap();

@@ -58,18 +58,24 @@ pub unsafe extern "C" fn realloc(memory: *mut c_void, size: size_t) -> *mut c_vo
     naked_asm!("mov rdx, [rsp]", "jmp {}", sym counted_realloc)
 }
 
+/// # Safety
+/// As `malloc`.
 unsafe extern "C" fn counted_malloc(size: size_t, caller: usize) -> *mut c_void {
     note(caller);
     // SAFETY: as the caller promises.
     unsafe { __libc_malloc(size) }
 }
 
+/// # Safety
+/// As `calloc`.
 unsafe extern "C" fn counted_calloc(count: size_t, size: size_t, caller: usize) -> *mut c_void {
     note(caller);
     // SAFETY: as the caller promises.
     unsafe { __libc_calloc(count, size) }
 }
 
+/// # Safety
+/// As `realloc`.
 unsafe extern "C" fn counted_realloc(memory: *mut c_void, size: size_t, caller: usize) -> *mut c_void {
     note(caller);
     // SAFETY: as the caller promises.
@@ -96,6 +102,8 @@ fn variable(name: &CStr) -> Option<&'static CStr> {
     (!value.is_null()).then(|| unsafe { CStr::from_ptr(value) })
 }
 
+/// # Safety
+/// As a callback of `dl_iterate_phdr`: `library` points to a structure.
 unsafe extern "C" fn look(library: *mut dl_phdr_info, _: size_t, _: *mut c_void) -> c_int {
     // SAFETY: glibc's, valid during the call.
     let library = unsafe { &*library };

@@ -1,4 +1,4 @@
-//! What all cases share: the two APIs, the brush, and the report.
+//! Common parts of all cases: the two APIs, the brush, and the report.
 
 use crate::failure::{Failure, name};
 use crate::options::Options;
@@ -38,7 +38,7 @@ impl App {
         self.report.borrow_mut()
     }
 
-    /// Ends the application; what it observed.
+    /// Ends the application, and returns its observations.
     pub fn into_report(self) -> Report {
         self.report.into_inner()
     }

@@ -1,4 +1,4 @@
-//! The cases: each a short function, named for what it does.
+//! The cases: short functions, each named for its calls.
 
 mod actions;
 mod chains;
@@ -19,7 +19,7 @@ use std::ffi::CStr;
 /// Frames that a case runs.
 const FRAMES: u32 = 8;
 
-/// What a case returns: only what keeps it from going on is a failure.
+/// Result of a case: an error only if it cannot go on.
 type Outcome = Result<(), Failure>;
 
 /// One case.

@@ -25,7 +25,7 @@ pub const LEFT_SELECT: &str = "/user/hand/left/input/select/click";
 /// The button of the right one.
 pub const RIGHT_SELECT: &str = "/user/hand/right/input/select/click";
 
-/// Makes action sets and uses them; what each call returns goes to the report's trace.
+/// Creates action sets and uses them; the results of the calls go to the report's trace.
 pub struct Controls<'a> {
     app: &'a App,
     made: Cell<u32>,
@@ -37,7 +37,7 @@ impl<'a> Controls<'a> {
         Self { app, made: Cell::new(0) }
     }
 
-    /// Notes what was seen.
+    /// Records an observation.
     pub fn trace(&self, what: impl Into<String>) {
         self.app.report().trace.push(what.into());
     }

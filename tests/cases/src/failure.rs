@@ -1,4 +1,4 @@
-//! What ends a case before its end.
+//! Failures that end a case early.
 
 use openxr_sys as xr;
 
@@ -20,7 +20,7 @@ pub enum Failure {
     /// The OpenXR loader does not offer a function.
     #[error("no function {0}")]
     Function(String),
-    /// The runtime or the device cannot do what the case needs.
+    /// The runtime or the device lacks a feature of the case.
     #[error("{0}")]
     Unsupported(String),
 }

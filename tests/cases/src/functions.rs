@@ -89,7 +89,7 @@ pub fn look_up(
     function.ok_or_else(missing)
 }
 
-/// Copies a name into an OpenXR array of characters, cut to what fits.
+/// Copies a name into an OpenXR array of characters, truncated to its size.
 pub fn characters<const N: usize>(name: &CStr) -> [std::ffi::c_char; N] {
     let mut characters = [0; N];
     for (to, from) in characters.iter_mut().take(N - 1).zip(name.to_bytes()) {

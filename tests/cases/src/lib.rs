@@ -1,4 +1,4 @@
-//! What the application `parafovea-cases` draws and reports, for the tests that judge its runs.
+//! Images and reports of the application `parafovea-cases`, for the tests that check its runs.
 
 pub mod life;
 pub mod pattern;

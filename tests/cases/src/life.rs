@@ -1,8 +1,8 @@
-//! What a process holds.
+//! Resources of a process.
 
 use serde::{Deserialize, Serialize};
 
-/// What the process holds after a life of the application in it.
+/// Resources of the process after one start and end of the application in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Life {
     /// Seconds since the first life began.
@@ -16,7 +16,7 @@ pub struct Life {
 }
 
 impl Life {
-    /// What this process holds now; 0 where `/proc` does not say.
+    /// Resources of this process now; 0 if `/proc` does not tell.
     pub fn now() -> Self {
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
         let number = |key: &str| {

@@ -1,5 +1,5 @@
-//! A plain OpenXR and Vulkan application: each run does one small, exactly known thing with swapchains,
-//! sessions or actions, and prints what it observed.
+//! A plain OpenXR and Vulkan application: each run does one small, exactly known thing with swapchains, sessions or actions, and prints its
+//! observations.
 //!
 //! It knows nothing of any API layer. A run straight on a runtime is the reference; a run with a layer in
 //! between has to observe the same.
@@ -64,7 +64,7 @@ fn main() -> ExitCode {
     if is_good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// What there is instead of a case.
+/// Modes in place of a case.
 fn run_long(options: &Options) -> Option<Result<(), Failure>> {
     let manner = if options.hostile { Manner::Hostile } else { Manner::Legal };
     match (options.soak, options.sequences) {

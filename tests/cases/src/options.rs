@@ -4,8 +4,7 @@ use clap::{Parser, ValueEnum};
 use std::ffi::CString;
 use std::path::PathBuf;
 
-/// Runs one case and prints what it observed as one JSON object. Exits with 0 when that is what the OpenXR
-/// specification says, else with 1.
+/// Runs one case and prints its observations as one JSON object. Exits with 0 if they meet the OpenXR specification, else with 1.
 #[derive(Parser)]
 #[command(name = "parafovea-cases", version)]
 pub struct Options {
@@ -15,11 +14,11 @@ pub struct Options {
     /// Print the names of the cases, one a line
     #[arg(long)]
     pub list: bool,
-    /// Instead of a case: start and end over and over for so many seconds, and print after each time what the process holds, a JSON
+    /// Instead of a case: start and end again and again for so many seconds, and print the process's resources after each time, a JSON
     /// object a line
     #[arg(long, value_name = "SECONDS")]
     pub soak: Option<u64>,
-    /// Instead of a case: so many random sequences of calls, and print what they returned, a line each; of one, every call
+    /// Instead of a case: so many random sequences of calls, and print their results, a line each; for a single one, every call
     #[arg(long, value_name = "COUNT")]
     pub sequences: Option<u64>,
     /// The number of the first sequence

@@ -28,7 +28,7 @@ pub struct Painter {
     lock: Option<File>,
 }
 
-/// What one render pass draws into.
+/// Target of one render pass.
 #[derive(Clone, Copy)]
 pub struct Target {
     pub render_pass: vk::RenderPass,
@@ -37,7 +37,7 @@ pub struct Target {
     pub texels: Texels,
 }
 
-/// How the attachment stores what a clear gives it.
+/// Encoding of a clear value in the attachment.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Texels {
     /// Linear code values, 8 bits a channel.

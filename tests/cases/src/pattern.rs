@@ -57,7 +57,7 @@ pub enum Alpha {
     Steps,
 }
 
-/// A picture: what it shows, where, and how opaque it is.
+/// An image: its content, place and opacity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Figure {
     /// Turns the hues, and is written into the picture.
@@ -88,7 +88,7 @@ impl Figure {
         Self { alpha: Alpha::Steps, ..self }
     }
 
-    /// What to draw, in order: later cells lie over earlier ones.
+    /// Cells to draw, in order: later cells lie over earlier ones.
     pub fn cells(&self) -> Vec<Cell> {
         let mut cells = self.gradient();
         for (x, y) in [(2, 2), (self.rect.width / 2, self.rect.height / 2)] {
@@ -133,7 +133,7 @@ impl Figure {
         cells
     }
 
-    /// The seed's digits in white, `x` and `y` from the figure's corner; what does not fit is left out.
+    /// The seed's digits in white, `x` and `y` from the figure's corner, clipped.
     fn write_seed(&self, x: u32, y: u32, cells: &mut Vec<Cell>) {
         for (place, digit) in self.seed.to_string().bytes().enumerate() {
             let glyph = DIGITS[usize::from(digit - b'0')];

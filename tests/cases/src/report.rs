@@ -1,4 +1,4 @@
-//! What a run of the application observed: the one JSON object that it prints.
+//! Observations of a run of the application: the one JSON object that it prints.
 
 use crate::pattern::Figure;
 use serde::{Deserialize, Serialize};
@@ -19,18 +19,18 @@ pub struct Report {
     pub events: Vec<String>,
     /// All that the application did about input and saw of it, in order, with frames and events: of the cases about that.
     pub trace: Vec<String>,
-    /// What else the case looked at, by name.
+    /// Other observations of the case, by name.
     pub facts: BTreeMap<String, String>,
-    /// What differs from the specification; empty in a good run.
+    /// Differences from the specification; empty in a good run.
     pub unexpected: Vec<String>,
-    /// What xrEndFrame was given, as drawn.
+    /// Layers of xrEndFrame, as drawn.
     pub pictures: Vec<Picture>,
 }
 
 /// One call and its result.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Call {
-    /// What was called, and in which situation.
+    /// A call, and its situation.
     pub what: String,
     /// The result's name, such as `XR_ERROR_CALL_ORDER_INVALID`.
     pub result: String,
@@ -45,7 +45,7 @@ pub struct Picture {
     pub layer: u32,
     /// Number of the view in the layer; 0 for a quad.
     pub view: u32,
-    /// What the application drew there.
+    /// The drawn pattern.
     pub figure: Figure,
 }
 
@@ -65,7 +65,7 @@ impl Report {
         self.events.push(event);
     }
 
-    /// Notes what was seen, and that it is unexpected unless it equals `expected`.
+    /// Records an observation, as unexpected unless it equals `expected`.
     pub fn fact(&mut self, name: &str, value: impl ToString, expected: impl ToString) {
         let (value, expected) = (value.to_string(), expected.to_string());
         if value != expected {
@@ -74,7 +74,7 @@ impl Report {
         self.note(name, value);
     }
 
-    /// Notes what was seen, where the specification leaves it open.
+    /// Records an observation that the specification leaves open.
     pub fn note(&mut self, name: &str, value: impl ToString) {
         self.facts.insert(name.to_owned(), value.to_string());
     }

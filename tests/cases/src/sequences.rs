@@ -1,4 +1,4 @@
-//! Random sequences of calls, and what each call returned: the same with a layer in between as without.
+//! Random sequences of calls, and their results, which are the same with and without a layer in between.
 //!
 //! Legal ones follow what the specification allows in each state. Hostile ones call anything at any time, with handles that are gone, null
 //! or of another kind, and with long chains of structures that nobody knows; but never a wait that cannot end.
@@ -41,8 +41,8 @@ impl Numbers {
     }
 }
 
-/// Runs the sequences `first` and following, and prints of each its number, how many calls it has, and a hash of what they returned; of
-/// a single one every call.
+/// Runs the sequences `first` and following, and prints the number of each, its count of calls, and a hash of their results; for a single
+/// one, every call.
 pub fn run(options: &Options, first: u64, count: u64, manner: Manner) -> Result<(), Failure> {
     let app = App::start(options, &[])?;
     for number in first..first + count {

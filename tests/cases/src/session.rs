@@ -131,7 +131,7 @@ impl<'a> Session<'a> {
         self.locator()(display_time)
     }
 
-    /// What locates the views for a display time, on any thread as long as the session lives.
+    /// Locates the views for a display time, on any thread during the session.
     pub fn locator(&self) -> impl Fn(xr::Time) -> Result<[xr::View; 2], Failure> + Send + use<> {
         let (session, space, locate_views) = (self.handle, self.space, self.app.xr.functions.locate_views);
         move |display_time| {

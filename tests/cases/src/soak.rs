@@ -1,4 +1,4 @@
-//! Sessions of an application, some at a time, one after the other in one process, and what the process has left after each life of them.
+//! Sessions of an application, some at a time, one after the other in one process, and the process's resources after each of its lives.
 //!
 //! What a call returns is not judged here, only that none fails: cases do that.
 
@@ -24,7 +24,7 @@ const RESOLUTIONS: u32 = 2;
 const FRAMES: u32 = 90;
 
 unsafe extern "C" {
-    /// glibc: gives back to the system what is free.
+    /// glibc: returns free memory to the system.
     fn malloc_trim(pad: usize) -> c_int;
 }
 

@@ -15,7 +15,7 @@ use std::ptr::{from_ref, null};
 
 pub use targets::Targets;
 
-/// What to ask of xrCreateSwapchain.
+/// Arguments of xrCreateSwapchain.
 #[derive(Clone)]
 pub struct Shape {
     pub size: [u32; 2],
@@ -60,7 +60,7 @@ pub struct Swapchain<'s> {
     targets: Targets,
     acquired: RefCell<VecDeque<u32>>,
     released: Cell<Option<u32>>,
-    /// What was drawn last, by image index and array layer (mip level 0).
+    /// The last drawn pattern, by image index and array layer (mip level 0).
     figures: RefCell<HashMap<(u32, u32), Vec<Figure>>>,
 }
 
@@ -212,7 +212,7 @@ impl Drop for Swapchain<'_> {
     }
 }
 
-/// How a format stores what is drawn.
+/// Encoding of colours in a format.
 pub fn texels(format: vk::Format) -> Texels {
     match format {
         vk::Format::D16_UNORM | vk::Format::D32_SFLOAT => Texels::Depth,
@@ -258,8 +258,7 @@ fn enumerate(session: &Session, handle: xr::Swapchain) -> Result<Vec<vk::Image>,
     Ok(images)
 }
 
-/// One xrEnumerateSwapchainImages with an array of `capacity` (null where that is 0): its result, the count,
-/// and what is in the array then.
+/// One xrEnumerateSwapchainImages with an array of `capacity` (null if that is 0): its result, the count, and the array afterwards.
 pub fn enumerate_into(
     session: &Session,
     handle: xr::Swapchain,

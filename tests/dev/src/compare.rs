@@ -31,7 +31,7 @@ pub fn built(steps: &mut Steps, revision: &str) -> Result<(String, PathBuf), Str
     Ok((name, library))
 }
 
-/// What git prints, in the repository; an error with what it complains of.
+/// Output of git in the repository; git's messages as the error.
 fn git(arguments: &[&str]) -> Result<String, String> {
     let mut command = Command::new("git");
     let output = in_root(command.args(arguments)).output().map_err(|error| format!("git: {error}"))?;

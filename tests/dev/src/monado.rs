@@ -20,7 +20,7 @@ const PACKAGES: [&str; 7] = [
     "vulkan-validationlayers",
 ];
 
-/// What is copied there, to `/opt/parafovea`.
+/// Files to copy there, to `/opt/parafovea`.
 const PROGRAMS: [&str; 5] =
     ["libparafovea.so", "parafovea", "parafovea-probe", "parafovea-scene", "parafovea-zoo"];
 
@@ -28,7 +28,7 @@ const PROGRAMS: [&str; 5] =
 const CONFIG: &str = "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
     [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 
-/// Starts Monado, runs a program that ends by itself or with its input, and ends Monado: what they print goes to files in `/tmp`.
+/// Starts Monado, runs a program that ends by itself or with its input, and ends Monado: their output goes to files in `/tmp`.
 const RUN: &str = r#"
 export HOME=/root XDG_RUNTIME_DIR=/run/monado XRT_COMPOSITOR_NULL=1
 export XR_RUNTIME_JSON=/usr/share/openxr/1/openxr_monado.json
@@ -182,7 +182,7 @@ fn inside(root: &Path) -> Command {
     command
 }
 
-/// What an application and Monado left.
+/// Output of an application and Monado.
 struct Seen {
     code: Option<i32>,
     /// Complaints, without numbers, and how often each came.

@@ -1,4 +1,4 @@
-//! What the tasks need from the system: how to see that it is there, and the package that brings it.
+//! Requirements of the tasks on the system: a check for each, and the package that has it.
 
 use std::path::{Path, PathBuf};
 
@@ -36,9 +36,9 @@ impl Manager {
 
 /// Something that the tasks use and that cargo cannot bring.
 pub struct Need {
-    /// What it is, for people.
+    /// Its name, for people.
     pub what: &'static str,
-    /// What is lost without it.
+    /// Consequence of its absence.
     pub without: &'static str,
     /// The file whose presence proves it.
     pub proof: Proof,
@@ -226,7 +226,7 @@ const ALSA_HEADERS: Proof = Proof::Header("alsa/asoundlib.h");
 
 const PKG_CONFIG: Proof = Proof::Program("pkg-config");
 
-/// Whether this machine has what the library that listens is built with.
+/// Whether this machine can build the library that captures sound.
 pub fn can_build_audio() -> bool {
     ALSA_HEADERS.holds() && PKG_CONFIG.holds()
 }

@@ -1,4 +1,4 @@
-//! What a nightly toolchain finds out about unsafe code: Miri, and the address and thread sanitizers, each as far as it is installed.
+//! Checks of unsafe code with a nightly toolchain: Miri, and the address and thread sanitizers, as far as they are installed.
 
 use crate::setup::{Voice, setup};
 use crate::steps::Steps;
@@ -6,7 +6,7 @@ use crate::tasks::in_root;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// What Miri runs: crates of pure functions, and the layer's own reading of C structures. It knows no files of loaders, no devices, and
+/// Crates for Miri: crates of pure functions, and the layer's own reading of C structures. It knows no files of loaders, no devices, and
 /// not the register by which loudness is measured without denormal numbers.
 const MIRI: [&[&str]; 3] = [
     &["parafovea-core", "--", "--skip", "audio::"],
@@ -17,7 +17,7 @@ const MIRI: [&[&str]; 3] = [
 /// Files and clocks are the host's, and floating point is as the processor has it: Miri would else be off by a few units in the last place.
 const MIRI_FLAGS: &str = "-Zmiri-disable-isolation -Zmiri-deterministic-floats";
 
-/// Runs what can be run; what cannot is said, and is no failure.
+/// Runs all installed tools; a missing tool is named, and is no failure.
 pub fn sanitize(arguments: &[String]) -> Result<(), String> {
     let all = ["address", "miri", "thread"];
     let wanted = match arguments {
@@ -46,7 +46,7 @@ pub fn sanitize(arguments: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// A nightly toolchain, and what it has.
+/// A nightly toolchain with its components.
 struct Nightly {
     host: String,
     has_miri: bool,
@@ -63,7 +63,7 @@ impl Nightly {
         Some(Self { host, has_miri, has_source: source.is_dir() })
     }
 
-    /// The layer's unit tests, in which both halves run above stand-ins for what is below them.
+    /// The layer's unit tests, in which both halves run above stand-ins for runtime and driver.
     fn sanitizer(&self, steps: &mut Steps, name: &str, more: &[&str]) -> Result<(), String> {
         let mut command = nightly();
         command.args(["test", "--locked", "--package", "parafovea-layer", "--lib", "--target", &self.host]);
@@ -102,7 +102,7 @@ fn nightly() -> Command {
     command
 }
 
-/// What a command prints, where it succeeds.
+/// Output of a command; `None` if it fails.
 fn said(command: &[&str]) -> Option<String> {
     let (program, arguments) = command.split_first()?;
     let mut command = Command::new(program);

@@ -1,4 +1,4 @@
-//! `setup`: brings what is missing where it can, names it where it cannot, and is silent when all is there.
+//! `setup`: installs missing requirements, or names them, and prints nothing if none is missing.
 
 use crate::drivers::unpack_release;
 use crate::meter::Meter;
@@ -13,11 +13,11 @@ use std::process::{Command, ExitStatus, Stdio};
 pub enum Voice {
     /// `cargo dev setup`: always tries, and says so when nothing is missing.
     Asked,
-    /// Another task, on its way: what was tried and reported before is not tried and reported again.
+    /// Runs as part of another task: an attempt that was made and reported before is not repeated.
     Implied,
 }
 
-/// Installs or names what is missing. Something missing is no error: the tasks go on with what is there.
+/// Installs or names missing requirements. Something missing is no error: the tasks go on with what is there.
 pub fn setup(voice: Voice) -> Result<(), String> {
     if voice == Voice::Asked {
         unpack_release();
@@ -60,7 +60,7 @@ fn still(needs: Vec<&'static Need>) -> Vec<&'static Need> {
     needs.into_iter().filter(|need| !need.proof.holds()).collect()
 }
 
-/// What to put before a command that needs root: nothing as root, `sudo -n` where it asks no password.
+/// Prefix of a command that needs root: none as root, `sudo -n` if it asks for no password.
 fn root_prefix() -> Option<Vec<&'static str>> {
     let prints_zero = Command::new("id").arg("-u").output().is_ok_and(|id| id.stdout.trim_ascii() == b"0");
     if prints_zero {
@@ -95,8 +95,8 @@ fn install_with_apt(root: &[&str], missing: &[&Need]) {
     }
 }
 
-/// Before a command: what it writes to descriptor 9 goes to standard output, and its messages are dropped. If apt-get's state went to its own
-/// standard output, installation scripts that print would fail on systems without /dev/pts. The shell is behind sudo, which closes descriptors.
+/// Prefix of a command: its descriptor 9 goes to standard output, and its messages are dropped. If apt-get's state went to its own standard
+/// output, installation scripts that print would fail on systems without /dev/pts. The shell is behind sudo, which closes descriptors.
 const STATUS_APART: [&str; 4] = ["sh", "-c", "exec \"$@\" 9>&1 >/dev/null", "sh"];
 
 /// Runs apt-get, whose state comes from standard output, and shows its progress. Its errors go to standard error.
@@ -142,7 +142,7 @@ fn packages(needs: &[&Need], manager: Manager) -> Vec<&'static str> {
     names
 }
 
-/// Says what is missing, what is lost by it, and the one command that brings it; remembers having said so.
+/// Names missing requirements, the consequence, and the one command that installs them; remembers the message.
 fn report(missing: &[&Need], manager: Option<Manager>) -> Result<(), String> {
     if missing.is_empty() {
         return Ok(());

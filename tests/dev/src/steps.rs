@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// The folder of this program: `target/debug`, or what the profile and `CARGO_TARGET_DIR` make of it.
+/// The folder of this program: `target/debug`, or the one of the profile and `CARGO_TARGET_DIR`.
 pub fn profile_folder() -> Result<PathBuf, String> {
     let own =
         std::env::current_exe().map_err(|error| format!("cannot find this program's own path: {error}"))?;
@@ -16,7 +16,7 @@ pub fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
-/// Steps done so far, and what each took.
+/// Completed steps, each with its duration.
 #[derive(Default)]
 pub struct Steps {
     done: Vec<(String, Duration)>,
@@ -39,7 +39,7 @@ impl Steps {
         result
     }
 
-    /// Prints what each step took.
+    /// Prints the duration of each step.
     pub fn summary(&self) {
         eprintln!("cargo dev: times");
         for (name, time) in &self.done {

@@ -19,7 +19,7 @@ const LIMIT: Duration = Duration::from_secs(600);
 /// The longest that a test binary may take to list its tests.
 const LIST_LIMIT: Duration = Duration::from_secs(120);
 
-/// Which tests are run, and what counts as a failure.
+/// Selection of tests, and the meaning of a failure.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Options {
     /// Whether a skipped test is a failure if `cargo dev setup` should have made it possible.

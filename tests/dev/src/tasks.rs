@@ -1,4 +1,4 @@
-//! The tasks beyond `setup`: each builds what it needs with the one profile that they all share.
+//! The tasks beyond `setup`: each builds its programs with the one profile that they all share.
 
 use crate::building::build_with_progress;
 use crate::compare;
@@ -48,7 +48,7 @@ pub fn demo(arguments: &[String]) -> Result<(), String> {
     steps.run("demo", Command::new(profile_folder()?.join("parafovea-demo")).args(arguments))
 }
 
-/// What CI runs. With a part of tests' names: these tests alone.
+/// The checks of CI. With a part of tests' names: these tests alone.
 pub fn test(arguments: &[String]) -> Result<(), String> {
     let options = Options::parse(arguments, std::env::var_os("CI").is_some())?;
     setup(Voice::Implied)?;
@@ -155,7 +155,7 @@ pub fn fuzz(arguments: &[String]) -> Result<(), String> {
     steps.run("fuzz", Command::new(profile_folder()?.join("parafovea-fuzz")).args(arguments))
 }
 
-/// What takes a real GPU.
+/// Checks that need a real GPU.
 pub fn gpu(arguments: &[String]) -> Result<(), String> {
     setup(Voice::Implied)?;
     let mut steps = Steps::default();
@@ -240,7 +240,7 @@ fn compare(arguments: &[String]) -> Result<(), String> {
     steps.run(&format!("bench frame against {name}"), in_root(&mut command))
 }
 
-/// What is compared where nothing else is asked for.
+/// Default comparison.
 const COMPARED: [&str; 4] =
     ["--scenes", "courtyard", "--techniques", "chroma,rates balanced,reuse,everything"];
 
@@ -256,7 +256,7 @@ pub fn soak(arguments: &[String]) -> Result<(), String> {
     steps.run("soak", Command::new(profile_folder()?.join(program)).args(arguments))
 }
 
-/// What users get: a release build, packed.
+/// Packages for users: a release build, packed.
 pub fn dist(arguments: &[String]) -> Result<(), String> {
     if let Some(extra) = arguments.first() {
         return Err(format!("`dist` accepts no arguments; unexpected: `{extra}`"));

@@ -1,4 +1,4 @@
-//! The Debian package: an `ar` archive of a version, of what the package is, and of its files (deb(5)).
+//! The Debian package: an `ar` archive of a version, a control archive and a data archive (deb(5)).
 
 use crate::archive::tar_gz;
 use crate::{Entry, Parts, VERSION};

@@ -1,4 +1,4 @@
-//! What users get: an archive with an installer for one user, and a Debian package for all, made from what cargo built.
+//! Packages for users: an archive with an installer for one user, and a Debian package for all, from cargo's build.
 //!
 //! Manifests in the package name the library by a path that is relative to them, so that its content can be tried wherever it is
 //! unpacked.
@@ -28,15 +28,15 @@ pub enum DistError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// The command did not print what belongs into the package.
+    /// The command did not print a part of the package.
     #[error("parafovea generate {what} failed: {output}")]
     Generate {
-        /// What was asked for.
+        /// Kind of output.
         what: &'static str,
-        /// What it said.
+        /// Its output.
         output: String,
     },
     /// It was linked with a newer C library than most systems have.

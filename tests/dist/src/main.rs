@@ -1,4 +1,4 @@
-//! `parafovea-dist BUILT REPOSITORY OUT`: packs what is in the folder `BUILT` into the folder `OUT`.
+//! `parafovea-dist BUILT REPOSITORY OUT`: packs the programs of the folder `BUILT` into the folder `OUT`.
 
 use parafovea_dist::{DistError, NEWEST_GLIBC, Parts, VERSION, archive, package};
 use std::path::{Path, PathBuf};

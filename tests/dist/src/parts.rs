@@ -1,4 +1,4 @@
-//! What is packed.
+//! Parts of a package.
 
 use crate::{DistError, NEWEST_GLIBC, newest_glibc, test_names};
 use parafovea_manifest::install::{AUDIO_LIBRARY_NAME, LIBRARY_NAME};
@@ -23,7 +23,7 @@ impl Entry {
     }
 }
 
-/// What is packed: programs and libraries as cargo built them, and texts.
+/// Parts of a package: programs and libraries from cargo's build, and texts.
 #[derive(Clone, Debug)]
 pub struct Parts {
     /// `parafovea`.
@@ -42,7 +42,7 @@ pub struct Parts {
     pub time: u64,
 }
 
-/// What [`Parts::generated`] has.
+/// Kinds of output of [`Parts::generated`].
 const GENERATED: [&str; 4] = ["bash", "zsh", "fish", "man"];
 
 /// The guide, the options, how it works, and the pictures in that.
@@ -57,7 +57,7 @@ const GUIDE: [&str; 7] = [
 ];
 
 impl Parts {
-    /// Takes what cargo left in `built` (`target/release`), and the texts of `repository`.
+    /// Takes cargo's build from `built` (`target/release`), and the texts of `repository`.
     ///
     /// # Errors
     /// Something is missing, does not run, or needs a newer C library than [`NEWEST_GLIBC`].

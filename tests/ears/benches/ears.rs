@@ -1,4 +1,4 @@
-//! `cargo dev bench ears [--json]`: what listening costs, and how late it is.
+//! `cargo dev bench ears [--json]`: cost and latency of sound capture.
 
 use anyhow::Result;
 use parafovea_ears::measure::{callback_us, capture_cost, latencies_s, percentile};

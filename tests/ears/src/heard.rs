@@ -1,10 +1,10 @@
-//! What the plans of an application took of what it hears: the lines of its `PARAFOVEA_HEARD_FILE`.
+//! Sound features in the plans of an application: the lines of its `PARAFOVEA_HEARD_FILE`.
 
 use serde::Deserialize;
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// What plans took from one moment on.
+/// Features of plans from one moment on.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 pub struct Line {
     unix_ns: u64,

@@ -1,5 +1,5 @@
-//! Sounds of known loudness ([`signals`]), played ([`player`]) into a real sound server without any sound card
-//! ([`server`], [`pipewire`]), and what the plans of an application make of them ([`heard`], [`stage`]).
+//! Sounds of known loudness ([`signals`]), played ([`player`]) into a real sound server without any sound card ([`server`], [`pipewire`]),
+//! and the features in the plans of an application ([`heard`], [`stage`]).
 
 pub mod heard;
 pub mod lateness;

@@ -1,4 +1,4 @@
-//! What listening costs: CPU time of its threads, memory of its process, time from playing to features.
+//! Cost of sound capture: CPU time of its threads, memory of its process, time from playing to features.
 
 use crate::player::{BUFFER_MS, Player, SHORT_BUFFER_MS};
 use crate::server::Server;
@@ -15,7 +15,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 /// Threads of a capture, by the names that the system knows (15 characters).
 const THREADS: [&str; 2] = ["parafovea-sound", "parafovea-ears"];
 
-/// What a callback spends on 10 ms of stereo at 48 kHz, microseconds of its thread's CPU time, each of `count` times.
+/// Time of a callback for 10 ms of stereo at 48 kHz, microseconds of its thread's CPU time, each of `count` times.
 ///
 /// # Errors
 /// The system does not tell CPU time.
@@ -35,7 +35,7 @@ pub fn callback_us(count: usize) -> Result<Vec<f64>> {
     Ok(spent)
 }
 
-/// What one capture of a playing server costs.
+/// Cost of one capture of a playing server.
 #[derive(Clone, Copy, Debug)]
 pub struct Cost {
     /// CPU time of its threads, share of one core.

@@ -50,7 +50,7 @@ impl PipeWire {
         Ok(server)
     }
 
-    /// What `XDG_RUNTIME_DIR` has to be for clients to find it.
+    /// Value of `XDG_RUNTIME_DIR` with which clients find it.
     pub fn runtime_folder(&self) -> &Path {
         self.folder.path()
     }

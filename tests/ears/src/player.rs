@@ -19,7 +19,7 @@ pub const BUFFER_MS: u32 = 150;
 /// The same where it matters how late sound is.
 pub const SHORT_BUFFER_MS: u32 = 20;
 
-/// Length of what the server would know us by, if it did not let everybody in.
+/// Length of the authentication cookie, which the server ignores as it admits everybody.
 const COOKIE_BYTES: usize = 256;
 
 /// The longest that the server may take to answer.
@@ -83,7 +83,7 @@ impl Player {
         *self.playing() = Playing::default();
     }
 
-    /// When the first sample of what is played went to the server: at most the length of the buffer before it is heard.
+    /// Time at which the first sample went to the server: it plays at most the length of the buffer later.
     pub fn began(&self) -> Option<SystemTime> {
         self.playing().began
     }
@@ -119,7 +119,7 @@ impl Wake for Unpark {
     }
 }
 
-/// What a future becomes; None if it takes longer than that.
+/// Output of a future; `None` if it takes longer than that.
 fn block_on<T>(future: impl Future<Output = T>, patience: Duration) -> Option<T> {
     let (mut future, start) = (pin!(future), Instant::now());
     let waker = Waker::from(Arc::new(Unpark(std::thread::current())));

@@ -62,7 +62,7 @@ impl Server {
         Ok(server)
     }
 
-    /// What `XDG_RUNTIME_DIR` has to be for clients to find it.
+    /// Value of `XDG_RUNTIME_DIR` with which clients find it.
     pub fn runtime_folder(&self) -> &Path {
         self.folder.path()
     }
@@ -72,7 +72,7 @@ impl Server {
         self.folder.path().join("pulse/native")
     }
 
-    /// Starts it anew, with what it was started with.
+    /// Restarts it with the same arguments.
     ///
     /// # Errors
     /// It does not start.
@@ -124,7 +124,7 @@ impl Server {
         if result == 0 { Ok(()) } else { Err(std::io::Error::last_os_error().into()) }
     }
 
-    /// Has it do something (`pulse-cli-syntax(5)`); returns what it says.
+    /// Sends it a command (`pulse-cli-syntax(5)`), and returns its answer.
     ///
     /// # Errors
     /// It is not there, or does not answer.

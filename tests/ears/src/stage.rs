@@ -25,8 +25,8 @@ pub const SAMPLE_RATE_HZ: u32 = 48_000;
 /// The output that is there from the beginning.
 pub const OUT: Sink<'static> = Sink { name: "out", sample_rate_hz: SAMPLE_RATE_HZ };
 
-/// The configuration of applications that hear: with colour removed, so that there is something to plan; `audio` is what
-/// comes below `[audio]`.
+/// The configuration of applications with sound: with chroma attenuated, so that there is something to plan; `audio` is the section
+/// `[audio]`.
 pub fn configuration(audio: &str) -> String {
     format!(
         "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[chroma]\nmode = \"default\"\n[audio]\n{audio}\n"
@@ -76,7 +76,7 @@ impl Stage {
         Ok(stage)
     }
 
-    /// What plans took so far.
+    /// Features of plans so far.
     pub fn heard(&self) -> Vec<Line> {
         lines(&self.file)
     }
@@ -122,7 +122,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Changes the application's configuration; `audio` is what comes below `[audio]`.
+    /// Changes the application's configuration; `audio` is the section `[audio]`.
     ///
     /// # Errors
     /// The file cannot be written.

@@ -15,10 +15,10 @@ const PERIOD_S: f64 = 1.0;
 /// When features are compared, seconds after the first sample went to the server.
 const COMPARED: std::ops::Range<f64> = 3.35..3.75;
 
-/// In what steps the sample with which the application began to count is looked for, frames: 2 ms.
+/// Step of the first search for the sample with which the application began to count, frames: 2 ms.
 const STEP: usize = SAMPLE_RATE_HZ as usize / 500;
 
-/// In what steps it is looked for around the best of these, frames.
+/// Step of the second search, around the best of these, frames.
 const FINE_STEP: usize = 8;
 
 /// Frames between two sets of features.
@@ -71,12 +71,12 @@ fn differences(heard: &[Set], samples: &[f32], mode: Mode) -> Set {
 }
 
 #[test]
-fn what_is_heard_is_what_was_played() {
+fn captured_features_are_those_of_the_played_sound() {
     expect_the_samples_features(Mode::Paper, &LEVELS);
 }
 
 #[test]
-fn what_is_heard_is_what_was_played_in_the_last_moment() {
+fn captured_features_are_those_of_the_last_moment() {
     expect_the_samples_features(Mode::Default, &LEVELS[1..2]);
 }
 

@@ -10,7 +10,7 @@ use std::time::{Duration, SystemTime};
 /// Plans do without sound that soon, seconds.
 const FALLBACK_S: f64 = 0.5;
 
-/// What a machine that is not idle adds to that, seconds. A busy one adds its measured lateness.
+/// Additional delay on a busy machine, seconds. A busy one adds its measured lateness.
 const SLACK_S: f64 = 0.4;
 
 /// A stage where a loud sound is heard.
@@ -63,7 +63,7 @@ fn an_output_that_is_unplugged_and_plugged_in_again() {
     stage.finish().unwrap();
 }
 
-/// A server moves recordings to the default input when what they record goes away.
+/// A server moves recordings to the default input when their source goes away.
 #[test]
 fn an_output_that_is_unplugged_does_not_lead_to_the_microphone() {
     let stage = loud();

@@ -9,7 +9,7 @@ use std::process::Command;
 
 const FRAMES: u64 = 100;
 
-/// What the dynamic loader has to bring for a library, by `readelf`.
+/// Libraries that the dynamic loader has to load for a library, by `readelf`.
 fn needed(library: Library) -> BTreeSet<String> {
     let output = Command::new("readelf").arg("-d").arg(library.path().unwrap()).output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();

@@ -15,7 +15,7 @@ const LONGEST_LIMIT: Duration = Duration::from_secs(100);
 /// Printed by the tests once their server is gone.
 const GONE: &str = "the server is gone";
 
-/// What the end of all its processes adds on a busy machine.
+/// Additional time for the end of all its processes on a busy machine.
 const SLACK: Duration = Duration::from_secs(30);
 
 /// Runs one of the ignored tests below as `cargo dev test` runs a test, with a shorter limit.

@@ -1,4 +1,4 @@
-//! What applications hear of a real sound server, whatever happens to it.
+//! Sound capture of applications from a real sound server, with faults of all kinds.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 

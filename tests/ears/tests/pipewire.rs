@@ -1,4 +1,4 @@
-//! PipeWire speaks PulseAudio's protocol: what is played into it is heard as well.
+//! PipeWire speaks PulseAudio's protocol: sound that is played into it is captured as well.
 
 use parafovea_ears::heard::lines;
 use parafovea_ears::pipewire::PipeWire;
@@ -8,7 +8,7 @@ use parafovea_ears::stage::{SAMPLE_RATE_HZ, application, configuration};
 use std::time::{Duration, Instant};
 
 #[test]
-fn what_is_played_into_pipewire_is_heard() {
+fn sound_played_into_pipewire_is_captured() {
     let server = PipeWire::start().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("heard.jsonl");

@@ -5,7 +5,7 @@ use parafovea_ears::signals::{Kind, sound};
 use parafovea_ears::stage::{SAMPLE_RATE_HZ, Stage};
 use std::time::{Duration, Instant, SystemTime};
 
-/// What a machine that is not idle adds to any time here, seconds. A busy one adds its measured lateness.
+/// Additional delay on a busy machine, seconds. A busy one adds its measured lateness.
 const SLACK_S: f64 = 0.4;
 
 /// A sound pays for something within `stage`.

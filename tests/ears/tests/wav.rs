@@ -1,4 +1,4 @@
-//! A WAV file as what is heard.
+//! A WAV file as the source of sound.
 
 use parafovea_ears::heard::lines;
 use parafovea_ears::signals::{CHANNELS, Kind, features, sound};

@@ -10,13 +10,13 @@ use parafovea_core::image::Plane;
 /// Bands including the last, which is all that the others leave.
 pub(crate) const BANDS: usize = 5;
 
-/// What band i contains, cycles per pixel: the middle of the finest octave; the peaks of the next three; and half
-/// of the last peak for the rest, which has all frequencies below.
+/// Frequency of band i, cycles per pixel: the middle of the finest octave; the peaks of the next three; and half of the last peak for the
+/// rest, which has all frequencies below.
 pub(crate) const BAND_CYCLES_PER_PIXEL: [f32; BANDS] =
     [0.353_553, 0.140_495, 0.066_826, 0.033_032, 0.016_516];
 
-/// By what each band is multiplied so that a grating of its peak frequency keeps its amplitude: the second to
-/// fourth have cos^4(w/2) (1 - cos^4(w)) times what the levels before let pass.
+/// Factor of each band with which a grating of its peak frequency keeps its amplitude: the second to fourth have cos^4(w/2) (1 - cos^4(w))
+/// times the gain of the levels before.
 pub(crate) const BAND_GAIN: [f32; BANDS] = [1.0, 1.786_84, 1.961_65, 2.004_93, 1.0];
 
 /// How far, in pixels along each axis, a change shows in any band: 2 (1 + 2 + 4 + 8).

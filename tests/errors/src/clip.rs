@@ -1,4 +1,4 @@
-//! What is judged: pictures of both eyes over time, where each eye truly looks, and how bright the display is.
+//! A clip to judge: images of both eyes over time, the true gaze of each, and the display's luminance.
 
 use glam::Vec3;
 use parafovea_core::color::{Matrix, linear_to_srgb, srgb_to_linear};
@@ -92,7 +92,7 @@ fn linear_of_code() -> [f32; 256] {
     std::array::from_fn(|code| srgb_to_linear(code as f32 / 255.0))
 }
 
-/// What one eye sees in one frame.
+/// One eye's view in one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Eye {
     /// The picture after the runtime's compositor.

@@ -1,4 +1,4 @@
-//! The picture around the gaze: which pixel lies in which ring, and what the eye is at each spot.
+//! The image around the gaze: each pixel's ring, and the eye's eccentricity and resolution at each spot.
 
 use crate::clip::Eye;
 use glam::{Vec2, Vec3};

@@ -12,10 +12,10 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What is installed.
+/// The installed program.
 pub const PACKAGE: &str = "pyfvvdp==1.2.2";
 
-/// What `--help` says of it.
+/// Its description in `--help`.
 pub const NOTICE: &str = "FovVideoVDP (pyfvvdp 1.2.2, CC BY-NC 4.0: not for commercial use) in a Python environment of its \
                           own; takes 6 GB and some minutes the first time, then about 0.15 s for a frame of 512 x 512";
 
@@ -27,7 +27,7 @@ pub enum FvvdpError {
     /// A file or a program that is not there.
     #[error("{what}")]
     Io {
-        /// What was tried.
+        /// The command.
         what: String,
         /// Why it failed.
         #[source]
@@ -36,9 +36,9 @@ pub enum FvvdpError {
     /// A program that ended with an error.
     #[error("{what}: {}", message.trim())]
     Failed {
-        /// What was tried.
+        /// The command.
         what: String,
-        /// The end of what the program said.
+        /// End of the program's output.
         message: String,
     },
     /// Clips that cannot be compared: no frames, not the same number or size, the eye absent, or a gaze that the picture's
@@ -65,7 +65,7 @@ pub struct Jod {
     pub version: String,
 }
 
-/// What `fvvdp.py` reads.
+/// Input of `fvvdp.py`.
 #[derive(Serialize)]
 struct Job {
     reference: &'static str,

@@ -88,14 +88,14 @@ pub struct Judge {
     pools: [Pool; Metric::ALL.len()],
 }
 
-/// What is kept of one eye.
+/// State of one eye.
 struct EyeRecord {
     summary: EyeSummary,
     /// By frame.
     fields: Vec<Rc<Field>>,
     /// Test less reference by frame, cd/m^2.
     changes: Vec<Plane>,
-    /// What the eye is adapted to by frame and cell, cd/m^2.
+    /// Adaptation luminance by frame and cell, cd/m^2.
     adaptation: Vec<Vec<f32>>,
 }
 
@@ -234,7 +234,7 @@ impl Judge {
         }
     }
 
-    /// What was found.
+    /// Results.
     pub fn finish(mut self) -> Report {
         let frames = self.times.len();
         let eyes = std::mem::take(&mut self.eyes);

@@ -8,8 +8,8 @@ use serde::Serialize;
 /// a quarter of a tile.
 const LEAST_PIXELS: u32 = TILE_PX * TILE_PX / 4;
 
-/// The exponent by which changes at many places add up to what is detected: that of probability summation over space,
-/// "Probability summation and regional variation in contrast sensitivity across the visual field" (Robson and Graham 1981).
+/// The exponent with which changes at many places add up to detection: that of probability summation over space, "Probability summation and
+/// regional variation in contrast sensitivity across the visual field" (Robson and Graham 1981).
 const DETECTION: f64 = 3.5;
 
 /// Sums of a map's values and its pixels, by tile and ring, over one or more frames of one eye.
@@ -90,7 +90,7 @@ pub struct WorstTile {
     pub value: f64,
     /// 0 left, 1 right.
     pub eye: usize,
-    /// Index of the frame; `None` for what is judged over the whole clip.
+    /// Index of the frame; `None` for metrics of the whole clip.
     pub frame: Option<usize>,
     /// Its upper left pixel.
     pub pixel: [u32; 2],
@@ -102,7 +102,7 @@ pub(crate) struct Pool {
     sums: [f64; RINGS],
     pixels: [u64; RINGS],
     worst: [Option<WorstTile>; RINGS],
-    /// All rings and eyes, frame by frame, of what is judged frame by frame.
+    /// All rings and eyes, frame by frame, of metrics per frame.
     frames: Vec<FrameSums>,
 }
 
@@ -156,7 +156,7 @@ impl Pool {
         (self.pixels[ring] > 0).then(|| self.sums[ring] / self.pixels[ring] as f64)
     }
 
-    /// Mean over the whole view of both eyes, frame by frame; empty for what is judged over the whole clip.
+    /// Mean over the whole view of both eyes, frame by frame; empty for metrics of the whole clip.
     pub fn frame_means(&self) -> Vec<Option<f64>> {
         let mean = |sums: &FrameSums| (sums.pixels > 0).then(|| sums.values / sums.pixels as f64);
         self.frames.iter().map(mean).collect()
@@ -186,7 +186,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_detected_adds_up_by_powers() {
+    fn detection_adds_up_by_powers() {
         let mut pool = Pool::default();
         let sums = |powers| FrameSums { values: 0.0, powers, pixels: 4 };
         // One of four pixels with 2 JND, and all of them with 0.5.

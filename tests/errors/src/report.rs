@@ -1,4 +1,4 @@
-//! What [`crate::judge()`] found, as rows for programs and as a table for people.
+//! Results of [`crate::judge()`], as rows for programs and as a table for people.
 
 use crate::clip::Viewing;
 use crate::field::{Field, RING_NAMES, RINGS};
@@ -10,7 +10,7 @@ use std::fmt;
 /// One metric in one ring.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// What was measured.
+    /// The metric.
     pub metric: Metric,
     /// Its unit.
     pub unit: &'static str,
@@ -26,7 +26,7 @@ pub struct Row {
     pub pixels: u64,
 }
 
-/// One eye's picture.
+/// One eye buffer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EyeSummary {
     /// Columns and rows.
@@ -55,8 +55,8 @@ pub struct Report {
     /// Each metric frame by frame, in the order of [`Metric::ALL`]: the mean over the whole view of both eyes. Empty for
     /// what is judged over the whole clip, as flicker.
     pub frame_means: Vec<Vec<Option<f64>>>,
-    /// Likewise, what is detected of it: values add up over the view of both eyes as probability summation has it (a mean of powers of
-    /// 3.5), so that a change far above what is just seen counts, wherever it is, and many far below do not. For metrics in JND.
+    /// Likewise, the detected change: values add up over the view of both eyes by probability summation (a mean of powers of 3.5), so that
+    /// a change far above the threshold counts, wherever it is, and many far below do not. For metrics in JND.
     pub frame_detected: Vec<Vec<Option<f64>>>,
 }
 
@@ -66,7 +66,7 @@ impl Report {
         &self.frame_means[metric as usize]
     }
 
-    /// What is detected of a metric, frame by frame: [`Self::frame_detected`].
+    /// Detected change of a metric, frame by frame: [`Self::frame_detected`].
     pub fn detected_by_frame(&self, metric: Metric) -> &[Option<f64>] {
         &self.frame_detected[metric as usize]
     }

@@ -1,4 +1,4 @@
-//! Mutated inputs for all that reads what others wrote: seeded and without coverage, so that it needs no special compiler.
+//! Mutated inputs for all readers of foreign data: seeded and without coverage, so that it needs no special compiler.
 //!
 //! An input is made from those of `tests/corpus/TARGET` by flipping, removing, repeating and joining parts. A target panics where an
 //! invariant does not hold.
@@ -51,7 +51,7 @@ pub enum Until {
 pub struct Finding {
     /// The input.
     pub input: Vec<u8>,
-    /// What happened.
+    /// The failure.
     pub what: String,
 }
 

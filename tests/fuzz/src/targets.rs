@@ -1,4 +1,4 @@
-//! What reads inputs of others, and what must hold of it.
+//! Readers of foreign data, and their invariants.
 
 use parafovea::abi::pnext::{Header, MAX_LENGTH, Structure, chain};
 use parafovea::inputs::gaze::osc::{OscGaze, read};
@@ -97,7 +97,7 @@ unsafe impl Structure for Sought {
     }
 }
 
-/// A chain of structures, each byte pair a type and which of them is next, ends; and what is sought is found if it is there.
+/// A chain of structures, each byte pair a type and the next structure's index, ends; and the sought structure is found if it is present.
 fn pnext(input: &[u8]) {
     let count = (input.len() / 2).min(MAX_LENGTH * 2);
     let mut nodes: Vec<Header> = input
@@ -141,7 +141,7 @@ fn scenario(input: &[u8]) {
     }
 }
 
-/// Shaders are read, never changed: what is no module is told from what is one, and the same each time.
+/// Shaders are read, never changed: invalid modules are told from valid ones, and the same each time.
 fn spirv(input: &[u8]) {
     let words: Vec<u32> =
         input.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect();

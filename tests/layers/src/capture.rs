@@ -113,6 +113,8 @@ pub unsafe extern "system" fn negotiate(
     xr::Result::SUCCESS
 }
 
+/// # Safety
+/// As `xrCreateApiLayerInstance`.
 unsafe extern "system" fn create_instance(
     info: *const xr::InstanceCreateInfo,
     layer_info: *const xr::ApiLayerCreateInfo,
@@ -165,6 +167,8 @@ impl Next {
     }
 }
 
+/// # Safety
+/// As `xrGetInstanceProcAddr`.
 unsafe extern "system" fn get_instance_proc_addr(
     instance: xr::Instance,
     name: *const c_char,
@@ -200,6 +204,8 @@ unsafe extern "system" fn get_instance_proc_addr(
     unsafe { next(instance, name, function) }
 }
 
+/// # Safety
+/// As `xrCreateSession`.
 unsafe extern "system" fn create_session(
     instance: xr::Instance,
     info: *const xr::SessionCreateInfo,
@@ -221,6 +227,8 @@ unsafe extern "system" fn create_session(
     }
 }
 
+/// # Safety
+/// As `xrDestroySession`.
 unsafe extern "system" fn destroy_session(session: xr::Session) -> xr::Result {
     let next = with(|state, next| {
         state.device = None;
@@ -231,6 +239,8 @@ unsafe extern "system" fn destroy_session(session: xr::Session) -> xr::Result {
     unsafe { next(session) }
 }
 
+/// # Safety
+/// As `xrCreateSwapchain`.
 unsafe extern "system" fn create_swapchain(
     session: xr::Session,
     info: *const xr::SwapchainCreateInfo,
@@ -263,6 +273,8 @@ unsafe extern "system" fn create_swapchain(
     }
 }
 
+/// # Safety
+/// As `xrDestroySwapchain`.
 unsafe extern "system" fn destroy_swapchain(swapchain: xr::Swapchain) -> xr::Result {
     let next = with(|state, next| {
         state.swapchains.remove(&swapchain.into_raw());
@@ -272,6 +284,8 @@ unsafe extern "system" fn destroy_swapchain(swapchain: xr::Swapchain) -> xr::Res
     unsafe { next(swapchain) }
 }
 
+/// # Safety
+/// As `xrAcquireSwapchainImage`.
 unsafe extern "system" fn acquire_swapchain_image(
     swapchain: xr::Swapchain,
     info: *const xr::SwapchainImageAcquireInfo,
@@ -292,6 +306,8 @@ unsafe extern "system" fn acquire_swapchain_image(
     }
 }
 
+/// # Safety
+/// As `xrReleaseSwapchainImage`.
 unsafe extern "system" fn release_swapchain_image(
     swapchain: xr::Swapchain,
     info: *const xr::SwapchainImageReleaseInfo,
@@ -309,6 +325,8 @@ unsafe extern "system" fn release_swapchain_image(
     result
 }
 
+/// # Safety
+/// As `xrEndFrame`.
 unsafe extern "system" fn end_frame(session: xr::Session, info: *const xr::FrameEndInfo) -> xr::Result {
     let next = with(|state, next| {
         if let Some((folder, name)) = wanted() {

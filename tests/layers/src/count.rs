@@ -1,4 +1,4 @@
-//! Three layers that count what an application draws, with queries.
+//! Three layers that count an application's draws, with queries.
 //!
 //! [`Invocations`], the layer `count`, counts the fragment shader invocations of everything in primary command buffers
 //! with pipeline statistics, and the draws and submits. A primary command buffer is one query, from just after its begin to
@@ -51,7 +51,7 @@ pub const SAMPLES_FILE_VARIABLE: &str = "PARAFOVEA_TEST_SAMPLES_FILE";
 /// As [`COUNT_FILE_VARIABLE`], for the layer `times` and its [`GpuTimes`].
 pub const TIMES_FILE_VARIABLE: &str = "PARAFOVEA_TEST_TIMES_FILE";
 
-/// What was counted on one device.
+/// Counts of one device.
 #[derive(Clone, PartialEq, Eq, Default, Debug, Serialize, Deserialize)]
 pub struct Count {
     /// Fragment shader invocations, as the device counts them; none when something could not be counted.
@@ -68,7 +68,7 @@ pub struct Count {
     pub by_submit: Vec<Counted>,
 }
 
-/// What was counted of one execution of a primary command buffer.
+/// Counts of one execution of a primary command buffer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Counted {
     /// CPU time of the process when it was submitted (CLOCK_PROCESS_CPUTIME_ID), nanoseconds.
@@ -90,7 +90,7 @@ pub struct SampleCount {
     pub by_submit: Vec<Counted>,
 }
 
-/// What primary command buffers took on one device.
+/// Times of primary command buffers on one device.
 #[derive(Clone, PartialEq, Eq, Default, Debug, Serialize, Deserialize)]
 pub struct GpuTimes {
     /// Each execution of each, in the order in which they were read.
@@ -99,7 +99,7 @@ pub struct GpuTimes {
     pub reason: Option<String>,
 }
 
-/// What one execution of a primary command buffer took.
+/// Time of one execution of a primary command buffer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct GpuTime {
     /// CPU time of the process when it was submitted (CLOCK_PROCESS_CPUTIME_ID), nanoseconds.
@@ -108,7 +108,7 @@ pub struct GpuTime {
     pub gpu_ns: u64,
 }
 
-/// What a layer counts.
+/// Kind of count of a layer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Kind {
     Invocations,
@@ -121,7 +121,7 @@ trait Counting: Layer {
     fn counter(&self) -> &Counter;
 }
 
-/// What is kept of a device.
+/// State of a device.
 pub(crate) struct Counter {
     kind: Kind,
     next: NextDevice,
@@ -173,8 +173,7 @@ impl Counter {
         }
     }
 
-    /// What is known of the command buffers. Held while queries of this layer's own are read, which cannot
-    /// come back to it.
+    /// State of the command buffers. Held while queries of this layer's own are read, which cannot come back to it.
     fn buffers(&self) -> MutexGuard<'_, Buffers> {
         self.buffers.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -17,7 +17,7 @@ pub const DROP_BARRIER_VARIABLE: &str = "PARAFOVEA_TEST_DROP_BARRIER";
 /// The variable with the file to which each device appends a line, a [`Dropped`] as JSON, when it is destroyed.
 pub const DROP_FILE_VARIABLE: &str = "PARAFOVEA_TEST_DROP_FILE";
 
-/// What was dropped on one device.
+/// Dropped barriers of one device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Dropped {
     /// Image barriers left out, at the time of recording.
@@ -92,6 +92,8 @@ unsafe fn slice<'a, T>(first: *const T, count: u32) -> &'a [T] {
     unsafe { std::slice::from_raw_parts(first, count as usize) }
 }
 
+/// # Safety
+/// As `vkCmdPipelineBarrier`.
 unsafe extern "system" fn pipeline_barrier(
     buffer: vk::CommandBuffer,
     src_stage: vk::PipelineStageFlags,
@@ -130,6 +132,8 @@ unsafe extern "system" fn pipeline_barrier(
     }
 }
 
+/// # Safety
+/// As `vkCmdPipelineBarrier2`.
 unsafe extern "system" fn pipeline_barrier2(
     buffer: vk::CommandBuffer,
     dependency: *const vk::DependencyInfo<'_>,

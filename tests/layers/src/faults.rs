@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::ffi::CStr;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The variable with the fault to plant, a [`VulkanFault`] as JSON; without it calls are only counted.
+/// The variable with the fault to inject, a [`VulkanFault`] as JSON; without it calls are only counted.
 pub const FAULT_VARIABLE: &str = "PARAFOVEA_TEST_FAULT";
 
 /// The variable with the file to which each device appends a line, a [`FaultReport`] as JSON, when it is destroyed.
@@ -34,8 +34,8 @@ pub enum Whose {
 pub struct VulkanFault {
     /// The function, such as `vkCreateImage`.
     pub call: String,
-    /// What it returns, a negative `VkResult`. After `VK_ERROR_DEVICE_LOST` (-4) the device stays lost: every submit, every wait
-    /// and every look at a fence returns it.
+    /// Its result, a negative `VkResult`. After `VK_ERROR_DEVICE_LOST` (-4) the device stays lost: every submit, every wait and every look
+    /// at a fence returns it.
     pub result: i32,
     /// Whose calls.
     pub whose: Whose,
@@ -45,7 +45,7 @@ pub struct VulkanFault {
     pub count: u64,
 }
 
-/// What came down to one device.
+/// Calls that reached one device.
 #[derive(Clone, Default, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct FaultReport {
     /// Parafovea's own calls of functions that can fail, by name.
@@ -58,8 +58,8 @@ pub struct FaultReport {
     pub failed: u64,
 }
 
-/// A call: of which function, and what tells it from another one of that function. Of submits that is the fence: Parafovea's own
-/// work has fences of its own.
+/// A call: its function, and the key that tells it from another one of that function. Of submits that is the fence: Parafovea's own work
+/// has fences of its own.
 #[derive(Clone, Copy, PartialEq)]
 struct Call {
     name: &'static CStr,
@@ -102,9 +102,9 @@ impl Layer for Calls {
     }
 }
 
-/// What one of the layers does with a call.
+/// Handling of a call by one of the layers.
 trait Side: Layer {
-    /// Makes it by `next`, or fails; what it was to make is null then, by `null`.
+    /// Makes it by `next`, or fails, and then sets its outputs to null by `null`.
     fn made(&self, call: Call, next: impl FnOnce() -> vk::Result, null: impl FnOnce()) -> vk::Result;
 }
 
@@ -160,7 +160,7 @@ impl Layer for Faults {
     }
 }
 
-/// What a device that is lost refuses (Vulkan specification, "Lost Device").
+/// Functions that fail on a lost device (Vulkan specification, "Lost Device").
 const LOST: [&CStr; 8] = [
     c"vkDeviceWaitIdle",
     c"vkGetFenceStatus",

@@ -30,7 +30,7 @@ macro_rules! functions {
 pub(crate) use functions;
 
 functions! {
-    /// What is asked of a physical device.
+    /// Queries of a physical device.
     PhysicalDeviceFunctions {
         memory_properties: PFN_vkGetPhysicalDeviceMemoryProperties = c"vkGetPhysicalDeviceMemoryProperties";
         extensions: PFN_vkEnumerateDeviceExtensionProperties = c"vkEnumerateDeviceExtensionProperties";

@@ -1,5 +1,5 @@
-//! What every layer here has: creation and destruction of instances and devices, and the way to the next
-//! layer's functions. A layer adds hooks, and what it keeps for a device.
+//! Common parts of the layers: creation and destruction of instances and devices, and the way to the next layer's functions. A layer adds
+//! hooks, and what it keeps for a device.
 //!
 //! A panic ends the process: these layers are for tests, which are to notice.
 
@@ -19,7 +19,7 @@ pub(crate) trait Layer: Sized + Send + Sync + 'static {
     /// The objects that it tracks.
     fn tracked() -> &'static Tracked<Self>;
 
-    /// Calls `create`, perhaps with changes to `info`, and makes what is kept for the device.
+    /// Calls `create`, perhaps with changes to `info`, and makes the layer's state of the device.
     ///
     /// # Safety
     ///
@@ -157,7 +157,7 @@ pub(crate) unsafe fn instance_of<L: Layer>(object: impl vk::Handle) -> Option<In
     L::tracked().instances.read().unwrap_or_else(PoisonError::into_inner).get(&key).copied()
 }
 
-/// What the layer keeps for the device of a device, queue or command buffer.
+/// The layer's state of the device of a device, queue or command buffer.
 ///
 /// # Safety
 ///
@@ -184,6 +184,8 @@ pub(crate) use hooks;
 /// [`Layer::create_device`] of a layer that makes devices as the application asks, and its own `over` of the next one's.
 macro_rules! made_as_asked {
     () => {
+        /// # Safety
+        /// As [`Layer::create_device`](crate::layer::Layer::create_device).
         unsafe fn create_device(
             _: &$crate::layer::Instance,
             _: ash::vk::PhysicalDevice,
@@ -223,6 +225,8 @@ fn common_hook<L: Layer>(name: &CStr) -> vk::PFN_vkVoidFunction {
     None
 }
 
+/// # Safety
+/// As `vkGetInstanceProcAddr`.
 unsafe extern "system" fn get_instance_proc_addr<L: Layer>(
     instance: vk::Instance,
     name: *const c_char,
@@ -245,6 +249,8 @@ unsafe extern "system" fn get_instance_proc_addr<L: Layer>(
     }
 }
 
+/// # Safety
+/// As `vkGetDeviceProcAddr`.
 unsafe extern "system" fn get_device_proc_addr<L: Layer>(
     device: vk::Device,
     name: *const c_char,
@@ -260,6 +266,8 @@ unsafe extern "system" fn get_device_proc_addr<L: Layer>(
     }
 }
 
+/// # Safety
+/// As `vk_layerGetPhysicalDeviceProcAddr` of the loader's layer interface.
 unsafe extern "system" fn get_physical_device_proc_addr<L: Layer>(
     instance: vk::Instance,
     name: *const c_char,
@@ -278,6 +286,8 @@ unsafe extern "system" fn get_physical_device_proc_addr<L: Layer>(
     }
 }
 
+/// # Safety
+/// As `vkCreateInstance`.
 unsafe extern "system" fn create_instance<L: Layer>(
     info: *const vk::InstanceCreateInfo<'_>,
     allocator: *const vk::AllocationCallbacks<'_>,
@@ -300,6 +310,8 @@ unsafe extern "system" fn create_instance<L: Layer>(
     }
 }
 
+/// # Safety
+/// As `vkDestroyInstance`.
 unsafe extern "system" fn destroy_instance<L: Layer>(
     instance: vk::Instance,
     allocator: *const vk::AllocationCallbacks<'_>,
@@ -314,6 +326,8 @@ unsafe extern "system" fn destroy_instance<L: Layer>(
     }
 }
 
+/// # Safety
+/// As `vkCreateDevice`.
 unsafe extern "system" fn create_device<L: Layer>(
     physical_device: vk::PhysicalDevice,
     info: *const vk::DeviceCreateInfo<'_>,
@@ -364,6 +378,8 @@ fn report_at_exit<L: Layer>() {
     });
 }
 
+/// # Safety
+/// As `vkDestroyDevice`.
 unsafe extern "system" fn destroy_device<L: Layer>(
     device: vk::Device,
     allocator: *const vk::AllocationCallbacks<'_>,

@@ -82,7 +82,7 @@ functions! {
     }
 }
 
-/// What the layer keeps for a device.
+/// The layer's state of a device.
 pub(crate) struct Emulator {
     next: NextDevice,
     functions: Functions,
@@ -94,7 +94,7 @@ pub(crate) struct Emulator {
 static TRACKED: Tracked<Emulator> = Tracked::new();
 
 impl Emulator {
-    /// What is known of the device's objects. It is held during calls down, none of which comes back here.
+    /// State of the device's objects. It is held during calls down, none of which comes back here.
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -121,6 +121,8 @@ impl Layer for Emulator {
         &TRACKED
     }
 
+    /// # Safety
+    /// As [`Layer::create_device`].
     unsafe fn create_device(
         instance: &Instance,
         physical_device: vk::PhysicalDevice,

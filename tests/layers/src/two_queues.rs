@@ -55,6 +55,8 @@ impl Layer for TwoQueues {
         &TRACKED
     }
 
+    /// # Safety
+    /// As [`Layer::create_device`].
     unsafe fn create_device(
         instance: &Instance,
         physical_device: vk::PhysicalDevice,
@@ -150,6 +152,8 @@ unsafe fn layer(object: impl Handle) -> Arc<TwoQueues> {
     }
 }
 
+/// # Safety
+/// As `vkGetPhysicalDeviceQueueFamilyProperties`.
 unsafe extern "system" fn families(
     physical_device: vk::PhysicalDevice,
     count: *mut u32,
@@ -167,6 +171,8 @@ unsafe extern "system" fn families(
     }
 }
 
+/// # Safety
+/// As `vkGetPhysicalDeviceQueueFamilyProperties2`.
 unsafe extern "system" fn families2(
     physical_device: vk::PhysicalDevice,
     count: *mut u32,
@@ -187,6 +193,8 @@ unsafe extern "system" fn families2(
     }
 }
 
+/// # Safety
+/// As `vkGetDeviceQueue`.
 unsafe extern "system" fn get_queue(device: vk::Device, family: u32, index: u32, queue: *mut vk::Queue) {
     // SAFETY: the application's valid arguments.
     unsafe {
@@ -203,6 +211,8 @@ unsafe extern "system" fn get_queue(device: vk::Device, family: u32, index: u32,
     }
 }
 
+/// # Safety
+/// As `vkGetDeviceQueue2`.
 unsafe extern "system" fn get_queue2(
     device: vk::Device,
     info: *const vk::DeviceQueueInfo2<'_>,
@@ -224,6 +234,8 @@ unsafe extern "system" fn get_queue2(
     }
 }
 
+/// # Safety
+/// As `vkQueueSubmit`.
 unsafe extern "system" fn submit(
     queue: vk::Queue,
     count: u32,
@@ -238,6 +250,8 @@ unsafe extern "system" fn submit(
     }
 }
 
+/// # Safety
+/// As `vkQueueSubmit2`.
 unsafe extern "system" fn submit2(
     queue: vk::Queue,
     count: u32,
@@ -252,6 +266,8 @@ unsafe extern "system" fn submit2(
     }
 }
 
+/// # Safety
+/// As `vkQueueWaitIdle`.
 unsafe extern "system" fn wait_idle(queue: vk::Queue) -> vk::Result {
     // SAFETY: the application's valid argument.
     unsafe {

@@ -5,9 +5,8 @@ use std::path::Path;
 /// Its name, as in `VK_INSTANCE_LAYERS`.
 pub const VALIDATION_LAYER: &str = "VK_LAYER_KHRONOS_validation";
 
-/// What `vk_layer_settings.txt` must say, in the folder or the file that `VK_LAYER_SETTINGS_PATH` names: log every
-/// error, warning and the layer's own start to `log`, and validate synchronization within *and across*
-/// submits.
+/// Content of `vk_layer_settings.txt`, in the folder or the file that `VK_LAYER_SETTINGS_PATH` names: log every error, warning and the
+/// layer's own start to `log`, and validate synchronization within *and across* submits.
 ///
 /// Validation across submits is a switch of its own, off by default in 1.3.239: without it a hazard between
 /// two submits is not reported (`tests/validation.rs` shows both). Later versions renamed the switches;

@@ -1,8 +1,8 @@
-//! What a test asks of a layer, in an environment variable.
+//! A test's request to a layer, in an environment variable.
 
 use std::fmt::Display;
 
-/// What `parse` reads in a variable, if that is set.
+/// The variable's value, read by `parse`; `None` if it is not set.
 ///
 /// # Panics
 ///

@@ -1,5 +1,5 @@
-//! `cargo dev bench models`: the table of hard cases, how well the gaze is followed, how many fragments sound saves in our
-//! scenes, then what each model costs.
+//! `cargo dev bench models`: the table of hard cases, accuracy of gaze tracking, fragments that sound saves in our scenes, and the cost of
+//! each model.
 
 #[path = "models/audio.rs"]
 mod audio;

@@ -1,4 +1,4 @@
-//! `cargo dev bench safety`: what the safety limits cost while the eyes move, and what is lost at the true gaze.
+//! `cargo dev bench safety`: cost of the safety limits while the eyes move, and loss at the true gaze.
 
 use parafovea_models::safety;
 

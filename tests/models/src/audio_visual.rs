@@ -23,7 +23,7 @@ use parafovea_core::plan::{
 };
 use parafovea_core::rate::ShadingRate;
 
-/// Side of the view, pixels, and half of what it shows, degrees: paper A's headset, to the nearest degree.
+/// Side of the view, pixels, and half of its field of view, degrees: paper A's headset, to the nearest degree.
 pub const SIDE: u32 = 2160;
 /// See [`SIDE`].
 pub const EDGE_DEG: f32 = 52.0;
@@ -61,11 +61,11 @@ pub enum Constants {
     Paper,
     /// castleCSF instead, without safety limits.
     Castle,
-    /// What an application gets.
+    /// The layer's defaults.
     Default,
 }
 
-/// What is heard.
+/// The sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sound {
     /// Nothing.
@@ -167,7 +167,7 @@ pub fn baseline(peripheral: ShadingRate) -> FixedFoveation {
     FixedFoveation::L1_C1.with_peripheral(peripheral)
 }
 
-/// What sound and picture lead to.
+/// Result of sound and image.
 pub fn audio_visual(scene: &Scene, constants: Constants, sound: Sound) -> Map {
     by_coefficients(scene, constants, sound, PAPER)
 }
@@ -192,8 +192,8 @@ fn settings(constants: Constants, coefficients: Coefficients) -> PlanSettings {
     PlanSettings { rates: RateSettings::AudioVisual(model), safety, ..PlanSettings::default() }
 }
 
-/// What the safety limits alone would permit: the map of a picture without any contrast.
-fn rails_alone(constants: Constants) -> Map {
+/// The map of the safety limits alone: that of an image without any contrast.
+fn safety_limits_alone(constants: Constants) -> Map {
     let level = TileContrast { bands: [0.0; 4], adaptation_cd_m2: 100.0 };
     let flat = ContrastMap { tiles: Plane::filled(TILES as u32, TILES as u32, level) };
     let loud = Sound::Heard { lufs: -10.0, khz: 1.0 };
@@ -202,10 +202,10 @@ fn rails_alone(constants: Constants) -> Map {
 
 /// Share of the tiles that contrast and sound decide: they are finer than the safety limits alone would have them.
 pub fn decided_by_model(map: &Map, constants: Constants) -> f64 {
-    map.differing(&rails_alone(constants))
+    map.differing(&safety_limits_alone(constants))
 }
 
-/// What is lost of visible contrast, gamma_vis of paper A Eq. 11, in the units of one sensitivity function.
+/// Loss of visible contrast, gamma_vis of paper A Eq. 11, in the units of one sensitivity function.
 pub fn loss(scene: &Scene, map: &Map, unit: SensitivityUnit) -> f32 {
     let contrast = if unit == SensitivityUnit::Tursun { &scene.mean } else { &scene.peak };
     let mut lattice = TileLattice::default();

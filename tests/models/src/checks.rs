@@ -58,7 +58,7 @@ pub struct Chroma {
 /// Paper A.
 #[derive(Clone, Debug, Deserialize)]
 pub struct AudioVisual {
-    /// Table 1 with what follows from it.
+    /// Table 1 with figures that follow from it.
     pub table1: Vec<Tuple>,
 }
 

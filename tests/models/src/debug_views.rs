@@ -1,4 +1,4 @@
-//! The pictures of `manifest/HOW-IT-WORKS.md`: what `debug.view` draws, over grey squares that stand for a scene.
+//! The images of `manifest/HOW-IT-WORKS.md`: each `debug.view`, over grey squares that stand for a scene.
 //!
 //! One eye looks up and to the left; rates are rings, and the periphery is re-used.
 
@@ -27,7 +27,7 @@ pub const VIEWS: [(DebugView, &str); 4] = [
     (DebugView::Age, "age"),
 ];
 
-/// What the left eye sees with a view on, sRGB.
+/// The left eye's image with a view on, sRGB.
 pub fn picture(view: DebugView) -> Plane<[u8; 3]> {
     let eye = plan();
     let tiles = match view {

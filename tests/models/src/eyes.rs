@@ -1,4 +1,4 @@
-//! Synthetic gaze with known truth, what an eye tracker makes of it, and how well the region at full rate follows:
+//! Synthetic gaze with known truth, a simulated eye tracker, and how well the region at full rate follows:
 //! [`GazeTracker`](parafovea_core::gaze::GazeTracker) beside an unfiltered tracker and the One Euro filter.
 //!
 //! All of it is made from seeds. Those of [`TUNING_SEEDS`] may be looked at to choose parameters (of both filters); what is
@@ -19,7 +19,7 @@ pub use report::{Row, rows, table};
 pub use score::{Follower, Method, Radius, Score, follow, foveal_radii_deg};
 pub use tracker::{LATENCY_S, Report, TrackerErrors, TrackerModel, nanoseconds};
 
-/// Seeds of what is reported.
+/// Seeds of the reported runs.
 pub const SEEDS: [u64; 5] = [7, 19, 42, 77, 105];
 
 /// Seeds on which parameters were chosen.

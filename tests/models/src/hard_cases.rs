@@ -1,4 +1,4 @@
-//! What the models answer where arithmetic is hard: one [`Case`] a line, each computed anew when asked for.
+//! Answers of the models to hard input: one [`Case`] a line, each computed on request.
 
 mod audio;
 mod avpm;
@@ -16,15 +16,15 @@ use std::fmt;
 pub struct Case {
     /// Which model, e.g. "loudness".
     pub model: &'static str,
-    /// What is hard, e.g. "digital silence".
+    /// The difficulty, e.g. "digital silence".
     pub case: String,
-    /// What must come out, in words or numbers.
+    /// Expected answer, in words or numbers.
     pub expected: String,
-    /// What came out.
+    /// The answer.
     pub got: String,
     /// Difference from the reference in double precision, in the unit that `expected` names, where there is one.
     pub error: Option<f64>,
-    /// Whether `got` is what was expected, judged by the code that made the case.
+    /// Whether `got` meets the expectation, by the code that made the case.
     pub passed: bool,
 }
 

@@ -1,5 +1,5 @@
-//! What the safety limits cost while the eyes move, and what is lost where the eyes really look: shares of fully shaded pixels and
-//! losses of visible contrast, by the [`Planner`] behind a [`GazeTracker`], in simulated time.
+//! Cost of the safety limits while the eyes move, and loss at the true gaze: shares of fully shaded pixels and losses of visible contrast,
+//! by the [`Planner`] behind a [`GazeTracker`], in simulated time.
 //!
 //! Every tile shows the same contrast in each octave, so that no place of the view hides a coarse rate. Losses are those of
 //! castleCSF at each eye's true gaze in the frame that is shown, whatever the tracker says.
@@ -30,19 +30,19 @@ pub const SIDE: u32 = 1024;
 /// Side of a tile, pixels.
 const TEXEL: u32 = 32;
 
-/// Half of what a view shows, degrees: paper A's headset.
+/// Half of a view's field of view, degrees: paper A's headset.
 const EDGE_DEG: f32 = 52.0;
 
 /// Frames a second.
 const FRAME_HZ: f64 = 90.0;
 
-/// What is before it does not count, seconds: trust has to rise first.
+/// Start of the time that counts, seconds: trust has to rise first.
 const WARM_UP_S: f64 = 1.0;
 
 /// Changes are not noticed for so long after landing, seconds (Loschky and Wolverton 2007).
 const UNNOTICED_S: f64 = 0.06;
 
-/// From the true gaze to the border of what counts as central, degrees: the full rate of [`FixedFoveation::L1_C1`], less a tile.
+/// Radius of the central area around the true gaze, degrees: the full rate of [`FixedFoveation::L1_C1`], less a tile.
 const CENTRAL_DEG: f32 = 12.0;
 
 /// Contrast of every tile in each octave, of the order of natural pictures (Brady and Field 2000), and its luminance, cd/m^2.
@@ -60,12 +60,12 @@ pub enum Gaze {
         model: TrackerModel,
         /// Its errors.
         errors: TrackerErrors,
-        /// Whether the distance of what is looked at is known.
+        /// Whether the fixation distance is known.
         depth: bool,
     },
 }
 
-/// What coarse rates follow.
+/// Source of rates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rates {
     /// Eccentricity alone.
@@ -83,20 +83,20 @@ pub enum Eyes {
     Moving,
 }
 
-/// What is followed, and how.
+/// A case: eye movement, gaze and settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Case {
     /// As it is printed.
     pub name: &'static str,
-    /// What the eyes do.
+    /// Movement of the eyes.
     pub eyes: Eyes,
     /// How that is known.
     pub gaze: Gaze,
-    /// What follows it.
+    /// Source of rates.
     pub rates: Rates,
 }
 
-/// What the eyes do in a frame.
+/// State of the eyes in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
     /// In a saccade.
@@ -163,7 +163,7 @@ impl Mean {
     }
 }
 
-/// What was measured.
+/// Measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Score {
     /// Over all frames, those of blinks too; losses without.

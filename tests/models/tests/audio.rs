@@ -26,7 +26,7 @@ fn last(rate_hz: u32, channels: u32, settings: &AudioSettings, samples: &[f32]) 
     last.expect("at least 100 ms")
 }
 
-/// What `read` gives after each hop.
+/// Values of `read` after each hop.
 fn readings(rate_hz: u32, channels: u32, samples: &[f32], read: impl Fn(&Loudness) -> f64) -> Vec<f64> {
     let mut extractor =
         FeatureExtractor::new(rate_hz, channels, &AudioSettings::default()).expect("a known format");

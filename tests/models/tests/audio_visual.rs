@@ -1,4 +1,4 @@
-//! What paper A claims of its maps, on a made-up picture; our scenes are in `cargo dev bench models`.
+//! Paper A's claims about its maps, on an artificial image; our scenes are in `cargo dev bench models`.
 
 #![allow(clippy::unwrap_used)]
 

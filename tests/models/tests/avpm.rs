@@ -67,7 +67,7 @@ fn the_papers_own_scores_are_near() {
     }
 }
 
-/// What settled the units that the paper leaves open: `ITU_min` and the unit of gamma_fq.
+/// Test of the units that the paper leaves open: `ITU_min` and the unit of gamma_fq.
 #[test]
 fn the_units_are_those_that_stay_on_the_scale_of_scores() {
     let table = table();
@@ -143,8 +143,8 @@ fn the_visual_loss_that_fits_each_condition_best_leaves_half_unexplained() {
     near(r_squared, 0.52, 5e-3);
 }
 
-/// No coefficients make Table 1 say what the paper does: even with an offset for each condition, frequency has no
-/// weight, and R^2 stays below the 0.80 that the paper has for its whole study.
+/// No coefficients reproduce the paper's result from Table 1: even with an offset for each condition, frequency has no weight, and R^2
+/// stays below the 0.80 that the paper has for its whole study.
 #[test]
 fn no_refit_of_table_1_explains_it() {
     let table = table();

@@ -67,8 +67,8 @@ fn the_floor_is_castle_csf_s_ratio_for_large_fields() {
     }
 }
 
-/// What a pure colour's field of 8 degrees is worth in thresholds of the red-green mechanism at 55 degrees, scaled by
-/// the relative sensitivity to `frequency_cpd`.
+/// Contrast of a pure colour's field of 8 degrees in thresholds of the red-green mechanism at 55 degrees, scaled by the relative
+/// sensitivity to `frequency_cpd`.
 fn seen_at_55_deg(colour: Vec3, frequency_cpd: f32) -> f32 {
     let field = Stimulus {
         frequency_cpd: FLOOR_FREQUENCY_CPD,

@@ -1,4 +1,4 @@
-//! The gaze tracker on synthetic gaze with known truth: what `cargo dev bench models` prints, asserted.
+//! The gaze tracker on synthetic gaze with known truth: the figures of `cargo dev bench models`, asserted.
 
 use glam::{DVec3, Quat, Vec3};
 use parafovea_core::fixed_foveation::FixedFoveation;
@@ -19,7 +19,7 @@ fn score(method: Method, rate_hz: f64) -> Score {
 }
 
 #[test]
-fn what_either_eye_looks_at_is_at_full_rate() {
+fn the_fixation_point_of_either_eye_is_at_full_rate() {
     let safety = Radius::Inflated(foveal_radii_deg()[0]);
     for rate_hz in RATES_HZ {
         for method in [Method::Tracker, Method::TrackerWithDepth] {
@@ -138,7 +138,7 @@ fn the_tile_that_either_eye_looks_at_is_1x1_in_the_plan() {
     assert!(coarse / f64::from(looked) > 0.5, "most of the view is coarse: {}", coarse / f64::from(looked));
 }
 
-/// The path is what it is said to be: the measure is worth no more than that.
+/// The path has the properties that the measure relies on.
 #[test]
 fn the_synthetic_gaze_is_that_of_eyes() {
     for seed in SEEDS {

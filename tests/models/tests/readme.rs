@@ -1,4 +1,4 @@
-//! What `core/README.md` and `manifest/HOW-IT-WORKS.md` show is what the code makes.
+//! Figures and images of `core/README.md` and `manifest/HOW-IT-WORKS.md` are those of the code.
 
 #![expect(clippy::unwrap_used, reason = "a test says where it failed")]
 

@@ -1,4 +1,4 @@
-//! The safety limits on synthetic gaze with known truth: what `cargo dev bench safety` prints, asserted of shorter scripts.
+//! The safety limits on synthetic gaze with known truth: the figures of `cargo dev bench safety`, asserted of shorter scripts.
 
 use parafovea_models::safety::{Case, When, cases, follow};
 
@@ -11,7 +11,7 @@ fn case(name: &str) -> Case {
 
 /// Less is shaded, and hardly more is lost where the eyes are once they have landed.
 #[test]
-fn what_coarsens_in_saccades_saves_and_costs_little_after_landing() {
+fn coarsening_in_saccades_saves_and_costs_little_after_landing() {
     // By contrast what is left behind gets as coarse as 4x4 within a saccade, and so a landing that is farther than predicted loses more.
     for (name, most_share, most_lost) in [
         ("moving, 120 Hz", 0.95, 1.15),

@@ -18,7 +18,7 @@ pub struct Device {
     memory_types: vk::PhysicalDeviceMemoryProperties,
 }
 
-/// What an OpenXR runtime wants, names separated by spaces.
+/// Extensions that an OpenXR runtime requires, names separated by spaces.
 #[derive(Default)]
 pub struct Wishes {
     pub instance_extensions: String,

@@ -36,7 +36,7 @@ impl Headset {
         Ok(Self { instance, system })
     }
 
-    /// What the runtime wants of instance and device.
+    /// Requirements of the runtime on instance and device.
     pub fn wishes(&self) -> Result<Wishes> {
         self.instance.graphics_requirements::<xr::Vulkan>(self.system)?;
         Ok(Wishes {

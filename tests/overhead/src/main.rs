@@ -16,7 +16,7 @@ mod target;
 use anyhow::Result;
 use clap::Parser;
 
-/// What the benches of Parafovea run.
+/// The application of Parafovea's benches.
 #[derive(Parser)]
 enum Command {
     /// Records draw calls and prints, as JSON, the CPU time that each needs.

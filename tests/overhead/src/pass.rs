@@ -71,7 +71,7 @@ pub unsafe fn end(device: &Device, buffer: vk::CommandBuffer, render_pass: vk::R
     }
 }
 
-/// What the render pass object's dependency does: the last pass's writes come before this one's clear.
+/// Dependency of the render pass object: the last pass's writes come before this one's clear.
 ///
 /// # Safety
 ///

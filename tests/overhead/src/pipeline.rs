@@ -128,7 +128,7 @@ pub unsafe fn render_pass(device: &Device) -> Result<vk::RenderPass> {
     unsafe { Ok(device.functions.create_render_pass(&info, None)?) }
 }
 
-/// What pipelines differ in.
+/// Differences between pipelines.
 pub struct Parts {
     /// Null with dynamic rendering.
     pub render_pass: vk::RenderPass,

@@ -33,8 +33,8 @@ pub struct Recording {
     openxr: bool,
 }
 
-/// What is printed. Times are CPU time of the calling thread, in nanoseconds; medians over the rounds, and the
-/// fastest, which other work on the machine disturbs least.
+/// The printed results. Times are CPU time of the calling thread, in nanoseconds; medians over the rounds, and the fastest, which other
+/// work on the machine disturbs least.
 #[derive(Serialize)]
 struct Figures {
     rounds: u32,
@@ -48,8 +48,8 @@ struct Figures {
     submit_ns_min: f64,
 }
 
-/// Rounds at the start that do not count: caches and the driver's own allocations settle in them, and a layer may need
-/// a few frames to know what it sees.
+/// Rounds at the start that do not count: caches and the driver's own allocations settle in them, and a layer may need a few frames to
+/// recognise passes.
 const WARM_UP_ROUNDS: u32 = 8;
 
 /// Measures, and prints [`Figures`].

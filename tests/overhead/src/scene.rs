@@ -1,4 +1,4 @@
-//! What is drawn: triangles without an area, each with the state changes that engines make around a draw.
+//! The scene: triangles without an area, each with the state changes that engines make around a draw.
 
 use crate::buffer::Buffer;
 use crate::device::Device;
@@ -24,7 +24,7 @@ const MATERIALS: u32 = 64;
 /// Distance of two materials, bytes: no device needs more.
 const MATERIAL_BYTES: u32 = 256;
 
-/// Two pipelines, their resources, and what is drawn to.
+/// Two pipelines, their resources, and their target.
 pub struct Scene<'a> {
     device: &'a Device,
     depth: Target<'a>,

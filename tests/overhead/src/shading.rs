@@ -26,7 +26,7 @@ const SHADERS: &str = "
         return colour;
     }";
 
-/// What is shaded.
+/// A workload of shaded pixels.
 #[derive(Args)]
 pub struct Shading {
     /// Frames to show, then it ends.

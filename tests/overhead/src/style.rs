@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 
-/// How an application says what a pass draws to.
+/// How an application names a pass's attachments.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub enum Style {
     /// Render pass objects and framebuffers, as of Vulkan 1.0.

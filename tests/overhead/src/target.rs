@@ -1,4 +1,4 @@
-//! What passes draw to.
+//! Targets of passes.
 
 use crate::device::Device;
 use crate::pipeline::{DEPTH_FORMAT, FORMAT};

@@ -1,11 +1,11 @@
-//! What to switch on for which application, in words, from what was measured.
+//! Advice on techniques for an application, in words, from measurements.
 
 use crate::results::{Results, mean};
 use crate::summary::{Row, mean_rows};
 use crate::verdict::EVERYTHING;
 
-/// Below this share of the time, or of the bits, a technique counts as a gain: less is within what two runs differ by, and no reason
-/// to give anything up.
+/// Ratio of time, or of bits, below which a technique counts as a gain: a smaller one is within the difference of two runs, and no reason
+/// to accept a loss.
 const GAIN: f64 = 0.95;
 
 /// One kind of application.
@@ -13,9 +13,9 @@ const GAIN: f64 = 0.95;
 pub struct Advice {
     /// Which.
     pub application: &'static str,
-    /// What to set for it.
+    /// The setting.
     pub setting: String,
-    /// What was measured that says so.
+    /// The measurement behind it.
     pub measured: String,
 }
 

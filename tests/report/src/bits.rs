@@ -1,4 +1,4 @@
-//! What chroma attenuation saves where pictures are encoded: bits at equal quality of luma, which it leaves as it is.
+//! Saving of chroma attenuation in encoded images: bits at equal quality of luma, which it leaves unchanged.
 
 mod h264;
 mod jpeg;

@@ -1,11 +1,10 @@
-//! What the layer's own kernels are estimated to take on GPUs that nobody measured, by technique
-//! ([`parafovea_tests::drivers::kernels`]).
+//! Estimated times of the layer's own kernels on GPUs without measurements, by technique ([`parafovea_tests::drivers::kernels`]).
 
 use crate::points::Sweep;
 use parafovea_tests::drivers::kernels::{GPUS, Kernels, TASKS, estimate, kept};
 use std::sync::LazyLock;
 
-/// The tasks that a technique adds to a frame, by their names; `None` for what the application does itself.
+/// The tasks that a technique adds to a frame, by their names; `None` for the application's own work.
 fn tasks(sweep: Sweep) -> Option<&'static [&'static str]> {
     Some(match sweep {
         Sweep::Off | Sweep::RenderScale | Sweep::FixedFoveation | Sweep::OpenXrToolkit | Sweep::Uniform => {

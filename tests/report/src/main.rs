@@ -15,7 +15,8 @@ use parafovea_tests::measure::print_json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// How much faster, how wrong, on what, and against what a user would do instead: target/report/index.html, with the same as Markdown, CSV and SVG.
+/// Speed against error of all techniques, and of alternatives without the layer: target/report/index.html, with the same as Markdown, CSV
+/// and SVG.
 #[derive(Parser)]
 #[command(name = "cargo dev report")]
 struct Arguments {

@@ -1,4 +1,4 @@
-//! Does what a plan says.
+//! Executes a plan.
 
 mod conditions;
 mod hardware;
@@ -23,7 +23,7 @@ use parafovea_tests::scenario::Scenario;
 use std::panic::resume_unwind;
 use std::thread::{self, available_parallelism};
 
-/// Measures all of `plan`; pictures go to `pictures`, and `command` is what was typed.
+/// Measures all of `plan`; images go to `pictures`, and `command` is the typed command.
 ///
 /// # Errors
 /// Those of the harness, and an application that does not come to its end.

@@ -69,7 +69,7 @@ pub fn page(results: &Results, gpus: &[Results], pictures: &Pictures) -> Result<
     Ok(page.into_string())
 }
 
-/// Ours, put together, against what a user could do instead, scene by scene.
+/// All of our techniques together against the alternatives of a user, scene by scene.
 pub fn contests(scenes: &[SceneResults]) -> Vec<(&SceneResults, Contest)> {
     let bootstrap = Bootstrap::default();
     let first = scenes.first().into_iter().flat_map(|scene| &scene.points);

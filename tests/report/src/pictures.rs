@@ -1,4 +1,4 @@
-//! The pictures of a report: what an eye saw with each technique, and the map beside it.
+//! The images of a report: an eye's view with each technique, and the map beside it.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -24,8 +24,8 @@ impl Pictures {
         Ok(Self { folder: folder.to_owned() })
     }
 
-    /// Keeps what an eye saw, and the map of its pass where there is one. A picture that cannot be written is left out of the
-    /// report, with a line that says so.
+    /// Keeps an eye's view, and the map of its pass if there is one. A picture that cannot be written is left out of the report, with a
+    /// line that says so.
     pub fn keep(&mut self, scene: &str, technique: &str, seen: &Picture, map: Option<&Picture>) {
         let mut small = seen.clone();
         while small.width > SIDE && small.height > 1 {
@@ -46,14 +46,14 @@ impl Pictures {
         self.folder.join(format!("{scene}-{}-{kind}.png", technique.replace([' ', '.', '/'], "-")))
     }
 
-    /// What an eye saw, or the map (`seen` or `map`), as a data URI; none where there is no such picture.
+    /// An eye's view, or the map (`seen` or `map`), as a data URI; `None` if there is no such image.
     pub fn data_uri(&self, scene: &str, technique: &str, kind: &str) -> Option<String> {
         let bytes = std::fs::read(self.path(scene, technique, kind)).ok()?;
         Some(format!("data:image/png;base64,{}", STANDARD.encode(bytes)))
     }
 }
 
-/// A map as large as a picture of the report, each tile where it is in what was `seen`.
+/// A map as large as an image of the report, each tile at its place in the `seen` image.
 fn enlarged(map: &Picture, seen: &Picture) -> Picture {
     let height = (SIDE * seen.height / seen.width.max(1)).max(1);
     Picture::from_fn(SIDE, height, |x, y| map.at(x * map.width / SIDE, y * map.height / height))

@@ -1,4 +1,4 @@
-//! What a report measures, known before it is measured.
+//! The plan of a report, before any measurement.
 
 use crate::hardware::{HardwarePoint, Rates, hardware_points};
 use crate::points::{Extent, Point, Sweep, points};
@@ -13,15 +13,15 @@ pub const FINE_SIZE: u32 = 2292;
 /// How much longer it takes to judge a picture than to render it with lavapipe: a weight for how far along the work is.
 const JUDGING: u64 = 5;
 
-/// What starting an application takes, in pixels that could be rendered meanwhile.
+/// Cost of an application's start, in pixels that could be rendered meanwhile.
 const START: u64 = 15_000_000;
 
-/// What is measured.
+/// One subject of measurements.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Where.
     pub scenes: Vec<SceneName>,
-    /// What is done there, the application alone first.
+    /// Techniques on it, the application alone first.
     pub points: Vec<Point>,
     /// Maps over the pictures of the judged runs, by the look of hardware rates.
     pub hardware: Vec<HardwarePoint>,
@@ -35,12 +35,12 @@ pub struct Plan {
     pub fine: Option<(SceneName, Effort)>,
     /// Who tells the application where the eyes look.
     pub tracker: Tracker,
-    /// What it runs on.
+    /// Its device.
     pub driver: Driver,
 }
 
 impl Plan {
-    /// What fits into five minutes: 2 scenes, 30 frames at 512 x 512.
+    /// A plan for five minutes: 2 scenes, 30 frames at 512 x 512.
     pub fn quick() -> Self {
         let timed = Effort { turns: 2, run_up: LAYER_RUN_UP, frames: 30, size: 512 };
         Self {

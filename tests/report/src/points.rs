@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub enum Sweep {
     /// The application alone, which is the end of every sweep: it costs 1 and loses nothing.
     Off,
-    /// Smaller images: what every user can do.
+    /// Smaller images, the option of every user.
     RenderScale,
     /// FR, by the application itself: the pairs of radii of "Audio-Visual Foveated Rendering"'s pilot study, with a periphery of 1/16.
     FixedFoveation,
@@ -84,7 +84,7 @@ impl Sweep {
 pub struct Point {
     /// Which sweep it belongs to.
     pub sweep: Sweep,
-    /// What is done.
+    /// The technique.
     pub technique: Technique,
     /// Whether its time is measured; chroma attenuation cannot save any.
     pub is_timed: bool,
@@ -95,9 +95,9 @@ pub struct Point {
 /// How much a report covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Extent {
-    /// What fits into five minutes.
+    /// Points for five minutes.
     Quick,
-    /// What fits into an hour.
+    /// Points for an hour.
     Full,
     /// All points of all sweeps.
     All,
@@ -185,8 +185,8 @@ fn all() -> Vec<Point> {
     points
 }
 
-/// The layer with the modes of rates, re-use and chroma; the gate is open, as it looks before it decides, and what it drops would
-/// not be seen here.
+/// The layer with the modes of rates, re-use and chroma; the gate is open, as before its decision, because techniques that it drops would
+/// be missing here.
 fn layer(name: &str, preset: &str, [rates, reuse, chroma]: [&str; 3]) -> Technique {
     let config = format!(
         "preset = \"{preset}\"\n[rates]\nmode = \"{rates}\"\ngate = \"on\"\n[reuse]\nmode = \"{reuse}\"\n[chroma]\nmode = \"{chroma}\"\n"

@@ -1,4 +1,4 @@
-//! What was measured, as it is kept: a page is made of it, at once or later, here or where it was committed.
+//! Results of measurements, as stored: a page is made from them, at once or later, here or at their commit.
 
 use crate::points::Sweep;
 use crate::statistics::{CostAndLoss, RatePoint};
@@ -9,7 +9,7 @@ use std::path::Path;
 /// Everything of one report.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Results {
-    /// Where and with what.
+    /// Machine and programs.
     pub conditions: Conditions,
     /// Scene by scene.
     pub scenes: Vec<SceneResults>,
@@ -19,18 +19,18 @@ pub struct Results {
     pub hardware: Vec<SceneResults>,
     /// Errors of one scene at 20 pixels a degree, where that was asked for.
     pub fine: Option<Fine>,
-    /// What the models answer where arithmetic is hard.
+    /// Answers of the models to hard input.
     pub hard_cases: Vec<HardCase>,
 }
 
-/// Where and with what was measured.
+/// Machine and programs of the measurements.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Conditions {
     /// The Vulkan device and its driver.
     pub device: String,
     /// Whether that is a CPU: its time is process CPU time.
     pub device_is_cpu: bool,
-    /// By what the layer has passes shade more coarsely there: `mask` or `rate attachment`.
+    /// Backend that makes passes shade more coarsely there: `mask` or `rate attachment`.
     pub backend: String,
     /// The processor.
     pub processor: String,
@@ -42,27 +42,27 @@ pub struct Conditions {
     pub date: String,
     /// The command line.
     pub command: String,
-    /// What the timed runs were: turns, run-up, frames and pixels of a side.
+    /// Parameters of the timed runs: turns, run-up, frames and pixels of a side.
     pub timed: [u64; 4],
-    /// What the judged runs were: run-up, frames and pixels of a side.
+    /// Parameters of the judged runs: run-up, frames and pixels of a side.
     pub judged: [u64; 3],
 }
 
-/// What was found in a scene.
+/// Results of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneResults {
     /// The scene.
     pub scene: String,
     /// Point by point, the application alone first.
     pub points: Vec<PointResults>,
-    /// What chroma attenuation saves where pictures are encoded.
+    /// Saving of chroma attenuation in encoded images.
     pub bits: Vec<Bits>,
     /// Judged frames of each gaze script, one after the other; 0: all are of one.
     #[serde(default)]
     pub frames_of_script: usize,
 }
 
-/// What was found of one technique in a scene.
+/// Results of one technique in a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PointResults {
     /// Its sweep.
@@ -74,24 +74,24 @@ pub struct PointResults {
     pub fragments: u64,
     /// Samples of a frame there that passed the depth test in the application's passes, where that could be counted.
     pub samples: Option<u64>,
-    /// What it costs; nothing where that was not measured.
+    /// Its cost; `None` if it was not measured.
     pub cost: Option<Cost>,
     /// How wrong it is; nothing for the application alone, which the others are compared with.
     pub errors: Option<Errors>,
 }
 
-/// What a technique costs: time of the device, which on a CPU is process CPU time.
+/// Cost of a technique: time of the device, which on a CPU is process CPU time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cost {
     /// Median of a frame, milliseconds.
     pub median_ms: f64,
-    /// What one frame in a hundred exceeds, milliseconds.
+    /// The 99th percentile of a frame, milliseconds.
     pub p99_ms: f64,
     /// The cost over that of the application alone.
     pub ratio: f64,
     /// Half of the interquartile range of the turns' ratios.
     pub spread: f64,
-    /// What each frame took in the mean of the turns, milliseconds.
+    /// Time of each frame in the mean of the turns, milliseconds.
     pub frames_ms: Vec<f64>,
 }
 
@@ -101,7 +101,7 @@ pub struct Errors {
     /// Contrast loss of each frame: the change of luminance contrast that stays and that which comes and goes, in just noticeable
     /// differences, added as castleCSF adds the sensitivities to both; mean over the view of both eyes.
     pub loss: Vec<f64>,
-    /// What is detected of both: their changes add up over the view as probability summation has it, by powers of 3.5, and not by their mean, JND.
+    /// Detected change of both: changes add up over the view by probability summation, by powers of 3.5, and not by their mean, JND.
     pub detected: Vec<f64>,
     /// In which of these frames the eyes jump; nothing where that is not known. They see next to nothing then (Volkmann 1986), so that
     /// these frames are told apart: neither [`PointResults::loss`] nor a verdict has them.
@@ -132,7 +132,7 @@ pub struct Fine {
     pub points: Vec<(String, Errors)>,
 }
 
-/// What chroma attenuation saves with one codec.
+/// Saving of chroma attenuation with one codec.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bits {
     /// The technique whose pictures were encoded.
@@ -152,20 +152,20 @@ pub struct Bits {
 pub struct HardCase {
     /// Which model.
     pub model: String,
-    /// What is hard.
+    /// The difficulty.
     pub case: String,
-    /// What must come out.
+    /// Expected answer.
     pub expected: String,
-    /// What came out.
+    /// The answer.
     pub got: String,
     /// Difference from the reference in double precision, where there is one.
     pub error: Option<f64>,
-    /// Whether it is what was expected.
+    /// Whether it meets the expectation.
     pub passed: bool,
 }
 
 impl Results {
-    /// Reads what [`Self::write`] wrote.
+    /// Reads the output of [`Self::write`].
     ///
     /// # Errors
     /// A text that names the file.
@@ -214,17 +214,17 @@ impl PointResults {
         self.errors.as_ref().map_or(0.0, |errors| errors.mean_of(&errors.loss, false).unwrap_or(f64::NAN))
     }
 
-    /// Mean of what is detected in these frames, JND; 0 for the application alone.
+    /// Mean of the detected change in these frames, JND; 0 for the application alone.
     pub fn detected(&self) -> f64 {
         self.errors.as_ref().map_or(0.0, |errors| errors.mean_of(&errors.detected, false).unwrap_or(f64::NAN))
     }
 
-    /// Mean of what would be detected in the frames in which the eyes jump, were they to see as they do at rest, JND.
+    /// Mean of the change in the frames in which the eyes jump, if they saw then as at rest, JND.
     pub fn detected_in_flight(&self) -> Option<f64> {
         self.errors.as_ref().and_then(|errors| errors.mean_of(&errors.detected, true))
     }
 
-    /// What it costs, in costs of the application alone, and loses; nothing where its time was not measured.
+    /// Its cost, in costs of the application alone, and its loss; `None` if its time was not measured.
     pub fn cost_and_loss(&self) -> Option<CostAndLoss> {
         self.cost.as_ref().map(|cost| CostAndLoss { cost: cost.ratio, loss: self.loss() })
     }

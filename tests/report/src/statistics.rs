@@ -1,5 +1,4 @@
-//! What is computed from measured points: which are worth having, what a sweep loses at a cost, how sure that is, and how many bits
-//! a codec saves.
+//! Figures from measured points: the Pareto front, the loss of a sweep at a cost, confidence intervals, and the bits that a codec saves.
 
 mod bd_rate;
 mod bootstrap;

@@ -1,4 +1,4 @@
-//! Rows of tables: what a technique costs and loses in a scene, or in the mean of all.
+//! Rows of tables: cost and loss of a technique in a scene, or in the mean of all.
 
 use crate::points::Sweep;
 use crate::results::{PointResults, Results, SceneResults, mean};
@@ -19,13 +19,13 @@ pub struct Row {
     pub ms: Option<f64>,
     /// The same over that of the application alone.
     pub ratio: Option<f64>,
-    /// What one frame in a hundred exceeds, milliseconds.
+    /// The 99th percentile of a frame, milliseconds.
     pub p99_ms: Option<f64>,
     /// Change of contrast that stays, JND, by ring.
     pub sustained: [Option<f64>; RINGS],
     /// Contrast loss over the whole view, JND.
     pub loss: f64,
-    /// What is detected of it, JND.
+    /// Its detected change, JND.
     pub detected: f64,
     /// RMS contrast at 8 to 30 Hz.
     pub flicker: Option<f64>,

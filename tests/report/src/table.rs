@@ -123,7 +123,7 @@ const FIGURES: [&str; 10] = [
     "spread_of_x_off",
 ];
 
-/// All scenes, a line for each technique; what is not known is empty.
+/// All scenes, a line for each technique; unknown values are empty.
 ///
 /// # Errors
 /// Those of writing into memory, which do not happen.

@@ -10,7 +10,7 @@ pub const EVERYTHING: &str = "everything balanced";
 /// Which techniques of ours are compared: those that a user selects by one word.
 pub const OURS: Sweep = Sweep::Rates;
 
-/// What users could do without us, and our own rings, which a preset has to beat to measure contrast.
+/// Alternatives of users without us, and our own rings, which a preset has to beat to measure contrast.
 pub const RIVALS: [Sweep; 6] = [
     Sweep::FixedFoveation,
     Sweep::FilledFoveation,
@@ -23,9 +23,9 @@ pub const RIVALS: [Sweep; 6] = [
 /// How the changes of a picture become one figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// The mean over the view: what is far below what is just seen counts too, where there is much of it.
+    /// The mean over the view: changes far below the threshold count too, if there are many of them.
     Mean,
-    /// What is detected, by probability summation over the view.
+    /// Detection, by probability summation over the view.
     Detected,
 }
 
@@ -81,13 +81,13 @@ pub struct Contest {
     pub technique: String,
     /// The others.
     pub rival: Sweep,
-    /// Of what.
+    /// The measure.
     pub measure: Measure,
-    /// What ours costs, in costs of the application alone.
+    /// Our cost, in costs of the application alone.
     pub cost: f64,
-    /// What ours loses, JND.
+    /// Our loss, JND.
     pub loss: f64,
-    /// What the sweep loses at that cost, or, where it is never as cheap, at its cheapest.
+    /// The sweep's loss at that cost, or, if it is never as cheap, at its cheapest.
     pub rival_loss: f64,
     /// Whether the sweep is as cheap somewhere.
     pub is_reached: bool,
@@ -155,7 +155,7 @@ fn frames(point: &PointResults) -> usize {
     point.errors.as_ref().map_or(timed, |errors| timed.min(errors.loss.len()))
 }
 
-/// Ours in these frames, and what the sweep loses there at equal cost.
+/// Our loss in these frames, and the sweep's at equal cost.
 fn found(
     measure: Measure,
     off: &PointResults,
@@ -184,7 +184,7 @@ fn in_frames(
     Some(CostAndLoss { cost, loss })
 }
 
-/// Why a contest was not won, in sentences, from what each part of ours costs and loses alone in that scene.
+/// Reasons for a contest that was not won, in sentences, from cost and loss of each part of ours alone in that scene.
 pub fn why_not(scene: &SceneResults, contest: &Contest) -> String {
     let mut reasons = Vec::new();
     if contest.cost >= 1.0 {
@@ -231,7 +231,7 @@ pub struct Tally {
     pub technique: String,
     /// The other.
     pub rival: Sweep,
-    /// Of what.
+    /// The measure.
     pub measure: Measure,
     /// In so many scenes ours loses less contrast at equal cost.
     pub wins: usize,

@@ -1,4 +1,4 @@
-//! The C surface: what pointers of the application may be used for, and which function has which name.
+//! The C surface: access to the application's pointers, and the names of functions.
 
 pub(crate) mod pointers;
 pub(crate) mod structures;

@@ -17,7 +17,7 @@ pub(crate) struct Clock {
     newest: Option<i64>,
 }
 
-/// What `xrWaitFrame` says of a frame, and how long it is to block.
+/// Answer of `xrWaitFrame` for a frame, and the time for which it blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slot {
     pub display_time: i64,

@@ -80,7 +80,7 @@ fn eye_job(runtime: &Runtime, eye: usize, draws: &[Draw<'_>], save: bool) -> Res
     Ok(Job::Eye { eye, extent, draws: drawn, save: save.then(|| Params::eye(extent)) })
 }
 
-/// The sub-images of a frame, and what their pictures are called.
+/// The sub-images of a frame, and the names of their image files.
 fn submitted(layers: &[Layer]) -> Vec<(String, &SubImage)> {
     let mut parts = Vec::new();
     for (index, layer) in layers.iter().enumerate() {

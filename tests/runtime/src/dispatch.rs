@@ -11,7 +11,7 @@ use crate::{views, visibility_mask, vulkan};
 use openxr_sys as xr;
 use std::ffi::c_char;
 
-/// Since when, or with what, an instance has a function.
+/// Version or extension that an instance needs for a function.
 #[derive(Clone, Copy)]
 enum Availability {
     /// Without an instance, too.
@@ -238,7 +238,7 @@ fn negotiate(loader: &xr::NegotiateLoaderInfo, request: &mut xr::NegotiateRuntim
 mod tests {
     use super::*;
 
-    /// What the loader of OpenXR `newest` passes.
+    /// Arguments of the loader of OpenXR `newest`.
     fn loader(newest: xr::Version) -> xr::NegotiateLoaderInfo {
         xr::NegotiateLoaderInfo {
             struct_type: xr::NegotiateLoaderInfo::TYPE,

@@ -1,4 +1,4 @@
-//! What the application has not polled yet.
+//! Events that the application has not polled yet.
 
 use crate::abi::pointers::Out;
 use crate::record::Line;

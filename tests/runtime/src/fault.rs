@@ -5,15 +5,15 @@ use openxr_sys as xr;
 /// Why a call fails.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Fault {
-    /// What the call returns.
+    /// Result of the call.
     pub result: xr::Result,
-    /// What was wrong, with the values at hand.
+    /// The violation, with the values at hand.
     pub message: String,
     /// The section of the OpenXR specification, or the extension, that has the rule.
     pub section: &'static str,
 }
 
-/// What a call returns: a success code, or a fault.
+/// Outcome of a call: a success code, or a fault.
 pub(crate) type Outcome = Result<xr::Result, Fault>;
 
 impl Fault {

@@ -1,4 +1,4 @@
-//! Instances: version and extensions, and what belongs to an instance.
+//! Instances: version, extensions and objects of an instance.
 
 use crate::abi::pointers::{In, List, Out};
 use crate::abi::text;

@@ -12,7 +12,7 @@ use ash::vk;
 use openxr_sys as xr;
 pub(crate) use recorded::recorded_pose;
 
-/// Layers of a frame, at most: what every runtime supports (`XR_MIN_COMPOSITION_LAYERS_SUPPORTED`).
+/// Most layers of a frame: the number that every runtime supports (`XR_MIN_COMPOSITION_LAYERS_SUPPORTED`).
 pub(crate) const MAX_LAYERS: u32 = xr::MIN_COMPOSITION_LAYERS_SUPPORTED as u32;
 
 /// A layer to show.
@@ -189,7 +189,7 @@ pub(crate) fn check_fov(name: &str, fov: &xr::Fovf) -> Result<(), Fault> {
     Ok(())
 }
 
-/// What a layer expects to find in a swapchain.
+/// A layer's requirements on a swapchain.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Content {
     Colour,

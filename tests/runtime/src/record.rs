@@ -1,11 +1,11 @@
-//! The record: what the application did, one JSON object a line.
+//! The record: the application's actions, one JSON object a line.
 //!
 //! `README.md` of this crate explains the lines.
 
 use serde::{Deserialize, Serialize};
 
 /// The message of the warning that the record has for each call that a fault of the scenario happens to.
-pub const PLANTED: &str = "a fault of the scenario";
+pub const INJECTED: &str = "a fault of the scenario";
 
 /// One line of `record.jsonl`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,12 +37,12 @@ pub enum Line {
         result: String,
         /// Names of the action sets that are active.
         sets: Vec<String>,
-        /// What the actions read, without subaction paths.
+        /// Values of the actions, without subaction paths.
         states: Vec<ActionState>,
     },
     /// `xrPollEvent` gave an event.
     EventPolled {
-        /// What it is about.
+        /// Its subject.
         event: String,
     },
     /// `xrEndFrame` succeeded.
@@ -53,7 +53,7 @@ pub enum Line {
     Warning {
         /// The function.
         call: String,
-        /// What is odd.
+        /// The oddity.
         message: String,
     },
     /// `xrDestroyInstance` succeeded.
@@ -67,7 +67,7 @@ pub enum Line {
     },
 }
 
-/// What an action reads.
+/// Value of an action.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActionState {
     /// Names of its set and of itself, with a slash between.
@@ -80,7 +80,7 @@ pub struct ActionState {
     pub changed: bool,
 }
 
-/// What an application said about itself.
+/// An application's description of itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InstanceCreated {
     /// The new instance.
@@ -130,7 +130,7 @@ pub struct Frame {
     /// CPU time of the thread that called `xrEndFrame`, in nanoseconds.
     #[serde(default)]
     pub thread_cpu_ns: i64,
-    /// What of it was spent while frames waited for their turn (`clock.turns`).
+    /// The part of it that was spent while frames waited for their turn (`clock.turns`).
     #[serde(default)]
     pub held_cpu_ns: i64,
     /// Most memory that the process has had resident until then, KiB.
@@ -145,7 +145,7 @@ pub struct Frame {
     /// How often the gaze was located since the frame before, and was there.
     #[serde(default)]
     pub gaze_reads: u32,
-    /// What was submitted.
+    /// The submitted layers.
     pub layers: Vec<Layer>,
 }
 
@@ -174,7 +174,7 @@ pub enum Layer {
         pose: Pose,
         /// Width and height in metres.
         size: [f32; 2],
-        /// What it shows.
+        /// Its image.
         #[serde(flatten)]
         image: SubImage,
     },
@@ -187,7 +187,7 @@ pub struct ProjectionView {
     pub pose: Pose,
     /// In radians.
     pub fov: Fov,
-    /// What it shows.
+    /// Its image.
     #[serde(flatten)]
     pub image: SubImage,
     /// `XrCompositionLayerDepthInfoKHR`.
@@ -250,7 +250,7 @@ pub struct Error {
     pub call: String,
     /// Its result.
     pub result: String,
-    /// What was wrong.
+    /// The violation.
     pub message: String,
     /// Title of the specification's section, or the extension, that has the rule.
     pub section: String,

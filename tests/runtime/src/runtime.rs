@@ -7,9 +7,9 @@ use crate::clock::{self, Clock};
 use crate::debug_utils::{self, Messenger};
 use crate::fault::{Fault, Outcome, result_name, structure_name};
 use crate::handles::{Serial, Table};
+use crate::injected::{InjectedFault, InjectedFaults};
 use crate::instance::Instance;
-use crate::planted::{Happening, Planted};
-use crate::record::PLANTED;
+use crate::record::INJECTED;
 use crate::recorder::Recorder;
 use crate::scenario::{Answer, Scenario};
 use crate::session::Session;
@@ -41,10 +41,10 @@ pub(crate) struct Runtime {
     pub actions: Table<xr::Action, Action>,
     /// The function that runs.
     call: &'static str,
-    /// What it answers.
+    /// Its answer.
     pub answer: Answer,
     /// How often each of the scenario's faults could have happened.
-    planted: Planted,
+    injected: InjectedFaults,
 }
 
 static RUNTIME: LazyLock<Mutex<Runtime>> = LazyLock::new(|| Mutex::new(Runtime::from_environment()));
@@ -54,7 +54,7 @@ static RUNTIME: LazyLock<Mutex<Runtime>> = LazyLock::new(|| Mutex::new(Runtime::
 pub(crate) fn call(name: &'static str, body: impl FnOnce(&mut Runtime) -> Outcome) -> xr::Result {
     let run = || {
         let mut runtime = RUNTIME.lock().unwrap_or_else(PoisonError::into_inner);
-        let Happening { result, answer, late } = runtime.next_fault(name);
+        let InjectedFault { result, answer, late } = runtime.next_fault(name);
         if !late.is_zero() {
             // Only this call is late.
             drop(runtime);
@@ -96,7 +96,7 @@ pub(crate) fn is_in_frame(session: xr::Session) -> bool {
     runtime.sessions.get(session).is_ok_and(|session| session.frames.is_in_frame())
 }
 
-/// What the scenario has the runtime do worse.
+/// The scenario's deviations from the specification.
 pub(crate) fn quirks() -> crate::scenario::Quirks {
     RUNTIME.lock().unwrap_or_else(PoisonError::into_inner).scenario.quirks.clone()
 }
@@ -142,15 +142,15 @@ impl Runtime {
             actions: Table::new("XrAction"),
             call: "",
             answer: Answer::Usual,
-            planted: Planted::default(),
+            injected: InjectedFaults::default(),
         }
     }
 
-    /// What of the scenario's faults happens to a call.
-    fn next_fault(&mut self, call: &str) -> Happening {
-        let happening = self.planted.next(&self.scenario.fault, call, self.frames);
-        if happening != Happening::default() {
-            self.recorder.warning(call, PLANTED.to_owned());
+    /// The scenario's fault of a call.
+    fn next_fault(&mut self, call: &str) -> InjectedFault {
+        let happening = self.injected.next(&self.scenario.fault, call, self.frames);
+        if happening != InjectedFault::default() {
+            self.recorder.warning(call, INJECTED.to_owned());
         }
         happening
     }

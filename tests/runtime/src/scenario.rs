@@ -1,4 +1,4 @@
-//! The scenario file: what the headset, its wearer and the runtime do during a run.
+//! The scenario file: behaviour of the headset, its wearer and the runtime during a run.
 //!
 //! `README.md` of this crate explains every key; [`Scenario::default`] has the defaults.
 
@@ -13,21 +13,21 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scenario {
-    /// What is written, and where.
+    /// Output files.
     pub output: Output,
     /// How time passes.
     pub clock: Clock,
     /// How sessions go.
     pub session: Session,
-    /// What the headset and the runtime can do.
+    /// Capabilities of the headset and the runtime.
     pub system: System,
     /// How the eye tracker behaves.
     pub tracker: Tracker,
-    /// What the runtime does worse than the specification has it.
+    /// Deviations of the runtime from the specification.
     pub quirks: Quirks,
     /// How swapchains behave.
     pub swapchain: Swapchain,
-    /// What the runtime asks of Vulkan.
+    /// Requirements of the runtime on Vulkan.
     pub vulkan: Vulkan,
     /// The two views: left, right.
     #[serde(rename = "view")]
@@ -40,7 +40,7 @@ pub struct Scenario {
     pub zoom: Vec<Zoom>,
     /// Keyframes of buttons, triggers and sticks; each lasts until the next of the same path.
     pub input: Vec<Input>,
-    /// What goes wrong.
+    /// Faults.
     pub fault: Vec<Fault>,
 }
 
@@ -58,7 +58,7 @@ pub struct Output {
     pub save: Vec<Picture>,
     /// Whether eyes are composited in the other frames too.
     pub composite: bool,
-    /// Whether the record has what is attached, synchronised and polled.
+    /// Whether the record has attached and synchronised action sets, and polled events.
     pub input: bool,
 }
 
@@ -66,9 +66,9 @@ pub struct Output {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Picture {
-    /// What an eye sees: `eye<e>_<frame>.png`.
+    /// Frames whose eye views are saved: `eye<e>_<frame>.png`.
     Eye,
-    /// What the application submitted: `submitted_<layer>_<view>_<frame>.png`.
+    /// Frames whose submitted images are saved: `submitted_<layer>_<view>_<frame>.png`.
     Submitted,
 }
 
@@ -204,11 +204,11 @@ pub struct Vulkan {
 pub struct Fault {
     /// The function, such as `xrLocateViews`.
     pub call: String,
-    /// What it returns, such as `XR_ERROR_SESSION_LOST`, without doing anything; empty: what it returns anyway.
-    /// `XR_SESSION_LOSS_PENDING` alone is returned by a call that did succeed.
+    /// Its result, such as `XR_ERROR_SESSION_LOST`, in place of any effect; empty: its usual result. `XR_SESSION_LOSS_PENDING` alone is
+    /// returned by a call that did succeed.
     #[serde(default)]
     pub result: String,
-    /// What it answers where it succeeds.
+    /// Its answer on success.
     #[serde(default)]
     pub answer: Answer,
     /// How much later it returns, in milliseconds.
@@ -225,11 +225,11 @@ pub struct Fault {
     pub count: u64,
 }
 
-/// What a call answers.
+/// Answer of a call.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// What it would anyway.
+    /// Its usual answer.
     #[default]
     Usual,
     /// Poses that are no numbers, of `xrLocateViews` and `xrLocateSpace`.
@@ -313,7 +313,7 @@ pub struct Gaze {
 pub struct Zoom {
     /// Seconds since the display time of the first frame.
     pub t: f64,
-    /// What every view's `fov_deg` is multiplied by, 0.1 to 1.
+    /// Factor of every view's `fov_deg`, 0.1 to 1.
     pub scale: f32,
 }
 

@@ -1,4 +1,4 @@
-//! What the scenario's keyframes say at a time.
+//! Values of the scenario's keyframes at a time.
 
 use crate::pose::Pose;
 use crate::scenario::{Gaze, Head, Input, Zoom};
@@ -27,12 +27,12 @@ pub(crate) fn gaze_at(frames: &[Gaze], t: f64) -> Option<Quat> {
     from.tracked.then(|| orientation(mix(|gaze| gaze.yaw_deg), mix(|gaze| gaze.pitch_deg), 0.0))
 }
 
-/// What the fields of view are multiplied by.
+/// Factor of the fields of view.
 pub(crate) fn zoom_at(frames: &[Zoom], t: f64) -> f32 {
     frames.iter().rev().find(|frame| frame.t <= t).map_or(1.0, |frame| frame.scale)
 }
 
-/// What the last keyframe of an input said; nothing before the first.
+/// Value of an input's last keyframe; `None` before the first.
 pub(crate) fn input_at(frames: &[Input], path: &str, t: f64) -> Option<[f32; 2]> {
     let past = frames.iter().filter(|frame| frame.path == path && frame.t <= t);
     past.max_by(|a, b| a.t.total_cmp(&b.t)).map(|frame| frame.value.pair())

@@ -19,7 +19,7 @@ pub(crate) struct Space {
     offset: Pose,
 }
 
-/// What a space follows.
+/// Origin of a space.
 enum Origin {
     Reference(ReferenceSpaceType),
     Action { action: xr::Action, subaction: xr::Path },
@@ -145,7 +145,7 @@ pub(crate) fn head(runtime: &Runtime, time: i64) -> Pose {
     script::head_at(&runtime.scenario.head, runtime.clock.scenario_seconds(time))
 }
 
-/// A space in the LOCAL space, or nothing where what it follows is not tracked.
+/// A space in the LOCAL space; `None` if its origin is not tracked.
 pub(crate) fn in_local(runtime: &Runtime, space: xr::Space, time: i64) -> Result<Option<Pose>, Fault> {
     let space = runtime.spaces.get(space)?;
     let origin = match space.origin {

@@ -1,4 +1,4 @@
-//! Frames in turn with those of other applications, so that what disturbs the machine for a while disturbs all alike.
+//! Frames in turn with those of other applications, so that a disturbance of the machine affects all alike.
 
 use crate::clock::process_cpu_ns;
 use std::io::{Error, Read, Result};
@@ -23,8 +23,8 @@ impl Turns {
         Ok(Self { stream, held_cpu_ns: AtomicI64::new(0) })
     }
 
-    /// CPU time that the process has spent while it waited, nanoseconds: what goes on by itself, such as listening to sound, and is no
-    /// part of a frame that waits for all the others.
+    /// CPU time that the process has spent while it waited, nanoseconds: work of its own threads, such as sound capture, which is no part
+    /// of a frame that waits for all the others.
     pub fn held_cpu_ns(&self) -> i64 {
         self.held_cpu_ns.load(Ordering::Relaxed)
     }
@@ -54,9 +54,9 @@ mod tests {
     use std::io::Write;
     use std::os::unix::net::UnixListener;
 
-    /// What another thread does meanwhile, and not what this one does after its turn has come.
+    /// Work of another thread counts meanwhile, and work of this one after its turn has come does not.
     #[test]
-    fn what_is_done_while_a_frame_waits_is_told_apart() {
+    fn cpu_time_of_a_waiting_frame_is_separate() {
         const BUSY_NS: i64 = 50_000_000;
         let busy = || {
             let start_ns = process_cpu_ns();

@@ -1,4 +1,4 @@
-//! Where the views are, and what they see.
+//! Poses and fields of view of the views.
 
 use crate::abi::pointers::{In, List, Out};
 use crate::fault::{Fault, section};
@@ -57,7 +57,7 @@ pub(crate) extern "system" fn locate(
     })
 }
 
-/// Makes views what a fault of the scenario has them be.
+/// Applies a fault of the scenario to views.
 fn change(views: &mut [(Pose, xr::Fovf)], flags: xr::ViewStateFlags, answer: Answer) -> xr::ViewStateFlags {
     let all =
         |angle: f32| xr::Fovf { angle_left: -angle, angle_right: angle, angle_up: angle, angle_down: -angle };

@@ -1,5 +1,4 @@
-//! What a picture loses where blocks of it are not shaded, by how those are chosen and filled: the table of
-//! `tests/baselines/fill.md`.
+//! Loss of an image with blocks that are not shaded, by pattern and kind of fill: the table of `tests/baselines/fill.md`.
 //!
 //! `cargo run -p parafovea-scene --example fill`
 

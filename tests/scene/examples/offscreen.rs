@@ -1,4 +1,4 @@
-//! Draws a scene without OpenXR: a still to look at, or what one eye's image costs.
+//! Draws a scene without OpenXR: a still to look at, or the cost of one eye's image.
 //!
 //! `cargo run -p parafovea-scene --example offscreen -- --png still.png`
 //! `cargo run -p parafovea-scene --example offscreen -- --cost`
@@ -26,7 +26,7 @@ struct Options {
     cost: bool,
     #[arg(long, default_value_t = 0)]
     frame: u64,
-    /// What is to be seen.
+    /// The scene.
     #[arg(long, value_enum, default_value_t)]
     scene: SceneName,
     #[arg(long)]

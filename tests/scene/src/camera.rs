@@ -20,7 +20,7 @@ pub struct Camera {
     pub tangents: [f32; 4],
 }
 
-/// What the shader reads of a camera; the layout of `View` in `scene.wgsl`.
+/// The shader's parameters of a camera; the layout of `View` in `scene.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct ViewUniform {

@@ -1,4 +1,4 @@
-//! Draws without OpenXR, for stills, tests and the measurement of what a frame costs.
+//! Draws without OpenXR, for stills, tests and the measurement of a frame's cost.
 
 use anyhow::{Context, Result};
 use glam::Vec3;

@@ -11,13 +11,13 @@ use parafovea_core::fixed_foveation::openxr_toolkit::ScreenEllipses;
 #[derive(Clone, Debug, Parser)]
 #[command(version)]
 pub struct Options {
-    /// What is to be seen.
+    /// The scene.
     #[arg(long, value_enum, default_value_t)]
     pub scene: SceneName,
     /// In place of it, a scene that is made of --seed.
     #[arg(long, value_enum, requires = "seed", conflicts_with = "scene")]
     pub generated: Option<Kind>,
-    /// What a generated scene is made of.
+    /// The seed of a generated scene.
     #[arg(long, value_name = "N", requires = "generated")]
     pub seed: Option<u32>,
     /// Quit after this many rendered frames [default: when the runtime ends the session].
@@ -26,7 +26,7 @@ pub struct Options {
     /// Number of the first frame, from which the animation starts.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=1 << 32))]
     pub first_frame: u64,
-    /// Nothing is animated: every frame shows what the first one does.
+    /// No animation: every frame is the first one.
     #[arg(long)]
     pub still: bool,
     /// How fast the animation goes: 1 as it is meant.
@@ -56,7 +56,7 @@ pub struct Options {
     /// Format of the eyes' images.
     #[arg(long, value_enum, default_value_t = ColourFormat::Srgb)]
     pub format: ColourFormat,
-    /// Size of one eye's image in texels [default: what the runtime recommends].
+    /// Size of one eye's image in texels [default: the runtime's recommendation].
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
     /// Submit the depth buffers too (XR_KHR_composition_layer_depth).

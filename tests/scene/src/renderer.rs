@@ -98,8 +98,8 @@ impl Renderer {
         }
     }
 
-    /// Writes what a frame needs: its cameras, and lights, unless it is dark, and moving things as of its animation time, seconds.
-    /// At most [`MAX_CAMERAS`] cameras are taken.
+    /// Writes a frame's parameters: its cameras, and lights, unless it is dark, and moving things as of its animation time, seconds. At
+    /// most [`MAX_CAMERAS`] cameras are taken.
     pub fn prepare(&mut self, time: f64, is_dark: bool, cameras: &[Camera]) {
         let lights = self.scene.lights(time, if is_dark { 0 } else { self.light_count });
         let placements = self.scene.placements(time, &lights);

@@ -1,5 +1,4 @@
-//! What there is to see: seven scenes, each a pure function of the animation time; nothing here knows how they
-//! are drawn.
+//! Seven scenes, each a pure function of the animation time; nothing here knows how they are drawn.
 
 pub mod canvas;
 pub mod cockpit;
@@ -79,7 +78,7 @@ impl SceneName {
         Self::Crowd,
     ];
 
-    /// What the scene is made of.
+    /// The scene's parts.
     pub fn definition(self) -> &'static Definition {
         match self {
             Self::Courtyard => &courtyard::SCENE,
@@ -108,12 +107,12 @@ impl SceneName {
     }
 }
 
-/// What one file of a scene says about it.
+/// Functions of one file of a scene.
 #[derive(Debug)]
 pub struct Definition {
-    /// Builds what stands still.
+    /// Builds fixed parts.
     pub fixed: fn() -> Vec<Part>,
-    /// Builds what moves, about its own origin.
+    /// Builds moving parts, about their own origin.
     pub moving: fn() -> Vec<Part>,
     /// Places the moving parts at a time; `first` is the index of the first of them. Always as many.
     pub place: fn(first: usize, time: f64, lights: &[Light]) -> Vec<Placement>,
@@ -125,7 +124,7 @@ pub struct Definition {
     pub environment: Option<Environment>,
 }
 
-/// A mesh and what it is made of.
+/// A mesh and its material.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// Its surface.

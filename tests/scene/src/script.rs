@@ -1,5 +1,5 @@
-//! What somebody does in a scene, as pure data: how the head moves, where the eyes look, what is heard, and what an eye
-//! tracker makes of the eyes. The application does not use it; it is for who measures the application.
+//! A user's behaviour in a scene, as pure data: head movement, gaze, sound, and samples of an eye tracker. The application does not use it;
+//! it is for who measures the application.
 //!
 //! Times are seconds, 0 being that of frame 0, so frame n is at n / 90. The animation, the head and the gaze all
 //! follow this one clock.
@@ -31,7 +31,7 @@ pub struct Script {
     pub head: HeadPath,
     /// Where the eyes look.
     pub gaze: TrueGaze,
-    /// What is heard.
+    /// The sound.
     pub sound: Sound,
 }
 

@@ -93,7 +93,7 @@ struct App {
     blend_mode: xr::EnvironmentBlendMode,
     /// Frames rendered so far.
     frame: u64,
-    /// What to add to that for the animation's clock.
+    /// Offset of the animation's clock.
     first_frame: u64,
     /// How fast that clock goes; 0: it stands still.
     pace: f64,

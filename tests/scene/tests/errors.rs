@@ -1,4 +1,4 @@
-//! What the command says when it cannot run.
+//! Error messages of the command.
 
 #![expect(clippy::unwrap_used, reason = "a test says where it failed")]
 

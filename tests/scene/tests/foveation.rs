@@ -52,7 +52,7 @@ fn squared_error(a: &[u8], b: &[u8]) -> f64 {
 /// Whole blocks of 4 x 4 texels go by their centre: inside the radius less half a block's diagonal nothing changes,
 /// wherever the gaze is.
 #[test]
-fn what_is_looked_at_stays_as_it_is() {
+fn the_fovea_is_unchanged() {
     let mut visitor = Visitor::new();
     for gaze in [Vec3::NEG_Z, vec3(-0.4, 0.2, -1.0).normalize()] {
         let (full, foveated) = (visitor.draw(None, gaze), visitor.draw(Some(Foveation::Radii(L1_C1)), gaze));
@@ -99,7 +99,7 @@ fn ellipses_stay_on_the_screen() {
     assert!(radii.len() > full.len() / 4 / 5, "only {} texels changed", radii.len());
 }
 
-/// What was skipped is filled: no texel keeps the black that the image was cleared with.
+/// Skipped texels are filled: none keeps the black of the image's clear.
 #[test]
 fn nothing_stays_black() {
     let mut visitor = Visitor::new();

@@ -11,9 +11,8 @@ use parafovea_scene::scene::texture::Texture;
 use parafovea_scene::scene::{Scene, SceneName, materials, time_of};
 use parafovea_scene::script::Script;
 
-/// What a scene is made of. If a test below fails and the change is wanted, it is a new scene: measure its
-/// cost as the README of this crate says, write it there, take new baselines for everything that was
-/// measured with the old one, and only then put the new values here.
+/// Parts of a scene. If a test below fails and the change is wanted, it is a new scene: measure its cost as the README of this crate says,
+/// write it there, take new baselines for everything that was measured with the old one, and only then put the new values here.
 struct Frozen {
     scene: SceneName,
     shapes: u64,

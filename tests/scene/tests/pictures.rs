@@ -1,4 +1,4 @@
-//! What the renderer draws, on whatever Vulkan device there is.
+//! Images of the renderer, on any Vulkan device.
 
 #![expect(clippy::unwrap_used, reason = "a test says where it failed")]
 
@@ -179,7 +179,7 @@ fn the_library_is_dark_with_pools_of_light() {
     assert!(spines > 0.1, "detail of the spines {spines:.3}");
 }
 
-/// The mirror shows what moves before it, the steel sphere the light above it.
+/// The mirror shows moving things before it, the steel sphere the light above it.
 #[test]
 fn the_interior_reflects() {
     let mut visitor = Visitor::of(SceneName::Interior);

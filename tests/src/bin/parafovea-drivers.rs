@@ -76,7 +76,7 @@ fn check(request: &Request) -> Result<(), String> {
     }
 }
 
-/// Prints what a warm driver cache lacks for each style.
+/// Prints the entries that a warm driver cache lacks for each style.
 fn print_warmth(device: ShimDevice) {
     println!("| program | without, cold | without, again | rates | rates, again | everything |");
     println!("|---|---:|---:|---:|---:|---:|");

@@ -17,16 +17,16 @@ fn main() -> ExitCode {
     }
 }
 
-/// What is asked for.
+/// Arguments.
 struct Request {
     /// The folder of the system, the first argument.
     root: String,
     json: bool,
     /// Timed runs in each mode.
     turns: u32,
-    /// Size of an eye's picture, per cent of Monado's 320x240.
+    /// Size of an eye buffer, per cent of Monado's 320x240.
     scale: u32,
-    /// What is found out beside time.
+    /// Checks beside times.
     checks: Checks,
     part: String,
 }

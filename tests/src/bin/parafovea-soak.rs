@@ -17,7 +17,7 @@ const MOST_GROWTH: i64 = 1 << 20;
 /// How often the configuration is edited.
 const EDITS: Duration = Duration::from_secs(3);
 
-/// What somebody makes of the configuration, by turns; the third is a mistake.
+/// Edits of the configuration, in turn; the third is a mistake.
 const CONFIGS: [&str; 5] = [
     "[gaze]\nattach_alone_after_s = 1\n[rates]\ngate = \"on\"\n[reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\n",
     "[gaze]\nattach_alone_after_s = 1\n[rates]\nmode = \"audio-visual\"\ngate = \"on\"\n[audio]\nsource = \"file\"\nfile = \"/nonexistent.wav\"\n",
@@ -93,7 +93,7 @@ fn soak(time: Duration) -> Result<bool, HarnessError> {
     Ok(on.is_flat(&off))
 }
 
-/// How what a process holds changes, from a fifth of its time to the end.
+/// Growth of a process's resources, from a fifth of its time to the end.
 struct Trend {
     growth: i64,
     first: Life,

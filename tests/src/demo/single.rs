@@ -17,14 +17,14 @@ const RUN_UP: u64 = 36;
 /// Chroma is attenuated at once, so that few frames show the steady state.
 const CHROMA: &str = "preset = \"none\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n";
 
-/// What one technique alone saves on one application.
+/// Saving of one technique alone on one application.
 #[derive(Clone, Debug, Serialize)]
 pub struct Saving {
     /// The application.
     pub app: String,
     /// The technique.
     pub technique: &'static str,
-    /// What it saves.
+    /// Its saving.
     pub saves: &'static str,
     /// How much is left of that, in units of it without the layer.
     pub left: Option<f64>,
@@ -32,7 +32,7 @@ pub struct Saving {
     pub ratio: f64,
 }
 
-/// Runs re-use and chroma attenuation alone, and saves a strip of pictures for each, named for what it saves. `off` is the counted run
+/// Runs re-use and chroma attenuation alone, and saves a strip of images for each, named for its saving. `off` is the counted run
 /// without the layer.
 ///
 /// # Errors

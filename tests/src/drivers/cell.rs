@@ -1,4 +1,4 @@
-//! One run of a program: with which layers around ours, in which configuration, and what came of it.
+//! One run of a program: the layers around ours, the configuration, and the outcome.
 
 use super::program::{FRAMES, Program};
 use crate::HarnessError;
@@ -135,18 +135,18 @@ impl std::fmt::Display for End {
     }
 }
 
-/// Passes of an eye's picture that the layer made coarser, or would, of those of all frames.
+/// Passes of an eye buffer that the layer made coarser, or would, of those of all frames.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Engaged {
     /// Passes with a map of rates coarser than 1x1.
     pub coarse: usize,
-    /// Passes that draw an eye's picture.
+    /// Passes that draw an eye buffer.
     pub eyes: usize,
     /// Whether the device has rate attachments, and they are armed.
     pub has_attachments: bool,
 }
 
-/// What came of a run.
+/// Outcome of a run.
 pub struct Seen {
     /// How the program ended.
     pub end: End,

@@ -1,4 +1,4 @@
-//! What Mesa's compilers say of the layer's kernels, and what follows from it for GPUs that nobody measured: estimates.
+//! Statistics of Mesa's compilers for the layer's kernels, and estimates for GPUs without measurements.
 //!
 //! The compilers' words are queried on the shims' devices ([`query`]) and kept among the sources ([`kept`]); all figures are made of
 //! those ([`estimate()`], [`GPUS`], [`TASKS`]): in the table of `tests/baselines/drivers.md` ([`table()`]) and in the report.
@@ -30,7 +30,7 @@ pub const QUERIED: [ShimDevice; 4] =
 /// The kept statistics, JSON.
 const KEPT: &str = include_str!("../../baselines/kernels.json");
 
-/// What a compiler says of one stage of a kernel.
+/// A compiler's statistics of one stage of a kernel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compiled {
     /// The kernel: the stem of its shader.
@@ -113,7 +113,7 @@ pub fn query(device: ShimDevice) -> Result<Kernels, HarnessError> {
     Ok(Kernels { device: device.name().to_owned(), driver, compiled })
 }
 
-/// Asks all compilers, and keeps what they say among the sources.
+/// Asks all compilers, and keeps their statistics among the sources.
 ///
 /// # Errors
 /// As for [`query`], and [`HarnessError::File`].

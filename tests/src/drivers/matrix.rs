@@ -112,7 +112,7 @@ impl Matrix {
 }
 
 impl Row {
-    /// Its word in the table: what rates do to it, unless something is wrong.
+    /// Its word in the table: the effect of rates, unless something is wrong.
     fn word(&self) -> &'static str {
         if self.refusal.is_some() {
             return "–";

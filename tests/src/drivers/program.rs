@@ -24,7 +24,7 @@ pub enum Program {
 /// Frames of an application; passes are known from the fourth on.
 pub const FRAMES: u64 = 12;
 
-/// Width and height of an eye's picture, pixels.
+/// Width and height of an eye buffer, pixels.
 const SIZE: u32 = 96;
 
 /// An application that takes longer hangs.

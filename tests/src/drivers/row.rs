@@ -32,7 +32,7 @@ pub struct JsonCell {
     pub stack: &'static str,
     /// The layer's configuration.
     pub mode: &'static str,
-    /// `rates` or `masks` where the layer made passes of an eye's picture coarser by them; `no` where it made none so; null
+    /// `rates` or `masks` where the layer made passes of an eye buffer coarser by them; `no` where it made none so; null
     /// where it was not asked to, where rates are decided on the GPU, or where the application sets rates itself.
     pub engaged: Option<&'static str>,
     /// Messages of validation and of the runtime beyond those without the layer, and warnings and errors in the layer's log.

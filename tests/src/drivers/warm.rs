@@ -1,4 +1,4 @@
-//! What a driver compiles anew in an application's first launch with the layer: entries that are missing from a disk cache which launches
+//! Pipelines that a driver compiles again in an application's first launch with the layer: entries missing from a disk cache that launches
 //! without the layer have filled.
 
 use super::cell::Mode;
@@ -60,7 +60,7 @@ pub fn warmth(program: Program, device: ShimDevice) -> Result<Warmth, HarnessErr
     })
 }
 
-/// The files below a folder, but those that say what the cache is.
+/// The files below a folder, but those that describe the cache.
 fn files(folder: &Path) -> Result<usize, HarnessError> {
     let mut count = 0;
     for entry in std::fs::read_dir(folder).map_err(HarnessError::file(folder))?.flatten() {

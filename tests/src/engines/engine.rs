@@ -99,7 +99,7 @@ impl Mode {
 /// The length and size of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// Width and height of an eye's picture, per cent of Monado's 320x240; it takes up to 200.
+    /// Width and height of an eye buffer, per cent of Monado's 320x240; it takes up to 200.
     pub scale: u32,
     /// Frames before the measurement: passes are known, pipelines compiled.
     pub warm: u32,

@@ -11,14 +11,14 @@ use crate::measure::{Ratio, Samples};
 use parafovea_errors::RING_NAMES;
 use serde::Serialize;
 
-/// What an engine's frames cost without the layer and with it, for one gate.
+/// Cost of an engine's frames with and without the layer, for one gate.
 #[derive(Clone, Debug, Serialize)]
 pub struct Finding {
     /// The engine with its renderer.
     pub app: String,
     /// `rates.gate`.
     pub gate: &'static str,
-    /// Width and height of an eye's picture, pixels.
+    /// Width and height of an eye buffer, pixels.
     pub eye: [u32; 2],
     /// Timed frames in each mode, all turns together.
     pub frames: usize,
@@ -49,14 +49,14 @@ pub struct Finding {
     pub messages: Option<Vec<String>>,
 }
 
-/// What is found out of an engine beside its time.
+/// Checks of an engine beside its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Checks {
     /// How many samples are shaded.
     pub samples: bool,
     /// How far pictures are from those without the layer.
     pub pictures: bool,
-    /// What validation says.
+    /// Messages of validation.
     pub messages: bool,
 }
 
@@ -148,8 +148,8 @@ pub fn judge(
 /// A scale at which hardly any time goes with pixels: 64x48.
 const SMALL: u32 = 20;
 
-/// How far pictures are from those without the layer: those of another run without it, which shows what differs anyway, those of masks, and
-/// those that a device with shading rates would show.
+/// Differences from images without the layer: of another run without it, which shows the variation between runs, of masks, and of a device
+/// with shading rates.
 fn pictures(system: &System, engine: Engine, scale: u32) -> Result<Vec<Errors>, HarnessError> {
     let settings = Settings::pictured(scale);
     let clip = |look: &str, mode: Mode| {
@@ -193,7 +193,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Prints a table in Markdown, and what was decided below it.
+/// Prints a table in Markdown, and the decisions below it.
 pub fn print_table(findings: &[Finding]) {
     println!(
         "| engine | gate | eye | pixels' share | CPU ms off | on | ratio | samples off | on | engaged | messages |"

@@ -19,7 +19,7 @@ const AHEAD: Vec3 = Vec3::NEG_Z;
 /// How far pictures are from those without the layer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Errors {
-    /// What they are of.
+    /// Their subject.
     pub look: &'static str,
     /// Peak signal-to-noise ratio by ring around the gaze, named by degrees, dB; none for a ring outside the view, or without any difference.
     pub psnr_db: Vec<(&'static str, Option<f64>)>,

@@ -1,4 +1,4 @@
-//! What came of one run of an engine.
+//! Outcome of one run of an engine.
 
 use parafovea_manifest::status::{Status, Topic};
 use parafovea_test_layers::SampleCount;
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 /// A run.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
-    /// Width and height of an eye's picture, pixels.
+    /// Width and height of an eye buffer, pixels.
     pub eye: [u32; 2],
     /// CPU time of a frame in each round, milliseconds: all threads of the application's process.
     pub cpu_ms: Vec<f64>,
@@ -22,7 +22,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Of what the engine printed, the layer logged, and the layer that counts samples wrote.
+    /// From the engine's output, the layer's log, and the lines of the layer that counts samples.
     ///
     /// # Errors
     /// The engine did not say what its frames cost.

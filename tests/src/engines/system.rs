@@ -1,4 +1,4 @@
-//! The unpacked system: what is put there, and how programs run in it.
+//! The unpacked system: its content, and how programs run in it.
 
 use super::Engine;
 use super::engine::{Mode, Settings};
@@ -24,7 +24,7 @@ const LIMIT_S: u32 = 600;
 /// How often the layer's status is read.
 const POLL: Duration = Duration::from_millis(300);
 
-/// What is counted or checked in a run, beside time.
+/// Counts or checks of a run, beside time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Watch {
     /// Nothing.

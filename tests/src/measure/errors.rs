@@ -18,14 +18,12 @@ pub const RUN_UP: u64 = 10;
 pub struct Judged {
     /// Errors by metric and ring.
     pub report: Report,
-    /// FovVideoVDP's judgement of the worse eye, where that was asked for: 10 is no difference, 1 less is what three of
-    /// four people see.
+    /// FovVideoVDP's score of the worse eye, if it was requested: 10 is no difference, and 1 less is visible to three of four people.
     pub jod: Option<f64>,
 }
 
-/// Shows `subject` with each of `techniques`, the first of which is the reference, and judges what the eyes get to
-/// see, after the runtime's compositor, around where they truly look. The results are in the order of the techniques
-/// behind the first, with JOD where `fvvdp` is there.
+/// Shows `subject` with each of `techniques`, the first of which is the reference, and judges the eyes' images, after the runtime's
+/// compositor, around the true gaze. The results are in the order of the techniques behind the first, with JOD where `fvvdp` is there.
 ///
 /// `progress` is told of every run before it is started.
 ///
@@ -79,7 +77,7 @@ fn jod(
     Ok(worse)
 }
 
-/// The same, with what the eyes see in the frames after the run-up kept for [`judge`].
+/// The same, with the eyes' images of the frames after the run-up kept for [`judge`].
 pub fn with_pictures(mut scenario: Scenario, effort: Effort) -> Scenario {
     scenario.output.save_frames = (effort.run_up..effort.length()).collect();
     scenario.output.save = vec![Picture::Eye];
@@ -131,7 +129,7 @@ pub fn judge_shaded(
     Ok(judge.finish())
 }
 
-/// What both eyes see in a frame.
+/// Images of both eyes in a frame.
 fn shown(
     subject: &Subject,
     scenario: &Scenario,

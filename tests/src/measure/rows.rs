@@ -12,7 +12,7 @@ pub struct Row {
     pub app: String,
     /// The technique.
     pub case: String,
-    /// What was measured; of errors also where: degrees from the true gaze.
+    /// The metric; of errors also the ring, degrees from the true gaze.
     pub metric: String,
     /// How much of it.
     pub value: f64,
@@ -34,7 +34,7 @@ pub struct Comparison {
     pub spread: Option<f64>,
 }
 
-/// What a subject cost; the first of `timings` is the baseline.
+/// Cost of a subject; the first of `timings` is the baseline.
 pub fn rows(app: &str, timings: &[Timing]) -> Vec<Row> {
     let Some(baseline) = timings.first() else { return Vec::new() };
     timings.iter().flat_map(|timing| rows_of(app, timing, baseline)).collect()
@@ -90,7 +90,7 @@ fn rows_of(app: &str, timing: &Timing, baseline: &Timing) -> Vec<Row> {
     rows
 }
 
-/// What a technique got wrong; rings and metrics without a value are left out.
+/// Errors of a technique; rings and metrics without a value are left out.
 pub fn error_rows(app: &str, technique: &str, judged: &Judged) -> Vec<Row> {
     let row = |metric: String, unit, value| Row {
         bench: "frame",

@@ -1,4 +1,4 @@
-//! What many noisy frames say together.
+//! Statistics of many noisy frames.
 
 use crate::record::median;
 
@@ -42,7 +42,7 @@ impl Samples {
         self.quantile(1.0)
     }
 
-    /// What each frame of a turn took, in the mean of the turns. As many frames as the shortest turn has.
+    /// Time of each frame of a turn, in the mean of the turns. As many frames as the shortest turn has.
     pub fn by_frame(&self) -> impl Iterator<Item = f64> {
         let frames = self.turns.iter().map(Vec::len).min().unwrap_or(0);
         let mean =
@@ -93,7 +93,7 @@ mod tests {
         assert!(Samples::default().worst().is_nan() && Samples::default().median().is_nan());
     }
 
-    /// What slows a turn down does not change the ratio, which the ratio of the medians would show; nor does a turn in which only
+    /// A disturbance of a whole turn does not change the ratio, but would change the ratio of the medians; nor does a turn in which only
     /// one was slowed down.
     #[test]
     fn ratios_are_of_turns() {

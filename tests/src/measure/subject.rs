@@ -1,4 +1,4 @@
-//! An application, and what its user does while it runs.
+//! An application, and its user's behaviour while it runs.
 
 use super::{Effort, Technique};
 use crate::HarnessError;
@@ -24,13 +24,13 @@ pub struct Subject {
     first_frame: u64,
     /// How fast the head turns, degrees a second, where head and eyes do not move as in the script: the eyes look straight ahead.
     turning_deg_per_s: Option<f32>,
-    /// What it runs on; none: lavapipe.
+    /// Its device; `None`: lavapipe.
     machine: Option<Machine>,
     /// The script's sound, once it was asked for.
     sound: Arc<OnceLock<NamedTempFile>>,
 }
 
-/// What runs.
+/// The program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Program {
     /// The scene that the script is of.
@@ -80,7 +80,7 @@ impl Subject {
         matches!(self.program, Program::Style(_))
     }
 
-    /// What the device lacks for a style, which then shows nothing.
+    /// Features that the device lacks for a style, which then shows nothing.
     ///
     /// # Errors
     /// Those of the harness.
@@ -134,7 +134,7 @@ impl Subject {
         Self { machine: Some(machine.clone()), ..self }
     }
 
-    /// What it is called in tables and results.
+    /// Its name in tables and results.
     pub fn name(&self) -> &'static str {
         match self.program {
             Program::Scene => self.script.scene.as_str(),
@@ -276,7 +276,7 @@ impl Subject {
         self.script.gaze.at(self.time_s(frame)).phase == Phase::Saccade
     }
 
-    /// Where an eye truly looks in a frame of a run, in the space of its view: at what both eyes converge on.
+    /// True gaze of an eye in a frame of a run, in the space of its view: towards the fixation point of both eyes.
     pub fn true_gaze(&self, frame: u64, view: &View) -> Vec3 {
         let gaze = self.script.gaze.at(self.time_s(frame));
         let seen = gaze.direction * gaze.distance_m - Vec3::from(view.position);

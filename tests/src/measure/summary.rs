@@ -4,26 +4,26 @@ use super::{Judged, Timing};
 use parafovea_errors::{Metric, RING_NAMES, RINGS};
 use std::fmt::{self, Display};
 
-/// What techniques cost on one subject, and how wrong they were.
+/// Costs of techniques on one subject, and their errors.
 pub struct Summary<'a> {
     /// The subject.
     pub app: &'a str,
-    /// The first is what the others are compared with.
+    /// The first is the baseline.
     pub timings: &'a [Timing],
     /// Of the techniques behind the first; empty where nothing was judged.
     pub judged: &'a [Judged],
 }
 
-/// What the layer's techniques cost on a style of the zoo: rows of one table, a technique each.
+/// Costs of the layer's techniques on a style of the zoo: rows of one table, a technique each.
 pub struct StyleRows<'a> {
     /// The style.
     pub style: &'a str,
-    /// The first is what the others are compared with.
+    /// The first is the baseline.
     pub timings: &'a [Timing],
 }
 
 impl StyleRows<'_> {
-    /// What the table begins with.
+    /// Beginning of the table.
     pub const HEAD: &'static str = "| style | technique | CPU ms, off | x off | fragments x off | samples x off |\n|---|---|---:|---:|---:|---:|";
 }
 
@@ -47,10 +47,10 @@ impl Display for StyleRows<'_> {
     }
 }
 
-/// What is printed of each ring.
+/// Printed metrics of each ring.
 const BY_RING: Metric = Metric::Sustained;
 
-/// What is printed of the rings from 10 degrees on alone, where techniques differ in it.
+/// Printed metrics of the rings from 10 degrees on alone, if techniques differ in them.
 const PERIPHERAL: [Metric; 2] = [Metric::Transient, Metric::Flicker];
 
 impl Display for Summary<'_> {

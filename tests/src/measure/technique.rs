@@ -1,4 +1,4 @@
-//! What is done to an application, and what a user could do instead.
+//! Techniques on an application, and alternatives of a user.
 
 use crate::run::LayerMode;
 use parafovea_core::fixed_foveation::FixedFoveation;
@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 /// One way to run an application.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Technique {
-    /// What it is called in tables and results.
+    /// Its name in tables and results.
     pub name: String,
     /// The layer.
     pub layer: LayerMode,
     /// Its library, where that is of another build.
     pub library: Option<PathBuf>,
-    /// Side of the application's images, as a part of what the runtime recommends.
+    /// Side of the application's images, as a part of the runtime's recommendation.
     pub render_scale: f32,
-    /// What the application is told besides.
+    /// Further arguments of the application.
     pub arguments: Vec<String>,
     /// Whether the layer hears the sound of the scene. It is played in real time, whatever the runtime's clock says.
     pub hears: bool,
@@ -39,7 +39,7 @@ impl Technique {
         Self { name: name.to_owned(), layer: LayerMode::On(config.to_owned()), ..Self::off() }
     }
 
-    /// The same, with the sound of the scene as what the layer hears: by its last second, so that it is heard early on.
+    /// The same, with the sound of the scene as the layer's: by its last second, so that it counts early on.
     pub fn hearing(self) -> Self {
         Self { hears: true, ..self }
     }
@@ -49,7 +49,7 @@ impl Technique {
         Self { name: format!("{} @ {name}", self.name), library: Some(library.to_owned()), ..self.clone() }
     }
 
-    /// The application alone, with smaller images: what every user can do.
+    /// The application alone, with smaller images, the option of every user.
     pub fn render_scale(scale: f32) -> Self {
         Self { name: format!("render scale {scale}"), render_scale: scale, ..Self::off() }
     }
@@ -75,8 +75,8 @@ impl Technique {
         Self { name: format!("OpenXR Toolkit {preset}"), arguments, ..Self::off() }
     }
 
-    /// What users could do without us, the application as it is first: three render scales, and the nine pairs
-    /// of radii of paper A's pilot study (FR, with a periphery of 1/16).
+    /// Alternatives of users without us, the unchanged application first: three render scales, and the nine pairs of radii of paper A's
+    /// pilot study (FR, with a periphery of 1/16).
     pub fn baselines() -> Vec<Self> {
         let scales = [0.9, 0.7, 0.5].map(Self::render_scale);
         let pairs = (0..9).map(|pair| {

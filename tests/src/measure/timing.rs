@@ -9,7 +9,7 @@ use crate::run::Outcome;
 pub struct Effort {
     /// How often each technique has its turn.
     pub turns: usize,
-    /// Frames before those: caches are filled there, and what adapts adapts.
+    /// Frames before those, in which caches fill and adaptive parts settle.
     pub run_up: u64,
     /// Frames of a turn that count.
     pub frames: u64,
@@ -36,7 +36,7 @@ impl Effort {
 /// Run-up without the layer: shaders are compiled and caches filled, and nothing adapts.
 pub const RUN_UP_ALONE: u64 = 4;
 
-/// What one technique cost.
+/// Cost of one technique.
 #[derive(Clone, Debug)]
 pub struct Timing {
     /// [`Technique::name`].
@@ -51,13 +51,13 @@ pub struct Timing {
     /// Fragment shader invocations of a frame that the application caused, by pipeline statistics; the layer's own are
     /// not among them. lavapipe 22.3.6 counts those too that an early depth test rejects.
     pub fragments: u64,
-    /// Samples of a frame that passed the depth test in the application's render passes: what is shaded where the
-    /// driver tests early. None where the application has occlusion queries itself.
+    /// Samples of a frame that passed the depth test in the application's render passes: the shaded samples if the driver tests early. None
+    /// where the application has occlusion queries itself.
     pub samples: Option<u64>,
 }
 
 impl Timing {
-    /// Nothing but what was counted.
+    /// Counts alone, without times.
     pub fn new(technique: &Technique, counts: Counts) -> Self {
         Self {
             technique: technique.name.clone(),
@@ -70,7 +70,7 @@ impl Timing {
     }
 }
 
-/// What a run shaded in the mean of the frames after its run-up.
+/// Shaded fragments or samples of a run in the mean of the frames after its run-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
     /// As [`Timing::fragments`].
@@ -94,8 +94,8 @@ impl Counts {
 }
 
 /// Times all `techniques` on `subject`, the first of which is the baseline: in each turn all run side by side, a frame each
-/// ([`side_by_side`]), so that what else the machine does falls on all. The runtime composites nothing. With `with_gpu`
-/// the GPU's timestamps are taken too.
+/// ([`side_by_side`]), so that other work of the machine affects all alike. The runtime composites nothing. With `with_gpu` the GPU's
+/// timestamps are taken too.
 ///
 /// `progress` is told of every run before it is started.
 ///

@@ -20,12 +20,12 @@ pub struct Comparison {
     pub changed_pixels: u64,
     /// Pixels of all saved pictures.
     pub pixels: u64,
-    /// Over the stand-in: what it found wrong, and passes that did not have the same area, map and draws, in words.
+    /// Over the stand-in: its findings, and passes with different areas, maps or draws, in words.
     pub findings: Vec<String>,
 }
 
 impl Comparison {
-    /// What of it must not be; none where all is as it must.
+    /// Differences that must not be; empty if all is right.
     ///
     /// `is_shaded_coarsely`: rates show in pictures, because the device has them.
     pub fn fault(&self, is_shaded_coarsely: bool) -> Option<String> {
@@ -43,7 +43,7 @@ impl Comparison {
     }
 }
 
-/// A line of what the layer writes down.
+/// A line of the layer's output.
 #[derive(Deserialize)]
 struct Noted {
     map: Option<NotedMap>,
@@ -107,7 +107,7 @@ fn coarse_maps(file: &Path) -> Result<usize, HarnessError> {
     Ok(coarse)
 }
 
-/// What the stand-in has to say of both, where it is there.
+/// The stand-in's findings of both, if it is present.
 fn differences(with_layer: &Outcome, native: &Outcome) -> Result<Vec<String>, HarnessError> {
     let mut all = Vec::new();
     let mut passes = |outcome: &Outcome| -> Result<Vec<ShadingRatePass>, HarnessError> {
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_must_not_be_is_a_fault() {
+    fn differences_and_findings_are_faults() {
         let found = |differing_pixels, changed_pixels, coarse_maps| Comparison {
             coarse_maps,
             differing_pixels,

@@ -8,7 +8,7 @@ use parafovea_zoo::Device;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// What was found on a device.
+/// Results of a device.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Results {
     /// The device.
@@ -21,12 +21,12 @@ pub struct Results {
     pub styles: Vec<StyleResults>,
 }
 
-/// What was found of a style.
+/// Results of a style.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StyleResults {
     /// Its name.
     pub style: String,
-    /// What the device lacks for it; nothing else is there then.
+    /// Features that the device lacks for it; then there are no other results.
     pub lacking: Option<String>,
     /// The pictures.
     pub comparison: Option<Comparison>,

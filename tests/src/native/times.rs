@@ -1,4 +1,4 @@
-//! What frames take on the GPU.
+//! GPU times of frames.
 
 use super::{Length, MAPS_VARIABLE, Rates, run_of};
 use crate::HarnessError;

@@ -13,7 +13,7 @@ use crate::run::{Application, Run};
 use crate::scenario::{ClockMode, Head, Scenario, ScenarioExt};
 use serde::Serialize;
 
-/// Width and height of an eye's picture, pixels.
+/// Width and height of an eye buffer, pixels.
 const SIDE: u32 = 2160;
 
 /// The application's own work of a frame before it draws, microseconds: a tenth of a frame.
@@ -60,8 +60,8 @@ pub struct Added {
     pub value: f64,
     /// `ms`.
     pub unit: &'static str,
-    /// The 99th percentile of frames with the layer less that of frames without it, milliseconds: what else disturbs the machine's worst
-    /// frames is in both.
+    /// The 99th percentile of frames with the layer less that of frames without it, milliseconds: disturbances of the machine's worst
+    /// frames are in both.
     pub p99: f64,
     /// Median of a frame without the layer, milliseconds.
     pub baseline: f64,

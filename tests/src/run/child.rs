@@ -21,7 +21,7 @@ pub(super) struct Child {
 pub(super) struct Exit {
     /// None: killed because its time was over.
     pub status: Option<ExitStatus>,
-    /// What it printed, standard output before standard error.
+    /// Its output, standard output before standard error.
     pub output: String,
 }
 

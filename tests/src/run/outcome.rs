@@ -1,4 +1,4 @@
-//! What a run left behind.
+//! Outcome of a run.
 
 use super::child::Exit;
 use super::validation::Findings;
@@ -23,11 +23,11 @@ pub struct Outcome {
     pub signal: Option<i32>,
     /// Whether it was killed because its time was over.
     pub timed_out: bool,
-    /// What it printed.
+    /// Its output.
     pub output: String,
     /// The runtime's record.
     pub record: Record,
-    /// What validation found.
+    /// Findings of validation.
     pub findings: Findings,
     /// The layer's log, of all executables.
     pub log: String,
@@ -66,7 +66,7 @@ impl Outcome {
         Picture::load(&submitted_path(&self.pictures, view, frame))
     }
 
-    /// What an eye sees in a frame, after the runtime's compositor.
+    /// An eye's image in a frame, after the runtime's compositor.
     ///
     /// # Errors
     /// [`HarnessError::File`] where that frame was not saved.
@@ -82,7 +82,7 @@ impl Outcome {
         self.fragments_after(0)
     }
 
-    /// As [`Self::fragments`], of what was submitted after the first `run_up` frames.
+    /// As [`Self::fragments`], of submits after the first `run_up` frames.
     ///
     /// # Errors
     /// As for [`Self::fragments`].
@@ -94,8 +94,8 @@ impl Outcome {
         self.reports(COUNT_FILE)?.into_iter().map(number).sum()
     }
 
-    /// Samples that passed depth and stencil tests in the render passes that the application began, on all devices:
-    /// what is shaded where the driver tests early, which [`Self::fragments`] does not tell on every driver.
+    /// Samples that passed depth and stencil tests in the render passes that the application began, on all devices: the shaded samples if
+    /// the driver tests early, which [`Self::fragments`] does not count on every driver.
     ///
     /// # Errors
     /// As for [`Self::fragments`].
@@ -103,7 +103,7 @@ impl Outcome {
         self.samples_after(0)
     }
 
-    /// As [`Self::samples`], of what was submitted after the first `run_up` frames.
+    /// As [`Self::samples`], of submits after the first `run_up` frames.
     ///
     /// # Errors
     /// As for [`Self::fragments`].
@@ -143,7 +143,7 @@ impl Outcome {
         Ok(self.record.gpu_ms_of_frames(run_up, &times))
     }
 
-    /// What [`Run::faulted`](super::Run::faulted) saw of each device.
+    /// Calls of each device that [`Run::faulted`](super::Run::faulted) counted.
     ///
     /// # Errors
     /// [`HarnessError::File`] where it was not there.
@@ -151,7 +151,7 @@ impl Outcome {
         self.reports(FAULT_FILE)
     }
 
-    /// What a layer reports of each device, a line each.
+    /// A layer's reports of each device, a line each.
     fn reports<T: DeserializeOwned>(&self, file: &str) -> Result<Vec<T>, HarnessError> {
         let path = self.folder.path().join(file);
         let text = std::fs::read_to_string(&path).map_err(HarnessError::file(&path))?;
@@ -159,8 +159,7 @@ impl Outcome {
         text.lines().map(report).collect()
     }
 
-    /// What [`Run::shading_rates`](super::Run::shading_rates) has to say, in its order; nothing where it was not
-    /// there.
+    /// Findings and passes of [`Run::shading_rates`](super::Run::shading_rates), in its order; empty without it.
     ///
     /// # Errors
     /// [`HarnessError::Format`] where a line is not one of that layer's.
@@ -197,8 +196,7 @@ impl Outcome {
         Err(self.failed(&format!("{done} of {frames} frames, {end}")))
     }
 
-    /// The application did not do what was expected of it: an error with the last of what it printed and of the
-    /// layer's log.
+    /// The application did not meet the expectation: an error with the end of its output and of the layer's log.
     pub fn failed(&self, reason: &str) -> HarnessError {
         HarnessError::Application {
             application: self.application.clone(),

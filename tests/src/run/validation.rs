@@ -1,4 +1,4 @@
-//! The validation layers below ours: how they are told what to check, and what they found.
+//! The validation layers below ours: their settings, and their findings.
 
 use crate::HarnessError;
 use crate::installation::write;
@@ -48,7 +48,7 @@ pub(super) fn environment(folder: &Path) -> Result<Vec<(&'static str, OsString)>
     ])
 }
 
-/// What the validation layers wrote during one run.
+/// Output of the validation layers during one run.
 #[derive(Clone, Default, Debug)]
 pub struct Findings {
     /// Of the Vulkan layer.
@@ -62,7 +62,7 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Reads what is in `folder`, and of what the application printed; without validation there is nothing.
+    /// Reads the files in `folder`, and the application's output; empty without validation.
     pub(super) fn read(folder: &Path, output: &str) -> Self {
         let text = |name| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
         let (vulkan, openxr) = (text(VULKAN_LOG), text(OPENXR_LOG));

@@ -16,7 +16,7 @@ fn fault(call: &str) -> Fault {
     }
 }
 
-/// Calls of every application that fail from a frame on, and with what.
+/// Calls of every application that fail from a frame on, with their results.
 const IN_FRAMES: [(&str, &[&str]); 6] = [
     ("xrWaitFrame", &["XR_ERROR_SESSION_LOST", "XR_ERROR_INSTANCE_LOST", "XR_ERROR_RUNTIME_FAILURE"]),
     ("xrBeginFrame", &["XR_ERROR_SESSION_LOST", "XR_ERROR_INSTANCE_LOST", "XR_ERROR_RUNTIME_FAILURE"]),
@@ -52,7 +52,7 @@ const ANSWERS: [(&str, Answer); 8] = [
     ("xrEnumerateSwapchainImages", Answer::NoImages),
 ];
 
-/// What the layer calls for itself where an application has actions: what fails, after how many calls of the application.
+/// The layer's own calls in an application with actions: the function that fails, and after how many calls of the application.
 const FOR_GAZE: [(&str, &str, u64); 7] = [
     ("xrCreateActionSet", "XR_ERROR_OUT_OF_MEMORY", 1),
     ("xrCreateAction", "XR_ERROR_OUT_OF_MEMORY", 4),

@@ -19,7 +19,7 @@ pub const SAVED: [u64; 3] = [1, 8, 14];
 /// Longer than any of these runs takes, and shorter than a hang.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// What goes wrong below the layer.
+/// The fault below the layer.
 #[derive(Clone, Debug)]
 pub enum Below {
     Vulkan(VulkanFault),
@@ -55,13 +55,13 @@ impl fmt::Display for Cell {
     }
 }
 
-/// What an application saw, and what it showed.
+/// Observations of an application, and its images.
 #[derive(Debug)]
 pub struct Seen {
     exit_code: Option<i32>,
     timed_out: bool,
     frames: usize,
-    /// What it printed, line by line, without what differs from run to run.
+    /// Its output, line by line, without parts that differ from run to run.
     output: Vec<String>,
     log: String,
     rules: Vec<String>,
@@ -116,7 +116,7 @@ impl Cell {
         Seen::of(&run.finish().unwrap())
     }
 
-    /// Runs it, and says what is wrong.
+    /// Runs it, and returns its violations.
     pub fn check(&self) -> Result<(), String> {
         let technique = self.technique;
         let key = format!("{} {}", technique.has_actions, technique.has_rates);
@@ -193,7 +193,7 @@ impl Cell {
         }
     }
 
-    /// Whether none of the layer's command buffers ever reaches the device, so that what is drawn to a virtual swapchain cannot be shown.
+    /// Whether none of the layer's command buffers ever reaches the device, so that draws to a virtual swapchain cannot be shown.
     fn is_refused_all_work(&self) -> bool {
         let Below::Vulkan(fault) = &self.below else { return false };
         let needed = ["vkBeginCommandBuffer", "vkEndCommandBuffer", "vkQueueSubmit"];
@@ -263,7 +263,7 @@ impl Seen {
                 .iter()
                 .flat_map(|&frame| (0..2).filter_map(move |view| picture(view, frame)))
                 .collect(),
-            hits: outcome.record.planted + faults.iter().map(|report| report.failed).sum::<u64>(),
+            hits: outcome.record.injected + faults.iter().map(|report| report.failed).sum::<u64>(),
         }
     }
 }

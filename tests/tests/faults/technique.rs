@@ -1,4 +1,4 @@
-//! What the layer does while something fails.
+//! Techniques of the layer that are on while a call fails.
 
 use super::runs::FRAMES;
 use parafovea_test_layers::ShadingRateProfile;

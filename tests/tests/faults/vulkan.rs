@@ -9,7 +9,7 @@ const OUT_OF_HOST_MEMORY: i32 = -1;
 pub const OUT_OF_DEVICE_MEMORY: i32 = -2;
 const DEVICE_LOST: i32 = -4;
 const MEMORY_MAP_FAILED: i32 = -5;
-/// No error: what was waited for takes longer.
+/// No error: a wait takes longer.
 const TIMEOUT: i32 = 2;
 
 /// Submits of the application and of the runtime after which the device is lost: the first of the application in its second frame,
@@ -19,7 +19,7 @@ fn lost_after(technique: &Technique) -> [u64; 2] {
     [if technique.has_actions { 4 } else { 3 }, 12]
 }
 
-/// The cells of a technique, from what a run without faults calls.
+/// The cells of a technique, from the calls of a run without faults.
 pub fn cells(technique: &'static Technique) -> Vec<Cell> {
     let run = technique.run(&Technique::scenario()).on(technique.config).faulted(None);
     let outcome = run.finish().unwrap().expect_end().unwrap();

@@ -5,7 +5,7 @@ use parafovea_cases::report::Report;
 use parafovea_tests::run::{Application, Outcome};
 use parafovea_tests::scenario::{Gaze, Scenario};
 
-/// A case and what is expected of the layer in it.
+/// A case with its expectations of the layer.
 struct Case {
     /// The case of the application.
     application: &'static str,
@@ -14,9 +14,9 @@ struct Case {
     gaze: &'static str,
     /// Whether the layer gets a gaze.
     is_followed: bool,
-    /// What the runtime sees the layer do wrong, which the application does not.
+    /// Violations by the layer that the runtime sees and the application does not.
     errors: &'static [&'static str],
-    /// What the log says.
+    /// Lines of the log.
     log: &'static str,
     /// Whether how often the application asks is chance.
     has_own_pace: bool,

@@ -1,4 +1,4 @@
-//! A gaze from a file drives a run, the same in every one; and what is recorded can be played.
+//! A gaze from a file drives a run, the same in every one; and a recording can be played.
 
 use super::{following, run, scenario};
 use parafovea_test_layers::{ShadingRateLine, ShadingRateProfile};
@@ -67,7 +67,7 @@ fn a_gaze_by_hand_drives_a_run_the_same_way_each_time() {
 }
 
 #[test]
-fn what_was_recorded_drives_a_run_as_the_eyes_did() {
+fn a_recording_drives_a_run_as_the_eyes_did() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("gaze.csv");
     let eyes = scene(&rates(&format!("\"eyes\"\nrecord = {file:?}")), &looking_around());

@@ -6,7 +6,7 @@ use parafovea_tests::scenario::Scenario;
 
 const FRAMES: u64 = 40;
 
-/// What it printed, without what differs in every run: times of day and addresses; and without what loaders say of layers.
+/// Its output, without parts that differ in every run: times of day and addresses; and without messages of loaders about layers.
 fn printed(outcome: &Outcome) -> Vec<String> {
     let without_numbers_of_a_run = |line: &str| -> String {
         let rest =

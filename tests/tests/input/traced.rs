@@ -29,7 +29,7 @@ fn cannot_trace() -> Option<Lack> {
     }
 }
 
-/// What the application's process and its threads wrote and sent, one call a line.
+/// Writes and sends of the application's process and its threads, one call a line.
 fn trace(config: Option<&str>, folder: &Path) -> Vec<String> {
     let file = folder.join("trace.txt");
     let strace = ["-f", "-s", "65536", "-xx", "-e", CALLS, "-o", file.to_str().unwrap()];
@@ -82,7 +82,7 @@ impl Sign {
     }
 }
 
-/// What gives the gaze away: its angles, direction and orientation, in digits and as numbers.
+/// Traces of the gaze: its angles, direction and orientation, in digits and as numbers.
 fn signs() -> Vec<Sign> {
     let turned = glam::Quat::from_euler(glam::EulerRot::YXZ, LEFT.to_radians(), UP.to_radians(), 0.0);
     let direction = turned * glam::Vec3::NEG_Z;

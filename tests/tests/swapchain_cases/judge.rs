@@ -1,4 +1,4 @@
-//! What the three runs of a case have to have in common.
+//! Common properties of the three runs of a case.
 
 use super::{Case, Finished, Gaze};
 use glam::{Quat, Vec3};
@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 /// Code values by which GPU and CPU may round apart.
 const TOLERANCE: u8 = 1;
 
-/// The reference: it observes what the specification says, and the runtime gets what was drawn.
+/// The reference: its observations meet the specification, and the runtime gets the drawn images.
 pub fn reference(run: &Finished) {
     assert_eq!(run.report.unexpected, Vec::<String>::new(), "{}", run.outcome.output);
     assert_eq!(run.outcome.exit_code, Some(0), "{}", run.outcome.output);
@@ -135,8 +135,8 @@ fn same_submissions(reference: &Finished, run: &Finished) {
     assert_eq!(frames(reference), frames(run));
 }
 
-/// A frame's layers, without what may differ between runs: which image of a swapchain it is, and handles, where a
-/// swapchain's is its place in the order of creation.
+/// A frame's layers, without values that may differ between runs: the index of a swapchain's image, and handles, with a swapchain's place
+/// in the order of creation in its place.
 fn layers(run: &Finished, frame: &Frame) -> Value {
     let handles: Vec<&Value> =
         run.outcome.record.swapchains.iter().map(|created| &created["swapchain"]).collect();
@@ -172,7 +172,7 @@ fn created(case: &Case, run: &Finished) -> Vec<Value> {
     swapchains
 }
 
-/// What the layer is to do to the picture of an eye, all of which is one region.
+/// The layer's expected effect on the image of an eye, all of which is one region.
 fn region(eye: &View, gaze: Vec3, picture: &Picture) -> ComposeParams {
     let extent = [picture.width, picture.height];
     ComposeParams::new([0, 0], extent, fov(eye), gaze, &ChromaSettings::default(), true)

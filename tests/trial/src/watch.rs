@@ -17,7 +17,7 @@ const GRACE: Duration = Duration::from_secs(2);
 /// The variable by which everything that a watched process starts is found.
 const MARK: &str = "PARAFOVEA_WATCHED";
 
-/// What a process left.
+/// Output of a process.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Watched {
     /// None: it was killed at its time limit.

@@ -1,4 +1,4 @@
-//! What WGSL cannot say: rewritten in the SPIR-V words, as the SPIR-V specification numbers them.
+//! Features that WGSL lacks: rewritten in the SPIR-V words, as the SPIR-V specification numbers them.
 
 const HEADER: usize = 5;
 

@@ -1,4 +1,4 @@
-//! What a style has at hand, and what it is given for each frame.
+//! Resources of a style, and its input for each frame.
 
 use crate::gpu::{Gpu, Image, Kind, Pass, PassSpec, passes};
 use crate::scene::{Draw, Pipelines, Scene, Uniforms};
@@ -13,13 +13,13 @@ pub const EYES: [usize; 2] = [0, 1];
 /// Records a frame into its command buffer.
 pub type Recorder<'a> = Box<dyn FnMut(&Frame) -> Result<()> + 'a>;
 
-/// What lives as long as the session.
+/// Resources that live as long as the session.
 pub struct App<'g> {
     pub gpu: &'g Gpu,
     pub scene: Scene,
-    /// What random recordings begin from.
+    /// Seed of random recordings.
     pub seed: u64,
-    /// Width and height of an eye's picture.
+    /// Width and height of an eye buffer.
     pub size: [u32; 2],
     /// Images of each colour swapchain.
     pub color: Vec<Vec<Image>>,
@@ -27,7 +27,7 @@ pub struct App<'g> {
     pub depth: Vec<Vec<Image>>,
     /// Images of the quad layer's swapchain; none without.
     pub quad: Vec<Image>,
-    /// What of each view is never seen: triangles in the plane one metre ahead.
+    /// The hidden area of each view: triangles in the plane one metre ahead.
     pub hidden: [Vec<[f32; 2]>; 2],
 }
 
@@ -50,9 +50,9 @@ pub struct Frame<'f> {
     pub quad: usize,
     /// Submitted with `commands`, after them.
     pub after: RefCell<Vec<vk::CommandBuffer>>,
-    /// What the submission waits for.
+    /// Semaphores that the submission waits for.
     pub waits: RefCell<Vec<vk::Semaphore>>,
-    /// Width and height of the part of an eye's picture that is shown.
+    /// Width and height of the part of an eye buffer that is shown.
     pub shown: Cell<[u32; 2]>,
 }
 
@@ -92,7 +92,7 @@ impl App<'_> {
     }
 }
 
-/// Two eyes' pictures beside each other.
+/// Two eye buffers beside each other.
 pub const fn wide([width, height]: [u32; 2]) -> [u32; 2] {
     [2 * width, height]
 }

@@ -60,7 +60,7 @@ pub struct Gpu {
     entry: ash::Entry,
 }
 
-/// The device, or what it lacks.
+/// The device, or a feature that it lacks.
 pub enum Opened {
     /// It has all that was asked for.
     Gpu(Box<Gpu>),
@@ -68,7 +68,7 @@ pub enum Opened {
     Lacking(String),
 }
 
-/// What the device made, to be destroyed.
+/// Objects of the device, to be destroyed.
 #[derive(Clone, Copy)]
 pub enum Made {
     Buffer(vk::Buffer),
@@ -231,7 +231,7 @@ impl Gpu {
         self.made.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(made);
     }
 
-    /// Waits until the device is idle, and destroys what was kept, the newest first.
+    /// Waits until the device is idle, and destroys the kept objects, the newest first.
     ///
     /// # Errors
     /// A lost device.

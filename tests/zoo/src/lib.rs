@@ -26,7 +26,7 @@ pub use support::{Feature, Needs, OpenXr, Queues};
 pub use truth::{Eyes, PassSeen, PassTruth};
 pub use xr::{End, devices, run, shading_rates};
 
-/// What the program prints in front of the reason why it cannot show a style on this machine.
+/// Prefix of the reason for a style that cannot run on this machine.
 pub const SKIPPED: &str = "skipped: no device with ";
 
 /// The style of this name; `random` is one, too, of which nothing is known beforehand.

@@ -12,7 +12,7 @@ pub struct Options {
     /// Name of the style
     #[arg(long, required_unless_present_any = ["list", "devices", "shading_rates"])]
     pub style: Option<String>,
-    /// Width and height of an eye's picture, in pixels
+    /// Width and height of an eye buffer, in pixels
     #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=8192))]
     pub size: u32,
     /// Frames after which it asks for the end of the session
@@ -34,10 +34,10 @@ pub struct Options {
     /// lines that the layer writes to PARAFOVEA_PASSES_FILE. Passes without a map are at 1x1
     #[arg(long, value_name = "FILE")]
     pub native_map: Option<PathBuf>,
-    /// Print what devices there are, one JSON object a line
+    /// Print the devices, one JSON object a line
     #[arg(long)]
     pub devices: bool,
-    /// Print what devices with VK_KHR_fragment_shading_rate say of it, one JSON object a line
+    /// Print the shading rates of devices with VK_KHR_fragment_shading_rate, one JSON object a line
     #[arg(long)]
     pub shading_rates: bool,
     /// Print the styles, one a line

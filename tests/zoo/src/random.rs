@@ -29,7 +29,7 @@ pub const STYLE: Style = Style {
     ..Style::PLAIN
 };
 
-/// Canvases beside the eyes' pictures.
+/// Canvases beside the eye buffers.
 const CANVASES: usize = 4;
 
 /// Things that are done in a frame before the eyes are drawn.
@@ -45,7 +45,7 @@ const TARGET: vk::ImageLayout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
 const SAMPLED: vk::ImageLayout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
 const SOURCE: vk::ImageLayout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
 
-/// An eye's passes for each image of its swapchain: the scene, a picture of a canvas, and one over what is there.
+/// An eye's passes for each image of its swapchain: the scene, an image of a canvas, and one over the earlier content.
 struct Eye {
     scene: Vec<Pass>,
     picture: Vec<Pass>,
@@ -64,7 +64,7 @@ struct Random<'a> {
     secondaries: Vec<vk::CommandBuffer>,
 }
 
-/// What a frame has used up.
+/// Objects of a frame, to be destroyed.
 struct Used {
     commands: vk::CommandBuffer,
     splits: usize,

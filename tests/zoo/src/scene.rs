@@ -1,4 +1,4 @@
-//! The scene's side on the device: what a frame is made from, and the draws.
+//! The scene's side on the device: parameters of a frame, and the draws.
 
 mod uniforms;
 
@@ -18,7 +18,7 @@ pub const VERTICES: u32 = 36;
 /// Frames that may be on their way at once.
 pub const IN_FLIGHT: usize = 2;
 
-/// Bytes from one frame's uniforms to the next one's: what every device allows.
+/// Bytes from one frame's uniforms to the next one's, a multiple that every device allows.
 pub const STRIDE: usize = 512;
 
 /// Every stage that there is here.
@@ -31,7 +31,7 @@ pub const STAGES: vk::ShaderStageFlags = vk::ShaderStageFlags::from_raw(
 /// Textures that a set has room for, from binding 1 on.
 const TEXTURES: u32 = 4;
 
-/// What a draw is told, as `Draw` in `scene.wgsl`.
+/// Parameters of a draw, as `Draw` in `scene.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable, Default)]
 pub struct Draw {
@@ -41,7 +41,7 @@ pub struct Draw {
     pub count: u32,
 }
 
-/// What all pipelines and sets have in common.
+/// Common parts of all pipelines and sets.
 pub struct Scene {
     pub layout: vk::PipelineLayout,
     pub set_layout: vk::DescriptorSetLayout,
@@ -221,7 +221,7 @@ impl Scene {
         unsafe { gpu.cmd_bind_descriptor_sets(commands, point, self.layout, 0, &[set], &offsets) };
     }
 
-    /// Says what the next draws are to know.
+    /// Sets the parameters of the next draws.
     pub fn push(&self, gpu: &Gpu, commands: vk::CommandBuffer, draw: &Draw) {
         // SAFETY: as above; the layout has room for it.
         unsafe { gpu.cmd_push_constants(commands, self.layout, STAGES, 0, bytemuck::bytes_of(draw)) };
@@ -265,7 +265,7 @@ impl Scene {
         }
     }
 
-    /// Draws a triangle over the whole pass, with a set and what the shader is to know.
+    /// Draws a triangle over the whole pass, with a set and the shader's parameters.
     pub fn draw_screen(
         &self,
         gpu: &Gpu,

@@ -1,11 +1,11 @@
-//! What makes a style.
+//! Description of a style.
 
 use crate::app::{App, Recorder};
 use crate::support::Needs;
 use crate::truth::PassTruth;
 use anyhow::Result;
 
-/// How the eyes' pictures lie in swapchains.
+/// How the eye buffers lie in swapchains.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Arrangement {
     /// A swapchain for each eye.
@@ -16,7 +16,7 @@ pub enum Arrangement {
     DoubleWide,
 }
 
-/// Which threads call what.
+/// Threads of calls.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Threads {
     /// One does everything.
@@ -25,26 +25,26 @@ pub enum Threads {
     RenderThread,
 }
 
-/// A way to render the scene, and what is known about it.
+/// A way to render the scene, with its properties.
 pub struct Style {
     /// Its name on the command line.
     pub name: &'static str,
-    /// What it is, in a line.
+    /// Its description, in a line.
     pub says: &'static str,
-    /// What it needs of the device and the runtime.
+    /// Its requirements on the device and the runtime.
     pub needs: Needs,
-    /// From which Vulkan headers (1.3.N) on validation knows what it does; 0: from any.
+    /// First Vulkan headers (1.3.N) whose validation knows its features; 0: any.
     pub headers: u32,
-    /// Where the eyes' pictures are.
+    /// Where the eye buffers are.
     pub arrangement: Arrangement,
-    /// Which threads call what.
+    /// Threads of its calls.
     pub threads: Threads,
     /// Whether the passes that draw the scene write the swapchain's images themselves, one fragment a pixel.
     pub direct: bool,
     /// Whether it can set shading rates itself (`--native-map`): all its passes that draw colour are made by
     /// [`Gpu::pass`](crate::gpu::Gpu::pass), and recorded in the order of their submits.
     pub can_set_rates: bool,
-    /// What makes a pixel of the picture depend on pixels far from it, such as auto-exposure.
+    /// Reason for which a pixel of the image depends on pixels far from it, such as auto-exposure.
     pub global: Option<&'static str>,
     /// How far its pictures may be from those of `render-pass`: the mean difference over all pixels and colour
     /// channels, in code values (0 to 255). None: it shows the scene in another way.
@@ -52,12 +52,12 @@ pub struct Style {
     /// Every render pass of a frame in the order of submission, for eyes of this size (width, height) and the frame
     /// of this number, from 0.
     pub passes: fn(size: [u32; 2], frame: u64) -> Vec<PassTruth>,
-    /// Makes what it needs, and gives what records a frame.
+    /// Makes its resources, and returns the recorder of a frame.
     pub(crate) start: for<'a> fn(&'a App<'a>) -> Result<Recorder<'a>>,
 }
 
 impl Style {
-    /// A plain one, which others are made from: what each has to say is in the fields.
+    /// A plain style, which others are made from: each sets its own fields.
     pub(crate) const PLAIN: Style = Style {
         name: "",
         says: "",

@@ -1,4 +1,4 @@
-//! What a style needs, and whether a device has it.
+//! Requirements of a style, and whether a device meets them.
 
 use anyhow::Result;
 use ash::vk;
@@ -25,7 +25,7 @@ pub enum Feature {
     DrawIndirectFirstInstance,
 }
 
-/// What a style needs.
+/// Requirements of a style.
 #[derive(Clone, Copy, Debug)]
 pub struct Needs {
     /// The Vulkan version that it asks for, as Vulkan encodes it.
@@ -51,7 +51,7 @@ pub enum Queues {
     Two,
 }
 
-/// What a style asks of OpenXR beyond colour for each eye.
+/// A style's requests to OpenXR beyond colour for each eye.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct OpenXr {
     /// Colour swapchains that are written by copies and blits.
@@ -83,7 +83,7 @@ impl Needs {
     pub const DYNAMIC: Self =
         Self { vulkan: vk::API_VERSION_1_3, features: &[Feature::DynamicRendering], ..Self::NOTHING };
 
-    /// The same for a device and an instance, with what rate attachments take where they are wanted too.
+    /// The same for a device and an instance, with the requirements of rate attachments if they are wanted too.
     pub(crate) fn demands(&self, with_rates: bool) -> Demands {
         let mut demands = Demands {
             vulkan: self.vulkan,
@@ -101,7 +101,7 @@ impl Needs {
     }
 }
 
-/// What is asked of Vulkan.
+/// Requirements on Vulkan.
 pub(crate) struct Demands {
     /// As [`Needs::vulkan`].
     pub vulkan: u32,
@@ -114,7 +114,7 @@ pub(crate) struct Demands {
 }
 
 impl Demands {
-    /// What of it the device lacks; none if it has all.
+    /// Missing requirements of the device; empty if it meets all.
     ///
     /// # Errors
     /// Those of Vulkan's queries.

@@ -1,4 +1,4 @@
-//! What is known about a style's render passes, and what a run says of them.
+//! Ground truth about a style's render passes, and a run's lines about them.
 
 use ash::vk::Format;
 use serde::{Deserialize, Serialize};
@@ -38,7 +38,7 @@ pub struct PassTruth {
     pub format: Format,
     /// Whose picture it makes.
     pub eyes: Eyes,
-    /// What it is for.
+    /// Its purpose.
     pub why: &'static str,
 }
 
@@ -68,7 +68,7 @@ impl PassTruth {
         PASSED_ON.contains(&self.why)
     }
 
-    /// What a run is to say of it in this frame.
+    /// A run's expected line about it in this frame.
     pub fn seen(&self, frame: u64) -> PassSeen {
         PassSeen {
             frame,

@@ -57,7 +57,7 @@ fn entry() -> Result<xr::Entry> {
     unsafe { xr::Entry::load(&()) }.context("the OpenXR loader cannot be loaded")
 }
 
-/// What devices there are, on the instance that the runtime makes.
+/// Devices of the instance that the runtime makes.
 ///
 /// # Errors
 /// If there is no loader, runtime, headset or GPU, or a call fails.
@@ -125,7 +125,7 @@ pub fn run(style: &Style, options: &Options) -> Result<End> {
     Ok(End::Shown)
 }
 
-/// What is shown, and where to.
+/// The shown image, and its place.
 struct Show<'g> {
     style: &'g Style,
     options: &'g Options,
@@ -307,7 +307,7 @@ impl<'g> Show<'g> {
         Ok(())
     }
 
-    /// What of each view is never seen, where the style asks for it.
+    /// The hidden area of each view, if the style asks for it.
     fn hidden_areas(&self) -> Result<[Vec<[f32; 2]>; 2]> {
         if !self.style.needs.openxr.hidden_area {
             return Ok(Default::default());

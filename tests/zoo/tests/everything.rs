@@ -17,13 +17,13 @@ use parafovea_zoo::{Queues, STYLES, Style};
 use std::process::ExitCode;
 use trial::{skip_unless_run, trial};
 
-/// What is run in every test.
+/// Arguments of every test.
 const SHARE: Effort = Effort { frames: 54, size: 96 };
 
-/// How long the eyes rest at first, seconds: what contrast decides takes a quarter of a second for an octave, once the gaze is trusted.
+/// How long the eyes rest at first, seconds: decisions by contrast take a quarter of a second for an octave, once the gaze is trusted.
 const REST_S: f64 = 0.5;
 
-/// Styles of every test: what differs most in how the layer's work is ordered among theirs.
+/// Styles of every test: those that differ most in the order of the layer's work among theirs.
 const FEW: [&str; 7] = [
     "subpasses",
     "multiview",

@@ -78,7 +78,7 @@ fn run(style: &Style) -> (Outcome, bool) {
     (run.finish().unwrap(), is_validated)
 }
 
-/// What was submitted for both eyes in the saved frames.
+/// Submitted images of both eyes in the saved frames.
 fn pictures(outcome: &Outcome) -> Vec<Picture> {
     let saved = SAVED.into_iter().flat_map(|frame| [(0, frame), (1, frame)]);
     saved.map(|(view, frame)| outcome.submitted(view, frame).unwrap()).collect()

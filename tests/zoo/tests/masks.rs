@@ -1,6 +1,5 @@
-//! Every style on a device without shading rates, with rings that stay where they are: which passes get masks and which do
-//! not, and why, as the table of backends says; what is shaded is as without the layer, bit for bit, and what is not is what
-//! the CPU's prediction makes of it.
+//! Every style on a device without shading rates, with fixed rings: the passes with and without masks, with reasons, as in the table of
+//! backends; shaded pixels are the same as without the layer, bit for bit, and skipped ones are those of the CPU's prediction.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -38,18 +37,16 @@ use std::path::Path;
 use std::process::ExitCode;
 use trial::{skip_unless_run, trial};
 
-/// What is run in every test.
+/// Arguments of every test.
 const SHARE: Effort = Effort { frames: 12, size: 96 };
 
-/// From this frame on what can have a mask has one: each of a swapchain's three images was drawn to and shown, and drawn to
-/// again.
+/// From this frame on every eligible pass has a mask: each of a swapchain's three images was drawn to and shown, and drawn to again.
 const MASKED_FROM: u64 = 9;
 
 /// Looking straight ahead, never dropped, in full colour: the same map in every run.
 const FIXED_RINGS: &str = "[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n[chroma]\nmode = \"off\"\n";
 
-/// A pass that reads the picture around a pixel spreads what was filled by so many pixels at most: blooms and filters of the
-/// styles, which are smaller.
+/// A pass that reads the image around a pixel spreads filled pixels by this many at most: blooms and filters of the styles are smaller.
 const REACH: u32 = 12;
 
 fn main() -> ExitCode {
@@ -88,7 +85,7 @@ fn run(
     Ok(run.finish()?)
 }
 
-/// What a run with masks left.
+/// Output of a run with masks.
 fn masked(
     style: &Style,
     effort: Effort,
@@ -159,7 +156,7 @@ fn check(style: &Style, expected: &Expected) -> Result<(), Failed> {
     Ok(())
 }
 
-/// What is skipped in the picture of an eye: both see the same rings.
+/// Skipped pixels in the image of an eye: both see the same rings.
 struct Rings {
     mask: Mask,
     size: u32,

@@ -1,5 +1,5 @@
 //! Every style on a device that looks as if it had shading rates, with rings that stay where they are: the passes of an
-//! eye's picture have coarser texels once they are known, all others none, and all that is done is right for the extension.
+//! eye buffer have coarser texels once they are known, all others none, and all that is done is right for the extension.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -22,13 +22,13 @@ use parafovea_zoo::{Eyes, PassTruth, Queues, STYLES, Style};
 use std::process::ExitCode;
 use trial::{skip_unless_run, trial};
 
-/// What is run in every test.
+/// Arguments of every test.
 const SHARE: Effort = Effort { frames: 8, size: 96 };
 
 /// From this frame on all passes are known, and the plan is laid over them.
 const COARSE_FROM: u64 = 4;
 
-/// Of the pixels of an eye's picture, what is shaded at most in an engaged style: texels of the map by their rates.
+/// Greatest shaded part of the pixels of an eye's image in an engaged style: texels of the map by their rates.
 const LIMIT: f64 = 0.9;
 
 /// Looking straight ahead, and never dropped: the same rates in every run.
@@ -118,8 +118,8 @@ enum MapOf {
     MovingGaze,
 }
 
-/// What a user may ask for, and nothing becomes coarser by a rate attachment; whether passes have one all the same, and
-/// what the log says.
+/// Settings of a user with which nothing becomes coarser by a rate attachment; whether passes have one all the same, and the lines of the
+/// log.
 const LEFT_ALONE: [(&str, &str, bool, &str); 3] = [
     ("passes that the profile excludes", "passes = \"exclude 96x96\"", true, "session active"),
     ("another backend", "backend = \"mask\"", false, "scene passes of 96x96: masked"),

@@ -1,5 +1,5 @@
-//! Every style with the layer on: the passes that the layer noted are those that the style says it has, and from frame 4 on
-//! each is taken for what it is.
+//! Every style with the layer on: the passes that the layer noted are those of the style's ground truth, and from frame 4 on each is
+//! recognised as its kind.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -70,8 +70,8 @@ fn is_elsewhere(pass: &PassTruth) -> bool {
     pass.why == "on another device"
 }
 
-/// Whether a pass is taken for what it is. An image that serves one eye after the other is both eyes': what is finer of both
-/// holds. Passes without colours that could be coarser (depth, numbers) are left alone, whose eye's they may be.
+/// Whether a pass is recognised as its kind. An image that serves one eye after the other is both eyes': what is finer of both holds.
+/// Passes without colours that could be coarser (depth, numbers) are left alone, whose eye's they may be.
 fn is_right(noted: &Noted, truth: &PassTruth) -> bool {
     let is_left_alone = noted.why.starts_with("no colour") || noted.why.contains("is not a colour format");
     let expected: &[&str] = match truth.eyes {

@@ -1,5 +1,5 @@
-//! Every style whose passes have masks shades the share of its samples that the table of backends says, in all its passes together, with
-//! rings that stay where they are: at most 0.6 of what it shades without the layer, or the table says why not. CPU time is printed.
+//! Every style whose passes have masks shades its share of samples in the table of backends, in all its passes together, with fixed rings:
+//! at most 0.6 of its samples without the layer, or the table has a reason. CPU time is printed.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -24,14 +24,14 @@ use parafovea_zoo::{Queues, Style};
 use std::process::ExitCode;
 use trial::{skip_unless_run, trial};
 
-/// Side of an eye's picture, pixels. Rings are rounded up to blocks of 16, which are wider than rings in much smaller pictures.
+/// Side of an eye buffer, pixels. Rings are rounded up to blocks of 16, which are wider than rings in much smaller pictures.
 const SIZE: u32 = 768;
 
-/// What is counted: frames in which all passes that can have a mask have one.
+/// Counted frames: those in which every eligible pass has a mask.
 const RUN_UP: u64 = 10;
 const FRAMES: u64 = RUN_UP + 4;
 
-/// Of what is shaded without the layer, unless the table gives a reason.
+/// Greatest part of the samples without the layer, unless the table gives a reason.
 const LIMIT: f64 = 0.6;
 
 /// How far a share may be from the table's.
@@ -43,7 +43,7 @@ const SAMPLES: usize = 3;
 /// How the table says that samples cannot be counted.
 const NOT_SAID: &str = "–";
 
-/// What cannot be counted: lavapipe counts nothing in secondary command buffers.
+/// Styles without a count: lavapipe counts nothing in secondary command buffers.
 const NOT_COUNTED: &str = "the device has no inheritedQueries";
 
 /// Looking straight ahead, never dropped.

@@ -1,4 +1,4 @@
-//! The table of decisions: applications whose gain is planted, 100 seeds each, 10 % of noise on every frame. To print it:
+//! The table of decisions: applications with a known saving, 100 seeds each, 10 % of noise on every frame. To print it:
 //! `cargo dev bench gate`.
 
 use super::simulation::{Eyes, Simulation};

@@ -252,7 +252,7 @@ fn a_gaze_that_turns_with_the_head_is_where_it_was_from_the_head() {
 }
 
 #[test]
-fn what_is_held_stays_where_it_was_from_the_head() {
+fn a_held_gaze_keeps_its_direction_from_the_head() {
     let (mut tracker, time) = late(20.0, 10);
     for frame in 1..40i64 {
         let now = time + LATENCY + frame * 10 * MS;

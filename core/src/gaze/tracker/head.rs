@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_told_again_or_late_replaces_what_was() {
+    fn late_and_repeated_poses_replace_earlier_ones() {
         let mut head = turning(100);
         assert_eq!(head.turned(yaw(98.5), 990 * MS), 0.0);
         assert!((turned_deg(&head, 990 * MS) - 98.5).abs() < 0.01);

@@ -37,7 +37,7 @@ fn every_arrangement_of_planes_gives_the_distance_back() {
 }
 
 #[test]
-fn what_is_infinitely_far_or_makes_no_sense_is_at_the_greatest_distance() {
+fn infinite_and_invalid_depth_is_at_the_greatest_distance() {
     let endless = DepthRange { far_z: f32::INFINITY, ..USUAL };
     for (depth, range) in [
         (1.0, endless),
@@ -82,7 +82,7 @@ proptest! {
 }
 
 #[test]
-fn what_makes_no_sense_has_no_nearness() {
+fn invalid_depth_ranges_have_no_nearness() {
     for range in [
         DepthRange { near_z: 0.0, ..USUAL },
         DepthRange { far_z: -1.0, ..USUAL },

@@ -31,7 +31,7 @@ fn a_turn_to_the_left_moves_the_picture_to_the_right() {
 }
 
 #[test]
-fn what_is_beside_or_behind_is_nowhere() {
+fn points_beside_or_behind_the_view_have_no_place() {
     let ahead = straight().plane.origin / -straight().plane.step;
     for angle in [FRAC_PI_2 + 0.01, PI, -PI, -FRAC_PI_2 - 0.01] {
         let there = Reprojection::between(&straight(), &view(Quat::from_rotation_y(angle))).unwrap();

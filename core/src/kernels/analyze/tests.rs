@@ -322,7 +322,7 @@ fn tile(bands: [f32; BANDS]) -> TileContrast {
 }
 
 #[test]
-fn what_was_known_stays_known_while_a_tile_is_coarse() {
+fn known_contrast_is_kept_while_a_tile_is_coarse() {
     let (known, guessed) = (
         |fine, shown, measured, rate| restored(measured, fine, shown, rate).0,
         |measured| extrapolate(measured, ShadingRate::R4X4),
@@ -353,7 +353,7 @@ fn what_was_known_stays_known_while_a_tile_is_coarse() {
 
 proptest! {
     #[test]
-    fn what_is_shaded_at_full_rate_is_as_measured(
+    fn tiles_at_full_rate_have_the_measured_contrast(
         now in prop::array::uniform4(0.0..9.0f32), before in prop::array::uniform4(0.0..9.0f32), contrast in 0.0..9.0f32,
         rate in 0u32..16,
     ) {

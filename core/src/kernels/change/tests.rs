@@ -55,7 +55,7 @@ fn a_world_that_stands_still_has_not_changed_however_the_head_turns() {
 }
 
 #[test]
-fn what_is_brighter_by_a_tenth_has_changed_by_so_much() {
+fn a_tenth_more_luminance_is_a_change_of_a_tenth() {
     for level in [0.01, 0.3, 1.0] {
         let change = params(0.0, 0.0).change([4, 4], |_| Vec3::splat(level * 1.1), |_| Vec3::splat(level));
         let expected = 0.1 * level / (1.05 * level + DARK);

@@ -74,7 +74,7 @@ fn angles_have_a_line_every_ten_degrees() {
 }
 
 #[test]
-fn what_is_not_drawn_over_keeps_its_bits_and_so_does_alpha() {
+fn pixels_without_overlay_keep_their_bits_and_so_does_alpha() {
     let mut map = vec![0; 12];
     map[0] = 1;
     let before: Vec<u8> = (0..64 * 48 * 4u32).map(|byte| (byte * 31 % 251) as u8).collect();

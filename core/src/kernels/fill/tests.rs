@@ -104,7 +104,7 @@ fn edges_are_followed() {
 }
 
 #[test]
-fn what_is_not_finite_does_not_spread() {
+fn values_that_are_not_finite_do_not_spread() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let mask = mask(ShadingRate::R4X4);
         let format = FillFormat::Float16;

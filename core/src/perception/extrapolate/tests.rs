@@ -26,7 +26,7 @@ fn lost_octaves_take_the_finest_that_survives() {
 
 proptest! {
     #[test]
-    fn what_the_block_cannot_show_does_not_matter(fine in any::<[f32; 2]>(), rest in prop::array::uniform2(0.0..9.0f32)) {
+    fn detail_finer_than_a_block_does_not_matter(fine in any::<[f32; 2]>(), rest in prop::array::uniform2(0.0..9.0f32)) {
         let of = |a, b| extrapolate(TileContrast { bands: [a, b, rest[0], rest[1]], adaptation_cd_m2: 1.0 }, ShadingRate::R4X4);
         prop_assert_eq!(of(fine[0], fine[1]), of(0.0, 0.0));
     }

@@ -33,7 +33,7 @@ fn refresh(changes: &mut Changes, ages: &mut CellAges, frame: u64) -> bool {
 
 /// Changes in an image that was seen before the head turned are refreshed at their place in the world.
 #[test]
-fn what_changes_visibly_is_refreshed_where_it_is() {
+fn visible_changes_are_refreshed_at_their_place() {
     let (mut ages, mut changes) = (CellAges::new(), Changes::default());
     (0..3).for_each(|frame| assert!(!refresh(&mut changes, &mut ages, frame)));
     let seen = view(20.0);
@@ -94,7 +94,7 @@ fn a_scene_cut_refreshes_everything_at_once() {
 }
 
 #[test]
-fn what_is_not_compared_changes_nothing() {
+fn no_compared_tiles_change_nothing() {
     let (mut ages, mut changes) = (CellAges::new(), Changes::default());
     changes.seen(&view(0.0), iter::empty::<(u32, f32)>().collect::<Vec<_>>().into_iter());
     assert!(!refresh(&mut changes, &mut ages, 0));

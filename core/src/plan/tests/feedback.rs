@@ -187,7 +187,7 @@ fn sound_that_flutters_makes_nothing_coarser_and_finer_by_turns() {
 
 /// The eyes jump every 250 ms, and follow something in between.
 #[test]
-fn what_a_moving_gaze_refines_stays_fine_for_a_while() {
+fn tiles_refined_by_a_moving_gaze_stay_fine_for_a_while() {
     let direction = |frame: u64| {
         let jump = if (frame / 25).is_multiple_of(2) { 0.0 } else { 0.3 };
         Vec3::new(jump + 0.004 * (frame % 25) as f32, 0.0, -1.0).normalize()

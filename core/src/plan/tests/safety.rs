@@ -25,7 +25,7 @@ fn nothing_coarsens_in_blinks_and_where_a_saccade_is_in_doubt() {
 }
 
 #[test]
-fn where_the_eyes_left_is_coarse_at_once_in_a_saccade_outside_of_where_they_may_land() {
+fn tiles_are_coarse_at_once_in_a_saccade_outside_of_the_possible_landing() {
     let ahead = input().gaze.directions[0];
     let right = Vec3::new(0.6, 0.0, -0.8);
     for (suppressed_octaves_per_s, error_deg, is_coarse) in [

@@ -75,7 +75,7 @@ fn a_map_says_what_is_stale() {
 
 /// A drift of 20 arc minutes is visible up to 14.2 degrees after one frame, and up to 29.4 after two.
 #[test]
-fn what_drifts_visibly_is_rendered_more_often() {
+fn visible_drift_shortens_periods() {
     let mut planner = Planner::new(with_schedule(UpdateConfiguration::F11223, Phase::Staggered));
     for (drift_arcmin, periods) in [
         (0.0, [1, 1, 2, 2, 3]),

@@ -27,7 +27,7 @@ fn compared(reuse: &Reuse, oldest: usize) -> ComparedTiles {
 
 /// Of a period of three frames.
 #[test]
-fn what_is_rendered_is_compared_with_what_would_have_been_shown() {
+fn fresh_tiles_are_compared_with_the_re_used_image() {
     let frame = |turn: u32| set(EXTENT, [16; 2], move |column, _| column % 3 != turn);
     let frames = [0, 1, 2, 0, 1].map(frame);
     let [now, earlier @ ..] = &frames;
@@ -45,7 +45,7 @@ fn what_is_rendered_is_compared_with_what_would_have_been_shown() {
 
 /// Tiles that are rendered in each frame are compared as if they were not.
 #[test]
-fn what_is_always_rendered_is_compared_with_the_oldest() {
+fn tiles_rendered_in_each_frame_are_compared_with_the_oldest_image() {
     let fresh = set(EXTENT, [16; 2], |_, _| false);
     let reuse =
         Reuse::new(picture(1.0, &fresh), [0.5, 0.0, -0.5, -1.0].map(|yaw| picture(yaw, &fresh)), true);

@@ -24,7 +24,7 @@ fn centres(extent: [u32; 2]) -> impl Iterator<Item = Vec2> {
 }
 
 #[test]
-fn what_stands_still_is_found_at_its_very_place() {
+fn content_at_rest_is_found_at_its_exact_place() {
     let extent = [100, 70];
     let now = set(extent, [16, 8], |_, _| true);
     let some = set(extent, [16, 8], |column, _| column % 2 == 0);
@@ -44,7 +44,7 @@ fn what_stands_still_is_found_at_its_very_place() {
 }
 
 #[test]
-fn what_turns_is_found_in_the_same_direction() {
+fn content_of_a_turned_view_is_found_in_the_same_direction() {
     let extent = [120, 90];
     let (now, fresh) = (set(extent, [16, 16], |_, _| true), StaleTiles::default());
     let (newest, before) = (picture(extent, 0.0, &now), picture(extent, 4.0, &fresh));

@@ -24,7 +24,7 @@ fn rendered(cell: Cell, frames: u64, changes: &[u64]) -> Vec<u64> {
 }
 
 #[test]
-fn what_changes_is_rendered_in_each_frame_and_then_as_before() {
+fn changing_cells_are_rendered_in_each_frame_and_then_by_schedule() {
     let cell = Cell::of(Vec3::new(0.8, 0.3, -1.0)).unwrap();
     let before = rendered(cell, 60, &[]);
     assert_eq!(before.len(), 20, "every third frame");

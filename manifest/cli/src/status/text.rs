@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn what_only_the_gpu_knows_is_said_to_be_so() {
+    fn figures_that_only_the_gpu_knows_are_marked() {
         let active = active();
         let rates = Rates { decided_on_gpu: true, ..active.rates.clone() };
         let text = shown(Status { rates, ..active });
@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_dropped_and_what_is_inert_say_why() {
+    fn dropped_techniques_and_inert_layers_have_a_reason() {
         let tried = Gate { mode: "auto".to_owned(), is_kept: true, is_on_trial: true, ratio: None };
         let text = shown(Status { rates_gate: tried, ..active() });
         assert!(text.contains("on: not measured yet; trial in progress"), "{text}");

@@ -11,7 +11,7 @@ fn rejected(text: &str) -> String {
 }
 
 #[test]
-fn what_is_not_set_keeps_its_default() {
+fn unset_options_keep_their_defaults() {
     let config = read("log.level = 'debug'\n[gaze]\nsource = 'centre'\n[chroma]\nmode = 'paper'").unwrap();
     let mut expected = Config::default();
     expected.log.level = LogLevel::Debug;

@@ -58,7 +58,7 @@ fn a_large_file_is_not_read() {
 }
 
 #[test]
-fn what_is_not_text_is_told_with_its_line() {
+fn invalid_utf_8_is_reported_with_its_line() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("latin1.toml"), b"# ok\n# \xe9\n").unwrap();
     assert_eq!(line(&folder, "latin1.toml"), "latin1.toml: line 2: not UTF-8 text");

@@ -304,10 +304,10 @@ const FAULTS: &[Fault] = &[
 ];
 
 #[test]
-fn each_planted_fault_is_found_alone_and_has_advice() {
-    for (name, plant, expected, is_fixable) in FAULTS {
+fn each_injected_fault_is_found_alone_and_has_advice() {
+    for (name, inject, expected, is_fixable) in FAULTS {
         let mut machine = Machine::new();
-        plant(&mut machine);
+        inject(&mut machine);
         let findings = machine.findings();
         assert_eq!(machine.ids(), *expected, "{name}: {findings:#?}");
         for finding in &findings {
@@ -341,10 +341,10 @@ const MET_MOST: [(&str, &str, &str); 15] = [
 #[test]
 fn the_fifteen_faults_that_users_meet_most_are_found_with_what_to_do() {
     for (met, name, advice) in MET_MOST {
-        let (_, plant, ids, _) = FAULTS.iter().find(|(fault, ..)| *fault == name).unwrap();
+        let (_, inject, ids, _) = FAULTS.iter().find(|(fault, ..)| *fault == name).unwrap();
         let mut machine = Machine::new();
         assert_eq!(machine.findings(), [], "{met}: nothing is wrong before");
-        plant(&mut machine);
+        inject(&mut machine);
         for finding in machine.findings() {
             assert!(ids.contains(&finding.id), "{met}: {finding}");
             assert!(finding.advice.contains(advice), "{met}: {finding}");
@@ -353,10 +353,10 @@ fn the_fifteen_faults_that_users_meet_most_are_found_with_what_to_do() {
 }
 
 #[test]
-fn what_can_be_fixed_is_well_afterwards() {
-    for (name, plant, _, _) in FAULTS.iter().filter(|(.., is_fixable)| *is_fixable) {
+fn fixable_faults_are_gone_after_the_fix() {
+    for (name, inject, _, _) in FAULTS.iter().filter(|(.., is_fixable)| *is_fixable) {
         let mut machine = Machine::new();
-        plant(&mut machine);
+        inject(&mut machine);
         let surroundings = machine.surroundings();
         for fix in machine.findings().into_iter().filter_map(|finding| finding.fix) {
             for step in fix.plan(&surroundings).unwrap() {

@@ -1,4 +1,4 @@
-//! Structures that nobody knows, in the chains of what calls take: runtimes skip them, and so does what is in between.
+//! Unknown structures in the chains of arguments: runtimes skip them, and so do layers in between.
 
 use super::stereo::Stereo;
 use super::{FRAMES, Outcome};
@@ -78,7 +78,7 @@ impl Calls<'_> {
         result == xr::Result::SUCCESS
     }
 
-    /// What the runtime looks for comes last.
+    /// A known structure comes last in the chain.
     fn create_session(&self) {
         let binding = self.app.vulkan.binding();
         let links = chain(self.length, from_ref(&binding).cast());
@@ -221,7 +221,7 @@ impl Calls<'_> {
         self.told("xrLocateViews", result);
     }
 
-    /// A frame cannot be ended with a layer that has no views: the runtime reads what it is given, and refuses it.
+    /// A frame cannot be ended with a layer that has no views: the runtime reads the argument, and refuses it.
     fn end_frame(&self, session: &Session, frame: &Frame) {
         let layer = xr::CompositionLayerProjection {
             ty: xr::CompositionLayerProjection::TYPE,

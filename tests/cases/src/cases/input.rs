@@ -1,4 +1,4 @@
-//! What applications do about input, at any time and in any order. Every call and every event is in the trace.
+//! Calls of applications about input, at any time and in any order. Every call and every event is in the trace.
 
 pub mod attaching;
 pub mod gaze;

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 /// A child that has not ended by then hangs.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// What a child ends with.
+/// A child's exit status.
 const CODE: c_int = 7;
 
 unsafe extern "C" {
@@ -29,8 +29,8 @@ unsafe extern "C" {
 /// How a child ends.
 #[derive(Clone, Copy, Debug)]
 enum End {
-    /// By `exit`: what was registered for the end of the thread and of the process is run, in a process with one thread; not what the
-    /// driver registered, see [`leave_driver_out`].
+    /// Exit by `exit`: handlers for the end of the thread and of the process run, in a process with one thread; the driver's handlers do
+    /// not, see [`leave_driver_out`].
     Exit,
     /// By `_exit`, at once.
     AtOnce,
@@ -38,7 +38,7 @@ enum End {
     Program,
 }
 
-/// Ends a child that ends by `exit` once the thread's own ends are done, and before what was registered before this.
+/// Ends a child by `exit`, after the thread's own handlers and before handlers that were registered earlier.
 ///
 /// Mesa joins the threads of its queues there. A child does not have those, and crashes or hangs, as it happens, whatever layers
 /// there are.

@@ -1,4 +1,4 @@
-//! What applications release and what they submit, frame by frame.
+//! Releases and submissions of applications, frame by frame.
 
 use super::stereo::Stereo;
 use super::{FRAMES, Outcome};

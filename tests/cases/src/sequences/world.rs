@@ -1,4 +1,4 @@
-//! What exists in a sequence, and the calls that can be made next.
+//! Objects of a sequence, and the calls that are possible next.
 
 mod frames;
 mod sessions;
@@ -88,7 +88,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Destroys what is left; what each call returned.
+    /// Destroys all remaining objects, and returns the results of the calls.
     pub fn end(mut self) -> Vec<String> {
         while let Some(session) = self.sessions.pop() {
             self.destroy_session(session.handle);
@@ -122,7 +122,7 @@ impl<'a> World<'a> {
         H::from_raw(if self.numbers.once_in(2) { gone.unwrap_or(other) } else { other })
     }
 
-    /// A chain that nobody knows, kept alive by what is returned beside.
+    /// A chain of an unknown structure, kept alive by the second value.
     fn chain(&mut self) -> (Vec<Unknown>, *const c_void) {
         let length = match self.numbers.below(4) {
             0 if self.is_hostile() => self.numbers.below(LONGEST_CHAIN),

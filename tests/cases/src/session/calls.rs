@@ -1,4 +1,4 @@
-//! The calls that begin sessions, with what they returned.
+//! The calls that begin sessions, with their results.
 
 use super::IDENTITY;
 use crate::app::App;

@@ -10,7 +10,7 @@ use std::ptr::{from_ref, null};
 /// Metres from the viewer to a quad, straight ahead.
 const QUAD_DISTANCE: f32 = 1.0;
 
-/// A rectangle of one array layer of a swapchain, and what the application last released there.
+/// A rectangle of one array layer of a swapchain, and the pattern of the last release there.
 #[derive(Clone, Copy)]
 pub struct SubImage {
     pub swapchain: xr::Swapchain,
@@ -37,7 +37,7 @@ impl Session<'_> {
         succeeded("xrEndFrame", self.end_frame(frame, layers)).map(drop)
     }
 
-    /// Ends a frame and returns what the runtime says to it.
+    /// Ends a frame and returns the runtime's result.
     pub fn end_frame(&self, frame: &Frame, layers: &[Layer]) -> xr::Result {
         let depths: Vec<_> = layers.iter().map(Layer::depth_infos).collect();
         let views: Vec<_> =

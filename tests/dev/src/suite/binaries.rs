@@ -49,7 +49,7 @@ fn text(object: &str, key: &str) -> Option<String> {
     }
 }
 
-/// The names of tests in what a binary prints for `--list`.
+/// The names of tests in a binary's output for `--list`.
 pub fn names(list: &str) -> Vec<String> {
     list.lines().filter_map(|line| line.strip_suffix(": test")).map(str::to_owned).collect()
 }

@@ -1,4 +1,4 @@
-//! What became of all tests, for people.
+//! Results of all tests, for people.
 
 use parafovea_trial::{Ending, Lack};
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ const SLOWEST: usize = 10;
 /// How many names are listed for a reason.
 const NAMES: usize = 3;
 
-/// What became of a test.
+/// Result of a test.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Done {
     /// Its binary's label and its name.

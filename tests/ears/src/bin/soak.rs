@@ -7,7 +7,7 @@ use std::time::Duration;
 /// An hour.
 const SECONDS: u64 = 3600;
 
-/// What memory may grow by that is not ours: buffers of the player beside us, and of the allocator, bytes.
+/// Allowed growth of memory that is not ours: buffers of the player beside us, and of the allocator, bytes.
 const SLACK: u64 = 1 << 20;
 
 fn main() -> Result<()> {

@@ -1,4 +1,4 @@
-//! Change of contrast in just noticeable differences: what castleCSF says of the change in each band.
+//! Change of contrast in just-noticeable differences: castleCSF's sensitivity to the change in each band.
 //!
 //! A band's value over the luminance (or colour) that the eye is adapted to is a contrast; times the sensitivity at the
 //! band's frequency, the spot's eccentricity and its luminance it is in JND. A spot's error is that of the band that
@@ -13,9 +13,9 @@ use std::f32::consts::PI;
 /// A mechanism of castleCSF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Mechanism {
-    /// Luminance, of what [`crate::temporal`]'s sustained filter shows.
+    /// Luminance, after [`crate::temporal`]'s sustained filter.
     Sustained,
-    /// Luminance, of what the transient filter shows, which answers most at this many Hz.
+    /// Luminance, after the transient filter, which peaks at this frequency, Hz.
     Transient(f32),
     /// Red-green, at 0 Hz: each frame for itself.
     RedGreen,
@@ -23,7 +23,7 @@ pub(crate) enum Mechanism {
     YellowViolet,
 }
 
-/// JND for a unit of band value, by band and cell: sensitivity over what the eye is adapted to.
+/// JND for a unit of band value, by band and cell: sensitivity over the adaptation luminance.
 pub(crate) type Weights = [Vec<f32>; BANDS];
 
 impl Mechanism {

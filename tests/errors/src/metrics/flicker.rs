@@ -22,7 +22,7 @@ pub(crate) struct Series<'a> {
     pub changes: &'a [Plane],
     /// Geometry of each frame.
     pub fields: &'a [Rc<Field>],
-    /// Mean over the clip of what the eye is adapted to, by cell, cd/m^2.
+    /// Mean adaptation luminance over the clip, by cell, cd/m^2.
     pub adaptation_cd_m2: &'a [f32],
 }
 
@@ -117,7 +117,7 @@ impl BandPass {
         self.frames.iter().any(|&value| value != 0.0)
     }
 
-    /// What of the series lies within the band.
+    /// The part of the series within the band.
     fn pass(&mut self) -> impl Iterator<Item = f32> + '_ {
         let count = self.frames.len();
         let mean = self.frames.iter().sum::<f32>() / count as f32;

@@ -1,4 +1,4 @@
-//! What both eyes disagree about: how old the picture is, and how far it is displaced.
+//! Differences between both eyes: age and displacement of the image.
 //!
 //! Both eyes look at the same thing, so points at the same angle from each eye's gaze show it (corresponding points
 //! of the retinas). A point of the left view is turned with the gaze, from the left eye's to the right eye's, to find

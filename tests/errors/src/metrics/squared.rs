@@ -1,4 +1,4 @@
-//! Squared error of what is stored: sRGB codes, as the PSNR of pictures is customarily given.
+//! Squared error of stored values: sRGB codes, as the PSNR of images is customarily given.
 
 use crate::clip::Picture;
 use parafovea_core::image::Plane;

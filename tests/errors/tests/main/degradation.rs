@@ -64,8 +64,8 @@ fn eccentricity() {
     }
 }
 
-/// Light that changes along one mechanism of colour only: what castleCSF's matrices (`lms2006_2xyz`, `get_lms2acc`)
-/// leave of red, green and blue for constant responses of both others, computed apart from this package.
+/// Light that changes along one mechanism of colour only: the red, green and blue that castleCSF's matrices (`lms2006_2xyz`, `get_lms2acc`)
+/// give for constant responses of both others, computed apart from this package.
 #[test]
 fn each_colour_mechanism_sees_its_own() {
     for (direction, seen, unseen) in [

@@ -1,4 +1,4 @@
-//! What a report says, and when there is none.
+//! Content of reports, and clips without one.
 
 use crate::scene::{SIDE, blurred, clip, held, noisy};
 use parafovea_errors::{Clip, JudgeError, Metric, RING_NAMES, RINGS, Viewing, judge};
@@ -68,7 +68,7 @@ fn the_mean_of_the_frames_is_that_of_the_rings() {
 
 /// The power mean is the mean where all is alike, and above it the more the changes differ; no more than the worst.
 #[test]
-fn what_is_detected_is_where_most_has_changed() {
+fn detection_is_greatest_at_the_greatest_change() {
     let reference = clip(5, 1);
     let everywhere = judge(&reference, &blurred(&reference, 1), &Viewing::default()).unwrap();
     for metric in [Metric::Sustained, Metric::Transient] {

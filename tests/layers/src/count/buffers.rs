@@ -25,7 +25,7 @@ struct Buffer {
     level: vk::CommandBufferLevel,
     /// One query, or one for each render pass; null until they are needed.
     queries: vk::QueryPool,
-    /// Whether what is recorded can use the queries.
+    /// Whether the recorded commands can use the queries.
     counted: bool,
     /// How many it does use.
     used: u32,
@@ -36,10 +36,10 @@ struct Buffer {
     draws: u64,
 }
 
-/// What was counted on a device.
+/// Counts of a device.
 #[derive(Clone, Default)]
 pub(super) struct Sums {
-    /// What the queries of each command buffer counted, or the nanoseconds that it took.
+    /// Counts of each command buffer's queries, or its nanoseconds.
     pub by_submit: Vec<Counted>,
     /// Why that is not all.
     pub reason: Option<String>,
@@ -54,7 +54,7 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// What the queries counted, if that is all.
+    /// The queries' counts, if all are available.
     pub fn counted(&self) -> Option<u64> {
         let sum = || self.by_submit.iter().map(|counted| counted.value).sum();
         self.reason.is_none().then(sum)

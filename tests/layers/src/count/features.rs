@@ -1,10 +1,10 @@
-//! The features that counting needs, added to what the application asks for.
+//! The features that counting needs, added to the application's.
 
 use super::Kind;
 use crate::layer::{Instance, NextDevice};
 use ash::vk;
 
-/// What the device has.
+/// Features of the device.
 pub(super) struct Features {
     kind: Kind,
     /// The queries of that kind.
@@ -14,7 +14,7 @@ pub(super) struct Features {
     pub timestamp_period_ns: f32,
 }
 
-/// What the queues of a family can do.
+/// Capabilities of a queue family.
 pub(super) struct Family {
     /// They draw.
     pub draws: bool,
@@ -121,7 +121,7 @@ unsafe fn chained_features<'a>(
     None
 }
 
-/// What the queue families can do: those that cannot draw have no queries of what is drawn.
+/// Capabilities of the queue families: a family without graphics has no queries of draws.
 ///
 /// # Safety
 ///

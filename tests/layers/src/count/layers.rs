@@ -1,4 +1,4 @@
-//! The layers themselves: what each counts, which hooks it has besides those that all have, and what it reports.
+//! The layers themselves: counts, hooks besides the common ones, and report of each.
 
 use super::buffers::Sums;
 use super::recording::{counting_of_device, draw, draw_indexed, draw_indexed_indirect, draw_indirect};
@@ -28,6 +28,8 @@ macro_rules! counting_layers {
                 &TRACKED
             }
 
+            /// # Safety
+            /// As [`Layer::create_device`].
             unsafe fn create_device(
                 instance: &Instance,
                 physical_device: vk::PhysicalDevice,
@@ -115,6 +117,9 @@ fn report_times(sums: Sums) {
 }
 
 /// An application that makes occlusion queries would begin them while one of the layer `samples` is active.
+///
+/// # Safety
+/// As `vkCreateQueryPool`.
 unsafe extern "system" fn create_query_pool(
     device: vk::Device,
     info: *const vk::QueryPoolCreateInfo<'_>,

@@ -67,6 +67,8 @@ fn secondary<L: Counting>(layer: &L, contents: vk::SubpassContents) -> Option<&'
         .then_some("secondary command buffers, and the device has no inheritedQueries")
 }
 
+/// # Safety
+/// As `vkCmdBeginRenderPass`.
 unsafe extern "system" fn begin_render_pass<L: Counting>(
     buffer: vk::CommandBuffer,
     info: *const vk::RenderPassBeginInfo<'_>,
@@ -80,6 +82,8 @@ unsafe extern "system" fn begin_render_pass<L: Counting>(
     }
 }
 
+/// # Safety
+/// As `vkCmdEndRenderPass`.
 unsafe extern "system" fn end_render_pass<L: Counting>(buffer: vk::CommandBuffer) {
     // SAFETY: the application's valid arguments.
     unsafe {
@@ -89,6 +93,8 @@ unsafe extern "system" fn end_render_pass<L: Counting>(buffer: vk::CommandBuffer
     }
 }
 
+/// # Safety
+/// As `vkCmdBeginRenderPass2`.
 unsafe extern "system" fn begin_render_pass2<L: Counting>(
     buffer: vk::CommandBuffer,
     info: *const vk::RenderPassBeginInfo<'_>,
@@ -103,6 +109,8 @@ unsafe extern "system" fn begin_render_pass2<L: Counting>(
     }
 }
 
+/// # Safety
+/// As `vkCmdEndRenderPass2`.
 unsafe extern "system" fn end_render_pass2<L: Counting>(
     buffer: vk::CommandBuffer,
     subpass: *const vk::SubpassEndInfo<'_>,
@@ -116,6 +124,8 @@ unsafe extern "system" fn end_render_pass2<L: Counting>(
     }
 }
 
+/// # Safety
+/// As `vkCmdBeginRendering`.
 unsafe extern "system" fn begin_rendering<L: Counting>(
     buffer: vk::CommandBuffer,
     info: *const vk::RenderingInfo<'_>,
@@ -137,6 +147,8 @@ unsafe extern "system" fn begin_rendering<L: Counting>(
     }
 }
 
+/// # Safety
+/// As `vkCmdEndRendering`.
 unsafe extern "system" fn end_rendering<L: Counting>(buffer: vk::CommandBuffer) {
     // SAFETY: the application's valid arguments.
     unsafe {

@@ -55,6 +55,8 @@ pub(super) unsafe fn slice<'a, T>(first: *const T, count: u32) -> &'a [T] {
     unsafe { std::slice::from_raw_parts(first, count as usize) }
 }
 
+/// # Safety
+/// As `vkCreateCommandPool`.
 unsafe extern "system" fn create_pool<L: Counting>(
     device: vk::Device,
     info: *const vk::CommandPoolCreateInfo<'_>,
@@ -73,6 +75,8 @@ unsafe extern "system" fn create_pool<L: Counting>(
     }
 }
 
+/// # Safety
+/// As `vkDestroyCommandPool`.
 unsafe extern "system" fn destroy_pool<L: Counting>(
     device: vk::Device,
     pool: vk::CommandPool,
@@ -88,6 +92,8 @@ unsafe extern "system" fn destroy_pool<L: Counting>(
     }
 }
 
+/// # Safety
+/// As `vkResetCommandPool`.
 unsafe extern "system" fn reset_pool<L: Counting>(
     device: vk::Device,
     pool: vk::CommandPool,
@@ -113,6 +119,8 @@ unsafe fn collect_pool(counter: &Counter, pool: vk::CommandPool) {
     }
 }
 
+/// # Safety
+/// As `vkAllocateCommandBuffers`.
 unsafe extern "system" fn allocate<L: Counting>(
     device: vk::Device,
     info: *const vk::CommandBufferAllocateInfo<'_>,
@@ -131,6 +139,8 @@ unsafe extern "system" fn allocate<L: Counting>(
     }
 }
 
+/// # Safety
+/// As `vkFreeCommandBuffers`.
 unsafe extern "system" fn free<L: Counting>(
     device: vk::Device,
     pool: vk::CommandPool,
@@ -150,6 +160,8 @@ unsafe extern "system" fn free<L: Counting>(
     }
 }
 
+/// # Safety
+/// As `vkBeginCommandBuffer`.
 unsafe extern "system" fn begin<L: Counting>(
     buffer: vk::CommandBuffer,
     info: *const vk::CommandBufferBeginInfo<'_>,
@@ -190,6 +202,8 @@ unsafe extern "system" fn begin<L: Counting>(
     }
 }
 
+/// # Safety
+/// As `vkEndCommandBuffer`.
 unsafe extern "system" fn end<L: Counting>(buffer: vk::CommandBuffer) -> vk::Result {
     // SAFETY: the application's valid argument.
     unsafe {
@@ -200,6 +214,8 @@ unsafe extern "system" fn end<L: Counting>(buffer: vk::CommandBuffer) -> vk::Res
     }
 }
 
+/// # Safety
+/// As `vkResetCommandBuffer`.
 unsafe extern "system" fn reset<L: Counting>(
     buffer: vk::CommandBuffer,
     flags: vk::CommandBufferResetFlags,
@@ -213,6 +229,8 @@ unsafe extern "system" fn reset<L: Counting>(
     }
 }
 
+/// # Safety
+/// As `vkCmdExecuteCommands`.
 unsafe extern "system" fn execute<L: Counting>(
     primary: vk::CommandBuffer,
     count: u32,

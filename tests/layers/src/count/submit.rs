@@ -16,6 +16,8 @@ pub(super) fn hook<L: Counting>(name: &CStr) -> vk::PFN_vkVoidFunction {
     None
 }
 
+/// # Safety
+/// As `vkQueueSubmit`.
 unsafe extern "system" fn queue_submit<L: Counting>(
     queue: vk::Queue,
     count: u32,
@@ -37,6 +39,8 @@ unsafe extern "system" fn queue_submit<L: Counting>(
     }
 }
 
+/// # Safety
+/// As `vkQueueSubmit2`.
 unsafe extern "system" fn queue_submit2<L: Counting>(
     queue: vk::Queue,
     count: u32,
@@ -57,7 +61,7 @@ unsafe extern "system" fn queue_submit2<L: Counting>(
     }
 }
 
-/// Reads what is left of the buffers' last submits, then submits them.
+/// Reads the remaining results of the buffers' last submits, then submits them.
 ///
 /// # Safety
 ///

@@ -7,7 +7,7 @@ use ash::vk::Handle;
 use std::ffi::{CStr, c_void};
 use std::mem::transmute;
 
-/// What tells one call of a function from another.
+/// Key that tells calls of a function apart.
 macro_rules! mark {
     () => {
         0
@@ -17,8 +17,8 @@ macro_rules! mark {
     };
 }
 
-/// Each line is a function, its type, what it is called with, and, where a failing one has to write its handles, how many there are
-/// and where they go; then the handle that tells calls on one thread apart.
+/// Each line is a function, its type, its arguments, and, if a failing one has to write its handles, their count and place; then the handle
+/// that tells calls on one thread apart.
 macro_rules! functions {
     ($($name:literal $pfn:ident $function:ident($object:ident: $kind:ty $(, $argument:ident: $ty:ty)*)
         $(nulls $count:block)? $(told_by $mark:ident)?;)*) => {

@@ -148,6 +148,8 @@ impl<'a> Barriers<'a> {
     }
 }
 
+/// # Safety
+/// As `vkCmdPipelineBarrier`.
 pub(super) unsafe extern "system" fn pipeline_barrier(
     buffer: vk::CommandBuffer,
     src: vk::PipelineStageFlags,
@@ -180,6 +182,8 @@ pub(super) unsafe extern "system" fn pipeline_barrier(
     }
 }
 
+/// # Safety
+/// As `vkCmdWaitEvents`.
 pub(super) unsafe extern "system" fn wait_events(
     buffer: vk::CommandBuffer,
     count: u32,
@@ -214,6 +218,8 @@ pub(super) unsafe extern "system" fn wait_events(
     }
 }
 
+/// # Safety
+/// As `vkCmdSetEvent`.
 pub(super) unsafe extern "system" fn set_event(
     buffer: vk::CommandBuffer,
     event: vk::Event,
@@ -223,6 +229,8 @@ pub(super) unsafe extern "system" fn set_event(
     unsafe { (emulator(buffer).v1_0().cmd_set_event)(buffer, event, lower::stages(stages)) }
 }
 
+/// # Safety
+/// As `vkCmdResetEvent`.
 pub(super) unsafe extern "system" fn reset_event(
     buffer: vk::CommandBuffer,
     event: vk::Event,
@@ -232,6 +240,8 @@ pub(super) unsafe extern "system" fn reset_event(
     unsafe { (emulator(buffer).v1_0().cmd_reset_event)(buffer, event, lower::stages(stages)) }
 }
 
+/// # Safety
+/// As `vkCmdWriteTimestamp`.
 pub(super) unsafe extern "system" fn write_timestamp(
     buffer: vk::CommandBuffer,
     stage: vk::PipelineStageFlags,
@@ -326,6 +336,8 @@ impl<'a> Dependency<'a> {
     }
 }
 
+/// # Safety
+/// As `vkCmdPipelineBarrier2`.
 pub(super) unsafe extern "system" fn pipeline_barrier2(
     buffer: vk::CommandBuffer,
     info: *const vk::DependencyInfo<'_>,
@@ -339,6 +351,8 @@ pub(super) unsafe extern "system" fn pipeline_barrier2(
     }
 }
 
+/// # Safety
+/// As `vkCmdSetEvent2`.
 pub(super) unsafe extern "system" fn set_event2(
     buffer: vk::CommandBuffer,
     event: vk::Event,
@@ -353,6 +367,8 @@ pub(super) unsafe extern "system" fn set_event2(
     }
 }
 
+/// # Safety
+/// As `vkCmdWaitEvents2`.
 pub(super) unsafe extern "system" fn wait_events2(
     buffer: vk::CommandBuffer,
     count: u32,
@@ -370,6 +386,8 @@ pub(super) unsafe extern "system" fn wait_events2(
     }
 }
 
+/// # Safety
+/// As `vkCmdResetEvent2`.
 pub(super) unsafe extern "system" fn reset_event2(
     buffer: vk::CommandBuffer,
     event: vk::Event,
@@ -382,6 +400,8 @@ pub(super) unsafe extern "system" fn reset_event2(
     }
 }
 
+/// # Safety
+/// As `vkCmdWriteTimestamp2`.
 pub(super) unsafe extern "system" fn write_timestamp2(
     buffer: vk::CommandBuffer,
     stage: vk::PipelineStageFlags2,

@@ -10,7 +10,7 @@ use ash::vk;
 use std::ffi::CStr;
 use std::sync::Mutex;
 
-/// What the application enabled.
+/// Features that the application enabled.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Enabled {
     pub extension: bool,
@@ -60,7 +60,7 @@ pub(super) unsafe fn create(
     }
 }
 
-/// What the application enables, and whether it may.
+/// Features that the application enables, with a check of each.
 ///
 /// # Safety
 ///

@@ -18,7 +18,7 @@ pub struct ShadingRateDevice {
     pub attachment: bool,
     /// `VkPhysicalDeviceFragmentShadingRatePropertiesKHR`.
     pub limits: ShadingRateLimits,
-    /// What `vkGetPhysicalDeviceFragmentShadingRatesKHR` gives, in its order.
+    /// Rates of `vkGetPhysicalDeviceFragmentShadingRatesKHR`, in its order.
     pub rates: Vec<ShadingRate>,
 }
 

@@ -8,6 +8,8 @@ use std::ffi::CStr;
 
 const KIND: &str = "command";
 
+/// # Safety
+/// As `vkCmdBindPipeline`.
 pub(super) unsafe extern "system" fn bind_pipeline(
     buffer: vk::CommandBuffer,
     point: vk::PipelineBindPoint,
@@ -31,6 +33,8 @@ pub(super) unsafe extern "system" fn bind_pipeline(
     }
 }
 
+/// # Safety
+/// As `vkCmdSetFragmentShadingRateKHR`.
 pub(super) unsafe extern "system" fn set_rate(
     buffer: vk::CommandBuffer,
     size: *const vk::Extent2D,

@@ -1,4 +1,4 @@
-//! What is used wrongly, written once each.
+//! Violations of the specification, written once each.
 
 use super::lines::{SHADING_RATE_FILE_VARIABLE, ShadingRateFinding, ShadingRateLine};
 use crate::report;

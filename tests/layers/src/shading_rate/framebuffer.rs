@@ -21,6 +21,8 @@ pub(super) struct Framebuffer {
 
 const KIND: &str = "framebuffer";
 
+/// # Safety
+/// As `vkCreateFramebuffer`.
 pub(super) unsafe extern "system" fn create(
     device: vk::Device,
     info: *const vk::FramebufferCreateInfo<'_>,
@@ -78,7 +80,7 @@ pub(super) unsafe extern "system" fn create(
     }
 }
 
-/// What is known of an attachment when the framebuffer is made.
+/// Facts about an attachment at the creation of the framebuffer.
 struct Attachment {
     usage: vk::ImageUsageFlags,
     width: u32,
@@ -147,6 +149,8 @@ fn check(
     }
 }
 
+/// # Safety
+/// As `vkDestroyFramebuffer`.
 pub(super) unsafe extern "system" fn destroy(
     device: vk::Device,
     framebuffer: vk::Framebuffer,

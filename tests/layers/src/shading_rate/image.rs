@@ -22,7 +22,7 @@ impl Image {
     }
 }
 
-/// A view, or what is known of one of an image of the swapchain: nothing.
+/// A view; without facts for a view of an image of the swapchain.
 #[derive(Clone, Copy)]
 pub(super) struct View {
     pub image: vk::Image,
@@ -82,6 +82,8 @@ fn check(emulator: &Emulator, info: &vk::ImageCreateInfo<'_>, image: vk::Image) 
     require(emulator.enabled.attachment, "attachmentFragmentShadingRate", "image with the usage".to_owned());
 }
 
+/// # Safety
+/// As `vkCreateImage`.
 pub(super) unsafe extern "system" fn create(
     device: vk::Device,
     info: *const vk::ImageCreateInfo<'_>,
@@ -113,6 +115,8 @@ pub(super) unsafe extern "system" fn create(
     }
 }
 
+/// # Safety
+/// As `vkDestroyImage`.
 pub(super) unsafe extern "system" fn destroy(
     device: vk::Device,
     image: vk::Image,
@@ -126,6 +130,8 @@ pub(super) unsafe extern "system" fn destroy(
     }
 }
 
+/// # Safety
+/// As `vkGetDeviceImageMemoryRequirements`.
 pub(super) unsafe extern "system" fn memory_requirements(
     device: vk::Device,
     info: *const vk::DeviceImageMemoryRequirements<'_>,
@@ -142,6 +148,8 @@ pub(super) unsafe extern "system" fn memory_requirements(
     }
 }
 
+/// # Safety
+/// As `vkCreateImageView`.
 pub(super) unsafe extern "system" fn create_view(
     device: vk::Device,
     info: *const vk::ImageViewCreateInfo<'_>,
@@ -213,6 +221,8 @@ fn check_view(
     View { image: info.image, format: info.format, usage: Some(usage), range, extent }
 }
 
+/// # Safety
+/// As `vkDestroyImageView`.
 pub(super) unsafe extern "system" fn destroy_view(
     device: vk::Device,
     view: vk::ImageView,

@@ -1,4 +1,4 @@
-//! What the layer writes: a line of JSON for each finding and for each pass executed with a rate attachment.
+//! Output of the layer: a line of JSON for each finding and for each executed pass with a rate attachment.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -22,11 +22,11 @@ pub enum ShadingRateLine {
 /// Something that is used wrongly. The same one is written once for each device.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct ShadingRateFinding {
-    /// What was at fault: `device`, `image`, `render_pass`, `framebuffer`, `pipeline`, `command`, `execution`.
+    /// Place of the violation: `device`, `image`, `render_pass`, `framebuffer`, `pipeline`, `command`, `execution`.
     pub kind: String,
     /// The Valid Usage ID of the Vulkan specification, or a name of the layer's own where it has none.
     pub rule: String,
-    /// What was there instead.
+    /// The found value.
     pub message: String,
     /// The object at fault.
     pub object: String,
@@ -53,7 +53,7 @@ pub struct ShadingRatePass {
     pub draws: u32,
     /// Those of them whose second combiner regards the attachment, so that it is not KEEP.
     pub draws_obeying: u32,
-    /// The size in pixels of what a texel covers.
+    /// The size of a texel's area in pixels.
     pub texel: [u32; 2],
     /// The rate image.
     pub image: String,

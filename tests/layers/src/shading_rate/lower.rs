@@ -1,4 +1,4 @@
-//! What the next layer is told instead of the extension's own flags and layouts.
+//! Translation of the extension's own flags and layouts for the next layer.
 //!
 //! The rate stage becomes the fragment shader, the rate layout becomes GENERAL: a pass's read of its rate image
 //! is then a read that this layer adds ahead of it (`capture`), ordered with the fragment shader stage, and

@@ -1,4 +1,4 @@
-//! The texels of a map: what they say, and whether the device has such rates.
+//! The texels of a map: their rates, and whether the device has such rates.
 
 use super::lines::{SHADING_RATE_TEXELS_VARIABLE, ShadingRateMap};
 use super::profile::ShadingRateProfile;
@@ -51,7 +51,7 @@ fn fragment_size(texel: u8) -> Option<[u32; 2]> {
     (texel < 16).then(|| [1 << (texel >> 2), 1 << (texel & 3)])
 }
 
-/// Reads a map; also the first texel that asks for what the device does not have.
+/// Reads a map, and the first texel with a rate that the device lacks.
 pub(super) fn read(shape: &Shape, bytes: &[u8], profile: ShadingRateProfile) -> (ShadingRateMap, Option<u8>) {
     let texels: Vec<u8> = shape.rows(bytes).flatten().copied().collect();
     let mut histogram = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! The begin and end of passes: what they say of rates is checked and taken out, and the map is copied ahead.
+//! The begin and end of passes: their rate attachments are checked and removed, and the map is copied ahead.
 
 use super::barrier::note;
 use super::chain::{find, slice};
@@ -134,7 +134,7 @@ unsafe fn render_pass_begins(buffer: vk::CommandBuffer, info: &vk::RenderPassBeg
     }
 }
 
-/// What a render pass's begin says of all its subpasses.
+/// Facts of all subpasses from a render pass's begin.
 struct Described {
     form: &'static str,
     layers: u32,
@@ -193,6 +193,8 @@ fn check_promise(
     });
 }
 
+/// # Safety
+/// As `vkCmdBeginRenderPass`.
 pub(super) unsafe extern "system" fn begin_render_pass(
     buffer: vk::CommandBuffer,
     info: *const vk::RenderPassBeginInfo<'_>,
@@ -205,6 +207,8 @@ pub(super) unsafe extern "system" fn begin_render_pass(
     }
 }
 
+/// # Safety
+/// As `vkCmdBeginRenderPass2`.
 pub(super) unsafe extern "system" fn begin_render_pass2(
     buffer: vk::CommandBuffer,
     info: *const vk::RenderPassBeginInfo<'_>,
@@ -242,6 +246,8 @@ pub(super) unsafe fn pass_ends(buffer: vk::CommandBuffer) {
     }
 }
 
+/// # Safety
+/// As `vkCmdNextSubpass`.
 pub(super) unsafe extern "system" fn next_subpass(buffer: vk::CommandBuffer, contents: vk::SubpassContents) {
     // SAFETY: the application's valid arguments.
     unsafe {
@@ -250,6 +256,8 @@ pub(super) unsafe extern "system" fn next_subpass(buffer: vk::CommandBuffer, con
     }
 }
 
+/// # Safety
+/// As `vkCmdNextSubpass2`.
 pub(super) unsafe extern "system" fn next_subpass2(
     buffer: vk::CommandBuffer,
     begin: *const vk::SubpassBeginInfo<'_>,
@@ -263,6 +271,8 @@ pub(super) unsafe extern "system" fn next_subpass2(
     }
 }
 
+/// # Safety
+/// As `vkCmdEndRenderPass`.
 pub(super) unsafe extern "system" fn end_render_pass(buffer: vk::CommandBuffer) {
     // SAFETY: the application's valid argument.
     unsafe {
@@ -271,6 +281,8 @@ pub(super) unsafe extern "system" fn end_render_pass(buffer: vk::CommandBuffer) 
     }
 }
 
+/// # Safety
+/// As `vkCmdEndRenderPass2`.
 pub(super) unsafe extern "system" fn end_render_pass2(
     buffer: vk::CommandBuffer,
     end: *const vk::SubpassEndInfo<'_>,

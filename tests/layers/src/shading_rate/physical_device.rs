@@ -1,4 +1,4 @@
-//! What a physical device says of itself: the next layer's answers, and the extension.
+//! Answers about a physical device: the next layer's, and the extension.
 
 use super::Emulator;
 use super::chain::{LeftOut, find};
@@ -66,6 +66,8 @@ unsafe fn list<T: Copy>(from: &[T], count: *mut u32, to: *mut T, copy: impl Fn(&
     }
 }
 
+/// # Safety
+/// As `vkEnumerateDeviceExtensionProperties`.
 unsafe extern "system" fn extensions(
     physical_device: vk::PhysicalDevice,
     layer: *const c_char,
@@ -102,6 +104,8 @@ unsafe extern "system" fn extensions(
     }
 }
 
+/// # Safety
+/// As `vkGetPhysicalDeviceFeatures2`.
 unsafe extern "system" fn features2(
     physical_device: vk::PhysicalDevice,
     features: *mut vk::PhysicalDeviceFeatures2<'_>,
@@ -129,6 +133,8 @@ fn is_gpu() -> bool {
     std::env::var_os(SHADING_RATE_GPU_VARIABLE).is_some_and(|value| value == "1")
 }
 
+/// # Safety
+/// As `vkGetPhysicalDeviceProperties`.
 unsafe extern "system" fn properties(
     physical_device: vk::PhysicalDevice,
     properties: *mut vk::PhysicalDeviceProperties,
@@ -143,6 +149,8 @@ unsafe extern "system" fn properties(
     }
 }
 
+/// # Safety
+/// As `vkGetPhysicalDeviceProperties2`.
 unsafe extern "system" fn properties2(
     physical_device: vk::PhysicalDevice,
     properties: *mut vk::PhysicalDeviceProperties2<'_>,
@@ -166,6 +174,8 @@ unsafe extern "system" fn properties2(
     }
 }
 
+/// # Safety
+/// As `vkGetPhysicalDeviceFragmentShadingRatesKHR`.
 pub(super) unsafe extern "system" fn rates(
     _: vk::PhysicalDevice,
     count: *mut u32,
@@ -191,6 +201,8 @@ pub(super) unsafe extern "system" fn rates(
     }
 }
 
+/// # Safety
+/// As `vkGetPhysicalDeviceFormatProperties`.
 unsafe extern "system" fn format_properties(
     physical_device: vk::PhysicalDevice,
     format: vk::Format,
@@ -207,6 +219,8 @@ unsafe extern "system" fn format_properties(
     }
 }
 
+/// # Safety
+/// As `vkGetPhysicalDeviceFormatProperties2`.
 unsafe extern "system" fn format_properties2(
     physical_device: vk::PhysicalDevice,
     format: vk::Format,
@@ -239,6 +253,8 @@ fn is_supported(
         || (format == FORMAT && image_type == vk::ImageType::TYPE_2D && tiling == vk::ImageTiling::OPTIMAL)
 }
 
+/// # Safety
+/// As `vkGetPhysicalDeviceImageFormatProperties`.
 unsafe extern "system" fn image_format_properties(
     physical_device: vk::PhysicalDevice,
     format: vk::Format,
@@ -263,6 +279,8 @@ unsafe extern "system" fn image_format_properties(
     }
 }
 
+/// # Safety
+/// As `vkGetPhysicalDeviceImageFormatProperties2`.
 unsafe extern "system" fn image_format_properties2(
     physical_device: vk::PhysicalDevice,
     info: *const vk::PhysicalDeviceImageFormatInfo2<'_>,

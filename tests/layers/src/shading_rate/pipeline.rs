@@ -28,6 +28,8 @@ const SHADING: [vk::GraphicsPipelineLibraryFlagsEXT; 2] = [
     vk::GraphicsPipelineLibraryFlagsEXT::FRAGMENT_SHADER,
 ];
 
+/// # Safety
+/// As `vkCreateGraphicsPipelines`.
 pub(super) unsafe extern "system" fn create(
     device: vk::Device,
     cache: vk::PipelineCache,
@@ -240,6 +242,8 @@ unsafe fn check_libraries(
     });
 }
 
+/// # Safety
+/// As `vkDestroyPipeline`.
 pub(super) unsafe extern "system" fn destroy(
     device: vk::Device,
     pipeline: vk::Pipeline,

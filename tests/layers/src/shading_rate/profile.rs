@@ -1,5 +1,5 @@
-//! The devices that the layer can look like: what Mesa's real drivers say over its no-op kernel shims, in
-//! `tests/layers/profiles` (`cargo dev drivers --profiles` writes them).
+//! Profiles of devices that the layer can present: answers of Mesa's real drivers over its no-op kernel shims, in `tests/layers/profiles`
+//! (`cargo dev drivers --profiles` writes them).
 
 use super::device_limits::{ShadingRate, ShadingRateDevice};
 use ash::vk;
@@ -68,7 +68,7 @@ impl ShadingRateProfile {
         }
     }
 
-    /// What that device says of shading rates.
+    /// That device's shading rates.
     pub fn device(self) -> &'static ShadingRateDevice {
         match self {
             Self::NvkTuring => &NVK_TURING,

@@ -1,4 +1,4 @@
-//! Command buffers, and what was recorded into them.
+//! Command buffers with their recorded commands.
 
 use super::capture::Capture;
 use super::chain::slice;
@@ -14,14 +14,14 @@ use super::{emulator, submit};
 use ash::vk;
 use std::sync::Arc;
 
-/// A command buffer, and what was recorded since it was begun.
+/// A command buffer, with the commands recorded since its begin.
 #[derive(Default)]
 pub(super) struct Recording {
     pub events: Vec<Event>,
     pub passes: Vec<RecordedPass>,
     pub current: Option<Current>,
     pub pipeline: Option<Arc<Pipeline>>,
-    /// What vkCmdSetFragmentShadingRateKHR set, while no pipeline with a rate of its own was bound.
+    /// Rate of vkCmdSetFragmentShadingRateKHR, while no pipeline with a rate of its own was bound.
     pub set_rate: Option<Rate>,
     /// Draws of a secondary buffer in the pass of a primary one.
     continued: Draws,
@@ -138,6 +138,8 @@ fn require_flag(findings: &mut Findings, buffer: vk::CommandBuffer, command: &st
     });
 }
 
+/// # Safety
+/// As `vkAllocateCommandBuffers`.
 pub(super) unsafe extern "system" fn allocate(
     device: vk::Device,
     info: *const vk::CommandBufferAllocateInfo<'_>,
@@ -155,6 +157,8 @@ pub(super) unsafe extern "system" fn allocate(
     }
 }
 
+/// # Safety
+/// As `vkFreeCommandBuffers`.
 pub(super) unsafe extern "system" fn free(
     device: vk::Device,
     pool: vk::CommandPool,
@@ -176,6 +180,8 @@ pub(super) unsafe extern "system" fn free(
     }
 }
 
+/// # Safety
+/// As `vkDestroyCommandPool`.
 pub(super) unsafe extern "system" fn destroy_pool(
     device: vk::Device,
     pool: vk::CommandPool,
@@ -192,6 +198,8 @@ pub(super) unsafe extern "system" fn destroy_pool(
     }
 }
 
+/// # Safety
+/// As `vkResetCommandPool`.
 pub(super) unsafe extern "system" fn reset_pool(
     device: vk::Device,
     pool: vk::CommandPool,
@@ -208,6 +216,8 @@ pub(super) unsafe extern "system" fn reset_pool(
     }
 }
 
+/// # Safety
+/// As `vkResetCommandBuffer`.
 pub(super) unsafe extern "system" fn reset(
     buffer: vk::CommandBuffer,
     flags: vk::CommandBufferResetFlags,
@@ -220,7 +230,7 @@ pub(super) unsafe extern "system" fn reset(
     }
 }
 
-/// Takes back what a buffer recorded, once its last submit was read.
+/// Returns a buffer's captures, once its last submit was read.
 ///
 /// # Safety
 ///
@@ -235,6 +245,8 @@ unsafe fn forget(emulator: &super::Emulator, state: &mut State, buffer: vk::Comm
     }
 }
 
+/// # Safety
+/// As `vkBeginCommandBuffer`.
 pub(super) unsafe extern "system" fn begin(
     buffer: vk::CommandBuffer,
     info: *const vk::CommandBufferBeginInfo<'_>,
@@ -260,6 +272,8 @@ pub(super) unsafe extern "system" fn begin(
     }
 }
 
+/// # Safety
+/// As `vkCmdExecuteCommands`.
 pub(super) unsafe extern "system" fn execute(
     primary: vk::CommandBuffer,
     count: u32,

@@ -32,7 +32,7 @@ pub(super) struct RenderPass {
     pub layouts: Vec<Layouts>,
     /// The colour attachments of the first subpass.
     pub colours: Vec<u32>,
-    /// What a dependency on what is before the render pass waits for on behalf of the rate stage.
+    /// Stages before the render pass that a dependency makes the rate stage wait for.
     pub waits_for: (vk::PipelineStageFlags2, vk::AccessFlags2),
 }
 
@@ -45,6 +45,8 @@ pub(super) fn are_compatible(some: &[Option<RateAttachment>], others: &[Option<R
 
 const KIND: &str = "render_pass";
 
+/// # Safety
+/// As `vkCreateRenderPass`.
 pub(super) unsafe extern "system" fn create(
     device: vk::Device,
     info: *const vk::RenderPassCreateInfo<'_>,
@@ -85,6 +87,8 @@ pub(super) unsafe extern "system" fn create(
     }
 }
 
+/// # Safety
+/// As `vkCreateRenderPass2`.
 pub(super) unsafe extern "system" fn create2(
     device: vk::Device,
     info: *const vk::RenderPassCreateInfo2<'_>,
@@ -305,6 +309,8 @@ unsafe fn other_uses(subpass: &vk::SubpassDescription2<'_>) -> Vec<u32> {
     }
 }
 
+/// # Safety
+/// As `vkDestroyRenderPass`.
 pub(super) unsafe extern "system" fn destroy(
     device: vk::Device,
     render_pass: vk::RenderPass,

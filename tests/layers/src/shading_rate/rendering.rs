@@ -1,4 +1,4 @@
-//! Dynamic rendering: what it says of rates is checked and taken out.
+//! Dynamic rendering: its rate attachments are checked and removed.
 
 use super::chain::{LeftOut, find, slice};
 use super::image::{Range, View};
@@ -12,6 +12,8 @@ use ash::vk;
 
 const KIND: &str = "command";
 
+/// # Safety
+/// As `vkCmdEndRendering`.
 pub(super) unsafe extern "system" fn end_rendering(buffer: vk::CommandBuffer) {
     // SAFETY: the application's valid argument.
     unsafe {
@@ -23,6 +25,8 @@ pub(super) unsafe extern "system" fn end_rendering(buffer: vk::CommandBuffer) {
 
 type RateInfo<'a> = vk::RenderingFragmentShadingRateAttachmentInfoKHR<'a>;
 
+/// # Safety
+/// As `vkCmdBeginRendering`.
 pub(super) unsafe extern "system" fn begin_rendering(
     buffer: vk::CommandBuffer,
     info: *const vk::RenderingInfo<'_>,

@@ -1,4 +1,4 @@
-//! What submits do to rate images, in their order: layouts, and whether the rate stage can see the last write.
+//! Effects of submits on rate images, in their order: layouts, and whether the last write is visible to the rate stage.
 //!
 //! The submits of several queues are taken in the order in which they are made.
 
@@ -25,7 +25,7 @@ impl Subresource {
     }
 }
 
-/// What a recorded command does to rate images.
+/// Effect of a recorded command on rate images.
 #[derive(Clone, Copy)]
 pub(super) enum Event {
     /// A barrier on an image with its layouts, or a global one.
@@ -103,7 +103,7 @@ fn subresources(
 
 const KIND: &str = "execution";
 
-/// Executes what was recorded.
+/// Executes the recorded commands.
 pub(super) fn replay(
     recordings: &HashMap<vk::CommandBuffer, Recording>,
     images: &mut HashMap<vk::Image, Image>,

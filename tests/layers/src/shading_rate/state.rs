@@ -1,4 +1,4 @@
-//! What is known of a device's objects.
+//! State of a device's objects.
 
 use super::capture::Captures;
 use super::findings::Findings;

@@ -1,4 +1,4 @@
-//! Submits: what was recorded takes effect, and its maps are read when it has completed.
+//! Submits: recorded commands take effect, and their maps are read after completion.
 //!
 //! Behind each submit with a captured map goes an empty one with a fence of the layer's own. Maps are read, in
 //! the order of submission, at a later submit, before the command buffer is used again, or when the device is
@@ -37,7 +37,7 @@ fn waited(state: &mut State, stages: vk::PipelineStageFlags2) {
     global_barrier(&mut state.images, masks);
 }
 
-/// A command buffer is executed: adds what it captured.
+/// Executes a command buffer: adds its captures.
 fn executed(state: &mut State, buffer: vk::CommandBuffer, to: &mut InFlight) {
     let State { recordings, images, findings, passes_executed, .. } = state;
     let Some(recording) = recordings.get(&buffer) else { return };
@@ -103,7 +103,7 @@ unsafe fn submitted(
     }
 }
 
-/// Reads, in order, what has completed.
+/// Reads, in order, the completed captures.
 ///
 /// # Safety
 ///
@@ -173,7 +173,7 @@ unsafe fn read_first(emulator: &Emulator, state: &mut State, completed: bool) {
     }
 }
 
-/// The device is about to be destroyed: reads what is left, and destroys what the layer made.
+/// Before the device is destroyed: reads the remaining captures, and destroys the layer's objects.
 pub(super) fn finish(emulator: &Emulator) {
     let mut state = emulator.state();
     let state = &mut *state;
@@ -195,6 +195,8 @@ pub(super) fn finish(emulator: &Emulator) {
     }
 }
 
+/// # Safety
+/// As `vkQueueSubmit`.
 pub(super) unsafe extern "system" fn queue_submit(
     queue: vk::Queue,
     count: u32,
@@ -229,6 +231,8 @@ pub(super) unsafe extern "system" fn queue_submit(
     }
 }
 
+/// # Safety
+/// As `vkQueueSubmit2`.
 pub(super) unsafe extern "system" fn queue_submit2(
     queue: vk::Queue,
     count: u32,

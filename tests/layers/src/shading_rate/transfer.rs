@@ -21,6 +21,8 @@ unsafe fn written(buffer: vk::CommandBuffer, image: vk::Image, ranges: impl Iter
     }
 }
 
+/// # Safety
+/// As `vkCmdCopyBufferToImage`.
 pub(super) unsafe extern "system" fn copy_buffer_to_image(
     buffer: vk::CommandBuffer,
     from: vk::Buffer,
@@ -37,6 +39,8 @@ pub(super) unsafe extern "system" fn copy_buffer_to_image(
     }
 }
 
+/// # Safety
+/// As `vkCmdCopyBufferToImage2`.
 pub(super) unsafe extern "system" fn copy_buffer_to_image2(
     buffer: vk::CommandBuffer,
     info: *const vk::CopyBufferToImageInfo2<'_>,
@@ -51,6 +55,8 @@ pub(super) unsafe extern "system" fn copy_buffer_to_image2(
     }
 }
 
+/// # Safety
+/// As `vkCmdCopyImage`.
 pub(super) unsafe extern "system" fn copy_image(
     buffer: vk::CommandBuffer,
     from: vk::Image,
@@ -69,6 +75,8 @@ pub(super) unsafe extern "system" fn copy_image(
     }
 }
 
+/// # Safety
+/// As `vkCmdCopyImage2`.
 pub(super) unsafe extern "system" fn copy_image2(
     buffer: vk::CommandBuffer,
     info: *const vk::CopyImageInfo2<'_>,
@@ -83,6 +91,8 @@ pub(super) unsafe extern "system" fn copy_image2(
     }
 }
 
+/// # Safety
+/// As `vkCmdClearColorImage`.
 pub(super) unsafe extern "system" fn clear_color_image(
     buffer: vk::CommandBuffer,
     image: vk::Image,

@@ -1,5 +1,5 @@
-//! `count` counts what the device itself counts, submit by submit, `samples` what passes the depth test, and validation has
-//! nothing to say to either.
+//! `count` counts as the device does, submit by submit, `samples` counts samples that pass the depth test, and validation reports nothing
+//! for either.
 
 use crate::device::SIDE;
 use crate::process::{Ended, Process};
@@ -15,7 +15,7 @@ fn counted(program: &str) -> (Count, Ended) {
     (count, ended)
 }
 
-/// What the device says for the whole image: all of its pixels once.
+/// The device's count for the whole image: all of its pixels once.
 fn whole_image() -> u64 {
     let own: u64 = Process::new("triangle_with_own_query").run().result.parse().unwrap();
     assert!(own >= 256 * 256, "{own}");
@@ -98,8 +98,8 @@ fn samples_of_passes_that_are_not_the_applications_are_not_counted() {
     assert_eq!((count.samples, count.reason, count.passes), (Some(0), None, 0));
 }
 
-/// Why there are samples: a driver may count as invocations what its early depth test then rejects, as lavapipe 22.3.6
-/// does; 25.0.7 does not. The blocks are made of whole quads, so there is nothing between.
+/// Reason for `samples`: a driver may count invocations that its early depth test then rejects, as lavapipe 22.3.6 does; 25.0.7 does not.
+/// The blocks are made of whole quads, so there is nothing between.
 #[test]
 fn invocations_may_have_what_is_hidden_in_them() {
     let half: u64 = Process::new("half_a_triangle_with_own_query").run().result.parse().unwrap();

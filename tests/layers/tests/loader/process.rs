@@ -21,9 +21,9 @@ pub struct Process {
     layers: Vec<String>,
 }
 
-/// What became of it.
+/// Its end.
 pub struct Ended {
-    /// What the program itself printed, on the line that starts with `result `.
+    /// Output of the program itself, on the line that starts with `result `.
     pub result: String,
     /// Errors and warnings of the validation layer.
     pub findings: Vec<String>,
@@ -86,7 +86,7 @@ impl Process {
         ended
     }
 
-    /// As [`Self::run`], for a program that the driver may not survive, because it does what it must not.
+    /// As [`Self::run`], for a program with invalid calls, which may crash the driver.
     pub fn run_to_the_end_or_not(self) -> Ended {
         self.end().0
     }

@@ -1,4 +1,4 @@
-//! What the started processes do. They are ignored tests, so that `cargo test` by itself leaves them out.
+//! Programs of the started processes. They are ignored tests, so that `cargo test` by itself leaves them out.
 
 pub mod rates;
 pub mod triangle;

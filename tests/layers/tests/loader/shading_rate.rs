@@ -100,7 +100,7 @@ fn each_submit_of_a_command_buffer_has_its_own_map() {
     assert_ne!(texels(0), texels(1));
 }
 
-/// What is forgotten around a dispatch, or around the read, shows in validation below, at the layer's copy.
+/// A barrier that is missing around a dispatch, or around the read, shows in validation below, at the layer's copy.
 #[test]
 fn validation_below_sees_missing_barriers() {
     for (form, broken, hazard) in [

@@ -14,7 +14,7 @@ pub const FLAG: &str = "--json";
 /// Set in the environment, it leaves out the tables.
 pub const TIMES_ONLY: &str = "PARAFOVEA_MODELS_TIMES_ONLY";
 
-/// Runs this program once more, as criterion prints for people only, and prints what it wrote down.
+/// Runs this program again, as criterion prints for people only, and prints its results.
 pub fn print() -> ExitCode {
     match rows() {
         Ok(rows) => {

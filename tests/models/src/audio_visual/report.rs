@@ -8,7 +8,7 @@ use parafovea_core::avpm::SensitivityUnit;
 use parafovea_core::rate::ShadingRate;
 use std::fmt::Write;
 
-/// Loudness, LUFS: what paper A's study covers.
+/// Loudness, LUFS: the range of paper A's study.
 pub const LOUDNESS_LUFS: [f32; 6] = [-35.0, -30.0, -25.0, -20.0, -15.0, -10.0];
 /// Pitch, kHz: likewise.
 pub const PITCH_KHZ: [f32; 5] = [1.0, 2.0, 3.0, 4.0, 6.0];
@@ -23,11 +23,11 @@ pub struct Row {
     pub scene: String,
     /// Constants and sound.
     pub case: String,
-    /// What was measured.
+    /// The metric.
     pub metric: &'static str,
     /// The figure.
     pub value: f64,
-    /// What it is compared with, where there is something.
+    /// The baseline, if there is one.
     pub baseline: Option<f64>,
 }
 
@@ -153,7 +153,7 @@ fn write_scene(out: &mut String, scene: &str, rows: &[&Row]) -> std::fmt::Result
     Ok(())
 }
 
-/// What the paper claims, and in how many scenes it is so.
+/// The paper's claims, each with the number of scenes in which it holds.
 fn write_verdicts(out: &mut String, rows: &[Row]) -> std::fmt::Result {
     writeln!(out)?;
     let least =

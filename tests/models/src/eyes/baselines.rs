@@ -1,4 +1,4 @@
-//! What the gaze tracker is compared with: no filter, and the One Euro filter (Casiez, Roussel and Vogel 2012).
+//! Baselines of the gaze tracker: no filter, and the One Euro filter (Casiez, Roussel and Vogel 2012).
 //!
 //! Both hold the last direction while the lids are shut, and neither knows a saccade: the region grows by speed and latency.
 

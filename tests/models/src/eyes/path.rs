@@ -7,7 +7,7 @@ use std::ops::Range;
 /// Half the distance between the eyes, metres.
 pub const HALF_IPD_M: f64 = 0.0315;
 
-/// Distances of what is looked at, metres.
+/// Distances of fixation points, metres.
 pub const DISTANCES_M: [f64; 4] = [0.3, 0.5, 1.0, f64::INFINITY];
 
 /// Amplitudes of saccades, degrees.
@@ -28,7 +28,7 @@ pub struct Look {
     pub end_s: f64,
     /// Where it is when they land, unit vector from between the eyes.
     pub from: DVec3,
-    /// How it turns around the head, radians a second along an axis; 0 for what rests.
+    /// Its rotation around the head, radians a second along an axis; 0 at rest.
     pub turn: DVec3,
     /// How far away it is, metres.
     pub distance_m: f64,
@@ -45,7 +45,7 @@ impl Look {
     }
 }
 
-/// What the eyes do at a time.
+/// State of the eyes at a time.
 #[derive(Clone, Copy, Debug)]
 pub enum Event {
     /// Look at the thing of this number.
@@ -116,7 +116,7 @@ impl EyePath {
         &self.looks
     }
 
-    /// What the eyes do at a time.
+    /// State of the eyes at a time.
     pub fn event(&self, t: f64) -> Event {
         let number = self.looks.partition_point(|look| look.start_s <= t).max(1) - 1;
         if t <= self.looks[number].end_s || number + 1 == self.looks.len() {

@@ -1,4 +1,4 @@
-//! The region at full rate: what is near to either of two directions.
+//! The region at full rate: directions near to either of two directions.
 
 use glam::{DVec3, Vec3};
 use parafovea_core::gaze::{GazeState, foveal_inflation_deg};
@@ -14,7 +14,7 @@ pub struct Region {
 }
 
 impl Region {
-    /// As the safety limits make it, without what the tracker may be off by, which counts to the base.
+    /// With the widening of the safety limits but the tracker's error, which counts to the base.
     pub fn new(gaze: &GazeState) -> Self {
         let safety = SafetySettings::default();
         let (least, error) = (safety.least_foveal_deg, safety.tracker_error_deg);

@@ -12,17 +12,17 @@ use std::fmt::Write;
 pub struct Row {
     /// Tracker and method, e.g. "120 Hz, GazeTracker".
     pub case: String,
-    /// What was measured, e.g. "hits".
+    /// The metric, e.g. "hits".
     pub metric: String,
     /// The figure.
     pub value: f64,
     /// Its unit.
     pub unit: &'static str,
-    /// What it is compared with, in the same unit, where there is something.
+    /// The baseline, in the same unit, if there is one.
     pub baseline: Option<f64>,
 }
 
-/// What the columns are: degrees, percent, square degrees, parts, milliseconds.
+/// Units of the columns: degrees, percent, square degrees, parts, milliseconds.
 const HEAD: &str = "\
 Gaze with known truth: fixations, saccades of 2 to 30 degrees and pursuit, at things 0.3, 0.5, 1 m and infinitely far away, by a
 tracker that is 50 ms late, 1.1 degrees off in each fixation and scatters by 0.3; slower than 60 Hz it is outside of the aims.

@@ -11,7 +11,7 @@ use parafovea_core::plan::SafetySettings;
 /// Time that a frame is shown, seconds.
 const FRAME_S: f64 = 1.0 / 90.0;
 
-/// What is before it does not count: trust has to rise first.
+/// Start of the time that counts: trust has to rise first.
 const WARM_UP_S: f64 = 1.0;
 
 /// From how far on saccades are large, degrees: they leave the region that was at full rate before.
@@ -46,7 +46,7 @@ impl Follower for GazeTracker {
 pub enum Method {
     /// [`GazeTracker`].
     Tracker,
-    /// The same where the distance of what is looked at is known.
+    /// The same with a known fixation distance.
     TrackerWithDepth,
     /// The last sample.
     Unfiltered,
@@ -81,7 +81,7 @@ impl Method {
 /// One eye at one moment of a fixation or pursuit that counts.
 #[derive(Clone, Copy, Debug)]
 struct Moment {
-    /// Radius from which on the region holds what the eye looks at, degrees.
+    /// Least radius with which the region contains the fixation point, degrees.
     needs_deg: f64,
     /// By how much the region is inflated then, degrees.
     inflation_deg: f64,
@@ -96,7 +96,7 @@ struct Moment {
 /// How large the region is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Radius {
-    /// As the safety limits make it: a base, degrees, and on top of it what the eyes may have moved.
+    /// With the widening of the safety limits: a base, degrees, and the possible movement of the eyes on top.
     Inflated(f64),
     /// Always the same, degrees.
     Fixed(f64),
@@ -115,7 +115,7 @@ impl Radius {
     }
 }
 
-/// What was measured of a method.
+/// Measurements of a method.
 #[derive(Clone, Debug, Default)]
 pub struct Score {
     moments: Vec<Moment>,
@@ -123,8 +123,8 @@ pub struct Score {
     frames: Vec<[f64; 2]>,
     /// Separation of the true directions of both eyes in each frame, degrees.
     truths: Vec<f64>,
-    /// From the landing of each saccade of [`FAR_DEG`] or more until the region of the safety limits holds what both eyes look at,
-    /// seconds.
+    /// Time from the landing of each saccade of [`FAR_DEG`] or more until the region of the safety limits contains the fixation point of
+    /// both eyes, seconds.
     late_s: Vec<f64>,
 }
 
@@ -134,7 +134,7 @@ impl Score {
         share(self.due().map(|moment| radius.holds(moment)))
     }
 
-    /// The same of what is as far away as [`DISTANCES_M`](super::path::DISTANCES_M) says.
+    /// The same for fixation points at each of [`DISTANCES_M`](super::path::DISTANCES_M).
     pub fn hits_at(&self, radius: Radius, distance: usize) -> f64 {
         share(self.due().filter(|moment| moment.distance == distance).map(|moment| radius.holds(moment)))
     }
@@ -170,7 +170,7 @@ impl Score {
         self.truths.iter().map(area).sum::<f64>() / self.truths.len() as f64
     }
 
-    /// How long after the landing of large saccades the region holds what both eyes look at, in this share of them, seconds.
+    /// Quantile of the time from the landing of large saccades until the region contains the fixation point of both eyes, seconds.
     pub fn late_s(&self, share: f64) -> f64 {
         let mut late = self.late_s.clone();
         late.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! What an eye tracker makes of the gaze: one ray for both eyes, late, off, noisy, in steps, and blind while the lids are shut.
+//! A simulated eye tracker: one ray for both eyes, with delay, error, noise and quantization, and blind while the lids are shut.
 
 use super::path::{Event, EyePath, turned};
 use super::random::Random;
@@ -23,7 +23,7 @@ pub struct TrackerModel {
     pub tells_time: bool,
 }
 
-/// What a tracker is off by, and how late it is.
+/// Errors and delay of a tracker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackerErrors {
     /// From the eye to the first image that can be made with a sample, seconds.
@@ -55,12 +55,12 @@ pub struct Report {
 }
 
 impl TrackerModel {
-    /// What it reports of a path until `duration_s`, with the usual errors.
+    /// Its samples of a path until `duration_s`, with the usual errors.
     pub fn reports(&self, path: &EyePath, seed: u64, duration_s: f64) -> Vec<Report> {
         self.reports_with(TrackerErrors::default(), path, seed, duration_s)
     }
 
-    /// What it reports of a path until `duration_s`.
+    /// Its samples of a path until `duration_s`.
     pub fn reports_with(
         &self,
         errors: TrackerErrors,

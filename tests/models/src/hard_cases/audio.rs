@@ -35,7 +35,7 @@ fn features(rate_hz: u32, channels: u32, samples: &[f32]) -> [AudioFeatures; 2] 
     })
 }
 
-/// Loudness of both modes and the frequency, of a signal as it is and of what it counts as.
+/// Loudness of both modes and the frequency, of a signal and of its equivalent.
 fn against_reference(signal: &Signal) -> Vec<Case> {
     let [default, paper] = features(signal.rate_hz, signal.channels, &signal.interleaved());
     let channels = signal.heard();

@@ -150,7 +150,7 @@ fn colours() -> Vec<Case> {
     [guarded.to_vec(), bright.to_vec(), odd.to_vec()].concat()
 }
 
-/// Clocks and gazes that misbehave; what is shown is strength and radius.
+/// Clocks and gazes that misbehave; the results are strength and radius.
 fn times() -> Vec<Case> {
     let settings = ChromaSettings::default();
     let month_ns = 30 * 86_400 * 1_000_000_000i64;

@@ -1,4 +1,4 @@
-//! Paper C's curves with the bounds of our default mode, and what they make of a colour, as formulas.
+//! Paper C's curves with the bounds of our default mode, and attenuated colours, as formulas.
 
 use super::perception::csf::{self, Stimulus};
 

@@ -1,5 +1,4 @@
-//! Which rate a tile gets, from the definitions: its point nearest to either gaze, the map there, and the loss of what
-//! is visible there.
+//! The rate of a tile, from the definitions: its point nearest to either gaze, the map there, and the loss of visible contrast there.
 
 use super::perception::csf;
 use glam::{DQuat, DVec2, DVec3};
@@ -116,8 +115,8 @@ pub enum Sensitivity {
     Tursun,
 }
 
-/// The coarsest of `rates` that loses at most `budget` of what is visible of a tile: sum over the bands of contrast times
-/// sensitivity, as far as the rate removes the band.
+/// The coarsest of `rates` that loses at most `budget` of a tile's visible contrast: sum over the bands of contrast times sensitivity, as
+/// far as the rate removes the band.
 pub fn contrast_rate(
     tile: &TileContrast,
     pixels_per_degree: f64,

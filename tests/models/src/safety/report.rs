@@ -4,7 +4,7 @@ use super::{Case, Eyes, Gaze, Mean, Rates, Score, When, follow};
 use crate::eyes::{TrackerErrors, TrackerModel};
 use std::fmt::Write;
 
-/// Seeds of what is reported, and the length of each, seconds.
+/// Seeds of the reported runs, and the length of each, seconds.
 const SEEDS: [u64; 2] = [7, 19];
 const DURATION_S: f64 = 21.0;
 
@@ -17,7 +17,7 @@ pub struct Row {
     pub scores: [Score; 2],
 }
 
-/// What is reported.
+/// The reported cases.
 pub fn cases() -> Vec<Case> {
     let none = TrackerErrors::NONE;
     let usual = TrackerErrors::default();

@@ -1,4 +1,4 @@
-//! The mel feature of known signals, against what the mel scale says of them.
+//! The mel feature of known signals, against the mel scale.
 
 use super::tone::tones;
 use super::{last, paper};

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 /// Part of a signal: seconds, and the peak level of each channel in dBFS.
 pub type Part<'a> = (f64, &'a [f64]);
 
-/// What is not there, dBFS.
+/// Level of silence, dBFS.
 pub const SILENCE: f64 = f64::NEG_INFINITY;
 
 /// Sines of `hz`, in phase in all channels, interleaved.

@@ -24,7 +24,7 @@ fn ffmpeg(arguments: &[&str]) -> Result<Command, String> {
     Ok(command)
 }
 
-/// Encodes a clip, and compares luma with what it was.
+/// Encodes a clip, and compares luma with the original's.
 pub fn encode(clip: &[Picture], sampling: Sampling, quantiser: u8) -> Result<Encoded, String> {
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let planes: Vec<Planes> = clip.iter().map(Planes::of).collect();

@@ -8,7 +8,7 @@ use zune_jpeg::JpegDecoder;
 /// From small to fine.
 pub const QUALITIES: [u8; 4] = [30, 50, 70, 90];
 
-/// Encodes a picture, and compares luma with what it was.
+/// Encodes an image, and compares luma with the original's.
 pub fn encode(planes: &Planes, sampling: Sampling, quality: u8) -> Result<Encoded, String> {
     let luma: Vec<u8> = planes.luma().collect();
     // Luma's scan is the same in both, as its tables are its own.

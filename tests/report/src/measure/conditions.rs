@@ -1,4 +1,4 @@
-//! Where, with what and when it is measured.
+//! Machine, programs and time of a measurement.
 
 use crate::plan::Plan;
 use crate::results::Conditions;
@@ -42,7 +42,7 @@ fn commit() -> String {
     }
 }
 
-/// What a program prints, in the folder of this package; none where it fails.
+/// A program's output, in the folder of this package; `None` if it fails.
 fn output(program: &str, arguments: &[&str]) -> Option<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let output = Command::new(program).args(arguments).current_dir(folder).output().ok()?;

@@ -78,7 +78,7 @@ pub fn measure(
     Ok(SceneResults { scene, points: found, bits: Vec::new(), frames_of_script: frames })
 }
 
-/// Puts the frames of another gaze script behind those that are there; rings and what has no frames are means.
+/// Appends the frames of another gaze script; rings and metrics without frames become means.
 pub fn join(all: &mut SceneResults, next: SceneResults) {
     let scripts = all.frames_of_script.max(1);
     for (point, next) in all.points.iter_mut().zip(next.points) {

@@ -42,7 +42,7 @@ impl File {
         run.env(VARIABLE, self.0.path())
     }
 
-    /// The map of the left eye's picture in a frame, a pixel a tile; none where there was none.
+    /// The map of the left eye buffer in a frame, a pixel a tile; none where there was none.
     pub fn read(&self, frame: u64) -> Result<Option<Picture>, HarnessError> {
         let path = self.0.path();
         let failed = |source| HarnessError::File { path: path.to_owned(), source };

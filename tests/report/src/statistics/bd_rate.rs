@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_compared_is_refused() {
+    fn incomparable_curves_are_refused() {
         let better = REFERENCE.map(|(bits, psnr_db)| (bits, psnr_db + 20.0));
         assert_eq!(bd_rate(&points(REFERENCE), &points(better)), Err(BdRateError::Apart));
         let mut broken = points(REFERENCE);

@@ -36,9 +36,8 @@ impl Default for Bootstrap {
 }
 
 impl Bootstrap {
-    /// The interval of what `figure` finds in frames that are drawn from `frames` ones, given by their indices. Where it measures
-    /// several things in the same frames, these are paired. None where it finds nothing in more than one in twenty draws, or
-    /// there are no frames.
+    /// The interval of `figure` over frames that are drawn from `frames` ones, given by their indices. Where it measures several things in
+    /// the same frames, these are paired. None where it finds nothing in more than one in twenty draws, or there are no frames.
     pub fn interval(
         &self,
         frames: usize,
@@ -86,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_vary_has_an_interval_of_one_point() {
+    fn constant_samples_have_an_interval_of_one_point() {
         let values = [3.0; 12];
         let interval = Bootstrap::default().interval(12, |drawn| Some(mean(&values, drawn)));
         assert_eq!(interval, Some(Interval { low: 3.0, high: 3.0 }));
@@ -134,7 +133,7 @@ mod tests {
         assert_eq!(interval(200), one);
     }
 
-    /// Two figures of the same frames: what moves both does not make their difference unsure.
+    /// Two figures of the same frames: variation that both share does not widen the interval of their difference.
     #[test]
     fn pairs_stay_together() {
         let mut random = Rng::with_seed(3);

@@ -1,6 +1,6 @@
-//! The Pareto front of points, and what lies between them.
+//! The Pareto front of points, and interpolation between them.
 
-/// What a technique costs and what it loses.
+/// Cost and loss of a technique.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CostAndLoss {
     /// Above 0, in any unit.
@@ -27,7 +27,7 @@ pub fn front(points: &[CostAndLoss]) -> Vec<usize> {
     order
 }
 
-/// What a sweep loses at a cost.
+/// Loss of a sweep at a cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AtCost {
     /// So much.

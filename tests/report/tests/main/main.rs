@@ -1,4 +1,4 @@
-//! What the report says, and that it says it in files that can be read.
+//! Content of the report, in files that can be read.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 

@@ -12,7 +12,7 @@ fn verdict(everything: (f64, f64), rival: Sweep) -> Verdict {
 }
 
 #[test]
-fn what_loses_less_at_equal_cost_wins() {
+fn a_smaller_loss_at_equal_cost_wins() {
     // FR loses halfway from 0.5 to 1.5 at the geometric mean of 0.6 and 0.4, which is 0.49.
     assert_eq!(verdict((0.49, 0.5), Sweep::FixedFoveation), Verdict::Wins);
     assert_eq!(verdict((0.49, 1.0), Sweep::FixedFoveation), Verdict::Tie);
@@ -21,13 +21,13 @@ fn what_loses_less_at_equal_cost_wins() {
 }
 
 #[test]
-fn whatever_costs_more_than_nothing_loses_to_nothing() {
+fn a_slowdown_loses_to_the_application_alone() {
     assert_eq!(verdict((1.2, 0.1), Sweep::FixedFoveation), Verdict::Loses);
     assert_eq!(verdict((1.2, 0.1), Sweep::RenderScale), Verdict::Loses);
 }
 
 #[test]
-fn what_is_cheaper_than_the_other_ever_is_wins_only_if_it_loses_less() {
+fn a_cost_below_the_rivals_range_wins_only_with_a_smaller_loss() {
     assert_eq!(verdict((0.2, 1.0), Sweep::FixedFoveation), Verdict::Wins);
     assert_eq!(verdict((0.2, 3.0), Sweep::FixedFoveation), Verdict::Apart);
 }

@@ -18,7 +18,7 @@ fn written_page(results: &Results) -> String {
     page(results, &[], &pictures).unwrap()
 }
 
-/// The names of the tags that are opened and not closed, or the first that closes what is not open.
+/// The names of unclosed tags, or the first closing tag without an open one.
 fn unbalanced(html: &str) -> Result<Vec<&str>, String> {
     const EMPTY: [&str; 5] = ["meta", "img", "br", "hr", "link"];
     let mut open = Vec::new();

@@ -49,7 +49,7 @@ impl<T> In<T> {
         self.0
     }
 
-    /// What the pointer points to, which is no structure with a type.
+    /// Target of a pointer that is no structure with a type.
     pub fn copied(&self, name: &str) -> Result<T, Fault>
     where
         T: Copy,
@@ -116,7 +116,7 @@ unsafe fn valid<'a, T: Structure>(first: *const T) -> Result<Valid<'a, T>, Fault
     Ok(Valid(structure))
 }
 
-/// What `next` leads to.
+/// Structure that `next` points to.
 ///
 /// # Safety
 /// `first` points to a structure that is valid for as long as the iterator is used.

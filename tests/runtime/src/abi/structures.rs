@@ -1,4 +1,4 @@
-//! Which structures the runtime reads and fills: their types, what may extend them, the arrays they point to.
+//! Structures that the runtime reads and fills: their types, their extensions, and the arrays they point to.
 
 use super::pointers::Valid;
 use crate::fault::{Fault, section};

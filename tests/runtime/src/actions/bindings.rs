@@ -25,7 +25,7 @@ pub(super) struct Binding {
     pub source: String,
 }
 
-/// What a session was attached with.
+/// Attached action sets of a session.
 #[derive(Clone, Debug)]
 pub(super) struct Attachment {
     pub sets: Vec<xr::ActionSet>,

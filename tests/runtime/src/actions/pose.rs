@@ -42,7 +42,7 @@ pub(crate) fn sampled_at(runtime: &Runtime, session: xr::Session, time: i64) -> 
 /// Where the hands rest, in the LOCAL space: mirrored for the left one.
 const RIGHT_HAND: Vec3 = Vec3::new(0.2, -0.3, -0.5);
 
-/// An action's pose in the LOCAL space; nothing while it is not active, or what it follows is not tracked.
+/// An action's pose in the LOCAL space; `None` while it is not active, or its source is not tracked.
 pub(crate) fn in_local(
     runtime: &Runtime,
     session: xr::Session,

@@ -1,4 +1,4 @@
-//! What actions read at the newest `xrSyncActions`.
+//! Values of actions at the newest `xrSyncActions`.
 
 use super::check_action;
 use super::sync::State;

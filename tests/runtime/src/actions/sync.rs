@@ -1,4 +1,4 @@
-//! `xrSyncActions`: which sets are active, and what their actions read.
+//! `xrSyncActions`: active sets, and the values of their actions.
 
 use super::bindings::{Attachment, Binding};
 use super::profiles::EYES;
@@ -18,13 +18,13 @@ pub(crate) struct InputState {
     pub(super) attachment: Option<Attachment>,
     /// Whether the application was told the interaction profiles.
     pub(super) announced: bool,
-    /// What the newest `xrSyncActions` read, by action and subaction path.
+    /// Values of the newest `xrSyncActions`, by action and subaction path.
     pub(super) states: BTreeMap<(u64, xr::Path), State>,
     /// Bindings that the newest `xrSyncActions` left active.
     pub(super) active: Vec<Binding>,
 }
 
-/// What an action reads.
+/// Value of an action.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct State {
     pub active: bool,
@@ -177,7 +177,7 @@ fn state(before: State, sources: impl Iterator<Item = [f32; 2]>, now: i64) -> St
     }
 }
 
-/// What a source reads now; nothing from a tracker that does not see the eyes.
+/// Value of a source now; `None` from a tracker that does not see the eyes.
 fn reading(runtime: &Runtime, source: &str, now: i64) -> Option<[f32; 2]> {
     let seconds = runtime.clock.scenario_seconds(now);
     if source.starts_with(EYES) {

@@ -1,4 +1,4 @@
-//! What is to be drawn for an eye, and the shader's parameters: geometry, without a GPU.
+//! Draws for an eye, and the shader's parameters: geometry, without a GPU.
 
 use crate::fault::Fault;
 use crate::layers::{Layer, ProjectionView, Quad, SubImage};
@@ -10,7 +10,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Quat};
 use openxr_sys as xr;
 
-/// One layer, drawn over what is there.
+/// One layer, drawn over the layers below.
 pub(super) struct Draw<'a> {
     pub image: &'a SubImage,
     pub params: Params,

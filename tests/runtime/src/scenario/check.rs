@@ -6,7 +6,7 @@ use crate::instance::EXTENSIONS;
 use std::fmt::{Debug, Display};
 use std::ops::RangeInclusive;
 
-/// The first value outside what its key allows.
+/// The first value outside of its key's range.
 pub(super) fn check(scenario: &Scenario) -> Result<(), String> {
     within("clock.refresh_hz", scenario.clock.refresh_hz, 1.0..=1000.0)?;
     within("swapchain.images", scenario.swapchain.images, 1..=8)?;

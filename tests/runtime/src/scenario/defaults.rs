@@ -1,4 +1,4 @@
-//! What holds where a scenario says nothing.
+//! Defaults of a scenario.
 
 use super::{
     Clock, ClockMode, FovDegrees, Gaze, Hand, Head, Output, Picture, Quirks, Scenario, Session, Swapchain,

@@ -23,7 +23,7 @@ impl Ring {
         Self { count, is_static, acquired: VecDeque::new(), waited: false, acquisitions: 0, shown: None }
     }
 
-    /// Index of the image released last, which is what layers show.
+    /// Index of the last released image, which layers show.
     pub fn shown(&self) -> Option<u32> {
         self.shown
     }

@@ -88,7 +88,7 @@ impl Gpu {
         unsafe { self.device.queue_wait_idle(self.queue) }.map_err(failed("vkQueueWaitIdle"))
     }
 
-    /// Memory for what has these requirements, with these properties.
+    /// Memory for these requirements, with these properties.
     pub fn allocate(
         &self,
         requirements: vk::MemoryRequirements,

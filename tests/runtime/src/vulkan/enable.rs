@@ -1,4 +1,4 @@
-//! `XR_KHR_vulkan_enable`, and what it has in common with its successor.
+//! `XR_KHR_vulkan_enable`, and its common parts with its successor.
 
 use super::Gpu;
 use super::failed;
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::ffi::{CStr, c_char};
 use std::sync::OnceLock;
 
-/// What an instance knows of the application's Vulkan before a session.
+/// An instance's knowledge of the application's Vulkan before a session.
 #[derive(Debug, Default)]
 pub(crate) struct VulkanSetup {
     /// Whether the application asked for the graphics requirements.

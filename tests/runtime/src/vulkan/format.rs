@@ -19,7 +19,7 @@ pub(crate) const COLOUR: [vk::Format; 6] = [
 pub(crate) const DEPTH: [vk::Format; 3] =
     [vk::Format::D32_SFLOAT, vk::Format::D24_UNORM_S8_UINT, vk::Format::D32_SFLOAT_S8_UINT];
 
-/// What the runtime itself does with an image: the compositor samples it.
+/// The runtime's own usage of an image: the compositor samples it.
 pub(crate) const OWN_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::SAMPLED;
 
 pub(crate) fn is_depth(format: vk::Format) -> bool {
@@ -65,7 +65,7 @@ const USAGES: [(Usage, vk::ImageUsageFlags); 6] = [
     (Usage::SAMPLED, vk::ImageUsageFlags::SAMPLED),
 ];
 
-/// The usage that the application asked for, and no more: what it did not ask for must fail here, too.
+/// Exactly the usage that the application requested: other usage must fail here, too.
 pub(crate) fn usage(format: vk::Format, flags: Usage) -> Result<vk::ImageUsageFlags, Fault> {
     let known = USAGES.iter().fold(Usage::MUTABLE_FORMAT, |all, (flag, _)| all | *flag);
     let (wrong, kind) = match is_depth(format) {

@@ -5,11 +5,11 @@ use crate::fault::Fault;
 use ash::vk;
 use std::sync::Arc;
 
-/// What the images of a swapchain are.
+/// Description of a swapchain's images.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Shape {
     pub format: vk::Format,
-    /// What the application asked for.
+    /// The application's request.
     pub usage: vk::ImageUsageFlags,
     pub mutable: bool,
     /// Empty: any compatible one, where mutable.

@@ -45,7 +45,7 @@ macro_rules! call {
 
 pub(crate) use {call, structure};
 
-/// How far an application has come, and what it has.
+/// State of an application, with its objects.
 pub struct Application {
     get_instance_proc_addr: xr::pfn::GetInstanceProcAddr,
     pub instance: xr::Instance,

@@ -1,4 +1,4 @@
-//! What applications that make no mistake see, under various scenarios.
+//! Behaviour for applications without mistakes, under various scenarios.
 
 #[path = "behaviour/extension.rs"]
 mod extension;

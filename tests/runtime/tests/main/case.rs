@@ -1,4 +1,4 @@
-//! A case: an application's run under a scenario, and what is to be seen of it afterwards.
+//! A case: an application's run under a scenario, and checks of its output.
 
 use crate::application::Application;
 use libtest_mimic::Failed;
@@ -13,19 +13,19 @@ use std::time::Duration;
 /// Set in the process that runs a case: the case's name.
 pub const CHILD_VARIABLE: &str = "PARAFOVEA_MOCK_TEST_CASE";
 
-/// The longest that a case may take: a hundred times what the slowest takes.
+/// The longest time of a case: a hundred times that of the slowest.
 pub const LIMIT: Duration = Duration::from_secs(300);
 
-/// What runs in a process of its own.
+/// Test in a process of its own.
 pub struct Case {
     pub name: String,
     pub scenario: String,
     pub run: Run,
 }
 
-/// What a case does.
+/// Kind of a case.
 pub enum Run {
-    /// A run without mistakes, that asserts what it sees; afterwards a look at the output.
+    /// A run without mistakes, with assertions; afterwards a check of the output.
     Good { run: fn(), check: fn(&Output) },
     /// A mistake in an application that has come so far, the error it must get, from which call, by which section.
     Mistake(Mistake),
@@ -41,14 +41,14 @@ pub struct Mistake {
     pub section: &'static str,
 }
 
-/// What a run left behind.
+/// Output of a run.
 pub struct Output {
     pub folder: PathBuf,
     pub record: Vec<Line>,
 }
 
 impl Output {
-    /// What a process left that had [`environment`] with this folder.
+    /// Output of a process that had [`environment`] with this folder.
     pub fn read(folder: &Path) -> Self {
         let folder = &folder.join("out");
         // There is none where the scenario cannot be used.

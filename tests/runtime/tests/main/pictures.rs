@@ -1,4 +1,4 @@
-//! Pictures: what was submitted comes out code by code, and eyes see layers where they are.
+//! Images: submitted images come out code by code, and eyes see layers at their places.
 
 use crate::application::{
     Application, IDENTITY, SIZE, header, projection, structure, swapchain_info, views, whole,

@@ -1,4 +1,4 @@
-//! The scene's buffers: shapes, written once, and what changes each frame.
+//! The scene's buffers: shapes, written once, and parameters that change each frame.
 
 use std::mem::size_of;
 use std::ops::Range;

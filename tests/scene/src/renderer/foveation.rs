@@ -83,7 +83,7 @@ impl FoveaUniform {
     }
 }
 
-/// What draws templates and fills; for all images of a format.
+/// Pipelines of templates and fills, for all images of a format.
 #[derive(Debug)]
 pub struct Foveator {
     queue: wgpu::Queue,
@@ -94,7 +94,7 @@ pub struct Foveator {
     fill_layout: wgpu::BindGroupLayout,
 }
 
-/// What belongs to one image: its depth buffer, the template of it, and a copy of what was shaded.
+/// Resources of one image: its depth buffer, the template of it, and a copy of its shaded texels.
 #[derive(Debug)]
 pub struct FoveatedImage {
     /// The depth buffer to draw the scene with; its content is loaded.
@@ -193,7 +193,7 @@ impl Foveator {
         }
     }
 
-    /// What an image of a size and format needs.
+    /// Resources of an image of a size and format.
     pub fn image(
         &self,
         device: &wgpu::Device,
@@ -260,8 +260,8 @@ impl Foveator {
         }
     }
 
-    /// Records what comes before the scene: the template, drawn anew where the gaze has moved, into the depth buffer.
-    /// `gaze` is a direction in the world; `views` are cameras and their rectangles of the image.
+    /// Records the commands before the scene: the template, drawn again if the gaze has moved, into the depth buffer. `gaze` is a direction
+    /// in the world; `views` are cameras and their rectangles of the image.
     pub fn begin(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -316,7 +316,7 @@ impl Foveator {
         draw_views(&mut recording, &image.template_group, views.iter().map(|(_, rect)| *rect));
     }
 
-    /// Records what comes after the scene: fills what was skipped. `texture` and its `layer` are what `colour` shows.
+    /// Records the commands after the scene: fills skipped texels. `texture` and its `layer` are what `colour` shows.
     pub fn finish(
         &self,
         encoder: &mut wgpu::CommandEncoder,

@@ -10,10 +10,10 @@ use crate::scene::mesh::Vertex;
 
 /// The shader of the courtyard, and the first part of every other scene's.
 pub const SHADER: &str = include_str!("../scene.wgsl");
-/// What follows it in the other scenes.
+/// The rest of the shader of the other scenes.
 pub const SCENES_SHADER: &str = include_str!("../scenes.wgsl");
 
-/// What the fragment shaders put out; the values of `OUTPUT` in `scene.wgsl`.
+/// Output of the fragment shaders; the values of `OUTPUT` in `scene.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
     /// Tone-mapped; the format encodes sRGB.
@@ -25,7 +25,7 @@ pub enum Output {
 }
 
 impl Output {
-    /// What suits an image format.
+    /// Pipelines of an image format.
     pub fn of(format: wgpu::TextureFormat) -> Self {
         match format {
             wgpu::TextureFormat::Rgba16Float => Self::Unbounded,

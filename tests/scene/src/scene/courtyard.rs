@@ -1,4 +1,4 @@
-//! What stands still. Metres; the visitor stands at the origin and looks towards -z.
+//! The fixed parts. Metres; the visitor stands at the origin and looks towards -z.
 
 use glam::{Mat4, Vec3, vec3};
 
@@ -31,7 +31,7 @@ pub fn lamp_cable(index: usize) -> (Vec3, Vec3, f32) {
     (vec3(LEFT, 3.3, z), vec3(RIGHT, 3.5, z - 1.5), 0.45)
 }
 
-/// All fixed parts; roughly what hides comes before what is hidden.
+/// All fixed parts, roughly front to back.
 pub fn parts() -> Vec<Part> {
     vec![
         Part::new(Material::Board, board()).glowing(Vec3::splat(0.35)),

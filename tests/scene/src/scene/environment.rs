@@ -1,4 +1,4 @@
-//! Sun, sky, air, wind and what polished surfaces reflect.
+//! Sun, sky, air, wind and reflections of polished surfaces.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -63,7 +63,7 @@ impl Environment {
         exposure: 1.0,
     };
 
-    /// No sun and no sky: what is lit is lit by lamps.
+    /// No sun and no sky: lamps are the only light.
     pub const INDOORS: Self = Self {
         sun: [0.0; 3],
         sky_light: [0.0; 3],

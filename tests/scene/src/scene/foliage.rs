@@ -90,7 +90,7 @@ struct Card {
     sky: f32,
 }
 
-/// A mesh of cards, nearest first: what hides is drawn before what is hidden.
+/// A mesh of cards, front to back.
 fn mesh_of(mut cards: Vec<Card>) -> Mesh {
     let distance = |card: &Card| card.root.distance(vec3(0.0, 1.6, 0.0));
     cards.sort_by(|a, b| distance(a).total_cmp(&distance(b)));

@@ -1,5 +1,5 @@
-//! Scenes that are made of a seed: what is tuned on the other scenes can be judged on one that nobody has seen. Metres; the visitor stands
-//! at the origin and looks towards -z.
+//! Scenes from a seed: settings that were tuned on the other scenes can be judged on an unknown one. Metres; the visitor stands at the
+//! origin and looks towards -z.
 
 use clap::ValueEnum;
 use glam::{Quat, Vec3, vec3};
@@ -54,7 +54,7 @@ impl Kind {
         }
     }
 
-    /// What does not depend on the seed.
+    /// Parts that do not depend on the seed.
     pub fn definition(self) -> &'static Definition {
         match self {
             Self::GeneratedRoom => &ROOM,
@@ -63,7 +63,7 @@ impl Kind {
     }
 }
 
-/// Random numbers of a seed: `what` of the thing `index`, 0..1.
+/// Random numbers of a seed, 0..1: the quantity `what` of the thing `index`.
 fn random(seed: u32, index: u32, what: u32) -> f32 {
     hash(index, what, seed ^ 0x5eed)
 }
@@ -93,7 +93,7 @@ fn height(kind: Kind, seed: u32, index: u32) -> f32 {
     0.3 + most * random(seed, index, 2)
 }
 
-/// What there is to look at: the things, pictures on the walls, and what is far away.
+/// Fixation points: the things, pictures on the walls, and the distance.
 pub fn targets(kind: Kind, seed: u32) -> Vec<Vec3> {
     let things =
         (0..THINGS).map(|index| spot(kind, seed, index) + Vec3::Y * (0.8 * height(kind, seed, index)));
@@ -215,7 +215,7 @@ fn moving() -> Vec<Part> {
     vec![Part::new(Material::Paint, ball), Part::new(Material::Plastic, cube)]
 }
 
-/// Places what moves, each on an ellipse of its own, and the rest where it is.
+/// Places moving things, each on an ellipse of its own, and the others at rest.
 pub fn place(kind: Kind, seed: u32, first: usize, time: f64) -> Vec<Placement> {
     let mover = |index: u32| {
         let rate = 0.05 + 0.15 * f64::from(random(seed, index, 50));

@@ -173,7 +173,7 @@ fn place(first: usize, time: f64, _: &[Light]) -> Vec<Placement> {
     placed
 }
 
-/// What the panels shed, from every third of them, and a spot that moves along the ceiling.
+/// Light of the panels, from every third of them, and a spot that moves along the ceiling.
 fn lamps(time: f64, count: u32) -> Vec<Light> {
     let spot = Light {
         position: vec3(1.8 * turns(time, 0.13).sin(), 2.7, -2.4),

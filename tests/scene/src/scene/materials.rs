@@ -7,8 +7,8 @@ use super::noise::{fractal, hash, value};
 use super::text;
 use super::texture::{Encoding, Texture};
 
-/// What a surface is made of. In all but [`Material::is_leafy`] ones, alpha of the albedo is 1 for what reflects as
-/// glass or paint does, and 0 for bare metal.
+/// Material of a surface. In all but [`Material::is_leafy`] ones, alpha of the albedo is 1 for what reflects as glass or paint does, and 0
+/// for bare metal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Material {
     /// Stone tiles, light and dark in turn.
@@ -23,7 +23,7 @@ pub enum Material {
     Metal,
     /// The notice board.
     Board,
-    /// Lamps: plain white, coloured by what they emit.
+    /// Lamps: plain white, coloured by their emission.
     Lamp,
     /// Smooth white paint, to be tinted.
     Paint,
@@ -336,7 +336,7 @@ pub fn detail() -> Texture {
     })
 }
 
-/// What a surface without relief has: straight normals and even roughness.
+/// Maps of a surface without relief: straight normals and even roughness.
 fn smooth(roughness: f32) -> Texture {
     Texture::from_fn(4, Encoding::Linear, |_, _| [0.5, 0.5, 1.0, roughness])
 }

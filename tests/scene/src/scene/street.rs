@@ -269,7 +269,7 @@ fn place(first: usize, time: f64, _: &[Light]) -> Vec<Placement> {
     placed
 }
 
-/// The nearest street lamps, then what the cars throw on the road.
+/// The nearest street lamps, then the light of the cars on the road.
 fn lamps(time: f64, count: u32) -> Vec<Light> {
     let street = posts().take(6).map(|post| Light {
         position: post + vec3(-0.8 * post.x.signum(), 4.7, 0.0),

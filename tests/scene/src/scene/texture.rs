@@ -14,7 +14,7 @@ pub enum Encoding {
 pub struct Texture {
     /// Width and height of the first level in texels, powers of two.
     pub size: [u32; 2],
-    /// What the bytes mean.
+    /// Meaning of the bytes.
     pub encoding: Encoding,
     /// Texels by level, finest first, rows from the top.
     pub levels: Vec<Vec<u8>>,

@@ -40,7 +40,7 @@ impl Target {
     }
 }
 
-/// What the eyes are doing.
+/// Kind of eye movement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Resting on something that stands still (the head may turn; the eyes turn against it).
@@ -56,9 +56,9 @@ pub enum Phase {
 pub struct Gaze {
     /// Unit vector in VIEW, from the point between the eyes: -z is ahead, +y is up.
     pub direction: Vec3,
-    /// Distance of what is looked at, metres: both eyes converge there.
+    /// Fixation distance, metres: both eyes converge there.
     pub distance_m: f32,
-    /// What the eyes are doing.
+    /// Kind of eye movement.
     pub phase: Phase,
 }
 

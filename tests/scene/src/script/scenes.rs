@@ -1,4 +1,4 @@
-//! What there is to do in each scene.
+//! Scripts of each scene.
 
 use std::borrow::Cow;
 

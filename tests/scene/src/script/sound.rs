@@ -1,4 +1,4 @@
-//! What is heard in a scene, synthesised, with a known loudness.
+//! The sound of a scene, synthesised, with a known loudness.
 
 mod instruments;
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What an eye tracker makes of the gaze: late, off, noisy, in steps, and blind while the lids are shut.
+//! A simulated eye tracker: delay, error, noise, quantization, and blindness while the lids are shut.
 
 use std::f32::consts::TAU;
 
@@ -48,7 +48,7 @@ impl Tracker {
         Self::NAMED.iter().find(|(other, _)| *other == name).map(|(_, tracker)| *tracker)
     }
 
-    /// What it reports: one entry for each report, at the time of the report.
+    /// Its samples: one entry for each report, at the time of the report.
     pub fn samples(&self, gaze: &TrueGaze) -> Vec<GazeKey> {
         let bias = (hash(0, 1, self.seed) * TAU).sin_cos();
         let report = |(index, t): (u32, f64)| {

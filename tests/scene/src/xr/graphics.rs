@@ -17,7 +17,7 @@ pub struct Graphics {
 }
 
 impl Graphics {
-    /// Makes instance and device through XR_KHR_vulkan_enable2 with what wgpu wants of them.
+    /// Creates instance and device through XR_KHR_vulkan_enable2 with wgpu's requirements.
     ///
     /// # Errors
     /// If there is no Vulkan, no GPU for the headset, or it is too old.
@@ -90,7 +90,7 @@ impl Graphics {
     }
 }
 
-/// The Vulkan version to ask for: what wgpu's backend uses at most, if the runtime agrees.
+/// The Vulkan version to request: the highest one that wgpu's backend uses, if the runtime agrees.
 fn check_version(entry: &ash::Entry, instance: &xr::Instance, system: xr::SystemId) -> Result<u32> {
     // SAFETY: the entry is loaded.
     let available = unsafe { entry.try_enumerate_instance_version() }?.unwrap_or(vk::API_VERSION_1_0);

@@ -13,7 +13,7 @@ use crate::renderer::{DEPTH_FORMAT, FoveatedImage, Foveator, Pass, Rect, Rendere
 
 const EYES: usize = 2;
 
-/// Where an eye's picture is.
+/// Where an eye buffer is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Slot {
     swapchain: usize,
@@ -51,7 +51,7 @@ enum Depth {
     Submitted(Vec<Swapchain>),
 }
 
-/// What fixed foveation needs, by swapchain and layer.
+/// Resources of fixed foveation, by swapchain and layer.
 struct Foveated {
     foveator: Foveator,
     images: Vec<Vec<FoveatedImage>>,
@@ -167,7 +167,7 @@ impl Projection {
         }
     }
 
-    /// What the runtime needs to know about each eye's depth, if it is submitted.
+    /// Description of each eye's depth for the runtime, if it is submitted.
     pub fn depth_infos(&self) -> Vec<xr::sys::CompositionLayerDepthInfoKHR> {
         let Depth::Submitted(swapchains) = &self.depth else { return Vec::new() };
         let info = |slot: &Slot| xr::sys::CompositionLayerDepthInfoKHR {

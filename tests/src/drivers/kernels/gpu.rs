@@ -2,7 +2,7 @@
 
 use crate::drivers::ShimDevice;
 
-/// What a data sheet says of a GPU.
+/// Data sheet of a GPU.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gpu {
     /// As it is sold.

@@ -1,4 +1,4 @@
-//! What the layer's tasks move and run in a frame of two pictures of 2160 x 2160 pixels of four bytes.
+//! Memory traffic and invocations of the layer's tasks in a frame of two images of 2160 x 2160 pixels of four bytes.
 
 use parafovea_core::perception::TileContrast;
 
@@ -31,12 +31,12 @@ pub struct Dispatch {
     pub turns: f64,
 }
 
-/// What a technique adds to a frame.
+/// Tasks that a technique adds to a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Task {
     /// Its name.
     pub name: &'static str,
-    /// What is taken to be done.
+    /// The assumed configuration.
     pub what: &'static str,
     /// Its dispatches, in order, with tiles of so many pixels along a side.
     pub dispatches: fn(tile: f64) -> Vec<Dispatch>,

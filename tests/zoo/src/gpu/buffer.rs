@@ -16,7 +16,7 @@ pub struct Buffer {
 unsafe impl Send for Buffer {}
 
 impl Buffer {
-    /// Writes bytes, which the device sees in what is submitted afterwards.
+    /// Writes bytes, which the device sees in later submits.
     ///
     /// The caller makes sure that no submitted work reads them any more.
     pub fn write(&self, offset: usize, bytes: &[u8]) {

@@ -1,4 +1,4 @@
-//! What the device is (`--device`).
+//! Choice of the device (`--device`).
 
 use super::Gpu;
 use anyhow::Result;

@@ -19,11 +19,11 @@ pub struct Image {
     pub base_level: u32,
     pub levels: u32,
     pub samples: u32,
-    /// What its view may be used for.
+    /// Usage of its view.
     pub usage: vk::ImageUsageFlags,
 }
 
-/// What an image is to be; [`Gpu::image`] makes it.
+/// Description of an image; [`Gpu::image`] makes it.
 #[derive(Clone, Copy)]
 pub struct ImageSpec {
     pub format: vk::Format,
@@ -133,7 +133,7 @@ impl Gpu {
         Ok(image)
     }
 
-    /// The same image with a new view of what it says, for its usage alone. The caller destroys the view.
+    /// The same image with a new view by its description, for its usage alone. The caller destroys the view.
     ///
     /// # Errors
     /// Those of vkCreateImageView.

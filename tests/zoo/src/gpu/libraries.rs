@@ -7,8 +7,8 @@ use ash::vk;
 type Part = vk::GraphicsPipelineLibraryFlagsEXT;
 
 impl Gpu {
-    /// Makes the parts of what `whole` describes as libraries, which are kept, and links them; what its chain holds for the
-    /// parts ahead of fragments comes apart.
+    /// Makes the parts of the pipeline `whole` as libraries, which are kept, and links them; structures of its chain for the parts ahead of
+    /// fragments come apart.
     ///
     /// # Errors
     /// Those of the calls.

@@ -20,7 +20,7 @@ pub enum Kind {
     Dynamic,
 }
 
-/// What a pipeline has to fit.
+/// The pass of a pipeline.
 #[derive(Clone, Debug, Default)]
 pub struct Target {
     /// Null for dynamic rendering.
@@ -33,7 +33,7 @@ pub struct Target {
     pub samples: u32,
 }
 
-/// What a pass is made of. Each colour attachment may have one that it is resolved to.
+/// Description of a pass. Each colour attachment may have one that it is resolved to.
 #[derive(Clone, Default)]
 pub struct PassSpec {
     pub colors: Vec<Attachment>,
@@ -102,7 +102,7 @@ impl PassSpec {
 }
 
 impl Target {
-    /// What [`Gpu::begun`] says of a pass with this target.
+    /// Result of [`Gpu::begun`] for a pass with this target.
     pub fn seen(&self, extent: [u32; 2], area: [u32; 2]) -> PassSeen {
         PassSeen {
             frame: 0,
@@ -116,7 +116,7 @@ impl Target {
 }
 
 impl Gpu {
-    /// Makes a pass, and keeps what it consists of.
+    /// Makes a pass, and keeps its objects.
     ///
     /// # Errors
     /// Those of the calls.

@@ -38,7 +38,7 @@ pub struct Depth {
 impl Depth {
     pub const NONE: Self = Self { test: None, write: false };
     pub const LESS: Self = Self { test: Some(vk::CompareOp::LESS), write: true };
-    /// For what is drawn last, at the far plane.
+    /// For the last draws, at the far plane.
     pub const LAST: Self = Self { test: Some(vk::CompareOp::LESS_OR_EQUAL), write: false };
 }
 
@@ -53,7 +53,7 @@ pub enum Making {
     Flags2,
 }
 
-/// What a pipeline is.
+/// Description of a pipeline.
 #[derive(Clone)]
 pub struct PipelineSpec {
     pub vertex: Shader,

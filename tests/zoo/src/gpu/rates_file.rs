@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_named() {
+    fn invalid_lines_are_named() {
         let error = |text: &str| format!("{:#}", RatesFile::read(text).unwrap_err());
         assert_eq!(error(""), "no map in it");
         assert_eq!(error(&MAP.replace("0005", "00")), "line 1: 1 rates for [2, 1, 1] tiles");

@@ -8,7 +8,7 @@ use parafovea_test_layers::{ShadingRate, ShadingRateDevice, ShadingRateLimits};
 use std::ffi::CStr;
 
 impl Gpu {
-    /// What each device of the instance with VK_KHR_fragment_shading_rate says of it.
+    /// Shading rates of each device of the instance with VK_KHR_fragment_shading_rate.
     ///
     /// # Errors
     /// Errors of the queries.

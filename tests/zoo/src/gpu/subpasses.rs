@@ -6,7 +6,7 @@ use super::{Attachment, Gpu, Made, Target};
 use anyhow::Result;
 use ash::vk;
 
-/// What such a pass is made of.
+/// Description of such a pass.
 #[derive(Clone, Copy)]
 pub struct SubpassesSpec {
     /// Drawn first, then read.
@@ -20,7 +20,7 @@ pub struct SubpassesSpec {
 
 /// Such a pass with its images.
 pub struct Subpasses {
-    /// What the pipelines of each subpass have to fit.
+    /// The subpass of each pipeline.
     pub targets: [Target; 2],
     framebuffer: vk::Framebuffer,
     clears: [vk::ClearValue; 3],

@@ -1,4 +1,4 @@
-//! Copies between images of equal size, and what else is no drawing.
+//! Copies between images of equal size, and other commands without draws.
 
 use super::{Gpu, Image, Made};
 use anyhow::Result;

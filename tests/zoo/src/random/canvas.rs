@@ -7,11 +7,11 @@ use crate::shader;
 use anyhow::Result;
 use ash::vk;
 
-/// What formats canvases have.
+/// Formats of canvases.
 const FORMATS: [vk::Format; 3] =
     [vk::Format::R8G8B8A8_SRGB, vk::Format::R8G8B8A8_UNORM, vk::Format::R16G16B16A16_SFLOAT];
 
-/// What a pass needs to be there.
+/// Attachments of a pass.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Content {
     Nothing,
@@ -19,7 +19,7 @@ pub enum Content {
     ColorAndDepth,
 }
 
-/// What is drawn in a pass.
+/// Draws of a pass.
 pub enum Draws {
     Scene(Pipelines),
     /// A triangle with another canvas on it.
@@ -39,7 +39,7 @@ pub struct Variant {
     pub is_render_pass: bool,
 }
 
-/// An image with its depth, in the layouts of targets between what is done with them.
+/// An image with its depth, in the layouts of targets between commands.
 pub struct Canvas {
     pub color: Image,
     depth: Image,
@@ -51,7 +51,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// The first two are as large as an eye's picture.
+    /// The first two are as large as an eye buffer.
     pub fn new(app: &App, numbers: &mut fastrand::Rng, number: usize) -> Result<Self> {
         let gpu = app.gpu;
         let sizes = [app.size, app.size.map(|length| length / 2), [2 * app.size[0], app.size[1]]];

@@ -1,4 +1,4 @@
-//! What a frame is made from, as `Frame` in `scene.wgsl`: it follows from the number of the frame and the views.
+//! Parameters of a frame, as `Frame` in `scene.wgsl`: they follow from the number of the frame and the views.
 
 use glam::{Mat4, Quat, Vec3, Vec4};
 use openxr as xr;

@@ -1,4 +1,4 @@
-//! What a lens hides is covered first, at the near plane, by the runtime's mesh (XR_KHR_visibility_mask).
+//! The area that a lens hides is covered first, at the near plane, by the runtime's mesh (XR_KHR_visibility_mask).
 
 use crate::app::{App, EYES, Frame, Recorder};
 use crate::gpu::{Depth, ImageSpec, Kind, PassSpec, PipelineSpec};

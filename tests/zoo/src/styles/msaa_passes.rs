@@ -1,5 +1,5 @@
-//! Four samples a pixel through several passes: a depth pre-pass, the boxes, then the sky, each going on with what the one before stored; then a
-//! command that resolves the picture into the swapchain, and depth that is left to be sampled. Both eyes share depth.
+//! Four samples a pixel through several passes: a depth pre-pass, the boxes, then the sky, each with the stored attachments of the one
+//! before; then a command that resolves the image into the swapchain, and depth that is left to be sampled. Both eyes share depth.
 
 use crate::app::{App, EYES, Recorder};
 use crate::gpu::{DEPTH, Depth, Image, ImageSpec, Kind, PassSpec, PipelineSpec};

@@ -16,7 +16,7 @@ pub const STYLE: Style = Style {
     ..Style::PLAIN
 };
 
-/// What a frame made; destroyed when the device is done with it.
+/// Objects of a frame, destroyed when the device is done with it.
 struct Fresh<'a> {
     app: &'a App<'a>,
     by_slot: [Vec<Made>; IN_FLIGHT],

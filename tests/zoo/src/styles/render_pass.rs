@@ -1,4 +1,4 @@
-//! What most samples do: for each eye a VkRenderPass over its swapchain's image, depth beside it.
+//! The way of most samples: for each eye a VkRenderPass over its swapchain's image, depth beside it.
 
 use crate::app::{App, EYES, Recorder};
 use crate::gpu::{ImageSpec, Kind, PassSpec, PipelineSpec};

@@ -92,7 +92,7 @@ fn create(
 }
 
 impl Shaders<'_> {
-    /// Sets what both draws have in common: everything that a pipeline would hold.
+    /// Sets the common state of both draws: everything that a pipeline would contain.
     fn set_state(&self, commands: vk::CommandBuffer, [width, height]: [u32; 2]) {
         let (gpu, api) = (self.gpu, &self.api);
         let viewport = vk::Viewport { width: width as f32, height: height as f32, ..Default::default() };

@@ -40,7 +40,7 @@ pub const STYLE: Style = Style {
     ..Style::PLAIN
 };
 
-/// What an eye keeps from frame to frame: two pictures, which are new and old in turn.
+/// Images of an eye from frame to frame: two, which are new and old in turn.
 struct Eye {
     histories: [Image; 2],
     accumulate: [Pass; 2],

@@ -21,7 +21,7 @@ pub const STYLE: Style = Style {
     ..Style::PLAIN
 };
 
-/// The other device, and what it draws.
+/// The other device, and its draws.
 struct Other {
     pass: Pass,
     commands: vk::CommandBuffer,

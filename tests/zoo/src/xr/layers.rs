@@ -1,4 +1,4 @@
-//! xrEndFrame: where the eyes' pictures are.
+//! xrEndFrame: where the eye buffers are.
 
 use crate::scene::{FAR, NEAR};
 use crate::style::Arrangement;
@@ -7,7 +7,7 @@ use anyhow::Result;
 use openxr as xr;
 use std::ffi::c_void;
 
-/// What a frame shows.
+/// Layers of a frame.
 pub struct Layers<'a> {
     pub arrangement: Arrangement,
     pub color: &'a [Swapchain],
@@ -17,7 +17,7 @@ pub struct Layers<'a> {
     pub space: &'a xr::Space,
     /// Width and height of an eye's rectangle.
     pub shown: [u32; 2],
-    /// Width and height of an eye's picture.
+    /// Width and height of an eye buffer.
     pub size: [u32; 2],
 }
 

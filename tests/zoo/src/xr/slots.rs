@@ -36,7 +36,7 @@ impl Slots {
         Ok(Self { slots, next: 0 })
     }
 
-    /// The next one, once the device is done with what it was last.
+    /// The next slot, once the device is done with its last use.
     ///
     /// # Errors
     /// A lost device.

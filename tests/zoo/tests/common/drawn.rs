@@ -10,8 +10,8 @@ pub const PERIOD: u64 = 3;
 pub const AS_PUBLISHED: &str = "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"off\"\ngate = \"on\"\n[chroma]\nmode = \"off\"\n\
     [reuse]\nmode = \"paper\"\nperiods = \"11223\"\n";
 
-/// How far pictures may be off on the whole that another pass reads before they are shown, code values: filters take what is
-/// shaded coarsely over a tile's edge, and move what is re-used.
+/// Allowed mean difference of images that another pass reads before they are shown, code values: filters spread coarsely shaded texels over
+/// a tile's edge, and move re-used ones.
 const READ_LIMIT: f64 = 1.5;
 
 /// Whether a picture is made of those that the application drew, the newest first.

@@ -8,7 +8,7 @@ use std::path::Path;
 pub struct Effort {
     /// Frames.
     pub frames: u64,
-    /// Side of an eye's picture, pixels.
+    /// Side of an eye buffer, pixels.
     pub size: u32,
 }
 

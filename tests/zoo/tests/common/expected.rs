@@ -1,10 +1,10 @@
-//! What `tests/baselines/backends.md` says of masks.
+//! Masks in the table of `tests/baselines/backends.md`.
 
 use parafovea_zoo::{STYLES, Style};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What the table says of a style.
+/// The table's row of a style.
 #[derive(Clone, Debug)]
 pub enum Expected {
     /// Its passes of the scene have masks.
@@ -15,7 +15,7 @@ pub enum Expected {
     NotRun,
 }
 
-/// Every style, and what the table says of it, or what is wrong with that.
+/// Every style with its row of the table, or the error in it.
 pub fn expected() -> Vec<(&'static Style, Result<Expected, String>)> {
     let table = column(MASK);
     let of_style = |style: &'static Style| {

@@ -1,4 +1,4 @@
-//! What the layer noted of an application's passes.
+//! The layer's notes of an application's passes.
 
 use serde::Deserialize;
 use std::path::Path;

@@ -9,8 +9,8 @@ use parafovea_tests::run::LayerMode;
 use parafovea_tests::scenario::ScenarioExt;
 use parafovea_zoo::Style;
 
-/// What is run in every test: long enough that every image of a swapchain has a mask, of which there are as many as the
-/// longest period and two or three more.
+/// Arguments of every test: long enough that every image of a swapchain has a mask, of which there are as many as the longest period and
+/// two or three more.
 const SHARE: Effort = Effort { frames: 24, size: 96 };
 
 pub fn check(style: &Style, expected: &Expected) -> Result<(), Failed> {

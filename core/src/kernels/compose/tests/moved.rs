@@ -93,7 +93,7 @@ fn completed(now: &Seen, before: &Seen, has_depth: bool) -> [usize; 2] {
 }
 
 #[test]
-fn what_is_near_is_found_again_and_what_was_hidden_is_left() {
+fn near_content_is_found_by_depth_and_disoccluded_content_is_not() {
     for (moved, yaw_deg, uncovers) in [
         (Vec3::new(0.03, 0.0, 0.0), 0.0, true),
         (Vec3::new(-0.02, 0.015, 0.0), 1.0, true),
@@ -112,7 +112,7 @@ fn what_is_near_is_found_again_and_what_was_hidden_is_left() {
 }
 
 #[test]
-fn who_does_not_move_needs_no_depth() {
+fn a_head_at_rest_needs_no_depth() {
     let (before, now) = (Seen::new(Vec3::ZERO, 0.0), Seen::new(Vec3::new(0.0005, 0.0, 0.0), 0.0));
     let fresh = StaleTiles::default();
     let reuse = |now: &Seen| {

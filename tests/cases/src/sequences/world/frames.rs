@@ -1,4 +1,4 @@
-//! Frames, from the wait to what is shown.
+//! Frames, from xrWaitFrame to submission.
 
 use super::{Session, Swapchain, World};
 use crate::session::IDENTITY;
@@ -133,7 +133,7 @@ impl World<'_> {
         }
     }
 
-    /// What an application does in a frame, so that sequences get somewhere.
+    /// The usual calls of a frame, so that sequences reach later states.
     pub(super) fn whole_frame(&mut self) {
         self.begin_session();
         self.frame_step();

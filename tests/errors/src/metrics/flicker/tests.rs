@@ -21,7 +21,7 @@ fn sines_within_the_band_pass_and_others_do_not() {
 }
 
 #[test]
-fn what_stays_or_drifts_is_no_flicker() {
+fn constant_and_drifting_luminance_is_no_flicker() {
     assert!(rms_of_band(30, |_| 0.7) < 1e-6);
     // A drift by 1 over the clip.
     assert!(rms_of_band(45, |s| 0.7 - 2.0 * s) < 0.01);

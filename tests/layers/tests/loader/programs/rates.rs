@@ -10,10 +10,10 @@ use setup::Setup;
 
 /// The variable with the form.
 pub const FORM_VARIABLE: &str = "PARAFOVEA_TEST_FORM";
-/// The variable with the name of what is broken; without it, nothing is.
+/// The variable with the name of the violation; without it, there is none.
 pub const BROKEN_VARIABLE: &str = "PARAFOVEA_TEST_BROKEN";
 
-/// What the program does.
+/// The program's setting.
 #[derive(Clone)]
 pub struct Plan {
     form: String,

@@ -11,7 +11,7 @@ pub const SHADERS: &str = "
         return vec4f(at.xy / 256.0, 0.0, 1.0);
     }";
 
-/// What to draw, and how.
+/// Settings of the program.
 pub struct Drawing {
     pub asks: Asks,
     /// How often the same command buffer is submitted.
@@ -30,7 +30,7 @@ impl Default for Drawing {
     }
 }
 
-/// Draws, and returns what the program itself counted.
+/// Draws, and returns the program's own count.
 pub fn draw(drawing: Drawing) -> Option<u64> {
     let features = vk::PhysicalDeviceFeatures::default().pipeline_statistics_query(drawing.own_query);
     let device = Device::new(vk::API_VERSION_1_3, features, drawing.asks);
@@ -134,6 +134,8 @@ fn blocks() -> Vec<vk::ClearRect> {
     blocks.map(|block| vk::ClearRect { rect: rect(block), base_array_layer: 0, layer_count: 1 }).collect()
 }
 
+/// # Safety
+/// The device is alive, with the feature pipelineStatisticsQuery.
 unsafe fn query(device: &ash::Device) -> vk::QueryPool {
     let info = vk::QueryPoolCreateInfo::default()
         .query_type(vk::QueryType::PIPELINE_STATISTICS)
@@ -143,6 +145,8 @@ unsafe fn query(device: &ash::Device) -> vk::QueryPool {
     unsafe { device.create_query_pool(&info, None).unwrap() }
 }
 
+/// # Safety
+/// The arguments are valid for the device, and none of them is in use.
 unsafe fn render(
     device: &ash::Device,
     buffer: vk::CommandBuffer,
@@ -212,6 +216,8 @@ unsafe fn render(
     }
 }
 
+/// # Safety
+/// `layout` is of the device.
 unsafe fn pipeline(device: &ash::Device, layout: vk::PipelineLayout, tests_depth: bool) -> vk::Pipeline {
     let module = naga::front::wgsl::parse_str(SHADERS).unwrap();
     let info = naga::valid::Validator::new(Default::default(), Default::default()).validate(&module).unwrap();

@@ -8,7 +8,7 @@ const LAYERED: ShadingRateProfile = ShadingRateProfile::NvkTuring;
 const RDNA: ShadingRateProfile = ShadingRateProfile::Navi21;
 const UNLAYERED: ShadingRateProfile = ShadingRateProfile::Unlayered;
 
-/// What is broken, and the rule. With nothing broken, the form has no finding of that rule.
+/// A violation, and its rule. With nothing broken, the form has no finding of that rule.
 type Case = (&'static str, &'static str);
 
 fn are_found(profile: ShadingRateProfile, form: &str, cases: &[Case]) {

@@ -106,7 +106,7 @@ fn features_that_cannot_be_told_apart_are_named() {
 }
 
 #[test]
-fn what_is_no_number_is_an_error_that_says_which() {
+fn entries_that_are_no_numbers_are_an_error_with_their_index() {
     for bad in [
         entry(f32::NAN, 1.0, 0.0, 3.0),
         entry(1.0, 0.0, 0.0, 3.0),

@@ -1,4 +1,4 @@
-//! What happens over time: sound that stops, and a long session.
+//! Cases over time: sound that stops, and a long session.
 
 use super::Case;
 use parafovea_core::audio::{AudioFeatures, AudioSettings, FeatureExtractor, Mode};

@@ -32,7 +32,7 @@ impl Signal {
             .collect()
     }
 
-    /// Each channel with its weight, without what the documentation says does not count.
+    /// Each channel with its weight, without channels that do not count by the documentation.
     pub(super) fn heard(&self) -> Vec<(f64, Vec<f64>)> {
         let (_, weights) = WEIGHTS[WEIGHTS.iter().position(|(n, _)| *n == self.channels).unwrap_or(0)];
         (0..self.channels)

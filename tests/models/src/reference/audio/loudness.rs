@@ -73,7 +73,7 @@ impl Energies {
         Self(energies)
     }
 
-    /// Loudness of the last `hops` of 100 ms, LKFS; what is before the beginning is silence.
+    /// Loudness of the last `hops` of 100 ms, LKFS; silence before the beginning.
     pub fn ungated_lufs(&self, hops: usize) -> f64 {
         let first = self.0.len().saturating_sub(hops);
         lufs(self.0[first..].iter().sum::<f64>() / hops as f64)

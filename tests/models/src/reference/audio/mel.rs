@@ -1,4 +1,4 @@
-//! The power-weighted mean on the mel scale, which is what the triangular bands come to.
+//! The power-weighted mean on the mel scale, to which the triangular bands amount.
 
 use std::f64::consts::TAU;
 

@@ -1,7 +1,7 @@
 //! Contrast sensitivity as published: constants and formulas of gfxdisp/castleCSF f4b0b72 (v0.2.4) and of
 //! AwareFoveation, without regard to rounding.
 
-/// What is shown.
+/// A stimulus.
 #[derive(Clone, Copy, Debug)]
 pub struct Stimulus {
     /// Spatial frequency, cycles per degree.

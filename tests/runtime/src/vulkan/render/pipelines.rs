@@ -7,7 +7,7 @@ use ash::vk;
 use std::ffi::CStr;
 use std::sync::Arc;
 
-/// What a pass is for.
+/// Purpose of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
     /// Draws over each other, in linear light.
@@ -25,7 +25,7 @@ impl Purpose {
         }
     }
 
-    /// What is done with the target afterwards.
+    /// Use of the target afterwards.
     pub fn usage(self) -> vk::ImageUsageFlags {
         match self {
             Self::Layer => vk::ImageUsageFlags::SAMPLED,

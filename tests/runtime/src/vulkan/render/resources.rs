@@ -1,4 +1,4 @@
-//! What a frame of the compositor needs, freed when it is dropped; by then the queue is done with it.
+//! Resources of a frame of the compositor, freed when dropped; by then the queue is done with them.
 
 use super::super::{Gpu, failed};
 use super::pipelines::{Pipelines, Purpose};

@@ -62,6 +62,8 @@ pub fn unknown_structure_recorded(output: &Output) {
 
 static HEARD: AtomicU32 = AtomicU32::new(0);
 
+/// # Safety
+/// As `PFN_xrDebugUtilsMessengerCallbackEXT`: `data` points to the message.
 unsafe extern "system" fn hear(
     _: xr::DebugUtilsMessageSeverityFlagsEXT,
     _: xr::DebugUtilsMessageTypeFlagsEXT,

@@ -1,4 +1,4 @@
-//! What moves: crates that turn, a pendulum, a cart, spheres in orbit, and the bodies of the lamps.
+//! Moving things: crates that turn, a pendulum, a cart, spheres in orbit, and the bodies of the lamps.
 
 use std::f32::consts::TAU;
 

@@ -29,7 +29,7 @@ fn sounds_are_the_same_each_time_and_differ_from_scene_to_scene() {
 }
 
 #[test]
-fn what_would_clip_is_refused() {
+fn sounds_that_would_clip_are_refused() {
     let sound = Sound { scene: SceneName::Library, loudness_lufs: 0.0 };
     assert!(sound.samples().unwrap_err().to_string().contains("clips"));
 }

@@ -22,7 +22,7 @@ fn an_ideal_tracker_tells_the_truth() {
     assert!(Tracker::IDEAL.samples(&gaze).iter().all(|sample| sample.tracked));
 }
 
-/// A tracker that is only late says what was true then; in saccades that is far from what is true now.
+/// A tracker with a delay alone reports an earlier truth, which in saccades is far from the present one.
 #[test]
 fn delay_shifts() {
     let gaze = gaze();

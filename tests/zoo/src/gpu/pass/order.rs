@@ -1,4 +1,4 @@
-//! What a render pass waits for, and what waits for it.
+//! Dependencies of a render pass, before and after.
 
 use ash::vk;
 
@@ -34,7 +34,7 @@ const OUTSIDE_ACCESSES: vk::AccessFlags = vk::AccessFlags::from_raw(
         | vk::AccessFlags::TRANSFER_WRITE.as_raw(),
 );
 
-/// The order of a render pass among what is around it: what came before is done, and what comes after waits.
+/// The order of a render pass among others: earlier work is done, and later work waits.
 pub fn dependencies(last_subpass: u32) -> [vk::SubpassDependency; 2] {
     [
         vk::SubpassDependency {

@@ -120,6 +120,9 @@ pub fn frames(setup: &Setup) -> String {
 }
 
 /// Submits, and waits.
+///
+/// # Safety
+/// `buffer` is of the setup's device, recorded and not pending.
 unsafe fn submit(setup: &Setup, buffer: vk::CommandBuffer) {
     let vk = &setup.vk;
     let buffers = [buffer];
@@ -147,6 +150,9 @@ struct Writing<'a> {
 
 impl Writing<'_> {
     /// Writes the rate image, which was read by the frame before.
+    ///
+    /// # Safety
+    /// The command buffer is of the setup's device and in the recording state.
     unsafe fn map(&self, buffer: vk::CommandBuffer, frame: u32) {
         let (vk, plan) = (&self.setup.vk, &self.setup.plan);
         let written = match &self.writer {
@@ -214,6 +220,9 @@ fn rate_layout(setup: &Setup) -> vk::ImageLayout {
 }
 
 /// Places a barrier: in the form with framebuffers by Vulkan 1.0, in the others by Vulkan 1.3.
+///
+/// # Safety
+/// The command buffer is of the setup's device and in the recording state.
 unsafe fn barrier(setup: &Setup, buffer: vk::CommandBuffer, image: vk::Image, with: &Barrier) {
     let vk = &setup.vk;
     let stages = |stages: vk::PipelineStageFlags2| vk::PipelineStageFlags::from_raw(stages.as_raw() as u32);
@@ -246,6 +255,8 @@ unsafe fn barrier(setup: &Setup, buffer: vk::CommandBuffer, image: vk::Image, wi
     }
 }
 
+/// # Safety
+/// The command buffer is of the setup's device and in the recording state.
 unsafe fn colour_barrier(setup: &Setup, buffer: vk::CommandBuffer, colour: vk::Image) {
     let stage = vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT;
     let write = vk::AccessFlags2::COLOR_ATTACHMENT_WRITE;
@@ -265,6 +276,8 @@ struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
+    /// # Safety
+    /// The command buffer is of the setup's device and in the recording state.
     unsafe fn render_pass(&self, buffer: vk::CommandBuffer) {
         let vk = &self.setup.vk;
         let clears = [vk::ClearValue::default()];
@@ -293,6 +306,8 @@ impl Drawing<'_> {
         }
     }
 
+    /// # Safety
+    /// The command buffer is of the setup's device and in the recording state.
     unsafe fn dynamic(&self, buffer: vk::CommandBuffer) {
         let (vk, plan) = (&self.setup.vk, &self.setup.plan);
         let [colour, rates] = *self.views;
@@ -356,6 +371,8 @@ impl Drawing<'_> {
         }
     }
 
+    /// # Safety
+    /// The secondary command buffer is not pending; `inherited` is of the setup's objects.
     unsafe fn record_secondary(&self, inherited: &vk::CommandBufferInheritanceInfo<'_>) {
         let vk = &self.setup.vk;
         let begin = vk::CommandBufferBeginInfo::default()
@@ -369,6 +386,8 @@ impl Drawing<'_> {
         }
     }
 
+    /// # Safety
+    /// The command buffer is of the setup's device and in the recording state.
     unsafe fn draw(&self, buffer: vk::CommandBuffer) {
         let (vk, plan) = (&self.setup.vk, &self.setup.plan);
         let (size, combiners) = rate(self.setup);

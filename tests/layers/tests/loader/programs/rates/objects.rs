@@ -7,7 +7,7 @@ use ash::vk;
 const RATE_LAYOUT: vk::ImageLayout = vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR;
 pub const COLOUR: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
-/// Creates, and destroys, what is in question.
+/// Creates, and destroys, the object of the test.
 pub fn create(setup: &Setup) {
     let vk = &setup.vk;
     // SAFETY: what is wrong with the objects is the layer's to find; nothing is drawn.

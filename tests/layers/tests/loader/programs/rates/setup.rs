@@ -1,9 +1,9 @@
-//! Instance and device with the extension, and what the device says of it.
+//! Instance and device with the extension, and the device's answers about it.
 
 use super::Plan;
 use ash::vk;
 
-/// The size of what is drawn to, in pixels: no multiple of any texel.
+/// The size of the target, in pixels: no multiple of any texel.
 pub const SIZE: [u32; 2] = [100, 60];
 
 pub struct Setup {
@@ -149,7 +149,7 @@ impl Setup {
         }
     }
 
-    /// Layers of what is drawn to, and of the rate image.
+    /// Layers of the target, and of the rate image.
     pub fn layers(&self) -> [u32; 2] {
         let layers = if self.plan.is("multiview") { 2 } else { 1 };
         [layers, if self.layered { layers } else { 1 }]

@@ -1,16 +1,16 @@
-//! Faults that the scenario plants, call by call.
+//! Faults that the scenario injects, call by call.
 
 use crate::fault::result_named;
 use crate::scenario::{Answer, Fault};
 use openxr_sys as xr;
 use std::time::Duration;
 
-/// What happens to a call.
+/// Fault of a call.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Happening {
-    /// What it returns.
+pub(crate) struct InjectedFault {
+    /// Its result.
     pub result: Option<xr::Result>,
-    /// What it answers.
+    /// Its answer.
     pub answer: Answer,
     /// How much later it returns.
     pub late: Duration,
@@ -18,15 +18,15 @@ pub(crate) struct Happening {
 
 /// How often each fault could have happened.
 #[derive(Debug, Default)]
-pub(crate) struct Planted {
+pub(crate) struct InjectedFaults {
     calls: Vec<u64>,
 }
 
-impl Planted {
-    /// A call in a frame of the process: what of `faults`, always the same, happens to it.
-    pub fn next(&mut self, faults: &[Fault], call: &str, frame: u64) -> Happening {
+impl InjectedFaults {
+    /// The fault, if any of `faults`, of a call in a frame of the process; always the same.
+    pub fn next(&mut self, faults: &[Fault], call: &str, frame: u64) -> InjectedFault {
         self.calls.resize(faults.len(), 0);
-        let mut happens = Happening::default();
+        let mut happens = InjectedFault::default();
         for (fault, calls) in faults.iter().zip(&mut self.calls) {
             if fault.call != call || frame < fault.from_frame {
                 continue;
@@ -34,8 +34,8 @@ impl Planted {
             let before = *calls;
             *calls += 1;
             let end = if fault.count == 0 { u64::MAX } else { fault.skip.saturating_add(fault.count) };
-            if (fault.skip..end).contains(&before) && happens == Happening::default() {
-                happens = Happening {
+            if (fault.skip..end).contains(&before) && happens == InjectedFault::default() {
+                happens = InjectedFault {
                     result: result_named(&fault.result),
                     answer: fault.answer,
                     late: Duration::from_millis(fault.late_ms),
@@ -55,8 +55,8 @@ mod tests {
         let text =
             "call = 'xrEndFrame'\nresult = 'XR_ERROR_SESSION_LOST'\nfrom_frame = 2\nskip = 1\ncount = 2";
         let faults = [toml::from_str::<Fault>(text).unwrap()];
-        let mut planted = Planted::default();
-        let mut next = |call, frame| planted.next(&faults, call, frame).result;
+        let mut injected = InjectedFaults::default();
+        let mut next = |call, frame| injected.next(&faults, call, frame).result;
         assert_eq!(next("xrEndFrame", 1), None);
         assert_eq!(next("xrBeginFrame", 2), None);
         let lost = Some(xr::Result::ERROR_SESSION_LOST);

@@ -1,4 +1,4 @@
-//! Every barrier is needed, and validation would notice if it were missing.
+//! Missing-barrier mutation tests: every barrier is needed, and validation finds a missing one.
 
 use crate::pictures::{FOV, picture, region};
 use crate::swapchain::{Swapchain, shape};

@@ -1,5 +1,5 @@
-//! A barrier of ours that is left out is noticed: by validation, or because the picture is another one. Otherwise
-//! validation that finds nothing would mean nothing.
+//! Missing-barrier mutation tests: each barrier of ours, left out, is found by validation, or changes the image. Otherwise no finding
+//! of validation would mean anything.
 
 use parafovea::gpu::barrier::{
     ALL, APP_COMPARED_TO_RENDERED, APP_RENDERED_TO_COMPARED, APP_RENDERED_TO_SAMPLED,
@@ -19,7 +19,7 @@ const FOLLOW: &str = "preset = \"none\"\n[gaze]\nsource = \"centre\"\n[rates]\nm
 const FRAMES: u64 = 20;
 const SAVED: [u64; 2] = [1, 18];
 
-/// What goes through the layer.
+/// An application that runs through the layer.
 #[derive(Clone, Copy, PartialEq)]
 enum Work {
     /// Pictures from which colour is removed.
@@ -89,8 +89,8 @@ fn is_noticed(reference: &Outcome, outcome: &Outcome) -> bool {
 fn a_missing_barrier_is_noticed() {
     for work in [Work::Chroma, Work::Reuse, Work::Follow] {
         let reference = work.run(|run| run);
-        // What is drawn over pictures is ordered by most applications themselves, and depth is what they clear first, whatever it was: the
-        // layer's own canaries have one that does neither.
+        // Most applications order draws over images themselves, and clear depth first: the layer's own mutation tests have an
+        // application that does neither.
         let left_out = [RUNTIME_DRAWN_TO_BLENDED, DEPTH_COPIED_TO_WRITTEN];
         let recorded = ALL.iter().filter(|barrier| !left_out.contains(barrier));
         for barrier in recorded.filter(|barrier| Work::of(barrier) == work) {
