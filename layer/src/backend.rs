@@ -4,7 +4,7 @@ pub(crate) mod attachment;
 pub mod mask;
 
 use crate::kernels::mask::MaskOutput;
-use crate::link::OfferRecord;
+use crate::link::CapabilitiesRecord;
 use crate::pass_detection::{How, Part, Pass};
 use crate::rate_map::RateImage;
 use crate::vk::objects::Image;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// What makes passes coarser on a device.
 pub trait Backend: Send + Sync {
     /// What it can do; the plan is made for it.
-    fn offer(&self) -> OfferRecord;
+    fn capabilities(&self) -> CapabilitiesRecord;
 
     /// The map of the passes that draw to the same colour target as `pass`, whose image is `image`; nothing where they
     /// cannot be made coarser. Made once for a target, when the first command buffer draws to it.
@@ -47,7 +47,7 @@ pub trait RateMap: Any + Send + Sync {
     }
 
     /// What becomes of texels that were laid on the GPU; nothing where they have to be staged.
-    fn laying(&self) -> Option<Laying> {
+    fn form(&self) -> Option<MapForm> {
         None
     }
 
@@ -68,7 +68,7 @@ pub trait RateMap: Any + Send + Sync {
 }
 
 /// What becomes of texels that were laid on the GPU.
-pub enum Laying {
+pub enum MapForm {
     /// [`RateMap::record_upload`] takes them as they are.
     Texels,
     /// The kernel `mask` makes this of them.

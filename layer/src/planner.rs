@@ -3,18 +3,18 @@
 //! Pure: gaze, views and times come from [`crate::xr`]. What stays as it is allocates nothing, and gives the same plan.
 
 mod benefit;
+mod capabilities;
 mod frame_rate;
-mod handed;
-mod offer;
 mod seen;
 mod signal;
-mod told;
+mod status;
+mod uploaded_plan;
 mod views;
 mod watched;
 
 pub use benefit::{Benefit, Clock, EndedFrame};
-pub use offer::Offer;
-pub use seen::Seen;
+pub use capabilities::Capabilities;
+pub use seen::DebugOverlay;
 
 pub use views::{ShownView, View, Views, head_of};
 pub use watched::Watched;
@@ -24,7 +24,6 @@ use crate::inputs::gaze::Look;
 use crate::link::PlanRecord;
 use frame_rate::FrameRate;
 use glam::{Quat, Vec3};
-use handed::Handed;
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::{GateMode, Techniques};
@@ -33,7 +32,8 @@ use parafovea_core::geometry;
 use parafovea_core::plan::{PlanInput, PlanSettings, Planner, SafetySettings, tile_of};
 use parafovea_core::reuse::StaleTiles;
 use signal::Signal;
-use told::LastLook;
+use status::LastLook;
+use uploaded_plan::UploadedPlan;
 
 /// A display time that is earlier than the one before by less than this belongs to another thread that is behind; by more,
 /// the runtime's clock has started anew.
@@ -47,7 +47,7 @@ const LONGEST_REUSE_NS: i64 = 50_000_000;
 pub struct Planning {
     /// What is known of the views.
     pub views: Views,
-    offer: Offer,
+    capabilities: Capabilities,
     gaze_settings: GazeSettings,
     gaze: GazeTracker,
     /// The newest turn of the head in a space that rests in the world, and its display time, nanoseconds.
@@ -64,7 +64,7 @@ pub struct Planning {
     last: Option<Last>,
     /// How the views of the newest plan are turned in the world.
     orientations: [Quat; 2],
-    handed: Handed,
+    uploaded: UploadedPlan,
     /// What is in the maps that are handed over.
     techniques: Techniques<bool>,
     /// Whether the gates keep every technique off, with no trial under way or due.
@@ -90,17 +90,17 @@ struct Last {
 
 impl Default for Planning {
     fn default() -> Self {
-        Self::new(Offer::default())
+        Self::new(Capabilities::default())
     }
 }
 
 impl Planning {
     /// Begins without views or gaze, for a device's rates.
-    pub fn new(offer: Offer) -> Self {
+    pub fn new(capabilities: Capabilities) -> Self {
         let gaze_settings = GazeSettings::default();
         Self {
             views: Views::default(),
-            offer,
+            capabilities,
             gaze_settings,
             gaze: GazeTracker::new(gaze_settings),
             head: None,
@@ -112,7 +112,7 @@ impl Planning {
             was_idle: false,
             last: None,
             orientations: [Quat::IDENTITY; 2],
-            handed: Handed::default(),
+            uploaded: UploadedPlan::default(),
             techniques: Techniques { rates: true, reuse: true },
             are_resting: false,
             has_history: [false; 2],
@@ -173,7 +173,7 @@ impl Planning {
     /// A frame goes by without a plan.
     pub fn idle(&mut self) {
         self.planner = None;
-        self.handed.forget();
+        self.uploaded.forget();
         self.was_idle = self.views.are_known();
     }
 
@@ -295,7 +295,7 @@ impl Planning {
 
     /// Whether a CPU renders, whose time is known.
     pub fn renders_on_cpu(&self) -> bool {
-        self.offer.is_cpu()
+        self.capabilities.is_cpu()
     }
 
     /// Whether this frame has a plan.
@@ -307,19 +307,19 @@ impl Planning {
     /// What the record points to is valid until the next call of a method that changes anything.
     pub fn new_rates(&mut self, config: &Config, serial: impl FnOnce() -> u64) -> Option<PlanRecord> {
         let Some(planner) = self.planner.as_ref().filter(|_| self.has_maps(config)) else {
-            self.handed.forget();
+            self.uploaded.forget();
             return None;
         };
         let orientations = self.gpu_decides().then_some(self.orientations);
         let plan = planner.newest();
-        self.handed
+        self.uploaded
             .update(&plan.eyes, self.techniques, orientations, plan.frame)
-            .then(|| self.handed.record(serial()))
+            .then(|| self.uploaded.record(serial()))
     }
 
     /// The stale tiles of an eye in the maps that were handed over last.
     pub fn stale(&self, eye: usize, tiles: &mut StaleTiles) {
-        self.handed.stale(eye, tiles);
+        self.uploaded.stale(eye, tiles);
     }
 
     /// Where an eye keeps colour by the newest plan, in the space of the head.
@@ -337,7 +337,7 @@ impl Planning {
 
     /// Whether plans have maps of rates or stale tiles: the configuration wants some, and the device can have them.
     pub fn has_maps(&self, config: &Config) -> bool {
-        wants_maps(config) && !self.offer.rates().is_empty()
+        wants_maps(config) && !self.capabilities.rates().is_empty()
     }
 
     fn chroma(&self, config: &Config, can_attenuate: bool) -> Option<ChromaSettings> {
@@ -348,8 +348,8 @@ impl Planning {
         let extent = self.views.eyes().map_or([0; 2], |[left, right]| {
             [0, 1].map(|axis: usize| left.extent[axis].max(right.extent[axis]))
         });
-        let tile = tile_of(self.offer.texel(), extent);
-        let settings = plan_settings(config, self.offer.rates(), tile, self.offer.is_cpu());
+        let tile = tile_of(self.capabilities.texel(), extent);
+        let settings = plan_settings(config, self.capabilities.rates(), tile, self.capabilities.is_cpu());
         let safety = match config.gaze.source {
             GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => settings.safety,
             // Nothing moves: there is no change that could be seen, and every frame has the same rings.

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
 
 #[cfg(debug_assertions)]
-mod planted;
+mod injected;
 
 /// The answer of the layer below to the call of a hook.
 ///
@@ -33,7 +33,7 @@ impl<R: Copy> Answer<R> {
     pub fn record(&self, result: R) -> R {
         self.result.set(Some(result));
         #[cfg(debug_assertions)]
-        planted::after(self.call);
+        injected::after(self.call);
         result
     }
 }
@@ -55,7 +55,7 @@ pub fn guard<R: Copy>(
     let answer = Answer::to(call);
     let hook = |answer: &_| {
         #[cfg(debug_assertions)]
-        planted::before(call);
+        injected::before(call);
         hook(answer)
     };
     // Unwind safety: whatever a hook may leave half done is behind a mutex or an atomic of ours, and is only

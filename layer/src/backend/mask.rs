@@ -46,13 +46,13 @@ pub(crate) use pending::{Pending, Prepasses};
 pub(crate) use returning::{Returning, follow_graphics, follows_graphics};
 pub(crate) use target::{Ended, TargetMask};
 pub use template::DepthTemplate;
-pub use views::{lay_mask, mask_views};
+pub use views::{mask_views, resolve_mask};
 pub use way::{Returns, Way, way};
 
 use crate::backend::{Backend, RateMap};
 use crate::gpu::{AppendedLayout, Compilation, Compiler, Gpu, GpuError, Later, ReturnLayout};
 use crate::kernels::samples::{SampleKernel, SampleKind};
-use crate::link::{BACKEND_MASK, DeviceRecord, OfferRecord};
+use crate::link::{BACKEND_MASK, CapabilitiesRecord, DeviceRecord};
 use crate::pass_detection::{ImageKey, Pass, Target};
 use crate::vk::objects::Image;
 use crate::vk::shaders::ShaderModules;
@@ -142,7 +142,7 @@ impl Masks {
                 false => Err(GpuError::Unsupported("a queue with graphics but without compute")),
             }
         };
-        let make_or_log = || make().inspect_err(|reason| reason.tell("no masks")).ok();
+        let make_or_log = || make().inspect_err(|reason| reason.log("no masks")).ok();
         self.gpu.get_or_init(make_or_log).as_ref()
     }
 
@@ -204,12 +204,12 @@ impl Masks {
 }
 
 impl Backend for Arc<Masks> {
-    fn offer(&self) -> OfferRecord {
+    fn capabilities(&self) -> CapabilitiesRecord {
         let mut rates = [0; 16];
         for (texel, rate) in rates.iter_mut().zip(VULKAN_RATES) {
             *texel = rate.texel();
         }
-        OfferRecord {
+        CapabilitiesRecord {
             backend: BACKEND_MASK,
             texel: TEXEL,
             rate_count: VULKAN_RATES.len() as u32,

@@ -336,7 +336,7 @@ fn check(jobs: &[ComposeJob]) -> Result<(), GpuError> {
 }
 
 fn not_compared(error: GpuError) -> Changing {
-    error.tell("changes in the periphery are not detected");
+    error.log("changes in the periphery are not detected");
     Changing::Never
 }
 

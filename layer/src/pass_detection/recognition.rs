@@ -5,9 +5,9 @@
 //! their place among the passes of that shape.
 
 mod candidate;
-mod cast;
 mod listing;
 mod memory;
+mod pass_history;
 mod placement;
 mod profile;
 mod projected;
@@ -17,10 +17,10 @@ mod trace;
 
 use super::{Event, How, ImageDescription, ImageKey, Match, Part, Pass, Shown, Unmatched};
 use crate::status::Topic;
-use cast::{Cast, Shape};
 use listing::Listing;
 use memory::Memory;
 use parafovea_manifest::options::PassRules;
+use pass_history::{PassHistory, PassSignature};
 use projected::Swapchains;
 use provenance::{Known, Provenance, Role};
 use smallvec::SmallVec;
@@ -33,7 +33,7 @@ pub struct Recognition {
     frame: u64,
     memory: Memory,
     swapchains: Swapchains,
-    cast: Cast,
+    pass_history: PassHistory,
     listing: Listing,
     provenance: Provenance,
     /// When cameras were last found that the picture comes from.
@@ -74,11 +74,11 @@ impl Recognition {
         if !shown.views.is_empty() {
             self.memory.count_misses(self.frame);
         }
-        let mut cast = std::mem::take(&mut self.cast);
+        let mut cast = std::mem::take(&mut self.pass_history);
         let is_young = |image| self.memory.is_young(self.frame, image);
         cast.take(events, |image| self.memory.description(image), is_young);
         cast.judge(|pass, ordinal| self.by_image(pass, ordinal, |image| self.memory.description(image)));
-        self.cast = cast;
+        self.pass_history = cast;
         self.memory.forget(self.frame);
         self.swapchains.forget(self.frame);
     }
@@ -98,8 +98,8 @@ impl Recognition {
         let description = |image| self.memory.description(image).or_else(|| describe(image));
         let judged = match self.by_image(pass, ordinal(pass, earlier), description) {
             Err(unsettled) if self.is_young(pass, unsettled) => {
-                let shape = Shape::new(pass, description).ok_or(Unmatched::UnknownImage)?;
-                self.cast.like(&shape, earlier, description).unwrap_or(Err(unsettled))
+                let shape = PassSignature::new(pass, description).ok_or(Unmatched::UnknownImage)?;
+                self.pass_history.like(&shape, earlier, description).unwrap_or(Err(unsettled))
             }
             judged => judged,
         };
@@ -114,13 +114,13 @@ impl Recognition {
     /// The scene of which this pass without colour draws only the depth, into the same image, as far as the last frames tell.
     pub fn depth_of(&self, pass: &Pass) -> Option<&Match> {
         let depth = pass.depth.filter(|_| pass.colors.is_empty())?;
-        self.cast.scene_with_depth(depth)
+        self.pass_history.scene_with_depth(depth)
     }
 
     /// What is new in the listing of passes: a line for each kind of pass that was not seen before, or was something else.
     pub fn news(&mut self, tell: impl FnMut(Topic, &dyn fmt::Display)) {
         if self.frame >= SETTLED {
-            self.listing.news(self.cast.last(), tell);
+            self.listing.news(self.pass_history.last(), tell);
         }
     }
 

@@ -83,7 +83,7 @@ pub(super) fn unary(rate: ShadingRate) -> u8 {
     side(rate.width()) << 2 | side(rate.height())
 }
 
-/// Tiles' bytes in the map of an eye's rates, by byte, in the forms that laying needs.
+/// Tiles' bytes in the map of an eye's rates, by byte, in the forms that the kernel needs.
 pub(super) struct TileBytes {
     /// The texel with [`STALE`]; 1x1 for a byte that is no rate.
     pub(super) texels: [u8; 256],

@@ -8,7 +8,7 @@ pub use content::{Content, Need};
 
 use super::frame::MapContent;
 use super::objects::Objects;
-use super::perception::Laid;
+use super::perception::ResolvedMap;
 use super::table::Table;
 use crate::backend::mask::TargetMask;
 use crate::backend::{Backend, MapSize, RateMap};
@@ -29,13 +29,13 @@ pub struct Candidate {
     /// Its map on the GPU.
     pub map: Box<dyn RateMap>,
     content: Mutex<Content>,
-    laid: Mutex<Option<Laid>>,
+    resolved: Mutex<Option<ResolvedMap>>,
 }
 
 impl Candidate {
     fn new(target: Target, map: Box<dyn RateMap>) -> Arc<Self> {
         let content = if map.has_content() { Content::initialised() } else { Content::default() };
-        Arc::new(Self { target, map, content: Mutex::new(content), laid: Mutex::default() })
+        Arc::new(Self { target, map, content: Mutex::new(content), resolved: Mutex::default() })
     }
 
     /// Its map as a mask; `None` on devices with rate attachments.
@@ -49,14 +49,14 @@ impl Candidate {
         self.content.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes out what its map is laid with on the GPU, so that no lock is held meanwhile; [`Self::keep_laid`] puts it back.
-    pub fn take_laid(&self) -> Option<Laid> {
-        self.laid.lock().unwrap_or_else(PoisonError::into_inner).take()
+    /// Takes out what its map is laid with on the GPU, so that no lock is held meanwhile; [`Self::keep_resolved`] puts it back.
+    pub fn take_resolved(&self) -> Option<ResolvedMap> {
+        self.resolved.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
     /// Keeps what its map is laid with.
-    pub fn keep_laid(&self, laid: Option<Laid>) {
-        *self.laid.lock().unwrap_or_else(PoisonError::into_inner) = laid;
+    pub fn keep_resolved(&self, resolved: Option<ResolvedMap>) {
+        *self.resolved.lock().unwrap_or_else(PoisonError::into_inner) = resolved;
     }
 }
 

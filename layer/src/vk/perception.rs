@@ -6,11 +6,11 @@
 
 mod copied;
 mod eye;
-mod laid;
 mod pictures;
+mod resolved_map;
 mod tools;
 
-pub use laid::{Laid, Place, Written};
+pub use resolved_map::{MapTarget, ResolvedMap, Written};
 
 use super::frame::Frame;
 use super::pre_submit::{Kept, PreSubmitRing, Submitter};
@@ -78,15 +78,15 @@ impl Perception {
         if eye > 1 {
             return;
         }
-        let (told, decision, [extent, texel, tiles]) = {
+        let (received, decision, [extent, texel, tiles]) = {
             let plan = own.frame.plan();
-            (plan.told(), plan.decision(eye).copied(), plan.shape(eye))
+            (plan.received(), plan.decision(eye).copied(), plan.shape(eye))
         };
         let Some(decision) = decision else { return self.forget_eye(eye) };
         let Some(tools) = self.tools(own.record) else { return };
         let [_, _, width, height] = record.rect;
         if [width, height] != extent {
-            self.tell("the size of the eye buffers differs from the plan");
+            self.log_once("the size of the eye buffers differs from the plan");
             return self.forget_eye(eye);
         }
         // SAFETY: the caller vouches for the device's queue.
@@ -97,7 +97,7 @@ impl Perception {
         }
         let Some(target) = self.picture(&tools, record, texel, &eye_tiles) else { return };
         let last = self.state().eyes[eye].as_ref().and_then(|eye| eye.measured);
-        let measured = Measured::new(record, texel, told, last.as_ref());
+        let measured = Measured::new(record, texel, received, last.as_ref());
         let same_view = measured.map_or(0, |measured| measured.same_view);
         let mut kept = Kept::new();
         kept.push(target.clone());
@@ -121,18 +121,19 @@ impl Perception {
         let (_, own_queue) = state.queue?;
         if own_queue != queue {
             drop(state);
-            self.tell("the scene is drawn on a queue other than the session's");
+            self.log_once("the scene is drawn on a queue other than the session's");
             return None;
         }
         let plan = frame.plan();
-        let of = (plan.told(), state.analyzed);
+        let of = (plan.received(), state.analyzed);
         if state.decided == Some(of) {
             return None;
         }
         let mut eyes = SmallVec::new();
         for (index, eye) in state.eyes.iter().enumerate() {
             let (Some(eye), Some(decision)) = (eye, plan.decision(index)) else { continue };
-            let is_recent = |measured: &Measured| plan.told().saturating_sub(measured.told) <= LONGEST_PLANS;
+            let is_recent =
+                |measured: &Measured| plan.received().saturating_sub(measured.received) <= LONGEST_PLANS;
             let measured = eye.measured.filter(is_recent);
             let params =
                 decision.params(|judged| Some(judged.measured_in(&measured?.view, decision.orientation)));
@@ -165,7 +166,7 @@ impl Perception {
             words.extend_from_slice(frame.plan().stale()[tiles.eye].words());
             let stale: &[u32] = if words.iter().all(|word| *word == 0) { &[] } else { words };
             if let Err(error) = tools.decide.record(&commands, &tiles.decide, params, stale) {
-                error.tell("rates stay unchanged");
+                error.log("rates stay unchanged");
             }
             kept.push(Arc::clone(tiles) as Arc<dyn Any + Send + Sync>);
         }
@@ -237,7 +238,7 @@ impl Perception {
     }
 
     /// Logs why rates are not decided, once for each reason.
-    fn tell(&self, reason: &'static str) {
+    fn log_once(&self, reason: &'static str) {
         if self.state().logged.replace(reason) != Some(reason) {
             tracing::info!("rates by eccentricity alone: {reason}");
         }
@@ -292,7 +293,7 @@ impl Perception {
                 Some(new)
             }
             Err(error) => {
-                error.tell("rates by eccentricity alone");
+                error.log("rates by eccentricity alone");
                 None
             }
         }
@@ -311,7 +312,7 @@ impl Perception {
         match pictures::target(tools, record, texel, tiles) {
             Ok(new) => Some(self.state().pictures.keep(record, tiles, new)),
             Err(error) => {
-                error.tell("an image was not analysed");
+                error.log("an image was not analysed");
                 None
             }
         }

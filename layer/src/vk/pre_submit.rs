@@ -105,11 +105,11 @@ impl PreSubmitRing {
                     free = Some(slots.len());
                     slots.push(slot);
                 }
-                Err(error) => error.tell("shading rates stay unchanged"),
+                Err(error) => error.log("shading rates stay unchanged"),
             }
         }
         let done = free.and_then(|index| slots.get_mut(index)).is_some_and(|slot| {
-            act(slot).inspect_err(|error| error.tell("shading rates stay unchanged")).is_ok()
+            act(slot).inspect_err(|error| error.log("shading rates stay unchanged")).is_ok()
         });
         self.put_back(slots);
         done

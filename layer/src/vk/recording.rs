@@ -196,12 +196,12 @@ impl Recorded {
 
     /// Whether the compute state can be restored.
     fn restores_compute(&self) -> bool {
-        self.compute.is_whole() && self.offsets.is_whole()
+        self.compute.is_complete() && self.offsets.is_complete()
     }
 
     /// Whether the followed part of the graphics state can be restored.
     fn restores_graphics(&self) -> bool {
-        self.drawing.is_whole() && self.offsets.is_whole()
+        self.drawing.is_complete() && self.offsets.is_complete()
     }
 
     /// What the pipelines do that draw in the pass which is being recorded.
@@ -211,7 +211,7 @@ impl Recorded {
     }
 
     /// Commands within a pass say more of it.
-    fn tell(&mut self, more: Within) {
+    fn add(&mut self, more: Within) {
         self.within.clears_depth |= more.clears_depth;
         self.within.is_queried |= more.is_queried;
         self.within.writes_stencil |= more.writes_stencil;
@@ -237,7 +237,7 @@ impl Recorded {
     pub fn use_pipeline(&mut self, pipelines: PipelineFacts) {
         self.pipeline = pipelines;
         let pipelines = Some(pipelines.without_dynamic_stencil());
-        self.tell(Within { pipelines, ..Within::default() });
+        self.add(Within { pipelines, ..Within::default() });
     }
 
     /// A secondary is executed: its events follow, and what it does within the pass counts for that.
@@ -259,7 +259,7 @@ impl Recorded {
         // Pipelines that secondaries bind stay those of the application.
         let pipelines =
             secondary.within.pipelines.map(|facts| PipelineFacts { returns: Returns::default(), ..facts });
-        self.tell(Within { pipelines, ..secondary.within });
+        self.add(Within { pipelines, ..secondary.within });
         if self.is_within_pass() {
             self.tally.execute(&secondary.tally);
         }

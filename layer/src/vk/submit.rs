@@ -222,7 +222,7 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed:
             content.note_fill(log.frame(), pass.facts.is_unfilled);
         }
     }
-    if !recorded.events.is_empty() || recorded.timer.is_whole() {
+    if !recorded.events.is_empty() || recorded.timer.is_complete() {
         armed.timing.submitted(&recorded.timer, log.frame(), Work::Application);
     }
 }

@@ -1,6 +1,6 @@
 //! Graphics pipelines: each may be used with a rate attachment, and obeys it unless it must shade every pixel.
 
-use super::offer::Offer;
+use super::capabilities::RateCapabilities;
 use crate::abi::copies::{Copies, find, slice};
 use crate::vk::shaders::Effects;
 use crate::vk::shaders::parts::{Parts, dynamic_states, is_discarded, libraries, own_parts};
@@ -35,7 +35,7 @@ const SHADING: Parts =
 /// the chain meanwhile. The result points to memory of both.
 pub unsafe fn with_rates<'c>(
     info: &vk::GraphicsPipelineCreateInfo<'c>,
-    offer: &Offer,
+    capabilities: &RateCapabilities,
     effects: impl Fn(&vk::PipelineShaderStageCreateInfo<'_>) -> Effects,
     linked: impl Fn(vk::Pipeline) -> Option<PipelineRate>,
     copies: &mut Copies<'_>,
@@ -50,7 +50,7 @@ pub unsafe fn with_rates<'c>(
             return (amended, inherited.unwrap_or(PipelineRate::Fixed));
         }
         let every_pixel =
-            own.contains(Parts::FRAGMENT_SHADER) && must_shade_every_pixel(info, own, offer, effects);
+            own.contains(Parts::FRAGMENT_SHADER) && must_shade_every_pixel(info, own, capabilities, effects);
         if sets_rates(info) {
             return (amended, merged(inherited, PipelineRate::Application { every_pixel }));
         }
@@ -58,7 +58,7 @@ pub unsafe fn with_rates<'c>(
             return (amended, merged(inherited, PipelineRate::Fixed));
         }
         let combiner =
-            if every_pixel { vk::FragmentShadingRateCombinerOpKHR::KEEP } else { offer.combiner() };
+            if every_pixel { vk::FragmentShadingRateCombinerOpKHR::KEEP } else { capabilities.combiner() };
         if own.contains(SHADING) {
             if !every_pixel {
                 amended.p_next = with_combiner(amended.p_next, combiner, copies);
@@ -199,10 +199,10 @@ pub fn is_default(size: vk::Extent2D, combiners: [vk::FragmentShadingRateCombine
 unsafe fn must_shade_every_pixel(
     info: &vk::GraphicsPipelineCreateInfo<'_>,
     own: Parts,
-    offer: &Offer,
+    capabilities: &RateCapabilities,
     effects: impl Fn(&vk::PipelineShaderStageCreateInfo<'_>) -> Effects,
 ) -> bool {
-    let limits = &offer.limits;
+    let limits = &capabilities.limits;
     // SAFETY: the caller vouches for the structure, which has a fragment shader part. Without rasterisation the
     // multisample state is ignored.
     unsafe {
@@ -228,7 +228,7 @@ unsafe fn must_shade_every_pixel(
 /// The structure is valid.
 unsafe fn is_too_fine(
     state: &vk::PipelineMultisampleStateCreateInfo<'_>,
-    limits: &super::offer::Limits,
+    limits: &super::capabilities::Limits,
 ) -> bool {
     let samples = state.rasterization_samples.as_raw();
     // SAFETY: the caller vouches for the structure; a mask has a bit for each sample, in words of 32.

@@ -45,7 +45,7 @@ impl Rates {
                 .map(|info| {
                     with_rates(
                         info,
-                        &self.offer,
+                        &self.capabilities,
                         |stage| self.modules.effects(stage),
                         |library| self.pipelines.get(library),
                         &mut copies,
@@ -57,7 +57,7 @@ impl Rates {
                 // Structures of the application that were amended in place become its own again.
                 drop((amended, copies));
                 GpuError::Call { call: "vkCreateGraphicsPipelines", result }
-                    .tell("pipelines stay unchanged, at 1x1");
+                    .log("pipelines stay unchanged, at 1x1");
                 for &pipeline in slice(made.cast_const(), count) {
                     if let (Some(destroy), true) = (destroy, pipeline != vk::Pipeline::null()) {
                         destroy(device, pipeline, allocator);

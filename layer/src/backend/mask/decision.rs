@@ -154,7 +154,7 @@ impl Masks {
         // Copying all of a picture there and back costs more than many a pass.
         let is_unfilled = target.leaves_out() && !how.coarsens;
         let failed = |error: GpuError| {
-            error.tell("no mask for a render pass");
+            error.log("no mask for a render pass");
             Unmasked::Failed
         };
         let (mut fills, mut pending) = (SmallVec::new(), SmallVec::new());
@@ -215,7 +215,7 @@ impl Masks {
         };
         let kernel = self.sample_kernel(kind)?;
         let fill = map.prepare_samples(of, part, (&kernel, image.format)).map_err(|error| {
-            error.tell("no mask for a render pass");
+            error.log("no mask for a render pass");
             Unmasked::Failed
         })?;
         Ok(Pending { map: Arc::clone(map), target: of, part, format: image.format, layout, fill })

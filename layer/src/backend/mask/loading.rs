@@ -96,7 +96,7 @@ impl Masks {
     fn keep(&self, pass: vk::RenderPass, result: vk::Result, loading: vk::RenderPass) {
         match result {
             vk::Result::SUCCESS => self.loading.insert(pass, loading),
-            result => GpuError::Call { call: "vkCreateRenderPass", result }.tell("no mask for a render pass"),
+            result => GpuError::Call { call: "vkCreateRenderPass", result }.log("no mask for a render pass"),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Everything that one masked target needs on the GPU, and what is recorded for it.
 
-use crate::backend::mask::{DepthTemplate, Eligible, MaskKernels, lay_mask};
+use crate::backend::mask::{DepthTemplate, Eligible, MaskKernels, resolve_mask};
 use crate::gpu::{AppCommands, Gpu, GpuError, ImagePart, ReturnLayout, ReturnSet};
 use crate::kernels::depth::DepthCopy;
 use crate::kernels::fill::{FillTarget, SkipBuffer, fill_format};
@@ -87,7 +87,7 @@ impl MaskMap {
             let size = (self.extent, self.layers);
             let copy =
                 DepthCopy::new(&self.gpu, &self.kernels.depth, (format, depths.skipped), size, &self.list);
-            copy.inspect_err(|error| error.tell("no mask")).ok()
+            copy.inspect_err(|error| error.log("no mask")).ok()
         };
         self.depth.get_or_init(make).is_some()
     }
@@ -99,7 +99,7 @@ impl MaskMap {
             let Eligible { format, depths, .. } = self.eligible;
             let params = EarlyReturnParams::new(self.extent, format, depths)?;
             let set = ReturnSet::new(&self.gpu, layout, self.template()?, params);
-            set.inspect_err(|error| error.tell("no mask")).ok()
+            set.inspect_err(|error| error.log("no mask")).ok()
         };
         self.returns.get_or_init(make).as_ref().map(ReturnSet::handle)
     }
@@ -161,14 +161,14 @@ impl MaskMap {
         self.list.capacity_words() * 4 + self.template.size() as usize
     }
 
-    /// Lays `rates`, which [`crate::rate_map::lay`] wrote for `image`, over the pictures that `parts` say, and writes what
+    /// Lays `rates`, which [`crate::rate_map::resolve`] wrote for `image`, over the pictures that `parts` say, and writes what
     /// is to be uploaded; nothing into a slice that is too short. Allocates nothing.
     pub fn stage(&self, parts: &[Part], image: &RateImage, rates: &[u8], staging: &mut [u8]) {
         let Some((list, template)) = staging.split_at_mut_checked(self.list.capacity_words() * 4) else {
             return;
         };
         let mut mask = self.mask.lock().unwrap_or_else(PoisonError::into_inner);
-        lay_mask(&mut mask, parts, image, rates);
+        resolve_mask(&mut mask, parts, image, rates);
         for (bytes, word) in list.chunks_exact_mut(4).zip(mask.list().words()) {
             bytes.copy_from_slice(&word.to_ne_bytes());
         }

@@ -2,7 +2,7 @@
 
 use super::Masks;
 use crate::backend::mask::{Eligible, MaskMap, PipelineFacts, Way};
-use crate::backend::{Laying, MapSize, RateMap, Upload};
+use crate::backend::{MapForm, MapSize, RateMap, Upload};
 use crate::gpu::{AppCommands, Compilation, Later};
 use crate::kernels::mask::MaskOutput;
 use crate::pass_detection::{How, ImageDescription, Part, PassFacts, Target, Unmasked};
@@ -16,7 +16,7 @@ pub struct TargetMask {
     target: Target,
     /// Size of the target, pixels.
     extent: [u32; 2],
-    seen: Mutex<Seen>,
+    seen: Mutex<PassEvidence>,
     /// Asked for by the first pass that can have it.
     map: OnceLock<Later<MaskMap>>,
 }
@@ -57,7 +57,7 @@ enum Wanted {
 
 /// What earlier passes to the target were.
 #[derive(Debug, Default)]
-struct Seen {
+struct PassEvidence {
     /// Whether a pass was recorded to its end.
     is_recorded: bool,
     /// What commands within passes said of them.
@@ -108,11 +108,16 @@ impl TargetMask {
     pub(super) fn evidence(&self, is_prepass: bool) -> Result<(PassFacts, PipelineFacts), Unmasked> {
         let seen = self.seen();
         match *seen {
-            Seen { has_prepass: false, .. } if is_prepass => Err(Unmasked::New),
-            Seen { is_recorded: true, is_scene: true, loses_compute: false, facts, pipelines, .. } => {
-                Ok((facts, pipelines))
-            }
-            Seen { loses_compute: true, .. } => Err(Unmasked::ComputeState),
+            PassEvidence { has_prepass: false, .. } if is_prepass => Err(Unmasked::New),
+            PassEvidence {
+                is_recorded: true,
+                is_scene: true,
+                loses_compute: false,
+                facts,
+                pipelines,
+                ..
+            } => Ok((facts, pipelines)),
+            PassEvidence { loses_compute: true, .. } => Err(Unmasked::ComputeState),
             _ => Err(Unmasked::New),
         }
     }
@@ -269,7 +274,7 @@ impl TargetMask {
         }
     }
 
-    fn seen(&self) -> MutexGuard<'_, Seen> {
+    fn seen(&self) -> MutexGuard<'_, PassEvidence> {
         self.seen.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -311,8 +316,8 @@ impl RateMap for TargetMask {
         seen.is_shown && !seen.keeps_depth
     }
 
-    fn laying(&self) -> Option<Laying> {
-        self.made().map(|map| Laying::Mask(Arc::clone(map) as Arc<dyn MaskOutput>))
+    fn form(&self) -> Option<MapForm> {
+        self.made().map(|map| MapForm::Mask(Arc::clone(map) as Arc<dyn MaskOutput>))
     }
 
     fn stage(&self, parts: &[Part], image: &RateImage, texels: &[u8], staging: &mut [u8]) {

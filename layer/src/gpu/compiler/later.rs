@@ -63,7 +63,7 @@ impl<T: Send + Sync> Task for Slot<T> {
             Ok(Ok(made)) => State::Made(Arc::new(made)),
             Ok(Err(error)) => {
                 if !compilation.has_ended() {
-                    error.tell(self.otherwise);
+                    error.log(self.otherwise);
                 }
                 State::Never
             }

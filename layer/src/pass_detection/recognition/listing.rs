@@ -1,6 +1,6 @@
 //! The listing of passes, for the log: what each kind of pass is, or why it is not the scene.
 
-use super::cast::Shape;
+use super::pass_history::PassSignature;
 use crate::pass_detection::{Eyes, Match, Orientation, Unmatched};
 use crate::status::Topic;
 use smallvec::SmallVec;
@@ -13,7 +13,7 @@ const MOST_LINES: usize = 100;
 #[derive(Debug, Default)]
 pub(super) struct Listing {
     /// What the passes of a shape were last told to be.
-    told: Vec<(Shape, SmallVec<[Verdict; 2]>)>,
+    told: Vec<(PassSignature, SmallVec<[Verdict; 2]>)>,
     lines: usize,
 }
 
@@ -34,7 +34,7 @@ impl Listing {
     /// Tells of each pass that is what none of its shape has been.
     pub(super) fn news<'a>(
         &mut self,
-        passes: impl Iterator<Item = (&'a Shape, &'a Result<Match, Unmatched>)>,
+        passes: impl Iterator<Item = (&'a PassSignature, &'a Result<Match, Unmatched>)>,
         mut tell: impl FnMut(Topic, &dyn fmt::Display),
     ) {
         for (shape, outcome) in passes {
@@ -61,7 +61,7 @@ impl Listing {
 }
 
 struct Line<'a> {
-    shape: &'a Shape,
+    shape: &'a PassSignature,
     outcome: &'a Result<Match, Unmatched>,
 }
 

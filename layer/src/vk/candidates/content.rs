@@ -35,12 +35,12 @@ pub struct Content {
     /// Whether `laid` is on the GPU, or on its way.
     is_laid: bool,
     /// What the map on the GPU was made of last.
-    laid: Laid,
+    laid: MapSource,
 }
 
 /// What a map is made of.
 #[derive(Debug, Default)]
-struct Laid {
+struct MapSource {
     area: [u32; 4],
     parts: Parts,
     texels: Vec<u8>,
@@ -162,7 +162,7 @@ impl Content {
 
     /// Takes what the map on the GPU is to be made of: these texels, laid over `parts` of `area`, in exchange for others. Whether that
     /// is news: else the map is so already.
-    pub fn lay(&mut self, area: [u32; 4], parts: &[Part], texels: &mut Vec<u8>) -> bool {
+    pub fn resolve(&mut self, area: [u32; 4], parts: &[Part], texels: &mut Vec<u8>) -> bool {
         let laid = &mut self.laid;
         let is_same = laid.area == area && laid.parts.as_slice() == parts && laid.texels == *texels;
         if !is_same {

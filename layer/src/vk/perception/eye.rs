@@ -24,7 +24,7 @@ pub struct Measured {
     /// What it shows.
     pub view: View,
     /// Number of the plan by then.
-    pub told: u64,
+    pub received: u64,
     /// What it was analysed by.
     pub by: Parameters,
     /// How many analyses directly before were of the same view, by the same parameters.
@@ -46,12 +46,17 @@ pub struct Parameters {
 
 impl Measured {
     /// That of a record, after what was measured last.
-    pub fn new(record: &PictureRecord, texel: [u32; 2], told: u64, last: Option<&Self>) -> Option<Self> {
+    pub fn new(record: &PictureRecord, texel: [u32; 2], received: u64, last: Option<&Self>) -> Option<Self> {
         let view = view_of(record)?;
         let PictureRecord { white_cd_m2, is_mean, format, .. } = *record;
         let by = Parameters { texel, white_cd_m2, is_mean: is_mean == 1, format };
         let before = last.filter(|last| last.view == view && last.by == by);
-        Some(Self { view, told, by, same_view: before.map_or(0, |last| last.same_view.saturating_add(1)) })
+        Some(Self {
+            view,
+            received,
+            by,
+            same_view: before.map_or(0, |last| last.same_view.saturating_add(1)),
+        })
     }
 }
 

@@ -32,8 +32,8 @@ impl Bound {
     }
 
     /// Whether [`Self::restore`] binds everything again.
-    pub fn is_whole(&self) -> bool {
-        self.sets.is_whole()
+    pub fn is_complete(&self) -> bool {
+        self.sets.is_complete()
     }
 
     /// A pipeline is bound.
@@ -135,7 +135,7 @@ pub unsafe extern "system" fn bind_sets(
             // SAFETY: it was made from such a function, and stored before the key of this device, which lives.
             unsafe { mem::transmute::<*mut (), vk::PFN_vkCmdBindDescriptorSets>(next) }
         }
-        _ => bind_sets_noted,
+        _ => bind_sets_tracked,
     };
     // SAFETY: as above.
     unsafe { next(handle, point, layout, first, count, sets, offset_count, offsets) }
@@ -143,7 +143,7 @@ pub unsafe extern "system" fn bind_sets(
 
 /// The same, of any device, and noted.
 #[allow(clippy::too_many_arguments, reason = "those of the call")]
-unsafe extern "system" fn bind_sets_noted(
+unsafe extern "system" fn bind_sets_tracked(
     handle: vk::CommandBuffer,
     point: vk::PipelineBindPoint,
     layout: vk::PipelineLayout,

@@ -59,8 +59,8 @@ impl Drawing {
     }
 
     /// Whether all of it can be bound again.
-    pub fn is_whole(&self) -> bool {
-        self.sets.is_whole()
+    pub fn is_complete(&self) -> bool {
+        self.sets.is_complete()
     }
 
     /// Something is bound that is not kept.
@@ -213,8 +213,8 @@ pub unsafe fn bind(
         drawing.pipeline = pipeline;
         let was = drawing.in_place.take();
         // Where something cannot be bound again, nothing must take its place.
-        let is_whole = drawing.is_whole();
-        (was, returns.filter(|_| is_whole && recorded.offsets.is_empty()))
+        let is_complete = drawing.is_complete();
+        (was, returns.filter(|_| is_complete && recorded.offsets.is_empty()))
     };
     if returns.is_none() {
         prepare(buffer, pipeline);
@@ -383,11 +383,11 @@ mod tests {
         let mut drawing = Drawing::default();
         drawing.bind_more();
         drawing.bind_sets(vk::PipelineLayout::null(), 0, &[vk::DescriptorSet::null()], &[]);
-        assert!(drawing.is_whole() && !drawing.is_followed());
+        assert!(drawing.is_complete() && !drawing.is_followed());
         drawing.begin(true);
         drawing.bind_more();
-        assert!(!drawing.is_whole() && drawing.is_followed());
+        assert!(!drawing.is_complete() && drawing.is_followed());
         drawing.forget();
-        assert!(drawing.is_whole(), "after secondary command buffers nothing is bound");
+        assert!(drawing.is_complete(), "after secondary command buffers nothing is bound");
     }
 }

@@ -24,7 +24,7 @@ pub unsafe extern "system" fn begin(
             if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
                 let mut recorded = known.recorded();
                 recorded.queries += 1;
-                tell_queried(&mut recorded);
+                set_queried(&mut recorded);
             }
         },
     );
@@ -81,7 +81,7 @@ pub unsafe extern "system" fn begin_conditional(
             if let Some(known) = known {
                 let mut recorded = known.recorded();
                 recorded.is_conditional = true;
-                tell_queried(&mut recorded);
+                set_queried(&mut recorded);
             }
         },
     );
@@ -107,6 +107,6 @@ pub unsafe extern "system" fn end_conditional(handle: vk::CommandBuffer) {
     );
 }
 
-fn tell_queried(recorded: &mut Recorded) {
-    recorded.tell(Within { is_queried: true, ..Within::default() });
+fn set_queried(recorded: &mut Recorded) {
+    recorded.add(Within { is_queried: true, ..Within::default() });
 }

@@ -79,7 +79,7 @@ impl Active {
         let make_or_log = || {
             make()
                 .inspect_err(|error: &GpuError| {
-                    error.tell(
+                    error.log(
                         "re-use, chroma attenuation and debug views are off: the layer cannot create its Vulkan objects on this device",
                     );
                 })

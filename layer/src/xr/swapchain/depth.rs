@@ -32,7 +32,7 @@ impl Depth {
             // The device is behind: this picture goes without.
             Err(GpuError::Timeout) => Self::There { source, newest: None },
             Err(error) => {
-                error.tell("no reprojection with depth");
+                error.log("no reprojection with depth");
                 Self::Never
             }
         }
@@ -60,7 +60,7 @@ pub fn may_be_kept(active: &Active, config: &Config, info: &xr::SwapchainCreateI
 fn is_wanted(active: &Active, config: &Config) -> bool {
     wants_reuse(config)
         && config.reuse.mode == ReuseMode::On
-        && active.device.offer.backend == BACKEND_RATE_ATTACHMENT
+        && active.device.capabilities.backend == BACKEND_RATE_ATTACHMENT
 }
 
 impl Swapchain {

@@ -3,7 +3,7 @@
 use super::Planning;
 use crate::config::{Config, GazeSource};
 use crate::inputs::gaze::Look;
-use crate::status::Moment;
+use crate::status::StatusSnapshot;
 
 /// When the tracker saw the eyes last.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,30 +24,30 @@ impl LastLook {
 
 impl Planning {
     /// Tells what holds now. Of the gaze only whether there is one and how old it is, of the sound only whether something is heard.
-    pub fn tell(&self, config: &Config, moment: &mut Moment) {
-        moment.frame_rate_hz = self.frame_rate.hz();
-        moment.gaze_source = config.gaze.source;
+    pub fn write_status(&self, config: &Config, snapshot: &mut StatusSnapshot) {
+        snapshot.frame_rate_hz = self.frame_rate.hz();
+        snapshot.gaze_source = config.gaze.source;
         if config.gaze.source == GazeSource::Centre {
-            moment.gaze_is_valid = true;
+            snapshot.gaze_is_valid = true;
         } else {
-            moment.gaze_is_valid = self.last_look.is_valid;
+            snapshot.gaze_is_valid = self.last_look.is_valid;
             let age_ns = |sampled_ns| Some(self.begun_ns?.saturating_sub(sampled_ns).max(0));
-            moment.gaze_age_ms = self.last_look.sampled_ns.and_then(age_ns).map(|age| age as f32 / 1e6);
+            snapshot.gaze_age_ms = self.last_look.sampled_ns.and_then(age_ns).map(|age| age as f32 / 1e6);
         }
-        moment.signal = self.signal.quality();
-        moment.audio_source = config.audio.source;
-        moment.is_heard = self.audio.is_some();
+        snapshot.signal = self.signal.quality();
+        snapshot.audio_source = config.audio.source;
+        snapshot.is_heard = self.audio.is_some();
         let Some(plan) = self.planner.as_ref().map(|planner| planner.newest()) else { return };
-        moment.attenuates_colour = plan.chroma.is_some() && plan.eyes.iter().any(|eye| eye.focus.is_some());
+        snapshot.attenuates_colour = plan.chroma.is_some() && plan.eyes.iter().any(|eye| eye.focus.is_some());
         if !self.has_maps(config) {
             return;
         }
-        moment.gpu_decides = self.gpu_decides();
+        snapshot.gpu_decides = self.gpu_decides();
         for eye in &plan.eyes {
-            (0..eye.rates.height()).for_each(|row| moment.count(eye.rates.row(row)));
-            moment.tiles_due += eye.statistics().tiles_due;
+            (0..eye.rates.height()).for_each(|row| snapshot.count(eye.rates.row(row)));
+            snapshot.tiles_due += eye.statistics().tiles_due;
         }
         let [left, right] = &plan.eyes;
-        moment.shaded = (left.statistics().pixel_share + right.statistics().pixel_share) / 2.0;
+        snapshot.shaded = (left.statistics().pixel_share + right.statistics().pixel_share) / 2.0;
     }
 }

@@ -10,7 +10,7 @@ use std::ffi::CStr;
 
 /// What a plan may use, and what limits it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Offer {
+pub struct RateCapabilities {
     /// Width and height of what a texel of the attachment covers, pixels.
     pub texel: [u32; 2],
     /// Whether an attachment can have a layer for each layer or view of the picture.
@@ -115,7 +115,7 @@ impl Questions {
     /// # Safety
     ///
     /// `physical_device` is a live one of the instance, and has the extension.
-    pub unsafe fn ask(&self, physical_device: vk::PhysicalDevice) -> Result<Offer, NoRates> {
+    pub unsafe fn ask(&self, physical_device: vk::PhysicalDevice) -> Result<RateCapabilities, NoRates> {
         let mut features = vk::PhysicalDeviceFragmentShadingRateFeaturesKHR::default();
         let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut features);
         // SAFETY: the caller vouches for the handle; the chain is of structures to write to.
@@ -132,7 +132,7 @@ impl Questions {
         unsafe { (self.properties2)(physical_device, &mut all) };
         // SAFETY: the caller vouches for the handle.
         let rates = unsafe { self.rates(physical_device) };
-        Offer::new(&properties, &rates)
+        RateCapabilities::new(&properties, &rates)
     }
 
     /// `VkDriverId` of the device's driver.
@@ -172,7 +172,7 @@ impl Questions {
 /// What a texel covers at best, pixels: smaller ones make larger maps, and few devices have them.
 const WANTED_TEXEL: u32 = 16;
 
-impl Offer {
+impl RateCapabilities {
     /// From the device's properties and its list of rates.
     ///
     /// # Errors

@@ -16,7 +16,7 @@ const COARSEST: u32 = 128;
 
 /// A copy of what the Vulkan half has.
 #[derive(Debug, Default)]
-pub struct Handed {
+pub struct UploadedPlan {
     eyes: [Map; 2],
     /// The map of an eye that is looked at.
     newest: Vec<u8>,
@@ -42,7 +42,7 @@ struct Decision {
     orientation: Quat,
 }
 
-impl Handed {
+impl UploadedPlan {
     /// The next maps are news, whatever they are.
     pub fn forget(&mut self) {
         self.is_known = false;

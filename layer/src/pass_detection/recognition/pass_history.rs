@@ -11,14 +11,14 @@ const KEPT: usize = 3;
 
 /// The passes of the last frames, the newest frame first. Frames without passes do not count.
 #[derive(Debug, Default)]
-pub(super) struct Cast {
-    frames: [Vec<Role>; KEPT],
+pub(super) struct PassHistory {
+    frames: [Vec<PassRecord>; KEPT],
 }
 
 /// One pass and what it was.
 #[derive(Debug)]
-struct Role {
-    shape: Shape,
+struct PassRecord {
+    shape: PassSignature,
     pass: Pass,
     /// How many passes of its frame drew its first image before.
     ordinal: usize,
@@ -31,7 +31,7 @@ type Outcome = Result<Match, Unmatched>;
 
 /// What passes of one kind have in common from frame to frame, if nothing else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Shape {
+pub(super) struct PassSignature {
     format: vk::Format,
     extent: [u32; 2],
     samples: u32,
@@ -44,7 +44,7 @@ pub(super) struct Shape {
     is_shown: bool,
 }
 
-impl Shape {
+impl PassSignature {
     /// The shape of a pass, by its first target: depth where there is no colour.
     pub(super) fn new(
         pass: &Pass,
@@ -75,7 +75,7 @@ impl Shape {
     }
 }
 
-impl fmt::Display for Shape {
+impl fmt::Display for PassSignature {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [width, height] = self.extent;
         write!(f, "{width}x{height} {:?}", self.format)?;
@@ -100,7 +100,7 @@ fn first_target(pass: &Pass) -> Option<&Target> {
     pass.colors.first().or(pass.depth.as_ref())
 }
 
-impl Cast {
+impl PassHistory {
     /// Takes the passes of a frame.
     pub(super) fn take(
         &mut self,
@@ -118,13 +118,14 @@ impl Cast {
         self.frames.rotate_right(1);
         self.frames[0].clear();
         for pass in passes {
-            if let Some(shape) = Shape::new(pass, description) {
+            if let Some(shape) = PassSignature::new(pass, description) {
                 let image = pass.colors.first().map(|target| target.image);
-                let is_before = |role: &&Role| role.pass.colors.first().map(|target| target.image) == image;
+                let is_before =
+                    |role: &&PassRecord| role.pass.colors.first().map(|target| target.image) == image;
                 let ordinal = self.frames[0].iter().filter(is_before).count();
                 let is_young = image.is_some_and(&is_young);
                 let outcome = Err(Unmatched::New);
-                self.frames[0].push(Role { shape, pass: pass.clone(), ordinal, is_young, outcome });
+                self.frames[0].push(PassRecord { shape, pass: pass.clone(), ordinal, is_young, outcome });
             }
         }
     }
@@ -139,12 +140,12 @@ impl Cast {
     /// What a pass of this shape was in the last frames, after the passes of `earlier`; nothing where there was none.
     pub(super) fn like(
         &self,
-        shape: &Shape,
+        shape: &PassSignature,
         earlier: &[Event],
         description: impl Fn(ImageKey) -> Option<ImageDescription> + Copy,
     ) -> Option<Outcome> {
         let before = || {
-            let is_same = |event: &&Event| matches!(event, Event::Pass(pass) if Shape::new(pass, description) == Some(*shape));
+            let is_same = |event: &&Event| matches!(event, Event::Pass(pass) if PassSignature::new(pass, description) == Some(*shape));
             earlier.iter().filter(is_same).count()
         };
         self.agreed(|other| other == shape, before)
@@ -153,11 +154,15 @@ impl Cast {
     }
 
     /// What the passes of some shape were, in the newest frame that leaves no doubt.
-    fn agreed(&self, is_like: impl Fn(&Shape) -> bool, before: impl Fn() -> usize) -> Option<Outcome> {
+    fn agreed(
+        &self,
+        is_like: impl Fn(&PassSignature) -> bool,
+        before: impl Fn() -> usize,
+    ) -> Option<Outcome> {
         let outcomes = |frame: usize| {
             let roles = self.frames.get(frame).map_or(&[][..], Vec::as_slice);
             // What lasts says nothing of a new image: that may be a mirror's, which was not there before.
-            let counts = |role: &&Role| role.is_young || role.shape.is_shown;
+            let counts = |role: &&PassRecord| role.is_young || role.shape.is_shown;
             roles.iter().filter(|role| is_like(&role.shape)).filter(counts).map(|role| &role.outcome)
         };
         let mut doubtful = None;
@@ -185,12 +190,12 @@ impl Cast {
 
     /// What the pass with this depth attachment was, in the newest frame with one that was the scene.
     pub(super) fn scene_with_depth(&self, depth: Target) -> Option<&Match> {
-        let is_like = |role: &&Role| role.pass.depth == Some(depth);
+        let is_like = |role: &&PassRecord| role.pass.depth == Some(depth);
         self.frames.iter().flatten().filter(is_like).find_map(|role| role.outcome.as_ref().ok())
     }
 
     /// The newest frame's passes.
-    pub(super) fn last(&self) -> impl Iterator<Item = (&Shape, &Outcome)> {
+    pub(super) fn last(&self) -> impl Iterator<Item = (&PassSignature, &Outcome)> {
         self.frames[0].iter().map(|role| (&role.shape, &role.outcome))
     }
 }
