@@ -69,8 +69,8 @@ pub fn guard<R: Copy>(
     }
 }
 
-/// Runs a step of the exported function `call` that has to be tried even where its hook panicked, and whose own panic is no
-/// reason to leave out what comes after it.
+/// Runs a step of the exported function `call` that has to be tried even after a panic of its hook, and whose own panic does not skip the
+/// steps after it.
 pub fn attempt(call: &'static str, step: impl FnOnce()) {
     // Unwind safety: as in `guard`.
     if let Err(panic) = catch_unwind(AssertUnwindSafe(step)) {

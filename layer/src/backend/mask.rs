@@ -83,7 +83,7 @@ pub struct Masks {
     pipelines: Table<vk::Pipeline, PipelineFacts>,
     /// Fragment shaders without pipelines.
     shader_objects: Table<vk::ShaderEXT, PipelineFacts>,
-    /// What it takes to make pipelines whose fragment shaders return early.
+    /// Code of pipelines whose fragment shaders return early.
     codes: recipe::Codes,
     sets: Table<vk::DescriptorSetLayout, layouts::SetFacts>,
     layouts: Table<vk::PipelineLayout, Arc<AppendedLayout>>,
@@ -92,7 +92,7 @@ pub struct Masks {
     returning: Table<vk::Pipeline, Arc<Returning>>,
     /// Depth images that a pass was seen to load.
     loaded: Table<ImageKey, ()>,
-    /// What depth images were last cleared to by a pass.
+    /// The depth that a pass cleared each depth image to last.
     cleared: Table<ImageKey, f32>,
     /// The colour of passes that go on with depth of several samples which an earlier pass without colour has cleared, by that depth, and how
     /// many passes of the command buffer cleared it before.
@@ -132,7 +132,7 @@ impl Masks {
         }
     }
 
-    /// What our objects are made with; nothing where a function is missing, or a queue can draw and not compute.
+    /// The device for objects of ours; `None` where a function is missing, or a queue can draw and not compute.
     fn gpu(&self) -> Option<&Arc<Gpu>> {
         let make = || {
             // SAFETY: `on`'s caller vouched for the record, and for the device until `end`.

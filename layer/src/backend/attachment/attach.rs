@@ -1,4 +1,4 @@
-//! What a device's rate attachments are attached to, and by which calls.
+//! The rate attachments of a device, and the calls that attach them.
 
 use super::capabilities::RateCapabilities;
 use super::commands::SetRates;
@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The rate attachments of a device.
 pub struct Rates {
-    /// What they can do.
+    /// Their capabilities.
     pub capabilities: RateCapabilities,
     is_cpu: bool,
     /// The images that are attached.
@@ -31,7 +31,7 @@ pub struct Rates {
     /// The render passes to which rates were added.
     passes: Table<vk::RenderPass, AddedRates>,
     framebuffers: Table<vk::Framebuffer, Attached>,
-    /// What the fragment shaders of modules do.
+    /// Effects of the fragment shaders of modules.
     pub modules: ShaderModules,
     /// Pipelines and libraries whose rate is not fixed.
     pub(super) pipelines: Table<vk::Pipeline, PipelineRate>,
@@ -47,16 +47,16 @@ pub struct Rates {
     attaches_only_matched: bool,
 }
 
-/// What a framebuffer has for a render pass to which rates were added.
+/// The rate image of a framebuffer, for a render pass with added rates.
 #[derive(Clone)]
 enum Attached {
     /// The image in it.
     Image(Arc<RateImage>),
-    /// It gets an image like this one when a render pass begins, if there is one for what is drawn to, or else this one.
+    /// When a render pass begins it gets an image of the same size, for its own target if there is one, or else this one.
     Promised(Arc<RateImage>),
 }
 
-/// The first colour target of a pass, with what is known of its image; nothing where that is not known.
+/// The first colour target of a pass, with the description of its image; `None` for an unknown image.
 pub type FirstColour = Option<(Target, ImageDescription)>;
 
 impl Rates {

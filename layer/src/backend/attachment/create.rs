@@ -1,4 +1,4 @@
-//! The creation of instances and devices, with what rate attachments need added.
+//! The creation of instances and devices, with the additions that rate attachments need.
 
 use super::capabilities::{NoRates, Questions, RateCapabilities, extensions_of};
 use crate::abi::copies::{Copies, find, slice};
@@ -33,10 +33,10 @@ pub unsafe fn instance<'c>(
     })
 }
 
-/// What a device has once it is created.
+/// The extensions and features of a created device.
 #[derive(Clone, Debug)]
 pub struct Enabled {
-    /// What its rate attachments can do.
+    /// The capabilities of its rate attachments.
     pub capabilities: RateCapabilities,
     /// Its quirks.
     pub quirks: Quirks,

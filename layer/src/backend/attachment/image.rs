@@ -25,10 +25,10 @@ pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
         | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
 );
 
-/// What a rate image is for.
+/// The purpose of a rate image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct RateImageKey {
-    /// What is drawn to.
+    /// The target of its passes.
     pub target: Target,
     /// Columns and rows of texels.
     pub texels: [u32; 2],
@@ -43,7 +43,7 @@ impl RateImageKey {
         Self { target, texels: capabilities.texels(extent), layers: capabilities.layers(target.layers) }
     }
 
-    /// The key that all targets of which nothing is known share, by what they need.
+    /// The key that all unknown targets of one need share.
     pub fn shared(texels: [u32; 2], layers: u32) -> Self {
         // No image of the application's has such a key: those count up from 1.
         let [columns, rows] = texels.map(u64::from);
@@ -54,7 +54,7 @@ impl RateImageKey {
 
 /// A rate image with its view; destroyed when it is dropped.
 pub struct RateImage {
-    /// What it is for.
+    /// Its purpose.
     pub key: RateImageKey,
     /// The view to attach: of one layer, or of all as an array.
     pub view: vk::ImageView,
@@ -107,7 +107,7 @@ impl RateImage {
         }
     }
 
-    /// After what reads it, its content can be replaced.
+    /// After its readers its content can be replaced.
     unsafe fn record_writable(&self, device: &ash::Device, buffer: vk::CommandBuffer) {
         let barrier = vk::ImageMemoryBarrier::default()
             .image(self.image)
@@ -198,7 +198,7 @@ impl RateMap for Arc<RateImage> {
 pub struct RateImages {
     maker: Arc<Maker>,
     live: Mutex<HashMap<RateImageKey, Weak<RateImage>>>,
-    /// What takes the place of images that cannot be made.
+    /// Takes the place of images that cannot be made.
     stand_in: OnceLock<Option<Arc<RateImage>>>,
     /// How many could not be made.
     failures: AtomicU32,
@@ -207,7 +207,7 @@ pub struct RateImages {
 /// After so many failures no image is tried to be made any more.
 const MOST_FAILURES: u32 = 4;
 
-/// What makes rate images.
+/// Creates rate images.
 struct Maker {
     functions: Functions,
     /// Size of a texel, pixels.

@@ -12,8 +12,7 @@ impl Rates {
         self.pipelines.remove(pipeline);
     }
 
-    /// What is to be set when a pipeline is bound, or what the application sets for it; nothing where its rate is its
-    /// own.
+    /// The rate to set when a pipeline is bound, or the application's for it; `None` where its rate is its own.
     pub fn pipeline_rate(&self, pipeline: vk::Pipeline) -> Option<PipelineRate> {
         self.pipelines.get(pipeline)
     }

@@ -8,7 +8,7 @@ use super::capabilities::RateCapabilities;
 use crate::abi::copies::{Copies, find, slice};
 use ash::vk;
 
-/// What was added to a render pass, and to each that is compatible with it.
+/// The additions to a render pass, and to each that is compatible with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AddedRates {
     /// Index of the rate attachment, which is the last.

@@ -10,7 +10,7 @@ use std::sync::{Arc, MutexGuard, PoisonError};
 /// Attachments count as resources of the fragment stage, and so many are the most that devices have.
 const MOST_ATTACHMENTS: u32 = 16;
 
-/// What counts of a descriptor set layout.
+/// The facts of a descriptor set layout that count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SetFacts {
     /// Storage buffers and uniform ones, for any stage: no stage sees more.

@@ -9,12 +9,12 @@ use smallvec::SmallVec;
 use std::sync::Arc;
 use std::{ptr, slice};
 
-/// A render pass of ours for pipelines of ours, with what it is.
+/// A render pass of ours for pipelines of ours, with its description.
 #[derive(Clone)]
 pub struct Compatible {
     /// The pass.
     pub pass: Arc<CompatiblePass>,
-    /// What the application's is, and this too.
+    /// Description of the application's, and of this.
     pub description: Arc<RenderPass>,
 }
 

@@ -1,4 +1,4 @@
-//! The mask of one colour target: what was seen of its passes, and the map once there is one.
+//! The mask of one colour target: evidence of its passes, and the map once there is one.
 
 use super::Masks;
 use crate::backend::mask::{Eligible, MaskMap, PipelineFacts, Way};
@@ -24,14 +24,14 @@ pub struct TargetMask {
 /// So many pictures at most are drawn to in turn; after longer, an application has paused.
 const MOST_IN_TURN: u64 = 4;
 
-/// What is known of a pass at its end.
+/// Facts about a pass at its end.
 #[derive(Debug, Clone, Copy)]
 pub struct Ended {
-    /// What commands within said of it.
+    /// Facts of the commands within.
     pub facts: PassFacts,
-    /// What draws in it.
+    /// The pipelines that draw in it.
     pub pipelines: PipelineFacts,
-    /// Whether what is bound for compute can be bound again.
+    /// Whether the bound compute state can be bound again.
     pub restores_compute: bool,
     /// The same of drawing; true where that is not followed.
     pub restores_graphics: bool,
@@ -55,12 +55,12 @@ enum Wanted {
     Ready,
 }
 
-/// What earlier passes to the target were.
+/// Evidence of earlier passes to the target.
 #[derive(Debug, Default)]
 struct PassEvidence {
     /// Whether a pass was recorded to its end.
     is_recorded: bool,
-    /// What commands within passes said of them.
+    /// Facts of the commands within passes.
     facts: PassFacts,
     pipelines: PipelineFacts,
     /// After a pass something was bound for compute that cannot be bound again.
@@ -82,7 +82,7 @@ struct PassEvidence {
     /// In which frame that was, and how many frames after the one before.
     frame: u64,
     frames_since: u64,
-    /// Whether depth of a pass is older than that, or outlives it: what is left out has none that is right.
+    /// Whether depth of a pass is older than that, or outlives it: left-out tiles have no right depth.
     keeps_depth: bool,
     /// The last reason that was logged.
     logged: Option<Result<Option<Unmasked>, Unmasked>>,
@@ -100,7 +100,7 @@ impl TargetMask {
         self.target.layers
     }
 
-    /// What is known of passes to it, or of depth pre-passes for them, before they are recorded.
+    /// Evidence of passes to it, or of depth pre-passes for them, before they are recorded.
     ///
     /// # Errors
     ///
@@ -309,8 +309,8 @@ impl RateMap for TargetMask {
         seen.is_shown = scene == Some(How::Swapchain);
     }
 
-    /// What is drawn straight into a swapchain nobody reads before it is composed; what comes on the way there is read
-    /// beyond its own pixels (filters, bloom), and filled; so is depth that is needed.
+    /// Images of a swapchain have no reader before they are composed; images on the way there are read beyond their own pixels (filters,
+    /// bloom), and filled; so is depth that is needed.
     fn leaves_out(&self) -> bool {
         let seen = self.seen();
         seen.is_shown && !seen.keeps_depth

@@ -23,7 +23,7 @@ fn rates(sizes: &[[u32; 2]]) -> Vec<vk::PhysicalDeviceFragmentShadingRateKHR<'st
     sizes.iter().map(rate).collect()
 }
 
-/// What a device with texels of that size offers.
+/// The capabilities of a device with texels of that size.
 pub fn offered(texel: [u32; 2]) -> RateCapabilities {
     let properties = texels(texel[0], texel[0]).fragment_shading_rate_non_trivial_combiner_ops(true);
     RateCapabilities { texel, ..RateCapabilities::new(&properties, &rates(&UP_TO_4X4)).unwrap() }

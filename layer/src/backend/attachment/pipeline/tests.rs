@@ -9,7 +9,7 @@ type Flags2<'a> = vk::PipelineCreateFlags2CreateInfoKHR<'a>;
 
 const FLAG: vk::PipelineCreateFlags = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
 
-/// What became of a pipeline.
+/// The outcome of a pipeline's creation.
 #[derive(Debug, PartialEq, Eq)]
 struct Outcome {
     flagged: bool,
