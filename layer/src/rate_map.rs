@@ -29,7 +29,7 @@ pub struct RateImage {
     pub texel: [u32; 2],
     /// Columns and rows of texels.
     pub tiles: [u32; 2],
-    /// Array layers: 1 serves all layers of the pass, and holds what is finest of them.
+    /// Array layers: 1 serves all layers of the pass, and holds the finest rate of them.
     pub layers: u32,
 }
 

@@ -27,7 +27,7 @@ pub enum GpuError {
     Call {
         /// The call.
         call: &'static str,
-        /// What it returned.
+        /// Its result.
         result: vk::Result,
     },
 }
@@ -38,8 +38,8 @@ impl GpuError {
         move |result| Self::Call { call, result }
     }
 
-    /// Logs what is given up because of this, each thing once: as a warning where it is the first consequence of a cause, as
-    /// information where others came before it.
+    /// Logs the loss from this error, each loss once: as a warning where it is the first consequence of a cause, as information where
+    /// others came before it.
     pub(crate) fn log(self, given_up: &str) {
         match self.first_line(given_up) {
             Some(Line::Cause) => tracing::warn!("{given_up}: {self}"),
@@ -74,7 +74,7 @@ impl GpuError {
 /// So many are logged of each cause.
 const MOST_CONSEQUENCES: usize = 32;
 
-/// What a log does not have yet.
+/// A line that the log does not have yet.
 #[derive(Debug, PartialEq, Eq)]
 enum Line {
     Cause,

@@ -1,4 +1,4 @@
-//! Recognition: from what earlier frames did and showed, which passes are the scene, and of which eye.
+//! Recognition: from events and submissions of earlier frames, the passes that are the scene, and their eyes.
 //!
 //! What is learned is kept by image and by XR swapchain, not by frame, because the passes of a frame may be submitted
 //! before or after another frame's xrEndFrame. Images that are made anew in every frame are known by their shape and
@@ -45,7 +45,7 @@ pub struct Recognition {
     rules: PassRules,
 }
 
-/// By this frame what can be recognised is; before it nothing is listed.
+/// By this frame recognition has settled; before it nothing is listed.
 const SETTLED: u64 = 5;
 
 /// So many frames after it was last seen, something that was drawn straight or shown flat is no longer held to be.
@@ -56,8 +56,8 @@ const HOLD: u64 = 120;
 const STEADY: u64 = 3;
 
 impl Recognition {
-    /// Learns from a frame: what was submitted since the last one, and what is now shown. With several sessions on a device,
-    /// each xrEndFrame is a frame of its own.
+    /// Learns from a frame: its submitted events, and its submission. With several sessions on a device, each xrEndFrame is a frame of its
+    /// own.
     ///
     /// `describe` knows the images that occur in `events`, also those that were destroyed since.
     pub fn frame(
@@ -83,8 +83,7 @@ impl Recognition {
         self.swapchains.forget(self.frame);
     }
 
-    /// What `pass` is, which is about to be submitted after `earlier`, the passes and transfers since the last
-    /// [`Self::frame`].
+    /// The verdict on `pass`, which is about to be submitted after `earlier`, the passes and transfers since the last [`Self::frame`].
     ///
     /// # Errors
     ///
@@ -117,7 +116,7 @@ impl Recognition {
         self.pass_history.scene_with_depth(depth)
     }
 
-    /// What is new in the listing of passes: a line for each kind of pass that was not seen before, or was something else.
+    /// News in the listing of passes: a line for each kind of pass with a first or another verdict.
     pub fn news(&mut self, tell: impl FnMut(Topic, &dyn fmt::Display)) {
         if self.frame >= SETTLED {
             self.listing.news(self.pass_history.last(), tell);

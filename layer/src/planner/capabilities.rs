@@ -1,4 +1,4 @@
-//! What a device offers, as the planner takes it.
+//! The capabilities of a device, as the planner takes them.
 
 use crate::link::{BACKEND_NONE, CapabilitiesRecord};
 use parafovea_core::rate::ShadingRate;
@@ -30,7 +30,7 @@ impl Capabilities {
 }
 
 impl From<&CapabilitiesRecord> for Capabilities {
-    /// What is no rate, or larger than 4 pixels, is left out.
+    /// Invalid rates, and rates larger than 4 pixels, are left out.
     fn from(record: &CapabilitiesRecord) -> Self {
         let count = if record.backend == BACKEND_NONE { 0 } else { record.rate_count as usize };
         let rates = record.rates.iter().take(count).filter_map(|texel| ShadingRate::from_texel(*texel));

@@ -1,4 +1,4 @@
-//! What of the newest plan is shown to people.
+//! Views of the newest plan for people.
 
 use super::Planning;
 use crate::config::Config;
@@ -6,7 +6,7 @@ use glam::Vec3;
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::debug_view::{DebugView, MapShape, map_row_bytes};
 
-/// What is drawn over an eye's picture.
+/// An overlay over an eye's picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DebugOverlay {
     /// Where the eyes are taken to look, in the view's space, of any length; all 0 where that is not known.
@@ -18,7 +18,7 @@ pub struct DebugOverlay {
 }
 
 impl Planning {
-    /// What `view` shows of an eye's newest plan; its map, if it has one, goes to `map`. Nothing without a plan.
+    /// The overlay of an eye's newest plan for `view`; its map, if it has one, goes to `map`. Nothing without a plan.
     pub fn seen(
         &self,
         config: &Config,

@@ -35,12 +35,12 @@ struct Window {
 }
 
 impl Signal {
-    /// What is known.
+    /// The quality so far.
     pub(super) fn quality(&self) -> SignalQuality {
         self.quality
     }
 
-    /// Takes what the source says for a frame that is shown at `time_ns`, and what the eyes do by that.
+    /// Takes the answer of the source for a frame that is shown at `time_ns`, and the phase of the gaze by that.
     pub(super) fn note(&mut self, look: &Look, phase: GazePhase, time_ns: i64) {
         let begun_ns = *self.window.begun_ns.get_or_insert(time_ns);
         let passed_ns = time_ns.saturating_sub(begun_ns);
@@ -109,7 +109,7 @@ mod tests {
 
     const FRAME_NS: i64 = 11_111_111;
 
-    /// So many frames of what `look` says, in a phase; the display time goes on from `frame`.
+    /// So many frames with the answers of `look`, in a phase; the display time goes on from `frame`.
     fn run(signal: &mut Signal, frames: std::ops::Range<i64>, phase: GazePhase, look: impl Fn(i64) -> Look) {
         frames.for_each(|frame| signal.note(&look(frame), phase, frame * FRAME_NS));
     }

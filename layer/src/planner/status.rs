@@ -1,4 +1,4 @@
-//! What is told of planning, for `parafovea status`.
+//! The status of planning, for `parafovea status`.
 
 use super::Planning;
 use crate::config::{Config, GazeSource};
@@ -23,7 +23,7 @@ impl LastLook {
 }
 
 impl Planning {
-    /// Tells what holds now. Of the gaze only whether there is one and how old it is, of the sound only whether something is heard.
+    /// Writes the status of now. Of the gaze only whether there is one and how old it is, of the sound only whether something is heard.
     pub fn write_status(&self, config: &Config, snapshot: &mut StatusSnapshot) {
         snapshot.frame_rate_hz = self.frame_rate.hz();
         snapshot.gaze_source = config.gaze.source;

@@ -78,7 +78,7 @@ enum Row {
     Own(usize, Range<usize>),
 }
 
-/// What decides a row of texels: rows that agree in it are alike.
+/// The key of a row of texels: rows that agree in it are alike.
 #[derive(PartialEq, Eq)]
 struct RowKey {
     /// For each limit, the rows of the plan that it meets.

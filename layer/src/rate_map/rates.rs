@@ -10,7 +10,7 @@ pub(super) const FULL: u8 = 0;
 /// Number of rates in unary, those that cannot be among them.
 const UNARY: usize = 16;
 
-/// What a device offers, as a table from what is permitted to what there is.
+/// The rates of a device, as a table from permitted to available rates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeviceRates {
     /// Texel of the coarsest rate that a unary rate permits.

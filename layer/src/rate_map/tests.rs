@@ -85,7 +85,7 @@ fn at_pixel(
     finest.unwrap_or(ShadingRate::R1X1)
 }
 
-/// What each texel should be: the finest of its pixels within the area.
+/// The expected texels: each the finest of its pixels within the area.
 fn expected(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage) -> Vec<u8> {
     let [x, y, width, height] = image.area;
     let mut texels = Vec::new();
@@ -165,7 +165,7 @@ proptest! {
         }
     }
 
-    /// A texel is stale where all that its pixels show are, and its rate is what it is without.
+    /// A texel is stale where all its pixels are, and its rate is the same as without.
     #[test]
     fn staleness_is_combined_like_the_coarsest_rate(
         maps in prop::array::uniform2(any_map()), stale in prop::collection::vec(any::<bool>(), 600),
@@ -191,7 +191,7 @@ proptest! {
         }
     }
 
-    /// What the GPU looks up leads to the same texels.
+    /// The GPU's table leads to the same texels.
     #[test]
     fn tables_lead_to_the_same_texels(
         maps in prop::array::uniform2(any_map()), stale in prop::collection::vec(any::<bool>(), 600),

@@ -3,7 +3,7 @@
 use parafovea_manifest::status::Status;
 use std::collections::HashSet;
 
-/// What was logged of one session.
+/// The logged rates of one session.
 #[derive(Default)]
 pub struct AppliedRates {
     /// Names of rates that were logged together.

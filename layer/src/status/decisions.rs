@@ -23,7 +23,7 @@ pub struct Decision {
 }
 
 impl Decision {
-    /// The same for `parafovea status`, and for programs that read what that reads.
+    /// The same for `parafovea status`, and for programs that read its output.
     pub fn status(&self) -> status::Decision {
         let topic = match self.topic {
             Topic::Quirk => status::Topic::Quirk,

@@ -1,12 +1,11 @@
-//! The passes of the last frames in their order: what an image is that was made anew is seen from others of its shape.
+//! The passes of the last frames in their order: the use of a new image is seen from others of its signature.
 
 use super::merge;
 use crate::pass_detection::{Event, ImageDescription, ImageKey, Match, Pass, Target, Unmatched};
 use ash::vk;
 use std::fmt;
 
-/// Frames that are kept: what a pass was may be known one frame later, and places in the order count once two frames
-/// agree.
+/// Frames that are kept: the verdict on a pass may be known one frame later, and places in the order count once two frames agree.
 const KEPT: usize = 3;
 
 /// The passes of the last frames, the newest frame first. Frames without passes do not count.
@@ -15,7 +14,7 @@ pub(super) struct PassHistory {
     frames: [Vec<PassRecord>; KEPT],
 }
 
-/// One pass and what it was.
+/// One pass and its verdict.
 #[derive(Debug)]
 struct PassRecord {
     shape: PassSignature,
@@ -29,7 +28,7 @@ struct PassRecord {
 
 type Outcome = Result<Match, Unmatched>;
 
-/// What passes of one kind have in common from frame to frame, if nothing else.
+/// Properties that passes of one kind share from frame to frame, if nothing else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PassSignature {
     format: vk::Format,
@@ -130,14 +129,14 @@ impl PassHistory {
         }
     }
 
-    /// Judges all passes with what is known now.
+    /// Judges all passes with the knowledge of now.
     pub(super) fn judge(&mut self, judge: impl Fn(&Pass, usize) -> Outcome) {
         for role in self.frames.iter_mut().flatten() {
             role.outcome = judge(&role.pass, role.ordinal);
         }
     }
 
-    /// What a pass of this shape was in the last frames, after the passes of `earlier`; nothing where there was none.
+    /// The verdict on a pass of this signature in the last frames, after the passes of `earlier`; `None` where there was none.
     pub(super) fn like(
         &self,
         shape: &PassSignature,
@@ -153,7 +152,7 @@ impl PassHistory {
             .or_else(|| self.agreed(|other| shape.is_resized(other), before).filter(Result::is_ok))
     }
 
-    /// What the passes of some shape were, in the newest frame that leaves no doubt.
+    /// The verdict on the passes of some signature, in the newest frame that leaves no doubt.
     fn agreed(
         &self,
         is_like: impl Fn(&PassSignature) -> bool,
@@ -188,7 +187,7 @@ impl PassHistory {
         doubtful
     }
 
-    /// What the pass with this depth attachment was, in the newest frame with one that was the scene.
+    /// The match of the pass with this depth attachment, in the newest frame with one that was the scene.
     pub(super) fn scene_with_depth(&self, depth: Target) -> Option<&Match> {
         let is_like = |role: &&PassRecord| role.pass.depth == Some(depth);
         self.frames.iter().flatten().filter(is_like).find_map(|role| role.outcome.as_ref().ok())
