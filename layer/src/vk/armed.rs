@@ -27,7 +27,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A device of an enabled process whose loader lets layers make objects of their own.
 pub struct Armed {
-    /// What the OpenXR half may know.
+    /// The device, as the OpenXR half may know it.
     pub record: DeviceRecord,
     /// The next layer's functions under our hooks.
     pub next: ArmedTable,
@@ -35,7 +35,7 @@ pub struct Armed {
     pub rate_attachments: Option<Arc<Rates>>,
     /// Its masks, where there are no rate attachments.
     pub masks: Option<Arc<Masks>>,
-    /// What makes passes coarser, if anything can.
+    /// Its backend, if it has one.
     pub backend: Option<Box<dyn Backend>>,
     /// The rates that the backend offers.
     pub rates: DeviceRates,
@@ -43,15 +43,15 @@ pub struct Armed {
     pub objects: Objects,
     /// The layouts of XR swapchains' images.
     pub layouts: Layouts,
-    /// What passes draw to that may be the scene.
+    /// Targets of passes that may be the scene.
     pub candidates: Candidates,
-    /// What the OpenXR half told, and what the frame under way did.
+    /// The frame under way: the OpenXR half's plan, and the application's events.
     pub frame: Frame,
     /// Our work ahead of the application's submits, by queue.
     pub rings: Table<vk::Queue, Arc<PreSubmitRing>>,
-    /// What it knows of the pictures.
+    /// Contrast of the pictures, and the decisions by it.
     pub perception: Perception,
-    /// What its passes take.
+    /// GPU time of its frames.
     pub timing: Timing,
     functions: OnceLock<Option<Functions>>,
     /// Whom the end of the device is told.
@@ -99,7 +99,7 @@ impl Armed {
         self.backend.is_some()
     }
 
-    /// What the device's backend can do.
+    /// The capabilities of the device's backend.
     pub fn capabilities(&self) -> CapabilitiesRecord {
         self.backend.as_ref().map_or(NO_CAPABILITIES, |backend| backend.capabilities())
     }
@@ -150,7 +150,7 @@ impl Armed {
         }
     }
 
-    /// Forgets what was drawn to an image that is about to be destroyed: the GPU is done with it.
+    /// Forgets the passes that drew to an image that is about to be destroyed: the GPU is done with it.
     pub fn forget_drawn(&self, image: ImageKey) {
         self.candidates.forget(image);
         if let Some(masks) = &self.masks {
@@ -158,7 +158,7 @@ impl Armed {
         }
     }
 
-    /// Takes what the configuration asks for; `passes` are its rules on what passes are.
+    /// Takes the settings of the configuration; `passes` are its rules on passes.
     pub fn notify_settings(&self, record: &SettingsRecord, passes: &[u8]) {
         let is_allowed = [BACKEND_ANY, self.capabilities().backend].contains(&record.backend);
         self.frame.set_on(record.is_on != 0 && is_allowed);
@@ -176,7 +176,7 @@ impl Armed {
         self.end_callbacks.lock().unwrap_or_else(PoisonError::into_inner).push(call);
     }
 
-    /// Waits for work of ours, and destroys what is ours, before the device is destroyed.
+    /// Waits for work of ours, and destroys our objects, before the device is destroyed.
     pub fn destroy_own(&self) {
         let told = std::mem::take(&mut *self.end_callbacks.lock().unwrap_or_else(PoisonError::into_inner));
         Compiler::end_on(self.record.device);
@@ -203,6 +203,6 @@ impl Armed {
     }
 }
 
-/// What a device without a backend offers.
+/// The capabilities of a device without a backend.
 const NO_CAPABILITIES: CapabilitiesRecord =
     CapabilitiesRecord { backend: BACKEND_NONE, texel: [1, 1], rate_count: 0, rates: [0; 16], is_cpu: 0 };

@@ -1,4 +1,4 @@
-//! What passes draw to that may be the scene: colour targets, each with a map of rates.
+//! Targets of passes that may be the scene: colour targets, each with a map of rates.
 //!
 //! Every texel is 1x1 until recognition says what a pass shows; then the newest plan is laid over it.
 
@@ -44,17 +44,17 @@ impl Candidate {
         map.downcast_ref()
     }
 
-    /// What its map holds, or shall hold.
+    /// The content of its map, present and wanted.
     pub fn content(&self) -> MutexGuard<'_, Content> {
         self.content.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes out what its map is laid with on the GPU, so that no lock is held meanwhile; [`Self::keep_resolved`] puts it back.
+    /// Takes the objects that resolve its map on the GPU, so that no lock is held meanwhile; [`Self::keep_resolved`] puts them back.
     pub fn take_resolved(&self) -> Option<ResolvedMap> {
         self.resolved.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// Keeps what its map is laid with.
+    /// Keeps the objects that resolve its map.
     pub fn keep_resolved(&self, resolved: Option<ResolvedMap>) {
         *self.resolved.lock().unwrap_or_else(PoisonError::into_inner) = resolved;
     }
@@ -91,7 +91,7 @@ impl Candidates {
         self.live.get(target)
     }
 
-    /// Forgets what was drawn to an image that is about to be destroyed: the GPU is done with passes that draw to it.
+    /// Forgets candidates of an image that is about to be destroyed: the GPU is done with passes that draw to it.
     pub fn forget(&self, image: ImageKey) {
         drop(self.live.remove_where(|target, _| target.image == image));
     }

@@ -1,4 +1,4 @@
-//! What this half offers to the OpenXR half; see [`crate::link`].
+//! The functions of this half for the OpenXR half; see [`crate::link`].
 
 use super::armed::Armed;
 use super::frame::Log;

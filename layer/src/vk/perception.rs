@@ -1,4 +1,4 @@
-//! Rates by what the pictures show: their contrast stays on the GPU, and so does what follows from it.
+//! Rates by the content of pictures: their contrast stays on the GPU, and so do the decisions from it.
 //!
 //! At xrEndFrame the finished pictures are analysed ([`Perception::analyze`]), on the queue of the session; ahead of the next
 //! submit with a pass of the scene on that queue the rates of the tiles are decided, and laid over the maps of its passes
@@ -25,14 +25,14 @@ use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tools::Tools;
 
-/// What a device knows of the pictures, and decides by it.
+/// Contrast of the pictures of a device, and the decisions by it.
 #[derive(Default)]
 pub struct Perception {
     tools: Mutex<Made>,
     state: Mutex<State>,
 }
 
-/// Contrast that is older than so many plans, of which a frame has two at most, is not of what the application draws now.
+/// Contrast that is older than so many plans, of which a frame has two at most, is not of the pictures that the application draws now.
 const LONGEST_PLANS: u64 = 60;
 
 /// The kernels, compiled once they are needed.
@@ -54,7 +54,7 @@ struct State {
     pictures: Pictures,
     /// How many pictures were analysed.
     analyzed: u64,
-    /// What was decided last: number of the plan, and of the last analysis.
+    /// The last decision: number of the plan, and of the last analysis.
     decided: Option<(u64, u64)>,
     /// The last reason that was logged why nothing is decided.
     logged: Option<&'static str>,
@@ -114,8 +114,8 @@ impl Perception {
         }
     }
 
-    /// What is to be decided ahead of a submit to `queue` that draws the scene; nothing where all is as it was decided last, or where it
-    /// cannot be decided there.
+    /// The decision ahead of a submit to `queue` that draws the scene; `None` where all is as it was decided last, or where it cannot be
+    /// decided there.
     pub fn deciding(&self, frame: &Frame, queue: vk::Queue) -> Option<Deciding> {
         let state = self.state();
         let (_, own_queue) = state.queue?;
@@ -144,7 +144,7 @@ impl Perception {
         (!eyes.is_empty()).then_some(Deciding { eyes, of })
     }
 
-    /// Records a decision, ahead of what is laid from it.
+    /// Records a decision, ahead of the maps that are resolved from it.
     ///
     /// # Safety
     ///
@@ -173,8 +173,8 @@ impl Perception {
         self.state().decided = Some(deciding.of);
     }
 
-    /// The tiles of both eyes whose rates are decided on the GPU, for what is submitted to `queue`; nothing where the plan's own
-    /// rates hold. An eye without tiles shares the other's.
+    /// The tiles of both eyes whose rates are decided on the GPU, for submits to `queue`; `None` where the plan's own rates hold. An eye
+    /// without tiles shares the other's.
     fn decided_tiles(&self, frame: &Frame, queue: vk::Queue) -> Option<[Option<Arc<EyeTiles>>; 2]> {
         let state = self.state();
         if state.queue.map(|(_, queue)| queue) != Some(queue) || state.decided.is_none() {
@@ -257,7 +257,7 @@ impl Perception {
         state.analyzed += u64::from(measured.is_some());
     }
 
-    /// The queue of a session, which may draw and compute, and what is submitted to it.
+    /// The queue of a session, which may draw and compute, and its ring.
     ///
     /// # Safety
     ///
@@ -280,7 +280,7 @@ impl Perception {
         Some((queue, own.ring(queue, id[0])))
     }
 
-    /// What is known of an eye with so many tiles and pixels; of others nothing is any more.
+    /// The state of an eye with so many tiles and pixels; that of other sizes is forgotten.
     fn eye(&self, tools: &Tools, eye: usize, tiles: [u32; 2], extent: [u32; 2]) -> Option<Arc<EyeTiles>> {
         let is_it = |known: &&Eye| known.tiles.view.tiles() == tiles && known.tiles.levels.extent() == extent;
         if let Some(known) = self.state().eyes[eye].as_ref().filter(is_it) {

@@ -61,8 +61,8 @@ impl PreSubmitRing {
         Self { family, slots: Mutex::default() }
     }
 
-    /// Submits what `record` records, of which `kept` has to live until it has finished, if there is room; never waits. Whether
-    /// that was done.
+    /// Submits the commands of `record`, of which `kept` has to live until they have finished, if there is room; never waits. Whether that
+    /// was done.
     ///
     /// # Safety
     ///
@@ -115,7 +115,7 @@ impl PreSubmitRing {
         done
     }
 
-    /// Back with their memory, so that a steady frame asks for none; behind them what another thread has made meanwhile.
+    /// Back with their memory, so that a steady frame asks for none; behind them the slots that another thread has made meanwhile.
     fn put_back(&self, mut slots: Vec<Slot>) {
         let mut kept = self.lock();
         std::mem::swap(&mut *kept, &mut slots);

@@ -168,7 +168,7 @@ impl Timing {
         lock(&self.frames).take(under_way, self.clock.get()?.step_ns)
     }
 
-    /// Reads what is there.
+    /// Reads the available timestamps.
     pub fn read(&self) {
         if lock(&self.unread).is_empty() {
             return;

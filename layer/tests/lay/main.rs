@@ -56,7 +56,7 @@ fn part(eyes: Eyes, layer: u32, rect: [f32; 4], orientation: Orientation) -> Par
     Part { eyes, layer, rect, orientation }
 }
 
-/// What is drawn, and the two eyes.
+/// The drawn parts, and the two eyes.
 struct Case {
     parts: Vec<Part>,
     image: RateImage,

@@ -19,7 +19,7 @@ pub struct Plan {
     scratch: Scratch,
 }
 
-/// What the rates of an eye's tiles are to be decided by, on the GPU.
+/// The parameters of the GPU's decision on the rates of an eye's tiles.
 #[derive(Clone, Copy, Debug)]
 pub struct Decision {
     /// As long as no contrast is known.
@@ -33,7 +33,7 @@ pub struct Decision {
 }
 
 impl Decision {
-    /// What is decided by: `judged`, if contrast counts, as `measured` makes it, else the other; with all coarsening that came together.
+    /// The parameters: `judged`, if contrast counts, as `measured` makes it, else the other; with all coarsening that came together.
     pub fn params(&self, measured: impl FnOnce(DecideParams) -> Option<DecideParams>) -> DecideParams {
         let params = self.judged.and_then(measured).unwrap_or(self.fixed);
         DecideParams { coarsening: self.coarsening, ..params }
@@ -51,7 +51,7 @@ impl Plan {
         self.received
     }
 
-    /// What the rates of an eye are to be decided by; nothing where they are those of the plan.
+    /// The parameters of the decision on the rates of an eye; `None` where its rates are those of the plan.
     pub fn decision(&self, eye: usize) -> Option<&Decision> {
         self.decisions[eye].as_ref()
     }
@@ -99,12 +99,12 @@ impl Plan {
         self.stale().iter().any(|stale| !stale.is_empty())
     }
 
-    /// Whether any tile that is not stale is coarser than 1x1, or may be, by what is decided on the GPU.
+    /// Whether any tile that is not stale is coarser than 1x1, or may be by a decision of the GPU.
     pub fn coarsens(&self) -> bool {
         self.decisions.iter().any(Option::is_some) || self.eyes.iter().any(EyeMap::coarsens)
     }
 
-    /// Lays the plan over what a pass draws; `texels` becomes the content of `image`.
+    /// Resolves the plan over the picture of a pass; `texels` becomes the content of `image`.
     pub fn resolve(&mut self, parts: &[Part], image: &RateImage, rates: &DeviceRates, texels: &mut Vec<u8>) {
         texels.resize(image.len(), 0);
         let [left, right] = &self.eyes;
@@ -116,7 +116,7 @@ impl Plan {
 }
 
 impl Decision {
-    /// That of a record, with what may have become coarser before.
+    /// That of a record, with the coarsening that may have come before.
     fn of(record: &EyeMapRecord, coarsening: u32) -> Option<Self> {
         let [x, y, z, w] = record.orientation;
         let decision = Self {

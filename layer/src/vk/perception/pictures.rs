@@ -38,14 +38,14 @@ struct Known {
 }
 
 impl Pictures {
-    /// What analyses a picture into these tiles, if it was made before.
+    /// The analysis of a picture into these tiles, if it was made before.
     pub fn find(&self, record: &PictureRecord, tiles: &Arc<EyeTiles>) -> Option<Arc<AnalyzeTarget>> {
         let key = PictureKey::of(record);
         let known = self.known.iter().find(|known| known.key == key && Arc::ptr_eq(&known.tiles, tiles));
         known.map(|known| Arc::clone(&known.target))
     }
 
-    /// Keeps what analyses a picture.
+    /// Keeps the analysis of a picture.
     pub fn keep(
         &mut self,
         record: &PictureRecord,

@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Of the plans of both eyes: size of the picture and of a tile, pixels, and columns and rows of tiles.
 type Shapes = [[[u32; 2]; 3]; 2];
 
-/// What a candidate's map is laid with, as long as its passes draw the same.
+/// The objects that resolve a candidate's map, as long as its passes draw the same.
 pub struct ResolvedMap {
     parts: SmallVec<[Part; 4]>,
     image: RateImage,
@@ -30,10 +30,10 @@ pub struct ResolvedMap {
     targets: Option<Targets>,
 }
 
-/// What is written for a map.
+/// The written buffers of a map.
 struct Targets {
     texels: Arc<LayTarget>,
-    /// Of a mask, what is made of those.
+    /// Of a mask, the target that is written from those.
     mask: Option<Arc<MaskTarget>>,
 }
 
@@ -41,15 +41,15 @@ struct Targets {
 pub struct MapTarget<'a> {
     /// The queue that it is submitted to.
     pub queue: vk::Queue,
-    /// What the passes draw.
+    /// The parts that the passes draw.
     pub parts: &'a [Part],
     /// The map.
     pub image: &'a RateImage,
-    /// Whether what is stale is left out.
+    /// Whether stale tiles are left out.
     pub leaves_out: bool,
 }
 
-/// What was recorded.
+/// The recorded writes.
 pub enum Written {
     /// The texels are in this buffer, to be copied.
     Texels(vk::Buffer),
@@ -87,7 +87,7 @@ impl ResolvedMap {
     }
 }
 
-/// What lays a map; nothing where an eye that it shows has tiles and none of them are decided.
+/// The targets that resolve a map; `None` where an eye that it shows has tiles and none of them are decided.
 fn targets(
     (frame, rates): (&Frame, &DeviceRates),
     tools: &Tools,
@@ -116,8 +116,8 @@ fn targets(
 }
 
 impl Perception {
-    /// Records that a candidate's map is laid from what was decided last; nothing is recorded where the plan's own rates hold.
-    /// `laid` is what was made for it before, and is made anew where that is for something else.
+    /// Records the resolve of a candidate's map from the last decision; nothing is recorded where the plan's own rates hold. `laid` is what
+    /// was made for it before, and is made anew where that is for something else.
     ///
     /// # Safety
     ///

@@ -1,4 +1,4 @@
-//! What is bound for compute, so that it can be bound again after work of ours between the application's commands.
+//! Bound compute state, so that it can be bound again after work of ours between the application's commands.
 //!
 //! Hooked only where there is such work: binding is frequent.
 
@@ -14,7 +14,7 @@ use ash::vk;
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::{mem, ptr};
 
-/// What a command buffer has bound for compute.
+/// The bound compute state of a command buffer.
 #[derive(Debug, Clone, Default)]
 pub struct Bound {
     pipeline: vk::Pipeline,
@@ -253,7 +253,7 @@ fn of(stages: vk::ShaderStageFlags) -> [bool; 2] {
     [vk::PipelineBindPoint::COMPUTE, vk::PipelineBindPoint::GRAPHICS].map(|known| points.contains(&known))
 }
 
-/// Hooks of commands that bind what is not kept here; the next layer's function of that name is in the table's `$field`.
+/// Hooks of commands that bind state which is not kept here; the next layer's function of that name is in the table's `$field`.
 macro_rules! binds_more {
     ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), for $points:expr;)*) => {$(
         #[doc = concat!("`", $call, "`.")]

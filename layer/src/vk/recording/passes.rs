@@ -240,7 +240,7 @@ pub unsafe fn end_tracked(buffer: &Buffer, handle: vk::CommandBuffer) {
 }
 
 impl Buffer {
-    /// What a pass draws to that may be the scene; of a depth pre-pass, what the passes that go on with its depth draw to.
+    /// The candidate of a pass; of a depth pre-pass, that of the passes that go on with its depth.
     pub(super) fn candidate(&self, pass: &Pass, attachments: &Attachments) -> Option<Arc<Candidate>> {
         let armed = &self.armed;
         let Some(depth) = attachments.are_a_prepass(&armed.objects) else {
@@ -276,7 +276,7 @@ impl Buffer {
     }
 }
 
-/// An instance of a render pass, with what it draws to by its attachments' numbers.
+/// An instance of a render pass, with its targets by their attachments' numbers.
 struct Instance {
     render_pass: Arc<RenderPass>,
     targets: SmallVec<[Option<Target>; 8]>,
@@ -307,7 +307,7 @@ impl Instance {
         Some(Self { render_pass, targets, area: info.render_area })
     }
 
-    /// What it draws to, with the layouts in which it leaves that.
+    /// Its targets, with the layouts in which it leaves them.
     fn left_in(&self) -> impl Iterator<Item = (Target, vk::ImageLayout)> {
         let attachments = self.targets.iter().zip(&self.render_pass.attachments);
         attachments.filter_map(|(target, attachment)| Some(((*target)?, attachment.final_layout)))

@@ -1,4 +1,4 @@
-//! Occlusion queries and conditional rendering: what they see depends on what is drawn.
+//! Occlusion queries and conditional rendering: their results depend on the drawn samples.
 
 use super::{Buffer, Recorded, Within, with_buffer};
 use crate::abi::guard;
@@ -30,7 +30,7 @@ pub unsafe extern "system" fn begin(
     );
 }
 
-/// Fills what waits, which must be neither counted nor left out.
+/// Records pending fills, which must be neither counted nor left out.
 ///
 /// # Safety
 ///

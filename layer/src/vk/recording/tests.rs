@@ -50,7 +50,7 @@ const LESS: PipelineFacts = PipelineFacts {
 const GREATER: PipelineFacts =
     PipelineFacts { directions: Directions { less: false, greater: true }, ..LESS };
 
-/// What draws in a pass: what is bound in it, or, where nothing is, what was bound before.
+/// Pipelines that draw in a pass: those bound in it, or, without any, the pipeline bound before.
 #[test]
 fn a_pipeline_stays_bound_from_one_pass_to_the_next() {
     let mut recorded = Recorded::default();

@@ -13,7 +13,7 @@ use ash::vk;
 use std::any::Any;
 use std::sync::Arc;
 
-/// Submits new maps of all of `outdated`, after what is to be decided, if there is room; never waits.
+/// Submits new maps of all of `outdated`, after their decision, if there is room; never waits.
 ///
 /// # Safety
 ///
@@ -34,8 +34,8 @@ pub unsafe fn submit(
     ring.with_slot(own, is_urgent, |slot| unsafe { fill(slot, armed, own, queue, outdated, deciding) });
 }
 
-/// Records what is to be decided, then for each candidate its map: laid on the GPU from what was decided there, or else by the plan into
-/// the slot's staging memory and copied; and submits that.
+/// Records the decision, then for each candidate its map: resolved on the GPU from that decision, or else by the plan into the slot's
+/// staging memory and copied; and submits all of it.
 ///
 /// # Safety
 ///
@@ -130,5 +130,5 @@ unsafe fn fill(
     }
 }
 
-/// Staged maps begin at multiples of this: a multiple of what copies of any format ask for.
+/// Staged maps begin at multiples of this, which copies of any format accept.
 const ALIGNMENT: usize = 16;

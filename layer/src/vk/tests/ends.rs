@@ -1,4 +1,4 @@
-//! What goes when a swapchain or a device ends.
+//! State that goes when a swapchain or a device ends.
 
 use super::*;
 use crate::backend::{MapSize, RateMap, Upload};

@@ -3,7 +3,7 @@
 use super::fake::{pipelines, rates};
 use super::*;
 
-/// What two pipelines become, what reached the driver, and whether dynamic rendering still gets attachments.
+/// The outcome of two pipelines, the calls that reached the driver, and whether dynamic rendering still gets attachments.
 fn created(amended: vk::Result, plain: vk::Result) -> (vk::Result, [u64; 2], Vec<String>, bool) {
     with_device(|device| {
         pipelines::answer(amended, plain);

@@ -4,7 +4,7 @@ use super::fake::{self, rates};
 use super::*;
 use crate::link::BACKEND_RATE_ATTACHMENT;
 
-/// What a device had enabled: its extensions, and its rate features.
+/// The enabled extensions of a device, and its rate features.
 struct Created {
     extensions: Vec<String>,
     features: [u32; 3],

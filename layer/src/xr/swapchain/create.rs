@@ -90,7 +90,7 @@ pub unsafe extern "system" fn create(
     )
 }
 
-/// What the runtime's images are asked to be usable for, where the application draws to them itself, if that is more than what it asks.
+/// The usage of the runtime's images, where the application draws to them itself; `None` if that is the application's own.
 fn more_usage(
     active: &Active,
     config: &Config,

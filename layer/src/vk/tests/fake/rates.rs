@@ -1,4 +1,4 @@
-//! What the stand-in says of shading rates, and whether it lets them be enabled.
+//! The stand-in's shading rates, and whether it lets them be enabled.
 
 use super::types;
 use ash::vk::{self, TaggedStructure};
