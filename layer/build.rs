@@ -84,7 +84,7 @@ fn build(uniforms: &[Declared]) -> Result<(), String> {
     Ok(())
 }
 
-/// Shaders that are compiled once more: the stem, what the name of the other one ends in, and the constant that is true there.
+/// Shaders that are compiled once more: the stem, the ending of the second name, and the constant that is true there.
 const VARIANTS: [(&str, &str, &str); 1] = [("compose", "gpu", "PIXELS_READ_PARAMETERS")];
 
 /// FNV-1a, 64 bits.

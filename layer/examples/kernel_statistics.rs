@@ -1,4 +1,4 @@
-//! What the first Vulkan device's compiler says of our kernels (`VK_KHR_pipeline_executable_properties`), a line of JSON for each
+//! Statistics of our kernels from the first Vulkan device's compiler (`VK_KHR_pipeline_executable_properties`), a line of JSON for each
 //! compiled stage: `cargo dev drivers --kernels` reads it.
 
 #![allow(clippy::unwrap_used, reason = "a failed step ends the program")]
@@ -176,7 +176,7 @@ unsafe extern "system" fn graphics(
     }
 }
 
-/// Prints what the compiler says of a pipeline with these stages.
+/// Prints the compiler's statistics of a pipeline with these stages.
 ///
 /// # Safety
 /// The stages are valid, and the pipeline is live.

@@ -1,5 +1,5 @@
-//! What the parts of a mask cost on the first Vulkan device, in process CPU time, which on lavapipe is what the device
-//! does too: the figures of `tests/baselines/mask.md`.
+//! The cost of the parts of a mask on the first Vulkan device, in process CPU time, which on lavapipe includes the device's: the figures of
+//! `tests/baselines/mask.md`.
 //!
 //! `cargo run -p parafovea-layer --example mask_cost`
 

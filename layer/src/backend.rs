@@ -1,10 +1,10 @@
-//! What makes passes coarser on a device: a backend, and what it keeps for each candidate.
+//! Backends, which make passes coarser on a device, and their maps of candidates.
 
 pub(crate) mod attachment;
 pub mod mask;
 
 use crate::kernels::mask::MaskOutput;
-use crate::link::OfferRecord;
+use crate::link::CapabilitiesRecord;
 use crate::pass_detection::{How, Part, Pass};
 use crate::rate_map::RateImage;
 use crate::vk::objects::Image;
@@ -12,10 +12,10 @@ use ash::vk;
 use std::any::Any;
 use std::sync::Arc;
 
-/// What makes passes coarser on a device.
+/// A means of a device to make passes coarser.
 pub trait Backend: Send + Sync {
-    /// What it can do; the plan is made for it.
-    fn offer(&self) -> OfferRecord;
+    /// Its capabilities; the plan is made for them.
+    fn capabilities(&self) -> CapabilitiesRecord;
 
     /// The map of the passes that draw to the same colour target as `pass`, whose image is `image`; nothing where they
     /// cannot be made coarser. Made once for a target, when the first command buffer draws to it.
@@ -41,24 +41,24 @@ pub trait RateMap: Any + Send + Sync {
     /// A pass that draws to its target is submitted in a frame of this number, which is the scene for this reason, or is not.
     fn noted(&self, _scene: Option<How>, _frame: u64) {}
 
-    /// Whether its passes leave out what is stale; else they shade it as coarsely as can be.
+    /// Whether its passes leave out stale tiles; else they shade them as coarsely as can be.
     fn leaves_out(&self) -> bool {
         false
     }
 
-    /// What becomes of texels that were laid on the GPU; nothing where they have to be staged.
-    fn laying(&self) -> Option<Laying> {
+    /// The form of texels that were resolved on the GPU; `None` where they have to be staged.
+    fn form(&self) -> Option<MapForm> {
         None
     }
 
-    /// Writes what is copied to the GPU, from the texels of all layers, row by row (`ShadingRate::texel`, and `STALE` only
-    /// where [`Self::leaves_out`] holds), which were laid into `image` for the pictures that `parts` say.
+    /// Writes the staged bytes of the map, from the texels of all layers, row by row (`ShadingRate::texel`, and `STALE` only where
+    /// [`Self::leaves_out`] holds), which were resolved into `image` for the pictures of `parts`.
     fn stage(&self, _parts: &[Part], _image: &RateImage, texels: &[u8], staging: &mut [u8]) {
         staging.copy_from_slice(texels);
     }
 
-    /// Records that the map gets what [`Self::stage`] wrote, with the barriers against earlier and later passes on this
-    /// queue. The first upload finds what the map was created as.
+    /// Records the copy of the bytes of [`Self::stage`] to the map, with the barriers against earlier and later passes on this queue. The
+    /// first upload finds what the map was created as.
     ///
     /// # Safety
     ///
@@ -67,8 +67,8 @@ pub trait RateMap: Any + Send + Sync {
     unsafe fn record_upload(&self, upload: Upload);
 }
 
-/// What becomes of texels that were laid on the GPU.
-pub enum Laying {
+/// The form in which a map takes texels that were resolved on the GPU.
+pub enum MapForm {
     /// [`RateMap::record_upload`] takes them as they are.
     Texels,
     /// The kernel `mask` makes this of them.
@@ -78,9 +78,9 @@ pub enum Laying {
 /// Where a map is uploaded from.
 #[derive(Debug, Clone, Copy)]
 pub struct Upload {
-    /// What is recorded into.
+    /// The command buffer that is recorded.
     pub commands: vk::CommandBuffer,
-    /// What [`RateMap::stage`] wrote to.
+    /// The buffer that [`RateMap::stage`] wrote to.
     pub staging: vk::Buffer,
     /// Where in it, a multiple of 16.
     pub offset: vk::DeviceSize,

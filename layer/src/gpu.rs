@@ -77,7 +77,7 @@ pub struct Gpu {
     commands: Mutex<Option<CommandRing>>,
     /// Nothing where there is no queue to submit to.
     shared: Option<Arc<Shared>>,
-    /// What its pipelines are compiled with; nothing for those that are made without a cache.
+    /// The compilation of its pipelines; empty for those that are made without a cache.
     compilation: OnceLock<Arc<Compilation>>,
     abandoned: AtomicBool,
 }
@@ -230,12 +230,12 @@ impl Gpu {
         }
     }
 
-    /// What is shared on the device.
+    /// The shared objects of the device.
     pub(crate) fn shared(&self) -> Result<&Arc<Shared>, GpuError> {
         self.shared.as_ref().ok_or(GpuError::Invalid("pipelines without a queue"))
     }
 
-    /// Says what its pipelines are compiled with.
+    /// Has its pipelines compiled so.
     pub(crate) fn compile_with(&self, compilation: &Arc<Compilation>) {
         let _ = self.compilation.set(Arc::clone(compilation));
     }
@@ -319,7 +319,7 @@ impl Gpu {
         commands.as_ref().is_some_and(|ring| ring.is_finished(&self.device, submit))
     }
 
-    /// After a wait that failed, what the GPU still uses is unknown.
+    /// After a failed wait, the objects in use on the GPU are unknown.
     fn abandon_if_stuck<T>(&self, result: Result<T, GpuError>) -> Result<T, GpuError> {
         if let Err(GpuError::Timeout | GpuError::Call { result: vk::Result::ERROR_DEVICE_LOST, .. }) = result
         {
@@ -385,7 +385,7 @@ impl Gpu {
         )
     }
 
-    /// Whether what is drawn to images of this format can be blended with what is there.
+    /// Whether draws to images of this format can be blended with their content.
     pub(crate) fn can_blend(&self, format: vk::Format) -> bool {
         self.has_features(format, vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND)
     }

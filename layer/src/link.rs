@@ -8,9 +8,9 @@
 mod records;
 
 pub use records::{
-    AwaitedPlan, BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, DecisionRecord,
-    EyeMapRecord, FrameReportRecord, FrameStart, FrameTimeRecord, MOST_FRAME_TIMES, NO_EYE, NO_IMAGE,
-    OfferRecord, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord,
+    AwaitedPlan, BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, CapabilitiesRecord,
+    DecisionRecord, EyeMapRecord, FrameReportRecord, FrameStart, FrameTimeRecord, MOST_FRAME_TIMES, NO_EYE,
+    NO_IMAGE, PictureRecord, PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord,
     StaleRecord, SwapchainRecord,
 };
 
@@ -53,7 +53,7 @@ pub struct LinkTable {
     /// application's. Sections nest.
     pub runtime_section: unsafe extern "C" fn(enter: u32),
     /// Writes the abilities of the device's backend, which never change, to `record`; returns 1, or 0 when the device is not armed.
-    pub offer: unsafe extern "C" fn(device: vk::Device, record: *mut OfferRecord) -> u32,
+    pub capabilities: unsafe extern "C" fn(device: vk::Device, record: *mut CapabilitiesRecord) -> u32,
     /// Tells the images of a swapchain, or that they are about to be destroyed.
     pub swapchain: unsafe extern "C" fn(device: vk::Device, record: *const SwapchainRecord),
     /// Starts a frame with the settings and the plan that are new in it; not called in frames without any.

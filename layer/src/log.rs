@@ -34,7 +34,7 @@ pub fn start() {
         };
         // Fails where this process has a subscriber already: a test that links us as a Rust library.
         let _ =
-            tracing::subscriber::set_global_default(Log { file: Mutex::new(file), told: Mutex::default() });
+            tracing::subscriber::set_global_default(Log { file: Mutex::new(file), logged: Mutex::default() });
     });
 }
 
@@ -58,19 +58,19 @@ fn max_level() -> LevelFilter {
 /// Writes events to the file; spans are not used in this library.
 struct Log {
     file: Mutex<BoundedFile>,
-    told: Mutex<Told>,
+    logged: Mutex<LoggedTexts>,
 }
 
-/// Warnings and errors in the file: a failure in every frame is told once.
+/// Warnings and errors in the file: a failure in every frame is logged once.
 #[derive(Default)]
-struct Told(Vec<u64>);
+struct LoggedTexts(Vec<u64>);
 
-impl Told {
-    /// So many are remembered; those after them are told every time.
+impl LoggedTexts {
+    /// So many are remembered; those after them are logged every time.
     const MOST: usize = 256;
 
-    /// Whether a text was not told before.
-    fn is_news(&mut self, text: &str) -> bool {
+    /// Whether a text was not logged before.
+    fn is_new(&mut self, text: &str) -> bool {
         let mut hasher = DefaultHasher::new();
         text.hash(&mut hasher);
         let hash = hasher.finish();
@@ -100,7 +100,7 @@ impl Subscriber for Log {
         event.record(&mut line);
         let is_warning = *event.metadata().level() <= Level::WARN;
         let text = line.0.get(start..).unwrap_or_default();
-        if is_warning && !self.told.lock().unwrap_or_else(PoisonError::into_inner).is_news(text) {
+        if is_warning && !self.logged.lock().unwrap_or_else(PoisonError::into_inner).is_new(text) {
             return;
         }
         self.file.lock().unwrap_or_else(PoisonError::into_inner).append(&line.finish());
@@ -153,16 +153,16 @@ mod tests {
 
     #[test]
     fn a_text_is_told_once() {
-        let mut told = Told::default();
+        let mut logged = LoggedTexts::default();
         assert_eq!(
-            ["a", "b", "a", "b", "c"].map(|text| told.is_news(text)),
+            ["a", "b", "a", "b", "c"].map(|text| logged.is_new(text)),
             [true, true, false, false, true]
         );
-        for number in 0..2 * Told::MOST {
-            told.is_news(&number.to_string());
+        for number in 0..2 * LoggedTexts::MOST {
+            logged.is_new(&number.to_string());
         }
-        assert_eq!(told.0.len(), Told::MOST);
-        assert!(!told.is_news("a"));
+        assert_eq!(logged.0.len(), LoggedTexts::MOST);
+        assert!(!logged.is_new("a"));
     }
 
     #[test]

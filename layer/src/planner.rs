@@ -1,20 +1,20 @@
-//! From what the OpenXR half sees of views and eyes to the plan: which rates the Vulkan half gets, and where colour stays.
+//! From views and gaze of the OpenXR half to the plan: the rates of the Vulkan half, and the regions that keep their colour.
 //!
 //! Pure: gaze, views and times come from [`crate::xr`]. What stays as it is allocates nothing, and gives the same plan.
 
 mod benefit;
+mod capabilities;
 mod frame_rate;
-mod handed;
-mod offer;
 mod seen;
 mod signal;
-mod told;
+mod status;
+mod uploaded_plan;
 mod views;
 mod watched;
 
 pub use benefit::{Benefit, Clock, EndedFrame};
-pub use offer::Offer;
-pub use seen::Seen;
+pub use capabilities::Capabilities;
+pub use seen::DebugOverlay;
 
 pub use views::{ShownView, View, Views, head_of};
 pub use watched::Watched;
@@ -24,7 +24,6 @@ use crate::inputs::gaze::Look;
 use crate::link::PlanRecord;
 use frame_rate::FrameRate;
 use glam::{Quat, Vec3};
-use handed::Handed;
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::{GateMode, Techniques};
@@ -33,7 +32,8 @@ use parafovea_core::geometry;
 use parafovea_core::plan::{PlanInput, PlanSettings, Planner, SafetySettings, tile_of};
 use parafovea_core::reuse::StaleTiles;
 use signal::Signal;
-use told::LastLook;
+use status::LastLook;
+use uploaded_plan::UploadedPlan;
 
 /// A display time that is earlier than the one before by less than this belongs to another thread that is behind; by more,
 /// the runtime's clock has started anew.
@@ -45,14 +45,14 @@ const LONGEST_REUSE_NS: i64 = 50_000_000;
 
 /// Plans the frames of one session.
 pub struct Planning {
-    /// What is known of the views.
+    /// The views of the eyes.
     pub views: Views,
-    offer: Offer,
+    capabilities: Capabilities,
     gaze_settings: GazeSettings,
     gaze: GazeTracker,
     /// The newest turn of the head in a space that rests in the world, and its display time, nanoseconds.
     head: Option<(i64, Quat)>,
-    /// What is heard, as far as it can be relied on.
+    /// The sound, as far as it can be relied on.
     audio: Option<AudioFeatures>,
     frame_rate: FrameRate,
     frame: u64,
@@ -64,24 +64,24 @@ pub struct Planning {
     last: Option<Last>,
     /// How the views of the newest plan are turned in the world.
     orientations: [Quat; 2],
-    handed: Handed,
-    /// What is in the maps that are handed over.
+    uploaded: UploadedPlan,
+    /// The techniques in the uploaded maps.
     techniques: Techniques<bool>,
     /// Whether the gates keep every technique off, with no trial under way or due.
     are_resting: bool,
-    /// Whether each eye's picture of the frame before this one, and what that was made of, is kept.
+    /// Whether each eye's picture of the frame before this one, with its sources, is kept.
     has_history: [bool; 2],
     /// The same of this frame.
     keeps_history: [bool; 2],
-    /// When this frame is shown, by what xrWaitFrame said.
+    /// The display time of this frame, from xrWaitFrame.
     begun_ns: Option<i64>,
-    /// What the tracker was not believed for, each of [`Rejection::ALL`].
+    /// Reasons for which the tracker was not believed, each of [`Rejection::ALL`].
     rejected: [bool; Rejection::ALL.len()],
     last_look: LastLook,
     signal: Signal,
 }
 
-/// When the newest plan was made, and of what.
+/// The time of the newest plan, and its inputs.
 #[derive(Clone, Copy, Debug)]
 struct Last {
     time_ns: i64,
@@ -90,17 +90,17 @@ struct Last {
 
 impl Default for Planning {
     fn default() -> Self {
-        Self::new(Offer::default())
+        Self::new(Capabilities::default())
     }
 }
 
 impl Planning {
     /// Begins without views or gaze, for a device's rates.
-    pub fn new(offer: Offer) -> Self {
+    pub fn new(capabilities: Capabilities) -> Self {
         let gaze_settings = GazeSettings::default();
         Self {
             views: Views::default(),
-            offer,
+            capabilities,
             gaze_settings,
             gaze: GazeTracker::new(gaze_settings),
             head: None,
@@ -112,7 +112,7 @@ impl Planning {
             was_idle: false,
             last: None,
             orientations: [Quat::IDENTITY; 2],
-            handed: Handed::default(),
+            uploaded: UploadedPlan::default(),
             techniques: Techniques { rates: true, reuse: true },
             are_resting: false,
             has_history: [false; 2],
@@ -137,7 +137,7 @@ impl Planning {
         self.frame_rate.frame_at(time_ns);
     }
 
-    /// What the maps shall have, of that which is planned: what the other half is told from now on.
+    /// Sets the techniques of the uploaded maps, of all that is planned: the other half gets them from now on.
     ///
     /// Neither technique, and no use for costs of frames, means that the gates rest: maps that nobody gets are not planned. Costs are asked
     /// for from the beginning of a trial on, whose first stretch is without the technique: rates become coarse within it.
@@ -153,16 +153,14 @@ impl Planning {
         self.are_resting && may_try && self.has_maps(config) && !self.has_work(config, can_attenuate)
     }
 
-    /// The frame that is under way ends with a picture of an eye that is kept, whatever of it is stale with what that is
-    /// made of: the next frame need not render all of it. What is not said of a frame, of whatever reason, is not so, and
-    /// then the next frame renders everything: another swapchain, rectangle or field of view, several projection layers, a
-    /// picture that could not be composed, no picture.
+    /// The frame that is under way ends with a picture of an eye that is kept, with the sources of its stale tiles: the next frame need not
+    /// render all of it. What is not said of a frame, of whatever reason, is not so, and then the next frame renders everything: another
+    /// swapchain, rectangle or field of view, several projection layers, a picture that could not be composed, no picture.
     pub fn history_kept(&mut self, eye: usize) {
         self.keeps_history[eye] = true;
     }
 
-    /// Whether there is anything to plan: rates that the device has, or what is stale, or, where `can_attenuate`, chroma and what is
-    /// shown of plans.
+    /// Whether there is anything to plan: rates that the device has, or stale tiles, or, where `can_attenuate`, chroma and views of plans.
     pub fn has_work(&self, config: &Config, can_attenuate: bool) -> bool {
         let is_shown = can_attenuate && debug_view(config).is_some();
         (self.has_maps(config) && !self.are_resting)
@@ -173,12 +171,12 @@ impl Planning {
     /// A frame goes by without a plan.
     pub fn idle(&mut self) {
         self.planner = None;
-        self.handed.forget();
+        self.uploaded.forget();
         self.was_idle = self.views.are_known();
     }
 
-    /// Takes what the eye tracker says of the eyes at `time_ns`, while the head is turned so. Says why it is not believed, once
-    /// for each reason; eyes that are not tracked are none.
+    /// Takes the answer of the eye tracker for `time_ns`, while the head is turned so. Says why it is not believed, once for each reason;
+    /// eyes that are not tracked are none.
     pub fn look(&mut self, config: &Config, look: Look, head: Quat, time_ns: i64) -> Option<Rejection> {
         let settings = gaze_settings(config);
         if settings != self.gaze_settings {
@@ -200,7 +198,7 @@ impl Planning {
         self.head.filter(|(known_ns, _)| *known_ns == time_ns).map(|(_, head)| head)
     }
 
-    /// Hands the filter what the source says; why it is not believed, where the source itself stands by it.
+    /// Hands the answer of the source to the filter; the reason for a rejection, where the source itself stands by it.
     fn follow(&mut self, look: Look, time_ns: i64) -> Option<Rejection> {
         let sample = match look {
             Look::NoTracker => {
@@ -216,7 +214,7 @@ impl Planning {
         self.gaze.rejection().filter(|rejection| *rejection != Rejection::NotTracked)
     }
 
-    /// Takes what is heard now, as far as it can be relied on.
+    /// Takes the sound of now, as far as it can be relied on.
     pub fn listen(&mut self, heard: Option<AudioFeatures>) {
         self.audio = heard;
     }
@@ -283,7 +281,7 @@ impl Planning {
         }
     }
 
-    /// What the eyes do at `time_ns`.
+    /// The phase of the gaze at `time_ns`.
     pub fn phase(&self, config: &Config, time_ns: i64) -> GazePhase {
         match config.gaze.source {
             GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => {
@@ -295,7 +293,7 @@ impl Planning {
 
     /// Whether a CPU renders, whose time is known.
     pub fn renders_on_cpu(&self) -> bool {
-        self.offer.is_cpu()
+        self.capabilities.is_cpu()
     }
 
     /// Whether this frame has a plan.
@@ -307,19 +305,19 @@ impl Planning {
     /// What the record points to is valid until the next call of a method that changes anything.
     pub fn new_rates(&mut self, config: &Config, serial: impl FnOnce() -> u64) -> Option<PlanRecord> {
         let Some(planner) = self.planner.as_ref().filter(|_| self.has_maps(config)) else {
-            self.handed.forget();
+            self.uploaded.forget();
             return None;
         };
         let orientations = self.gpu_decides().then_some(self.orientations);
         let plan = planner.newest();
-        self.handed
+        self.uploaded
             .update(&plan.eyes, self.techniques, orientations, plan.frame)
-            .then(|| self.handed.record(serial()))
+            .then(|| self.uploaded.record(serial()))
     }
 
     /// The stale tiles of an eye in the maps that were handed over last.
     pub fn stale(&self, eye: usize, tiles: &mut StaleTiles) {
-        self.handed.stale(eye, tiles);
+        self.uploaded.stale(eye, tiles);
     }
 
     /// Where an eye keeps colour by the newest plan, in the space of the head.
@@ -337,7 +335,7 @@ impl Planning {
 
     /// Whether plans have maps of rates or stale tiles: the configuration wants some, and the device can have them.
     pub fn has_maps(&self, config: &Config) -> bool {
-        wants_maps(config) && !self.offer.rates().is_empty()
+        wants_maps(config) && !self.capabilities.rates().is_empty()
     }
 
     fn chroma(&self, config: &Config, can_attenuate: bool) -> Option<ChromaSettings> {
@@ -348,8 +346,8 @@ impl Planning {
         let extent = self.views.eyes().map_or([0; 2], |[left, right]| {
             [0, 1].map(|axis: usize| left.extent[axis].max(right.extent[axis]))
         });
-        let tile = tile_of(self.offer.texel(), extent);
-        let settings = plan_settings(config, self.offer.rates(), tile, self.offer.is_cpu());
+        let tile = tile_of(self.capabilities.texel(), extent);
+        let settings = plan_settings(config, self.capabilities.rates(), tile, self.capabilities.is_cpu());
         let safety = match config.gaze.source {
             GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => settings.safety,
             // Nothing moves: there is no change that could be seen, and every frame has the same rings.

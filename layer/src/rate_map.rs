@@ -13,7 +13,7 @@ mod table;
 
 pub use eye_map::EyeMap;
 pub use rates::{DeviceRates, refine_fresh};
-pub use table::lay_table;
+pub use table::rate_map_table;
 
 use crate::pass_detection::{Eyes, Orientation, Part};
 use layout::Layouts;
@@ -29,7 +29,7 @@ pub struct RateImage {
     pub texel: [u32; 2],
     /// Columns and rows of texels.
     pub tiles: [u32; 2],
-    /// Array layers: 1 serves all layers of the pass, and holds what is finest of them.
+    /// Array layers: 1 serves all layers of the pass, and holds the finest rate of them.
     pub layers: u32,
 }
 
@@ -62,7 +62,7 @@ pub struct Scratch {
 ///
 /// Texels with a pixel of the render area that no part covers, and those outside of the area, are 1x1. `out` has
 /// [`RateImage::len`] bytes; what is more is 1x1, and of what is less the rest is left out.
-pub fn lay(
+pub fn resolve(
     eyes: [&EyeMap; 2],
     parts: &[Part],
     image: &RateImage,
@@ -79,17 +79,17 @@ pub fn lay(
     }
     for (layer, texels) in (0u32..).zip(out[..covered].chunks_exact_mut(len)) {
         let on_layer = |part: &&Part| image.layers == 1 || part.layer == layer;
-        let places = parts.iter().filter(on_layer).map(|part| Place::new(part, image)).collect();
+        let places = parts.iter().filter(on_layer).map(|part| PartRect::new(part, image)).collect();
         lay_layer(eyes, &places, image, rates, scratch, texels);
     }
 }
 
 /// The parts of a layer.
-type Places = SmallVec<[Place; 8]>;
+type PartRects = SmallVec<[PartRect; 8]>;
 
 fn lay_layer(
     eyes: [&EyeMap; 2],
-    places: &Places,
+    places: &PartRects,
     image: &RateImage,
     rates: &DeviceRates,
     scratch: &mut Scratch,
@@ -120,7 +120,7 @@ fn maps(eyes: [&EyeMap; 2], of: Eyes) -> impl Iterator<Item = &EyeMap> {
 /// The plan's own texels, where they need no change.
 fn identity<'a>(
     eyes: [&'a EyeMap; 2],
-    places: &Places,
+    places: &PartRects,
     image: &RateImage,
     rates: &DeviceRates,
 ) -> Option<&'a [u8]> {
@@ -143,7 +143,7 @@ fn identity<'a>(
 
 /// A part in pixels: first and end on each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Place {
+struct PartRect {
     eyes: Eyes,
     orientation: Orientation,
     axes: [(i64, i64); 2],
@@ -152,7 +152,7 @@ struct Place {
 /// Beyond so many render areas from its corner nothing is told apart.
 const FAR: f32 = 64.0;
 
-impl Place {
+impl PartRect {
     fn new(part: &Part, image: &RateImage) -> Self {
         let [x, y, width, height] = image.area;
         let axis = |offset: u32, size: u32, first: f32, extent: f32| {
@@ -191,7 +191,7 @@ fn area(image: &RateImage, axis: usize) -> (i64, i64) {
 }
 
 /// Whether some pixel of a texel is in the render area, and each of those is in a part.
-fn is_covered(places: &[Place], image: &RateImage, tile: [u32; 2]) -> bool {
+fn is_covered(places: &[PartRect], image: &RateImage, tile: [u32; 2]) -> bool {
     let pixels = [0, 1].map(|axis| {
         let first = i64::from(tile[axis]) * i64::from(image.texel[axis]);
         let (area, area_end) = area(image, axis);
@@ -201,7 +201,7 @@ fn is_covered(places: &[Place], image: &RateImage, tile: [u32; 2]) -> bool {
 }
 
 /// Whether all of some pixels are in a part: those that the first part leaves, at most four rectangles, in the others.
-fn are_covered(places: &[Place], [x, y]: [(i64, i64); 2]) -> bool {
+fn are_covered(places: &[PartRect], [x, y]: [(i64, i64); 2]) -> bool {
     if x.0 >= x.1 || y.0 >= y.1 {
         return true;
     }

@@ -1,4 +1,4 @@
-//! Live objects of one kind, found by what identifies them: OpenXR handles, Vulkan dispatch keys.
+//! Live objects of one kind, found by their identifiers: OpenXR handles, Vulkan dispatch keys.
 
 use smallvec::SmallVec;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
@@ -38,7 +38,7 @@ impl<K: PartialEq, T> Registry<K, T> {
         self.read().iter().find(|(known, _)| *known == key).map(|(_, object)| Arc::clone(object))
     }
 
-    /// What `choose` makes of the first live object of which it makes anything.
+    /// The value of `choose` for the first live object with one.
     pub fn find_map<R>(&self, choose: impl Fn(&Arc<T>) -> Option<R>) -> Option<R> {
         self.read().iter().find_map(|(_, object)| choose(object))
     }

@@ -3,23 +3,23 @@
 //! A thread of ours writes the file. The application's thread hands it plain numbers, when it is asked to: that allocates nothing
 //! and waits for nobody. Of gaze and sound it is only told where they come from and whether they are there.
 
+mod applied_rates;
 mod decisions;
-mod moment;
-mod obeyed;
 mod quiet;
 mod signal;
+mod snapshot;
 mod unseen;
 
 pub use decisions::{
     Decision, Topic, all as all_decisions, count as decision_count, decided, decision,
     take_over as take_over_decision,
 };
-pub use moment::{GateMoment, Moment};
 pub use quiet::Quiet;
 pub use signal::SignalQuality;
+pub use snapshot::{GateStatus, StatusSnapshot};
 pub use unseen::{Known, why_unseen};
 
-use obeyed::Obeyed;
+use applied_rates::AppliedRates;
 use parafovea_manifest::paths::Environment;
 use parafovea_manifest::status::{EVERY_S, Settings, Status, StatusFile};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,17 +31,17 @@ use std::time::Duration;
 const ASKED_BEFORE: Duration = Duration::from_millis(100);
 
 /// Tells of one session until it is dropped.
-pub struct Telling(Arc<Shared>);
+pub struct StatusReporter(Arc<Shared>);
 
 struct Shared {
     /// Gone when the session ends.
     file: Mutex<Option<StatusFile>>,
-    moment: Mutex<Moment>,
+    snapshot: Mutex<StatusSnapshot>,
     settings: Mutex<Arc<Settings>>,
     is_asked: AtomicBool,
 }
 
-impl Telling {
+impl StatusReporter {
     /// Begins to tell of a session; `known` has the parts that do not change. `None` where there is no place for it, which is logged unless
     /// nobody chose one.
     pub fn begin(environment: &Environment, known: Status, settings: Arc<Settings>) -> Option<Self> {
@@ -50,15 +50,15 @@ impl Telling {
             .ok()??;
         let shared = Arc::new(Shared {
             file: Mutex::new(Some(file)),
-            moment: Mutex::default(),
+            snapshot: Mutex::default(),
             settings: Mutex::new(settings),
             is_asked: AtomicBool::new(true),
         });
         let theirs = shared.clone();
         let tell = move || {
-            let (mut status, mut obeyed) = (known, Obeyed::default());
+            let (mut status, mut applied) = (known, AppliedRates::default());
             while theirs.write(&mut status) {
-                if let Some(line) = obeyed.news(&status) {
+                if let Some(line) = applied.line(&status) {
                     tracing::info!("{line}");
                 }
                 sleep(Duration::from_secs(EVERY_S) - ASKED_BEFORE);
@@ -82,18 +82,18 @@ impl Telling {
     }
 
     /// Takes the newest status; in the rare case that the last is being written, it is not taken.
-    pub fn tell(&self, moment: Moment, settings: Arc<Settings>) {
+    pub fn report(&self, snapshot: StatusSnapshot, settings: Arc<Settings>) {
         if let Ok(mut told) = self.0.settings.try_lock() {
             *told = settings;
         }
-        if let Ok(mut told) = self.0.moment.try_lock() {
-            *told = moment;
+        if let Ok(mut told) = self.0.snapshot.try_lock() {
+            *told = snapshot;
             self.0.is_asked.store(false, Ordering::Relaxed);
         }
     }
 }
 
-impl Drop for Telling {
+impl Drop for StatusReporter {
     fn drop(&mut self) {
         // The file goes with it: the application may end before the thread looks again.
         let file = self.0.file.lock().unwrap_or_else(PoisonError::into_inner).take();
@@ -104,9 +104,9 @@ impl Drop for Telling {
 impl Shared {
     /// Writes the file; false when the session has ended.
     fn write(&self, status: &mut Status) -> bool {
-        let moment = *self.moment.lock().unwrap_or_else(PoisonError::into_inner);
-        moment.write_to(status);
-        status.decisions = decisions::all().iter().map(Decision::told).collect();
+        let snapshot = *self.snapshot.lock().unwrap_or_else(PoisonError::into_inner);
+        snapshot.write_to(status);
+        status.decisions = decisions::all().iter().map(Decision::status).collect();
         status.settings = self.settings.lock().unwrap_or_else(PoisonError::into_inner).as_ref().clone();
         let file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         match &*file {
@@ -129,11 +129,12 @@ mod tests {
         let environment =
             Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| runtime.path().into()));
         let known = Status { pid: 7, application: "game".to_owned(), ..Status::default() };
-        let telling = Telling::begin(&environment, known, Arc::default()).unwrap();
-        assert!(telling.is_asked());
+        let reporter = StatusReporter::begin(&environment, known, Arc::default()).unwrap();
+        assert!(reporter.is_asked());
         let settings = Settings { file: "/a.toml".to_owned(), has_error: false };
-        telling.tell(Moment { frames: 5, ..Moment::default() }, Arc::new(settings.clone()));
-        assert!(!telling.is_asked());
+        reporter
+            .report(StatusSnapshot { frames: 5, ..StatusSnapshot::default() }, Arc::new(settings.clone()));
+        assert!(!reporter.is_asked());
         let read = || read_all(&environment, SystemTime::now()).unwrap().0;
         let frames = || read().first().map_or(0, |found| found.status.frames);
         while frames() < 5 {
@@ -141,12 +142,12 @@ mod tests {
         }
         assert_eq!(read()[0].status.application, "game");
         assert_eq!(read()[0].status.settings, settings);
-        drop(telling);
+        drop(reporter);
         assert_eq!(read(), []);
     }
 
     #[test]
-    fn without_a_place_nothing_is_told() {
-        assert!(Telling::begin(&Environment::default(), Status::default(), Arc::default()).is_none());
+    fn without_a_place_nothing_is_status() {
+        assert!(StatusReporter::begin(&Environment::default(), Status::default(), Arc::default()).is_none());
     }
 }

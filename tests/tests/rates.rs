@@ -43,7 +43,7 @@ fn check(application: &Application) {
     let reference = finish(run.clone());
     for profile in ShadingRateProfile::ALL {
         let over = finish(run.clone().shading_rates(profile).on(DROPPED));
-        assert!(over.log.contains("rate attachments: Offer"), "{}", over.log);
+        assert!(over.log.contains("rate attachments: RateCapabilities"), "{}", over.log);
         // The test layer copies each map before its pass, and leaves it in a layout for everything.
         let is_copy_of_map = |found: &Message| found.text.contains(COPY_OF_MAP);
         let mut new = over.findings.beyond(&reference.findings);

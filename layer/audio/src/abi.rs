@@ -21,7 +21,7 @@ static TABLE: CaptureTable = CaptureTable {
     stop,
 };
 
-/// What the layer asks this library for.
+/// The layer's request to this library.
 #[unsafe(no_mangle)]
 extern "C" fn parafovea_audio_get_table() -> *const CaptureTable {
     &raw const TABLE

@@ -1,4 +1,4 @@
-//! One capture: its threads, and what they found.
+//! One capture: its threads, and their findings.
 
 use crate::settings::Settings;
 use crate::shared::Shared;
@@ -12,14 +12,14 @@ use std::thread::Builder;
 /// Listens from when it is made until it is dropped.
 pub struct Capture(Arc<Shared>);
 
-/// What is heard.
+/// Features of the captured sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heard {
     /// Counts sets of features, from 1.
     pub serial: u64,
     /// How long ago the last sample that counts was heard, nanoseconds.
     pub age_ns: u64,
-    /// What it was.
+    /// The features.
     pub features: AudioFeatures,
     /// How much of the last seconds was heard as it was played, 0..=1.
     pub confidence: f32,

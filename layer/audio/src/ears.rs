@@ -6,7 +6,7 @@ use crate::shared::{Begun, Shared};
 use parafovea_core::audio::{AudioFeatures, Continuity, FeatureExtractor, FormatError, INTERVAL_S};
 use std::time::Duration;
 
-/// How often the ring is emptied: what a sound waits in it at most.
+/// How often the ring is emptied: the longest wait of a sound in it.
 const PERIOD: Duration = Duration::from_millis(20);
 
 /// Hears until the capture ends.
@@ -30,7 +30,7 @@ pub fn run(shared: &Shared) {
     }
 }
 
-/// What is known of a stream.
+/// Facts of a stream.
 struct Stream {
     begun: Begun,
     extractor: FeatureExtractor,
@@ -71,7 +71,7 @@ impl Stream {
         })
     }
 
-    /// Hears what waits in the ring.
+    /// Takes the sound that waits in the ring.
     fn hear(&mut self, shared: &Shared, serial: &mut u64) {
         let is_muted = shared.is_muted();
         if is_muted != self.was_muted {
@@ -103,7 +103,7 @@ impl Stream {
         });
     }
 
-    /// Begins anew with the same stream: what was heard before a pause is not what is heard after it.
+    /// Begins anew with the same stream: sound from before a pause does not belong to the sound after it.
     fn forget(&mut self, shared: &Shared) {
         let format = self.begun.format;
         let settings = &shared.settings.features;

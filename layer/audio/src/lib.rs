@@ -1,4 +1,4 @@
-//! Hears what the system plays: loudness and pitch of the last seconds, for the layer.
+//! Captures the system's sound: loudness and pitch of the last seconds, for the layer.
 //!
 //! A shared library of its own, so that ALSA's library is not in every game: the layer loads it when sound is asked for,
 //! and finds its table ([`abi`]). A [`Capture`] has two threads. One takes samples from a [`sources`], and does nothing

@@ -1,4 +1,4 @@
-//! What people should know, a line each, for the log of whoever listens.
+//! Messages for people, a line each, for the log of the library's user.
 
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
@@ -17,7 +17,7 @@ struct Lines {
 }
 
 impl News {
-    /// Adds a line, unless it says what the last one said.
+    /// Adds a line, unless it repeats the last one.
     pub fn say(&self, line: String) {
         let mut lines = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if lines.last != line && lines.waiting.len() < MOST {

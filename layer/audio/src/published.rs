@@ -7,14 +7,14 @@ use std::sync::atomic::{AtomicU64, Ordering, fence};
 /// read them takes nanoseconds.
 const TRIES: u32 = 8;
 
-/// Features, and what they are worth.
+/// Features, and how far they can be relied on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Set {
     /// Counts sets, from 1.
     pub serial: u64,
     /// When the last sample that counts was heard, nanoseconds of the capture's clock.
     pub heard_ns: u64,
-    /// What was heard.
+    /// The features.
     pub features: AudioFeatures,
     /// How much of the last seconds was heard as it was played, 0..=1.
     pub confidence: f32,

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// How much sound fits in, milliseconds: several times as much as comes in one piece.
 const LENGTH_MS: u64 = 500;
 
-/// What a stream's samples are.
+/// The format of a stream's samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Format {
     /// Frames a second.

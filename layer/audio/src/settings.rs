@@ -1,12 +1,12 @@
-//! What shall be heard.
+//! Settings of a capture.
 
 use parafovea_core::audio::AudioSettings;
 use std::path::PathBuf;
 
-/// What shall be heard, and how it is summed up.
+/// The sound to capture, and its summary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// What is listened to.
+    /// The source of the sound.
     pub source: Source,
     /// How it is summed up.
     pub features: AudioSettings,
@@ -14,10 +14,10 @@ pub struct Settings {
     pub interval_s: f32,
 }
 
-/// What is listened to.
+/// A source of sound.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// What the system plays.
+    /// The system's sound.
     System,
     /// A WAV file, over and over, as fast as it would be played.
     File(PathBuf),

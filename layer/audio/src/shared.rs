@@ -1,4 +1,4 @@
-//! What the threads of a capture share.
+//! State shared by the threads of a capture.
 
 use crate::news::News;
 use crate::published::Published;
@@ -11,13 +11,13 @@ use std::time::{Duration, Instant};
 /// How soon a thread notices that it shall end.
 const NOTICE: Duration = Duration::from_millis(50);
 
-/// What the threads of a capture share.
+/// State shared by the threads of a capture.
 pub struct Shared {
-    /// What shall be heard.
+    /// The sound to capture.
     pub settings: Settings,
-    /// What is heard.
+    /// The captured sound.
     pub published: Published,
-    /// What people should know.
+    /// Messages for people.
     pub news: News,
     start: Instant,
     is_stopped: AtomicBool,
@@ -71,7 +71,7 @@ impl Shared {
         }
     }
 
-    /// Whether nobody can hear what is played, whatever that is.
+    /// Sets whether nobody can hear the sound, whatever it is.
     pub fn set_muted(&self, is_muted: bool) {
         self.is_muted.store(is_muted, Ordering::Relaxed);
     }

@@ -22,7 +22,7 @@ pub enum WavError {
     /// It cannot be read, or is no WAV file.
     #[error(transparent)]
     File(#[from] hound::Error),
-    /// Its header asks for what nothing plays.
+    /// Its header asks for an unknown format.
     #[error(transparent)]
     Format(#[from] FormatError),
     /// It has no frame.
@@ -48,7 +48,7 @@ impl<R: Read + Seek> Wav<R> {
         Ok(Self { file, format, frames, position: 0 })
     }
 
-    /// What its samples are.
+    /// The format of its samples.
     pub fn format(&self) -> Format {
         self.format
     }

@@ -1,4 +1,4 @@
-//! What the kernels of rates by contrast, and of colour, cost beside a pass that copies the picture: `cargo dev bench kernels [--json]`.
+//! The cost of the kernels of rates by contrast, and of colour, beside a pass that copies the picture: `cargo dev bench kernels [--json]`.
 //!
 //! CPU time of the process, which on lavapipe is that of the device too; the kernels take turns, and medians are shown. All are
 //! of one view. `analyze` and `decide` are recorded several times in one submit, which in a frame is the application's own, and no part
@@ -141,7 +141,7 @@ fn rgba8(side: u32) -> Vec<u8> {
     plane.texels().iter().flat_map(bytes).collect()
 }
 
-/// What is to be decided: sound is heard, and contrast counts.
+/// The parameters of a decision: sound is heard, and contrast counts.
 fn decision(side: u32, frame: u64) -> DecideParams {
     let settings =
         PlanSettings { rates: RateSettings::AudioVisual(AudioVisual::default()), ..PlanSettings::default() };
@@ -174,12 +174,12 @@ fn decision(side: u32, frame: u64) -> DecideParams {
     params
 }
 
-/// CPU time of the process until what was recorded, so many times, has run: milliseconds each.
+/// CPU time of the process until the recorded commands, so many times, have run: milliseconds each.
 fn cpu_ms(vulkan: &Vulkan, times: u32, record: impl Fn(vk::CommandBuffer)) -> f64 {
     cpu_ms_of(vulkan, times, || vulkan.run(|commands| (0..times).for_each(|_| record(commands))))
 }
 
-/// The same for what submits by itself, so many times.
+/// The same for functions that submit by themselves, so many times.
 fn cpu_ms_of(vulkan: &Vulkan, times: u32, submit: impl FnOnce()) -> f64 {
     let before = process_cpu_ns();
     submit();

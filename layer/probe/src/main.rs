@@ -1,6 +1,6 @@
-//! What `parafovea doctor` asks Vulkan and OpenXR, in a process of its own, which may hang or crash: `parafovea-probe layers`,
+//! The questions of `parafovea doctor` to Vulkan and OpenXR, in a process of its own, which may hang or crash: `parafovea-probe layers`,
 //! `vulkan`, `devices` or `openxr` prints one line of JSON, a member of `parafovea_manifest::doctor::Probed`, or on standard error one line
-//! that says why there is none.
+//! with the reason why there is none.
 
 mod created_devices;
 mod openxr_runtime;

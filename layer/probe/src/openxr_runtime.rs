@@ -1,4 +1,4 @@
-//! What the OpenXR loader and the active runtime say.
+//! The answers of the OpenXR loader and the active runtime.
 
 use openxr::sys;
 use openxr::{ApplicationInfo, Entry, ExtensionSet, FormFactor, Instance, SystemId, Version};

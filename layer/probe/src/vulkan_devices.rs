@@ -1,4 +1,4 @@
-//! What the Vulkan loader and the drivers say.
+//! The answers of the Vulkan loader and the drivers.
 
 use ash::khr::fragment_shading_rate;
 use ash::{Entry, Instance, vk};

@@ -23,7 +23,7 @@ pub struct Copies<'a> {
     amended_in_place: SmallVec<[Original; 1]>,
 }
 
-/// What a structure of the application's was before it was amended in place.
+/// The content of a structure of the application before it was amended in place.
 struct Original {
     structure: *mut u8,
     saved: *const u8,

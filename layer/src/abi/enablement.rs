@@ -3,8 +3,8 @@
 use std::ffi::OsStr;
 use std::fmt;
 
-/// What is known when an instance is created. That the loader called us at all is the request: its manifest
-/// is implicit and names `PARAFOVEA=1`, or somebody named the layer.
+/// The request for the layer, as an instance is created. That the loader called us at all is the request: its manifest is implicit and
+/// names `PARAFOVEA=1`, or somebody named the layer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Enablement {
     /// Wanted.

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
 
 #[cfg(debug_assertions)]
-mod planted;
+mod injected;
 
 /// The answer of the layer below to the call of a hook.
 ///
@@ -33,7 +33,7 @@ impl<R: Copy> Answer<R> {
     pub fn record(&self, result: R) -> R {
         self.result.set(Some(result));
         #[cfg(debug_assertions)]
-        planted::after(self.call);
+        injected::after(self.call);
         result
     }
 }
@@ -55,7 +55,7 @@ pub fn guard<R: Copy>(
     let answer = Answer::to(call);
     let hook = |answer: &_| {
         #[cfg(debug_assertions)]
-        planted::before(call);
+        injected::before(call);
         hook(answer)
     };
     // Unwind safety: whatever a hook may leave half done is behind a mutex or an atomic of ours, and is only
@@ -69,8 +69,8 @@ pub fn guard<R: Copy>(
     }
 }
 
-/// Runs a step of the exported function `call` that has to be tried even where its hook panicked, and whose own panic is no
-/// reason to leave out what comes after it.
+/// Runs a step of the exported function `call` that has to be tried even after a panic of its hook, and whose own panic does not skip the
+/// steps after it.
 pub fn attempt(call: &'static str, step: impl FnOnce()) {
     // Unwind safety: as in `guard`.
     if let Err(panic) = catch_unwind(AssertUnwindSafe(step)) {

@@ -5,12 +5,12 @@
 //! question of the rate images' content, and without more all of it is 1x1, which changes nothing.
 
 pub mod attach;
+pub mod capabilities;
 pub mod commands;
 pub mod create;
 pub mod framebuffer;
 pub mod image;
 pub mod memory;
-pub mod offer;
 pub mod pipeline;
 pub mod pipelines;
 pub mod render_pass;
@@ -18,7 +18,7 @@ pub mod rendering;
 pub mod shader_objects;
 
 pub use attach::Rates;
-pub use offer::NoRates;
+pub use capabilities::NoRates;
 
 use ash::vk;
 

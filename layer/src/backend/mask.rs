@@ -46,13 +46,13 @@ pub(crate) use pending::{Pending, Prepasses};
 pub(crate) use returning::{Returning, follow_graphics, follows_graphics};
 pub(crate) use target::{Ended, TargetMask};
 pub use template::DepthTemplate;
-pub use views::{lay_mask, mask_views};
+pub use views::{mask_views, resolve_mask};
 pub use way::{Returns, Way, way};
 
 use crate::backend::{Backend, RateMap};
 use crate::gpu::{AppendedLayout, Compilation, Compiler, Gpu, GpuError, Later, ReturnLayout};
 use crate::kernels::samples::{SampleKernel, SampleKind};
-use crate::link::{BACKEND_MASK, DeviceRecord, OfferRecord};
+use crate::link::{BACKEND_MASK, CapabilitiesRecord, DeviceRecord};
 use crate::pass_detection::{ImageKey, Pass, Target};
 use crate::vk::objects::Image;
 use crate::vk::shaders::ShaderModules;
@@ -83,7 +83,7 @@ pub struct Masks {
     pipelines: Table<vk::Pipeline, PipelineFacts>,
     /// Fragment shaders without pipelines.
     shader_objects: Table<vk::ShaderEXT, PipelineFacts>,
-    /// What it takes to make pipelines whose fragment shaders return early.
+    /// Code of pipelines whose fragment shaders return early.
     codes: recipe::Codes,
     sets: Table<vk::DescriptorSetLayout, layouts::SetFacts>,
     layouts: Table<vk::PipelineLayout, Arc<AppendedLayout>>,
@@ -92,7 +92,7 @@ pub struct Masks {
     returning: Table<vk::Pipeline, Arc<Returning>>,
     /// Depth images that a pass was seen to load.
     loaded: Table<ImageKey, ()>,
-    /// What depth images were last cleared to by a pass.
+    /// The depth that a pass cleared each depth image to last.
     cleared: Table<ImageKey, f32>,
     /// The colour of passes that go on with depth of several samples which an earlier pass without colour has cleared, by that depth, and how
     /// many passes of the command buffer cleared it before.
@@ -132,7 +132,7 @@ impl Masks {
         }
     }
 
-    /// What our objects are made with; nothing where a function is missing, or a queue can draw and not compute.
+    /// The device for objects of ours; `None` where a function is missing, or a queue can draw and not compute.
     fn gpu(&self) -> Option<&Arc<Gpu>> {
         let make = || {
             // SAFETY: `on`'s caller vouched for the record, and for the device until `end`.
@@ -142,7 +142,7 @@ impl Masks {
                 false => Err(GpuError::Unsupported("a queue with graphics but without compute")),
             }
         };
-        let make_or_log = || make().inspect_err(|reason| reason.tell("no masks")).ok();
+        let make_or_log = || make().inspect_err(|reason| reason.log("no masks")).ok();
         self.gpu.get_or_init(make_or_log).as_ref()
     }
 
@@ -204,12 +204,12 @@ impl Masks {
 }
 
 impl Backend for Arc<Masks> {
-    fn offer(&self) -> OfferRecord {
+    fn capabilities(&self) -> CapabilitiesRecord {
         let mut rates = [0; 16];
         for (texel, rate) in rates.iter_mut().zip(VULKAN_RATES) {
             *texel = rate.texel();
         }
-        OfferRecord {
+        CapabilitiesRecord {
             backend: BACKEND_MASK,
             texel: TEXEL,
             rate_count: VULKAN_RATES.len() as u32,

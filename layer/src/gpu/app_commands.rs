@@ -12,7 +12,7 @@ pub struct AppCommands<'a> {
     commands: vk::CommandBuffer,
 }
 
-/// What a barrier orders: stages, and the accesses in them.
+/// One side of a barrier: stages, and the accesses in them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scope {
     /// The stages.
@@ -50,7 +50,7 @@ const BUFFER_READS: Scope = Scope {
 const BUFFER_COPIES: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };
 
-/// What compute shaders do with buffers.
+/// Accesses of compute shaders to buffers.
 pub(crate) const COMPUTES: Scope = Scope {
     stages: vk::PipelineStageFlags::COMPUTE_SHADER,
     access: vk::AccessFlags::from_raw(
@@ -58,7 +58,7 @@ pub(crate) const COMPUTES: Scope = Scope {
     ),
 };
 
-/// Who uses what a compute shader has laid out for others: copies from it, and compute shaders.
+/// Readers of the results of a compute shader: copies, and compute shaders.
 pub(crate) const READS_OF_RESULTS: Scope = Scope {
     stages: vk::PipelineStageFlags::from_raw(
         vk::PipelineStageFlags::COMPUTE_SHADER.as_raw() | vk::PipelineStageFlags::TRANSFER.as_raw(),
@@ -235,7 +235,7 @@ impl<'a> AppCommands<'a> {
         }
     }
 
-    /// Draws to all layers of a depth image of ours, in a command buffer of ours: what is bound for drawing changes. In order with
+    /// Draws to all layers of a depth image of ours, in a command buffer of ours, which changes the bound graphics state. In order with
     /// copies from the image before and after.
     pub(crate) fn draw_depth(&self, target: &DepthTarget, layout: &ComputeLayout, set: &ComputeSet) {
         // SAFETY: the command buffer is being recorded outside of a render pass, as `new` demands; the set has this layout,
@@ -274,12 +274,12 @@ impl<'a> AppCommands<'a> {
         self.memory_barrier(BUFFER_COPIES, BUFFER_READS);
     }
 
-    /// Orders reading of buffers by masked passes after what compute shaders wrote to them.
+    /// Orders reads of buffers by masked passes after the writes of compute shaders.
     pub(crate) fn computes_to_reads(&self) {
         self.memory_barrier(COMPUTES, BUFFER_READS);
     }
 
-    /// Orders what compute shaders do from here on after what they have written.
+    /// Orders compute shaders from here on after the writes of earlier ones.
     pub(crate) fn computed_to_computed(&self) {
         self.memory_barrier(COMPUTES, COMPUTES);
     }

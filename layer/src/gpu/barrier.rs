@@ -102,7 +102,7 @@ pub const APP_CREATED: ImageBarrier = ImageBarrier {
     dst_access: COLOR_READ_WRITE,
 };
 
-/// What the application wrote, before we copy it.
+/// From the application's rendering to our copy of it.
 pub const APP_RENDERED_TO_COPIED: ImageBarrier = ImageBarrier {
     name: "app_rendered_to_copied",
     old_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
@@ -124,7 +124,7 @@ pub const APP_COPIED_TO_SAMPLED: ImageBarrier = ImageBarrier {
     dst_access: Access::SHADER_READ,
 };
 
-/// What the application wrote for an earlier frame, before we sample it.
+/// From the application's rendering for an earlier frame to our sampling of it.
 pub const APP_RENDERED_TO_SAMPLED: ImageBarrier = ImageBarrier {
     name: "app_rendered_to_sampled",
     old_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,
@@ -135,7 +135,7 @@ pub const APP_RENDERED_TO_SAMPLED: ImageBarrier = ImageBarrier {
     dst_access: Access::SHADER_READ,
 };
 
-/// What the application wrote, before we compare it with what it wrote for other frames.
+/// From the application's rendering to our comparison with its rendering for other frames.
 pub const APP_RENDERED_TO_COMPARED: ImageBarrier = ImageBarrier {
     name: "app_rendered_to_compared",
     old_layout: Layout::COLOR_ATTACHMENT_OPTIMAL,

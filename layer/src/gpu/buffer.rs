@@ -54,7 +54,7 @@ impl MappedBuffer {
         Ok(Self { buffer, _memory: memory, mapped, size })
     }
 
-    /// Writes at an offset, bytes, what the GPU does not read now.
+    /// Writes at an offset, bytes, where the GPU does not read now.
     fn write(&mut self, offset: u64, bytes: &[u8]) -> Result<(), GpuError> {
         if offset.checked_add(bytes.len() as u64).is_none_or(|end| end > self.size) {
             return Err(GpuError::Invalid("more parameters than fit in one submission"));
@@ -92,7 +92,7 @@ impl ResultRing {
         slot.get() as u32 * self.per_submit + at
     }
 
-    /// Reads `count` results from a place on, in place of what is in `out`. The submit that wrote them has finished, after a
+    /// Reads `count` results from a place on into `out`, in place of its content. The submit that wrote them has finished, after a
     /// [`super::Recorder::computed_to_host`].
     pub(crate) fn read(&self, place: u32, count: usize, out: &mut Vec<f32>) {
         let first = place as usize * size_of::<f32>();

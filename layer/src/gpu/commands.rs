@@ -356,7 +356,7 @@ impl Uses {
 impl Drop for Uses {
     fn drop(&mut self) {
         if let Err(error) = self.gpu.wait(*self.last.get_mut()) {
-            error.tell("images in use are destroyed with the device");
+            error.log("images in use are destroyed with the device");
         }
     }
 }

@@ -20,14 +20,14 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 use std::thread::{Builder, JoinHandle, current, sleep};
 use std::time::{Duration, Instant};
 
-/// What compiles on one device.
+/// The compiler of one device.
 pub(crate) struct Compiler {
     work: Arc<Work>,
     /// Whether each thing is made by the thread that asks for it.
     is_at_once: bool,
 }
 
-/// What the thread needs.
+/// The work of the thread.
 struct Work {
     record: DeviceRecord,
     compilation: Arc<Compilation>,
@@ -150,7 +150,7 @@ impl Drop for Compiler {
 }
 
 impl Work {
-    /// Makes what is asked for until nothing is.
+    /// Makes the requested objects until none is left.
     fn run(&self) {
         // SAFETY: `of`'s caller vouched for the record until `end`, which waits for this thread and closes the cache.
         unsafe { self.compilation.open(&self.record) };

@@ -84,7 +84,7 @@ impl ComputeLayout {
     }
 }
 
-/// What a binding is bound to; it outlives the set.
+/// The object behind a binding; it outlives the set.
 #[derive(Clone, Copy)]
 pub(crate) enum Bound {
     /// The whole of a buffer.
@@ -100,7 +100,7 @@ pub(crate) struct ComputeSet {
 }
 
 impl ComputeSet {
-    /// Over what is listed, each with its binding. Bindings that the pipeline does not use may be left out.
+    /// Over the listed objects, each with its binding. Bindings that the pipeline does not use may be left out.
     pub(crate) fn new(layout: &ComputeLayout, bound: &[(u32, Bound)]) -> Result<Self, GpuError> {
         let gpu = layout.set.gpu();
         let sizes: Vec<_> =

@@ -9,7 +9,7 @@ use ash::vk;
 use std::ffi::CStr;
 use std::sync::Arc;
 
-/// What a [`DepthTarget`] is like.
+/// Properties of a [`DepthTarget`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DepthTargetDescription {
     pub(crate) format: vk::Format,
@@ -22,7 +22,7 @@ pub(crate) struct DepthTargetDescription {
     pub(crate) drawn: f32,
 }
 
-/// The image, and what draws to it.
+/// A depth image, and the pipeline that draws to it.
 pub(crate) struct DepthTarget {
     // In the order in which each may be destroyed.
     pipeline: Owned<vk::Pipeline>,
@@ -33,8 +33,8 @@ pub(crate) struct DepthTarget {
 }
 
 impl DepthTarget {
-    /// Makes the image, whose content is undefined, and a pipeline of two entry points of a module of SPIR-V, for vertices
-    /// and for fragments, which draws what the latter does not discard.
+    /// Makes the image, whose content is undefined, and a pipeline of two entry points of a module of SPIR-V, for vertices and for
+    /// fragments, which draws all fragments but those that the latter discards.
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
         layout: &ComputeLayout,

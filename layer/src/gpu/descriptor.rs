@@ -1,5 +1,4 @@
-//! What shaders are bound to: set 0 is the parameters of a region, at dynamic offsets; set 1 is one texture,
-//! with what interpolates it.
+//! Descriptor sets of shaders: set 0 is the parameters of a region, at dynamic offsets; set 1 is one texture, with its sampler.
 
 use super::buffer::{ResultRing, WordRing};
 use super::{Gpu, GpuError, Owned, UniformRing};

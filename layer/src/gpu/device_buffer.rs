@@ -12,7 +12,7 @@ pub(crate) struct DeviceBuffer {
 }
 
 impl DeviceBuffer {
-    /// Makes a buffer of `size` bytes, at least 1, that holds what `write` writes into zeroes.
+    /// Makes a buffer of `size` bytes, at least 1, with the content that `write` writes into zeroes.
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
         usage: vk::BufferUsageFlags,

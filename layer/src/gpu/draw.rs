@@ -1,4 +1,4 @@
-//! What is drawn to: one colour attachment that keeps its content.
+//! Targets of draws: one colour attachment that keeps its content.
 
 use super::framebuffer::framebuffer;
 use super::{Gpu, GpuError, Owned, color_view};

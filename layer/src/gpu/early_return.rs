@@ -1,5 +1,5 @@
-//! What an application's pipelines need that have a test of ours in front of their fragment shader: their own layout with
-//! one more set behind, the pipeline itself, and that set.
+//! Objects of an application's pipelines with a test of ours in front of their fragment shader: their own layout with one more set behind,
+//! the pipeline itself, and that set.
 
 use super::compute::{ComputeLayout, ComputeSet};
 use super::pipeline::{graphics_pipeline, module_of_words};
@@ -37,7 +37,7 @@ pub(crate) struct AppendedLayout {
 }
 
 impl AppendedLayout {
-    /// Appends to what `info` says.
+    /// Appends to the layout of `info`.
     ///
     /// # Safety
     /// `info` is valid (valid usage of vkCreatePipelineLayout) on the device of `gpu`, which takes a set and as many buffers more.

@@ -27,7 +27,7 @@ pub enum GpuError {
     Call {
         /// The call.
         call: &'static str,
-        /// What it returned.
+        /// Its result.
         result: vk::Result,
     },
 }
@@ -38,18 +38,18 @@ impl GpuError {
         move |result| Self::Call { call, result }
     }
 
-    /// Logs what is given up because of this, each thing once: as a warning where it is the first consequence of a cause, as
-    /// information where others came before it.
-    pub(crate) fn tell(self, given_up: &str) {
-        match self.news(given_up) {
-            Some(News::Cause) => tracing::warn!("{given_up}: {self}"),
-            Some(News::Consequence) => tracing::info!("{given_up}: {self}"),
+    /// Logs the loss from this error, each loss once: as a warning where it is the first consequence of a cause, as information where
+    /// others came before it.
+    pub(crate) fn log(self, given_up: &str) {
+        match self.first_line(given_up) {
+            Some(Line::Cause) => tracing::warn!("{given_up}: {self}"),
+            Some(Line::Consequence) => tracing::info!("{given_up}: {self}"),
             None => {}
         }
     }
 
-    fn news(self, given_up: &str) -> Option<News> {
-        static TOLD: Mutex<Vec<(GpuError, Vec<String>)>> = Mutex::new(Vec::new());
+    fn first_line(self, given_up: &str) -> Option<Line> {
+        static LOGGED: Mutex<Vec<(GpuError, Vec<String>)>> = Mutex::new(Vec::new());
         let cause = match self {
             // Every call says so then.
             Self::Call { result: vk::Result::ERROR_DEVICE_LOST, .. } => {
@@ -57,26 +57,26 @@ impl GpuError {
             }
             other => other,
         };
-        let mut told = TOLD.lock().unwrap_or_else(PoisonError::into_inner);
-        let Some((_, consequences)) = told.iter_mut().find(|(known, _)| *known == cause) else {
-            told.push((cause, vec![given_up.to_owned()]));
-            // Something else was told before the device was given up.
-            return Some(if cause == Self::Abandoned { News::Consequence } else { News::Cause });
+        let mut logged = LOGGED.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some((_, consequences)) = logged.iter_mut().find(|(known, _)| *known == cause) else {
+            logged.push((cause, vec![given_up.to_owned()]));
+            // Something else was logged before the device was given up.
+            return Some(if cause == Self::Abandoned { Line::Consequence } else { Line::Cause });
         };
         if consequences.iter().any(|known| known == given_up) || consequences.len() >= MOST_CONSEQUENCES {
             return None;
         }
         consequences.push(given_up.to_owned());
-        Some(News::Consequence)
+        Some(Line::Consequence)
     }
 }
 
-/// So many are told of each cause.
+/// So many are logged of each cause.
 const MOST_CONSEQUENCES: usize = 32;
 
-/// What a log does not have yet.
+/// A line that the log does not have yet.
 #[derive(Debug, PartialEq, Eq)]
-enum News {
+enum Line {
     Cause,
     Consequence,
 }
@@ -89,21 +89,21 @@ mod tests {
     fn a_cause_is_told_once_and_so_is_each_of_its_consequences() {
         let call = |call| GpuError::Call { call, result: vk::Result::ERROR_OUT_OF_HOST_MEMORY };
         let one = call("a call of a test");
-        assert_eq!(one.news("a"), Some(News::Cause));
-        assert_eq!(one.news("b"), Some(News::Consequence));
-        assert_eq!([one.news("a"), one.news("b")], [None, None]);
-        assert_eq!(call("another call of a test").news("a"), Some(News::Cause));
-        assert_eq!(GpuError::Abandoned.news("a"), Some(News::Consequence));
+        assert_eq!(one.first_line("a"), Some(Line::Cause));
+        assert_eq!(one.first_line("b"), Some(Line::Consequence));
+        assert_eq!([one.first_line("a"), one.first_line("b")], [None, None]);
+        assert_eq!(call("another call of a test").first_line("a"), Some(Line::Cause));
+        assert_eq!(GpuError::Abandoned.first_line("a"), Some(Line::Consequence));
         for number in 0..2 * MOST_CONSEQUENCES {
-            one.news(&number.to_string());
+            one.first_line(&number.to_string());
         }
-        assert_eq!(one.news("c"), None);
+        assert_eq!(one.first_line("c"), None);
     }
 
     #[test]
     fn a_lost_device_is_told_of_once_whoever_finds_it() {
         let lost = |call| GpuError::Call { call, result: vk::Result::ERROR_DEVICE_LOST };
-        assert_eq!(lost("vkQueueSubmit").news("a"), Some(News::Cause));
-        assert_eq!(lost("vkWaitForFences").news("b"), Some(News::Consequence));
+        assert_eq!(lost("vkQueueSubmit").first_line("a"), Some(Line::Cause));
+        assert_eq!(lost("vkWaitForFences").first_line("b"), Some(Line::Consequence));
     }
 }

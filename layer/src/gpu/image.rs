@@ -4,7 +4,7 @@ use super::{Gpu, GpuError, ImagePart, Owned};
 use ash::vk;
 use std::sync::Arc;
 
-/// What an image with one mip level is like.
+/// Properties of an image with one mip level.
 pub(crate) struct ImageDescription<'a> {
     pub(crate) format: vk::Format,
     pub(crate) samples: vk::SampleCountFlags,

@@ -3,12 +3,12 @@
 use super::Gpu;
 use std::sync::Arc;
 
-/// What names a Vulkan object.
+/// The handle of a Vulkan object.
 pub(crate) trait Handle: Copy + Send + 'static {}
 
 impl<H: Copy + Send + 'static> Handle for H {}
 
-/// A Vulkan object of ours with what destroys it.
+/// A Vulkan object of ours with the function that destroys it.
 pub(crate) struct Owned<H: Handle> {
     gpu: Arc<Gpu>,
     handle: H,

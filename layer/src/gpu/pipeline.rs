@@ -22,14 +22,14 @@ impl TilePipeline {
     }
 }
 
-/// What a pipeline does with what is there.
+/// The use that a pipeline makes of the target's content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Output {
     /// Replaces colour, and leaves alpha.
     Color,
     /// Replaces colour and alpha.
     ColorAndAlpha,
-    /// Adds colour to what is there, of which a share of 1 - alpha stays; leaves alpha.
+    /// Adds colour to the content, of which a share of 1 - alpha stays; leaves alpha.
     Blended,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct TileShader {
     pub(crate) has_lists: bool,
     /// Whether sets 2 and 3 are of [`super::TextureSets`] too, else there are none.
     pub(crate) has_depth: bool,
-    /// What becomes of it.
+    /// The use of the target's content.
     pub(crate) output: Output,
 }
 

@@ -110,7 +110,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Makes what compute shaders wrote to buffers visible to the host, once the submit has finished.
+    /// Makes writes of compute shaders to buffers visible to the host, once the submit has finished.
     pub(crate) fn computed_to_host(&self) {
         let info = vk::MemoryBarrier::default()
             .src_access_mask(vk::AccessFlags::SHADER_WRITE)
@@ -131,7 +131,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// What fragment shaders read of buffers, and earlier updates of what they did not read, before updates.
+    /// From reads of buffers by fragment shaders, and earlier updates of unread parts, to updates.
     pub(crate) fn reads_to_updates(&self) {
         let updates = vk::PipelineStageFlags::TRANSFER;
         let before = vk::PipelineStageFlags::FRAGMENT_SHADER | updates;
@@ -140,7 +140,7 @@ impl<'a> Recorder<'a> {
         self.memory_barrier(before, updates, barrier);
     }
 
-    /// Updates of buffers, and what was copied to them on this queue, before fragment shaders read them.
+    /// From updates of buffers, and copies to them on this queue, to reads of fragment shaders.
     pub(crate) fn updates_to_reads(&self) {
         let (updates, reads) = (vk::PipelineStageFlags::TRANSFER, vk::PipelineStageFlags::FRAGMENT_SHADER);
         let barrier = vk::MemoryBarrier::default()
@@ -162,7 +162,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Records what `draw` draws to `target`, which is COLOR_ATTACHMENT_OPTIMAL and keeps its content.
+    /// Records the draws of `draw` to `target`, which is COLOR_ATTACHMENT_OPTIMAL and keeps its content.
     pub(crate) fn draw_to(&self, target: &ColorTarget, draw: impl FnOnce(&DrawRecorder)) {
         let info = vk::RenderPassBeginInfo::default()
             .render_pass(target.pass())
@@ -212,9 +212,9 @@ pub(crate) struct TileDraw<'a> {
     pub(crate) texture: Option<vk::DescriptorSet>,
     /// Sets 2 and 3, of a pipeline that has them; then it has a texture too.
     pub(crate) depth: Option<[vk::DescriptorSet; 2]>,
-    /// What the tiles divide, within the target.
+    /// The rectangle that the tiles divide, within the target.
     pub(crate) viewport: vk::Rect2D,
-    /// What may be written, within the target.
+    /// The rectangle that may be written, within the target.
     pub(crate) scissor: vk::Rect2D,
     /// Which instances.
     pub(crate) tiles: Range<u32>,

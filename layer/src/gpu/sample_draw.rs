@@ -27,7 +27,7 @@ pub(crate) fn is_left(state: vk::DynamicState) -> bool {
     DYNAMIC.contains(&state)
 }
 
-/// What is drawn to.
+/// The aspect that is drawn to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SampleAspect {
     /// Colour, in COLOR_ATTACHMENT_OPTIMAL.
@@ -54,7 +54,7 @@ pub(crate) struct SamplePass {
 }
 
 impl SamplePass {
-    /// Of two entry points of a module of SPIR-V, for vertices and for fragments; what the latter discards stays.
+    /// Of two entry points of a module of SPIR-V, for vertices and for fragments; discarded fragments stay.
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
         layout: &ComputeLayout,

@@ -1,4 +1,4 @@
-//! What sessions on one device share: objects that depend on no image and no queue.
+//! Shared state of sessions on one device: objects that depend on no image and no queue.
 //!
 //! Some drivers keep memory for each pipeline that was ever made, so those of a session that has ended serve the next one.
 
@@ -24,7 +24,7 @@ pub struct Shared {
     interpolating: Made<(), Owned<vk::Sampler>>,
     /// Who works with them.
     users: Mutex<Vec<Weak<Gpu>>>,
-    /// What its owners could not destroy, as the GPU may have used it, in their order.
+    /// Objects that their owners could not destroy, as the GPU may have used them, in their order.
     left: Mutex<Vec<Left>>,
     is_given_up: AtomicBool,
     has_ended: AtomicBool,
@@ -85,8 +85,8 @@ impl Shared {
         }))
     }
 
-    /// Says that the device is about to be destroyed, when the application has nothing under way on it: destroys all that is
-    /// shared, and what was left. Where somebody still works with it, nothing is destroyed, and nothing is done for them any more.
+    /// Says that the device is about to be destroyed, when the application has nothing under way on it: destroys all shared and all left
+    /// objects. Where somebody still works with it, nothing is destroyed, and nothing is done for them any more.
     pub fn end(&self) {
         self.has_ended.store(true, Ordering::Relaxed);
         self.compiler.end();
@@ -129,12 +129,12 @@ impl Shared {
         }
     }
 
-    /// What a user does not destroy any more, because the GPU may be using it, is not destroyed before the end either.
+    /// Objects that a user leaves, because the GPU may be using them, are not destroyed before the end either.
     pub(super) fn abandon(&self) {
         self.gpu.abandon();
     }
 
-    /// Has something made of what is shared. If that fails, the log says that `otherwise` holds.
+    /// Has an object made of the shared ones. If that fails, the log says that `otherwise` holds.
     pub(crate) fn ask<T: Send + Sync + 'static>(
         self: &Arc<Self>,
         otherwise: &'static str,
@@ -147,7 +147,7 @@ impl Shared {
         })
     }
 
-    /// Whether what is drawn to images of this format can be blended with what is there.
+    /// Whether draws to images of this format can be blended with their content.
     pub(crate) fn can_blend(&self, format: vk::Format) -> bool {
         self.gpu.can_blend(format)
     }
@@ -187,7 +187,7 @@ impl Shared {
     }
 }
 
-/// Objects of one kind, by what they were made from; few enough for a list.
+/// Objects of one kind, by their parameters; few enough for a list.
 struct Made<K, V>(Mutex<Vec<(K, Arc<V>)>>);
 
 impl<K, V> Default for Made<K, V> {

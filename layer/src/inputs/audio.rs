@@ -16,9 +16,9 @@ use std::time::Duration;
 /// How often it is looked for news of the library that listens.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
-/// The ears of a session.
+/// Sound input of a session.
 #[derive(Default)]
-pub struct Ears {
+pub struct AudioInput {
     listening: Option<Listening>,
     /// The last features and their number, for the file of tests.
     #[cfg(debug_assertions)]
@@ -51,10 +51,10 @@ struct Wanted {
     greatest_lufs: f32,
 }
 
-impl Ears {
+impl AudioInput {
     /// The reliable features of sound now, as configured. Neither waits nor allocates, but where
     /// the configuration changed: then a thread begins, or ends, to listen.
-    pub fn hear(&mut self, config: &Config) -> Option<AudioFeatures> {
+    pub fn poll(&mut self, config: &Config) -> Option<AudioFeatures> {
         let wanted = Wanted::of(config);
         if self.listening.as_ref().map(|listening| listening.wanted) != wanted {
             self.listening = wanted.and_then(Listening::begin);
@@ -176,9 +176,9 @@ mod tests {
         assert_eq!(Wanted::of(&config).unwrap().source, SOURCE_SYSTEM);
         config.enabled = false;
         assert_eq!(Wanted::of(&config), None);
-        let mut ears = Ears::default();
-        assert_eq!(ears.hear(&config), None);
-        assert!(ears.listening.is_none());
+        let mut audio_input = AudioInput::default();
+        assert_eq!(audio_input.poll(&config), None);
+        assert!(audio_input.listening.is_none());
     }
 
     #[test]

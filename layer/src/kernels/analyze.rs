@@ -16,10 +16,10 @@ use parafovea_core::perception::pyramid::LEVELS;
 use std::ffi::CStr;
 use std::sync::Arc;
 
-/// What a picture to be analysed must have been created with.
+/// Usage of a picture to be analysed.
 pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::SAMPLED;
 
-/// Parameters, picture, levels of the pyramid, contrast, rates, what was shown, for how long the picture has been the same.
+/// Parameters, picture, levels of the pyramid, contrast, rates, shown picture, time for which the picture has been the same.
 const BINDINGS: [vk::DescriptorType; 7] = [
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::SAMPLED_IMAGE,
@@ -39,7 +39,7 @@ const THREADS: u32 = 64;
 /// Of the image of all levels: a block of two by two texels. Any Vulkan device has it as storage image.
 const BLOCK: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
-/// What is known of the tiles of one view, on the GPU from frame to frame.
+/// Contrast and rates of the tiles of one view, on the GPU from frame to frame.
 pub struct ViewTiles {
     contrast: DeviceBuffer,
     rates: DeviceBuffer,
@@ -104,8 +104,9 @@ pub struct Analyze {
     gpu: Arc<Gpu>,
 }
 
-/// What pictures of one size are analysed in, one after the other: levels 0 to [`LEVELS`] of the pyramid, see
-/// [`parafovea_core::kernels::analyze::level_place`], in GENERAL from the first analysis on; and for how long they have been the same.
+/// Memory for the analysis of pictures of one size, one after the other: levels 0 to [`LEVELS`] of the pyramid, see
+/// [`parafovea_core::kernels::analyze::level_place`], in GENERAL from the first analysis on; and the time for which they have been the
+/// same.
 pub struct Levels {
     // In the order in which each may be destroyed.
     view: Owned<vk::ImageView>,
@@ -154,8 +155,8 @@ impl Levels {
 const SAME_BYTES: u64 = ARGUMENTS_BYTES * ENTRIES.len() as u64 + 2 * 4;
 const ARGUMENTS_BYTES: u64 = 3 * 4;
 
-/// A picture, and what its analysis works in. Several pictures that are analysed one after the other, such as the images
-/// of a swapchain, may share [`ViewTiles`] and [`Levels`].
+/// A picture, and the memory of its analysis. Several pictures that are analysed one after the other, such as the images of a swapchain,
+/// may share [`ViewTiles`] and [`Levels`].
 pub struct AnalyzeTarget {
     // In the order in which each may be destroyed.
     set: ComputeSet,
@@ -334,7 +335,7 @@ fn tile_groups(target: &AnalyzeTarget) -> [u32; 2] {
     [columns.div_ceil(THREADS), rows]
 }
 
-/// What the stages do, and how many workgroups they have.
+/// The stages' accesses, and their counts of workgroups.
 const COMPUTES_AND_ARGUMENTS: Scope = Scope {
     stages: vk::PipelineStageFlags::from_raw(
         COMPUTES.stages.as_raw() | vk::PipelineStageFlags::DRAW_INDIRECT.as_raw(),

@@ -1,4 +1,4 @@
-//! `change`: how much what tiles show differs from what earlier pictures show in the same directions.
+//! `change`: how much the content of tiles differs from earlier pictures in the same directions.
 //!
 //! Recorded with [`super::compose`], whose earlier pictures it looks at. The host reads the results some frames later, once the
 //! submit has finished: nobody waits for them.
@@ -67,7 +67,7 @@ impl Comparisons {
 pub(super) struct Change {
     comparisons: Arc<Comparisons>,
     room: Option<Room>,
-    /// What is under way, by slot.
+    /// Comparisons under way, by slot.
     pending: [Pending; SUBMITS_IN_FLIGHT],
     results: Vec<f32>,
     gpu: Arc<Gpu>,
@@ -83,7 +83,7 @@ struct Room {
     results: ResultRing,
 }
 
-/// What a submit compares.
+/// The comparisons of a submit.
 #[derive(Default)]
 struct Pending {
     /// Its number; 0: there is none, or its results were read.
@@ -108,7 +108,7 @@ impl Change {
         }
     }
 
-    /// Room for what jobs compare. What is not enough is replaced, after its last use was waited for, and what it held is lost.
+    /// Makes room for the comparisons of jobs. What is not enough is replaced, after its last use was waited for, and what it held is lost.
     ///
     /// # Errors
     /// A failed call.
@@ -145,8 +145,8 @@ impl Change {
         pending.tiles.clear();
     }
 
-    /// Records what jobs compare, after [`Self::clear`] and after all that they do besides; all images are before and after as the application left
-    /// them.
+    /// Records the comparisons of jobs, after [`Self::clear`] and after all their other work; all images are before and after as the
+    /// application left them.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] where [`Self::make_room`] has not made enough.
@@ -210,7 +210,7 @@ impl Change {
         Ok(())
     }
 
-    /// What was recorded last was submitted.
+    /// The last recording was submitted.
     pub(super) fn submitted(&mut self, slot: SlotIndex, submit: u64) {
         let pending = &mut self.pending[slot.get()];
         if let Some(room) = self.room.as_ref().filter(|_| !pending.tiles.is_empty()) {
@@ -219,8 +219,8 @@ impl Change {
         }
     }
 
-    /// Hands out what has been found since, and was not yet handed out: of each picture its view, the tiles, and how much each of
-    /// them changed. Waits for nothing.
+    /// Hands out the findings since the last call: of each picture its view, the tiles, and how much each of them changed. Waits for
+    /// nothing.
     pub(super) fn news(&mut self, mut each: impl FnMut(&View, &[u32], &[f32])) {
         let Self { room, pending, results, gpu, .. } = self;
         let Some(room) = room else { return };
@@ -241,7 +241,7 @@ impl Change {
     }
 }
 
-/// What is compared, with its job.
+/// The comparisons, each with its job.
 fn compared<'a, 'b>(
     jobs: &'b [ComposeJob<'a>],
 ) -> impl Iterator<Item = (&'b ComposeJob<'a>, &'a ChangeRegion<'a>)> {

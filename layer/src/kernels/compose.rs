@@ -46,9 +46,9 @@ pub const MAX_REUSED: usize = 8;
 pub struct ComposeRegion {
     /// The array layer.
     pub array_layer: u32,
-    /// The rectangle, in pixels; what lies outside of the image, or of the rectangle in `params`, is ignored.
+    /// The rectangle, in pixels; parts outside of the image, or of the rectangle in `params`, are ignored.
     pub rect: vk::Rect2D,
-    /// What is done there.
+    /// The processing there.
     pub params: ComposeParams,
 }
 
@@ -63,11 +63,11 @@ pub struct ComposeJob<'a> {
     pub runtime: &'a RuntimeImages,
     /// Which of those images.
     pub runtime_index: u32,
-    /// What is processed; all the rest is only copied. Where regions overlap, the last one counts.
+    /// Processed regions; all the rest is only copied. Where regions overlap, the last one counts.
     pub regions: &'a [ComposeRegion],
-    /// What is completed from earlier pictures first; such rectangles do not overlap.
+    /// Regions that are completed from earlier pictures first; such rectangles do not overlap.
     pub reuse: &'a [ReuseRegion<'a>],
-    /// What is compared with earlier pictures, for [`Compose::changes`].
+    /// Regions that are compared with earlier pictures, for [`Compose::changes`].
     pub changes: &'a [ChangeRegion<'a>],
 }
 
@@ -87,7 +87,7 @@ pub struct Compose {
     gpu: Arc<Gpu>,
 }
 
-/// What compares pictures.
+/// The comparison of pictures.
 enum Changing {
     /// Nothing was to be compared yet, or the pipelines are not there yet.
     NotYet,
@@ -132,7 +132,7 @@ impl Compose {
         shape::is_color_format(format) && self.gpu.can_compose(format)
     }
 
-    /// Asks for what drawing to this format needs, of which [`Self::attenuates`] says whether it is there.
+    /// Asks for the pipelines of draws to this format; [`Self::attenuates`] says whether they are there.
     ///
     /// # Errors
     /// [`GpuError::Invalid`] without a queue.
@@ -163,18 +163,18 @@ impl Compose {
         self.prepare_change()
     }
 
-    /// Whether colour of pictures in this format can be attenuated; asks for what that needs. Waits for nothing.
+    /// Whether colour of pictures in this format can be attenuated; asks for the pipelines. Waits for nothing.
     pub fn attenuates(&mut self, format: vk::Format) -> bool {
         self.prepared(format).is_ok_and(|pipelines| pipelines.attenuates())
     }
 
-    /// Whether pictures in this format can be completed from earlier ones; asks for what that needs. Waits for nothing.
+    /// Whether pictures in this format can be completed from earlier ones; asks for the pipelines. Waits for nothing.
     pub fn completes(&mut self, format: vk::Format) -> bool {
         self.prepare_reuse(format).is_ok()
             && self.prepared(format).is_ok_and(|pipelines| pipelines.completes())
     }
 
-    /// Takes what compares pictures, once it is there; asks for it the first time.
+    /// Takes the comparison of pictures, once it is compiled; asks for it the first time.
     fn prepare_change(&mut self) -> Result<(), GpuError> {
         if matches!(self.change, Changing::NotYet) {
             let asked = match &self.comparisons {
@@ -191,8 +191,8 @@ impl Compose {
         Ok(())
     }
 
-    /// Hands out what comparisons have found since the last call, of submits that have finished: of each picture its
-    /// [`ChangeRegion::view`], the tiles that were compared, and how much each of them changed
+    /// Hands out the findings of comparisons since the last call, of submits that have finished: of each picture its
+    /// [`ChangeRegion::view`], the compared tiles, and how much each of them changed
     /// ([`parafovea_core::kernels::change::ChangeParams::change`]). Waits for nothing.
     pub fn changes(&mut self, each: impl FnMut(&View, &[u32], &[f32])) {
         if let Changing::There(change) = &mut self.change {
@@ -267,7 +267,7 @@ impl Compose {
         Ok(())
     }
 
-    /// Room for what is compared in a submit; without, nothing is compared any more.
+    /// Makes room for the comparisons of a submit; without room, nothing is compared any more.
     fn make_room_for_changes(&mut self, jobs: &[ComposeJob]) {
         if jobs.iter().all(|job| job.changes.is_empty()) {
             return;
@@ -336,7 +336,7 @@ fn check(jobs: &[ComposeJob]) -> Result<(), GpuError> {
 }
 
 fn not_compared(error: GpuError) -> Changing {
-    error.tell("changes in the periphery are not detected");
+    error.log("changes in the periphery are not detected");
     Changing::Never
 }
 

@@ -1,4 +1,4 @@
-//! `debug_view`: what is decided, drawn over pictures that are finished otherwise, when the user asks to see it.
+//! `debug_view`: decisions, drawn over pictures that are finished otherwise, when the user asks to see them.
 //!
 //! It is a submit of its own on the session's queue: behind that of [`super::compose`] and what reads the finished pictures besides the
 //! runtime, or, where the runtime's images are the application's, before that returns one.
@@ -31,7 +31,7 @@ pub struct DebugViewJob<'a> {
     pub runtime_index: u32,
     /// The array layer.
     pub array_layer: u32,
-    /// What is drawn, if anything ([`DebugViewParams::drawn`]); [`DebugViewParams::first_word`] is set by the pass.
+    /// The drawn view, if any ([`DebugViewParams::drawn`]); [`DebugViewParams::first_word`] is set by the pass.
     pub params: DebugViewParams,
     /// The map of its tiles; nothing where that was copied to [`DebugViewPass::place`] on this queue, or none is needed.
     pub map: Option<&'a [u8]>,
@@ -49,7 +49,7 @@ pub struct DebugViewPass {
     gpu: Arc<Gpu>,
 }
 
-/// What draws a view to images of one format, some time after it was asked for.
+/// The pipeline of a view for images of one format, some time after it was asked for.
 struct Drawn {
     format: vk::Format,
     view: DebugView,
@@ -94,8 +94,7 @@ impl DebugViewPass {
         Ok((maps.buffer.handle(), eye as u64 * u64::from(maps.bytes)))
     }
 
-    /// Says that a copy of so many columns and rows to the [`Self::place`] of an eye was submitted: it ends before what is submitted
-    /// next.
+    /// Says that a copy of so many columns and rows to the [`Self::place`] of an eye was submitted: it ends before the next submit.
     pub fn copied(&mut self, eye: usize, tiles: [u32; 2]) {
         self.has_copies = true;
         if let Some(maps) = &mut self.maps {
@@ -116,7 +115,7 @@ impl DebugViewPass {
         }
     }
 
-    /// Draws over the pictures, at most [`MOST_PICTURES`], without waiting; false where what draws them is not there yet. A steady frame
+    /// Draws over the pictures, at most [`MOST_PICTURES`], without waiting; false where the pipeline is not there yet. A steady frame
     /// allocates nothing on the heap.
     ///
     /// All images are COLOR_ATTACHMENT_OPTIMAL before and after.
@@ -208,7 +207,7 @@ impl DebugViewPass {
         Ok(true)
     }
 
-    /// Whether what draws a picture is there; asks for it the first time.
+    /// Whether the pipeline of a picture is there; asks for it the first time.
     fn prepare(&mut self, job: &DebugViewJob) -> Result<bool, GpuError> {
         let format = job.runtime.shape().format;
         let Some(view) = job.params.drawn() else { return Ok(true) };

@@ -14,7 +14,7 @@ use parafovea_core::perception::csf::castle::FovealTable;
 use std::ffi::CStr;
 use std::sync::Arc;
 
-/// Parameters, contrast, the table of sensitivities, what tiles remember, rates, what is left out.
+/// Parameters, contrast, the table of sensitivities, memory of tiles, rates, left-out tiles.
 const BINDINGS: [vk::DescriptorType; 6] = [vk::DescriptorType::STORAGE_BUFFER; 6];
 
 /// Threads of a workgroup, each of which decides four tiles. The shader has the same number.
@@ -37,7 +37,7 @@ pub struct Decide {
     gpu: Arc<Gpu>,
 }
 
-/// The tiles of one view, and what they remember from frame to frame.
+/// The tiles of one view, and their memory from frame to frame.
 pub struct DecideTarget {
     // In the order in which each may be destroyed.
     set: ComputeSet,
@@ -129,6 +129,6 @@ fn stale_words([columns, rows]: [u32; 2]) -> usize {
 /// Most words in one update of a buffer (vkCmdUpdateBuffer: 65,536 bytes).
 const UPDATE_WORDS: usize = 16_384;
 
-/// How what is left out is written.
+/// The write of left-out tiles.
 const UPDATES: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };

@@ -13,7 +13,7 @@ use parafovea_core::kernels::depth::DepthParams;
 use parafovea_core::mask::DepthFormat;
 use std::sync::Arc;
 
-/// What depth must have been created with.
+/// Usage of depth.
 pub const USAGE: vk::ImageUsageFlags = super::fill::USAGE;
 
 /// Parameters, list, depth.

@@ -16,7 +16,7 @@ use parafovea_core::mask::SkipList;
 use std::ffi::CStr;
 use std::sync::Arc;
 
-/// What a picture to be filled must have been created with.
+/// Usage of a picture to be filled.
 pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::TRANSFER_SRC.as_raw() | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
 );
@@ -211,7 +211,7 @@ const READS: Scope =
 const WRITES: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };
 
-/// What the fill does with the copy.
+/// The fill's accesses to the copy.
 const FILLS: Scope = Scope {
     stages: vk::PipelineStageFlags::COMPUTE_SHADER,
     access: vk::AccessFlags::from_raw(

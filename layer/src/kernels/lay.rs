@@ -1,4 +1,4 @@
-//! `lay`: the rates that [`super::decide`] found, laid over what a pass of the application draws.
+//! `lay`: the rates of [`super::decide`], resolved over the picture of a pass of the application.
 
 pub use parafovea_core::kernels::lay::{LayParams, LayTable};
 

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Parameters, views, texels, list, template, which blocks are shaded.
 const BINDINGS: [vk::DescriptorType; 6] = [vk::DescriptorType::STORAGE_BUFFER; 6];
 
-/// Side of what one workgroup decides, blocks, and threads of one that writes bits. The shader has the same numbers.
+/// Side of the blocks that one workgroup decides, and threads of one that writes bits. The shader has the same numbers.
 const GROUP_SIDE: u32 = 8;
 const THREADS: u32 = 64;
 
@@ -58,7 +58,7 @@ pub struct MaskTarget {
     _bits: DeviceBuffer,
     _texels: Arc<LayTarget>,
     map: Arc<dyn MaskOutput>,
-    /// Of `map`, and what its words hold where blocks are shaded.
+    /// The template of `map`, and its words where blocks are shaded.
     template: vk::Buffer,
     shaded: u32,
     groups: [u32; 2],
@@ -142,7 +142,7 @@ impl MaskPass {
     }
 }
 
-/// What the kernel's writing comes after: the emptied list and template, and copies of what was there before.
+/// The accesses before the kernel's writes: the emptied list and template, and copies of earlier content.
 const WRITTEN_BEFORE: Scope = Scope {
     stages: vk::PipelineStageFlags::TRANSFER,
     access: vk::AccessFlags::from_raw(

@@ -19,7 +19,7 @@ const BINDINGS: [vk::DescriptorType; 4] = [
     vk::DescriptorType::SAMPLED_IMAGE,
 ];
 
-/// What images of several samples must have been created with.
+/// Usage of images of several samples.
 pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::TRANSFER_SRC;
 
 /// Images that one pipeline fills.
@@ -76,12 +76,12 @@ pub struct SampleFill {
     layers: u32,
 }
 
-/// What is skipped, for the GPU.
+/// Skipped blocks, for the GPU.
 #[derive(Clone, Copy)]
 pub struct Skipped {
     /// How the words are read.
     pub params: SampleParams,
-    /// The template, a storage buffer that outlives what is made with it.
+    /// The template, a storage buffer that outlives all objects that name it.
     pub words: vk::Buffer,
 }
 

@@ -4,11 +4,11 @@ use ash::vk;
 use parafovea_core::kernels::decide::DecideParams;
 use std::ffi::c_void;
 
-/// [`OfferRecord::backend`]: nothing can be made coarser on this device; the log says why.
+/// [`CapabilitiesRecord::backend`]: nothing can be made coarser on this device; the log says why.
 pub const BACKEND_NONE: u32 = 0;
-/// [`OfferRecord::backend`]: a rate attachment (`VK_KHR_fragment_shading_rate`).
+/// [`CapabilitiesRecord::backend`]: a rate attachment (`VK_KHR_fragment_shading_rate`).
 pub const BACKEND_RATE_ATTACHMENT: u32 = 1;
-/// [`OfferRecord::backend`]: a mask of skipped blocks.
+/// [`CapabilitiesRecord::backend`]: a mask of skipped blocks.
 pub const BACKEND_MASK: u32 = 2;
 /// [`SettingsRecord::backend`]: the best of them.
 pub const BACKEND_ANY: u32 = 3;
@@ -16,7 +16,7 @@ pub const BACKEND_ANY: u32 = 3;
 /// Abilities of the device's backend; the plan is made for them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OfferRecord {
+pub struct CapabilitiesRecord {
     /// `BACKEND_*`.
     pub backend: u32,
     /// Size of a tile, pixels.

@@ -1,4 +1,4 @@
-//! What submitted command buffers do to images, in submission order.
+//! Accesses of submitted command buffers to images, in submission order.
 
 use super::{SwapchainKey, Unmasked};
 use ash::vk;
@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ImageKey(pub u64);
 
-/// What recognition needs to know of an image.
+/// Properties of an image that recognition needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImageDescription {
     /// Which image.
@@ -63,7 +63,7 @@ pub struct Pass {
     pub area: [u32; 4],
     /// Multiview's mask; 0 without.
     pub view_mask: u32,
-    /// What limits what may be done to it.
+    /// Facts that limit a backend.
     pub facts: PassFacts,
     /// Why it was recorded without a mask; nothing where it has one, or where the device masks nothing.
     pub unmasked: Option<Unmasked>,
@@ -136,7 +136,7 @@ impl Reads {
     }
 }
 
-/// Facts of a pass that decide what a backend may do.
+/// Facts of a pass that limit a backend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct PassFacts {
     /// Depth is cleared at the begin (`loadOp` CLEAR).
@@ -166,11 +166,11 @@ pub struct Transfer {
     pub kind: TransferKind,
     /// Read.
     pub from: Target,
-    /// x, y, width, height in pixels, of what is read; a negative extent is mirrored (blits only).
+    /// The read rectangle: x, y, width, height in pixels; a negative extent is mirrored (blits only).
     pub from_rect: [i32; 4],
     /// Written.
     pub to: Target,
-    /// As `from_rect`, of what is written.
+    /// The written rectangle, as `from_rect`.
     pub to_rect: [i32; 4],
 }
 

@@ -1,4 +1,4 @@
-//! What recognition answers.
+//! The answer of recognition.
 
 use ash::vk;
 use smallvec::SmallVec;
@@ -7,8 +7,8 @@ use std::fmt;
 /// A pass that makes the picture of an eye, or of both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Match {
-    /// Which parts of its target show what. They may lie over each other: then each pixel is both, and what is finer
-    /// holds. What is in none of them is no eye's.
+    /// Parts of its target, and the eye that each shows. They may lie over each other: then each pixel is both, and what is finer holds.
+    /// What is in none of them is no eye's.
     pub parts: SmallVec<[Part; 4]>,
     /// How this is known.
     pub how: How,
@@ -35,7 +35,7 @@ pub enum Eyes {
     Left,
     /// The right eye's.
     Right,
-    /// One's or the other's, or both eyes': what either plan wants finer holds.
+    /// One's or the other's, or both eyes': the finer rate of both plans holds.
     Finer,
 }
 
@@ -46,14 +46,14 @@ pub enum Orientation {
     Upright,
     /// The first row is the bottom.
     UpsideDown,
-    /// Not proven: what is finer of both holds.
+    /// Not proven: the finer rate of both holds.
     Unknown,
 }
 
-/// What a match rests on, surest first.
+/// The evidence of a match, surest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum How {
-    /// A colour attachment, or what it is resolved to in the pass, is an image of an XR swapchain.
+    /// A colour attachment, or its resolve target in the pass, is an image of an XR swapchain.
     Swapchain,
     /// It is copied, blitted or resolved into one afterwards.
     Transferred,
@@ -83,7 +83,7 @@ pub enum Unmatched {
     Cube,
     /// Into a mip level other than 0.
     Level(u32),
-    /// What it draws turns up in a quad, a cylinder or the like.
+    /// Its picture turns up in a quad, a cylinder or the like.
     Flat,
     /// Into a swapchain, or a part of one, that no projection view shows.
     NotShown,

@@ -1,13 +1,13 @@
-//! Recognition: from what earlier frames did and showed, which passes are the scene, and of which eye.
+//! Recognition: from events and submissions of earlier frames, the passes that are the scene, and their eyes.
 //!
 //! What is learned is kept by image and by XR swapchain, not by frame, because the passes of a frame may be submitted
 //! before or after another frame's xrEndFrame. Images that are made anew in every frame are known by their shape and
 //! their place among the passes of that shape.
 
 mod candidate;
-mod cast;
 mod listing;
 mod memory;
+mod pass_history;
 mod placement;
 mod profile;
 mod projected;
@@ -17,10 +17,10 @@ mod trace;
 
 use super::{Event, How, ImageDescription, ImageKey, Match, Part, Pass, Shown, Unmatched};
 use crate::status::Topic;
-use cast::{Cast, Shape};
 use listing::Listing;
 use memory::Memory;
 use parafovea_manifest::options::PassRules;
+use pass_history::{PassHistory, PassSignature};
 use projected::Swapchains;
 use provenance::{Known, Provenance, Role};
 use smallvec::SmallVec;
@@ -33,7 +33,7 @@ pub struct Recognition {
     frame: u64,
     memory: Memory,
     swapchains: Swapchains,
-    cast: Cast,
+    pass_history: PassHistory,
     listing: Listing,
     provenance: Provenance,
     /// When cameras were last found that the picture comes from.
@@ -45,7 +45,7 @@ pub struct Recognition {
     rules: PassRules,
 }
 
-/// By this frame what can be recognised is; before it nothing is listed.
+/// By this frame recognition has settled; before it nothing is listed.
 const SETTLED: u64 = 5;
 
 /// So many frames after it was last seen, something that was drawn straight or shown flat is no longer held to be.
@@ -56,8 +56,8 @@ const HOLD: u64 = 120;
 const STEADY: u64 = 3;
 
 impl Recognition {
-    /// Learns from a frame: what was submitted since the last one, and what is now shown. With several sessions on a device,
-    /// each xrEndFrame is a frame of its own.
+    /// Learns from a frame: its submitted events, and its submission. With several sessions on a device, each xrEndFrame is a frame of its
+    /// own.
     ///
     /// `describe` knows the images that occur in `events`, also those that were destroyed since.
     pub fn frame(
@@ -74,17 +74,16 @@ impl Recognition {
         if !shown.views.is_empty() {
             self.memory.count_misses(self.frame);
         }
-        let mut cast = std::mem::take(&mut self.cast);
+        let mut cast = std::mem::take(&mut self.pass_history);
         let is_young = |image| self.memory.is_young(self.frame, image);
         cast.take(events, |image| self.memory.description(image), is_young);
         cast.judge(|pass, ordinal| self.by_image(pass, ordinal, |image| self.memory.description(image)));
-        self.cast = cast;
+        self.pass_history = cast;
         self.memory.forget(self.frame);
         self.swapchains.forget(self.frame);
     }
 
-    /// What `pass` is, which is about to be submitted after `earlier`, the passes and transfers since the last
-    /// [`Self::frame`].
+    /// The verdict on `pass`, which is about to be submitted after `earlier`, the passes and transfers since the last [`Self::frame`].
     ///
     /// # Errors
     ///
@@ -98,8 +97,8 @@ impl Recognition {
         let description = |image| self.memory.description(image).or_else(|| describe(image));
         let judged = match self.by_image(pass, ordinal(pass, earlier), description) {
             Err(unsettled) if self.is_young(pass, unsettled) => {
-                let shape = Shape::new(pass, description).ok_or(Unmatched::UnknownImage)?;
-                self.cast.like(&shape, earlier, description).unwrap_or(Err(unsettled))
+                let shape = PassSignature::new(pass, description).ok_or(Unmatched::UnknownImage)?;
+                self.pass_history.like(&shape, earlier, description).unwrap_or(Err(unsettled))
             }
             judged => judged,
         };
@@ -114,13 +113,13 @@ impl Recognition {
     /// The scene of which this pass without colour draws only the depth, into the same image, as far as the last frames tell.
     pub fn depth_of(&self, pass: &Pass) -> Option<&Match> {
         let depth = pass.depth.filter(|_| pass.colors.is_empty())?;
-        self.cast.scene_with_depth(depth)
+        self.pass_history.scene_with_depth(depth)
     }
 
-    /// What is new in the listing of passes: a line for each kind of pass that was not seen before, or was something else.
+    /// News in the listing of passes: a line for each kind of pass with a first or another verdict.
     pub fn news(&mut self, tell: impl FnMut(Topic, &dyn fmt::Display)) {
         if self.frame >= SETTLED {
-            self.listing.news(self.cast.last(), tell);
+            self.listing.news(self.pass_history.last(), tell);
         }
     }
 

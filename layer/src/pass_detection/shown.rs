@@ -1,4 +1,4 @@
-//! What the application submitted at xrEndFrame.
+//! The submission of the application at xrEndFrame.
 
 use super::ImageKey;
 use smallvec::SmallVec;
@@ -16,7 +16,7 @@ pub enum Eye {
     Right,
 }
 
-/// What one frame shows.
+/// The submission of one frame.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Shown {
     /// The views of projection layers, of all such layers.

@@ -9,19 +9,19 @@ use std::fmt;
 pub enum Unmasked {
     /// Rates are off, or this frame is one without.
     Off,
-    /// No earlier frame has shown that it is the scene, and what it does.
+    /// No earlier frame has shown that it is the scene, and which commands it has.
     New,
-    /// Its template is an image that was not drawn yet; what the pass shows says what that shall hold.
+    /// Its template is an image that was not drawn yet; the picture of the pass decides its content.
     Undrawn,
     /// One of its images is not known.
     Unknown,
     /// It is recorded in a secondary command buffer.
     Secondary,
-    /// What is bound for compute could not be restored after the fill.
+    /// The bound compute state could not be restored after the fill.
     ComputeState,
-    /// What is bound for drawing could not be restored after pipelines of ours.
+    /// The bound graphics state could not be restored after pipelines of ours.
     GraphicsState,
-    /// Pictures are drawn to in turn, frame by frame, as temporal filters do, which read what they drew.
+    /// Pictures are drawn to in turn, frame by frame, as by temporal filters, which read their last output.
     History,
     /// No render pass that loads depth could be made of its own: colour of one sample is resolved in it, which breaks a rule (Vulkan
     /// specification, VUID-VkSubpassDescription-pResolveAttachments-00848), or its depth has more to say than is known.
@@ -32,17 +32,17 @@ pub enum Unmasked {
     Area,
     /// Its depth is not cleared as in the frames before.
     Changes,
-    /// What it needs could not be made on the device.
+    /// An object that it needs could not be made on the device.
     Failed,
     /// There is no depth attachment: nothing that could keep fragments out.
     NoDepth,
     /// Depth is neither cleared nor loaded.
     DepthUndefined,
-    /// Several samples are loaded, and no earlier pass of the command buffer had a template in them: buffers, in which depth is covered, cannot
-    /// be copied to them (Vulkan specification, VUID-vkCmdCopyBufferToImage-dstImage-07973), and what another command buffer left may be of
-    /// another template.
+    /// Several samples are loaded, and no earlier pass of the command buffer had a template in them: buffers, in which depth is covered,
+    /// cannot be copied to them (Vulkan specification, VUID-vkCmdCopyBufferToImage-dstImage-07973), and depth from another command buffer
+    /// may hold another template.
     DepthLoaded,
-    /// Depth is loaded, and nothing tells what it was cleared to.
+    /// Depth is loaded, and its clear value is unknown.
     DepthUncleared,
     /// Depth is loaded, and shaders of the pass may read it.
     DepthReadWithin,
@@ -54,11 +54,11 @@ pub enum Unmasked {
     DepthResolved,
     /// Depth is cleared within the pass.
     DepthClearedLater,
-    /// What earlier passes left in stencil of several samples is needed: a copy of depth alone between such images is untested.
+    /// Stencil of several samples from earlier passes is needed: a copy of depth alone between such images is untested.
     StencilLoaded,
     /// Stencil is written and stored: in skipped blocks it would be as if nothing were there.
     StencilStored,
-    /// Samples are counted, or what they count decides what is drawn.
+    /// Samples are counted, or their count decides which draws are executed.
     Queried,
     /// It has shader objects, or pipelines that cannot be looked into.
     UnknownPipelines,

@@ -1,4 +1,4 @@
-//! Whether rates and re-use pay: what frames cost goes to the gates of the models, and their answer to the Vulkan half.
+//! Whether rates and re-use pay: costs of frames go to the gates of the models, and their answer to the Vulkan half.
 
 use crate::inputs::cost::{CpuCost, GpuCost, Late, OwnWork};
 use parafovea_core::gate::{Gate, GateMode, Gates, MeasuredFrame, Techniques, Verdict};
@@ -11,19 +11,19 @@ use std::fmt;
 pub struct EndedFrame {
     /// When it is shown, nanoseconds.
     pub time_ns: i64,
-    /// How it is known what it costs.
+    /// The measure of its cost.
     pub clock: Clock,
-    /// What was in the maps that the Vulkan half was told to give to what it recognises.
+    /// The techniques in the maps of recognised passes.
     pub wanted: Techniques<bool>,
     /// How many passes it gave maps to.
     pub passes: u32,
     /// A number that tells the set of passes that it recognised as an eye's picture, whether they got maps or not, from other sets; 0: none.
     pub eye_passes: u32,
-    /// What the eyes do.
+    /// The phase of the gaze.
     pub phase: GazePhase,
 }
 
-/// How it is known what a frame costs.
+/// A measure of a frame's cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
     /// A CPU renders: CPU time that the process has spent so far, nanoseconds, if that is known.
@@ -69,7 +69,7 @@ impl Benefit {
         self.gates.set_mode(mode);
     }
 
-    /// What the next frame shall have.
+    /// The techniques of the next frame.
     pub fn is_on(&self) -> Techniques<bool> {
         let Techniques { rates, reuse } = self.gates.gates();
         Techniques { rates: rates.is_on(), reuse: reuse.is_on() }
@@ -91,8 +91,7 @@ impl Benefit {
         &self.gates
     }
 
-    /// Takes a frame that ended, and what `costs` say of it and of earlier ones; returns what people should know, where the gate
-    /// changed its mind.
+    /// Takes a frame that ended, with `costs` of it and of earlier ones; returns a line for the log, where the gate changed its mind.
     pub fn frame_ended(&mut self, frame: &EndedFrame, costs: &[GpuCost]) -> Option<String> {
         let was_kept = self.is_kept();
         if !self.wants_costs() {
@@ -198,7 +197,7 @@ mod tests {
         benefit
     }
 
-    /// Runs frames of which those with rates cost `ratio` times 10 ms, and returns what was said.
+    /// Runs frames of which those with rates cost `ratio` times 10 ms, and returns the lines.
     fn run(
         benefit: &mut Benefit,
         clock: &mut (i64, u64),

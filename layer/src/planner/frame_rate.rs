@@ -1,6 +1,6 @@
 //! How many frames a second there are.
 
-/// What the average is over, nanoseconds.
+/// The window of the average, nanoseconds.
 const WINDOW_NS: f32 = 1e9;
 
 /// Frames a second, from the times at which frames are shown.

@@ -1,4 +1,4 @@
-//! What of the newest plan is shown to people.
+//! Views of the newest plan for people.
 
 use super::Planning;
 use crate::config::Config;
@@ -6,9 +6,9 @@ use glam::Vec3;
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::debug_view::{DebugView, MapShape, map_row_bytes};
 
-/// What is drawn over an eye's picture.
+/// An overlay over an eye's picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct DebugOverlay {
     /// Where the eyes are taken to look, in the view's space, of any length; all 0 where that is not known.
     pub gaze: Vec3,
     /// How the map is divided.
@@ -18,8 +18,14 @@ pub struct Seen {
 }
 
 impl Planning {
-    /// What `view` shows of an eye's newest plan; its map, if it has one, goes to `map`. Nothing without a plan.
-    pub fn seen(&self, config: &Config, eye: usize, view: DebugView, map: &mut Vec<u8>) -> Option<Seen> {
+    /// The overlay of an eye's newest plan for `view`; its map, if it has one, goes to `map`. Nothing without a plan.
+    pub fn seen(
+        &self,
+        config: &Config,
+        eye: usize,
+        view: DebugView,
+        map: &mut Vec<u8>,
+    ) -> Option<DebugOverlay> {
         map.clear();
         let plan = &self.planner.as_ref()?.newest().eyes[eye];
         let rates = self.has_maps(config) && self.techniques.rates;
@@ -45,7 +51,7 @@ impl Planning {
             _ if plan.gaze == Vec3::ZERO => Vec3::ZERO,
             _ => left + right,
         };
-        Some(Seen { gaze, shape, is_decided_on_gpu: rates && self.gpu_decides() })
+        Some(DebugOverlay { gaze, shape, is_decided_on_gpu: rates && self.gpu_decides() })
     }
 }
 

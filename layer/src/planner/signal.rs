@@ -15,7 +15,7 @@ const BLINK_NS: std::ops::RangeInclusive<i64> = 50_000_000..=500_000_000;
 /// Measures it from frame to frame. Allocates nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Signal {
-    told: SignalQuality,
+    quality: SignalQuality,
     window: Window,
     /// The newest sample and its time.
     newest: Option<(Vec3, i64)>,
@@ -35,12 +35,12 @@ struct Window {
 }
 
 impl Signal {
-    /// What is known.
+    /// The quality so far.
     pub(super) fn quality(&self) -> SignalQuality {
-        self.told
+        self.quality
     }
 
-    /// Takes what the source says for a frame that is shown at `time_ns`, and what the eyes do by that.
+    /// Takes the answer of the source for a frame that is shown at `time_ns`, and the phase of the gaze by that.
     pub(super) fn note(&mut self, look: &Look, phase: GazePhase, time_ns: i64) {
         let begun_ns = *self.window.begun_ns.get_or_insert(time_ns);
         let passed_ns = time_ns.saturating_sub(begun_ns);
@@ -56,7 +56,7 @@ impl Signal {
                 self.seen(direction, sampled_ns, phase);
                 if let Some(since_ns) = self.unseen_since_ns.take() {
                     let is_blink = BLINK_NS.contains(&time_ns.saturating_sub(since_ns));
-                    self.told.blinks += u32::from(is_blink);
+                    self.quality.blinks += u32::from(is_blink);
                 }
             }
             Look::Unseen | Look::NoTracker => {
@@ -66,7 +66,7 @@ impl Signal {
             }
         }
         let is_in_saccade = phase == GazePhase::Saccade;
-        self.told.saccades += u32::from(is_in_saccade && !self.was_in_saccade);
+        self.quality.saccades += u32::from(is_in_saccade && !self.was_in_saccade);
         self.was_in_saccade = is_in_saccade;
     }
 
@@ -95,10 +95,10 @@ impl Signal {
         if !(WINDOW_NS..2 * WINDOW_NS).contains(&passed_ns) {
             return;
         }
-        self.told.rate_hz = Some((f64::from(window.samples) * 1e9 / passed_ns as f64) as f32);
-        self.told.valid = Some(window.valid as f32 / window.frames.max(1) as f32);
+        self.quality.rate_hz = Some((f64::from(window.samples) * 1e9 / passed_ns as f64) as f32);
+        self.quality.valid = Some(window.valid as f32 / window.frames.max(1) as f32);
         let noise_deg = (window.squares_deg2 / f64::from(window.steps)).sqrt() as f32;
-        self.told.noise_deg = (window.steps > 0).then_some(noise_deg);
+        self.quality.noise_deg = (window.steps > 0).then_some(noise_deg);
     }
 }
 
@@ -109,7 +109,7 @@ mod tests {
 
     const FRAME_NS: i64 = 11_111_111;
 
-    /// So many frames of what `look` says, in a phase; the display time goes on from `frame`.
+    /// So many frames with the answers of `look`, in a phase; the display time goes on from `frame`.
     fn run(signal: &mut Signal, frames: std::ops::Range<i64>, phase: GazePhase, look: impl Fn(i64) -> Look) {
         frames.for_each(|frame| signal.note(&look(frame), phase, frame * FRAME_NS));
     }

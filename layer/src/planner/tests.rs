@@ -2,15 +2,15 @@ use super::*;
 use crate::config::{ChromaMode, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, SilenceRule};
 use crate::inputs::gaze::auto::SampleTimes;
 use crate::inputs::gaze::osc::{Heard, OscGaze, read};
-use crate::link::{BACKEND_RATE_ATTACHMENT, EyeMapRecord, OfferRecord};
+use crate::link::{BACKEND_RATE_ATTACHMENT, CapabilitiesRecord, EyeMapRecord};
 use parafovea_core::geometry::Fov;
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 
 /// 90 Hz.
 const FRAME_NS: i64 = 11_111_111;
 
-fn offer(rates: &[ShadingRate], texel: [u32; 2]) -> Offer {
-    let mut record = OfferRecord {
+fn capabilities(rates: &[ShadingRate], texel: [u32; 2]) -> Capabilities {
+    let mut record = CapabilitiesRecord {
         backend: BACKEND_RATE_ATTACHMENT,
         texel,
         rate_count: rates.len() as u32,
@@ -20,7 +20,7 @@ fn offer(rates: &[ShadingRate], texel: [u32; 2]) -> Offer {
     for (to, rate) in record.rates.iter_mut().zip(rates) {
         *to = rate.texel();
     }
-    Offer::from(&record)
+    Capabilities::from(&record)
 }
 
 /// A session with two views of 90 by 90 degrees that are canted outwards, as an application shows them.
@@ -34,16 +34,16 @@ struct Session {
 
 impl Session {
     fn new(config: Config) -> Self {
-        Self::on(offer(&VULKAN_RATES, [16, 16]), config)
+        Self::on(capabilities(&VULKAN_RATES, [16, 16]), config)
     }
 
-    /// On a device with that offer.
-    fn on(offer: Offer, mut config: Config) -> Self {
+    /// On a device with these capabilities.
+    fn on(capabilities: Capabilities, mut config: Config) -> Self {
         // Rings are known here, rates by contrast to the GPU alone.
         if config.rates.mode == RatesMode::Auto {
             config.rates.mode = RatesMode::Fixed;
         }
-        let mut planning = Planning::new(offer);
+        let mut planning = Planning::new(capabilities);
         let edge = std::f32::consts::FRAC_PI_4;
         let fov = Fov { left: -edge, right: edge, up: edge, down: -edge };
         let views = [0.1, -0.1].map(|cant| View {
@@ -243,8 +243,8 @@ fn a_blink_holds_the_map_and_a_lost_gaze_ends_in_wide_rates() {
 
 #[test]
 fn plans_have_the_tiles_and_the_rates_of_the_device() {
-    let offer = offer(&[ShadingRate::R2X2, ShadingRate::R1X1], [8, 8]);
-    let mut session = Session::on(offer, centre(Preset::Balanced));
+    let capabilities = capabilities(&[ShadingRate::R2X2, ShadingRate::R1X1], [8, 8]);
+    let mut session = Session::on(capabilities, centre(Preset::Balanced));
     session.begin();
     session.planning.plan(&session.config, true, Quat::IDENTITY, session.time_ns);
     let record = session.planning.new_rates(&session.config, || 7).unwrap();
@@ -299,7 +299,7 @@ fn contrast_and_sound_are_left_to_the_gpu() {
 fn nothing_is_planned_for_what_is_off_or_not_there() {
     let session = Session::new(Config::default());
     assert!(session.planning.has_work(&session.config, true));
-    let mut session = Session::on(Offer::default(), Config::default());
+    let mut session = Session::on(Capabilities::default(), Config::default());
     assert!(!session.planning.has_work(&session.config, true), "no backend, no chroma");
     session.config.chroma.mode = ChromaMode::Default;
     assert!(session.planning.has_work(&session.config, true));
@@ -458,7 +458,7 @@ fn only_what_is_kept_is_not_rendered_again() {
 
 #[test]
 fn the_turn_of_the_head_is_known_for_the_newest_time_alone() {
-    let mut planning = Planning::new(Offer::default());
+    let mut planning = Planning::new(Capabilities::default());
     let config = Config::default();
     assert_eq!(planning.head_at(0), None);
     let [first, second] = [0.1, 0.2].map(Quat::from_rotation_y);

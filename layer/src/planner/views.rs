@@ -8,7 +8,7 @@ use parafovea_core::gaze::NEAREST_ASSUMED_M;
 use parafovea_core::geometry::Fov;
 use parafovea_core::plan::EyeInput;
 
-/// What differs by less is the same, radians: 0.06 degrees, a pixel or so, an eighth of the hysteresis of the rings.
+/// Smaller differences count as none, radians: 0.06 degrees, a pixel or so, an eighth of the hysteresis of the rings.
 const TREMOR: f32 = 1e-3;
 
 /// The same of positions, metres: 0.05 degrees at half a metre.
@@ -32,7 +32,7 @@ pub struct View {
 /// A view of a projection layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShownView {
-    /// What it shows.
+    /// The view.
     pub view: View,
     /// Size of its picture, pixels.
     pub extent: [u32; 2],
@@ -58,7 +58,7 @@ pub struct Views {
     last_head: Option<Vec3>,
     /// How far it moved within the last frame, metres.
     moved_m: f32,
-    /// Whether what is re-used is followed by its depth.
+    /// Whether re-used tiles are followed by their depth.
     is_followed: bool,
 }
 
@@ -75,11 +75,11 @@ struct Eye {
     extent: [u32; 2],
 }
 
-/// What a projection layer showed.
+/// The field of view that a projection layer showed.
 #[derive(Clone, Copy, Debug)]
 struct ShownFov {
     fov: Fov,
-    /// What xrLocateViews had said then.
+    /// The answer of xrLocateViews then.
     located: Option<Fov>,
 }
 
@@ -91,8 +91,8 @@ impl Views {
         self.last_head = self.head;
     }
 
-    /// How far the nearest of what is shown is out of place in a picture that is a frame old, arc minutes, after the head's turn
-    /// is accounted for, as fast as the head moved from the frame before the last one to that.
+    /// How far the nearest object is out of place in a picture that is a frame old, arc minutes, after the head's turn is accounted for, as
+    /// fast as the head moved from the frame before the last one to that.
     ///
     /// Nothing where what is re-used is followed by its depth.
     pub fn drift_arcmin(&self) -> f32 {
@@ -102,7 +102,7 @@ impl Views {
         (self.moved_m / self.nearest_m()).atan().to_degrees() * 60.0
     }
 
-    /// Whether what is re-used is found by its depth, wherever the head has moved.
+    /// Whether re-used tiles are found by their depth, wherever the head has moved.
     pub fn set_followed(&mut self, is_followed: bool) {
         self.is_followed = is_followed;
     }
@@ -136,7 +136,7 @@ impl Views {
         }
     }
 
-    /// Nothing of what is shown is nearer than this, metres, where that is known: from submitted depth.
+    /// No shown object is nearer than this, metres, where that is known: from submitted depth.
     pub fn set_nearest(&mut self, nearest_m: Option<f32>) {
         self.nearest_m = nearest_m;
     }
@@ -151,7 +151,7 @@ impl Views {
         self.eyes.each_ref().map(|eye| eye.position)
     }
 
-    /// What both views show: fields of view, and how they are turned against the head. Nothing for a single one.
+    /// Both views: fields of view, and how they are turned against the head. Nothing for a single one.
     pub fn seen(&self) -> Option<[(Fov, Quat); 2]> {
         let [left, right] = self.eyes.each_ref().map(|eye| eye.fov.map(|fov| (fov, eye.orientation)));
         Some([left?, right?])
@@ -162,7 +162,7 @@ impl Views {
         self.eyes[0].fov.is_some() && self.eyes.iter().any(|eye| !eye.extent.contains(&0))
     }
 
-    /// What is to be planned; nothing before a projection layer was shown.
+    /// The inputs of the plan; `None` before a projection layer was shown.
     pub fn eyes(&self) -> Option<[EyeInput<'static>; 2]> {
         self.are_known().then(|| self.eyes.each_ref().map(Eye::input))
     }
@@ -207,7 +207,7 @@ impl Eye {
         }
     }
 
-    /// What an application shows counts more than what it was told to, as long as that does not change.
+    /// The application's submission counts more than the located views, as long as it does not change.
     fn settle(&mut self) {
         let fov = match (self.located, self.shown) {
             (Some(located), Some(shown)) if shown.located.is_some_and(|then| is_same(located, then)) => {

@@ -3,19 +3,19 @@
 use super::Planning;
 use glam::{Quat, Vec3};
 
-/// What of a picture of an eye may be re-used in later frames, so that it counts whether it changes.
+/// The part of an eye's picture that may be re-used in later frames, so that its changes count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Watched {
     orientation: Quat,
-    /// What is rendered in each frame anyhow is around these, in the view's space, ...
+    /// The part that is rendered in each frame anyhow is around these, in the view's space, ...
     centres: [Vec3; 2],
     /// ... within the angle that has this cosine.
     cosine: f32,
 }
 
 impl Planning {
-    /// What is watched in pictures of an eye, by the newest plan; nothing where that renders everything in each frame, or it is
-    /// the other eye's turn: both see most of what changes.
+    /// The watched part of pictures of an eye, by the newest plan; `None` where that renders everything in each frame, or it is the other
+    /// eye's turn: both see most of the changes.
     pub fn watched(&self, eye: usize) -> Option<Watched> {
         let plan = self.planner.as_ref()?.newest();
         if eye != eye_watched_in(plan.frame) {
@@ -31,9 +31,9 @@ impl Planning {
     }
 }
 
-/// Whose turn it is, frame by frame, over and over: no eye waits for more than two frames, and as thirteen has no
-/// divisor in common with any period of re-use, what is rendered in every so many frames has its turn in both eyes. Found by trying
-/// all for the shortest waits.
+/// The eye of each turn, frame by frame, over and over: no eye waits for more than two frames, and as thirteen has no divisor in common
+/// with any period of re-use, tiles that are rendered in every so many frames have their turn in both eyes. Found by trying all for the
+/// shortest waits.
 const TURNS: [usize; 13] = [0, 0, 1, 0, 0, 1, 0, 1, 0, 1, 0, 1, 1];
 
 fn eye_watched_in(frame: u64) -> usize {

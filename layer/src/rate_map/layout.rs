@@ -3,7 +3,7 @@
 
 use super::rates::FULL;
 use super::span::{self, Span};
-use super::{COARSEST, DeviceRates, EyeMap, Place, Places, RateImage, is_covered, maps};
+use super::{COARSEST, DeviceRates, EyeMap, PartRect, PartRects, RateImage, is_covered, maps};
 use crate::pass_detection::Orientation;
 use smallvec::SmallVec;
 use std::ops::Range;
@@ -18,7 +18,7 @@ pub(super) struct Layouts(Vec<Layout>);
 
 impl Layouts {
     /// That of a layer on which `places` show `eyes`; allocates only where it is not known.
-    pub(super) fn of(&mut self, eyes: [&EyeMap; 2], places: &Places, image: &RateImage) -> &Layout {
+    pub(super) fn of(&mut self, eyes: [&EyeMap; 2], places: &PartRects, image: &RateImage) -> &Layout {
         let shapes = eyes.map(|map| [map.extent(), map.texel(), map.tiles()]);
         let is_same =
             |layout: &Layout| layout.image == *image && layout.shapes == shapes && layout.places == *places;
@@ -37,7 +37,7 @@ impl Layouts {
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     image: RateImage,
-    places: Places,
+    places: PartRects,
     /// Of both eyes: size of the picture and of a tile, pixels, and columns and rows of tiles.
     shapes: [[[u32; 2]; 3]; 2],
     limits: SmallVec<[Limit; 4]>,
@@ -78,7 +78,7 @@ enum Row {
     Own(usize, Range<usize>),
 }
 
-/// What decides a row of texels: rows that agree in it are alike.
+/// The key of a row of texels: rows that agree in it are alike.
 #[derive(PartialEq, Eq)]
 struct RowKey {
     /// For each limit, the rows of the plan that it meets.
@@ -88,7 +88,7 @@ struct RowKey {
 }
 
 impl Layout {
-    fn new(eyes: [&EyeMap; 2], shapes: [[[u32; 2]; 3]; 2], places: &Places, image: &RateImage) -> Self {
+    fn new(eyes: [&EyeMap; 2], shapes: [[[u32; 2]; 3]; 2], places: &PartRects, image: &RateImage) -> Self {
         let mut layout = Self {
             image: *image,
             places: places.clone(),
@@ -98,7 +98,7 @@ impl Layout {
             met: Vec::new(),
             uncovered: Vec::new(),
         };
-        let mut sources: SmallVec<[(&EyeMap, &Place, bool); 8]> = SmallVec::new();
+        let mut sources: SmallVec<[(&EyeMap, &PartRect, bool); 8]> = SmallVec::new();
         for place in places {
             for map in maps(eyes, place.eyes) {
                 let flips: &[bool] = match place.orientation {

@@ -10,7 +10,7 @@ pub(super) const FULL: u8 = 0;
 /// Number of rates in unary, those that cannot be among them.
 const UNARY: usize = 16;
 
-/// What a device offers, as a table from what is permitted to what there is.
+/// The rates of a device, as a table from permitted to available rates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeviceRates {
     /// Texel of the coarsest rate that a unary rate permits.
@@ -83,7 +83,7 @@ pub(super) fn unary(rate: ShadingRate) -> u8 {
     side(rate.width()) << 2 | side(rate.height())
 }
 
-/// Tiles' bytes in the map of an eye's rates, by byte, in the forms that laying needs.
+/// Tiles' bytes in the map of an eye's rates, by byte, in the forms that the kernel needs.
 pub(super) struct TileBytes {
     /// The texel with [`STALE`]; 1x1 for a byte that is no rate.
     pub(super) texels: [u8; 256],

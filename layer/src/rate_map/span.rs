@@ -1,6 +1,6 @@
 //! Ranges of rows or columns.
 
-use super::{EyeMap, Place, RateImage, area};
+use super::{EyeMap, PartRect, RateImage, area};
 use std::ops::Range;
 
 /// Some rows or columns that follow each other.
@@ -35,7 +35,7 @@ impl Span {
 /// over `place`. Exact, in whole numbers. A plan without tiles counts as one tile at 1x1.
 pub(super) fn met(
     map: &EyeMap,
-    place: &Place,
+    place: &PartRect,
     image: &RateImage,
     axis: usize,
     index: u32,

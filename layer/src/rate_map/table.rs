@@ -1,6 +1,6 @@
 //! Which tiles each texel of a rate image meets, for where rates are laid on the GPU.
 
-use super::{EyeMap, Place, Places, RateImage, is_covered, maps, span};
+use super::{EyeMap, PartRect, PartRects, RateImage, is_covered, maps, span};
 use crate::pass_detection::{Orientation, Part};
 use parafovea_core::kernels::lay::LayTable;
 use std::ptr;
@@ -8,9 +8,9 @@ use std::ptr;
 /// Longest side in tiles that a table can name.
 const MOST_TILES: u32 = u16::MAX as u32;
 
-/// What [`super::lay`] looks up for each texel, of tiles as those of `eyes`, whose rates do not matter. Nothing where one of them that
-/// `parts` show has no tiles, or too many.
-pub fn lay_table(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage) -> Option<LayTable> {
+/// The entries that [`super::resolve`] looks up for each texel, of tiles as those of `eyes`, whose rates do not matter. Nothing where one
+/// of them that `parts` show has no tiles, or too many.
+pub fn rate_map_table(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage) -> Option<LayTable> {
     if image.texel.contains(&0) || image.is_empty() {
         return None;
     }
@@ -18,7 +18,8 @@ pub fn lay_table(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage) -> Optio
     let mut covered = Vec::with_capacity(image.len());
     for layer in 0..image.layers {
         let on_layer = |part: &&Part| image.layers == 1 || part.layer == layer;
-        let places: Places = parts.iter().filter(on_layer).map(|part| Place::new(part, image)).collect();
+        let places: PartRects =
+            parts.iter().filter(on_layer).map(|part| PartRect::new(part, image)).collect();
         for place in &places {
             for map in maps(eyes, place.eyes) {
                 if map.tiles().contains(&0) || map.tiles().iter().any(|count| *count > MOST_TILES) {
@@ -46,7 +47,7 @@ fn add(
     layer: u32,
     eye: u32,
     map: &EyeMap,
-    place: &Place,
+    place: &PartRect,
     image: &RateImage,
     flipped: bool,
 ) {

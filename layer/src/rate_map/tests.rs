@@ -26,7 +26,7 @@ fn image(area: [u32; 4], texel: [u32; 2], layers: u32) -> RateImage {
 
 fn laid(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage, rates: &DeviceRates) -> Vec<u8> {
     let mut out = vec![0xff; image.len()];
-    lay(eyes, parts, image, rates, &mut Scratch::default(), &mut out);
+    resolve(eyes, parts, image, rates, &mut Scratch::default(), &mut out);
     out
 }
 
@@ -44,7 +44,7 @@ fn at_pixel(
 ) -> ShadingRate {
     let mut finest = None;
     for part in parts.iter().filter(|part| image.layers == 1 || part.layer == layer) {
-        let axes = Place::new(part, image).axes;
+        let axes = PartRect::new(part, image).axes;
         if (0..2).any(|axis| !(axes[axis].0..axes[axis].1).contains(&i64::from(pixel[axis]))) {
             continue;
         }
@@ -85,7 +85,7 @@ fn at_pixel(
     finest.unwrap_or(ShadingRate::R1X1)
 }
 
-/// What each texel should be: the finest of its pixels within the area.
+/// The expected texels: each the finest of its pixels within the area.
 fn expected(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage) -> Vec<u8> {
     let [x, y, width, height] = image.area;
     let mut texels = Vec::new();
@@ -165,7 +165,7 @@ proptest! {
         }
     }
 
-    /// A texel is stale where all that its pixels show are, and its rate is what it is without.
+    /// A texel is stale where all its pixels are, and its rate is the same as without.
     #[test]
     fn staleness_is_combined_like_the_coarsest_rate(
         maps in prop::array::uniform2(any_map()), stale in prop::collection::vec(any::<bool>(), 600),
@@ -191,7 +191,7 @@ proptest! {
         }
     }
 
-    /// What the GPU looks up leads to the same texels.
+    /// The GPU's table leads to the same texels.
     #[test]
     fn tables_lead_to_the_same_texels(
         maps in prop::array::uniform2(any_map()), stale in prop::collection::vec(any::<bool>(), 600),
@@ -213,7 +213,7 @@ proptest! {
         if !leaves_out {
             rates.coarsen_stale(&mut expected);
         }
-        let table = lay_table(maps.each_ref(), &parts, &image).unwrap();
+        let table = rate_map_table(maps.each_ref(), &parts, &image).unwrap();
         let columns = maps.each_ref().map(|map| map.tiles()[0]);
         let params = table.params(columns, rates.available(), leaves_out);
         let eyes = maps.each_ref().map(|map| {
@@ -235,7 +235,7 @@ proptest! {
         let part = Part { rect, ..whole(Eyes::Finer, Orientation::Unknown) };
         let image = RateImage { area, texel: image_texel, tiles, layers: 2 };
         let mut out = vec![0xff; len];
-        lay([&map, &map], &[part, part], &image, &all_rates(), &mut Scratch::default(), &mut out);
+        resolve([&map, &map], &[part, part], &image, &all_rates(), &mut Scratch::default(), &mut out);
         prop_assert!(out.iter().all(|texel| ShadingRate::from_texel(*texel).is_some()));
     }
 }
@@ -265,7 +265,7 @@ fn an_eye_without_a_plan_is_at_full_rate() {
     assert_eq!(laid([&coarse, &EyeMap::default()], &[part], &image, &all_rates()), [0; 16]);
     assert_eq!(laid([&coarse, &coarse], &[part], &image, &all_rates()), [10; 16]);
     assert_eq!(laid([&coarse, &coarse], &[], &image, &all_rates()), [0; 16]);
-    assert_eq!(lay_table([&coarse, &EyeMap::default()], &[part], &image), None, "nothing to look up");
+    assert_eq!(rate_map_table([&coarse, &EyeMap::default()], &[part], &image), None, "nothing to look up");
 }
 
 #[test]

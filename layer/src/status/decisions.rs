@@ -23,8 +23,8 @@ pub struct Decision {
 }
 
 impl Decision {
-    /// The same for `parafovea status`, and for programs that read what that reads.
-    pub fn told(&self) -> status::Decision {
+    /// The same for `parafovea status`, and for programs that read its output.
+    pub fn status(&self) -> status::Decision {
         let topic = match self.topic {
             Topic::Quirk => status::Topic::Quirk,
             Topic::NoBackend => status::Topic::NoBackend,

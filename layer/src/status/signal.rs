@@ -7,8 +7,8 @@ pub struct SignalQuality {
     pub rate_hz: Option<f32>,
     /// Share of the frames with a gaze, 0..=1.
     pub valid: Option<f32>,
-    /// Noise in fixations, degrees: root mean square of the angles from sample to sample (Holmqvist, Nyström and Mulvey 2012,
-    /// "Eye tracker data quality: what it is and how to measure it", RMS-S2S).
+    /// Noise in fixations, degrees: root mean square of the angles from sample to sample (RMS-S2S; Holmqvist, Nyström and Mulvey 2012, on
+    /// the quality of eye trackers' data).
     pub noise_deg: Option<f32>,
     /// Blinks since the session began.
     pub blinks: u32,

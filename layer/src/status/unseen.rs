@@ -1,12 +1,12 @@
 //! Why an active session has no visible effect.
 
-use super::{Decision, Moment, Topic};
+use super::{Decision, StatusSnapshot, Topic};
 use crate::config::{Config, GazeSource, chroma_settings, wants_maps, wants_reuse};
 use crate::link::{BACKEND_MASK, BACKEND_NONE};
 use parafovea_core::rate::ShadingRate;
 use parafovea_manifest::options::RatesMode;
 
-/// Facts about a session besides a [`Moment`].
+/// Facts about a session besides a [`StatusSnapshot`].
 #[derive(Clone, Copy, Debug)]
 pub struct Known<'a> {
     /// Whether any frame had maps of rates.
@@ -20,20 +20,20 @@ pub struct Known<'a> {
 }
 
 /// One line with the reasons why no technique that the configuration enables has a visible effect; `None` if one has.
-pub fn why_unseen(config: &Config, moment: &Moment, known: &Known) -> Option<String> {
+pub fn why_unseen(config: &Config, snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
     const HEAD: &str = "active, but without visible effect";
     if !config.enabled {
         return Some(format!("{HEAD}: enabled = false"));
     }
     let mut reasons = Vec::new();
     if wants_maps(config) && config.rates.mode != RatesMode::Off {
-        reasons.push(("shading rates", rates(moment, known)?));
+        reasons.push(("shading rates", rates(snapshot, known)?));
     }
     if wants_reuse(config) {
-        reasons.push(("re-use", reuse(moment, known)?));
+        reasons.push(("re-use", reuse(snapshot, known)?));
     }
     if chroma_settings(config).is_some() {
-        reasons.push(("chroma", chroma(config, moment, known)?));
+        reasons.push(("chroma", chroma(config, snapshot, known)?));
     }
     if reasons.is_empty() {
         return Some(format!(
@@ -45,28 +45,28 @@ pub fn why_unseen(config: &Config, moment: &Moment, known: &Known) -> Option<Str
 }
 
 /// Nothing where rates are coarse.
-fn rates(moment: &Moment, known: &Known) -> Option<String> {
-    let of_maps = maps(moment, known);
+fn rates(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
+    let of_maps = maps(snapshot, known);
     if of_maps.is_some() {
         return of_maps;
     }
-    if moment.rates.is_dropped() {
+    if snapshot.rates.is_dropped() {
         return Some(DROPPED.to_owned());
     }
     let is_coarse =
         |(texel, count): (usize, &u32)| *count > 0 && texel != usize::from(ShadingRate::R1X1.texel());
-    if moment.gpu_decides || moment.tiles.iter().enumerate().any(is_coarse) {
+    if snapshot.gpu_decides || snapshot.tiles.iter().enumerate().any(is_coarse) {
         return None;
     }
-    Some(match is_blind(moment) {
+    Some(match is_blind(snapshot) {
         true => "the gaze is unknown, and the whole view is close to its centre".to_owned(),
         false => "every tile is closer to the gaze than rates.foveal_deg and the tracker's error".to_owned(),
     })
 }
 
 /// Why no pass has a map; nothing where any has.
-fn maps(moment: &Moment, known: &Known) -> Option<String> {
-    if moment.backend == BACKEND_NONE {
+fn maps(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
+    if snapshot.backend == BACKEND_NONE {
         let refused = known.decisions.iter().filter(|decision| decision.topic == Topic::NoBackend);
         let refused: Vec<&str> = refused.map(|decision| decision.line.as_str()).collect();
         return Some(match refused.is_empty() {
@@ -89,7 +89,7 @@ fn maps(moment: &Moment, known: &Known) -> Option<String> {
         (true, false) => {
             format!("the scene was recognised; the mask backend left it alone: {}", refusals.join(", "))
         }
-        (true, true) if moment.backend == BACKEND_MASK => "the scene was recognised, but has no mask yet: its \
+        (true, true) if snapshot.backend == BACKEND_MASK => "the scene was recognised, but has no mask yet: its \
                          command buffers were recorded before recognition, or pipelines are still being compiled"
             .to_owned(),
         (true, true) => {
@@ -101,35 +101,35 @@ fn maps(moment: &Moment, known: &Known) -> Option<String> {
     })
 }
 
-fn reuse(moment: &Moment, known: &Known) -> Option<String> {
-    let of_maps = maps(moment, known);
+fn reuse(snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
+    let of_maps = maps(snapshot, known);
     if of_maps.is_some() {
         return of_maps;
     }
-    if moment.reuse.is_dropped() {
+    if snapshot.reuse.is_dropped() {
         return Some(DROPPED.to_owned());
     }
     if !known.has_own_images {
         return Some(NO_IMAGES.to_owned());
     }
-    let all: u32 = moment.tiles.iter().sum();
-    if moment.tiles_due < all {
+    let all: u32 = snapshot.tiles.iter().sum();
+    if snapshot.tiles_due < all {
         return None;
     }
     // In most frames nothing is left out where pictures change all the time; that is no fault.
-    is_blind(moment).then(|| "the gaze is unknown".to_owned())
+    is_blind(snapshot).then(|| "the gaze is unknown".to_owned())
 }
 
-fn chroma(config: &Config, moment: &Moment, known: &Known) -> Option<String> {
+fn chroma(config: &Config, snapshot: &StatusSnapshot, known: &Known) -> Option<String> {
     if !known.is_healthy {
         return Some("off after a failure, which is above in the log".to_owned());
     }
-    if moment.attenuates_colour && known.has_own_images {
+    if snapshot.attenuates_colour && known.has_own_images {
         return None;
     }
-    Some(match moment.attenuates_colour {
+    Some(match snapshot.attenuates_colour {
         true => NO_IMAGES.to_owned(),
-        false if is_blind(moment) && config.gaze.source != GazeSource::Centre => {
+        false if is_blind(snapshot) && config.gaze.source != GazeSource::Centre => {
             "the gaze is unknown; gaze.source = \"centre\" needs no eye tracker".to_owned()
         }
         false => "colour has not faded yet, or the gaze is unreliable".to_owned(),
@@ -141,8 +141,8 @@ const DROPPED: &str = "dropped by rates.gate: a slowdown here, or rates.gate = \
 const NO_IMAGES: &str = "no swapchain is virtual: all were created before the technique was enabled, or are not eligible; \
                          restart the application";
 
-fn is_blind(moment: &Moment) -> bool {
-    !moment.gaze_is_valid
+fn is_blind(snapshot: &StatusSnapshot) -> bool {
+    !snapshot.gaze_is_valid
 }
 
 #[cfg(test)]
@@ -159,22 +159,22 @@ mod tests {
     }
 
     /// Rates that are on, and coarse.
-    fn seen() -> Moment {
+    fn seen() -> StatusSnapshot {
         let gates = Gates::new(Techniques { rates: GateMode::On, reuse: GateMode::On });
         let Techniques { rates, reuse } = gates.gates();
-        let mut moment = Moment {
+        let mut snapshot = StatusSnapshot {
             backend: BACKEND_MASK,
             gaze_is_valid: true,
             rates: rates.into(),
             reuse: reuse.into(),
-            ..Moment::default()
+            ..StatusSnapshot::default()
         };
-        moment.count(&[ShadingRate::R4X4.texel(), 0]);
-        moment
+        snapshot.count(&[ShadingRate::R4X4.texel(), 0]);
+        snapshot
     }
 
-    fn why(config: &Config, moment: &Moment, known: &Known) -> String {
-        let line = why_unseen(config, moment, known).unwrap();
+    fn why(config: &Config, snapshot: &StatusSnapshot, known: &Known) -> String {
+        let line = why_unseen(config, snapshot, known).unwrap();
         assert!(line.starts_with("active, but without visible effect"), "{line}");
         line
     }
@@ -186,9 +186,9 @@ mod tests {
         // Colour that stays is no reason where rates are coarse.
         config.chroma.mode = ChromaMode::Default;
         assert_eq!(why_unseen(&config, &seen(), &NONE), None);
-        let decided = Moment { gpu_decides: true, tiles: [0; 16], ..seen() };
+        let decided = StatusSnapshot { gpu_decides: true, tiles: [0; 16], ..seen() };
         assert_eq!(why_unseen(&config, &decided, &NONE), None);
-        let coloured = Moment { backend: BACKEND_NONE, attenuates_colour: true, ..seen() };
+        let coloured = StatusSnapshot { backend: BACKEND_NONE, attenuates_colour: true, ..seen() };
         assert_eq!(why_unseen(&config, &coloured, &NONE), None);
     }
 
@@ -200,7 +200,7 @@ mod tests {
         assert!(why(&Config::of_preset(Preset::None), &seen(), &NONE).contains("enables nothing"));
 
         let decisions = [decision(Topic::NoBackend, "no masks: a queue with graphics but without compute")];
-        let device = Moment { backend: BACKEND_NONE, ..seen() };
+        let device = StatusSnapshot { backend: BACKEND_NONE, ..seen() };
         let line = why(&config, &device, &Known { decisions: &decisions, ..NONE });
         assert!(line.contains("shading rates: no backend") && line.contains("a queue"), "{line}");
 
@@ -221,16 +221,16 @@ mod tests {
         assert!(line.ends_with("the mask backend left it alone: depth is multisampled, it blends"), "{line}");
         let line = why(&config, &seen(), &Known { decisions: &decisions[..1], ..unmatched });
         assert!(line.contains("recorded before recognition"), "{line}");
-        let attached = Moment { backend: BACKEND_RATE_ATTACHMENT, ..seen() };
+        let attached = StatusSnapshot { backend: BACKEND_RATE_ATTACHMENT, ..seen() };
         let line = why(&config, &attached, &Known { decisions: &decisions[..1], ..unmatched });
         assert!(line.contains("none of its render passes could get rates"), "{line}");
 
         let gates = Gates::new(Techniques { rates: GateMode::Off, reuse: GateMode::Off });
         let Techniques { rates, reuse } = gates.gates();
-        let dropped = Moment { rates: rates.into(), reuse: reuse.into(), ..seen() };
+        let dropped = StatusSnapshot { rates: rates.into(), reuse: reuse.into(), ..seen() };
         assert!(why(&config, &dropped, &NONE).contains("dropped by rates.gate"));
 
-        let mut fine = Moment { tiles: [0; 16], ..seen() };
+        let mut fine = StatusSnapshot { tiles: [0; 16], ..seen() };
         fine.count(&[0, 0]);
         assert!(why(&config, &fine, &NONE).contains("rates.foveal_deg"));
         fine.gaze_is_valid = false;
@@ -241,9 +241,9 @@ mod tests {
     fn colour_that_stays_says_why() {
         let mut config = Config::of_preset(Preset::None);
         config.chroma.mode = ChromaMode::Default;
-        let blind = Moment { gaze_is_valid: false, ..seen() };
+        let blind = StatusSnapshot { gaze_is_valid: false, ..seen() };
         assert!(why(&config, &blind, &NONE).contains("chroma: the gaze is unknown"));
-        let faded = Moment { attenuates_colour: true, ..seen() };
+        let faded = StatusSnapshot { attenuates_colour: true, ..seen() };
         let without_images = Known { has_own_images: false, ..NONE };
         assert!(why(&config, &faded, &without_images).contains("no swapchain is virtual"));
         assert_eq!(why_unseen(&config, &faded, &NONE), None);

@@ -15,7 +15,7 @@ use crate::backend::mask::Masks;
 use crate::gpu::Compiler;
 use crate::gpu::functions::Functions;
 use crate::link::{
-    BACKEND_ANY, BACKEND_NONE, DeviceEnds, DeviceRecord, OfferRecord, SettingsRecord, SwapchainRecord,
+    BACKEND_ANY, BACKEND_NONE, CapabilitiesRecord, DeviceEnds, DeviceRecord, SettingsRecord, SwapchainRecord,
 };
 use crate::pass_detection::{ImageKey, SwapchainKey};
 use crate::rate_map::DeviceRates;
@@ -27,7 +27,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A device of an enabled process whose loader lets layers make objects of their own.
 pub struct Armed {
-    /// What the OpenXR half may know.
+    /// The device, as the OpenXR half may know it.
     pub record: DeviceRecord,
     /// The next layer's functions under our hooks.
     pub next: ArmedTable,
@@ -35,7 +35,7 @@ pub struct Armed {
     pub rate_attachments: Option<Arc<Rates>>,
     /// Its masks, where there are no rate attachments.
     pub masks: Option<Arc<Masks>>,
-    /// What makes passes coarser, if anything can.
+    /// Its backend, if it has one.
     pub backend: Option<Box<dyn Backend>>,
     /// The rates that the backend offers.
     pub rates: DeviceRates,
@@ -43,19 +43,19 @@ pub struct Armed {
     pub objects: Objects,
     /// The layouts of XR swapchains' images.
     pub layouts: Layouts,
-    /// What passes draw to that may be the scene.
+    /// Targets of passes that may be the scene.
     pub candidates: Candidates,
-    /// What the OpenXR half told, and what the frame under way did.
+    /// The frame under way: the OpenXR half's plan, and the application's events.
     pub frame: Frame,
     /// Our work ahead of the application's submits, by queue.
     pub rings: Table<vk::Queue, Arc<PreSubmitRing>>,
-    /// What it knows of the pictures.
+    /// Contrast of the pictures, and the decisions by it.
     pub perception: Perception,
-    /// What its passes take.
+    /// GPU time of its frames.
     pub timing: Timing,
     functions: OnceLock<Option<Functions>>,
     /// Whom the end of the device is told.
-    told_of_end: Mutex<SmallVec<[DeviceEnds; 1]>>,
+    end_callbacks: Mutex<SmallVec<[DeviceEnds; 1]>>,
 }
 
 impl Armed {
@@ -71,9 +71,9 @@ impl Armed {
             (None, Some(masks)) => Some(Box::new(Arc::clone(masks))),
             (None, None) => None,
         };
-        let offer = backend.as_ref().map_or(NO_OFFER, |backend| backend.offer());
-        let count = (offer.rate_count as usize).min(offer.rates.len());
-        let rates = offer.rates[..count].iter().filter_map(|&texel| ShadingRate::from_texel(texel));
+        let capabilities = backend.as_ref().map_or(NO_CAPABILITIES, |backend| backend.capabilities());
+        let count = (capabilities.rate_count as usize).min(capabilities.rates.len());
+        let rates = capabilities.rates[..count].iter().filter_map(|&texel| ShadingRate::from_texel(texel));
         Self {
             record,
             next,
@@ -87,9 +87,9 @@ impl Armed {
             frame: Frame::default(),
             rings: Table::default(),
             perception: Perception::default(),
-            timing: Timing::new(record.physical_device, offer.is_cpu != 0),
+            timing: Timing::new(record.physical_device, capabilities.is_cpu != 0),
             functions: OnceLock::new(),
-            told_of_end: Mutex::default(),
+            end_callbacks: Mutex::default(),
         }
     }
 
@@ -99,9 +99,9 @@ impl Armed {
         self.backend.is_some()
     }
 
-    /// What the device's backend can do.
-    pub fn offer(&self) -> OfferRecord {
-        self.backend.as_ref().map_or(NO_OFFER, |backend| backend.offer())
+    /// The capabilities of the device's backend.
+    pub fn capabilities(&self) -> CapabilitiesRecord {
+        self.backend.as_ref().map_or(NO_CAPABILITIES, |backend| backend.capabilities())
     }
 
     /// The next layer's functions for work of our own; nothing where one that is needed is missing.
@@ -109,7 +109,7 @@ impl Armed {
         let load = || {
             // SAFETY: the record is of this device, which is live as long as calls for it come in.
             unsafe { Functions::load(&self.record) }
-                .inspect_err(|error| error.tell("no shading rates on this device"))
+                .inspect_err(|error| error.log("no shading rates on this device"))
                 .ok()
         };
         self.functions.get_or_init(load).as_ref()
@@ -128,7 +128,7 @@ impl Armed {
     }
 
     /// Takes the images of a swapchain, or, without any, forgets it.
-    pub fn tell_swapchain(&self, record: &SwapchainRecord, images: &[vk::Image]) {
+    pub fn notify_swapchain(&self, record: &SwapchainRecord, images: &[vk::Image]) {
         let swapchain = SwapchainKey(record.swapchain);
         for former in self.frame.set_swapchain(swapchain, images) {
             self.layouts.forget(former);
@@ -150,7 +150,7 @@ impl Armed {
         }
     }
 
-    /// Forgets what was drawn to an image that is about to be destroyed: the GPU is done with it.
+    /// Forgets the passes that drew to an image that is about to be destroyed: the GPU is done with it.
     pub fn forget_drawn(&self, image: ImageKey) {
         self.candidates.forget(image);
         if let Some(masks) = &self.masks {
@@ -158,9 +158,9 @@ impl Armed {
         }
     }
 
-    /// Takes what the configuration asks for; `passes` are its rules on what passes are.
-    pub fn tell_settings(&self, record: &SettingsRecord, passes: &[u8]) {
-        let is_allowed = [BACKEND_ANY, self.offer().backend].contains(&record.backend);
+    /// Takes the settings of the configuration; `passes` are its rules on passes.
+    pub fn notify_settings(&self, record: &SettingsRecord, passes: &[u8]) {
+        let is_allowed = [BACKEND_ANY, self.capabilities().backend].contains(&record.backend);
         self.frame.set_on(record.is_on != 0 && is_allowed);
         self.timing.set_wanted(record.times_frames != 0 && is_allowed);
         self.frame.log().set_resting(record.is_on == 0 && record.times_frames == 0);
@@ -173,12 +173,12 @@ impl Armed {
 
     /// Has `call` called when the application destroys the device.
     pub fn when_it_ends(&self, call: DeviceEnds) {
-        self.told_of_end.lock().unwrap_or_else(PoisonError::into_inner).push(call);
+        self.end_callbacks.lock().unwrap_or_else(PoisonError::into_inner).push(call);
     }
 
-    /// Waits for work of ours, and destroys what is ours, before the device is destroyed.
+    /// Waits for work of ours, and destroys our objects, before the device is destroyed.
     pub fn destroy_own(&self) {
-        let told = std::mem::take(&mut *self.told_of_end.lock().unwrap_or_else(PoisonError::into_inner));
+        let told = std::mem::take(&mut *self.end_callbacks.lock().unwrap_or_else(PoisonError::into_inner));
         Compiler::end_on(self.record.device);
         for ends in told {
             // SAFETY: a function of the other half, which is never unloaded; the device is live.
@@ -203,6 +203,6 @@ impl Armed {
     }
 }
 
-/// What a device without a backend offers.
-const NO_OFFER: OfferRecord =
-    OfferRecord { backend: BACKEND_NONE, texel: [1, 1], rate_count: 0, rates: [0; 16], is_cpu: 0 };
+/// The capabilities of a device without a backend.
+const NO_CAPABILITIES: CapabilitiesRecord =
+    CapabilitiesRecord { backend: BACKEND_NONE, texel: [1, 1], rate_count: 0, rates: [0; 16], is_cpu: 0 };

@@ -1,4 +1,4 @@
-//! What passes draw to that may be the scene: colour targets, each with a map of rates.
+//! Targets of passes that may be the scene: colour targets, each with a map of rates.
 //!
 //! Every texel is 1x1 until recognition says what a pass shows; then the newest plan is laid over it.
 
@@ -8,7 +8,7 @@ pub use content::{Content, Need};
 
 use super::frame::MapContent;
 use super::objects::Objects;
-use super::perception::Laid;
+use super::perception::ResolvedMap;
 use super::table::Table;
 use crate::backend::mask::TargetMask;
 use crate::backend::{Backend, MapSize, RateMap};
@@ -29,13 +29,13 @@ pub struct Candidate {
     /// Its map on the GPU.
     pub map: Box<dyn RateMap>,
     content: Mutex<Content>,
-    laid: Mutex<Option<Laid>>,
+    resolved: Mutex<Option<ResolvedMap>>,
 }
 
 impl Candidate {
     fn new(target: Target, map: Box<dyn RateMap>) -> Arc<Self> {
         let content = if map.has_content() { Content::initialised() } else { Content::default() };
-        Arc::new(Self { target, map, content: Mutex::new(content), laid: Mutex::default() })
+        Arc::new(Self { target, map, content: Mutex::new(content), resolved: Mutex::default() })
     }
 
     /// Its map as a mask; `None` on devices with rate attachments.
@@ -44,19 +44,19 @@ impl Candidate {
         map.downcast_ref()
     }
 
-    /// What its map holds, or shall hold.
+    /// The content of its map, present and wanted.
     pub fn content(&self) -> MutexGuard<'_, Content> {
         self.content.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes out what its map is laid with on the GPU, so that no lock is held meanwhile; [`Self::keep_laid`] puts it back.
-    pub fn take_laid(&self) -> Option<Laid> {
-        self.laid.lock().unwrap_or_else(PoisonError::into_inner).take()
+    /// Takes the objects that resolve its map on the GPU, so that no lock is held meanwhile; [`Self::keep_resolved`] puts them back.
+    pub fn take_resolved(&self) -> Option<ResolvedMap> {
+        self.resolved.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// Keeps what its map is laid with.
-    pub fn keep_laid(&self, laid: Option<Laid>) {
-        *self.laid.lock().unwrap_or_else(PoisonError::into_inner) = laid;
+    /// Keeps the objects that resolve its map.
+    pub fn keep_resolved(&self, resolved: Option<ResolvedMap>) {
+        *self.resolved.lock().unwrap_or_else(PoisonError::into_inner) = resolved;
     }
 }
 
@@ -91,7 +91,7 @@ impl Candidates {
         self.live.get(target)
     }
 
-    /// Forgets what was drawn to an image that is about to be destroyed: the GPU is done with passes that draw to it.
+    /// Forgets candidates of an image that is about to be destroyed: the GPU is done with passes that draw to it.
     pub fn forget(&self, image: ImageKey) {
         drop(self.live.remove_where(|target, _| target.image == image));
     }

@@ -26,7 +26,7 @@ pub type GetPhysicalDeviceProcAddr =
 /// `PFN_vkSetDeviceLoaderData`.
 pub type SetDeviceLoaderData = unsafe extern "system" fn(vk::Device, *mut c_void) -> vk::Result;
 
-/// `VkNegotiateLayerInterface`: what the loader and a layer tell each other first.
+/// `VkNegotiateLayerInterface`: the first exchange of the loader and a layer.
 #[repr(C)]
 pub struct NegotiateLayerInterface {
     /// Always 1, `LAYER_NEGOTIATE_INTERFACE_STRUCT`.
@@ -68,7 +68,7 @@ pub struct LayerInstanceCreateInfo {
     pub payload: InstancePayload,
 }
 
-/// What [`LayerInstanceCreateInfo`] carries, chosen by `function`.
+/// The payload of [`LayerInstanceCreateInfo`], chosen by `function`.
 #[repr(C)]
 pub union InstancePayload {
     pub link: *mut InstanceLink,
@@ -84,7 +84,7 @@ pub struct LayerDeviceCreateInfo {
     pub payload: DevicePayload,
 }
 
-/// What [`LayerDeviceCreateInfo`] carries, chosen by `function`.
+/// The payload of [`LayerDeviceCreateInfo`], chosen by `function`.
 #[repr(C)]
 pub union DevicePayload {
     pub link: *mut DeviceLink,

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// One live device.
 pub struct Device {
-    /// What is done on it; `None` for an inert device.
+    /// The state of an armed device; `None` for an inert one.
     pub armed: Option<Arc<Armed>>,
     pub next: DeviceTable,
     /// The next layer's functions under the hooks of armed devices.

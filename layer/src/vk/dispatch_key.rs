@@ -1,10 +1,9 @@
-//! What identifies instances and devices.
+//! Keys of instances and devices.
 
 use ash::vk::Handle;
 
-/// What identifies an instance or a device: the loader's dispatch table, whose address is the first word of
-/// every dispatchable object. A physical device has its instance's key; a queue and a command buffer have
-/// their device's.
+/// The key of an instance or a device: the loader's dispatch table, whose address is the first word of every dispatchable object. A
+/// physical device has its instance's key; a queue and a command buffer have their device's.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DispatchKey(usize);
 

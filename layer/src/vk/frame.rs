@@ -1,4 +1,4 @@
-//! What the OpenXR half told of a device's frames, and what the application did since the last one ended.
+//! The OpenXR half's plans for a device's frames, and the application's events since the last frame ended.
 
 mod awaited;
 mod log;
@@ -25,7 +25,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use swapchains::Swapchains;
 
-/// What holds for the frame under way. All of it is changed in place, so that a steady frame allocates nothing.
+/// State of the frame under way. All of it is changed in place, so that a steady frame allocates nothing.
 #[derive(Default)]
 pub struct Frame {
     /// The plan that the OpenXR half makes.
@@ -78,7 +78,7 @@ impl Frame {
         lock(&self.swapchains).take(swapchain, images)
     }
 
-    /// What the application did since the last frame ended.
+    /// The application's events since the last frame ended.
     pub fn log(&self) -> MutexGuard<'_, Log> {
         lock(&self.log)
     }
@@ -93,8 +93,7 @@ impl Frame {
         lock(&self.log).learns()
     }
 
-    /// Ends a frame with what it shows: views of projection layers, swapchains of other layers, and those submitted
-    /// as depth.
+    /// Ends a frame with its submission: views of projection layers, swapchains of other layers, and those submitted as depth.
     pub fn shown(&self, objects: &Objects, views: &[ShownViewRecord], flat: &[u64], depth: &[u64]) {
         let mut shown = lock(&self.shown);
         let swapchains = lock(&self.swapchains);

@@ -7,7 +7,7 @@ use ash::vk;
 use smallvec::SmallVec;
 use std::sync::{PoisonError, RwLock};
 
-/// Layouts of the images of a device's XR swapchains, by what was submitted.
+/// Layouts of the images of a device's XR swapchains, by submitted commands.
 #[derive(Default)]
 pub struct Layouts(RwLock<SmallVec<[(vk::Image, vk::ImageLayout); 16]>>);
 
@@ -33,7 +33,7 @@ impl Layouts {
         self.read(|images| images.iter().find(|(known, _)| *known == image).map(|(_, layout)| *layout))
     }
 
-    /// An image that may be followed is in this layout after what is submitted.
+    /// An image that may be followed is in this layout after the submitted commands.
     pub fn set(&self, image: vk::Image, layout: vk::ImageLayout) {
         self.write(|images| {
             if let Some((_, known)) = images.iter_mut().find(|(known, _)| *known == image) {

@@ -1,4 +1,4 @@
-//! What this half offers to the OpenXR half; see [`crate::link`].
+//! The functions of this half for the OpenXR half; see [`crate::link`].
 
 use super::armed::Armed;
 use super::frame::Log;
@@ -6,9 +6,9 @@ use super::timing::FrameTime;
 use super::{device, runtime_section};
 use crate::abi::guard;
 use crate::link::{
-    DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord, FrameStart, FrameTimeRecord, GetLink,
-    LINK_VERSION, LinkTable, OfferRecord, PictureRecord, RATES_OF_PLAN, RatesCopyRecord, ShownRecord,
-    StaleRecord, SwapchainRecord,
+    CapabilitiesRecord, DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord, FrameStart,
+    FrameTimeRecord, GetLink, LINK_VERSION, LinkTable, PictureRecord, RATES_OF_PLAN, RatesCopyRecord,
+    ShownRecord, StaleRecord, SwapchainRecord,
 };
 use crate::status;
 use ash::vk;
@@ -19,7 +19,7 @@ static TABLE: LinkTable = LinkTable {
     device: device_record,
     set_active,
     runtime_section: set_runtime_section,
-    offer,
+    capabilities,
     swapchain,
     begin_frame,
     picture,
@@ -85,7 +85,12 @@ unsafe extern "C" fn set_runtime_section(enter: u32) {
 /// # Safety
 ///
 /// The device is live; `record` is null, or valid with what it points to during the call.
-unsafe fn told<T>(call: &'static str, device: vk::Device, record: *const T, act: impl FnOnce(&Armed, &T)) {
+unsafe fn with_armed<T>(
+    call: &'static str,
+    device: vk::Device,
+    record: *const T,
+    act: impl FnOnce(&Armed, &T),
+) {
     guard(
         call,
         || (),
@@ -99,16 +104,16 @@ unsafe fn told<T>(call: &'static str, device: vk::Device, record: *const T, act:
     );
 }
 
-unsafe extern "C" fn offer(device: vk::Device, record: *mut OfferRecord) -> u32 {
+unsafe extern "C" fn capabilities(device: vk::Device, record: *mut CapabilitiesRecord) -> u32 {
     // SAFETY: the other half passes a live device, and a record to write to (link.rs).
     guard(
-        "vkGetParafoveaLink.offer",
+        "vkGetParafoveaLink.capabilities",
         || 0,
         |_| unsafe {
             let known = device::of(device);
             match (known.as_ref().and_then(|known| known.armed.as_ref()), record.as_mut()) {
                 (Some(armed), Some(record)) => {
-                    *record = armed.offer();
+                    *record = armed.capabilities();
                     1
                 }
                 _ => 0,
@@ -120,8 +125,8 @@ unsafe extern "C" fn offer(device: vk::Device, record: *mut OfferRecord) -> u32 
 unsafe extern "C" fn swapchain(device: vk::Device, record: *const SwapchainRecord) {
     // SAFETY: the other half passes a live device and a valid record (link.rs).
     unsafe {
-        told("vkGetParafoveaLink.swapchain", device, record, |armed, record| {
-            armed.tell_swapchain(record, slice(record.images, record.image_count as usize));
+        with_armed("vkGetParafoveaLink.swapchain", device, record, |armed, record| {
+            armed.notify_swapchain(record, slice(record.images, record.image_count as usize));
         });
     }
 }
@@ -129,9 +134,9 @@ unsafe extern "C" fn swapchain(device: vk::Device, record: *const SwapchainRecor
 unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
     // SAFETY: as above; the records are null or valid, and each map has a rate for each tile.
     unsafe {
-        told("vkGetParafoveaLink.begin_frame", device, start, |armed, start| {
+        with_armed("vkGetParafoveaLink.begin_frame", device, start, |armed, start| {
             if let Some(settings) = start.settings.as_ref() {
-                armed.tell_settings(settings, slice(settings.passes, settings.passes_len as usize));
+                armed.notify_settings(settings, slice(settings.passes, settings.passes_len as usize));
             }
             if let Some(plan) = start.plan.as_ref() {
                 let rates = plan.eyes.map(|eye| {
@@ -150,7 +155,7 @@ unsafe extern "C" fn begin_frame(device: vk::Device, start: *const FrameStart) {
 unsafe extern "C" fn picture(device: vk::Device, record: *const PictureRecord) {
     // SAFETY: as above; the image is live until its swapchain is said to end, and this thread may use the queue.
     unsafe {
-        told("vkGetParafoveaLink.picture", device, record, |armed, record| {
+        with_armed("vkGetParafoveaLink.picture", device, record, |armed, record| {
             if let Some(own) = armed.submitter() {
                 armed.perception.analyze(own, record);
             }

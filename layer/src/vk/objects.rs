@@ -28,7 +28,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 pub struct Objects {
     images: Table<vk::Image, Image>,
     handles: Table<ImageKey, vk::Image>,
-    /// Images that were destroyed since the end of the last frame: what was done with them is still of interest.
+    /// Images that were destroyed since the end of the last frame: earlier events with them still count.
     departed: Mutex<Vec<ImageDescription>>,
     pub views: Table<vk::ImageView, View>,
     pub render_passes: Table<vk::RenderPass, Arc<RenderPass>>,
@@ -137,17 +137,17 @@ impl Objects {
         if is_foreign { self.remove_image(image) } else { None }
     }
 
-    /// The first colour target of a pass, with what is known of its image, if that is live.
+    /// The first colour target of a pass, with its description; `None` if it is not live.
     pub fn first_color(&self, pass: &Pass) -> Option<(Target, ImageDescription)> {
         self.with_image(*pass.colors.first()?)
     }
 
-    /// A target with what is known of its image, if that is live.
+    /// A target with its description; `None` if it is not live.
     pub fn with_image(&self, target: Target) -> Option<(Target, ImageDescription)> {
         Some((target, self.image_of(target.image)?.description))
     }
 
-    /// What recognition needs to know of an image that is live, or was in this frame.
+    /// The description of an image that is live, or was in this frame.
     pub fn describe(&self, key: ImageKey) -> Option<ImageDescription> {
         let departed = || self.departed().iter().find(|image| image.key == key).copied();
         self.image_of(key).map(|image| image.description).or_else(departed)
@@ -163,7 +163,7 @@ impl Objects {
     }
 }
 
-/// Of so many destroyed images is kept what they were, where no frames end.
+/// Descriptions of at most so many destroyed images are kept, where no frames end.
 const MOST_DEPARTED: usize = 1024;
 
 /// A live command pool.

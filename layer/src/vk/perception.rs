@@ -1,4 +1,4 @@
-//! Rates by what the pictures show: their contrast stays on the GPU, and so does what follows from it.
+//! Rates by the content of pictures: their contrast stays on the GPU, and so do the decisions from it.
 //!
 //! At xrEndFrame the finished pictures are analysed ([`Perception::analyze`]), on the queue of the session; ahead of the next
 //! submit with a pass of the scene on that queue the rates of the tiles are decided, and laid over the maps of its passes
@@ -6,11 +6,11 @@
 
 mod copied;
 mod eye;
-mod laid;
 mod pictures;
+mod resolved_map;
 mod tools;
 
-pub use laid::{Laid, Place, Written};
+pub use resolved_map::{MapTarget, ResolvedMap, Written};
 
 use super::frame::Frame;
 use super::pre_submit::{Kept, PreSubmitRing, Submitter};
@@ -25,14 +25,14 @@ use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tools::Tools;
 
-/// What a device knows of the pictures, and decides by it.
+/// Contrast of the pictures of a device, and the decisions by it.
 #[derive(Default)]
 pub struct Perception {
     tools: Mutex<Made>,
     state: Mutex<State>,
 }
 
-/// Contrast that is older than so many plans, of which a frame has two at most, is not of what the application draws now.
+/// Contrast that is older than so many plans, of which a frame has two at most, is not of the pictures that the application draws now.
 const LONGEST_PLANS: u64 = 60;
 
 /// The kernels, compiled once they are needed.
@@ -54,7 +54,7 @@ struct State {
     pictures: Pictures,
     /// How many pictures were analysed.
     analyzed: u64,
-    /// What was decided last: number of the plan, and of the last analysis.
+    /// The last decision: number of the plan, and of the last analysis.
     decided: Option<(u64, u64)>,
     /// The last reason that was logged why nothing is decided.
     logged: Option<&'static str>,
@@ -78,15 +78,15 @@ impl Perception {
         if eye > 1 {
             return;
         }
-        let (told, decision, [extent, texel, tiles]) = {
+        let (received, decision, [extent, texel, tiles]) = {
             let plan = own.frame.plan();
-            (plan.told(), plan.decision(eye).copied(), plan.shape(eye))
+            (plan.received(), plan.decision(eye).copied(), plan.shape(eye))
         };
         let Some(decision) = decision else { return self.forget_eye(eye) };
         let Some(tools) = self.tools(own.record) else { return };
         let [_, _, width, height] = record.rect;
         if [width, height] != extent {
-            self.tell("the size of the eye buffers differs from the plan");
+            self.log_once("the size of the eye buffers differs from the plan");
             return self.forget_eye(eye);
         }
         // SAFETY: the caller vouches for the device's queue.
@@ -97,7 +97,7 @@ impl Perception {
         }
         let Some(target) = self.picture(&tools, record, texel, &eye_tiles) else { return };
         let last = self.state().eyes[eye].as_ref().and_then(|eye| eye.measured);
-        let measured = Measured::new(record, texel, told, last.as_ref());
+        let measured = Measured::new(record, texel, received, last.as_ref());
         let same_view = measured.map_or(0, |measured| measured.same_view);
         let mut kept = Kept::new();
         kept.push(target.clone());
@@ -114,25 +114,26 @@ impl Perception {
         }
     }
 
-    /// What is to be decided ahead of a submit to `queue` that draws the scene; nothing where all is as it was decided last, or where it
-    /// cannot be decided there.
+    /// The decision ahead of a submit to `queue` that draws the scene; `None` where all is as it was decided last, or where it cannot be
+    /// decided there.
     pub fn deciding(&self, frame: &Frame, queue: vk::Queue) -> Option<Deciding> {
         let state = self.state();
         let (_, own_queue) = state.queue?;
         if own_queue != queue {
             drop(state);
-            self.tell("the scene is drawn on a queue other than the session's");
+            self.log_once("the scene is drawn on a queue other than the session's");
             return None;
         }
         let plan = frame.plan();
-        let of = (plan.told(), state.analyzed);
+        let of = (plan.received(), state.analyzed);
         if state.decided == Some(of) {
             return None;
         }
         let mut eyes = SmallVec::new();
         for (index, eye) in state.eyes.iter().enumerate() {
             let (Some(eye), Some(decision)) = (eye, plan.decision(index)) else { continue };
-            let is_recent = |measured: &Measured| plan.told().saturating_sub(measured.told) <= LONGEST_PLANS;
+            let is_recent =
+                |measured: &Measured| plan.received().saturating_sub(measured.received) <= LONGEST_PLANS;
             let measured = eye.measured.filter(is_recent);
             let params =
                 decision.params(|judged| Some(judged.measured_in(&measured?.view, decision.orientation)));
@@ -143,7 +144,7 @@ impl Perception {
         (!eyes.is_empty()).then_some(Deciding { eyes, of })
     }
 
-    /// Records a decision, ahead of what is laid from it.
+    /// Records a decision, ahead of the maps that are resolved from it.
     ///
     /// # Safety
     ///
@@ -165,15 +166,15 @@ impl Perception {
             words.extend_from_slice(frame.plan().stale()[tiles.eye].words());
             let stale: &[u32] = if words.iter().all(|word| *word == 0) { &[] } else { words };
             if let Err(error) = tools.decide.record(&commands, &tiles.decide, params, stale) {
-                error.tell("rates stay unchanged");
+                error.log("rates stay unchanged");
             }
             kept.push(Arc::clone(tiles) as Arc<dyn Any + Send + Sync>);
         }
         self.state().decided = Some(deciding.of);
     }
 
-    /// The tiles of both eyes whose rates are decided on the GPU, for what is submitted to `queue`; nothing where the plan's own
-    /// rates hold. An eye without tiles shares the other's.
+    /// The tiles of both eyes whose rates are decided on the GPU, for submits to `queue`; `None` where the plan's own rates hold. An eye
+    /// without tiles shares the other's.
     fn decided_tiles(&self, frame: &Frame, queue: vk::Queue) -> Option<[Option<Arc<EyeTiles>>; 2]> {
         let state = self.state();
         if state.queue.map(|(_, queue)| queue) != Some(queue) || state.decided.is_none() {
@@ -237,7 +238,7 @@ impl Perception {
     }
 
     /// Logs why rates are not decided, once for each reason.
-    fn tell(&self, reason: &'static str) {
+    fn log_once(&self, reason: &'static str) {
         if self.state().logged.replace(reason) != Some(reason) {
             tracing::info!("rates by eccentricity alone: {reason}");
         }
@@ -256,7 +257,7 @@ impl Perception {
         state.analyzed += u64::from(measured.is_some());
     }
 
-    /// The queue of a session, which may draw and compute, and what is submitted to it.
+    /// The queue of a session, which may draw and compute, and its ring.
     ///
     /// # Safety
     ///
@@ -279,7 +280,7 @@ impl Perception {
         Some((queue, own.ring(queue, id[0])))
     }
 
-    /// What is known of an eye with so many tiles and pixels; of others nothing is any more.
+    /// The state of an eye with so many tiles and pixels; that of other sizes is forgotten.
     fn eye(&self, tools: &Tools, eye: usize, tiles: [u32; 2], extent: [u32; 2]) -> Option<Arc<EyeTiles>> {
         let is_it = |known: &&Eye| known.tiles.view.tiles() == tiles && known.tiles.levels.extent() == extent;
         if let Some(known) = self.state().eyes[eye].as_ref().filter(is_it) {
@@ -292,7 +293,7 @@ impl Perception {
                 Some(new)
             }
             Err(error) => {
-                error.tell("rates by eccentricity alone");
+                error.log("rates by eccentricity alone");
                 None
             }
         }
@@ -311,7 +312,7 @@ impl Perception {
         match pictures::target(tools, record, texel, tiles) {
             Ok(new) => Some(self.state().pictures.keep(record, tiles, new)),
             Err(error) => {
-                error.tell("an image was not analysed");
+                error.log("an image was not analysed");
                 None
             }
         }

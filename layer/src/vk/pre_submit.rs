@@ -61,8 +61,8 @@ impl PreSubmitRing {
         Self { family, slots: Mutex::default() }
     }
 
-    /// Submits what `record` records, of which `kept` has to live until it has finished, if there is room; never waits. Whether
-    /// that was done.
+    /// Submits the commands of `record`, of which `kept` has to live until they have finished, if there is room; never waits. Whether that
+    /// was done.
     ///
     /// # Safety
     ///
@@ -105,17 +105,17 @@ impl PreSubmitRing {
                     free = Some(slots.len());
                     slots.push(slot);
                 }
-                Err(error) => error.tell("shading rates stay unchanged"),
+                Err(error) => error.log("shading rates stay unchanged"),
             }
         }
         let done = free.and_then(|index| slots.get_mut(index)).is_some_and(|slot| {
-            act(slot).inspect_err(|error| error.tell("shading rates stay unchanged")).is_ok()
+            act(slot).inspect_err(|error| error.log("shading rates stay unchanged")).is_ok()
         });
         self.put_back(slots);
         done
     }
 
-    /// Back with their memory, so that a steady frame asks for none; behind them what another thread has made meanwhile.
+    /// Back with their memory, so that a steady frame asks for none; behind them the slots that another thread has made meanwhile.
     fn put_back(&self, mut slots: Vec<Slot>) {
         let mut kept = self.lock();
         std::mem::swap(&mut *kept, &mut slots);

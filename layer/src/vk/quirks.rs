@@ -23,7 +23,7 @@ pub fn of_device(properties: &vk::PhysicalDeviceProperties, driver_id: Option<vk
 }
 
 /// Logs the quirks of a device that was created for an application with this engine.
-pub fn tell(quirks: &Quirks, engine: &str) {
+pub fn log(quirks: &Quirks, engine: &str) {
     if let Some(complaint) = quirks.complaint() {
         tracing::warn!("{complaint}");
     }

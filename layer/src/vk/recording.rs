@@ -1,4 +1,4 @@
-//! What each command buffer of an armed device does, as far as the rest needs to know it.
+//! The commands of each command buffer of an armed device, as far as the rest needs to know them.
 //!
 //! Command buffers are recorded on several threads: each has a lock of its own, which nobody else takes meanwhile. Its
 //! lists keep their memory when it is recorded again.
@@ -48,20 +48,20 @@ pub struct Buffer {
     recorded: Mutex<Recorded>,
 }
 
-/// What a command buffer does.
+/// The recorded commands of a command buffer.
 #[derive(Default)]
 pub struct Recorded {
     /// In the order of its commands.
     pub events: Vec<Event>,
-    /// What its passes draw to that may be the scene.
+    /// Targets of its passes that may be the scene.
     pub candidates: SmallVec<[Arc<Candidate>; 8]>,
     /// Images of XR swapchains with the layouts that commands left them in, in the order of those.
     pub layouts: SmallVec<[(vk::Image, vk::ImageLayout); 4]>,
     /// Timestamps around its work.
     pub timer: Timer,
-    /// What is bound for compute, where that is followed.
+    /// Bound compute state, where that is followed.
     pub compute: Bound,
-    /// What is bound for drawing, where that is followed.
+    /// Bound graphics state, where that is followed.
     pub drawing: Drawing,
     /// Places of the descriptors of both that are in buffers.
     pub offsets: BufferOffsets,
@@ -73,13 +73,13 @@ pub struct Recorded {
     prepasses: Prepasses,
     /// Which of `events` is the pass that is being recorded.
     open: Option<usize>,
-    /// What that draws to, if it may be the scene.
+    /// The candidate of that pass, if it has one.
     target: Option<Arc<Candidate>>,
     /// The mask that it has.
     mask: Option<OpenMask>,
-    /// What the graphics pipeline does that is bound; it stays bound from one pass to the next.
+    /// Facts of the bound graphics pipeline, which stays bound from one pass to the next.
     pipeline: PipelineFacts,
-    /// For a secondary that continues a pass: what that pass must know of it.
+    /// For a secondary that continues a pass: facts that the pass must know.
     within: Within,
     /// Occlusion queries that are active.
     queries: u32,
@@ -89,14 +89,14 @@ pub struct Recorded {
     tally: Tally,
 }
 
-/// What commands within a pass say of it.
+/// Facts of a pass from the commands within.
 #[derive(Debug, Clone, Copy, Default)]
 struct Within {
     clears_depth: bool,
     is_queried: bool,
     /// By draws whose state commands have set.
     writes_stencil: bool,
-    /// Of the pipelines that are bound within; none: what was bound before the pass draws.
+    /// The pipelines that are bound within; `None`: the pipeline from before the pass draws.
     pipelines: Option<PipelineFacts>,
 }
 
@@ -110,7 +110,7 @@ impl Buffer {
         !self.is_primary || self.recorded().is_within_pass()
     }
 
-    /// What it does.
+    /// Its recorded commands.
     pub fn recorded(&self) -> MutexGuard<'_, Recorded> {
         self.recorded.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -196,22 +196,22 @@ impl Recorded {
 
     /// Whether the compute state can be restored.
     fn restores_compute(&self) -> bool {
-        self.compute.is_whole() && self.offsets.is_whole()
+        self.compute.is_complete() && self.offsets.is_complete()
     }
 
     /// Whether the followed part of the graphics state can be restored.
     fn restores_graphics(&self) -> bool {
-        self.drawing.is_whole() && self.offsets.is_whole()
+        self.drawing.is_complete() && self.offsets.is_complete()
     }
 
-    /// What the pipelines do that draw in the pass which is being recorded.
+    /// Facts of the pipelines that draw in the pass which is being recorded.
     fn pipelines(&self) -> PipelineFacts {
         let pipelines = self.within.pipelines.unwrap_or(self.pipeline.without_dynamic_stencil());
         PipelineFacts { write_stencil: pipelines.write_stencil | self.within.writes_stencil, ..pipelines }
     }
 
     /// Commands within a pass say more of it.
-    fn tell(&mut self, more: Within) {
+    fn add(&mut self, more: Within) {
         self.within.clears_depth |= more.clears_depth;
         self.within.is_queried |= more.is_queried;
         self.within.writes_stencil |= more.writes_stencil;
@@ -233,14 +233,14 @@ impl Recorded {
         self.queries > 0 || self.is_conditional
     }
 
-    /// A graphics pipeline, or what stands for one, is bound.
+    /// A graphics pipeline, or its substitute, is bound.
     pub fn use_pipeline(&mut self, pipelines: PipelineFacts) {
         self.pipeline = pipelines;
         let pipelines = Some(pipelines.without_dynamic_stencil());
-        self.tell(Within { pipelines, ..Within::default() });
+        self.add(Within { pipelines, ..Within::default() });
     }
 
-    /// A secondary is executed: its events follow, and what it does within the pass counts for that.
+    /// A secondary is executed: its events follow, and its commands within the pass count for that.
     fn execute(&mut self, secondary: &Self) {
         let is_queried = self.is_queried();
         let events = secondary.events.iter().cloned().map(|mut event| {
@@ -259,7 +259,7 @@ impl Recorded {
         // Pipelines that secondaries bind stay those of the application.
         let pipelines =
             secondary.within.pipelines.map(|facts| PipelineFacts { returns: Returns::default(), ..facts });
-        self.tell(Within { pipelines, ..secondary.within });
+        self.add(Within { pipelines, ..secondary.within });
         if self.is_within_pass() {
             self.tally.execute(&secondary.tally);
         }
@@ -288,7 +288,7 @@ pub unsafe fn with_buffer<F>(
     Some((None, next))
 }
 
-/// x, y, width, height; what is left of or above the corner is cut.
+/// x, y, width, height; pixels left of or above the corner are cut.
 fn area(rect: vk::Rect2D) -> [u32; 4] {
     [
         rect.offset.x.max(0).cast_unsigned(),

@@ -18,7 +18,7 @@ pub fn set(enter: bool) {
     });
 }
 
-/// Whether what this thread submits now is the runtime's or ours, not the application's.
+/// Whether submits of this thread are now the runtime's or ours, not the application's.
 pub fn in_runtime_section() -> bool {
     DEPTH.try_with(|depth| depth.get() > 0).unwrap_or(false)
 }

@@ -1,5 +1,5 @@
-//! Submits of the application: what their command buffers do is noted, and the maps of their candidates are brought up to
-//! date ahead of them, on the same queue.
+//! Submits of the application: the events of their command buffers are recognised, and the maps of their candidates are brought up to date
+//! ahead of them, on the same queue.
 
 mod maps;
 
@@ -98,7 +98,7 @@ unsafe fn prepare_or_leave(
     guard("the maps of a submission", || (), |_| unsafe { prepare(armed, is_active, queue, buffers) });
 }
 
-/// Notes what is about to be submitted, and brings the maps of its candidates up to date.
+/// Takes the command buffers of a submit, and brings the maps of its candidates up to date.
 ///
 /// # Safety
 ///
@@ -184,8 +184,8 @@ unsafe fn update(armed: &Armed, is_followed: bool, queue: vk::Queue, mut touched
     unsafe { maps::submit(&ring, armed, own, queue, touched, deciding.as_ref()) };
 }
 
-/// Notes what a command buffer of the application does, and what its passes show; adds to `obeyed` the candidates with maps
-/// that its passes obey.
+/// Takes the events of a command buffer of the application, and recognises its passes; adds to `obeyed` the candidates with maps that its
+/// passes obey.
 fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed: &mut Outdated) {
     let mut log = armed.frame.log();
     let is_on = armed.frame.is_on();
@@ -222,7 +222,7 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed:
             content.note_fill(log.frame(), pass.facts.is_unfilled);
         }
     }
-    if !recorded.events.is_empty() || recorded.timer.is_whole() {
+    if !recorded.events.is_empty() || recorded.timer.is_complete() {
         armed.timing.submitted(&recorded.timer, log.frame(), Work::Application);
     }
 }

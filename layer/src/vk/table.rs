@@ -14,7 +14,7 @@ impl<K: Eq + Hash + Copy, V: Clone> Table<K, V> {
         self.0.insert(key, value);
     }
 
-    /// What is kept of an object.
+    /// The kept value of an object.
     pub fn get(&self, key: K) -> Option<V> {
         self.0.get(&key).map(|found| found.value().clone())
     }
@@ -24,14 +24,14 @@ impl<K: Eq + Hash + Copy, V: Clone> Table<K, V> {
         self.0.contains_key(&key)
     }
 
-    /// Changes what is kept of an object, if it is.
+    /// Changes the kept value of an object, if there is one.
     pub fn change(&self, key: K, change: impl FnOnce(&mut V)) {
         if let Some(mut found) = self.0.get_mut(&key) {
             change(found.value_mut());
         }
     }
 
-    /// What is kept of an object; from now on that is `new` where nothing was.
+    /// The kept value of an object; `new`, from now on, where there was none.
     pub fn get_or_insert(&self, key: K, new: V) -> V {
         self.0.entry(key).or_insert_with(|| new.clone()).value().clone()
     }

@@ -1,4 +1,4 @@
-//! The Vulkan half above a stand-in for what is below it, called as a loader calls it.
+//! The Vulkan half above a stand-in for the layer below, called as a loader calls it.
 
 mod ends;
 mod fake;

@@ -168,7 +168,7 @@ impl Timing {
         lock(&self.frames).take(under_way, self.clock.get()?.step_ns)
     }
 
-    /// Reads what is there.
+    /// Reads the available timestamps.
     pub fn read(&self) {
         if lock(&self.unread).is_empty() {
             return;
@@ -252,7 +252,7 @@ impl Timer {
     }
 
     /// Whether both timestamps are there.
-    pub fn is_whole(&self) -> bool {
+    pub fn is_complete(&self) -> bool {
         self.state == State::Whole
     }
 
@@ -276,7 +276,7 @@ impl Timer {
             match unsafe { Queries::new(&functions.device, self.mask) } {
                 Ok(queries) => self.queries = Some(Arc::new(queries)),
                 Err(error) => {
-                    error.tell("frames are not timed");
+                    error.log("frames are not timed");
                     self.has_failed = true;
                 }
             }

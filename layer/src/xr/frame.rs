@@ -171,9 +171,9 @@ impl FrameEnd<'_> {
             plan::views_shown(session, (active, config), time, scene.views, submission.nearest_m());
         }
         let delivered = deliver(self, &mut report);
-        plan::tell_unseen(session, (active, config), time, &report);
-        if let Some(telling) = session.telling.as_ref().filter(|telling| telling.is_asked()) {
-            telling.tell(plan::moment(session, active, config, &report), Arc::clone(&config.source));
+        plan::report_unseen(session, (active, config), time, &report);
+        if let Some(reporter) = session.reporter.as_ref().filter(|reporter| reporter.is_asked()) {
+            reporter.report(plan::status(session, active, config, &report), Arc::clone(&config.source));
         }
         delivered
     }
@@ -223,7 +223,7 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
     match submit(active, tools, &mut works) {
         Ok(()) => {
             // SAFETY: in xrEndFrame this thread may use the session's queue; the works' images were just written.
-            unsafe { pictures::tell(frame, &works) };
+            unsafe { pictures::notify(frame, &works) };
             if is_drawn_over {
                 // SAFETY: as above. What is drawn for people comes last: nothing of ours looks at it.
                 unsafe { debug_view::draw(frame, &works) };
@@ -232,12 +232,12 @@ fn deliver(frame: &FrameEnd, report: &mut FrameReport) -> Result<(), Undeliverab
         // The device is behind: this frame shows the last pictures. A runtime with none refuses the frame, so
         // it gets its image as it is.
         Err(error @ GpuError::Timeout) => {
-            error.tell("earlier images are shown until the device catches up");
+            error.log("earlier images are shown until the device catches up");
             works.retain(|work| !work.has_picture());
         }
         // It is short of memory, or lost: this frame shows the last pictures, and the next one tries again.
         Err(error) => {
-            error.tell("earlier images, or none, are shown until the device accepts work again");
+            error.log("earlier images, or none, are shown until the device accepts work again");
             tools.gpu.give_up();
             let is_empty = |work: &Work<'_>, handle| work.swapchain.handle == handle && !work.has_picture();
             let shows_empty = submission.shows_any(|handle| works.iter().any(|work| is_empty(work, handle)));
@@ -306,7 +306,7 @@ fn submit(active: &Active, tools: &Tools, works: &mut Works) -> Result<(), GpuEr
         if error == GpuError::Timeout {
             return Err(error);
         }
-        error.tell("re-use, chroma attenuation and debug views are off for this session");
+        error.log("re-use, chroma attenuation and debug views are off for this session");
         active.worsen_to(Health::CopyOnly);
         for work in works.iter_mut() {
             work.target.regions.clear();

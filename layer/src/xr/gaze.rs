@@ -10,7 +10,7 @@ use crate::inputs::gaze::osc::{Listener, OscSource};
 use crate::inputs::gaze::recording::Recording;
 use crate::inputs::gaze::script::GazeScript;
 use crate::inputs::gaze::{Look, degrees, direction};
-use crate::status::Moment;
+use crate::status::StatusSnapshot;
 use openxr_sys as xr;
 use parafovea_core::gaze::GazeSettings;
 use std::fs::OpenOptions;
@@ -117,10 +117,10 @@ impl SessionGaze {
     }
 
     /// Tells where the gaze comes from, and of packets how many there are.
-    pub fn tell(&self, moment: &mut Moment) {
+    pub fn write_status(&self, snapshot: &mut StatusSnapshot) {
         let state = self.state();
-        moment.gaze_holder = state.holder;
-        moment.osc = state.osc.told();
+        snapshot.gaze_holder = state.holder;
+        snapshot.osc = state.osc.status();
     }
 
     /// Whether there is a gaze to be had, as far as is known.

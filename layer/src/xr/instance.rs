@@ -160,7 +160,7 @@ unsafe fn create_with_eye_gaze(
             EyeGaze::Unreadable => (below.create(info, handle), GazeExtension::Off),
             EyeGaze::NotThere => {
                 tracing::info!(
-                    "no eye tracker: this runtime does not offer XR_EXT_eye_gaze_interaction; gaze.source = \"osc\" and \"centre\" do not need it"
+                    "no eye tracker: this runtime does not capabilities XR_EXT_eye_gaze_interaction; gaze.source = \"osc\" and \"centre\" do not need it"
                 );
                 (below.create(info, handle), GazeExtension::Off)
             }

@@ -19,12 +19,14 @@ use super::swapchain;
 use super::vulkan_device::{FrameReport, VulkanDevice};
 use crate::abi::cpu_time::process_cpu_ns;
 use crate::config::{Config, ConfigSnapshot, PassRules, RatesBackend, debug_view, gate_modes};
-use crate::inputs::audio::Ears;
+use crate::inputs::audio::AudioInput;
 use crate::link::{
     BACKEND_ANY, BACKEND_MASK, BACKEND_NONE, BACKEND_RATE_ATTACHMENT, FrameStart, SettingsRecord,
 };
 use crate::planner::{Benefit, Clock, EndedFrame, Planning, View};
-use crate::status::{Known, Moment, Quiet, Topic, all_decisions, decided, decision_count, why_unseen};
+use crate::status::{
+    Known, Quiet, StatusSnapshot, Topic, all_decisions, decided, decision_count, why_unseen,
+};
 use openxr_sys as xr;
 use parafovea_core::chroma::{ChromaSettings, Focus};
 use parafovea_core::gate::Techniques;
@@ -46,7 +48,7 @@ pub struct SessionPlan {
     thread: PlanThread,
     told: Mutex<Option<Wanted>>,
     benefit: Mutex<Benefit>,
-    ears: Mutex<Ears>,
+    audio_input: Mutex<AudioInput>,
     /// Display time of the frame that xrWaitFrame returned last.
     awaited: AtomicI64,
     frame: Mutex<Frame>,
@@ -75,7 +77,7 @@ impl SessionPlan {
             thread: PlanThread::new(PlanWork::new(device)),
             told: Mutex::default(),
             benefit: Mutex::default(),
-            ears: Mutex::default(),
+            audio_input: Mutex::default(),
             awaited: AtomicI64::new(NEVER),
             frame: Mutex::new(Frame { config, time: None, is_located: false, later: None }),
             quiet: Mutex::default(),
@@ -114,8 +116,8 @@ impl SessionPlan {
     }
 
     /// The source of sound.
-    fn ears(&self) -> MutexGuard<'_, Ears> {
-        self.ears.lock().unwrap_or_else(PoisonError::into_inner)
+    fn audio_input(&self) -> MutexGuard<'_, AudioInput> {
+        self.audio_input.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// xrWaitFrame returned a frame to be shown at `time`.
@@ -143,7 +145,7 @@ impl SessionPlan {
     }
 
     /// Tells the Vulkan half the settings of the configuration and of the gates where they are new.
-    pub fn tell_settings(&self, active: &Active, config: &Config) {
+    pub fn notify_settings(&self, active: &Active, config: &Config) {
         let (pays, wants_costs) = {
             let mut benefit = self.benefit.lock().unwrap_or_else(PoisonError::into_inner);
             benefit.set_mode(gate_modes(config));
@@ -231,28 +233,33 @@ pub fn frame_ended(active: &Active, config: &Config, time: xr::Time, report: &Fr
 }
 
 /// The status at the end of a frame, for `parafovea status`.
-pub fn moment(session: &Session, active: &Active, config: &ConfigSnapshot, report: &FrameReport) -> Moment {
+pub fn status(
+    session: &Session,
+    active: &Active,
+    config: &ConfigSnapshot,
+    report: &FrameReport,
+) -> StatusSnapshot {
     let (state, frames) = (&active.plan, report.frame);
-    let mut moment = Moment {
+    let mut snapshot = StatusSnapshot {
         frames,
-        backend: active.device.offer.backend,
+        backend: active.device.capabilities.backend,
         passes_matched: report.passes_with_rates,
         debug_view: config.debug.view,
         debug_view_is_asked: config.is_view_asked,
         debug_view_is_drawn: debug_view(config)
             .is_some_and(|view| active.debug_views().is_drawn(view, frames)),
-        ..Moment::default()
+        ..StatusSnapshot::default()
     };
-    state.planning().tell(config, &mut moment);
-    session.gaze.tell(&mut moment);
+    state.planning().write_status(config, &mut snapshot);
+    session.gaze.write_status(&mut snapshot);
     let benefit = state.benefit.lock().unwrap_or_else(PoisonError::into_inner);
     let Techniques { rates, reuse } = benefit.gates().gates();
-    (moment.rates, moment.reuse) = (rates.into(), reuse.into());
-    moment
+    (snapshot.rates, snapshot.reuse) = (rates.into(), reuse.into());
+    snapshot
 }
 
 /// Says once, when recognition has settled, why an active session has no visible effect, if that is so.
-pub fn tell_unseen(
+pub fn report_unseen(
     session: &Session,
     (active, config): (&Active, &ConfigSnapshot),
     time: xr::Time,
@@ -275,7 +282,7 @@ pub fn tell_unseen(
         is_healthy: active.health() == Health::Works && !state.has_failed(),
         decisions: &all_decisions(),
     };
-    if let Some(why) = why_unseen(config, &moment(session, active, config, report), &known) {
+    if let Some(why) = why_unseen(config, &status(session, active, config, report), &known) {
         decided(Topic::Unseen, &why);
     }
 }
@@ -286,7 +293,7 @@ pub fn frame_begun(session: &Session, active: &Active, time: xr::Time) {
     let config = session.instance.config.snapshot();
     let frame = Frame { config: Arc::clone(&config), time: Some(time), is_located: false, later: None };
     let last = std::mem::replace(&mut *state.frame(), frame);
-    state.tell_settings(active, &config);
+    state.notify_settings(active, &config);
     let only_watches = {
         let mut planning = state.planning();
         if let Some(views) = last.later {

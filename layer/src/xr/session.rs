@@ -16,7 +16,7 @@ use crate::abi::{attempt, executable, guard};
 use crate::config::{ChromaMode, Config, Environment, GazeSource, debug_view, wants_contrast, wants_reuse};
 use crate::link::BACKEND_NONE;
 use crate::registry::Registry;
-use crate::status::Telling;
+use crate::status::StatusReporter;
 use openxr_sys as xr;
 use parafovea_manifest::status::Status;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ pub struct Session {
     /// Where its gaze comes from.
     pub gaze: SessionGaze,
     /// Tells `parafovea status` of it, where there is a place for that.
-    pub telling: Option<Telling>,
+    pub reporter: Option<StatusReporter>,
 }
 
 impl Session {
@@ -63,7 +63,7 @@ impl Session {
     }
 
     fn has_backend(&self) -> bool {
-        self.active.as_ref().is_some_and(|active| active.device.offer.backend != BACKEND_NONE)
+        self.active.as_ref().is_some_and(|active| active.device.capabilities.backend != BACKEND_NONE)
     }
 
     /// Marks submits of this thread as the runtime's, while it is in a call down.
@@ -157,7 +157,7 @@ pub(super) unsafe fn track(
     let spaces = active.as_ref().and_then(|_| Spaces::create(&instance.next, handle));
     if let Some(active) = &active {
         active.device.set_active(true);
-        active.plan.tell_settings(active, &config);
+        active.plan.notify_settings(active, &config);
         tracing::info!("session active, {}", gaze_of(config.gaze.source, actions.may_have_gaze()));
     }
     let gaze = SessionGaze::default();
@@ -173,8 +173,8 @@ pub(super) unsafe fn track(
         ..Status::default()
     };
     // Never with elevated rights: then instances are inert.
-    let telling = Telling::begin(&Environment::of_process(false), known, Arc::clone(&config.source));
-    SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, spaces, actions, gaze, telling }));
+    let reporter = StatusReporter::begin(&Environment::of_process(false), known, Arc::clone(&config.source));
+    SESSIONS.insert(handle, Arc::new(Session { handle, instance, active, spaces, actions, gaze, reporter }));
 }
 
 /// The source of a session's gaze, as the log names it.

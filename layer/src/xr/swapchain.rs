@@ -3,6 +3,7 @@
 //! A virtual swapchain's handle is the runtime's, but its images are ours. Acquire, wait and release run on
 //! our own ring; the runtime's images are taken and returned in [`super::frame`].
 
+mod acquired_images;
 mod create;
 mod depth;
 mod description;
@@ -12,7 +13,6 @@ mod images;
 mod ring;
 mod substitute;
 mod target;
-mod turns;
 
 pub use create::create;
 pub use depth::NewestDepth;
@@ -26,6 +26,7 @@ use super::instance::next_of_any;
 use super::session::Session;
 use crate::abi::{attempt, guard};
 use crate::registry::Registry;
+use acquired_images::AcquiredImages;
 use ash::vk;
 use depth::Depth;
 use description::Description;
@@ -36,7 +37,6 @@ use ring::Ring;
 use smallvec::SmallVec;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use turns::Turns;
 
 /// A swapchain of a session that is not inert.
 pub struct Swapchain {
@@ -46,7 +46,7 @@ pub struct Swapchain {
     /// Our images, if it is virtual.
     pub substitute: Option<Substitute>,
     description: Description,
-    turns: Mutex<Turns>,
+    turns: Mutex<AcquiredImages>,
     drawn_over: Mutex<DrawnOver>,
     depth: Mutex<Depth>,
     is_told: AtomicBool,
@@ -81,7 +81,7 @@ impl Swapchain {
         self.description.extent_and_layers()
     }
 
-    fn turns(&self) -> MutexGuard<'_, Turns> {
+    fn turns(&self) -> MutexGuard<'_, AcquiredImages> {
         self.turns.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -94,22 +94,22 @@ impl Swapchain {
     }
 
     /// Tells the Vulkan half which images the application has, once.
-    fn tell_images(&self, images: &[vk::Image]) {
+    fn notify_images(&self, images: &[vk::Image]) {
         if !images.is_empty() && !self.is_told.swap(true, Ordering::Relaxed) {
-            self.tell(images);
+            self.notify(images);
         }
     }
 
     /// Tells the Vulkan half that the images are about to be destroyed.
-    fn tell_end(&self) {
+    fn notify_end(&self) {
         if self.is_told.swap(false, Ordering::Relaxed) {
-            self.tell(&[]);
+            self.notify(&[]);
         }
     }
 
     /// Ends our part in it, before it is destroyed: waits for work of ours that still uses the runtime's images.
     fn end(&self) {
-        self.tell_end();
+        self.notify_end();
         self.end_drawing_over();
         self.end_keeping_depth();
         if let Some(substitute) = &self.substitute {
@@ -117,11 +117,11 @@ impl Swapchain {
         }
     }
 
-    fn tell(&self, images: &[vk::Image]) {
+    fn notify(&self, images: &[vk::Image]) {
         let Some(active) = &self.session.active else { return };
         let record = self.description.record(self.handle.into_raw(), images);
         // SAFETY: the record points to `images`.
-        unsafe { active.device.tell_swapchain(&record) };
+        unsafe { active.device.notify_swapchain(&record) };
     }
 }
 

@@ -15,8 +15,7 @@ use std::sync::Once;
 /// installed below a prefix.
 static FOLDERS: [&str; 3] = [".", "vulkan/explicit_layer.d", "../share/vulkan/explicit_layer.d"];
 
-/// Makes the Vulkan loader load the Vulkan half with the next instance, unless the environment says already
-/// what it is to do.
+/// Makes the Vulkan loader load the Vulkan half with the next instance, unless the environment says already how to load it.
 pub fn activate() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {

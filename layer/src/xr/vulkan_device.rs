@@ -4,10 +4,10 @@
 use super::structures::VulkanBinding;
 use crate::config::{Arming, device_armed};
 use crate::link::{
-    BACKEND_NONE, DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord, FrameStart, FrameTimeRecord,
-    GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr, MOST_FRAME_TIMES, OfferRecord,
-    PictureRecord, RATES_COPIED, RATES_COPY_LEFT_OUT, RatesCopyRecord, ShownRecord, StaleRecord,
-    SwapchainRecord,
+    BACKEND_NONE, CapabilitiesRecord, DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord,
+    FrameStart, FrameTimeRecord, GET_LINK_NAME, GetLink, LINK_VERSION, LinkTable, LoaderGetDeviceProcAddr,
+    MOST_FRAME_TIMES, PictureRecord, RATES_COPIED, RATES_COPY_LEFT_OUT, RatesCopyRecord, ShownRecord,
+    StaleRecord, SwapchainRecord,
 };
 use crate::status::{Decision, Topic};
 use ash::vk;
@@ -25,7 +25,7 @@ pub struct VulkanDevice {
     /// Family and index of the queue of the session's graphics binding.
     pub queue: (u32, u32),
     /// The abilities of its backend.
-    pub offer: OfferRecord,
+    pub capabilities: CapabilitiesRecord,
 }
 
 /// Why a session's device is out of reach, so that the session stays inert.
@@ -84,19 +84,19 @@ impl VulkanDevice {
             let record: DeviceRecord = record.assume_init();
             Arming::from_number(record.arming).inspect(|arming| device_armed(*arming));
             let queue = (binding.queue_family_index, binding.queue_index);
-            Ok(Self { table, record, queue, offer: offer(&table, device) })
+            Ok(Self { table, record, queue, capabilities: capabilities(&table, device) })
         }
     }
 
     /// A device behind a stand-in for the Vulkan half.
     #[cfg(test)]
     pub fn of_table(table: LinkTable, record: DeviceRecord) -> Self {
-        Self { table, record, queue: (0, 0), offer: offer(&table, record.device) }
+        Self { table, record, queue: (0, 0), capabilities: capabilities(&table, record.device) }
     }
 
     /// Whether the device is a CPU.
     pub fn is_cpu(&self) -> bool {
-        self.offer.is_cpu == 1
+        self.capabilities.is_cpu == 1
     }
 
     /// Tells the Vulkan half whether a session is bound to the device.
@@ -116,7 +116,7 @@ impl VulkanDevice {
     /// # Safety
     ///
     /// What the record points to is valid.
-    pub unsafe fn tell_swapchain(&self, record: &SwapchainRecord) {
+    pub unsafe fn notify_swapchain(&self, record: &SwapchainRecord) {
         // SAFETY: the device is live, as above; the caller vouches for the record.
         unsafe { (self.table.swapchain)(self.record.device, record) }
     }
@@ -136,7 +136,7 @@ impl VulkanDevice {
     /// # Safety
     ///
     /// As [`PictureRecord`] says.
-    pub unsafe fn tell_picture(&self, record: &PictureRecord) {
+    pub unsafe fn notify_picture(&self, record: &PictureRecord) {
         // SAFETY: the device is live, as above; the caller vouches for the record.
         unsafe { (self.table.picture)(self.record.device, record) }
     }
@@ -231,11 +231,11 @@ impl VulkanDevice {
 }
 
 /// The abilities of a device's backend; those of none where the Vulkan half does not say.
-fn offer(table: &LinkTable, device: vk::Device) -> OfferRecord {
+fn capabilities(table: &LinkTable, device: vk::Device) -> CapabilitiesRecord {
     let mut record =
-        OfferRecord { backend: BACKEND_NONE, texel: [1, 1], rate_count: 0, rates: [0; 16], is_cpu: 0 };
+        CapabilitiesRecord { backend: BACKEND_NONE, texel: [1, 1], rate_count: 0, rates: [0; 16], is_cpu: 0 };
     // SAFETY: the device is live; the record is there to be written to.
-    unsafe { (table.offer)(device, &raw mut record) };
+    unsafe { (table.capabilities)(device, &raw mut record) };
     record
 }
 

@@ -65,7 +65,7 @@ fn whole(extent: [u32; 2]) -> Shape {
 /// A picture as it is stored, and its colours.
 type Stored = (Vec<u8>, Plane<Vec3>);
 
-/// What was made of pictures at rates, one after the other.
+/// The results for pictures at rates, one after the other.
 struct Analyzed {
     levels: Vec<Vec<Plane>>,
     maps: Vec<Vec<TileContrast>>,
@@ -154,7 +154,7 @@ fn levels_of(vulkan: &Vulkan, levels: &Levels) -> Vec<Plane> {
         .collect()
 }
 
-/// What a buffer holds, one after the other.
+/// The numbers in a buffer, one after the other.
 fn numbers<T: bytemuck::Pod>(bytes: &[u8]) -> Vec<T> {
     bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
 }

@@ -1,4 +1,4 @@
-//! What happens when the device fails us.
+//! Failures of the device.
 
 use crate::pictures::region;
 use crate::swapchain::{Swapchain, shape};

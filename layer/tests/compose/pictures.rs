@@ -48,7 +48,7 @@ pub fn region(
     }
 }
 
-/// What the reference makes of one layer.
+/// The reference's picture of one layer.
 pub fn reference(
     before: &[u8],
     width: u32,

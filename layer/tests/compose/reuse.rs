@@ -84,7 +84,7 @@ fn reuse_region<'a>(frames: &'a [Frame], lists: &'a TileLists, turns: bool, bord
     }
 }
 
-/// What the device makes of the frames.
+/// The device's picture of the frames.
 fn completed(
     vulkan: &Vulkan,
     swapchain: &Swapchain,

@@ -1,4 +1,4 @@
-//! What sessions on one device share, and when it goes.
+//! Shared objects of sessions on one device, and their end.
 
 use crate::vulkan::Vulkan;
 use ash::vk;
@@ -37,7 +37,7 @@ fn calls() -> [u32; 3] {
     CALLS.each_ref().map(|count| count.load(Ordering::Relaxed))
 }
 
-/// What a session has that draws to one format.
+/// The compositor of a session that draws to one format.
 fn session(record: &DeviceRecord, shared: &Arc<Shared>) -> Compose {
     // SAFETY: the record is of a live device with this queue, which nobody else uses now.
     let gpu = unsafe { Gpu::sharing(record, (0, 0), Arc::clone(shared)) }.unwrap();

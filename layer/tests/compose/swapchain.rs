@@ -16,7 +16,7 @@ pub struct Swapchain {
     extent: vk::Extent2D,
 }
 
-/// What an application usually asks for.
+/// The usual request of an application.
 pub fn shape(format: vk::Format, width: u32, height: u32, array_layers: u32) -> SwapchainShape {
     SwapchainShape {
         format,

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
 
 const VALIDATION: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// What validation said about one device.
+/// Messages of validation about one device.
 type Messages = Mutex<Vec<String>>;
 
 /// One device with one queue. Never destroyed: the process ends soon.
@@ -47,12 +47,12 @@ impl Vulkan {
         Self::made(api_version, |record| record)
     }
 
-    /// As [`Vulkan::new`], with what our half of the library is told of the device changed by `edit`.
+    /// As [`Vulkan::new`], with the record of the device for our half of the library changed by `edit`.
     pub fn with(edit: impl FnOnce(DeviceRecord) -> DeviceRecord) -> Self {
         Self::made(vk::API_VERSION_1_0, edit)
     }
 
-    /// As [`Vulkan::at`], without validation, for what is measured.
+    /// As [`Vulkan::at`], without validation, for measurements.
     pub fn unchecked(api_version: u32) -> Self {
         Self::of(api_version, false, |record| record)
     }
@@ -132,7 +132,7 @@ impl Vulkan {
         properties.optimal_tiling_features.contains(vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT)
     }
 
-    /// What validation said so far.
+    /// Messages of validation so far.
     pub fn messages(&self) -> Vec<String> {
         self.messages.lock().unwrap().clone()
     }

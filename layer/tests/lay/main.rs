@@ -11,13 +11,13 @@ mod transfer;
 mod vulkan;
 
 use ash::vk;
-use parafovea::backend::mask::{DepthWork, Eligible, MaskKernels, MaskMap, lay_mask, mask_views};
+use parafovea::backend::mask::{DepthWork, Eligible, MaskKernels, MaskMap, mask_views, resolve_mask};
 use parafovea::gpu::AppCommands;
 use parafovea::kernels::analyze::{ViewTiles, rate_row_bytes};
 use parafovea::kernels::lay::{Lay, LayTable, LayTarget};
 use parafovea::kernels::mask::MaskPass;
 use parafovea::pass_detection::{Eyes, Orientation, Part};
-use parafovea::rate_map::{DeviceRates, EyeMap, RateImage, lay_table};
+use parafovea::rate_map::{DeviceRates, EyeMap, RateImage, rate_map_table};
 use parafovea_core::image::Plane;
 use parafovea_core::kernels::lay::lay;
 use parafovea_core::mask::{BLOCK, DepthFormat, Mask, TemplateDepths, write_template};
@@ -56,7 +56,7 @@ fn part(eyes: Eyes, layer: u32, rect: [f32; 4], orientation: Orientation) -> Par
     Part { eyes, layer, rect, orientation }
 }
 
-/// What is drawn, and the two eyes.
+/// The drawn parts, and the two eyes.
 struct Case {
     parts: Vec<Part>,
     image: RateImage,
@@ -144,7 +144,7 @@ fn texels_match_the_reference() {
             let eyes =
                 [0, 1].map(|index| rates(eye.map(|side| side.div_ceil(16)), 2 * number + index, *with_stale));
             let maps = eyes.each_ref().map(|rates| eye_map(*eye, rates));
-            let table = lay_table(maps.each_ref(), parts, image).unwrap();
+            let table = rate_map_table(maps.each_ref(), parts, image).unwrap();
             let available = DeviceRates::new(offered.iter().copied()).available();
             for leaves_out in [false, true] {
                 let target = laid.target(&table, eyes.each_ref(), available, leaves_out);
@@ -182,7 +182,7 @@ fn masks_match_the_reference() {
         let eyes =
             [0, 1].map(|index| rates(eye.map(|side| side.div_ceil(16)), 2 * number + index, *with_stale));
         let maps = eyes.each_ref().map(|rates| eye_map(*eye, rates));
-        let table = lay_table(maps.each_ref(), parts, image).unwrap();
+        let table = rate_map_table(maps.each_ref(), parts, image).unwrap();
         let available = DeviceRates::new(VULKAN_RATES.into_iter()).available();
         let target = Arc::new(laid.target(&table, eyes.each_ref(), available, true));
         let [x, y, width, height] = image.area;
@@ -204,7 +204,7 @@ fn masks_match_the_reference() {
             }
             let texels = laid.vulkan.read(target.texels(), target.len());
             let mut mask = Mask::new(extent, image.layers);
-            lay_mask(&mut mask, parts, image, &texels);
+            resolve_mask(&mut mask, parts, image, &texels);
             let words = mask.list().words();
             let got = laid.vulkan.read(map.list(), (words.len() + 2) * 4);
             let got: Vec<u32> = got.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect();
@@ -234,7 +234,7 @@ fn what_the_kernel_cannot_serve_is_refused() {
     let map = eye_map([64, 64], &tiles);
     let image = RateImage { area: [0, 0, 64, 64], texel: TEXEL, tiles: [4, 4], layers: 1 };
     let parts = [part(Eyes::Left, 0, [0.0, 0.0, 1.0, 1.0], Orientation::Upright)];
-    let table = lay_table([&map, &map], &parts, &image).unwrap();
+    let table = rate_map_table([&map, &map], &parts, &image).unwrap();
     let target = Arc::new(laid.target(&table, [&tiles, &tiles], [0; 16], false));
     let depths = TemplateDepths { shaded: 1.0, skipped: 0.0 };
     let views = mask_views(&parts, &image);

@@ -29,7 +29,7 @@ const SHADERS: &str = "
         return vec4f(wave, at.z, select(0.2, 0.9, (u32(at.x) / 9u + u32(at.y) / 7u) % 2u == 0u));
     }";
 
-/// What is drawn, and with which depth.
+/// The drawn geometry, and its depth.
 #[derive(Clone, Copy, Debug)]
 pub struct Setup {
     pub depth: vk::Format,

@@ -79,7 +79,7 @@ fn check(vulkan: &Vulkan, version: (u8, u8), eligible: Eligible, area: vk::Rect2
     assert_matches(FillFormat::Srgb8, &expected, &filled, |pixel| mask.skips(0, pixel), EXTENT);
 }
 
-/// What an occlusion query around the pass counts.
+/// The count of an occlusion query around the pass.
 fn samples_passed(vulkan: &Vulkan, application: &Application) -> u32 {
     let device = &vulkan.device;
     let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::OCCLUSION).query_count(1);

@@ -60,7 +60,7 @@ fn mask(area: vk::Rect2D) -> (Mask, RateImage, Vec<u8>) {
     (mask, RateImage { area, texel: [8; 2], tiles: [18; 2], layers: 1 }, rates)
 }
 
-/// What the layer finds out about the pass.
+/// The layer's findings about the pass.
 fn eligible(application: &Application) -> Eligible {
     let setup = application.setup;
     let mut pipelines = PipelineFacts::default();

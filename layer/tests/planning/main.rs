@@ -8,16 +8,16 @@ mod allocations;
 use glam::{Quat, Vec3};
 use parafovea::config::{Config, Preset, RatesMode};
 use parafovea::inputs::gaze::Look;
-use parafovea::link::{BACKEND_RATE_ATTACHMENT, OfferRecord};
-use parafovea::planner::{Offer, Planning, ShownView, View};
+use parafovea::link::{BACKEND_RATE_ATTACHMENT, CapabilitiesRecord};
+use parafovea::planner::{Capabilities, Planning, ShownView, View};
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::geometry::Fov;
 use parafovea_core::rate::VULKAN_RATES;
 
 const FRAME_NS: i64 = 11_111_111;
 
-fn offer() -> Offer {
-    let mut record = OfferRecord {
+fn capabilities() -> Capabilities {
+    let mut record = CapabilitiesRecord {
         backend: BACKEND_RATE_ATTACHMENT,
         texel: [16, 16],
         rate_count: VULKAN_RATES.len() as u32,
@@ -27,7 +27,7 @@ fn offer() -> Offer {
     for (to, rate) in record.rates.iter_mut().zip(VULKAN_RATES) {
         *to = rate.texel();
     }
-    Offer::from(&record)
+    Capabilities::from(&record)
 }
 
 /// One frame as the OpenXR half goes through it, with a gaze and a resolution that change all the time. Whether rates were
@@ -55,7 +55,7 @@ fn frame(planning: &mut Planning, config: &Config, number: i64) -> bool {
 
 /// With whatever is heard from `heard` on, frame by frame.
 fn assert_does_not_allocate(config: &Config, heard: impl Fn(i64) -> Option<AudioFeatures>) {
-    let mut planning = Planning::new(offer());
+    let mut planning = Planning::new(capabilities());
     let next = |planning: &mut Planning, number| {
         planning.listen(heard(number));
         frame(planning, config, number)

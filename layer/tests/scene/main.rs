@@ -10,7 +10,7 @@ use parafovea::pass_detection::{
     Event, Eye, ImageDescription, ImageKey, Pass, PassFacts, Recognition, Shown, ShownView, SwapchainKey,
     Target, Transfer, TransferKind,
 };
-use parafovea::rate_map::{DeviceRates, EyeMap, RateImage, Scratch, lay};
+use parafovea::rate_map::{DeviceRates, EyeMap, RateImage, Scratch, resolve};
 use parafovea_core::rate::VULKAN_RATES;
 use smallvec::{SmallVec, smallvec};
 
@@ -90,7 +90,7 @@ fn a_steady_frame_does_not_allocate() {
                 let tiles = [EYE[0].div_ceil(16), EYE[1].div_ceil(16)];
                 map.set(EYE, [16, 16], tiles, &[10; 135 * 135]);
                 let image = RateImage { area: pass.area, texel: [32, 32], tiles: [68, 68], layers: 1 };
-                lay([&map, &map], &found.parts, &image, &rates, &mut scratch, &mut out);
+                resolve([&map, &map], &found.parts, &image, &rates, &mut scratch, &mut out);
                 matched += 1;
             }
         }

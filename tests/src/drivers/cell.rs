@@ -196,7 +196,7 @@ impl Cell {
         if self.stack == Stack::Validated && program.has_frames() && !outcome.findings.vulkan_was_active {
             return Err(outcome.failed("the validation layer was not there"));
         }
-        let has_attachments = outcome.log.contains("rate attachments: Offer");
+        let has_attachments = outcome.log.contains("rate attachments: RateCapabilities");
         let engaged = Engaged { has_attachments, ..engaged(&passes)? };
         Ok(Some(Seen { end: End::of(program, &outcome), engaged, outcome }))
     }

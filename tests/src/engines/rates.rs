@@ -5,8 +5,8 @@
 
 use glam::{Quat, Vec3};
 use parafovea::config::{Config, GazeSource, Preset};
-use parafovea::link::{BACKEND_RATE_ATTACHMENT, OfferRecord};
-use parafovea::planner::{Offer, Planning, ShownView, View};
+use parafovea::link::{BACKEND_RATE_ATTACHMENT, CapabilitiesRecord};
+use parafovea::planner::{Capabilities, Planning, ShownView, View};
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use parafovea_errors::{Clip, Eye};
 
@@ -48,7 +48,7 @@ impl Map {
 fn maps(eyes: [&Eye; 2]) -> Option<[Map; 2]> {
     let mut config = Config::of_preset(Preset::Balanced);
     config.gaze.source = GazeSource::Centre;
-    let mut offer = OfferRecord {
+    let mut offer = CapabilitiesRecord {
         backend: BACKEND_RATE_ATTACHMENT,
         texel: [TEXEL; 2],
         rate_count: VULKAN_RATES.len() as u32,
@@ -60,7 +60,7 @@ fn maps(eyes: [&Eye; 2]) -> Option<[Map; 2]> {
     }
     let views = eyes.map(|eye| View { position: Vec3::ZERO, orientation: Quat::IDENTITY, fov: eye.fov });
     let extents = eyes.map(|eye| eye.picture.extent());
-    let mut planning = Planning::new(Offer::from(&offer));
+    let mut planning = Planning::new(Capabilities::from(&offer));
     planning.views.located(&views);
     planning
         .views

@@ -23,8 +23,8 @@ use glam::{Quat, Vec3};
 use libtest_mimic::{Arguments, Failed};
 use noted::Noted;
 use parafovea::config::{Config, GazeSource, Preset};
-use parafovea::link::{BACKEND_MASK, OfferRecord};
-use parafovea::planner::{Offer, Planning, ShownView, View};
+use parafovea::link::{BACKEND_MASK, CapabilitiesRecord};
+use parafovea::planner::{Capabilities, Planning, ShownView, View};
 use parafovea_core::geometry::Fov;
 use parafovea_core::kernels::fill::FillFormat;
 use parafovea_core::mask::{Mask, MaskView, TileRates, predict};
@@ -167,7 +167,7 @@ impl Rings {
     fn new(size: u32) -> Self {
         let mut config = Config::of_preset(Preset::Balanced);
         config.gaze.source = GazeSource::Centre;
-        let mut offer = OfferRecord {
+        let mut offer = CapabilitiesRecord {
             backend: BACKEND_MASK,
             texel: [16; 2],
             rate_count: VULKAN_RATES.len() as u32,
@@ -180,7 +180,7 @@ impl Rings {
         let edge = std::f32::consts::FRAC_PI_4;
         let fov = Fov { left: -edge, right: edge, up: edge, down: -edge };
         let view = View { position: Vec3::ZERO, orientation: Quat::IDENTITY, fov };
-        let mut planning = Planning::new(Offer::from(&offer));
+        let mut planning = Planning::new(Capabilities::from(&offer));
         planning.views.located(&[view; 2]);
         planning.views.shown(&[ShownView { view, extent: [size; 2] }; 2]);
         planning.frame_begins(0);

@@ -23,7 +23,7 @@ pub type GetTable = unsafe extern "C" fn() -> *const CaptureTable;
 /// One capture, known to the library that made it.
 pub type Handle = *const std::ffi::c_void;
 
-/// What the library that listens offers. No function panics; all may be called from any thread.
+/// The functions of the library that listens. No function panics; all may be called from any thread.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct CaptureTable {
@@ -42,13 +42,13 @@ pub struct CaptureTable {
     pub stop: unsafe extern "C" fn(capture: Handle),
 }
 
-/// What the system plays.
+/// The system's sound.
 pub const SOURCE_SYSTEM: u32 = 1;
 
 /// A WAV file, over and over.
 pub const SOURCE_FILE: u32 = 2;
 
-/// What shall be heard, and how it is summed up.
+/// The sound to capture, and its summary.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SettingsRecord {
@@ -70,7 +70,7 @@ pub struct SettingsRecord {
     pub greatest_lufs: f32,
 }
 
-/// What is heard (`parafovea_core::audio::AudioFeatures`), and how far it can be relied on.
+/// Features of the sound (`parafovea_core::audio::AudioFeatures`), and how far they can be relied on.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FeaturesRecord {

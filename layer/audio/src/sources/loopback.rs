@@ -1,5 +1,4 @@
-//! What is played on a machine without a sound server: ALSA's loop-back card (`snd-aloop`), whose second device gives
-//! what is played on its first.
+//! Sound of a machine without a sound server: ALSA's loop-back card (`snd-aloop`), whose second device captures the sound of its first.
 
 use crate::ring::{Format, Writer};
 use crate::shared::Shared;
@@ -77,12 +76,12 @@ fn loopback_card(cards: &str) -> Option<&str> {
     })
 }
 
-/// Whether this is the end of the card where what is played comes out, and as it is.
+/// Whether this is the end of the card that captures the sound of the other, unchanged.
 fn is_monitor(device: &Device, card: &str) -> bool {
     device.id().is_ok_and(|id| id.id() == format!("hw:CARD={card},DEV=1"))
 }
 
-/// What a callback does with samples of this kind.
+/// The callback's conversion of samples of this kind.
 fn writer_of(format: SampleFormat) -> Option<fn(&mut Writer, &Data)> {
     Some(match format {
         SampleFormat::I16 => write::<i16>,

@@ -1,5 +1,4 @@
-//! What the system plays, from a sound server that speaks PulseAudio's protocol: PulseAudio, or PipeWire with
-//! pipewire-pulse.
+//! The system's sound, from a sound server that speaks PulseAudio's protocol: PulseAudio, or PipeWire with pipewire-pulse.
 //!
 //! A stream is recorded from the monitor of the default output, which is found by asking the server for that output. The
 //! server may not move it (`no_move`): when an output goes away, it moves recordings to the default *input*, which is a
@@ -53,13 +52,13 @@ pub fn listen(shared: &Shared) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A connection, and what is recorded over it.
+/// A connection, and its recording.
 struct Listener<'a> {
     shared: &'a Shared,
     connection: Connection,
     /// The question that the server has yet to answer; one at a time.
     asked: Option<Asked>,
-    /// Something may be different from what was asked last.
+    /// The server's state may differ from its last answer.
     is_stale: bool,
     looked: Instant,
     stream: Option<Stream>,
@@ -74,20 +73,20 @@ struct Asked {
 enum Question {
     /// Which output is the default.
     Server,
-    /// What that output is.
+    /// The properties of that output.
     Output,
     /// To record it.
     Record(Output),
 }
 
-/// What is recorded.
+/// A recording.
 struct Stream {
     channel: u32,
     output: Output,
     writer: Writer,
 }
 
-/// What a message means, apart from samples, which are written at once.
+/// The meaning of a message, apart from samples, which are written at once.
 enum News {
     Server(ServerInfo),
     Output(Box<SinkInfo>),
@@ -147,7 +146,7 @@ impl Listener<'_> {
         }
     }
 
-    /// Asks what the output is, where that may have changed.
+    /// Asks for the output's properties, where those may have changed.
     fn ask(&mut self) -> Result<(), Fault> {
         match &self.asked {
             Some(asked) if asked.since.elapsed() > PATIENCE => Err(Fault::Silent),
@@ -200,7 +199,7 @@ impl Listener<'_> {
         }
     }
 
-    /// Records the monitor of this output, if that is not what is recorded already.
+    /// Records the monitor of this output, if it is not recorded already.
     fn listen_to(&mut self, info: &SinkInfo) -> Result<(), Fault> {
         let Some(output) = Output::of(info) else {
             return self.nothing_to_hear("the output has no monitor");
@@ -220,7 +219,7 @@ impl Listener<'_> {
         Ok(())
     }
 
-    /// Ends what is recorded. Whatever still comes of it is not heard.
+    /// Ends the recording. Whatever still comes of it is not heard.
     fn leave(&mut self) -> Result<(), Fault> {
         if let Some(stream) = self.stream.take() {
             // The server may know it no more; its answer is of no interest.

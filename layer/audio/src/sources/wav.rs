@@ -1,4 +1,4 @@
-//! A WAV file as what is heard: for tests and demos.
+//! A WAV file as the source of sound: for tests and demos.
 
 use crate::ring::Format;
 use crate::shared::Shared;
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// How often samples are handed on.
 const PERIOD: Duration = Duration::from_millis(20);
 
-/// What is late by more was not late: the process stood still, and does not catch up.
+/// Later samples were not late: the process stood still, and does not catch up.
 const LATEST: Duration = Duration::from_millis(200);
 
 /// Plays a file over and over into the ring, as fast as it would be played, until the capture ends.

@@ -1,17 +1,17 @@
-//! What a device's rate attachments are attached to, and by which calls.
+//! The rate attachments of a device, and the calls that attach them.
 
+use super::capabilities::RateCapabilities;
 use super::commands::SetRates;
 use super::create::Enabled;
 use super::framebuffer::{self, Promise};
 use super::image::{RateImage, RateImageKey, RateImages, USAGE};
-use super::offer::Offer;
 use super::pipeline::PipelineRate;
 use super::render_pass::{self, AddedRates, LeftAlone};
 use super::rendering;
 use crate::abi::copies::{Copies, room};
 use crate::backend::{Backend, RateMap};
 use crate::gpu::GpuError;
-use crate::link::{BACKEND_RATE_ATTACHMENT, DeviceRecord, OfferRecord};
+use crate::link::{BACKEND_RATE_ATTACHMENT, CapabilitiesRecord, DeviceRecord};
 use crate::pass_detection::{ImageDescription, Pass, Target};
 use crate::vk::objects::Image;
 use crate::vk::shaders::ShaderModules;
@@ -23,15 +23,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The rate attachments of a device.
 pub struct Rates {
-    /// What they can do.
-    pub offer: Offer,
+    /// Their capabilities.
+    pub capabilities: RateCapabilities,
     is_cpu: bool,
     /// The images that are attached.
     pub images: RateImages,
     /// The render passes to which rates were added.
     passes: Table<vk::RenderPass, AddedRates>,
     framebuffers: Table<vk::Framebuffer, Attached>,
-    /// What the fragment shaders of modules do.
+    /// Effects of the fragment shaders of modules.
     pub modules: ShaderModules,
     /// Pipelines and libraries whose rate is not fixed.
     pub(super) pipelines: Table<vk::Pipeline, PipelineRate>,
@@ -47,16 +47,16 @@ pub struct Rates {
     attaches_only_matched: bool,
 }
 
-/// What a framebuffer has for a render pass to which rates were added.
+/// The rate image of a framebuffer, for a render pass with added rates.
 #[derive(Clone)]
 enum Attached {
     /// The image in it.
     Image(Arc<RateImage>),
-    /// It gets an image like this one when a render pass begins, if there is one for what is drawn to, or else this one.
+    /// When a render pass begins it gets an image of the same size, for its own target if there is one, or else this one.
     Promised(Arc<RateImage>),
 }
 
-/// The first colour target of a pass, with what is known of its image; nothing where that is not known.
+/// The first colour target of a pass, with the description of its image; `None` for an unknown image.
 pub type FirstColour = Option<(Target, ImageDescription)>;
 
 impl Rates {
@@ -69,10 +69,10 @@ impl Rates {
         // SAFETY: the caller vouches for the record.
         let images = unsafe { RateImages::of_device(record, &enabled) };
         let images = images.inspect_err(|reason| tracing::info!("no rate attachments: {reason}")).ok()?;
-        let Enabled { offer, quirks, application_sets_rates, links_pipelines, .. } = enabled;
-        let combiner = offer.combiner();
+        let Enabled { capabilities, quirks, application_sets_rates, links_pipelines, .. } = enabled;
+        let combiner = capabilities.combiner();
         Some(Self {
-            offer,
+            capabilities,
             is_cpu,
             images,
             passes: Table::default(),
@@ -117,7 +117,8 @@ impl Rates {
                 return next(device, info, allocator, pass);
             }
             let converted = render_pass::convert(&*info, &mut copies);
-            let amended = converted.and_then(|info| render_pass::with_rates(&info, &self.offer, &mut copies));
+            let amended =
+                converted.and_then(|info| render_pass::with_rates(&info, &self.capabilities, &mut copies));
             if let (Ok((amended, added)), Some(next2)) = (&amended, next2) {
                 let result = next2(device, amended, allocator, pass);
                 if self.is_added(result, pass, *added) {
@@ -148,7 +149,7 @@ impl Rates {
             if self.images.stand_in().is_none() {
                 return next(device, info, allocator, pass);
             }
-            let amended = render_pass::with_rates(&*info, &self.offer, &mut copies);
+            let amended = render_pass::with_rates(&*info, &self.capabilities, &mut copies);
             if let Ok((amended, added)) = &amended {
                 let result = next(device, amended, allocator, pass);
                 if self.is_added(result, pass, *added) {
@@ -166,7 +167,7 @@ impl Rates {
     /// `pass` is written where the result is success.
     unsafe fn is_added(&self, result: vk::Result, pass: *mut vk::RenderPass, added: AddedRates) -> bool {
         if result != vk::Result::SUCCESS {
-            GpuError::Call { call: "vkCreateRenderPass2", result }.tell("no rates for a render pass");
+            GpuError::Call { call: "vkCreateRenderPass2", result }.log("no rates for a render pass");
             return false;
         }
         // SAFETY: the caller vouches for it.
@@ -207,7 +208,8 @@ impl Rates {
             let mut copies = Copies::new(&mut room);
             let (amended, attached) = if framebuffer::is_imageless(&*info) {
                 let [width, height, layers] = framebuffer::promised_size(&*info, colour);
-                let (texels, layers) = (self.offer.texels([width, height]), self.offer.layers(layers));
+                let (texels, layers) =
+                    (self.capabilities.texels([width, height]), self.capabilities.layers(layers));
                 let Some(image) = self.images.fitting(RateImageKey::shared(texels, layers)) else {
                     return Self::too_large(&*info);
                 };
@@ -218,8 +220,8 @@ impl Rates {
             } else {
                 let layers = if added.views == 0 { (*info).layers } else { added.views };
                 let unknown = || {
-                    let texels = self.offer.texels([(*info).width, (*info).height]);
-                    RateImageKey::shared(texels, self.offer.layers(layers))
+                    let texels = self.capabilities.texels([(*info).width, (*info).height]);
+                    RateImageKey::shared(texels, self.capabilities.layers(layers))
                 };
                 let key = self.key(target).unwrap_or_else(unknown);
                 // Without a view the framebuffer would not fit its render pass.
@@ -323,33 +325,33 @@ impl Rates {
             }
             let mut room = room::<64>();
             let mut copies = Copies::new(&mut room);
-            begin(&rendering::with_view(&*info, image.view, &self.offer, &mut copies));
+            begin(&rendering::with_view(&*info, image.view, &self.capabilities, &mut copies));
             Some(image)
         }
     }
 
     fn key(&self, target: FirstColour) -> Option<RateImageKey> {
-        target.map(|(target, image)| RateImageKey::of(target, &image, &self.offer))
+        target.map(|(target, image)| RateImageKey::of(target, &image, &self.capabilities))
     }
 }
 
 impl Backend for Arc<Rates> {
-    fn offer(&self) -> OfferRecord {
+    fn capabilities(&self) -> CapabilitiesRecord {
         let mut rates = [0; 16];
-        for (texel, rate) in rates.iter_mut().zip(&self.offer.rates) {
+        for (texel, rate) in rates.iter_mut().zip(&self.capabilities.rates) {
             *texel = rate.texel();
         }
-        OfferRecord {
+        CapabilitiesRecord {
             backend: BACKEND_RATE_ATTACHMENT,
-            texel: self.offer.texel,
-            rate_count: self.offer.rates.len() as u32,
+            texel: self.capabilities.texel,
+            rate_count: self.capabilities.rates.len() as u32,
             rates,
             is_cpu: self.is_cpu.into(),
         }
     }
 
     fn map(&self, pass: &Pass, image: &Image) -> Option<Box<dyn RateMap>> {
-        let key = RateImageKey::of(*pass.colors.first()?, &image.description, &self.offer);
+        let key = RateImageKey::of(*pass.colors.first()?, &image.description, &self.capabilities);
         Some(Box::new(self.images.of(key)?))
     }
 }

@@ -13,8 +13,8 @@ pub struct SetRate {
     pub combiners: [Combiner; 2],
 }
 
-/// What is set in a command buffer by the application. It need not be forgotten when recording begins anew: before
-/// it draws, the application sets its rate again.
+/// The rate that the application has set in a command buffer. It need not be forgotten when recording begins anew: before it draws, the
+/// application sets its rate again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Recorded {
     rate: Option<SetRate>,
@@ -24,7 +24,7 @@ struct Recorded {
 /// The rates that are set in the command buffers of a device.
 pub struct SetRates {
     recorded: Table<vk::CommandBuffer, Recorded>,
-    /// The second combiner of what obeys the attachment.
+    /// The second combiner of pipelines that obey the attachment.
     combiner: Combiner,
     /// Whether the application enables rates itself, so that it sets them where it must.
     by_application: bool,
@@ -61,7 +61,7 @@ impl SetRates {
         Some(full_rate(if every_pixel { Combiner::KEEP } else { self.combiner }))
     }
 
-    /// What is bound now must shade every pixel, or need not: the rate to set, if that changes the one that is set.
+    /// The bound shaders must shade every pixel, or need not: the rate to set, if that changes the one that is set.
     fn pixels_needed(&self, buffer: vk::CommandBuffer, every_pixel: bool) -> Option<SetRate> {
         let mut recorded = self.recorded.get(buffer).unwrap_or_default();
         if recorded.every_pixel == every_pixel {

@@ -1,6 +1,6 @@
-//! The creation of instances and devices, with what rate attachments need added.
+//! The creation of instances and devices, with the additions that rate attachments need.
 
-use super::offer::{NoRates, Offer, Questions, extensions_of};
+use super::capabilities::{NoRates, Questions, RateCapabilities, extensions_of};
 use crate::abi::copies::{Copies, find, slice};
 use crate::vk::instance::{Instance, properties};
 use crate::vk::quirks;
@@ -33,11 +33,11 @@ pub unsafe fn instance<'c>(
     })
 }
 
-/// What a device has once it is created.
+/// The extensions and features of a created device.
 #[derive(Clone, Debug)]
 pub struct Enabled {
-    /// What its rate attachments can do.
-    pub offer: Offer,
+    /// The capabilities of its rate attachments.
+    pub capabilities: RateCapabilities,
     /// Its quirks.
     pub quirks: Quirks,
     /// Families of its queues, each once.
@@ -88,7 +88,7 @@ pub unsafe fn device<'c>(
         let has_driver_id = api_version >= vk::API_VERSION_1_2 || is_offered(vk::KHR_DRIVER_PROPERTIES_NAME);
         let driver_id = has_driver_id.then(|| questions.driver_id(physical_device));
         let quirks = quirks::of_device(&properties(instance, physical_device), driver_id);
-        let offer = questions.ask(physical_device)?.limited(&quirks);
+        let capabilities = questions.ask(physical_device)?.limited(&quirks);
         let (first, count) = names.with(&needed, copies);
         let has_format_lists =
             api_version >= vk::API_VERSION_1_2 || names.has(vk::KHR_IMAGE_FORMAT_LIST_NAME);
@@ -109,8 +109,14 @@ pub unsafe fn device<'c>(
             enabled_extension_count: count,
             ..*info
         };
-        let enabled =
-            Enabled { offer, quirks, families, has_format_lists, application_sets_rates, links_pipelines };
+        let enabled = Enabled {
+            capabilities,
+            quirks,
+            families,
+            has_format_lists,
+            application_sets_rates,
+            links_pipelines,
+        };
         Ok((amended, enabled))
     }
 }

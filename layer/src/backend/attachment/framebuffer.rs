@@ -3,8 +3,8 @@
 use crate::abi::copies::{Copies, find, slice};
 use ash::vk;
 
-/// What an imageless framebuffer says of the rate images that it will be used with. It holds for each of them:
-/// Vulkan compares it with the image's creation.
+/// The rate images that an imageless framebuffer will be used with. It holds for each of them: Vulkan compares it with the image's
+/// creation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Promise {
     /// Columns and rows of texels.

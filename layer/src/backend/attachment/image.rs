@@ -5,10 +5,10 @@
 //! names it: its candidate, which goes with the target, framebuffers, and command buffers. The application destroys
 //! those only when the GPU is done with them, and a map's upload comes before that on the same queue.
 
+use super::capabilities::RateCapabilities;
 use super::create::Enabled;
-use super::memory::{Memory, Place};
-use super::offer::Offer;
-use crate::backend::{Laying, MapSize, RateMap, Upload};
+use super::memory::{Memory, Suballocation};
+use crate::backend::{MapForm, MapSize, RateMap, Upload};
 use crate::gpu::GpuError;
 use crate::gpu::functions::Functions;
 use crate::gpu::memory::memory_type;
@@ -25,10 +25,10 @@ pub const USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
         | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
 );
 
-/// What a rate image is for.
+/// The purpose of a rate image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct RateImageKey {
-    /// What is drawn to.
+    /// The target of its passes.
     pub target: Target,
     /// Columns and rows of texels.
     pub texels: [u32; 2],
@@ -38,12 +38,12 @@ pub struct RateImageKey {
 
 impl RateImageKey {
     /// The key of a target of an image.
-    pub fn of(target: Target, image: &ImageDescription, offer: &Offer) -> Self {
+    pub fn of(target: Target, image: &ImageDescription, capabilities: &RateCapabilities) -> Self {
         let extent = image.extent.map(|side| side.checked_shr(target.level).unwrap_or(0).max(1));
-        Self { target, texels: offer.texels(extent), layers: offer.layers(target.layers) }
+        Self { target, texels: capabilities.texels(extent), layers: capabilities.layers(target.layers) }
     }
 
-    /// The key that all targets of which nothing is known share, by what they need.
+    /// The key that all unknown targets of one need share.
     pub fn shared(texels: [u32; 2], layers: u32) -> Self {
         // No image of the application's has such a key: those count up from 1.
         let [columns, rows] = texels.map(u64::from);
@@ -54,12 +54,12 @@ impl RateImageKey {
 
 /// A rate image with its view; destroyed when it is dropped.
 pub struct RateImage {
-    /// What it is for.
+    /// Its purpose.
     pub key: RateImageKey,
     /// The view to attach: of one layer, or of all as an array.
     pub view: vk::ImageView,
     image: vk::Image,
-    place: Place,
+    allocation: Suballocation,
     maker: Arc<Maker>,
     /// Whether the pass that was submitted last for its target was the scene.
     is_matched: AtomicBool,
@@ -107,7 +107,7 @@ impl RateImage {
         }
     }
 
-    /// After what reads it, its content can be replaced.
+    /// After its readers its content can be replaced.
     unsafe fn record_writable(&self, device: &ash::Device, buffer: vk::CommandBuffer) {
         let barrier = vk::ImageMemoryBarrier::default()
             .image(self.image)
@@ -171,7 +171,7 @@ impl Drop for RateImage {
             device.destroy_image_view(self.view, None);
             device.destroy_image(self.image, None);
         }
-        self.maker.memory().give_back(self.place);
+        self.maker.memory().give_back(self.allocation);
     }
 }
 
@@ -184,8 +184,8 @@ impl RateMap for Arc<RateImage> {
         self.is_matched.store(scene.is_some(), Ordering::Relaxed);
     }
 
-    fn laying(&self) -> Option<Laying> {
-        Some(Laying::Texels)
+    fn form(&self) -> Option<MapForm> {
+        Some(MapForm::Texels)
     }
 
     unsafe fn record_upload(&self, upload: Upload) {
@@ -198,7 +198,7 @@ impl RateMap for Arc<RateImage> {
 pub struct RateImages {
     maker: Arc<Maker>,
     live: Mutex<HashMap<RateImageKey, Weak<RateImage>>>,
-    /// What takes the place of images that cannot be made.
+    /// Takes the place of images that cannot be made.
     stand_in: OnceLock<Option<Arc<RateImage>>>,
     /// How many could not be made.
     failures: AtomicU32,
@@ -207,7 +207,7 @@ pub struct RateImages {
 /// After so many failures no image is tried to be made any more.
 const MOST_FAILURES: u32 = 4;
 
-/// What makes rate images.
+/// Creates rate images.
 struct Maker {
     functions: Functions,
     /// Size of a texel, pixels.
@@ -245,7 +245,7 @@ impl RateImages {
         };
         let maker = Maker {
             functions,
-            texel: enabled.offer.texel,
+            texel: enabled.capabilities.texel,
             largest: [limits.max_framebuffer_width, limits.max_framebuffer_height],
             memory_types,
             families: enabled.families.clone(),
@@ -300,7 +300,7 @@ impl RateImages {
             }
             Err(reason) => {
                 self.failures.fetch_add(1, Ordering::Relaxed);
-                reason.tell("an image has no shading rates");
+                reason.log("an image has no shading rates");
                 None
             }
         }
@@ -365,37 +365,41 @@ impl Maker {
         // SAFETY: the device is live, and its rate attachments are of this format and usage.
         unsafe {
             let image = device.create_image(&info, None).map_err(GpuError::from_call("vkCreateImage"))?;
-            let made = self.bind(image).and_then(|place| {
-                self.view(image, key.layers).map(|view| (place, view)).inspect_err(|_| {
-                    self.memory().give_back(place);
+            let made = self.bind(image).and_then(|allocation| {
+                self.view(image, key.layers).map(|view| (allocation, view)).inspect_err(|_| {
+                    self.memory().give_back(allocation);
                 })
             });
-            let (place, view) = made.inspect_err(|_| device.destroy_image(image, None))?;
+            let (allocation, view) = made.inspect_err(|_| device.destroy_image(image, None))?;
             let maker = Arc::clone(self);
-            Ok(RateImage { key, view, image, place, maker, is_matched: AtomicBool::new(false) })
+            Ok(RateImage { key, view, image, allocation, maker, is_matched: AtomicBool::new(false) })
         }
     }
 
-    fn bind(&self, image: vk::Image) -> Result<Place, GpuError> {
+    fn bind(&self, image: vk::Image) -> Result<Suballocation, GpuError> {
         let device = &self.functions.device;
         // SAFETY: a new image of this live device.
         let requirements = unsafe { device.get_image_memory_requirements(image) };
         let local = vk::MemoryPropertyFlags::DEVICE_LOCAL;
         let kind = memory_type(&self.memory_types, requirements.memory_type_bits, local)
             .ok_or(GpuError::Unsupported("a device without a suitable memory type"))?;
-        let place = self.place(&requirements, kind)?;
+        let allocation = self.allocation(&requirements, kind)?;
         // SAFETY: the place is as the image requires, and nobody else's.
-        let bound = unsafe { device.bind_image_memory(image, place.memory, place.offset) };
-        bound.map(|()| place).map_err(|result| {
-            self.memory().give_back(place);
+        let bound = unsafe { device.bind_image_memory(image, allocation.memory, allocation.offset) };
+        bound.map(|()| allocation).map_err(|result| {
+            self.memory().give_back(allocation);
             GpuError::from_call("vkBindImageMemory")(result)
         })
     }
 
     /// A place in memory. An allocation is made ahead of the lock, as no lock of ours is held across a call down.
-    fn place(&self, requirements: &vk::MemoryRequirements, kind: u32) -> Result<Place, GpuError> {
-        if let Some(place) = self.memory().take(requirements, kind) {
-            return Ok(place);
+    fn allocation(
+        &self,
+        requirements: &vk::MemoryRequirements,
+        kind: u32,
+    ) -> Result<Suballocation, GpuError> {
+        if let Some(allocation) = self.memory().take(requirements, kind) {
+            return Ok(allocation);
         }
         let size = Memory::allocation_for(requirements);
         let info = vk::MemoryAllocateInfo::default().allocation_size(size).memory_type_index(kind);

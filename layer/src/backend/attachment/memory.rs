@@ -23,7 +23,7 @@ pub struct Memory {
 
 /// Where an image's memory is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct Suballocation {
     /// The allocation.
     pub memory: vk::DeviceMemory,
     /// First byte in it.
@@ -32,7 +32,7 @@ pub struct Place {
 
 impl Memory {
     /// A place in an allocation that there is, in memory of a type.
-    pub fn take(&mut self, requirements: &vk::MemoryRequirements, kind: u32) -> Option<Place> {
+    pub fn take(&mut self, requirements: &vk::MemoryRequirements, kind: u32) -> Option<Suballocation> {
         let offset_in = |block: &Block| block.used.next_multiple_of(requirements.alignment.max(1));
         let fits =
             |block: &&mut Block| block.kind == kind && offset_in(block) + requirements.size <= block.size;
@@ -40,7 +40,7 @@ impl Memory {
         let offset = offset_in(block);
         block.used = offset + requirements.size;
         block.live += 1;
-        Some(Place { memory: block.memory, offset })
+        Some(Suballocation { memory: block.memory, offset })
     }
 
     /// Size of an allocation with a place for these, bytes.
@@ -54,15 +54,15 @@ impl Memory {
         memory: vk::DeviceMemory,
         kind: u32,
         requirements: &vk::MemoryRequirements,
-    ) -> Place {
+    ) -> Suballocation {
         let size = Self::allocation_for(requirements);
         self.blocks.push(Block { memory, kind, size, used: requirements.size, live: 1 });
-        Place { memory, offset: 0 }
+        Suballocation { memory, offset: 0 }
     }
 
     /// Takes a place back.
-    pub fn give_back(&mut self, place: Place) {
-        if let Some(block) = self.blocks.iter_mut().find(|block| block.memory == place.memory) {
+    pub fn give_back(&mut self, allocation: Suballocation) {
+        if let Some(block) = self.blocks.iter_mut().find(|block| block.memory == allocation.memory) {
             block.live = block.live.saturating_sub(1);
             if block.live == 0 {
                 block.used = 0;
@@ -87,7 +87,12 @@ mod tests {
     }
 
     /// Makes allocations as they are needed, and counts them.
-    fn take(memory: &mut Memory, kind: u32, requirements: vk::MemoryRequirements, made: &Cell<u64>) -> Place {
+    fn take(
+        memory: &mut Memory,
+        kind: u32,
+        requirements: vk::MemoryRequirements,
+        made: &Cell<u64>,
+    ) -> Suballocation {
         memory.take(&requirements, kind).unwrap_or_else(|| {
             made.set(made.get() + 1);
             memory.add(vk::DeviceMemory::from_raw(made.get()), kind, &requirements)
@@ -99,18 +104,18 @@ mod tests {
         let made = Cell::new(0);
         let mut memory = Memory::default();
         let small = of(4096 + 1, 256);
-        let places: Vec<Place> = (0..300).map(|_| take(&mut memory, 0, small, &made)).collect();
+        let places: Vec<Suballocation> = (0..300).map(|_| take(&mut memory, 0, small, &made)).collect();
         assert_eq!(made.get(), 2, "300 of 4 KiB and a bit");
-        for (index, place) in places.iter().enumerate() {
-            assert_eq!(place.offset % 256, 0);
+        for (index, allocation) in places.iter().enumerate() {
+            assert_eq!(allocation.offset % 256, 0);
             for other in &places[..index] {
-                let apart = place.offset.abs_diff(other.offset) > 4096;
-                assert!(place.memory != other.memory || apart, "{place:?} {other:?}");
+                let apart = allocation.offset.abs_diff(other.offset) > 4096;
+                assert!(allocation.memory != other.memory || apart, "{allocation:?} {other:?}");
             }
         }
         take(&mut memory, 3, of(16, 1), &made);
         assert_eq!(made.get(), 3, "another type of memory");
-        places.into_iter().for_each(|place| memory.give_back(place));
+        places.into_iter().for_each(|allocation| memory.give_back(allocation));
         for _ in 0..300 {
             take(&mut memory, 0, small, &made);
         }

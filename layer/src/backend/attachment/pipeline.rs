@@ -1,15 +1,15 @@
 //! Graphics pipelines: each may be used with a rate attachment, and obeys it unless it must shade every pixel.
 
-use super::offer::Offer;
+use super::capabilities::RateCapabilities;
 use crate::abi::copies::{Copies, find, slice};
 use crate::vk::shaders::Effects;
 use crate::vk::shaders::parts::{Parts, dynamic_states, is_discarded, libraries, own_parts};
 use ash::vk;
 
-/// What a pipeline's rate is, after what was added.
+/// The rate of a pipeline, after our additions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PipelineRate {
-    /// In the pipeline itself, or in what it is linked from.
+    /// In the pipeline itself, or in the libraries that it is linked from.
     Fixed,
     /// To be set when the pipeline is bound, to 1x1 with this second combiner: the parts of a linked pipeline must have
     /// the same rate, and the one that knows the fragment shader is not the only one that has a rate.
@@ -25,7 +25,7 @@ pub enum PipelineRate {
 const SHADING: Parts =
     Parts::from_raw(Parts::PRE_RASTERIZATION_SHADERS.as_raw() | Parts::FRAGMENT_SHADER.as_raw());
 
-/// The pipeline with what it takes to obey rate attachments, and what its rate is.
+/// The pipeline with the additions that make it obey rate attachments, and its rate.
 ///
 /// `effects` says what the fragment shader of a stage does, `linked` what the rate of a library is.
 ///
@@ -35,7 +35,7 @@ const SHADING: Parts =
 /// the chain meanwhile. The result points to memory of both.
 pub unsafe fn with_rates<'c>(
     info: &vk::GraphicsPipelineCreateInfo<'c>,
-    offer: &Offer,
+    capabilities: &RateCapabilities,
     effects: impl Fn(&vk::PipelineShaderStageCreateInfo<'_>) -> Effects,
     linked: impl Fn(vk::Pipeline) -> Option<PipelineRate>,
     copies: &mut Copies<'_>,
@@ -50,7 +50,7 @@ pub unsafe fn with_rates<'c>(
             return (amended, inherited.unwrap_or(PipelineRate::Fixed));
         }
         let every_pixel =
-            own.contains(Parts::FRAGMENT_SHADER) && must_shade_every_pixel(info, own, offer, effects);
+            own.contains(Parts::FRAGMENT_SHADER) && must_shade_every_pixel(info, own, capabilities, effects);
         if sets_rates(info) {
             return (amended, merged(inherited, PipelineRate::Application { every_pixel }));
         }
@@ -58,7 +58,7 @@ pub unsafe fn with_rates<'c>(
             return (amended, merged(inherited, PipelineRate::Fixed));
         }
         let combiner =
-            if every_pixel { vk::FragmentShadingRateCombinerOpKHR::KEEP } else { offer.combiner() };
+            if every_pixel { vk::FragmentShadingRateCombinerOpKHR::KEEP } else { capabilities.combiner() };
         if own.contains(SHADING) {
             if !every_pixel {
                 amended.p_next = with_combiner(amended.p_next, combiner, copies);
@@ -74,7 +74,7 @@ fn merged(inherited: Option<PipelineRate>, own: PipelineRate) -> PipelineRate {
     inherited.map_or(own, |inherited| more_careful(inherited, own))
 }
 
-/// Of two parts' rates, that of the whole: KEEP wins over other combiners, and what is set over what is fixed.
+/// The rate of a pipeline from two parts: KEEP wins over other combiners, and a dynamic rate over a fixed one.
 fn more_careful(some: PipelineRate, other: PipelineRate) -> PipelineRate {
     use PipelineRate::{Application, AtBind, Fixed};
     match (some, other) {
@@ -90,8 +90,8 @@ fn more_careful(some: PipelineRate, other: PipelineRate) -> PipelineRate {
     }
 }
 
-/// The flags and the chain with `VK_PIPELINE_CREATE_RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_BIT_KHR`: where
-/// `VkPipelineCreateFlags2CreateInfo` is chained, it is what counts.
+/// The flags and the chain with `VK_PIPELINE_CREATE_RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_BIT_KHR`: a chained
+/// `VkPipelineCreateFlags2CreateInfo` replaces the flags.
 ///
 /// # Safety
 ///
@@ -185,13 +185,13 @@ unsafe fn has_own_rate(info: &vk::GraphicsPipelineCreateInfo<'_>) -> bool {
     }
 }
 
-/// Whether a rate is what a pipeline has that says nothing of it.
+/// Whether a rate is the default, that of a pipeline without a rate.
 pub fn is_default(size: vk::Extent2D, combiners: [vk::FragmentShadingRateCombinerOpKHR; 2]) -> bool {
     (size.width, size.height) == (1, 1) && combiners == [vk::FragmentShadingRateCombinerOpKHR::KEEP; 2]
 }
 
-/// Whether a pipeline with these parts of its own must not be coarser than 1x1: its fragment shader has effects that
-/// count for each pixel, or the device does not shade coarsely with what it does.
+/// Whether a pipeline with these parts of its own must not be coarser than 1x1: its fragment shader has effects that count for each pixel,
+/// or the device does not shade coarsely with them.
 ///
 /// # Safety
 ///
@@ -199,10 +199,10 @@ pub fn is_default(size: vk::Extent2D, combiners: [vk::FragmentShadingRateCombine
 unsafe fn must_shade_every_pixel(
     info: &vk::GraphicsPipelineCreateInfo<'_>,
     own: Parts,
-    offer: &Offer,
+    capabilities: &RateCapabilities,
     effects: impl Fn(&vk::PipelineShaderStageCreateInfo<'_>) -> Effects,
 ) -> bool {
-    let limits = &offer.limits;
+    let limits = &capabilities.limits;
     // SAFETY: the caller vouches for the structure, which has a fragment shader part. Without rasterisation the
     // multisample state is ignored.
     unsafe {
@@ -228,7 +228,7 @@ unsafe fn must_shade_every_pixel(
 /// The structure is valid.
 unsafe fn is_too_fine(
     state: &vk::PipelineMultisampleStateCreateInfo<'_>,
-    limits: &super::offer::Limits,
+    limits: &super::capabilities::Limits,
 ) -> bool {
     let samples = state.rasterization_samples.as_raw();
     // SAFETY: the caller vouches for the structure; a mask has a bit for each sample, in words of 32.

@@ -12,8 +12,7 @@ impl Rates {
         self.pipelines.remove(pipeline);
     }
 
-    /// What is to be set when a pipeline is bound, or what the application sets for it; nothing where its rate is its
-    /// own.
+    /// The rate to set when a pipeline is bound, or the application's for it; `None` where its rate is its own.
     pub fn pipeline_rate(&self, pipeline: vk::Pipeline) -> Option<PipelineRate> {
         self.pipelines.get(pipeline)
     }
@@ -45,7 +44,7 @@ impl Rates {
                 .map(|info| {
                     with_rates(
                         info,
-                        &self.offer,
+                        &self.capabilities,
                         |stage| self.modules.effects(stage),
                         |library| self.pipelines.get(library),
                         &mut copies,
@@ -57,7 +56,7 @@ impl Rates {
                 // Structures of the application that were amended in place become its own again.
                 drop((amended, copies));
                 GpuError::Call { call: "vkCreateGraphicsPipelines", result }
-                    .tell("pipelines stay unchanged, at 1x1");
+                    .log("pipelines stay unchanged, at 1x1");
                 for &pipeline in slice(made.cast_const(), count) {
                     if let (Some(destroy), true) = (destroy, pipeline != vk::Pipeline::null()) {
                         destroy(device, pipeline, allocator);

@@ -4,11 +4,11 @@ mod version1;
 
 pub use version1::convert;
 
-use super::offer::Offer;
+use super::capabilities::RateCapabilities;
 use crate::abi::copies::{Copies, find, slice};
 use ash::vk;
 
-/// What was added to a render pass, and to each that is compatible with it.
+/// The additions to a render pass, and to each that is compatible with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AddedRates {
     /// Index of the rate attachment, which is the last.
@@ -43,7 +43,7 @@ pub enum LeftAlone {
 /// `info` is valid (valid usage of vkCreateRenderPass2). The result points to memory of `info` and of `copies`.
 pub unsafe fn with_rates<'c>(
     info: &vk::RenderPassCreateInfo2<'c>,
-    offer: &Offer,
+    capabilities: &RateCapabilities,
     copies: &mut Copies<'_>,
 ) -> Result<(vk::RenderPassCreateInfo2<'c>, AddedRates), LeftAlone> {
     // SAFETY: the caller vouches for the structure and what it points to.
@@ -63,7 +63,7 @@ pub unsafe fn with_rates<'c>(
                 .layout(vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR),
         );
         let attached: Vec<_> =
-            subpasses.iter().map(|subpass| attach(subpass, reference, offer, copies)).collect();
+            subpasses.iter().map(|subpass| attach(subpass, reference, capabilities, copies)).collect();
         let all: Vec<_> = attachments.iter().copied().chain([rate_attachment()]).collect();
         let views = subpasses.iter().fold(0, |all, subpass| all | subpass.view_mask);
         let amended = vk::RenderPassCreateInfo2 {
@@ -98,7 +98,7 @@ fn rate_attachment() -> vk::AttachmentDescription2<'static> {
 unsafe fn attach<'c>(
     subpass: &vk::SubpassDescription2<'c>,
     reference: *const vk::AttachmentReference2<'c>,
-    offer: &Offer,
+    capabilities: &RateCapabilities,
     copies: &mut Copies<'_>,
 ) -> vk::SubpassDescription2<'c> {
     type Rates<'a> = vk::FragmentShadingRateAttachmentInfoKHR<'a>;
@@ -114,7 +114,7 @@ unsafe fn attach<'c>(
         }
         let fill = |rates: &mut Rates<'_>| {
             rates.p_fragment_shading_rate_attachment = reference.cast();
-            rates.shading_rate_attachment_texel_size = offer.texel_size();
+            rates.shading_rate_attachment_texel_size = capabilities.texel_size();
         };
         attached.p_next = if find::<Rates<'_>>(subpass.p_next).is_some() {
             copies.amend::<Rates<'_>>(subpass.p_next, fill)

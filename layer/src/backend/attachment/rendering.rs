@@ -1,6 +1,6 @@
 //! Dynamic rendering: colour passes get a rate attachment where they begin.
 
-use super::offer::Offer;
+use super::capabilities::RateCapabilities;
 use super::render_pass::LeftAlone;
 use crate::abi::copies::{Copies, find, slice};
 use ash::vk;
@@ -49,13 +49,13 @@ pub fn is_suspended(info: &vk::RenderingInfo<'_>) -> bool {
 pub unsafe fn with_view<'c>(
     info: &vk::RenderingInfo<'c>,
     view: vk::ImageView,
-    offer: &Offer,
+    capabilities: &RateCapabilities,
     copies: &mut Copies<'_>,
 ) -> vk::RenderingInfo<'c> {
     let fill = |rates: &mut Rates<'_>| {
         rates.image_view = view;
         rates.image_layout = vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR;
-        rates.shading_rate_attachment_texel_size = offer.texel_size();
+        rates.shading_rate_attachment_texel_size = capabilities.texel_size();
     };
     // SAFETY: the caller vouches for the chain.
     let p_next = unsafe {

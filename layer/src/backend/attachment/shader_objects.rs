@@ -39,7 +39,7 @@ impl Rates {
             let amended: Vec<_> = asked.iter().map(flagged).collect();
             let result = next(device, count, amended.as_ptr(), allocator, made);
             if may_be_ours(result) {
-                GpuError::Call { call: "vkCreateShadersEXT", result }.tell("shaders stay unchanged, at 1x1");
+                GpuError::Call { call: "vkCreateShadersEXT", result }.log("shaders stay unchanged, at 1x1");
                 for &shader in slice(made.cast_const(), count) {
                     if let (Some(destroy), true) = (destroy, shader != vk::ShaderEXT::null()) {
                         destroy(device, shader, allocator);
@@ -50,7 +50,7 @@ impl Rates {
             }
             for (info, &shader) in asked.iter().zip(slice(made.cast_const(), count)) {
                 if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {
-                    let every_pixel = self.offer.limits.need_every_pixel(effects(info));
+                    let every_pixel = self.capabilities.limits.need_every_pixel(effects(info));
                     self.shader_objects.insert(shader, every_pixel);
                 }
             }

@@ -1,4 +1,4 @@
-//! What a pass draws to, as far as its mask needs to know it.
+//! The attachments of a pass, as far as its mask needs to know them.
 
 use super::Masks;
 use crate::backend::mask::{ColorFacts, DepthFacts};
@@ -20,9 +20,9 @@ pub struct Attachments {
 /// Depth of a pass that begins.
 #[derive(Debug, Clone, Copy)]
 pub struct DepthAttachment {
-    /// What it is.
+    /// The attached image.
     pub target: Target,
-    /// What it is cleared to, if it is.
+    /// Its clear value, if it is cleared.
     pub clear: f32,
     /// Whether it is cleared, or loaded.
     pub is_cleared: bool,
@@ -43,7 +43,7 @@ pub struct DepthAttachment {
 /// Colour of a pass that begins.
 #[derive(Debug, Clone, Copy)]
 pub struct ColorAttachment {
-    /// What it is.
+    /// The attached image.
     pub target: Target,
     /// The format in which it is drawn to.
     pub format: vk::Format,
@@ -114,7 +114,7 @@ impl Attachments {
         (image.description.samples > 1).then_some(depth)
     }
 
-    /// What is known of depth, where it is of a live image.
+    /// Facts about depth, where it is of a live image.
     pub fn depth_facts(&self, masks: &Masks, objects: &Objects, is_covered: bool) -> Option<DepthFacts> {
         let depth = self.depth.as_ref()?;
         let image = objects.image_of(depth.target.image)?;
@@ -140,7 +140,7 @@ impl Attachments {
         })
     }
 
-    /// What is known of the colours, in their order.
+    /// Facts about the colours, in their order.
     ///
     /// # Errors
     ///

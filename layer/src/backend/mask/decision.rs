@@ -1,4 +1,4 @@
-//! Whether a pass that begins has a mask, and which, by what earlier frames have shown.
+//! The decision on the mask of a pass that begins, by evidence of earlier frames.
 
 use super::open_mask::{OpenDepth, OpenMask, OpenWay, Return};
 use super::parts::{aspects, is_separate, part};
@@ -15,7 +15,7 @@ use smallvec::SmallVec;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// What else a pass's mask depends on.
+/// Further conditions of a pass's mask.
 #[derive(Debug, Clone, Copy)]
 struct How {
     /// Whether anything is coarse, or only left out.
@@ -24,7 +24,7 @@ struct How {
     is_layered: bool,
 }
 
-/// What holds where a pass begins.
+/// The state where a pass begins.
 #[derive(Clone, Copy)]
 pub struct PassContext<'a> {
     /// The frame under way.
@@ -33,9 +33,9 @@ pub struct PassContext<'a> {
     pub objects: &'a Objects,
     /// The command buffer is a primary one.
     pub is_primary: bool,
-    /// What is bound for compute can be bound again.
+    /// The bound compute state can be bound again.
     pub restores_compute: bool,
-    /// What is bound for drawing is followed, and can be bound again.
+    /// The bound graphics state is followed, and can be bound again.
     pub restores_graphics: bool,
     /// Whether descriptors in buffers are in use.
     pub has_offsets: bool,
@@ -92,7 +92,7 @@ impl Masks {
         outcome
     }
 
-    /// The mask of a pass, by what earlier ones to its target have shown.
+    /// The mask of a pass, by evidence of earlier passes to its target.
     fn judged(
         &self,
         target: &TargetMask,
@@ -154,7 +154,7 @@ impl Masks {
         // Copying all of a picture there and back costs more than many a pass.
         let is_unfilled = target.leaves_out() && !how.coarsens;
         let failed = |error: GpuError| {
-            error.tell("no mask for a render pass");
+            error.log("no mask for a render pass");
             Unmasked::Failed
         };
         let (mut fills, mut pending) = (SmallVec::new(), SmallVec::new());
@@ -215,7 +215,7 @@ impl Masks {
         };
         let kernel = self.sample_kernel(kind)?;
         let fill = map.prepare_samples(of, part, (&kernel, image.format)).map_err(|error| {
-            error.tell("no mask for a render pass");
+            error.log("no mask for a render pass");
             Unmasked::Failed
         })?;
         Ok(Pending { map: Arc::clone(map), target: of, part, format: image.format, layout, fill })
@@ -260,7 +260,7 @@ impl Masks {
         Ok((map, OpenWay::Return(Return { set, keeps_coverage, instead })))
     }
 
-    /// The map of a pass with a template, and what is done with its depth.
+    /// The map of a pass with a template, and the work on its depth.
     fn template(
         &self,
         target: &TargetMask,

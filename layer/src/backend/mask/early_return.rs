@@ -20,7 +20,7 @@ mod module;
 use module::{Assembly, Instruction, Parsed, op, text};
 use thiserror::Error;
 
-/// What the shader is to be.
+/// The wanted shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EarlyReturn<'a> {
     /// Name of the entry point.
@@ -316,8 +316,8 @@ impl<'a> Patch<'a> {
         Ok(())
     }
 
-    /// What the entry point writes to attachments, each with a zero of its type. Built-ins stay: who changes coverage by them
-    /// does not return early where that counts.
+    /// The outputs of the entry point to attachments, each with a zero of its type. Built-ins stay: who changes coverage by them does not
+    /// return early where that counts.
     fn outputs(&mut self, parsed: &Parsed<'_>) -> Vec<(u32, u32)> {
         let interface = self.entry.interface.clone();
         let colors = interface.into_iter().filter(|id| {

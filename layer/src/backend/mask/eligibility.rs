@@ -6,14 +6,14 @@ use crate::pass_detection::{PassFacts, Unmasked};
 use ash::vk;
 use parafovea_core::mask::{DepthFormat, Direction, TemplateDepths, near_value};
 
-/// What is known of a pass.
+/// Facts about a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct MaskFacts<'a> {
-    /// What was recorded.
+    /// Facts of its recording.
     pub pass: PassFacts,
     /// Its depth attachment.
     pub depth: Option<DepthFacts>,
-    /// Its colour attachments, and what they are resolved to in the pass; none of a depth pre-pass, which has a template for the sake of the
+    /// Its colour attachments, and their resolve targets in the pass; none of a depth pre-pass, which has a template for the sake of the
     /// passes that go on with its depth.
     pub colors: &'a [ColorFacts],
     /// The pipelines that are used in it, together.
@@ -30,9 +30,9 @@ pub struct DepthFacts {
     pub format: vk::Format,
     /// Its samples.
     pub samples: vk::SampleCountFlags,
-    /// What the application made the image for.
+    /// The application's usage of the image.
     pub usage: vk::ImageUsageFlags,
-    /// What it is cleared to, or was by the pass that was seen to clear it last; not a number if neither is known.
+    /// Its clear value, or that of the last pass that cleared it; not a number if neither is known.
     pub clear: f32,
     /// Whether it is loaded.
     pub is_loaded: bool,
@@ -54,14 +54,14 @@ pub struct DepthFacts {
     pub is_readable: bool,
 }
 
-/// A colour attachment of a pass, or what one is resolved to.
+/// A colour attachment of a pass, or its resolve target.
 #[derive(Clone, Copy, Debug)]
 pub struct ColorFacts {
     /// Its format.
     pub format: vk::Format,
     /// Its samples.
     pub samples: vk::SampleCountFlags,
-    /// Whether it is stored at the end, as what is resolved to always is.
+    /// Whether it is stored at the end, as resolve targets always are.
     pub is_stored: bool,
     /// Whether it has been made to be filled, see [`crate::kernels::fill::USAGE`] and [`crate::kernels::samples::USAGE`].
     pub is_fillable: bool,
@@ -98,7 +98,7 @@ pub struct DynamicStencil {
     pub op: bool,
 }
 
-/// What the pipelines of a pass do, as far as it matters here.
+/// Effects of the pipelines of a pass, as far as they matter here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PipelineFacts {
     /// One has a fragment shader that writes to a buffer or to a storage image, or counts atomically.
@@ -116,7 +116,7 @@ pub struct PipelineFacts {
 }
 
 impl PipelineFacts {
-    /// Of what cannot be looked into.
+    /// Of pipelines that cannot be looked into.
     pub const UNKNOWN: Self = Self {
         have_side_effects: true,
         write_stencil: true,
@@ -146,21 +146,21 @@ impl PipelineFacts {
     }
 }
 
-/// What a mask needs to know of a pass that can have one.
+/// The template of a pass that can have a mask.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eligible {
-    /// What its template holds.
+    /// The depths in its template.
     pub depths: TemplateDepths,
     /// How the template is laid out.
     pub format: DepthFormat,
     /// Format and samples of an image that it is drawn to and copied from; None if it is copied from a buffer, which takes an
     /// image of one sample (Vulkan specification, "Copying Data Between Buffers and Images").
     pub drawn: Option<(vk::Format, vk::SampleCountFlags)>,
-    /// What else is done with depth.
+    /// Further work on depth.
     pub work: DepthWork,
 }
 
-/// What is done with depth that is older than its pass, or outlives it, see [`crate::kernels::depth`].
+/// Work on depth that is older than its pass, or outlives it, see [`crate::kernels::depth`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DepthWork {
     /// It is loaded: skipped blocks are covered, where a template would replace the rest too.
@@ -186,7 +186,7 @@ pub fn depth_format(format: vk::Format) -> Option<DepthFormat> {
     }
 }
 
-/// Usages by which what a pass has stored is read.
+/// Usages that read stored attachments of a pass.
 const READS: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::SAMPLED.as_raw()
         | vk::ImageUsageFlags::STORAGE.as_raw()
@@ -194,7 +194,7 @@ const READS: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
         | vk::ImageUsageFlags::INPUT_ATTACHMENT.as_raw(),
 );
 
-/// Whether a pass can have a mask: what is shaded is bit for bit as without, and nobody reads what is not.
+/// Whether a pass can have a mask: shaded pixels are bit for bit as without, and nobody reads the others.
 ///
 /// # Errors
 /// The first reason against it.

@@ -1,4 +1,4 @@
-//! What images of the application get in addition, so that they can have a mask.
+//! Usage that images of the application get in addition, so that they can have a mask.
 
 use crate::backend::mask::depth_format;
 use crate::kernels::fill::{USAGE, fill_format};

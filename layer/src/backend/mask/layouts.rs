@@ -10,7 +10,7 @@ use std::sync::{Arc, MutexGuard, PoisonError};
 /// Attachments count as resources of the fragment stage, and so many are the most that devices have.
 const MOST_ATTACHMENTS: u32 = 16;
 
-/// What counts of a descriptor set layout.
+/// The facts of a descriptor set layout that count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SetFacts {
     /// Storage buffers and uniform ones, for any stage: no stage sees more.
@@ -56,7 +56,7 @@ impl Masks {
         }
         // Made without the lock, which is not held across calls down: another thread may have been faster.
         let made = ReturnLayout::new(self.gpu()?);
-        let made = made.inspect_err(|error| error.tell("no fragment shader returns early")).ok()?;
+        let made = made.inspect_err(|error| error.log("no fragment shader returns early")).ok()?;
         Some(Arc::clone(self.kept_return_layout().get_or_insert_with(|| Arc::new(made))))
     }
 
@@ -91,7 +91,7 @@ impl Masks {
         }
         // SAFETY: the caller vouches for the structure; the device takes it.
         let made = unsafe { AppendedLayout::new(gpu, info, &*self.return_layout()?) };
-        made.inspect_err(|error| error.tell("fragment shaders of a layout do not return early"))
+        made.inspect_err(|error| error.log("fragment shaders of a layout do not return early"))
             .ok()
             .map(Arc::new)
     }

@@ -9,12 +9,12 @@ use smallvec::SmallVec;
 use std::sync::Arc;
 use std::{ptr, slice};
 
-/// A render pass of ours for pipelines of ours, with what it is.
+/// A render pass of ours for pipelines of ours, with its description.
 #[derive(Clone)]
 pub struct Compatible {
     /// The pass.
     pub pass: Arc<CompatiblePass>,
-    /// What the application's is, and this too.
+    /// Description of the application's, and of this.
     pub description: Arc<RenderPass>,
 }
 
@@ -96,7 +96,7 @@ impl Masks {
     fn keep(&self, pass: vk::RenderPass, result: vk::Result, loading: vk::RenderPass) {
         match result {
             vk::Result::SUCCESS => self.loading.insert(pass, loading),
-            result => GpuError::Call { call: "vkCreateRenderPass", result }.tell("no mask for a render pass"),
+            result => GpuError::Call { call: "vkCreateRenderPass", result }.log("no mask for a render pass"),
         }
     }
 

@@ -1,6 +1,6 @@
-//! Everything that one masked target needs on the GPU, and what is recorded for it.
+//! The GPU objects of one masked target, and their commands.
 
-use crate::backend::mask::{DepthTemplate, Eligible, MaskKernels, lay_mask};
+use crate::backend::mask::{DepthTemplate, Eligible, MaskKernels, resolve_mask};
 use crate::gpu::{AppCommands, Gpu, GpuError, ImagePart, ReturnLayout, ReturnSet};
 use crate::kernels::depth::DepthCopy;
 use crate::kernels::fill::{FillTarget, SkipBuffer, fill_format};
@@ -14,7 +14,7 @@ use parafovea_core::mask::{BLOCK, DepthFormat, EarlyReturnParams, Mask, Template
 use smallvec::SmallVec;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Fills of images of several samples, by what they fill.
+/// Fills of images of several samples, by target.
 type SampleFills = SmallVec<[(Target, Arc<SampleFill>); 4]>;
 
 /// The mask of passes that draw to one target with depth of one kind: its content may change between two submits, by
@@ -70,7 +70,7 @@ impl MaskMap {
         })
     }
 
-    /// What it was made for.
+    /// The template that it was made for.
     pub fn eligible(&self) -> Eligible {
         self.eligible
     }
@@ -80,31 +80,31 @@ impl MaskMap {
         Eligible { work: self.eligible.work, ..eligible } == self.eligible
     }
 
-    /// Prepares what is done with depth beside the template; whether that can be done.
+    /// Prepares the work on depth beside the template; false where that cannot be done.
     pub fn prepare_depth(&self) -> bool {
         let Eligible { format, depths, .. } = self.eligible;
         let make = || {
             let size = (self.extent, self.layers);
             let copy =
                 DepthCopy::new(&self.gpu, &self.kernels.depth, (format, depths.skipped), size, &self.list);
-            copy.inspect_err(|error| error.tell("no mask")).ok()
+            copy.inspect_err(|error| error.log("no mask")).ok()
         };
         self.depth.get_or_init(make).is_some()
     }
 
-    /// What fragment shaders return early by: the template, whatever its kind, in a set that is valid as long as `self`. Nothing
-    /// where they cannot read it.
+    /// The template, whatever its kind, in a set for fragment shaders that return early, valid as long as `self`. Nothing where they cannot
+    /// read it.
     pub(crate) fn return_set(&self, layout: &Arc<ReturnLayout>) -> Option<vk::DescriptorSet> {
         let make = || {
             let Eligible { format, depths, .. } = self.eligible;
             let params = EarlyReturnParams::new(self.extent, format, depths)?;
             let set = ReturnSet::new(&self.gpu, layout, self.template()?, params);
-            set.inspect_err(|error| error.tell("no mask")).ok()
+            set.inspect_err(|error| error.log("no mask")).ok()
         };
         self.returns.get_or_init(make).as_ref().map(ReturnSet::handle)
     }
 
-    /// Records what comes ahead of a pass that loads `depth`, which is in `layout`, see [`DepthCopy::cover`]; nothing before
+    /// Records the commands ahead of a pass that loads `depth`, which is in `layout`, see [`DepthCopy::cover`]; nothing before
     /// [`Self::prepare_depth`].
     pub fn cover(&self, commands: &AppCommands, depth: ImagePart, area: vk::Rect2D, layout: vk::ImageLayout) {
         if let Some(copy) = self.depth.get().and_then(Option::as_ref) {
@@ -112,7 +112,7 @@ impl MaskMap {
         }
     }
 
-    /// Records what comes after a pass whose `depth`, which is in `layout`, is needed, see [`DepthCopy::fill`]; nothing before
+    /// Records the commands after a pass whose `depth`, which is in `layout`, is needed, see [`DepthCopy::fill`]; nothing before
     /// [`Self::prepare_depth`].
     pub fn fill_depth(
         &self,
@@ -151,7 +151,7 @@ impl MaskMap {
         self.template.is_ready()
     }
 
-    /// Records what comes after each change of template and list on the GPU, see [`DepthTemplate::redraw`].
+    /// Records the commands after each change of template and list on the GPU, see [`DepthTemplate::redraw`].
     pub fn redraw(&self, commands: &AppCommands) {
         self.template.redraw(commands);
     }
@@ -161,22 +161,22 @@ impl MaskMap {
         self.list.capacity_words() * 4 + self.template.size() as usize
     }
 
-    /// Lays `rates`, which [`crate::rate_map::lay`] wrote for `image`, over the pictures that `parts` say, and writes what
-    /// is to be uploaded; nothing into a slice that is too short. Allocates nothing.
+    /// Resolves `rates`, which [`crate::rate_map::resolve`] wrote for `image`, over the pictures of `parts`, and writes the upload to
+    /// `staging`; nothing into a slice that is too short. Allocates nothing.
     pub fn stage(&self, parts: &[Part], image: &RateImage, rates: &[u8], staging: &mut [u8]) {
         let Some((list, template)) = staging.split_at_mut_checked(self.list.capacity_words() * 4) else {
             return;
         };
         let mut mask = self.mask.lock().unwrap_or_else(PoisonError::into_inner);
-        lay_mask(&mut mask, parts, image, rates);
+        resolve_mask(&mut mask, parts, image, rates);
         for (bytes, word) in list.chunks_exact_mut(4).zip(mask.list().words()) {
             bytes.copy_from_slice(&word.to_ne_bytes());
         }
         self.template.write(&mask, template);
     }
 
-    /// Records that the GPU gets what [`Self::stage`] wrote at `offset`, a multiple of four, of `staging`, in order with
-    /// earlier and later passes on this queue.
+    /// Records the copy of the bytes of [`Self::stage`] at `offset`, a multiple of four, of `staging`, in order with earlier and later
+    /// passes on this queue.
     pub fn upload(&self, commands: &AppCommands, staging: vk::Buffer, offset: u64) {
         commands.reads_to_copies();
         let list = self.list.capacity_words() as u64 * 4;
@@ -191,7 +191,7 @@ impl MaskMap {
         self.template.takes(area)
     }
 
-    /// Records what comes ahead of a pass, see [`DepthTemplate::record`].
+    /// Records the commands ahead of a pass, see [`DepthTemplate::record`].
     pub fn begin(
         &self,
         commands: &AppCommands,
@@ -202,8 +202,8 @@ impl MaskMap {
         self.template.record(commands, depth, area, layouts);
     }
 
-    /// Records what comes after a pass: the fill of a colour image that it has stored, drawn to in `format`, which is in
-    /// `layout`; nothing before [`Self::prepare`] for the format.
+    /// Records the commands after a pass: the fill of a colour image that it has stored, drawn to in `format`, which is in `layout`;
+    /// nothing before [`Self::prepare`] for the format.
     pub fn end(&self, commands: &AppCommands, color: ImagePart, format: vk::Format, layout: vk::ImageLayout) {
         if let Some(target) = self.target(format) {
             self.kernels.fill.record(commands, &target, &self.list, color, layout);
@@ -240,8 +240,8 @@ impl MaskMap {
         Ok(new)
     }
 
-    /// Records the fill of an image of several samples, which is in `layout` before and after, by what [`Self::prepare_samples`] made for it.
-    /// What is bound for drawing changes, too.
+    /// Records the fill of an image of several samples, which is in `layout` before and after, with the objects of
+    /// [`Self::prepare_samples`]. What is bound for drawing changes, too.
     pub fn fill_samples(
         &self,
         commands: &AppCommands,

@@ -14,7 +14,7 @@ pub struct OpenMask {
     pub(super) way: OpenWay,
     /// Whether nothing is filled after it, because nothing is coarse.
     pub(super) is_unfilled: bool,
-    /// What is filled after it, with its format and layout then.
+    /// Images that are filled after it, with their formats and layouts then.
     pub(super) fills: SmallVec<[(ImagePart, vk::Format, vk::ImageLayout); 4]>,
     /// The same of several samples, depth among it.
     pub(super) pending: SmallVec<[Pending; 2]>,
@@ -26,7 +26,7 @@ pub(super) enum OpenWay {
     Return(Return),
 }
 
-/// What fragment shaders of a pass return early by.
+/// The early return of a pass's fragment shaders.
 #[derive(Debug, Clone, Copy)]
 pub struct Return {
     /// The set that they read.
@@ -46,7 +46,7 @@ pub(super) struct OpenDepth {
     /// Whether it has several samples.
     pub(super) is_multisampled: bool,
     pub(super) layouts: [vk::ImageLayout; 2],
-    /// What else is done with that, in this area, and the layout in which it is after the pass.
+    /// Further work on that depth, in this area, and its layout after the pass.
     pub(super) work: DepthWork,
     pub(super) area: vk::Rect2D,
     pub(super) final_layout: vk::ImageLayout,
@@ -66,12 +66,12 @@ impl OpenMask {
         }
     }
 
-    /// What of several samples is filled after it.
+    /// Images of several samples that are filled after it.
     pub fn pending(&self) -> &[Pending] {
         &self.pending
     }
 
-    /// What fragment shaders return early by, if they do.
+    /// The early return of its fragment shaders; `None` if it has a template.
     pub fn returns(&self) -> Option<Return> {
         match self.way {
             OpenWay::Return(by) => Some(by),
@@ -79,7 +79,7 @@ impl OpenMask {
         }
     }
 
-    /// Records what comes ahead of the pass.
+    /// Records the commands ahead of the pass.
     pub(super) fn record_ahead(&self, commands: &AppCommands) {
         match &self.way {
             OpenWay::Template(depth) if depth.is_covered => {}
@@ -93,7 +93,7 @@ impl OpenMask {
         }
     }
 
-    /// Records what comes after it.
+    /// Records the commands after it.
     pub(super) fn record_after(&self, commands: &AppCommands) {
         for &(part, format, layout) in &self.fills {
             self.map.end(commands, part, format, layout);

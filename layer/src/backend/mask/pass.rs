@@ -9,7 +9,7 @@ use ash::vk;
 use std::sync::Arc;
 
 impl Masks {
-    /// Notes what a pass does that matters to others.
+    /// Keeps the facts of a pass that matter to others.
     fn note(&self, attachments: &Attachments) {
         if let Some(depth) = attachments.depth.filter(|depth| depth.is_cleared)
             && self.cleared.get(depth.target.image) != Some(depth.clear)
@@ -23,9 +23,9 @@ impl Masks {
         }
     }
 
-    /// Records what comes ahead of a pass that may have a mask, and returns that with what `loading` makes the pass begin
-    /// with, which is nothing where it begins as the application says; nothing where it has no mask, for the reason that `pass` then
-    /// says. `settle` is called before, with the mask if it has a template: what waits in what it draws to is filled, or goes on waiting.
+    /// Records the commands ahead of a pass that may have a mask. Returns the mask, with the begin of the pass from `loading`, which is
+    /// `None` where it begins as the application says; `None` without a mask, and then `pass` has the reason. `settle` is called before,
+    /// with the mask if it has a template: what waits in what it draws to is filled, or goes on waiting.
     ///
     /// # Safety
     ///
@@ -77,7 +77,7 @@ impl Masks {
         }
     }
 
-    /// Records what comes after a pass, which changes what is bound for compute.
+    /// Records the commands after a pass, which change the bound compute state.
     ///
     /// # Safety
     ///

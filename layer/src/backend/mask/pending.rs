@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub struct Pending {
     /// The mask whose skipped blocks are filled.
     pub map: Arc<MaskMap>,
-    /// What is filled.
+    /// The image to fill.
     pub target: Target,
     pub(super) part: ImagePart,
     pub(super) format: vk::Format,
@@ -74,7 +74,7 @@ impl Masks {
         }
     }
 
-    /// Records a fill: what is bound for compute and for drawing changes.
+    /// Records a fill, which changes the bound compute and graphics state.
     ///
     /// # Safety
     ///

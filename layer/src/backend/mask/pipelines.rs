@@ -1,4 +1,4 @@
-//! What pipelines do that a mask must know.
+//! Effects of pipelines that a mask must know.
 
 use super::recipe::{Ingredients, PassOf, Recipe, dynamic_states};
 use super::{Masks, Returning};
@@ -80,12 +80,12 @@ impl Masks {
         drop(self.returning.remove(pipeline));
     }
 
-    /// What a pipeline does.
+    /// Effects of a pipeline.
     pub fn pipeline(&self, pipeline: vk::Pipeline) -> PipelineFacts {
         self.pipelines.get(pipeline).unwrap_or(PipelineFacts::UNKNOWN)
     }
 
-    /// What it takes to have the fragment shader of a pipeline return early; nothing where it must not, or something is not known.
+    /// The recipe of a pipeline whose fragment shader returns early; `None` where it must not, or something is unknown.
     ///
     /// # Safety
     ///
@@ -184,7 +184,7 @@ impl Masks {
     }
 }
 
-/// Whether a pipeline may write stencil, and what of that is dynamic state. Where all of it is, the structure may be missing
+/// Whether a pipeline may write stencil, and the dynamic state of that. Where all of it is, the structure may be missing
 /// (VK_EXT_extended_dynamic_state3).
 fn stencil(
     tests: Option<&vk::PipelineDepthStencilStateCreateInfo<'_>>,

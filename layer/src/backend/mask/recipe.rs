@@ -14,8 +14,8 @@ use smallvec::SmallVec;
 use std::ffi::{CStr, CString, c_void};
 use std::sync::Arc;
 
-/// What a pipeline was made of. Everything that the description points to is in memory of its own, but modules, layout and
-/// render pass, which are not named: those are its own, too.
+/// A copy of a pipeline's description. Everything that the description points to is in memory of its own, but modules, layout and render
+/// pass, which are not named: those are its own, too.
 pub struct Recipe {
     info: vk::GraphicsPipelineCreateInfo<'static>,
     _memory: Arena,
@@ -33,7 +33,7 @@ struct Fragment {
     by_view: bool,
 }
 
-/// What a recipe needs that is not in the description.
+/// Parts of a recipe outside of the description.
 pub struct Ingredients<'a> {
     /// The code of a live module.
     pub code: &'a dyn Fn(vk::ShaderModule) -> Option<Code>,
@@ -76,7 +76,7 @@ const NOT_SERVED: vk::PipelineCreateFlags = vk::PipelineCreateFlags::from_raw(
 );
 
 impl Recipe {
-    /// Keeps what a pipeline was made of; nothing where something of it is not known.
+    /// Keeps the description of a pipeline; `None` where part of it is unknown.
     ///
     /// # Safety
     ///
@@ -140,7 +140,7 @@ impl Recipe {
         }
     }
 
-    /// The layout of what is made.
+    /// The layout of the made pipelines.
     pub fn layout(&self) -> &Arc<AppendedLayout> {
         &self.layout
     }
@@ -270,7 +270,7 @@ unsafe fn stage_of(
     }
 }
 
-/// The views of the pass, and the chain of the description; nothing where it has what is not known.
+/// The views of the pass, and the chain of the description; `None` for an unknown structure.
 ///
 /// # Safety
 ///

@@ -24,7 +24,7 @@ impl Returning {
         Self { recipe: Arc::new(recipe), keeps_coverage, made: OnceLock::new() }
     }
 
-    /// What passes must know of it.
+    /// Facts for passes.
     pub(super) fn facts(&self) -> Returns {
         Returns { any: true, keeping_coverage: self.keeps_coverage }
     }
@@ -46,7 +46,7 @@ impl Masks {
         self.returning.get(pipeline).is_some()
     }
 
-    /// Has what is bound in place of a pipeline made, where it may be; whether that is there, or can never be.
+    /// Has the substitute of a pipeline made, where it may be; whether that is there, or can never be.
     pub fn prepare_return(&self, pipeline: vk::Pipeline, keeps_coverage: bool) -> Option<bool> {
         match self.returning(pipeline, keeps_coverage) {
             Some(_) => Some(true),
@@ -57,8 +57,8 @@ impl Masks {
         }
     }
 
-    /// What to bind in place of a pipeline, in a pass that needs its coverage kept or not; nothing where that is the
-    /// application's own, or is not made yet.
+    /// The substitute of a pipeline, in a pass that needs its coverage kept or not; `None` where the application's own stays, or the
+    /// substitute is not made yet.
     pub fn returning(&self, pipeline: vk::Pipeline, keeps_coverage: bool) -> Option<Arc<Returning>> {
         let known = self.returning.get(pipeline)?;
         if keeps_coverage && !known.keeps_coverage {
@@ -78,11 +78,11 @@ impl Masks {
     }
 }
 
-/// Whether what is bound for drawing is followed, in command buffers that begin from now on. It costs each binding a lock, so
-/// that it begins with the first pass that needs it, of any device.
+/// Whether the bound graphics state is followed, in command buffers that begin from now on. It costs each binding a lock, so that it begins
+/// with the first pass that needs it, of any device.
 static FOLLOWS: AtomicBool = AtomicBool::new(false);
 
-/// Begins to follow what is bound for drawing.
+/// Begins to follow the bound graphics state.
 pub fn follow_graphics() {
     FOLLOWS.store(true, Ordering::Relaxed);
 }

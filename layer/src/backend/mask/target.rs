@@ -1,8 +1,8 @@
-//! The mask of one colour target: what was seen of its passes, and the map once there is one.
+//! The mask of one colour target: evidence of its passes, and the map once there is one.
 
 use super::Masks;
 use crate::backend::mask::{Eligible, MaskMap, PipelineFacts, Way};
-use crate::backend::{Laying, MapSize, RateMap, Upload};
+use crate::backend::{MapForm, MapSize, RateMap, Upload};
 use crate::gpu::{AppCommands, Compilation, Later};
 use crate::kernels::mask::MaskOutput;
 use crate::pass_detection::{How, ImageDescription, Part, PassFacts, Target, Unmasked};
@@ -16,7 +16,7 @@ pub struct TargetMask {
     target: Target,
     /// Size of the target, pixels.
     extent: [u32; 2],
-    seen: Mutex<Seen>,
+    seen: Mutex<PassEvidence>,
     /// Asked for by the first pass that can have it.
     map: OnceLock<Later<MaskMap>>,
 }
@@ -24,14 +24,14 @@ pub struct TargetMask {
 /// So many pictures at most are drawn to in turn; after longer, an application has paused.
 const MOST_IN_TURN: u64 = 4;
 
-/// What is known of a pass at its end.
+/// Facts about a pass at its end.
 #[derive(Debug, Clone, Copy)]
 pub struct Ended {
-    /// What commands within said of it.
+    /// Facts of the commands within.
     pub facts: PassFacts,
-    /// What draws in it.
+    /// The pipelines that draw in it.
     pub pipelines: PipelineFacts,
-    /// Whether what is bound for compute can be bound again.
+    /// Whether the bound compute state can be bound again.
     pub restores_compute: bool,
     /// The same of drawing; true where that is not followed.
     pub restores_graphics: bool,
@@ -55,12 +55,12 @@ enum Wanted {
     Ready,
 }
 
-/// What earlier passes to the target were.
+/// Evidence of earlier passes to the target.
 #[derive(Debug, Default)]
-struct Seen {
+struct PassEvidence {
     /// Whether a pass was recorded to its end.
     is_recorded: bool,
-    /// What commands within passes said of them.
+    /// Facts of the commands within passes.
     facts: PassFacts,
     pipelines: PipelineFacts,
     /// After a pass something was bound for compute that cannot be bound again.
@@ -82,7 +82,7 @@ struct Seen {
     /// In which frame that was, and how many frames after the one before.
     frame: u64,
     frames_since: u64,
-    /// Whether depth of a pass is older than that, or outlives it: what is left out has none that is right.
+    /// Whether depth of a pass is older than that, or outlives it: left-out tiles have no right depth.
     keeps_depth: bool,
     /// The last reason that was logged.
     logged: Option<Result<Option<Unmasked>, Unmasked>>,
@@ -100,7 +100,7 @@ impl TargetMask {
         self.target.layers
     }
 
-    /// What is known of passes to it, or of depth pre-passes for them, before they are recorded.
+    /// Evidence of passes to it, or of depth pre-passes for them, before they are recorded.
     ///
     /// # Errors
     ///
@@ -108,11 +108,16 @@ impl TargetMask {
     pub(super) fn evidence(&self, is_prepass: bool) -> Result<(PassFacts, PipelineFacts), Unmasked> {
         let seen = self.seen();
         match *seen {
-            Seen { has_prepass: false, .. } if is_prepass => Err(Unmasked::New),
-            Seen { is_recorded: true, is_scene: true, loses_compute: false, facts, pipelines, .. } => {
-                Ok((facts, pipelines))
-            }
-            Seen { loses_compute: true, .. } => Err(Unmasked::ComputeState),
+            PassEvidence { has_prepass: false, .. } if is_prepass => Err(Unmasked::New),
+            PassEvidence {
+                is_recorded: true,
+                is_scene: true,
+                loses_compute: false,
+                facts,
+                pipelines,
+                ..
+            } => Ok((facts, pipelines)),
+            PassEvidence { loses_compute: true, .. } => Err(Unmasked::ComputeState),
             _ => Err(Unmasked::New),
         }
     }
@@ -269,7 +274,7 @@ impl TargetMask {
         }
     }
 
-    fn seen(&self) -> MutexGuard<'_, Seen> {
+    fn seen(&self) -> MutexGuard<'_, PassEvidence> {
         self.seen.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -304,15 +309,15 @@ impl RateMap for TargetMask {
         seen.is_shown = scene == Some(How::Swapchain);
     }
 
-    /// What is drawn straight into a swapchain nobody reads before it is composed; what comes on the way there is read
-    /// beyond its own pixels (filters, bloom), and filled; so is depth that is needed.
+    /// Images of a swapchain have no reader before they are composed; images on the way there are read beyond their own pixels (filters,
+    /// bloom), and filled; so is depth that is needed.
     fn leaves_out(&self) -> bool {
         let seen = self.seen();
         seen.is_shown && !seen.keeps_depth
     }
 
-    fn laying(&self) -> Option<Laying> {
-        self.made().map(|map| Laying::Mask(Arc::clone(map) as Arc<dyn MaskOutput>))
+    fn form(&self) -> Option<MapForm> {
+        self.made().map(|map| MapForm::Mask(Arc::clone(map) as Arc<dyn MaskOutput>))
     }
 
     fn stage(&self, parts: &[Part], image: &RateImage, texels: &[u8], staging: &mut [u8]) {

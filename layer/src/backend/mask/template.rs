@@ -22,7 +22,7 @@ pub struct DepthTemplate {
     layers: u32,
 }
 
-/// What the pass does with depth.
+/// The pass's accesses to depth.
 const TESTS: Scope = Scope {
     stages: vk::PipelineStageFlags::from_raw(
         vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS.as_raw()
@@ -34,7 +34,7 @@ const TESTS: Scope = Scope {
     ),
 };
 
-/// What the copy does with it.
+/// The copy's accesses to it.
 const COPIES: Scope =
     Scope { stages: vk::PipelineStageFlags::TRANSFER, access: vk::AccessFlags::TRANSFER_WRITE };
 
@@ -80,8 +80,7 @@ impl DepthTemplate {
         self.image.as_ref().is_none_or(TemplateImage::is_drawn)
     }
 
-    /// Records, after what changes the buffer and in a command buffer of ours, that an image has the same content, if
-    /// there is one.
+    /// Records, behind a change of the buffer and in a command buffer of ours, the copy of that content to the image, if there is one.
     pub fn redraw(&self, commands: &AppCommands) {
         if let Some(image) = &self.image {
             image.record(commands);
@@ -107,12 +106,12 @@ impl DepthTemplate {
         layer_size(self.format, self.extent)
     }
 
-    /// What it is cleared to outside of skipped blocks, and what those hold.
+    /// Its depth outside of skipped blocks, and in those.
     pub fn depths(&self) -> TemplateDepths {
         self.depths
     }
 
-    /// Writes what the buffer is to hold for `mask` to `out`, of [`Self::size`] bytes.
+    /// Writes the buffer's content for `mask` to `out`, of [`Self::size`] bytes.
     pub fn write(&self, mask: &Mask, out: &mut [u8]) {
         let layers = out.chunks_exact_mut(self.layer_size().max(1) as usize);
         for (layer, out) in (0..self.layers).zip(layers) {

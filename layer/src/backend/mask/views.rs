@@ -5,9 +5,9 @@ use crate::rate_map::RateImage;
 use parafovea_core::mask::{Mask, MaskView, TileRates};
 use smallvec::SmallVec;
 
-/// Lays the rates that [`crate::rate_map::lay`] wrote for `image` over the pictures of a pass that `parts` say. Views
+/// Lays the rates that [`crate::rate_map::resolve`] wrote for `image` over the pictures of a pass that `parts` say. Views
 /// end where a part does: nothing is interpolated from one into another.
-pub fn lay_mask(mask: &mut Mask, parts: &[Part], image: &RateImage, rates: &[u8]) {
+pub fn resolve_mask(mask: &mut Mask, parts: &[Part], image: &RateImage, rates: &[u8]) {
     let views: Views = views(parts, image, rates).collect();
     mask.lay(&views);
 }
@@ -64,7 +64,7 @@ mod tests {
         let rates = vec![ShadingRate::R4X4.texel(); image.len()];
         let parts = [part(Eyes::Left, 0, [0.0, 0.0, 0.5, 1.0]), part(Eyes::Right, 0, [0.5, 0.0, 0.5, 1.0])];
         let mut mask = Mask::new([256, 128], 1);
-        lay_mask(&mut mask, &parts, &image, &rates);
+        resolve_mask(&mut mask, &parts, &image, &rates);
         assert!(mask.shaded() < 0.1, "{}", mask.shaded());
         for block in mask.list().blocks() {
             let left = block.block.x < 32;
@@ -80,14 +80,14 @@ mod tests {
         rates[64..].fill(ShadingRate::R2X2.texel());
         let parts = [0, 1].map(|layer| part(Eyes::Finer, layer, [0.0, 0.0, 1.0, 1.0]));
         let mut mask = Mask::new([128, 128], 2);
-        lay_mask(&mut mask, &parts, &image, &rates);
+        resolve_mask(&mut mask, &parts, &image, &rates);
         assert!(!mask.list().is_empty());
         for block in mask.list().blocks() {
             let [x, y] = [block.block.x * 4, block.block.y * 4];
             assert!(block.layer == 1 && (32..96).contains(&x) && (16..64).contains(&y), "{x}, {y}");
         }
         // Fewer rates than there should be: shaded.
-        lay_mask(&mut mask, &parts, &image, &rates[..100]);
+        resolve_mask(&mut mask, &parts, &image, &rates[..100]);
         assert!(mask.list().is_empty());
     }
 }

@@ -21,8 +21,8 @@ pub enum Way {
     Template(Eligible),
     /// Fragment shaders return at their beginning; shaders without a return shade everything.
     Return {
-        /// Only those do that cover the same samples, with the same depth: depth is as without, and so is what queries count
-        /// and what conditions decide.
+        /// Only shaders do that cover the same samples, with the same depth: depth is as without, and so are the counts of queries and the
+        /// outcome of conditions.
         keeps_coverage: bool,
         /// Why there is no template.
         instead: Unmasked,
@@ -148,7 +148,7 @@ mod tests {
         assert_eq!(returned(Returns::default()), Err(Unmasked::NoDepth));
     }
 
-    /// What is counted, and depth that must stay as it is, does not change.
+    /// Counts, and depth that must stay as it is, do not change.
     #[test]
     fn where_coverage_counts_only_shaders_that_keep_it_return_early() {
         let queried = |depth, returns| of(depth, true, returns, color());

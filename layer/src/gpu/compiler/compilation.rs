@@ -9,7 +9,7 @@ use ash::vk;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What pipelines of ours are compiled with.
+/// The compilation of pipelines of ours.
 #[derive(Default)]
 pub(crate) struct Compilation {
     has_ended: AtomicBool,

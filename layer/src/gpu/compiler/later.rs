@@ -17,11 +17,11 @@ pub(crate) struct Later<T> {
     _compiler: Arc<Compiler>,
 }
 
-/// What the thread and the one who asked share.
+/// State shared by the thread and its client.
 pub(super) struct Slot<T> {
     state: Mutex<State<T>>,
     is_done: Condvar,
-    /// What is given up if it cannot be made, for the log.
+    /// The loss if it cannot be made, for the log.
     otherwise: &'static str,
 }
 
@@ -33,7 +33,7 @@ enum State<T> {
     Never,
 }
 
-/// What the thread does.
+/// A task of the thread.
 pub(super) trait Task: Send + Sync {
     fn run(&self, compilation: &Arc<Compilation>);
 }
@@ -63,7 +63,7 @@ impl<T: Send + Sync> Task for Slot<T> {
             Ok(Ok(made)) => State::Made(Arc::new(made)),
             Ok(Err(error)) => {
                 if !compilation.has_ended() {
-                    error.tell(self.otherwise);
+                    error.log(self.otherwise);
                 }
                 State::Never
             }

@@ -26,4 +26,4 @@ mod source;
 pub use assembly::{OscCounts, OscGaze, OscLook};
 pub use listener::{Heard, Listener};
 pub use message::{Axis, EyeMessage, EyeValue, Eyes, Format, MOST_BYTES, OscPacketError, Packet, read};
-pub use source::{OscSource, OscTold};
+pub use source::{OscSource, OscStatus};

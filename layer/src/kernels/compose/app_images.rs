@@ -7,7 +7,7 @@ use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicI32, Ordering};
 
-/// What we do with the application's images, besides what it does: `compose` reads and draws them, `fill` copies them.
+/// Our usage of the application's images, besides its own: `compose` reads and draws them, `fill` copies them.
 pub const APP_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::SAMPLED.as_raw()
         | vk::ImageUsageFlags::TRANSFER_SRC.as_raw()
@@ -119,7 +119,7 @@ impl AppImages {
         &self.uses
     }
 
-    /// What reads a layer of an image.
+    /// The descriptor set that reads a layer of an image.
     pub(in crate::kernels) fn texture(&self, image: u32, layer: u32) -> Option<vk::DescriptorSet> {
         self.textures.get((image * self.shape.array_layers + layer) as usize)
     }

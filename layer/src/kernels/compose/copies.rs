@@ -1,5 +1,5 @@
-//! What is copied to the runtime's image before anything is drawn over it: the application's newest image, and in its place, where
-//! nothing has moved and colour stays as it is, the tiles of earlier ones.
+//! Copies to the runtime's image before all draws over it: the application's newest image, and in its place, where nothing has moved and
+//! colour stays as it is, the tiles of earlier ones.
 
 use super::ComposeJob;
 use super::draws::{Draw, Draws};
@@ -110,7 +110,7 @@ impl<'a> Copies<'a> {
     }
 }
 
-/// Calls `act` with rectangles that together are what others leave of one.
+/// Calls `act` with rectangles that together are one rectangle without others.
 fn each_outside(rect: vk::Rect2D, others: &[vk::Rect2D], act: &mut impl FnMut(vk::Rect2D)) {
     if rect.extent.width == 0 || rect.extent.height == 0 {
         return;

@@ -12,10 +12,10 @@ use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What the runtime's images must be usable for, so that their depth can be copied.
+/// Usage of the runtime's images, so that their depth can be copied.
 pub const DEPTH_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::TRANSFER_SRC;
 
-/// What depth images are like.
+/// Properties of depth images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DepthShape {
     /// Their format.
@@ -161,7 +161,7 @@ impl KeptDepth {
         (1..=turns).contains(&turn) && turns < turn + self.handles.len() as u64
     }
 
-    /// What the images are like.
+    /// Properties of the images.
     pub fn shape(&self) -> &DepthShape {
         &self.shape
     }
@@ -172,7 +172,7 @@ impl KeptDepth {
 }
 
 impl PictureDepth<'_> {
-    /// Refuses what is not there.
+    /// Refuses an image that does not exist.
     pub(super) fn check(&self) -> Result<(), GpuError> {
         let DepthShape { extent, array_layers, .. } = self.kept.shape;
         let DepthRect { offset, extent: size } = self.rect;
@@ -186,7 +186,7 @@ impl PictureDepth<'_> {
         }
     }
 
-    /// What reads it.
+    /// The descriptor set that reads it.
     pub(in crate::kernels) fn texture(&self) -> Option<vk::DescriptorSet> {
         let layers = self.kept.shape.array_layers as usize;
         self.kept.textures.get(self.kept.slot(self.turn) * layers + self.array_layer as usize)

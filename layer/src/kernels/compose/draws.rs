@@ -20,13 +20,13 @@ pub(super) struct Draw<'a> {
     pub(super) scissor: vk::Rect2D,
     /// How many tiles the viewport has.
     pub(super) tiles: u32,
-    /// What is done.
+    /// The processing.
     pub(super) params: ComposeParams,
     /// Whether `params` attenuates any colour.
     pub(super) attenuates: bool,
     /// Where the uniforms of `params` were written.
     pub(super) offset: Cell<u32>,
-    /// What is taken from earlier pictures.
+    /// Tiles from earlier pictures.
     pub(super) reuse: Option<&'a ReuseRegion<'a>>,
     /// Where that was written.
     pub(super) placed: RefCell<Placed>,
@@ -72,7 +72,7 @@ impl<'a> Draws<'a> {
         self.iter().any(|draw| draw.job == job && draw.draws())
     }
 
-    /// What is taken from earlier pictures.
+    /// Tiles from earlier pictures.
     pub(super) fn reused(&self) -> impl Iterator<Item = &'a ReuseRegion<'a>> {
         self.iter().filter_map(|draw| draw.reuse)
     }
@@ -156,7 +156,7 @@ fn is_same(reuse: &ReuseRegion, region: &ComposeRegion) -> bool {
     reuse.array_layer == region.array_layer && reuse.rect == region.rect
 }
 
-/// The draw of a region that is completed from earlier pictures, with what is done to the same rectangle besides.
+/// The draw of a region that is completed from earlier pictures, with the other processing of the same rectangle.
 fn reuse_draw<'a>(job: usize, of: &ComposeJob<'a>, reuse: &'a ReuseRegion<'a>) -> Result<Draw<'a>, GpuError> {
     let vk::Rect2D { offset, extent } = reuse.rect;
     let shape = of.app.shape();
@@ -226,7 +226,7 @@ fn draw<'a>(
     }))
 }
 
-/// What two rectangles have in common, if anything; `a` lies within an image.
+/// The intersection of two rectangles, if there is one; `a` lies within an image.
 fn intersection(a: vk::Rect2D, b: vk::Rect2D) -> Option<vk::Rect2D> {
     let axis = |a: (i32, u32), b: (i32, u32)| {
         let start = i64::from(a.0).max(i64::from(b.0));

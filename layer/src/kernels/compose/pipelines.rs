@@ -27,7 +27,7 @@ impl Parameters {
 pub(super) struct Pipelines {
     /// Attenuates the colour of all tiles.
     pub(super) chroma: Later<Arc<TilePipeline>>,
-    /// What completes pictures, once that was asked for.
+    /// Pipelines that complete pictures, once they were asked for.
     pub(super) reuse: Option<Later<ReusePipelines>>,
 }
 
@@ -69,7 +69,7 @@ impl Pipelines {
         Ok(Self { chroma: gpu.shared()?.ask("chroma attenuation is off", make), reuse: None })
     }
 
-    /// Asks for what completes pictures.
+    /// Asks for the pipelines that complete pictures.
     pub(super) fn ask_for_reuse(
         &mut self,
         gpu: &Gpu,

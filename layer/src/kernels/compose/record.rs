@@ -1,4 +1,4 @@
-//! What is recorded for a frame.
+//! The recording of a frame.
 
 use super::ComposeJob;
 use super::copies::copy;
@@ -15,7 +15,7 @@ use parafovea_core::reuse::MAX_AGES;
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// What draws are bound to.
+/// The descriptor sets of draws.
 pub(super) struct Sets<'a> {
     /// Of draws of all tiles.
     pub(super) plain: &'a UniformSet,

@@ -1,4 +1,4 @@
-//! What is taken from earlier pictures: where a frame's parameters and lists are written, and which instances are drawn.
+//! Tiles from earlier pictures: the places of a frame's parameters and lists, and the drawn instances.
 
 use super::draws::Draw;
 use super::{ComposeParams, MAX_REUSED, PictureDepth};
@@ -16,7 +16,7 @@ pub struct ReuseRegion<'a> {
     pub array_layer: u32,
     /// The rectangle, within the image.
     pub rect: vk::Rect2D,
-    /// What is stale in its picture, and what there is instead.
+    /// The stale tiles of its picture, and their sources.
     pub reuse: Reuse<'a>,
     /// Lists made of `reuse`.
     pub lists: &'a TileLists,
@@ -136,8 +136,8 @@ impl ReuseBuffers {
         &self.set
     }
 
-    /// Writes what a draw, the `number`th of a submit that needs any, draws from earlier pictures, from place `at` of the submit's
-    /// words on, which moves on.
+    /// Writes the tiles that a draw, the `number`th of a submit that needs any, takes from earlier pictures, from place `at` of the
+    /// submit's words on, which moves on.
     pub(super) fn place(
         &mut self,
         slot: SlotIndex,

@@ -1,11 +1,11 @@
-//! What swapchain images are like.
+//! Properties of swapchain images.
 
 use ash::vk;
 
-/// What a swapchain's images are like. They have one sample, one mip level and no faces.
+/// Properties of a swapchain's images. They have one sample, one mip level and no faces.
 #[derive(Clone, Debug)]
 pub struct SwapchainShape {
-    /// Format of the swapchain; the runtime takes what is written as this, whatever views are used.
+    /// Format of the swapchain; the runtime takes the written texels as this, whatever views are used.
     pub format: vk::Format,
     /// Size in pixels.
     pub extent: vk::Extent2D,

@@ -1,6 +1,6 @@
-//! The listing of passes, for the log: what each kind of pass is, or why it is not the scene.
+//! The listing of passes, for the log: the verdict on each kind of pass.
 
-use super::cast::Shape;
+use super::pass_history::PassSignature;
 use crate::pass_detection::{Eyes, Match, Orientation, Unmatched};
 use crate::status::Topic;
 use smallvec::SmallVec;
@@ -9,15 +9,15 @@ use std::fmt;
 /// Most lines: images made anew at every size of dynamic resolution would fill the log.
 const MOST_LINES: usize = 100;
 
-/// What has been told.
+/// The listed verdicts.
 #[derive(Debug, Default)]
 pub(super) struct Listing {
-    /// What the passes of a shape were last told to be.
-    told: Vec<(Shape, SmallVec<[Verdict; 2]>)>,
+    /// The last listed verdicts on passes of each signature.
+    told: Vec<(PassSignature, SmallVec<[Verdict; 2]>)>,
     lines: usize,
 }
 
-/// What a pass is, without what changes from frame to frame.
+/// The verdict on a pass, without parts that change from frame to frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Verdict(Result<[Option<(Eyes, Orientation)>; 2], Unmatched>);
 
@@ -31,10 +31,10 @@ impl Verdict {
 }
 
 impl Listing {
-    /// Tells of each pass that is what none of its shape has been.
+    /// Lists each pass with a verdict that none of its signature has had.
     pub(super) fn news<'a>(
         &mut self,
-        passes: impl Iterator<Item = (&'a Shape, &'a Result<Match, Unmatched>)>,
+        passes: impl Iterator<Item = (&'a PassSignature, &'a Result<Match, Unmatched>)>,
         mut tell: impl FnMut(Topic, &dyn fmt::Display),
     ) {
         for (shape, outcome) in passes {
@@ -61,7 +61,7 @@ impl Listing {
 }
 
 struct Line<'a> {
-    shape: &'a Shape,
+    shape: &'a PassSignature,
     outcome: &'a Result<Match, Unmatched>,
 }
 

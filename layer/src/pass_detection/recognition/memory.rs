@@ -1,4 +1,4 @@
-//! What is remembered of images.
+//! Memory of images.
 
 use super::placement::{self, Areas, Placement, Placements};
 use super::projected::UNSTEADY;
@@ -8,7 +8,7 @@ use super::{HOLD, Parts};
 use crate::pass_detection::{Event, ImageDescription, ImageKey, SwapchainKey, Target, Unmatched};
 use rustc_hash::FxHashMap;
 
-/// What holds of an image is given up when it occurred in so many frames without being seen again.
+/// Knowledge of an image is given up when it occurred in so many frames without being seen again.
 const MOST_MISSES: u32 = 60;
 
 /// So many frames after it last occurred, an image is forgotten.
@@ -50,7 +50,7 @@ struct Image {
 struct Placed {
     evidence: Evidence,
     placements: Placements,
-    /// Render areas of the passes that drew what was transferred.
+    /// Render areas of the passes that drew the transferred picture.
     areas: Areas,
     /// Both, as they were before the frame `remembered_at`.
     before: (Placements, Areas),
@@ -167,7 +167,7 @@ impl Memory {
         own.next().map(|image| image.description.extent)
     }
 
-    /// What a pass with the render area `area` draws into `target`. [`Unmatched::New`] where nothing is known.
+    /// The parts of `target` that a pass with the render area `area` draws. [`Unmatched::New`] where nothing is known.
     pub(super) fn parts(&self, frame: u64, target: &Target, area: [u32; 4]) -> Result<Parts, Unmatched> {
         let image = self.images.get(&target.image).ok_or(Unmatched::New)?;
         if image.is_flat(frame) {
@@ -250,7 +250,7 @@ impl Memory {
         }
     }
 
-    /// Counts for images that occur in this frame what this frame did not confirm.
+    /// Counts for images that occur in this frame the parts that this frame did not confirm.
     pub(super) fn count_misses(&mut self, frame: u64) {
         for image in self.images.values_mut().filter(|image| image.at == frame) {
             image.placed.evidence.miss(frame);
@@ -312,7 +312,7 @@ impl Image {
 }
 
 impl Placed {
-    /// Keeps what was known, once, before a frame's first change.
+    /// Keeps the former knowledge, once, before a frame's first change.
     fn remember(&mut self, frame: u64) {
         if self.remembered_at != frame {
             self.remembered_at = frame;

@@ -27,7 +27,7 @@ const LEAST_SHARE: f32 = 0.25;
 const MOST: usize = 8;
 
 impl Placement {
-    /// Where the picture lies in what `transfer` reads; nothing where it does not come from there.
+    /// Where the picture lies in the source of `transfer`; `None` where it does not come from there.
     pub(super) fn before(&self, transfer: &Transfer) -> Option<Self> {
         let Transfer { from, from_rect, to, to_rect, .. } = transfer;
         if from.level != 0 || to.level != 0 {
@@ -51,7 +51,7 @@ impl Placement {
         })
     }
 
-    /// First pixel and size on an axis of what is read, and whether it is mirrored.
+    /// First pixel and size on an axis of the source, and whether it is mirrored.
     fn along(&self, axis: usize, from: &[i32; 4], to: &[i32; 4]) -> Option<(f32, f32, bool)> {
         let scale = from[axis + 2] as f32 / to[axis + 2] as f32;
         let at = |pixel: f32| from[axis] as f32 + (pixel - to[axis] as f32) * scale;
@@ -69,7 +69,7 @@ impl Placement {
         if self.rect[axis + 2] > 0.0 { (both / self.rect[axis + 2]).max(0.0) } else { 0.0 }
     }
 
-    /// As a part of what a pass draws into `target` with the render area `area`; nothing where it draws none of it.
+    /// As a part of the picture that a pass draws into `target` with the render area `area`; `None` where it draws none of it.
     fn part(&self, target: &Target, area: [u32; 4]) -> Option<Part> {
         let layer = self.layer.checked_sub(target.base_layer).filter(|layer| *layer < target.layers)?;
         let [x, y, width, height] = area.map(|pixels| pixels as f32);

@@ -1,10 +1,10 @@
-//! The profile's rules: what they say of a pass.
+//! The profile's rules on passes.
 
 use super::Parts;
 use crate::pass_detection::{Event, Eyes, ImageDescription, ImageKey, Orientation, Part, Pass, Unmatched};
 use parafovea_manifest::options::{PassKind, PassRule, PassRules, WayUp};
 
-/// What the first rule that fits says of `pass`, which comes after `earlier` in its frame; nothing where none fits.
+/// The verdict of the first rule that fits `pass`, which comes after `earlier` in its frame; `None` where none fits.
 pub(super) fn judge(
     rules: &PassRules,
     pass: &Pass,

@@ -1,4 +1,4 @@
-//! What XR swapchains are shown as.
+//! The uses of XR swapchains in submissions.
 
 use super::memory::Memory;
 use super::placement::{self, Areas, Placement, Placements};
@@ -34,7 +34,7 @@ struct Swapchain {
 pub(super) const UNSTEADY: u64 = 10;
 
 impl Swapchains {
-    /// Takes what a frame shows.
+    /// Takes the submission of a frame.
     pub(super) fn show(&mut self, frame: u64, shown: &Shown, memory: &mut Memory) {
         for key in &shown.flat {
             let swapchain = self.entry(*key);
@@ -70,7 +70,7 @@ impl Swapchains {
         self.known.iter().find(|known| known.key == key)
     }
 
-    /// What a pass with the render area `area` draws into `target`, an image of the swapchain.
+    /// The parts of `target`, an image of the swapchain, that a pass with the render area `area` draws.
     pub(super) fn parts(
         &self,
         frame: u64,

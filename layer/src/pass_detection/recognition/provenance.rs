@@ -91,7 +91,7 @@ pub(super) struct Known<'a> {
 
 /// Findings of a frame besides roles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Told {
+pub(super) struct Findings {
     /// The last event that may read anything and makes the picture.
     pub(super) unknown_reader: Option<usize>,
     /// How many cameras it may read that look like an eye.
@@ -107,12 +107,12 @@ impl Provenance {
     /// frame: that reader shows those of the frame before.
     ///
     /// A frame of the structure of one of the last has its roles, and is not walked through.
-    pub(super) fn learn(&mut self, events: &[Event], known: &Known<'_>, is_apart: bool) -> Told {
+    pub(super) fn learn(&mut self, events: &[Event], known: &Known<'_>, is_apart: bool) -> Findings {
         self.nodes.clear();
         self.groups.clear();
         self.steps = 0;
         if events.len() > MOST_EVENTS {
-            return Told::default();
+            return Findings::default();
         }
         for event in events {
             let writes_picture = matches!(event, Event::Pass(pass) if known.writes_picture(pass));
@@ -143,20 +143,20 @@ impl Provenance {
     }
 
     /// Finds the roles of passes whose kinds are known.
-    fn walk(&mut self, events: &[Event], known: &Known<'_>, is_apart: bool) -> Told {
+    fn walk(&mut self, events: &[Event], known: &Known<'_>, is_apart: bool) -> Findings {
         self.find_sampled(events, known);
         let unknown_reader = self.find_eyes(events, known);
         let candidates = unknown_reader.map_or(0, |reader| self.find_only(reader, events, known, is_apart));
         if self.steps >= MOST_STEPS {
             self.nodes.clear();
-            return Told::default();
+            return Findings::default();
         }
         self.set_roles(events, known);
         let groups = &self.groups.all;
         let is_found = groups.iter().any(|group| (group.is_eye && !group.is_direct) || group.is_ambiguous);
         let is_read = self.nodes.iter().any(|node| node.writes_picture && node.kind != Kind::Camera);
         let is_direct = groups.iter().any(|group| group.is_direct) && !is_read && unknown_reader.is_none();
-        Told { unknown_reader, candidates, is_found, is_direct }
+        Findings { unknown_reader, candidates, is_found, is_direct }
     }
 
     /// The role of the event of that number.

@@ -1,4 +1,4 @@
-//! What streams of events of many kinds of applications are recognised as.
+//! Verdicts on streams of events of many kinds of applications.
 
 pub mod application;
 pub mod random;

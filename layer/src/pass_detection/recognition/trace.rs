@@ -1,4 +1,4 @@
-//! Follows transfers back: from what is shown to the images that it is made of.
+//! Follows transfers back: from submitted images to the images of which their pictures are made.
 
 use super::memory::Memory;
 use super::placement::Placements;

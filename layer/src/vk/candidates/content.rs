@@ -1,4 +1,4 @@
-//! What the map of a candidate holds, and what it shall hold.
+//! The content of a candidate's map, present and wanted.
 
 use crate::pass_detection::{Eyes, Part};
 use ash::vk;
@@ -14,7 +14,7 @@ type Parts = SmallVec<[Part; 4]>;
 /// The content of a map.
 #[derive(Debug, Default)]
 pub struct Content {
-    /// What passes do with the target, by render area.
+    /// Uses of the target by passes, by render area.
     uses: SmallVec<[Use; MOST_USES]>,
     /// Whether the GPU's map has any content.
     is_initialised: bool,
@@ -24,23 +24,23 @@ pub struct Content {
     is_changed: bool,
     /// The plan that the map was last laid from.
     plan: u64,
-    /// What it left out of each eye's picture.
+    /// The stale tiles that it left out of each eye's picture.
     stale: [StaleTiles; 2],
     /// The queue that it is used on.
     queue: vk::Queue,
     /// Whether several queues use it, so that it cannot be written in the order of one.
     is_shared: bool,
-    /// The last frame with a pass, and whether nothing fills what is coarse after one of that frame.
+    /// The last frame with a pass, and whether nothing fills coarse tiles after one of that frame.
     unfilled: (u64, bool),
     /// Whether `laid` is on the GPU, or on its way.
     is_laid: bool,
-    /// What the map on the GPU was made of last.
-    laid: Laid,
+    /// The source of the last map on the GPU.
+    laid: MapSource,
 }
 
-/// What a map is made of.
+/// The source of a map.
 #[derive(Debug, Default)]
-struct Laid {
+struct MapSource {
     area: [u32; 4],
     parts: Parts,
     texels: Vec<u8>,
@@ -53,11 +53,11 @@ struct Use {
     frame: u64,
     /// The render area: x, y, width, height in pixels.
     area: [u32; 4],
-    /// What it shows; empty where that is not known.
+    /// The shown parts; empty where they are unknown.
     parts: Parts,
 }
 
-/// What has to be done before a submit.
+/// Work to do before a submit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Need {
     /// Nothing.
@@ -74,7 +74,7 @@ impl Content {
         Self { is_initialised: true, ..Self::default() }
     }
 
-    /// Notes that a pass is submitted to `queue` in frame number `frame`, and what of the area it shows.
+    /// Takes a pass that is submitted to `queue` in frame number `frame`, and shows these parts of the area.
     pub fn note(&mut self, queue: vk::Queue, frame: u64, area: [u32; 4], parts: &[Part]) {
         if self.queue == vk::Queue::null() {
             self.queue = queue;
@@ -121,8 +121,7 @@ impl Content {
         if is_needed { Need::Upload } else { Need::None }
     }
 
-    /// Notes that the map on the GPU becomes what [`Self::whole`] says, which are `parts`, from plan number `plan`, in which
-    /// that is stale of both eyes.
+    /// Takes an upload of the map of [`Self::whole`], which is `parts`, from plan number `plan`, with the stale tiles of both eyes in that.
     pub fn uploaded(&mut self, plan: u64, parts: &[Part], stale: [&StaleTiles; 2]) {
         let shows = |eye| parts.iter().any(|part| part.eyes == eye || part.eyes == Eyes::Finer);
         let are_shown = [shows(Eyes::Left), shows(Eyes::Right)];
@@ -143,12 +142,12 @@ impl Content {
         self.stale.iter().any(|stale| !stale.is_empty())
     }
 
-    /// What the map on the GPU leaves out of the pictures of the left and of the right eye.
+    /// The tiles that the map on the GPU leaves out of the pictures of the left and of the right eye.
     pub fn stale(&self) -> &[StaleTiles; 2] {
         &self.stale
     }
 
-    /// Notes of a pass in frame number `frame` whether nothing fills what is coarse after it.
+    /// Takes of a pass in frame number `frame` whether nothing fills coarse tiles after it.
     pub fn note_fill(&mut self, frame: u64, is_unfilled: bool) {
         let (last, was_unfilled) = self.unfilled;
         self.unfilled = (frame, is_unfilled || (last == frame && was_unfilled));
@@ -160,9 +159,9 @@ impl Content {
         self.unfilled.1
     }
 
-    /// Takes what the map on the GPU is to be made of: these texels, laid over `parts` of `area`, in exchange for others. Whether that
-    /// is news: else the map is so already.
-    pub fn lay(&mut self, area: [u32; 4], parts: &[Part], texels: &mut Vec<u8>) -> bool {
+    /// Takes the source of the next map on the GPU: these texels, resolved over `parts` of `area`, in exchange for others. Whether that is
+    /// news: else the map is so already.
+    pub fn resolve(&mut self, area: [u32; 4], parts: &[Part], texels: &mut Vec<u8>) -> bool {
         let laid = &mut self.laid;
         let is_same = laid.area == area && laid.parts.as_slice() == parts && laid.texels == *texels;
         if !is_same {
@@ -173,7 +172,7 @@ impl Content {
         !(std::mem::replace(&mut self.is_laid, true) && is_same)
     }
 
-    /// What was laid did not get to the GPU.
+    /// The resolved texels did not get to the GPU.
     pub fn lose(&mut self) {
         self.is_laid = false;
     }

@@ -1,4 +1,4 @@
-//! What the layer says of itself. It adds no extension, to an instance or a device.
+//! The layer's own properties. It adds no extension, to an instance or a device.
 
 use crate::abi::guard;
 use crate::vk::{LAYER_NAME, instance};
@@ -111,7 +111,7 @@ fn own_properties() -> vk::LayerProperties {
     properties
 }
 
-/// Copies `from` with its terminator; what does not fit is cut.
+/// Copies `from` with its terminator; cut to the length of `to`.
 fn copy_text(to: &mut [c_char], from: &CStr) {
     let room = to.len().saturating_sub(1);
     for (to, from) in to.iter_mut().zip(from.to_bytes().iter().take(room)) {

@@ -1,4 +1,4 @@
-//! What the application did since the last frame ended, and recognition, which learns from it.
+//! The application's events since the last frame ended, and recognition, which learns from them.
 
 use super::MapContent;
 use super::passes_file::Notes;
@@ -27,12 +27,12 @@ pub struct Log {
     eye_passes: EyePasses,
     /// [`EyePasses::number`] of the last frame.
     last_eye_passes: u32,
-    /// What maps left out of each eye's picture, in the frame under way and in the last.
+    /// Tiles that maps left out of each eye's picture, in the frame under way and in the last.
     left_out: [[StaleTiles; 2]; 2],
 }
 
 impl Log {
-    /// Takes the profile's rules on what passes are.
+    /// Takes the profile's rules on passes.
     pub fn set_rules(&mut self, rules: PassRules) {
         self.recognition.set_rules(rules);
     }
@@ -81,12 +81,12 @@ impl Log {
         }
     }
 
-    /// What passes left out of an eye's picture in the last frame.
+    /// Tiles that passes left out of an eye's picture in the last frame.
     pub fn stale(&self, eye: usize) -> Option<&StaleTiles> {
         self.left_out[1].get(eye)
     }
 
-    /// Notes what is submitted. Says of a pass what it is, where it draws to a candidate or tests ask for that.
+    /// Takes a submitted event. Says of a pass what it is, where it draws to a candidate or tests ask for that.
     pub fn push<C: MapContent>(
         &mut self,
         objects: &Objects,
@@ -107,7 +107,7 @@ impl Log {
         judged
     }
 
-    /// What a pass is that is about to be submitted.
+    /// The verdict on a pass that is about to be submitted.
     fn recognise(&self, objects: &Objects, pass: &Pass) -> Result<Match, Unmatched> {
         self.recognition.of(pass, &self.events, |key| objects.describe(key))
     }

@@ -120,7 +120,7 @@ fn line(
     )
 }
 
-/// What a line says of a map, of which the texels are known.
+/// The part of a line on a map with these texels.
 fn map(size: MapSize, texels: &[u8]) -> String {
     if texels.is_empty() {
         return String::new();

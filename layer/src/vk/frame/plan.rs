@@ -2,7 +2,7 @@
 
 use crate::link::{EyeMapRecord, PlanRecord};
 use crate::pass_detection::Part;
-use crate::rate_map::{DeviceRates, EyeMap, RateImage, Scratch, lay, lay_table};
+use crate::rate_map::{DeviceRates, EyeMap, RateImage, Scratch, rate_map_table, resolve};
 use glam::Quat;
 use parafovea_core::kernels::decide::DecideParams;
 use parafovea_core::kernels::lay::LayTable;
@@ -11,15 +11,15 @@ use parafovea_core::reuse::StaleTiles;
 /// The newest plan; before the first, number 0 with all at 1x1.
 #[derive(Debug, Default)]
 pub struct Plan {
-    /// Number of the plan that was told last.
-    told: u64,
+    /// Number of the plan that was received last.
+    received: u64,
     serial: u64,
     eyes: [EyeMap; 2],
     decisions: [Option<Decision>; 2],
     scratch: Scratch,
 }
 
-/// What the rates of an eye's tiles are to be decided by, on the GPU.
+/// The parameters of the GPU's decision on the rates of an eye's tiles.
 #[derive(Clone, Copy, Debug)]
 pub struct Decision {
     /// As long as no contrast is known.
@@ -33,7 +33,7 @@ pub struct Decision {
 }
 
 impl Decision {
-    /// What is decided by: `judged`, if contrast counts, as `measured` makes it, else the other; with all coarsening that came together.
+    /// The parameters: `judged`, if contrast counts, as `measured` makes it, else the other; with all coarsening that came together.
     pub fn params(&self, measured: impl FnOnce(DecideParams) -> Option<DecideParams>) -> DecideParams {
         let params = self.judged.and_then(measured).unwrap_or(self.fixed);
         DecideParams { coarsening: self.coarsening, ..params }
@@ -46,12 +46,12 @@ impl Plan {
         self.serial
     }
 
-    /// Number of the plan that was told last.
-    pub fn told(&self) -> u64 {
-        self.told
+    /// Number of the plan that was received last.
+    pub fn received(&self) -> u64 {
+        self.received
     }
 
-    /// What the rates of an eye are to be decided by; nothing where they are those of the plan.
+    /// The parameters of the decision on the rates of an eye; `None` where its rates are those of the plan.
     pub fn decision(&self, eye: usize) -> Option<&Decision> {
         self.decisions[eye].as_ref()
     }
@@ -64,10 +64,10 @@ impl Plan {
 
     /// Takes a newer plan, with the maps of both eyes; one that is not newer changes nothing.
     pub fn take(&mut self, record: &PlanRecord, rates: [&[u8]; 2]) {
-        if record.serial <= self.told {
+        if record.serial <= self.received {
             return;
         }
-        self.told = record.serial;
+        self.received = record.serial;
         self.serial += 1;
         for ((map, eye), rates) in self.eyes.iter_mut().zip(&record.eyes).zip(rates) {
             map.set(eye.extent, eye.texel, eye.tiles, rates);
@@ -80,7 +80,7 @@ impl Plan {
 
     /// Which tiles each texel of `image` meets, where a pass draws `parts`; nothing where one of the eyes has none.
     pub fn table(&self, parts: &[Part], image: &RateImage) -> Option<LayTable> {
-        lay_table(self.eyes.each_ref(), parts, image)
+        rate_map_table(self.eyes.each_ref(), parts, image)
     }
 
     /// Size of the picture that the plan of an eye is made for and of its tiles, pixels, and columns and rows of tiles.
@@ -99,24 +99,24 @@ impl Plan {
         self.stale().iter().any(|stale| !stale.is_empty())
     }
 
-    /// Whether any tile that is not stale is coarser than 1x1, or may be, by what is decided on the GPU.
+    /// Whether any tile that is not stale is coarser than 1x1, or may be by a decision of the GPU.
     pub fn coarsens(&self) -> bool {
         self.decisions.iter().any(Option::is_some) || self.eyes.iter().any(EyeMap::coarsens)
     }
 
-    /// Lays the plan over what a pass draws; `texels` becomes the content of `image`.
-    pub fn lay(&mut self, parts: &[Part], image: &RateImage, rates: &DeviceRates, texels: &mut Vec<u8>) {
+    /// Resolves the plan over the picture of a pass; `texels` becomes the content of `image`.
+    pub fn resolve(&mut self, parts: &[Part], image: &RateImage, rates: &DeviceRates, texels: &mut Vec<u8>) {
         texels.resize(image.len(), 0);
         let [left, right] = &self.eyes;
         match parts {
             [] => texels.fill(0),
-            parts => lay([left, right], parts, image, rates, &mut self.scratch, texels),
+            parts => resolve([left, right], parts, image, rates, &mut self.scratch, texels),
         }
     }
 }
 
 impl Decision {
-    /// That of a record, with what may have become coarser before.
+    /// That of a record, with the coarsening that may have come before.
     fn of(record: &EyeMapRecord, coarsening: u32) -> Option<Self> {
         let [x, y, z, w] = record.orientation;
         let decision = Self {
@@ -161,7 +161,7 @@ mod tests {
         let mut plan = Plan::default();
         let mut texels = vec![9; 7];
         let mut laid = |plan: &mut Plan, parts: &[Part]| {
-            plan.lay(parts, &image, &rates, &mut texels);
+            plan.resolve(parts, &image, &rates, &mut texels);
             texels.clone()
         };
         assert_eq!(laid(&mut plan, &[part(Eyes::Left)]), [0, 0], "before the first");

@@ -121,8 +121,8 @@ impl Below<'_> {
             // SAFETY: the caller vouches for the arguments.
             match unsafe { self.create_with_rates() } {
                 Ok(enabled) => {
-                    tracing::info!("rate attachments: {:?}", enabled.offer);
-                    quirks::tell(&enabled.quirks, &self.instance.engine);
+                    tracing::info!("rate attachments: {:?}", enabled.capabilities);
+                    quirks::log(&enabled.quirks, &self.instance.engine);
                     return (vk::Result::SUCCESS, Some(enabled));
                 }
                 Err(reason) => decided(Topic::NoBackend, &format_args!("no rate attachments: {reason}")),

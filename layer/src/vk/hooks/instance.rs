@@ -82,8 +82,8 @@ unsafe fn create_tracked(
     result
 }
 
-/// Creates the instance with what rate attachments need where it is `enabled`, or exactly as the application asks where that
-/// fails or it is not.
+/// Creates the instance with the extensions of rate attachments where it is `enabled`, or exactly as the application asks where that fails
+/// or it is not.
 ///
 /// # Safety
 ///

@@ -7,8 +7,7 @@ use crate::vk::device;
 use crate::vk::objects::View;
 use ash::vk;
 
-/// The usage of a view as the application thinks it to be, where its image has more: it must be what the application says
-/// of imageless framebuffers.
+/// The usage of a view in the application's view, where its image has more: it must be that of the application's imageless framebuffers.
 ///
 /// # Safety
 ///

@@ -8,8 +8,8 @@ use smallvec::SmallVec;
 /// A live framebuffer.
 #[derive(Debug, Clone)]
 pub struct Framebuffer {
-    /// What it attaches, in the order of the render pass; nothing where the view is not known. Empty where the
-    /// attachments come with vkCmdBeginRenderPass (imageless).
+    /// Its attachments, in the order of the render pass; `None` for an unknown view. Empty where the attachments come with
+    /// vkCmdBeginRenderPass (imageless).
     pub attachments: SmallVec<[Option<Target>; 8]>,
     /// Whether the attachments come with vkCmdBeginRenderPass.
     pub is_imageless: bool,

@@ -10,11 +10,11 @@ use ash::vk;
 pub struct Image {
     /// Its handle.
     pub handle: vk::Image,
-    /// What recognition needs to know of it.
+    /// Its description for recognition.
     pub description: ImageDescription,
-    /// What the application may use it for.
+    /// The application's usage.
     pub usage: vk::ImageUsageFlags,
-    /// What it may be used for, which may be more.
+    /// Its usage, which may be more.
     pub granted: vk::ImageUsageFlags,
     /// Whether it was not made through this layer, so that nobody tells when it is destroyed but its swapchain.
     pub is_foreign: bool,

@@ -21,7 +21,7 @@ pub struct RenderPass {
     pub depth: Option<u32>,
     /// The views of all subpasses (multiview); 0 without.
     pub view_mask: u32,
-    /// What is known of every instance of it.
+    /// Facts of every instance of it.
     pub facts: PassFacts,
 }
 
@@ -32,13 +32,13 @@ pub struct Attachment {
     pub format: vk::Format,
     /// Samples of a pixel.
     pub samples: vk::SampleCountFlags,
-    /// What happens to colour or depth at the begin.
+    /// The load of colour or depth at the begin.
     pub load: vk::AttachmentLoadOp,
-    /// What happens to colour or depth at the end.
+    /// The store of colour or depth at the end.
     pub store: vk::AttachmentStoreOp,
-    /// What happens to stencil at the begin.
+    /// The load of stencil at the begin.
     pub stencil_load: vk::AttachmentLoadOp,
-    /// What happens to stencil at the end.
+    /// The store of stencil at the end.
     pub stencil_store: vk::AttachmentStoreOp,
     /// Layout at the begin.
     pub initial_layout: vk::ImageLayout,
@@ -58,7 +58,7 @@ impl Attachment {
 pub struct Subpass {
     /// Colour attachments, by location.
     pub colors: SmallVec<[Option<u32>; 4]>,
-    /// What each of `colors` is resolved to; empty without resolves.
+    /// The resolve target of each of `colors`; empty without resolves.
     pub resolves: SmallVec<[Option<u32>; 4]>,
     /// Depth attachment, with its layout.
     pub depth: Option<(u32, vk::ImageLayout)>,

@@ -1,4 +1,4 @@
-//! Copies of what was decided, for people to look at.
+//! Copies of decisions, for people to look at.
 
 use super::Perception;
 use crate::gpu::{AppCommands, Scope};
@@ -9,11 +9,11 @@ use ash::vk;
 use std::any::Any;
 use std::sync::Arc;
 
-/// What is shown reads the last copy.
+/// The overlay's reads of the last copy.
 const LOOKED_AT: Scope =
     Scope { stages: vk::PipelineStageFlags::FRAGMENT_SHADER, access: vk::AccessFlags::empty() };
 
-/// What decides, and what copies from it and to what is shown.
+/// The decision's writes, and the copies from it and to the overlay.
 const DECIDES: Scope =
     Scope { stages: vk::PipelineStageFlags::COMPUTE_SHADER, access: vk::AccessFlags::SHADER_WRITE };
 const COPIES: Scope = Scope {
@@ -24,8 +24,8 @@ const COPIES: Scope = Scope {
 };
 
 impl Perception {
-    /// Copies the rates of an eye that were decided last, where they are; what became of that, as [`crate::link`] numbers it. The caller
-    /// orders what reads the copy.
+    /// Copies the last decided rates of an eye, where they are; the outcome, as [`crate::link`] numbers it. The caller orders what reads
+    /// the copy.
     ///
     /// # Safety
     ///

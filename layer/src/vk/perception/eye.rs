@@ -1,4 +1,4 @@
-//! What is known of one eye.
+//! The state of one eye.
 
 use super::Tools;
 use crate::gpu::GpuError;
@@ -21,17 +21,17 @@ pub struct Eye {
 /// A picture that was analysed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// What it shows.
+    /// The view that it shows.
     pub view: View,
     /// Number of the plan by then.
-    pub told: u64,
-    /// What it was analysed by.
+    pub received: u64,
+    /// The parameters of its analysis.
     pub by: Parameters,
     /// How many analyses directly before were of the same view, by the same parameters.
     pub same_view: u32,
 }
 
-/// What a picture is analysed by, beside its size.
+/// Parameters of a picture's analysis, beside its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Size of a tile, pixels.
@@ -40,18 +40,23 @@ pub struct Parameters {
     pub white_cd_m2: f32,
     /// Whether the mean of a tile counts, and not its peak.
     pub is_mean: bool,
-    /// What the picture is read as.
+    /// The format in which the picture is read.
     pub format: vk::Format,
 }
 
 impl Measured {
-    /// That of a record, after what was measured last.
-    pub fn new(record: &PictureRecord, texel: [u32; 2], told: u64, last: Option<&Self>) -> Option<Self> {
+    /// That of a record, after the last measured picture.
+    pub fn new(record: &PictureRecord, texel: [u32; 2], received: u64, last: Option<&Self>) -> Option<Self> {
         let view = view_of(record)?;
         let PictureRecord { white_cd_m2, is_mean, format, .. } = *record;
         let by = Parameters { texel, white_cd_m2, is_mean: is_mean == 1, format };
         let before = last.filter(|last| last.view == view && last.by == by);
-        Some(Self { view, told, by, same_view: before.map_or(0, |last| last.same_view.saturating_add(1)) })
+        Some(Self {
+            view,
+            received,
+            by,
+            same_view: before.map_or(0, |last| last.same_view.saturating_add(1)),
+        })
     }
 }
 
@@ -61,9 +66,9 @@ pub struct EyeTiles {
     pub eye: usize,
     /// Contrast and rates.
     pub view: Arc<ViewTiles>,
-    /// What pictures are analysed in.
+    /// Memory for the analysis of pictures.
     pub levels: Arc<Levels>,
-    /// What they are decided with.
+    /// The target of decisions.
     pub decide: DecideTarget,
 }
 

@@ -21,7 +21,7 @@ pub struct Pictures {
 
 /// Where a picture is.
 #[derive(Clone, Copy, PartialEq)]
-struct Place {
+struct PictureKey {
     swapchain: u64,
     image: vk::Image,
     format: vk::Format,
@@ -32,20 +32,20 @@ struct Place {
 }
 
 struct Known {
-    place: Place,
+    key: PictureKey,
     tiles: Arc<EyeTiles>,
     target: Arc<AnalyzeTarget>,
 }
 
 impl Pictures {
-    /// What analyses a picture into these tiles, if it was made before.
+    /// The analysis of a picture into these tiles, if it was made before.
     pub fn find(&self, record: &PictureRecord, tiles: &Arc<EyeTiles>) -> Option<Arc<AnalyzeTarget>> {
-        let place = Place::of(record);
-        let known = self.known.iter().find(|known| known.place == place && Arc::ptr_eq(&known.tiles, tiles));
+        let key = PictureKey::of(record);
+        let known = self.known.iter().find(|known| known.key == key && Arc::ptr_eq(&known.tiles, tiles));
         known.map(|known| Arc::clone(&known.target))
     }
 
-    /// Keeps what analyses a picture.
+    /// Keeps the analysis of a picture.
     pub fn keep(
         &mut self,
         record: &PictureRecord,
@@ -55,20 +55,20 @@ impl Pictures {
         if self.known.len() >= MOST {
             self.known.clear();
         }
-        let (place, target) = (Place::of(record), Arc::new(target));
-        self.known.push(Known { place, tiles: Arc::clone(tiles), target: Arc::clone(&target) });
+        let (key, target) = (PictureKey::of(record), Arc::new(target));
+        self.known.push(Known { key, tiles: Arc::clone(tiles), target: Arc::clone(&target) });
         target
     }
 
     /// Forgets the pictures of a swapchain; whether there were any.
     pub fn forget(&mut self, swapchain: u64) -> bool {
         let before = self.known.len();
-        self.known.retain(|known| known.place.swapchain != swapchain);
+        self.known.retain(|known| known.key.swapchain != swapchain);
         self.known.len() < before
     }
 }
 
-impl Place {
+impl PictureKey {
     fn of(record: &PictureRecord) -> Self {
         let PictureRecord { swapchain, image, format, layer, rect, white_cd_m2, is_mean, .. } = *record;
         Self { swapchain, image, format, layer, rect, white_cd_m2, is_mean }

@@ -8,7 +8,7 @@ use crate::kernels::mask::MaskPass;
 use crate::link::DeviceRecord;
 use std::sync::Arc;
 
-/// What pictures are analysed with, and rates decided.
+/// The kernels that analyse pictures and decide rates.
 pub struct Tools {
     pub(super) gpu: Arc<Gpu>,
     pub(super) analyze: Analyze,

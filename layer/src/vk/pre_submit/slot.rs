@@ -19,9 +19,9 @@ pub struct Slot {
     staging: Option<Staging>,
     /// Space to lay a map in.
     pub texels: Vec<u8>,
-    /// Space for what is stale.
+    /// Memory for stale tiles.
     pub words: Vec<u32>,
-    /// What the command buffer uses while it is under way.
+    /// Objects in use by the command buffer while it is under way.
     kept: Kept,
     timer: Timer,
     /// The kind of the recorded work.

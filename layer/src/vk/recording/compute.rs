@@ -1,4 +1,4 @@
-//! What is bound for compute, so that it can be bound again after work of ours between the application's commands.
+//! Bound compute state, so that it can be bound again after work of ours between the application's commands.
 //!
 //! Hooked only where there is such work: binding is frequent.
 
@@ -14,7 +14,7 @@ use ash::vk;
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::{mem, ptr};
 
-/// What a command buffer has bound for compute.
+/// The bound compute state of a command buffer.
 #[derive(Debug, Clone, Default)]
 pub struct Bound {
     pipeline: vk::Pipeline,
@@ -32,8 +32,8 @@ impl Bound {
     }
 
     /// Whether [`Self::restore`] binds everything again.
-    pub fn is_whole(&self) -> bool {
-        self.sets.is_whole()
+    pub fn is_complete(&self) -> bool {
+        self.sets.is_complete()
     }
 
     /// A pipeline is bound.
@@ -135,7 +135,7 @@ pub unsafe extern "system" fn bind_sets(
             // SAFETY: it was made from such a function, and stored before the key of this device, which lives.
             unsafe { mem::transmute::<*mut (), vk::PFN_vkCmdBindDescriptorSets>(next) }
         }
-        _ => bind_sets_noted,
+        _ => bind_sets_tracked,
     };
     // SAFETY: as above.
     unsafe { next(handle, point, layout, first, count, sets, offset_count, offsets) }
@@ -143,7 +143,7 @@ pub unsafe extern "system" fn bind_sets(
 
 /// The same, of any device, and noted.
 #[allow(clippy::too_many_arguments, reason = "those of the call")]
-unsafe extern "system" fn bind_sets_noted(
+unsafe extern "system" fn bind_sets_tracked(
     handle: vk::CommandBuffer,
     point: vk::PipelineBindPoint,
     layout: vk::PipelineLayout,
@@ -253,7 +253,7 @@ fn of(stages: vk::ShaderStageFlags) -> [bool; 2] {
     [vk::PipelineBindPoint::COMPUTE, vk::PipelineBindPoint::GRAPHICS].map(|known| points.contains(&known))
 }
 
-/// Hooks of commands that bind what is not kept here; the next layer's function of that name is in the table's `$field`.
+/// Hooks of commands that bind state which is not kept here; the next layer's function of that name is in the table's `$field`.
 macro_rules! binds_more {
     ($($name:ident, $call:literal, $field:ident: ($($argument:ident: $type:ty),*), for $points:expr;)*) => {$(
         #[doc = concat!("`", $call, "`.")]

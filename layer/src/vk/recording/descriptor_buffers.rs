@@ -62,7 +62,7 @@ impl BufferOffsets {
     }
 
     /// Whether [`Self::restore`] sets everything again.
-    pub fn is_whole(&self) -> bool {
+    pub fn is_complete(&self) -> bool {
         !self.has_more && !self.is_mixed
     }
 
@@ -343,7 +343,7 @@ mod tests {
         assert_eq!(kept.calls.as_slice(), expected);
         kept.bind_buffers();
         assert_eq!(kept.calls.as_slice(), [samplers]);
-        assert!(kept.is_whole() && !kept.is_empty());
+        assert!(kept.is_complete() && !kept.is_empty());
         kept.clear();
         assert!(kept.is_empty());
     }
@@ -353,15 +353,15 @@ mod tests {
         let mut kept = BufferOffsets::default();
         kept.bind_sets(GRAPHICS);
         kept.set(offsets(COMPUTE, 0, &[0]));
-        assert!(kept.is_whole(), "offsets after sets are in no doubt");
+        assert!(kept.is_complete(), "offsets after sets are in no doubt");
         kept.bind_sets(GRAPHICS);
-        assert!(!kept.is_whole());
+        assert!(!kept.is_complete());
         kept.bind_sets(COMPUTE);
-        assert!(kept.is_whole() && kept.is_empty());
+        assert!(kept.is_complete() && kept.is_empty());
         kept.set(offsets(COMPUTE, 0, &[0]));
         kept.bind_sets(GRAPHICS);
         kept.bind_buffers();
-        assert!(kept.is_whole() && kept.is_empty(), "nothing is set any more");
+        assert!(kept.is_complete() && kept.is_empty(), "nothing is set any more");
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! What is bound for drawing, and what is bound in its place: in a pass whose fragment shaders return early, a pipeline of ours for
-//! each of the application's, and a set behind those of its layout.
+//! Bound graphics state and its substitutes: in a pass whose fragment shaders return early, a pipeline of ours for each of the
+//! application's, and a set behind those of its layout.
 //!
 //! That set is bound anew whenever the application binds sets, as that may disturb it. It may itself disturb sets of higher numbers,
 //! or those of another layout, so that what the application has bound is bound again before another layout counts, and after the
@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 const GRAPHICS: vk::PipelineBindPoint = vk::PipelineBindPoint::GRAPHICS;
 
-/// What is bound for drawing.
+/// The bound graphics state.
 #[derive(Default)]
 pub struct Drawing {
     /// Whether it is followed since recording began.
@@ -28,7 +28,7 @@ pub struct Drawing {
     /// Its viewports and scissors, from number 0 on, as far as they were set.
     viewports: SmallVec<[Option<vk::Viewport>; 2]>,
     scissors: SmallVec<[Option<vk::Rect2D>; 2]>,
-    /// What is bound in place of the pipeline.
+    /// The substitute of the pipeline.
     in_place: Option<InPlace>,
 }
 
@@ -44,7 +44,7 @@ impl Drawing {
         self.is_followed = is_followed;
     }
 
-    /// Forgets what is bound, as after secondary command buffers nothing is; the memory stays.
+    /// Forgets the bound state, as secondary command buffers leave none; the memory stays.
     pub fn forget(&mut self) {
         self.pipeline = vk::Pipeline::null();
         self.sets.clear();
@@ -59,8 +59,8 @@ impl Drawing {
     }
 
     /// Whether all of it can be bound again.
-    pub fn is_whole(&self) -> bool {
-        self.sets.is_whole()
+    pub fn is_complete(&self) -> bool {
+        self.sets.is_complete()
     }
 
     /// Something is bound that is not kept.
@@ -84,7 +84,7 @@ impl Drawing {
     }
 }
 
-/// What is bound for drawing outside of passes.
+/// The bound graphics state outside of passes.
 pub struct Bound {
     pipeline: vk::Pipeline,
     sets: BoundSets,
@@ -93,7 +93,7 @@ pub struct Bound {
 }
 
 impl Drawing {
-    /// What may have to be bound again after a pipeline of ours, that draws with one viewport and one scissor.
+    /// The state that may have to be bound again after a pipeline of ours, which draws with one viewport and one scissor.
     pub fn bound(&self) -> Bound {
         Bound {
             pipeline: self.pipeline,
@@ -191,7 +191,7 @@ pub unsafe extern "system" fn set_scissor(
     );
 }
 
-/// The application binds a pipeline, which `bind` binds: that, or what has its place.
+/// The application binds a pipeline: `bind` binds it, or its substitute.
 ///
 /// # Safety
 ///
@@ -213,8 +213,8 @@ pub unsafe fn bind(
         drawing.pipeline = pipeline;
         let was = drawing.in_place.take();
         // Where something cannot be bound again, nothing must take its place.
-        let is_whole = drawing.is_whole();
-        (was, returns.filter(|_| is_whole && recorded.offsets.is_empty()))
+        let is_complete = drawing.is_complete();
+        (was, returns.filter(|_| is_complete && recorded.offsets.is_empty()))
     };
     if returns.is_none() {
         prepare(buffer, pipeline);
@@ -241,7 +241,7 @@ pub unsafe fn bind(
     }
 }
 
-/// What is done before something is bound in place of a pipeline, if something is.
+/// The steps before a pipeline's substitute is bound, if it has one.
 #[derive(Debug, PartialEq, Eq)]
 struct Steps {
     /// The application's pipeline is bound.
@@ -256,7 +256,7 @@ fn steps(was: Option<vk::PipelineLayout>, is: Option<vk::PipelineLayout>) -> Ste
     Steps { binds_own: is.is_none(), restores_sets }
 }
 
-/// Has what a pass shall have in place of a pipeline made, in later frames, where it waits for that.
+/// Has the substitute of a pipeline made for later frames, where a pass waits for it.
 fn prepare(buffer: &Buffer, pipeline: vk::Pipeline) {
     let target = buffer.recorded().target.clone();
     let target = target.as_ref().and_then(|candidate| candidate.mask());
@@ -307,7 +307,7 @@ pub unsafe fn bind_ours_again(buffer: &Buffer, handle: vk::CommandBuffer) {
     }
 }
 
-/// A pass begins, with or without shaders that return early: what is bound may get something in its place.
+/// A pass begins, with or without shaders that return early: the bound pipeline may get a substitute.
 ///
 /// # Safety
 ///
@@ -330,7 +330,7 @@ pub unsafe fn pass_begins(buffer: &Buffer, handle: vk::CommandBuffer) {
     }
 }
 
-/// What has the place of the application's pipeline goes: the pass has ended, or shaders are bound without one.
+/// The substitute of the application's pipeline goes: the pass has ended, or shaders are bound without one.
 ///
 /// # Safety
 ///
@@ -383,11 +383,11 @@ mod tests {
         let mut drawing = Drawing::default();
         drawing.bind_more();
         drawing.bind_sets(vk::PipelineLayout::null(), 0, &[vk::DescriptorSet::null()], &[]);
-        assert!(drawing.is_whole() && !drawing.is_followed());
+        assert!(drawing.is_complete() && !drawing.is_followed());
         drawing.begin(true);
         drawing.bind_more();
-        assert!(!drawing.is_whole() && drawing.is_followed());
+        assert!(!drawing.is_complete() && drawing.is_followed());
         drawing.forget();
-        assert!(drawing.is_whole(), "after secondary command buffers nothing is bound");
+        assert!(drawing.is_complete(), "after secondary command buffers nothing is bound");
     }
 }

@@ -171,7 +171,7 @@ fn count(handle: vk::CommandBuffer, more: Counts) -> Counted {
 }
 
 /// Tells the reads of draws of a kind by the bound sets.
-fn tell_reads(of: &Buffer, more: Counts) {
+fn add_reads(of: &Buffer, more: Counts) {
     let _ = OPEN.try_with(|open| {
         let kind = usize::from(more.meshes > 0);
         open.told[kind].set(true);
@@ -299,14 +299,14 @@ pub fn counted(of: &Buffer, handle: vk::CommandBuffer) -> u32 {
 }
 
 /// Counts a draw that needs more than the thread's counts.
-fn count_noted(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
+fn count_tracked(of: &Buffer, handle: vk::CommandBuffer, more: Counts) {
     let mut counted = count(handle, more);
     if counted == Counted::Elsewhere && of.may_draw() {
         take_up(of, handle, false);
         counted = count(handle, more);
     }
     if counted == Counted::Untold {
-        tell_reads(of, more);
+        add_reads(of, more);
         count(handle, more);
     }
 }

@@ -91,7 +91,7 @@ impl Buffer {
         }
     }
 
-    /// The same for what a pass draws to, with the layout after it.
+    /// The same for the targets of a pass, with their layouts after it.
     pub(super) fn leave_targets(&self, targets: impl Iterator<Item = (Target, vk::ImageLayout)>) {
         if self.armed.layouts.is_empty() {
             return;

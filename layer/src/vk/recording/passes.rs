@@ -30,7 +30,7 @@ pub unsafe extern "system" fn begin(
                 answer.made();
             };
             match known {
-                Some(known) => begin_noted(&known, handle, info, begin),
+                Some(known) => begin_tracked(&known, handle, info, begin),
                 None => begin(info),
             }
         },
@@ -55,7 +55,7 @@ pub unsafe extern "system" fn begin2(
                 answer.made();
             };
             match known {
-                Some(known) => begin_noted(&known, handle, info, begin),
+                Some(known) => begin_tracked(&known, handle, info, begin),
                 None => begin(info),
             }
         },
@@ -74,7 +74,7 @@ pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
             next(handle);
             answer.made();
             if let Some(known) = known {
-                end_noted(&known, handle);
+                end_tracked(&known, handle);
             }
         },
     );
@@ -92,7 +92,7 @@ pub unsafe extern "system" fn end2(handle: vk::CommandBuffer, info: *const vk::S
             next(handle, info);
             answer.made();
             if let Some(known) = known {
-                end_noted(&known, handle);
+                end_tracked(&known, handle);
             }
         },
     );
@@ -125,7 +125,7 @@ pub unsafe extern "system" fn clear_attachments(
                 .iter()
                 .any(|cleared| cleared.aspect_mask.contains(vk::ImageAspectFlags::DEPTH));
             if let Some(known) = known.filter(|_| clears_depth) {
-                known.recorded().tell(Within { clears_depth, ..Within::default() });
+                known.recorded().add(Within { clears_depth, ..Within::default() });
             }
         },
     );
@@ -137,7 +137,7 @@ pub unsafe extern "system" fn clear_attachments(
 /// # Safety
 ///
 /// Valid usage of vkCmdBeginRenderPass.
-unsafe fn begin_noted(
+unsafe fn begin_tracked(
     buffer: &Buffer,
     handle: vk::CommandBuffer,
     info: *const vk::RenderPassBeginInfo<'_>,
@@ -213,7 +213,7 @@ unsafe fn begin_noted(
 /// # Safety
 ///
 /// The command buffer is recording, outside of render passes.
-pub unsafe fn end_noted(buffer: &Buffer, handle: vk::CommandBuffer) {
+pub unsafe fn end_tracked(buffer: &Buffer, handle: vk::CommandBuffer) {
     // SAFETY: the caller vouches for the command buffer.
     unsafe { drawing::leave(buffer, handle) };
     stencil::changes(buffer, handle);
@@ -240,7 +240,7 @@ pub unsafe fn end_noted(buffer: &Buffer, handle: vk::CommandBuffer) {
 }
 
 impl Buffer {
-    /// What a pass draws to that may be the scene; of a depth pre-pass, what the passes that go on with its depth draw to.
+    /// The candidate of a pass; of a depth pre-pass, that of the passes that go on with its depth.
     pub(super) fn candidate(&self, pass: &Pass, attachments: &Attachments) -> Option<Arc<Candidate>> {
         let armed = &self.armed;
         let Some(depth) = attachments.are_a_prepass(&armed.objects) else {
@@ -276,7 +276,7 @@ impl Buffer {
     }
 }
 
-/// An instance of a render pass, with what it draws to by its attachments' numbers.
+/// An instance of a render pass, with its targets by their attachments' numbers.
 struct Instance {
     render_pass: Arc<RenderPass>,
     targets: SmallVec<[Option<Target>; 8]>,
@@ -307,7 +307,7 @@ impl Instance {
         Some(Self { render_pass, targets, area: info.render_area })
     }
 
-    /// What it draws to, with the layouts in which it leaves that.
+    /// Its targets, with the layouts in which it leaves them.
     fn left_in(&self) -> impl Iterator<Item = (Target, vk::ImageLayout)> {
         let attachments = self.targets.iter().zip(&self.render_pass.attachments);
         attachments.filter_map(|(target, attachment)| Some(((*target)?, attachment.final_layout)))

@@ -10,7 +10,7 @@ use std::slice;
 use std::sync::Arc;
 
 impl Buffer {
-    /// Records the fills that `ends` holds for, and binds again what was bound.
+    /// Records the fills that `ends` holds for, and binds the application's state again.
     ///
     /// # Safety
     ///
@@ -75,8 +75,8 @@ impl Buffer {
         unsafe { self.fill_where(handle, ends) };
     }
 
-    /// A pass begins that has these attachments, with this mask if it has a template: of what it draws to, fills go on waiting where that is
-    /// the mask's own, and those of depth that it clears throughout are void.
+    /// A pass begins that has these attachments, with this mask if it has a template: fills of its targets go on waiting where they are the
+    /// mask's own, and those of depth that it clears throughout are void.
     ///
     /// # Safety
     ///
@@ -214,7 +214,7 @@ pub unsafe extern "system" fn wait_events2(
     );
 }
 
-/// What barriers of images do.
+/// Image barriers, as far as they count.
 pub(super) fn barriers<'a>(
     images: &'a [vk::ImageMemoryBarrier<'_>],
 ) -> impl Iterator<Item = (vk::Image, vk::ImageLayout, [u32; 2])> + Clone + 'a {

@@ -1,4 +1,4 @@
-//! Occlusion queries and conditional rendering: what they see depends on what is drawn.
+//! Occlusion queries and conditional rendering: their results depend on the drawn samples.
 
 use super::{Buffer, Recorded, Within, with_buffer};
 use crate::abi::guard;
@@ -24,13 +24,13 @@ pub unsafe extern "system" fn begin(
             if let Some(known) = known.filter(|known| known.armed.objects.counts_samples(pool)) {
                 let mut recorded = known.recorded();
                 recorded.queries += 1;
-                tell_queried(&mut recorded);
+                set_queried(&mut recorded);
             }
         },
     );
 }
 
-/// Fills what waits, which must be neither counted nor left out.
+/// Records pending fills, which must be neither counted nor left out.
 ///
 /// # Safety
 ///
@@ -81,7 +81,7 @@ pub unsafe extern "system" fn begin_conditional(
             if let Some(known) = known {
                 let mut recorded = known.recorded();
                 recorded.is_conditional = true;
-                tell_queried(&mut recorded);
+                set_queried(&mut recorded);
             }
         },
     );
@@ -107,6 +107,6 @@ pub unsafe extern "system" fn end_conditional(handle: vk::CommandBuffer) {
     );
 }
 
-fn tell_queried(recorded: &mut Recorded) {
-    recorded.tell(Within { is_queried: true, ..Within::default() });
+fn set_queried(recorded: &mut Recorded) {
+    recorded.add(Within { is_queried: true, ..Within::default() });
 }

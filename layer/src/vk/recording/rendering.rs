@@ -1,6 +1,6 @@
 //! Dynamic rendering.
 
-use super::passes::end_noted;
+use super::passes::end_tracked;
 use super::{drawing, draws, timed, with_buffer};
 use crate::abi::guard;
 use crate::backend::mask::{DepthWork, rendering_attachments};
@@ -86,7 +86,7 @@ pub unsafe extern "system" fn end(handle: vk::CommandBuffer) {
             next(handle);
             answer.made();
             if let Some(known) = known {
-                end_noted(&known, handle);
+                end_tracked(&known, handle);
             }
         },
     );

@@ -38,7 +38,7 @@ impl BoundSets {
     }
 
     /// Whether [`Self::restore`] binds everything again.
-    pub fn is_whole(&self) -> bool {
+    pub fn is_complete(&self) -> bool {
         !self.has_more
     }
 
@@ -109,10 +109,10 @@ mod tests {
         assert_eq!(calls(&bound), [(1, 1, vec![10, 11], 0), (2, 2, vec![20], 1), (3, 0, vec![40, 41], 2)]);
         bound.bind(layout(4), 0, &sets(&[50, 51, 52]), &[]);
         assert_eq!(calls(&bound), [(4, 0, vec![50, 51, 52], 0)]);
-        assert!(bound.is_whole());
+        assert!(bound.is_complete());
         bound.bind_more();
-        assert!(!bound.is_whole());
+        assert!(!bound.is_complete());
         bound.clear();
-        assert!(bound.is_whole() && calls(&bound).is_empty());
+        assert!(bound.is_complete() && calls(&bound).is_empty());
     }
 }

@@ -13,7 +13,7 @@ use ash::vk;
 pub struct StencilTests {
     /// Whether there are any; None before it was set.
     is_on: Option<bool>,
-    /// Whether they keep what is there: of front faces and of back faces.
+    /// Whether they keep the stencil value: of front faces and of back faces.
     keep: [Option<bool>; 2],
     /// Draws of the pass that were looked at.
     draws: u32,

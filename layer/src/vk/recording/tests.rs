@@ -50,7 +50,7 @@ const LESS: PipelineFacts = PipelineFacts {
 const GREATER: PipelineFacts =
     PipelineFacts { directions: Directions { less: false, greater: true }, ..LESS };
 
-/// What draws in a pass: what is bound in it, or, where nothing is, what was bound before.
+/// Pipelines that draw in a pass: those bound in it, or, without any, the pipeline bound before.
 #[test]
 fn a_pipeline_stays_bound_from_one_pass_to_the_next() {
     let mut recorded = Recorded::default();
@@ -71,14 +71,14 @@ fn a_pipeline_stays_bound_from_one_pass_to_the_next() {
 #[test]
 fn what_commands_say_of_a_pass_counts_for_that_pass_alone() {
     let mut recorded = Recorded::default();
-    recorded.tell(CLEARED);
+    recorded.add(CLEARED);
     recorded.begin(Some(pass(1)), None, None);
     recorded.end();
     recorded.begin(Some(pass(2)), None, None);
-    recorded.tell(CLEARED);
-    recorded.tell(QUERIED);
+    recorded.add(CLEARED);
+    recorded.add(QUERIED);
     recorded.end();
-    recorded.tell(QUERIED);
+    recorded.add(QUERIED);
     recorded.begin(Some(pass(3)), None, None);
     recorded.end();
     let expected = PassFacts { clears_depth_later: true, is_queried: true, ..PassFacts::default() };
@@ -99,7 +99,7 @@ fn a_query_that_goes_on_covers_the_passes_within() {
 #[test]
 fn secondaries_bring_their_events_in_order_and_what_they_do_within_a_pass() {
     let mut within = Recorded::default();
-    within.tell(CLEARED);
+    within.add(CLEARED);
     let mut own = Recorded::default();
     own.begin(Some(pass(5)), None, None);
     own.end();

@@ -1,4 +1,4 @@
-//! What fragment shaders do that shading rates must not change, read from their SPIR-V.
+//! Effects of fragment shaders that shading rates must not change, read from their SPIR-V.
 //!
 //! A shader that stores to memory, counts, or writes identifiers runs once for each pixel in the application's mind;
 //! once for each block it would leave holes. Numbers are those of the SPIR-V specification, section 3.
@@ -6,7 +6,7 @@
 use smallvec::SmallVec;
 use std::collections::HashMap;
 
-/// What a fragment shader does.
+/// Effects of a fragment shader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effects {
     /// It stores to buffers or images, or uses atomics.
@@ -81,7 +81,7 @@ impl FragmentShaders {
         self.0.iter().map(|(name, effects)| (&**name, *effects))
     }
 
-    /// What the fragment shader of that name does; nothing is known where there is none.
+    /// Effects of the fragment shader of that name; unknown without one.
     pub fn effects(&self, name: &str) -> Effects {
         let found = self.0.iter().find(|(known, _)| **known == *name);
         found.map_or(Effects::UNKNOWN, |(_, effects)| *effects)
@@ -159,7 +159,7 @@ struct EntryPoint {
     modes: Vec<u32>,
 }
 
-/// What a function does by itself, and whom it calls.
+/// A function's own effects, and its callees.
 #[derive(Default)]
 struct Function {
     stores: bool,
@@ -167,7 +167,7 @@ struct Function {
     calls: Vec<u32>,
 }
 
-/// What is kept of a type.
+/// The kept facts of a type.
 #[derive(Clone, Copy)]
 enum Type {
     Integer,

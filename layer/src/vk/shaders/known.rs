@@ -1,5 +1,4 @@
-//! What fragment shaders do, by the identifiers of their modules (VK_EXT_shader_module_identifier), kept from one launch
-//! to the next.
+//! Effects of fragment shaders, by the identifiers of their modules (VK_EXT_shader_module_identifier), kept from one launch to the next.
 //!
 //! From its second launch on, a game of DXVK or vkd3d-proton makes pipelines by identifiers, without code. Identifiers
 //! are hashes of the code, so two drivers give the same one only to the same code.

@@ -1,4 +1,4 @@
-//! What the fragment shaders of live shader modules do.
+//! Effects of the fragment shaders of live shader modules.
 
 use crate::abi::copies::{slice, words};
 use crate::vk::chain::extension;
@@ -74,7 +74,7 @@ pub unsafe fn read(info: &vk::ShaderModuleCreateInfo<'_>) -> Option<FragmentShad
     FragmentShaders::read(&unsafe { words(info.p_code.cast(), info.code_size) })
 }
 
-/// What a fragment shader does; nothing is known of a binary.
+/// Effects of a fragment shader; unknown for a binary.
 ///
 /// # Safety
 ///

@@ -6,14 +6,14 @@ use crate::gpu::GpuError;
 use crate::rate_map::{RateImage, refine_fresh};
 use crate::vk::armed::Armed;
 use crate::vk::candidates::Need;
-use crate::vk::perception::{Deciding, Place, Written};
+use crate::vk::perception::{Deciding, MapTarget, Written};
 use crate::vk::pre_submit::{Kept, PreSubmitRing, Slot, Submitter};
 use crate::vk::timing::Work;
 use ash::vk;
 use std::any::Any;
 use std::sync::Arc;
 
-/// Submits new maps of all of `outdated`, after what is to be decided, if there is room; never waits.
+/// Submits new maps of all of `outdated`, after their decision, if there is room; never waits.
 ///
 /// # Safety
 ///
@@ -34,8 +34,8 @@ pub unsafe fn submit(
     ring.with_slot(own, is_urgent, |slot| unsafe { fill(slot, armed, own, queue, outdated, deciding) });
 }
 
-/// Records what is to be decided, then for each candidate its map: laid on the GPU from what was decided there, or else by the plan into
-/// the slot's staging memory and copied; and submits that.
+/// Records the decision, then for each candidate its map: resolved on the GPU from that decision, or else by the plan into the slot's
+/// staging memory and copied; and submits all of it.
 ///
 /// # Safety
 ///
@@ -69,18 +69,18 @@ unsafe fn fill(
             let image = RateImage { area, texel: size.texel, tiles: size.tiles, layers: size.layers };
             let leaves_out = candidate.map.leaves_out();
             // What nothing fills may not be coarse.
-            if let Some(laying) = candidate.map.laying().filter(|_| !is_unfilled) {
-                let place = Place { queue, parts: &parts, image: &image, leaves_out };
-                let mut laid = candidate.take_laid();
-                let written = armed.perception.lay(
+            if let Some(form) = candidate.map.form().filter(|_| !is_unfilled) {
+                let place = MapTarget { queue, parts: &parts, image: &image, leaves_out };
+                let mut laid = candidate.take_resolved();
+                let written = armed.perception.resolve(
                     (&armed.frame, &armed.rates),
                     commands,
                     &place,
-                    &laying,
+                    &form,
                     &mut laid,
                     &mut kept,
                 );
-                candidate.keep_laid(laid);
+                candidate.keep_resolved(laid);
                 if let Some(written) = written {
                     let mut content = candidate.content();
                     let plan = armed.frame.plan();
@@ -97,7 +97,7 @@ unsafe fn fill(
             let is_news = {
                 let mut content = candidate.content();
                 let mut plan = armed.frame.plan();
-                plan.lay(&parts, &image, &armed.rates, &mut slot.texels);
+                plan.resolve(&parts, &image, &armed.rates, &mut slot.texels);
                 if !leaves_out && plan.leaves_out() {
                     armed.rates.coarsen_stale(&mut slot.texels);
                 }
@@ -105,7 +105,7 @@ unsafe fn fill(
                     refine_fresh(&mut slot.texels);
                 }
                 content.uploaded(plan.serial(), &parts, plan.stale());
-                content.lay(area, &parts, &mut slot.texels)
+                content.resolve(area, &parts, &mut slot.texels)
             };
             if !is_news {
                 continue;
@@ -130,5 +130,5 @@ unsafe fn fill(
     }
 }
 
-/// Staged maps begin at multiples of this: a multiple of what copies of any format ask for.
+/// Staged maps begin at multiples of this, which copies of any format accept.
 const ALIGNMENT: usize = 16;

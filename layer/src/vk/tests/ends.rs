@@ -1,4 +1,4 @@
-//! What goes when a swapchain or a device ends.
+//! State that goes when a swapchain or a device ends.
 
 use super::*;
 use crate::backend::{MapSize, RateMap, Upload};
@@ -59,12 +59,12 @@ fn what_is_kept_for_images_that_only_a_swapchain_tells_of_goes_with_it() {
         usage: vk::ImageUsageFlags::COLOR_ATTACHMENT,
         granted: vk::ImageUsageFlags::COLOR_ATTACHMENT,
     };
-    armed.tell_swapchain(&record, &images);
+    armed.notify_swapchain(&record, &images);
     let image = armed.objects.image(images[0]).unwrap().description.key;
     let target = Target { image, level: 0, base_layer: 0, layers: 1 };
     armed.candidates.with_map(target, NoMap);
     assert!(armed.candidates.known(target).is_some());
-    armed.tell_swapchain(&record, &[]);
+    armed.notify_swapchain(&record, &[]);
     assert!(armed.candidates.known(target).is_none() && armed.objects.image(images[0]).is_none());
     destroy_device(handle);
     destroy_instance(instance);

@@ -1,4 +1,4 @@
-//! A stand-in for the layer below and the driver: it records what reaches it.
+//! A stand-in for the layer below and the driver: it records the calls that reach it.
 
 use super::super::chain::{
     DeviceLink, DevicePayload, InstanceLink, InstancePayload, LINK_INFO, LOADER_DATA_CALLBACK,
@@ -22,7 +22,7 @@ pub fn instance_names() -> Vec<String> {
     INSTANCE_NAMES.take()
 }
 
-/// What reached the stand-in on this thread since the last time.
+/// The calls that reached the stand-in on this thread since the last time.
 pub fn calls() -> Vec<String> {
     CALLS.take()
 }
@@ -55,7 +55,7 @@ pub fn physical_device_of(instance: vk::Instance) -> vk::PhysicalDevice {
 /// The Vulkan version of the stand-in's devices.
 pub const DEVICE_VERSION: u32 = vk::make_api_version(0, 1, 2, 5);
 
-/// What vkCreateDevice fails with, for a queue count of 99.
+/// The result of vkCreateDevice for a queue count of 99.
 pub const DEVICE_FAILURE: vk::Result = vk::Result::ERROR_TOO_MANY_OBJECTS;
 
 /// The structure types of a chain, in its order.
@@ -88,7 +88,7 @@ fn link_at(mut at: *const c_void, loader: vk::StructureType) -> *const c_void {
     null()
 }
 
-/// What a layer may do before it fails: it moves the loader's structure on, and writes to the handle.
+/// The changes of a layer before it fails: it moves the loader's structure on, and writes to the handle.
 ///
 /// # Safety
 ///
@@ -167,7 +167,7 @@ unsafe extern "system" fn physical_device_properties(
     rates::describe(properties);
 }
 
-/// What the stand-in answers for `vkCmdSetDepthBounds`, which this layer does not hook.
+/// The stand-in's function for `vkCmdSetDepthBounds`, which this layer does not hook.
 pub unsafe extern "system" fn set_depth_bounds() {}
 
 fn function(name: &CStr) -> vk::PFN_vkVoidFunction {

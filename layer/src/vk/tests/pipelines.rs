@@ -3,7 +3,7 @@
 use super::fake::{pipelines, rates};
 use super::*;
 
-/// What two pipelines become, what reached the driver, and whether dynamic rendering still gets attachments.
+/// The outcome of two pipelines, the calls that reached the driver, and whether dynamic rendering still gets attachments.
 fn created(amended: vk::Result, plain: vk::Result) -> (vk::Result, [u64; 2], Vec<String>, bool) {
     with_device(|device| {
         pipelines::answer(amended, plain);
@@ -26,14 +26,14 @@ fn created(amended: vk::Result, plain: vk::Result) -> (vk::Result, [u64; 2], Vec
 }
 
 fn with_device<T>(act: impl FnOnce(vk::Device) -> T) -> T {
-    rates::offer(true, false);
+    rates::capabilities(true, false);
     let instance = new_instance(Some(vk::API_VERSION_1_1));
     let device = new_device(instance);
     pipelines::seen();
     let done = act(device);
     destroy_device(device);
     destroy_instance(instance);
-    rates::offer(false, false);
+    rates::capabilities(false, false);
     done
 }
 

@@ -4,7 +4,7 @@ use super::fake::{self, rates};
 use super::*;
 use crate::link::BACKEND_RATE_ATTACHMENT;
 
-/// What a device had enabled: its extensions, and its rate features.
+/// The enabled extensions of a device, and its rate features.
 struct Created {
     extensions: Vec<String>,
     features: [u32; 3],
@@ -12,16 +12,16 @@ struct Created {
 }
 
 fn created(version: u32, chain: *const c_void, refused: bool) -> Created {
-    rates::offer(true, refused);
+    rates::capabilities(true, refused);
     let instance = new_instance(Some(version));
     let device = create_device(instance, fake::device_chain(chain, true).0, 1).unwrap();
     // SAFETY: the device is live.
     let armed = unsafe { device::of(device) }.and_then(|device| device.armed.clone()).unwrap();
-    let offers = armed.offer().backend == BACKEND_RATE_ATTACHMENT;
+    let offers = armed.capabilities().backend == BACKEND_RATE_ATTACHMENT;
     let created = Created { extensions: rates::enabled(), features: rates::features(), offers };
     destroy_device(device);
     destroy_instance(instance);
-    rates::offer(false, false);
+    rates::capabilities(false, false);
     created
 }
 
@@ -106,29 +106,29 @@ fn a_device_without_the_extension_is_created_as_the_application_asks() {
 
 #[test]
 fn a_device_that_stays_inert_is_created_as_the_application_asks() {
-    rates::offer(true, false);
+    rates::capabilities(true, false);
     let instance = new_instance(Some(vk::API_VERSION_1_2));
     let device = create_device(instance, fake::device_chain(null(), false).0, 1).unwrap();
     assert_eq!(rates::enabled(), [""; 0]);
     destroy_device(device);
     destroy_instance(instance);
-    rates::offer(false, false);
+    rates::capabilities(false, false);
 }
 
 /// Layers and samples, as the device offers them.
 fn limits(driver: vk::DriverId, name: &'static [u8]) -> (bool, vk::SampleCountFlags) {
-    rates::offer(true, false);
+    rates::capabilities(true, false);
     rates::drive(driver, name);
     let instance = new_instance(Some(vk::API_VERSION_1_2));
     let device = new_device(instance);
     // SAFETY: the device is live.
     let known = unsafe { device::of(device) }.unwrap();
-    let offer = known.rates().unwrap().offer.clone();
+    let capabilities = known.rates().unwrap().capabilities.clone();
     destroy_device(device);
     destroy_instance(instance);
     rates::drive(vk::DriverId::default(), b"");
-    rates::offer(false, false);
-    (offer.layered, offer.limits.samples)
+    rates::capabilities(false, false);
+    (capabilities.layered, capabilities.limits.samples)
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn quirks_of_a_device_limit_what_it_offers() {
 
 #[test]
 fn what_the_configuration_does_not_ask_for_is_not_created() {
-    rates::offer(true, false);
+    rates::capabilities(true, false);
     for arming in [Arming::Inert, Arming::Pictures, Arming::Masks] {
         ARMING.set(arming);
         let instance = new_instance(Some(vk::API_VERSION_1_0));
@@ -167,14 +167,14 @@ fn what_the_configuration_does_not_ask_for_is_not_created() {
         destroy_instance(instance);
     }
     ARMING.set(Arming::Rates);
-    rates::offer(false, false);
+    rates::capabilities(false, false);
 }
 
 /// An inert device's functions are the next layer's, but for creation and destruction, and the OpenXR half learns that
 /// the device is inert.
 #[test]
 fn a_device_without_work_has_no_hooks() {
-    rates::offer(true, false);
+    rates::capabilities(true, false);
     ARMING.set(Arming::Inert);
     let instance = new_instance(Some(vk::API_VERSION_1_1));
     let device = new_device(instance);
@@ -199,17 +199,17 @@ fn a_device_without_work_has_no_hooks() {
     destroy_device(device);
     destroy_instance(instance);
     ARMING.set(Arming::Rates);
-    rates::offer(false, false);
+    rates::capabilities(false, false);
 }
 
 #[test]
 fn no_device_function_is_looked_up_through_the_instance() {
-    rates::offer(true, false);
+    rates::capabilities(true, false);
     let instance = new_instance(Some(vk::API_VERSION_1_1));
     fake::instance_names();
     let device = new_device(instance);
     let names = fake::instance_names();
-    rates::offer(false, false);
+    rates::capabilities(false, false);
     assert!(names.iter().any(|name| name == "vkCreateDevice"), "{names:?}");
     // The loader's last layer would ask all devices, and the newest has no dispatch table before vkCreateDevice returns.
     let of_instance = ["vkCreateDevice", "vkEnumerateDevice", "vkGetPhysicalDevice"];

@@ -2,7 +2,7 @@
 
 use super::queries::Interval;
 
-/// Frames that are kept; what an older one took is not waited for any longer.
+/// Frames that are kept; timestamps of older ones are not waited for any longer.
 const MOST: usize = 8;
 
 /// Whose commands a command buffer holds.
@@ -175,7 +175,7 @@ mod tests {
         assert_eq!(times.take(5, 1.0), time(4, 7));
     }
 
-    /// Two queues: what runs at once counts once, a pause does not, and our own work is told apart.
+    /// Two queues: work at the same time counts once, a pause does not, and our own work is told apart.
     #[test]
     fn a_frame_takes_as_long_as_any_queue_works() {
         let mut times = FrameTimes::default();

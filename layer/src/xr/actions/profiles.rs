@@ -19,7 +19,7 @@ pub struct Profiles(Mutex<State>);
 
 #[derive(Debug, Default)]
 struct State {
-    view: View,
+    view: Visibility,
     /// An event was kept back that the application gets with its first synchronisation.
     owed: bool,
     /// The profile of the eyes, and those of the paths that the application uses, when it last learnt of them.
@@ -28,7 +28,7 @@ struct State {
 
 /// How much of it is the application's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum View {
+enum Visibility {
     /// All, except profiles of the eyes only.
     #[default]
     Own,
@@ -45,7 +45,7 @@ impl Profiles {
 
     /// Only our action set is attached.
     pub fn attached_alone(&self) {
-        self.state().view = View::Nothing;
+        self.state().view = Visibility::Nothing;
     }
 
     /// We begin to synchronise, which the application has not done so far. Some runtimes choose profiles without that: then
@@ -53,18 +53,18 @@ impl Profiles {
     pub fn synchronised_ahead(&self, session: &Session) {
         let chosen = current(session, users(session)).is_none_or(|current| has_any(&current));
         if !chosen {
-            self.state().view = View::TooEarly;
+            self.state().view = Visibility::TooEarly;
         }
     }
 
     /// The application has synchronised, with the focus.
     pub fn application_synchronised(&self, session: &Session) {
-        if self.state().view != View::TooEarly {
+        if self.state().view != Visibility::TooEarly {
             return;
         }
         let known = current(session, users(session)).unwrap_or_default();
         let mut state = self.state();
-        state.view = View::Own;
+        state.view = Visibility::Own;
         // Without a profile of the application's there was nothing to tell it; and what the runtime tells from now on is
         // news to it.
         state.owed &= has_any(&known);
@@ -76,12 +76,12 @@ impl Profiles {
         {
             let mut state = self.state();
             match state.view {
-                View::Nothing => return true,
-                View::TooEarly => {
+                Visibility::Nothing => return true,
+                Visibility::TooEarly => {
                     state.owed = true;
                     return true;
                 }
-                View::Own => {}
+                Visibility::Own => {}
             }
         }
         if session.instance.actions.application().has_gaze() {
@@ -110,7 +110,7 @@ impl Profiles {
     /// Takes the event that was kept back, if there is one.
     pub fn take_owed(&self) -> bool {
         let mut state = self.state();
-        state.view == View::Own && std::mem::take(&mut state.owed)
+        state.view == Visibility::Own && std::mem::take(&mut state.owed)
     }
 
     /// The answer to the application for the runtime's current profile.
@@ -120,9 +120,9 @@ impl Profiles {
     /// `XR_ERROR_ACTIONSET_NOT_ATTACHED` where it has attached nothing.
     pub fn answer(&self, profile: xr::Path) -> Result<xr::Path, xr::Result> {
         match self.state().view {
-            View::Own => Ok(profile),
-            View::TooEarly => Ok(xr::Path::NULL),
-            View::Nothing => Err(xr::Result::ERROR_ACTIONSET_NOT_ATTACHED),
+            Visibility::Own => Ok(profile),
+            Visibility::TooEarly => Ok(xr::Path::NULL),
+            Visibility::Nothing => Err(xr::Result::ERROR_ACTIONSET_NOT_ATTACHED),
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::gpu::GpuError;
 use crate::kernels::compose::RuntimeImages;
 use crate::kernels::debug_view::{DebugView, DebugViewJob, DebugViewParams, DebugViewPass, MOST_PICTURES};
 use crate::link::RatesCopyRecord;
-use crate::planner::Seen;
+use crate::planner::DebugOverlay;
 use crate::xr::session::{Active, Health};
 use crate::xr::submission::Projection;
 use crate::xr::swapchain::Swapchain;
@@ -158,7 +158,7 @@ unsafe fn draw_over(
     pictures.dedup_by(|other, one| is_same(one, other));
     let mut views = active.debug_views();
     let DebugViews { pass, maps, frame, drawn, has_failed, .. } = &mut *views;
-    let seen: [Option<Seen>; 2] = {
+    let seen: [Option<DebugOverlay>; 2] = {
         let planning = active.plan.planning();
         [0, 1].map(|eye| planning.seen(config, eye, view, &mut maps[eye]))
     };
@@ -169,7 +169,7 @@ unsafe fn draw_over(
         Ok(false) | Err(GpuError::Timeout) => {}
         Err(error) => {
             *has_failed = true;
-            error.tell("debug.view is off for this session");
+            error.log("debug.view is off for this session");
         }
     }
 }
@@ -184,7 +184,7 @@ unsafe fn draw_eyes(
     pass: &mut Option<DebugViewPass>,
     view: DebugView,
     pictures: &[EyePicture<'_>],
-    seen: [Option<Seen>; 2],
+    seen: [Option<DebugOverlay>; 2],
     maps: &[Vec<u8>; 2],
 ) -> Result<bool, GpuError> {
     let Some(tools) = active.tools() else { return Ok(false) };

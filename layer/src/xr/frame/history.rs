@@ -1,4 +1,4 @@
-//! The pictures of the last frames, which still lie in the application's images: what is not rendered anew is taken from them.
+//! The pictures of the last frames, which still lie in the application's images: stale tiles are taken from them.
 //!
 //! A picture is kept from the frame that shows it first, with the pose and field of view of then and the tiles that its passes
 //! left out, until the application draws to its image again. No colour is copied, and what was re-used is never re-used again.
@@ -29,7 +29,7 @@ const LONGEST_GAP_NS: i64 = 100_000_000;
 /// How pictures are completed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Completing {
-    /// Whether what is re-used is turned with the head; else it stays where it was in the picture (paper B).
+    /// Whether re-used tiles are turned with the head; else they stay where they were in the picture (paper B).
     pub turns: bool,
     /// How far fresh pixels beside re-used ones are blended, pixels.
     pub border: f32,
@@ -56,7 +56,7 @@ impl Completing {
     }
 }
 
-/// What the frames showed last, of both eyes.
+/// The last pictures of both eyes.
 #[derive(Debug, Default)]
 pub struct History {
     eyes: [EyeHistory; 2],
@@ -71,7 +71,7 @@ pub struct ShownDepth {
     pub array_layer: u32,
     /// In which rectangle, within the image.
     pub rect: DepthRect,
-    /// What it says, and from where it was seen.
+    /// The submitted view, and from where it was seen.
     pub viewpoint: Viewpoint,
 }
 
@@ -113,7 +113,7 @@ impl History {
         }
     }
 
-    /// Whether what the newest picture of an eye shows can be followed as the head moves: it has depth, and so has that before it.
+    /// Whether the newest picture of an eye can be followed as the head moves: it has depth, and so has the picture before it.
     pub fn has_depth(&self, eye: usize) -> bool {
         let EyeHistory { pictures, len, .. } = &self.eyes[eye];
         *len > 1 && pictures[..2].iter().all(|kept| kept.depth.is_some())
@@ -146,7 +146,7 @@ impl History {
         sorted.expect(eye, &pictures[..*len], *lost, expected);
     }
 
-    /// What [`Self::complete`] found to compare, of a view that is turned so in the world; none where there is nothing to compare.
+    /// The comparisons that [`Self::complete`] found, of a view that is turned so in the world; `None` where there is nothing to compare.
     pub fn changes(&self, eye: usize, how: Completing, orientation: Quat) -> Option<ChangeRegion<'_>> {
         let EyeHistory { pictures, len, lists: EyeLists { compared, .. }, .. } = &self.eyes[eye];
         let (newest, earlier) = pictures[..*len].split_first().filter(|_| compared.count() > 0)?;
@@ -162,7 +162,7 @@ impl History {
         })
     }
 
-    /// What [`Self::complete`] worked out; none where the newest picture is whole.
+    /// The re-use that [`Self::complete`] worked out; `None` where the newest picture is complete.
     pub fn region(&self, eye: usize, how: Completing) -> Option<ReuseRegion<'_>> {
         let EyeHistory { pictures, len, lists: EyeLists { lists, .. }, .. } = &self.eyes[eye];
         let pictures = &pictures[..*len];
@@ -207,7 +207,7 @@ struct EyeHistory {
 /// One picture.
 #[derive(Debug)]
 struct Kept {
-    /// Which picture of the eye it is, counted from 1: what lies there stays the same, but for its depth.
+    /// The number of the eye's picture, counted from 1: its content stays the same, but for its depth.
     number: u64,
     release: u64,
     image: EarlierImage,

@@ -15,7 +15,7 @@ use openxr_sys::Handle;
 /// # Safety
 ///
 /// This thread may use the session's queue.
-pub unsafe fn tell(frame: &FrameEnd, works: &[Work]) {
+pub unsafe fn notify(frame: &FrameEnd, works: &[Work]) {
     let FrameEnd { active, submission, ref config, .. } = *frame;
     if !wants_contrast(config, active.device.is_cpu()) || active.health() != Health::Works {
         return;
@@ -26,7 +26,7 @@ pub unsafe fn tell(frame: &FrameEnd, works: &[Work]) {
         let work = works.iter().find(|work| work.swapchain.handle == view.sub_image.swapchain);
         if let Some(record) = work.and_then(|work| record(active, config, eye, view, work, to_world)) {
             // SAFETY: the image lives until its swapchain ends, which is said; it was just written, and is in that layout.
-            unsafe { active.device.tell_picture(&record) };
+            unsafe { active.device.notify_picture(&record) };
         }
     }
 }

@@ -85,7 +85,7 @@ impl<'a> Work<'a> {
         })
     }
 
-    /// Where what `view` shows is once the job is done, in the runtime's image: the image, its format, and the rectangle in it. Nothing where it
+    /// The picture of `view` once the job is done, in the runtime's image: the image, its format, and the rectangle in it. Nothing where it
     /// cannot be read there, or where the application has released nothing new.
     pub fn finished(&self, view: &ProjectionView) -> Option<(vk::Image, vk::Format, vk::Rect2D)> {
         let rect = rect_within(&view.sub_image, &self.images())?;

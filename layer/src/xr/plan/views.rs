@@ -145,11 +145,11 @@ pub(super) fn plan(
         has_work
     };
     if !has_work {
-        state.ears().rest();
+        state.audio_input().rest();
         return;
     }
     let head = look(session, state, config, time);
-    let heard = state.ears().hear(config);
+    let heard = state.audio_input().poll(config);
     let has_maps = {
         let mut planning = state.planning();
         if let Some(mut compose) = active.made_tools().and_then(Tools::free_compose) {

@@ -4,7 +4,7 @@ use super::SERIAL;
 use crate::abi::attempt;
 use crate::config::ConfigSnapshot;
 use crate::link::FrameStart;
-use crate::planner::{Offer, Planning, View};
+use crate::planner::{Capabilities, Planning, View};
 use crate::xr::frame::{History, SortedTiles, sort_ahead};
 use crate::xr::vulkan_device::VulkanDevice;
 use glam::Quat;
@@ -47,7 +47,7 @@ impl PlanWork {
     /// Without a frame, for a device.
     pub fn new(device: VulkanDevice) -> Self {
         Self {
-            planning: Mutex::new(Planning::new(Offer::from(&device.offer))),
+            planning: Mutex::new(Planning::new(Capabilities::from(&device.capabilities))),
             device,
             history: Mutex::default(),
             sorted: Mutex::default(),

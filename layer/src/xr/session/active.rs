@@ -79,7 +79,7 @@ impl Active {
         let make_or_log = || {
             make()
                 .inspect_err(|error: &GpuError| {
-                    error.tell(
+                    error.log(
                         "re-use, chroma attenuation and debug views are off: the layer cannot create its Vulkan objects on this device",
                     );
                 })
@@ -107,7 +107,8 @@ impl Active {
         self.report.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The costs of earlier frames that became known when the one of this report ended; what we draw at its end is timed where `is_timed`.
+    /// The costs of earlier frames that became known when the one of this report ended; draws of ours at its end are timed where
+    /// `is_timed`.
     pub fn gpu_costs(&self, report: &FrameReport, is_timed: bool) -> SmallVec<[GpuCost; MOST_FRAME_TIMES]> {
         let mut costs = self.costs.lock().unwrap_or_else(PoisonError::into_inner);
         report.times.iter().for_each(|&time| costs.add(time));

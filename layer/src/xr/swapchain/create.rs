@@ -90,7 +90,7 @@ pub unsafe extern "system" fn create(
     )
 }
 
-/// What the runtime's images are asked to be usable for, where the application draws to them itself, if that is more than what it asks.
+/// The usage of the runtime's images, where the application draws to them itself; `None` if that is the application's own.
 fn more_usage(
     active: &Active,
     config: &Config,
@@ -105,7 +105,7 @@ fn more_usage(
 /// Whether passes that draw to a swapchain may have masks.
 fn may_be_filled(active: &Active, config: &Config, info: &xr::SwapchainCreateInfo) -> bool {
     wants_maps(config)
-        && active.device.offer.backend == BACKEND_MASK
+        && active.device.capabilities.backend == BACKEND_MASK
         && info.sample_count == 1
         && info.usage_flags.contains(xr::SwapchainUsageFlags::COLOR_ATTACHMENT)
         && !info.create_flags.contains(xr::SwapchainCreateFlags::PROTECTED_CONTENT)
@@ -131,7 +131,7 @@ unsafe fn plan(
         false => compose.prepare(shape.format),
     };
     prepared.map_err(|error| {
-        error.tell(&format!("swapchains of format {:?} are left alone", shape.format));
+        error.log(&format!("swapchains of format {:?} are left alone", shape.format));
         NotSubstituted::Format(shape.format)
     })?;
     Ok(shape)
@@ -161,7 +161,7 @@ fn track(
     let description = Description::new(info, granted);
     let swapchain = Arc::new(Swapchain::new(session, handle, description, substitute));
     if let Some(substitute) = &swapchain.substitute {
-        swapchain.tell_images(substitute.app.images());
+        swapchain.notify_images(substitute.app.images());
     }
     SWAPCHAINS.insert(handle, swapchain);
 }
@@ -182,7 +182,7 @@ fn substitute(
         .ok()?;
     let least = if session.may_reuse(config) { images_for_reuse(config) } else { 0 };
     let substitute = Substitute::new(&tools.gpu, shape, (images, granted), least)
-        .inspect_err(|error| error.tell("swapchain left alone"))
+        .inspect_err(|error| error.log("swapchain left alone"))
         .ok()?;
     let vk::Extent2D { width, height } = shape.extent;
     tracing::info!(

@@ -32,7 +32,7 @@ impl Depth {
             // The device is behind: this picture goes without.
             Err(GpuError::Timeout) => Self::There { source, newest: None },
             Err(error) => {
-                error.tell("no reprojection with depth");
+                error.log("no reprojection with depth");
                 Self::Never
             }
         }
@@ -48,8 +48,8 @@ pub struct NewestDepth {
     pub turn: u64,
 }
 
-/// Whether the depth of a swapchain may be looked at that is created so: what is re-used is followed by it as the head moves.
-/// Masks need depth for themselves: where it is submitted, nothing is left out by them.
+/// Whether the depth of a swapchain that is created so may be read: re-used tiles are followed by it as the head moves. Masks need depth
+/// for themselves: where it is submitted, nothing is left out by them.
 pub fn may_be_kept(active: &Active, config: &Config, info: &xr::SwapchainCreateInfo) -> bool {
     info.usage_flags.contains(xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT)
         && (info.sample_count, info.mip_count, info.face_count) == (1, 1, 1)
@@ -60,7 +60,7 @@ pub fn may_be_kept(active: &Active, config: &Config, info: &xr::SwapchainCreateI
 fn is_wanted(active: &Active, config: &Config) -> bool {
     wants_reuse(config)
         && config.reuse.mode == ReuseMode::On
-        && active.device.offer.backend == BACKEND_RATE_ATTACHMENT
+        && active.device.capabilities.backend == BACKEND_RATE_ATTACHMENT
 }
 
 impl Swapchain {

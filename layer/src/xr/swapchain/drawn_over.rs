@@ -1,4 +1,4 @@
-//! The runtime's images of a swapchain that is not virtual, as what draws over one needs them, before the application returns it.
+//! The runtime's images of a swapchain that is not virtual, for draws over one before the application returns it.
 
 use super::Swapchain;
 use super::create::runtime_images;

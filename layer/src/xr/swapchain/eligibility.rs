@@ -117,8 +117,7 @@ pub fn vulkan_usage(usage: xr::SwapchainUsageFlags) -> vk::ImageUsageFlags {
     pairs.fold(vk::ImageUsageFlags::empty(), |all, (_, vulkan)| all | vulkan)
 }
 
-/// What the runtime's swapchain is created with: what the application asks for, what our copy needs, and, where its pictures
-/// are `analyzed`, what that needs.
+/// The usage of the runtime's swapchain: the application's, that of our copy, and, where its pictures are `analyzed`, that of the analysis.
 pub fn runtime_usage(asked: xr::SwapchainUsageFlags, analyzed: bool) -> xr::SwapchainUsageFlags {
     let more = if analyzed { analyze::USAGE } else { vk::ImageUsageFlags::empty() };
     with(asked, RUNTIME_USAGE | more)

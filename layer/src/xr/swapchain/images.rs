@@ -35,7 +35,7 @@ pub unsafe extern "system" fn enumerate_images(
             let result = answer.record(below());
             if let (xr::Result::SUCCESS, Some(known)) = (result, &known) {
                 // SAFETY: the call succeeded with these arguments.
-                known.tell_images(&unsafe { runtimes(capacity, count, images) });
+                known.notify_images(&unsafe { runtimes(capacity, count, images) });
             }
             return result;
         };

@@ -65,7 +65,7 @@ impl Substitute {
         self.ready.call_once(|| {
             // Memory may be short for once.
             if let Err(error) = self.app.make_ready().or_else(|_| self.app.make_ready()) {
-                error.tell("the images of a virtual swapchain have an undefined layout");
+                error.log("the images of a virtual swapchain have an undefined layout");
             }
         });
     }

@@ -6,7 +6,7 @@ use parafovea::pass_detection::{
     Event, Eye, Eyes, ImageDescription, ImageKey, Orientation, Part, Pass, PassFacts, Recognition, Shown,
     ShownView, SwapchainKey, Target,
 };
-use parafovea::rate_map::{DeviceRates, EyeMap, RateImage, Scratch, lay};
+use parafovea::rate_map::{DeviceRates, EyeMap, RateImage, Scratch, resolve};
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
 use std::hint::black_box;
 
@@ -34,7 +34,14 @@ pub fn benches(criterion: &mut Criterion) {
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
                 for part in &parts {
-                    lay([&left, &right], std::slice::from_ref(part), &image, &rates, &mut scratch, &mut out);
+                    resolve(
+                        [&left, &right],
+                        std::slice::from_ref(part),
+                        &image,
+                        &rates,
+                        &mut scratch,
+                        &mut out,
+                    );
                 }
                 black_box(&out);
             });

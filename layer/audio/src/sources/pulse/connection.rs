@@ -1,5 +1,4 @@
-//! A connection to a sound server, one message at a time; nothing waits longer than a moment, and what repeats does not
-//! allocate.
+//! A connection to a sound server, one message at a time; nothing waits longer than a moment, and repeated messages do not allocate.
 
 use pulseaudio::protocol::{
     AuthParams, AuthReply, Command, DESCRIPTOR_SIZE, MAX_VERSION, Prop, Props, ProtocolError, PulseError,
@@ -35,7 +34,7 @@ pub enum Fault {
     /// It does not answer.
     #[error("the sound server does not answer")]
     Silent,
-    /// It says what makes no sense.
+    /// Its message makes no sense.
     #[error("the sound server sent an unknown message ({0})")]
     NotUnderstood(#[from] ProtocolError),
 }
@@ -47,7 +46,7 @@ impl Fault {
     }
 }
 
-/// What a server sends.
+/// A message of a server.
 pub enum Message<'a> {
     /// The answer to a command.
     Reply { sequence: u32, body: Body<'a> },
@@ -59,7 +58,7 @@ pub enum Message<'a> {
     Samples { channel: u32, bytes: &'a [u8] },
 }
 
-/// What happens by itself.
+/// An event that nobody asked for.
 pub enum Event {
     /// Something that was subscribed to changed.
     Changed,
@@ -69,14 +68,14 @@ pub enum Event {
     Moved,
 }
 
-/// What a reply holds.
+/// The content of a reply.
 pub struct Body<'a> {
     bytes: &'a [u8],
     version: u16,
 }
 
 impl Body<'_> {
-    /// Reads it as what was asked for.
+    /// Reads it as the requested type.
     pub fn read<T: TagStructRead>(mut self) -> Result<T, Fault> {
         Ok(TagStructReader::new(&mut self.bytes, self.version).read()?)
     }
@@ -88,7 +87,7 @@ pub struct Connection {
     version: u16,
     sequence: u32,
     room: Vec<u8>,
-    /// Where in `room` what was not handed out yet begins and ends.
+    /// Begin and end of the bytes in `room` that were not handed out yet.
     filled: std::ops::Range<usize>,
 }
 
@@ -210,7 +209,7 @@ mod tests {
     use super::*;
     use std::os::unix::net::UnixListener;
 
-    /// What a client makes of a server that answers with these bytes, and then ends if `it_ends`.
+    /// A client's error with a server that answers with these bytes, and then ends if `it_ends`.
     fn fault(answer: Vec<u8>, it_ends: bool) -> Fault {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("native");

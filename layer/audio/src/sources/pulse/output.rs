@@ -1,4 +1,4 @@
-//! What is listened to: the monitor of an output.
+//! The captured output: its monitor.
 
 use crate::ring::Format;
 use parafovea_core::audio::{MAX_CHANNELS, SAMPLE_RATES_HZ};
@@ -26,7 +26,7 @@ pub struct Output {
     monitor: u32,
     monitor_name: String,
     description: String,
-    /// What it is recorded as: as it is, as far as that is understood.
+    /// The format of its recording: its own, as far as that is understood.
     pub format: Format,
 }
 
@@ -38,7 +38,7 @@ impl fmt::Display for Output {
     }
 }
 
-/// Whether nobody can hear what this output plays.
+/// Whether nobody can hear this output.
 pub fn is_muted(info: &SinkInfo) -> bool {
     let volumes = info.cvolume.channels();
     info.muted || (!volumes.is_empty() && volumes.iter().all(|volume| *volume == Volume::MUTED))

@@ -1,6 +1,6 @@
 use super::*;
 use crate::abi::copies::room;
-use crate::backend::attachment::offer::tests::offered;
+use crate::backend::attachment::capabilities::tests::offered;
 use ash::vk::Handle;
 use vk::FragmentShadingRateCombinerOpKHR as Combiner;
 
@@ -9,7 +9,7 @@ type Flags2<'a> = vk::PipelineCreateFlags2CreateInfoKHR<'a>;
 
 const FLAG: vk::PipelineCreateFlags = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
 
-/// What became of a pipeline.
+/// The outcome of a pipeline's creation.
 #[derive(Debug, PartialEq, Eq)]
 struct Outcome {
     flagged: bool,
@@ -99,14 +99,14 @@ fn what_must_shade_every_pixel_keeps_its_rate() {
 fn what_the_device_allows_is_no_reason() {
     let stages = fragment_stage();
     let info = vk::GraphicsPipelineCreateInfo::default().stages(&stages);
-    let mut offer = offered([16, 16]);
-    offer.limits.depth_stencil_writes = true;
-    offer.limits.shader_sample_mask = true;
+    let mut capabilities = offered([16, 16]);
+    capabilities.limits.depth_stencil_writes = true;
+    capabilities.limits.shader_sample_mask = true;
     let effects = Effects { writes_depth_stencil: true, uses_sample_mask: true, ..Effects::default() };
     let mut room = room::<64>();
     let mut copies = Copies::new(&mut room);
     // SAFETY: valid structures that outlive the copies.
-    let (more, _) = unsafe { with_rates(&info, &offer, |_| effects, |_| None, &mut copies) };
+    let (more, _) = unsafe { with_rates(&info, &capabilities, |_| effects, |_| None, &mut copies) };
     // SAFETY: as above.
     assert!(unsafe { find::<Rate<'_>>(more.p_next) }.is_some());
 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::abi::copies::room;
-use crate::backend::attachment::offer;
+use crate::backend::attachment::capabilities;
 
 type Rates<'a> = vk::FragmentShadingRateAttachmentInfoKHR<'a>;
 
@@ -19,7 +19,7 @@ fn check(
     let mut room = room::<64>();
     let mut copies = Copies::new(&mut room);
     // SAFETY: valid structures that outlive the copies.
-    check(unsafe { with_rates(&info, &offer::tests::offered([16, 16]), &mut copies) });
+    check(unsafe { with_rates(&info, &capabilities::tests::offered([16, 16]), &mut copies) });
 }
 
 #[test]

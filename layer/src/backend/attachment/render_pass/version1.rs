@@ -59,7 +59,7 @@ fn attachment(of: &vk::AttachmentDescription) -> vk::AttachmentDescription2<'sta
         .final_layout(of.final_layout)
 }
 
-/// What the first version says in structures of its chain.
+/// Structures in the chain of the first version.
 struct Extensions<'c> {
     view_masks: &'c [u32],
     view_offsets: &'c [i32],
@@ -141,8 +141,7 @@ impl<'c> Extensions<'c> {
         }
     }
 
-    /// What an input attachment shows: what the chain says, or else all that its format has
-    /// (`VkRenderPassInputAttachmentAspectCreateInfo`).
+    /// Aspects of an input attachment: those of the chain, or else all of its format (`VkRenderPassInputAttachmentAspectCreateInfo`).
     fn aspect(
         &self,
         subpass: u32,

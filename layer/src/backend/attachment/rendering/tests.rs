@@ -1,6 +1,6 @@
 use super::*;
 use crate::abi::copies::room;
-use crate::backend::attachment::offer;
+use crate::backend::attachment::capabilities;
 use ash::vk::Handle;
 
 fn colour(view: u64) -> vk::RenderingAttachmentInfo<'static> {
@@ -45,7 +45,7 @@ fn the_view_is_attached_once_with_texel_size_and_layout() {
         let mut copies = Copies::new(&mut room);
         // SAFETY: valid structures that outlive the copies.
         unsafe {
-            let more = with_view(&info, view, &offer::tests::offered([8, 8]), &mut copies);
+            let more = with_view(&info, view, &capabilities::tests::offered([8, 8]), &mut copies);
             assert_eq!((more.flags, more.color_attachment_count), (vk::RenderingFlags::SUSPENDING, 1));
             let rates = find::<Rates<'_>>(more.p_next).unwrap();
             assert_eq!(rates.image_view, view);

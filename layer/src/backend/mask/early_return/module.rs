@@ -54,7 +54,7 @@ const DECORATION_BUILT_IN: u32 = 11;
 pub struct Instruction<'a> {
     /// The operation.
     pub op: u32,
-    /// What follows the first word.
+    /// The words after the first.
     pub operands: &'a [u32],
 }
 
@@ -119,7 +119,7 @@ impl<'a> Parsed<'a> {
         Assembly(words)
     }
 
-    /// What is declared ahead of the functions.
+    /// Declarations ahead of the functions.
     pub fn globals(&self) -> impl Iterator<Item = &Instruction<'a>> {
         self.instructions.iter().take_while(|found| found.op != op::FUNCTION)
     }
@@ -175,7 +175,7 @@ impl Assembly {
         self.0.extend_from_slice(&other.0);
     }
 
-    /// What was written.
+    /// The written words.
     pub fn into_words(self) -> Vec<u32> {
         self.0
     }

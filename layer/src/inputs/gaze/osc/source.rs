@@ -29,7 +29,7 @@ pub struct OscSource {
 
 /// Its status: no direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OscTold {
+pub struct OscStatus {
     /// Where it receives, or was to; `None`: it was not to.
     pub address: Option<SocketAddr>,
     /// Why it does not.
@@ -104,10 +104,10 @@ impl OscSource {
     }
 
     /// Its status.
-    pub fn told(&self) -> OscTold {
+    pub fn status(&self) -> OscStatus {
         let look = self.heard.map(|heard| heard.look).unwrap_or_default();
         let is_there = self.heard.is_some_and(|heard| heard.age.is_some_and(|age| age < ENDED));
-        OscTold {
+        OscStatus {
             address: self.wanted,
             failure: self.failure.map(|(kind, _)| kind),
             format: look.format.filter(|_| is_there),
@@ -137,7 +137,7 @@ mod tests {
         let fails = || Err(ErrorKind::AddrInUse.into());
         assert!(source.want(Some(address), 45.0, now).0);
         assert!(source.opened(address, fails(), now));
-        assert_eq!(source.told().failure, Some(ErrorKind::AddrInUse));
+        assert_eq!(source.status().failure, Some(ErrorKind::AddrInUse));
         assert!(!source.want(Some(address), 45.0, now + RETRY / 2).0);
         assert!(source.want(Some(address), 45.0, now + RETRY).0);
         assert!(!source.opened(address, fails(), now + RETRY), "known already");
@@ -146,7 +146,7 @@ mod tests {
         let other = SocketAddr::from(([127, 0, 0, 1], 10));
         assert!(source.want(Some(other), 45.0, now + RETRY).0);
         assert!(!source.want(None, 45.0, now + 9 * RETRY).0);
-        assert_eq!(source.told(), OscTold::default());
+        assert_eq!(source.status(), OscStatus::default());
     }
 
     #[test]

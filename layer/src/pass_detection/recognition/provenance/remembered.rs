@@ -1,6 +1,6 @@
 //! The roles of the last frames, for frames of the same structure: most frames of an application do the same as the one before.
 
-use super::{Kind, Known, Node, Role, Told, area};
+use super::{Findings, Kind, Known, Node, Role, area};
 use crate::pass_detection::{Event, ImageKey, Reads, Target};
 use rustc_hash::FxHashMap;
 
@@ -19,7 +19,7 @@ pub(super) struct Remembered {
 struct Entry {
     words: Vec<u64>,
     roles: Vec<Role>,
-    told: Told,
+    told: Findings,
 }
 
 /// All of a frame's events that roles depend on, as plain words: frames with the same words have the same roles. Images are numbered as they first
@@ -39,7 +39,7 @@ impl Remembered {
         nodes: &[Node],
         known: &Known<'_>,
         is_apart: bool,
-    ) -> Option<(&[Role], Told)> {
+    ) -> Option<(&[Role], Findings)> {
         self.structure.take(events, nodes, known, is_apart);
         let index = self.entries.iter().position(|entry| entry.words == self.structure.words)?;
         // The newest is first.
@@ -49,7 +49,7 @@ impl Remembered {
     }
 
     /// Remembers the frame that was looked up last; the oldest goes.
-    pub(super) fn remember(&mut self, roles: impl Iterator<Item = Role>, told: Told) {
+    pub(super) fn remember(&mut self, roles: impl Iterator<Item = Role>, told: Findings) {
         let mut entry =
             if self.entries.len() < MOST { Entry::default() } else { self.entries.pop().unwrap_or_default() };
         std::mem::swap(&mut entry.words, &mut self.structure.words);

@@ -1,4 +1,4 @@
-//! An application that does by hand what a style of rendering does.
+//! An application that does the work of a style of rendering by hand.
 
 use crate::pass_detection::*;
 use ash::vk;
@@ -32,7 +32,7 @@ pub struct Application {
     made: u64,
     /// Number of the frame, from 1.
     pub frame: u64,
-    /// What passes were recognised as when they were submitted, with their names.
+    /// Verdicts on passes when they were submitted, with their names.
     pub seen: Vec<(u64, &'static str, Outcome)>,
 }
 
@@ -137,14 +137,14 @@ impl Application {
         self.log.clear();
     }
 
-    /// What the whole of one swapchain for each eye shows.
+    /// A submission of the whole of one swapchain for each eye.
     pub fn both(&self, eyes: &[Chain; 2]) -> Shown {
         let view = |chain: &Chain, eye| ShownView { image: Some(self.current(chain)), ..view_of(chain, eye) };
         let [left, right] = eyes;
         Shown { views: smallvec![view(left, Eye::Left), view(right, Eye::Right)], ..Shown::default() }
     }
 
-    /// What a pass was recognised as, frame by frame.
+    /// The verdicts on a pass, frame by frame.
     pub fn outcomes(&self, name: &str) -> Vec<(u64, Outcome)> {
         let named = self.seen.iter().filter(|(_, other, _)| *other == name);
         named.map(|(frame, _, outcome)| (*frame, outcome.clone())).collect()

@@ -138,7 +138,7 @@ pub fn any_shown() -> impl Strategy<Value = Shown> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// Nothing makes it panic, and what may never be the scene never is.
+    /// Nothing makes it panic, and kinds of passes that may never be the scene never are.
     #[test]
     fn never_the_wrong_kind(
         images in any_images(),

@@ -1,4 +1,4 @@
-//! The event streams of the styles of rendering that applications have, by what they do with the scene's picture.
+//! The event streams of the styles of rendering that applications have, by their use of the scene's picture.
 
 mod changing;
 mod copied;

@@ -138,15 +138,18 @@ fn a_target_on_two_queues_is_not_written_any_more_but_to_shade_all() {
 fn what_is_on_the_gpu_already_is_no_news() {
     let mut content = Content::initialised();
     let (some, others) = ([STALE, 0], [0, STALE]);
-    assert!(content.lay(AREA, &full(), &mut some.to_vec()));
-    assert!(!content.lay(AREA, &full(), &mut some.to_vec()));
+    assert!(content.resolve(AREA, &full(), &mut some.to_vec()));
+    assert!(!content.resolve(AREA, &full(), &mut some.to_vec()));
     assert_eq!(content.texels(), some);
-    assert!(content.lay(AREA, &full(), &mut others.to_vec()), "other texels");
-    assert!(content.lay(AREA, &[part([0.0, 0.0, 0.5, 1.0])], &mut others.to_vec()), "other pictures");
-    assert!(content.lay([0, 0, 50, 50], &[part([0.0, 0.0, 0.5, 1.0])], &mut others.to_vec()), "another area");
+    assert!(content.resolve(AREA, &full(), &mut others.to_vec()), "other texels");
+    assert!(content.resolve(AREA, &[part([0.0, 0.0, 0.5, 1.0])], &mut others.to_vec()), "other pictures");
+    assert!(
+        content.resolve([0, 0, 50, 50], &[part([0.0, 0.0, 0.5, 1.0])], &mut others.to_vec()),
+        "another area"
+    );
     content.lose();
     assert!(
-        content.lay([0, 0, 50, 50], &[part([0.0, 0.0, 0.5, 1.0])], &mut others.to_vec()),
+        content.resolve([0, 0, 50, 50], &[part([0.0, 0.0, 0.5, 1.0])], &mut others.to_vec()),
         "it never got there"
     );
 }

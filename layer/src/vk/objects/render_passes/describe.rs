@@ -1,4 +1,4 @@
-//! What a render pass is, from either kind of its creation.
+//! Descriptions of render passes, from either kind of their creation.
 
 use super::{Attachment, RenderPass, Subpass};
 use crate::pass_detection::PassFacts;

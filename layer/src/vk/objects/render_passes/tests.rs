@@ -8,7 +8,7 @@ const CLEAR: vk::AttachmentLoadOp = vk::AttachmentLoadOp::CLEAR;
 const LOAD: vk::AttachmentLoadOp = vk::AttachmentLoadOp::LOAD;
 const STORE: vk::AttachmentStoreOp = vk::AttachmentStoreOp::STORE;
 
-/// Colour in 4 samples, what it is resolved to, depth, and what the second subpass draws to.
+/// Colour in 4 samples, its resolve target, depth, and the target of the second subpass.
 const FORMATS: [(vk::Format, vk::SampleCountFlags); 4] = [
     (COLOR, vk::SampleCountFlags::TYPE_4),
     (COLOR, vk::SampleCountFlags::TYPE_1),

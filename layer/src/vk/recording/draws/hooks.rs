@@ -1,7 +1,7 @@
 //! Hooks of draws. A draw of the pass that its thread records goes straight down once it is counted.
 
 use super::quick::quick;
-use super::{Counted, Counts, count, count_noted};
+use super::{Counted, Counts, count, count_tracked};
 use crate::abi::guard;
 use crate::vk::recording::with_buffer;
 use ash::vk;
@@ -30,7 +30,7 @@ macro_rules! draws {
                     next(handle, $($argument),*);
                     answer.made();
                     if let Some(known) = known.filter(|known| known.armed.follows_passes()) {
-                        count_noted(&known, handle, counts);
+                        count_tracked(&known, handle, counts);
                     }
                 },
             );

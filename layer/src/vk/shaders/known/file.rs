@@ -69,7 +69,7 @@ fn keep(facts: &mut Facts, identifier: Identifier, shaders: Vec<(Box<str>, Effec
 
 fn bytes(hexadecimal: &str) -> Option<Identifier> {
     let digits = hexadecimal.as_bytes();
-    let is_whole = digits.len().is_multiple_of(2) && !digits.is_empty() && digits.len() <= 64;
+    let is_complete = digits.len().is_multiple_of(2) && !digits.is_empty() && digits.len() <= 64;
     let byte = |pair: &[u8]| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok();
-    if is_whole { digits.chunks_exact(2).map(byte).collect() } else { None }
+    if is_complete { digits.chunks_exact(2).map(byte).collect() } else { None }
 }

@@ -1,4 +1,4 @@
-//! A driver that refuses pipelines and shaders with what rate attachments need.
+//! A driver that refuses pipelines and shaders with the additions for rate attachments.
 
 use ash::vk::{self, Handle};
 use std::cell::{Cell, RefCell};
@@ -9,7 +9,7 @@ thread_local! {
     static SEEN: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
-/// From now on, creation on this thread answers so with what rate attachments need, and without.
+/// From now on, creation on this thread returns the first result with the additions for rate attachments, and the second without.
 pub fn answer(amended: vk::Result, plain: vk::Result) {
     ANSWERS.set([amended, plain]);
 }

@@ -1,4 +1,4 @@
-//! What the stand-in says of shading rates, and whether it lets them be enabled.
+//! The stand-in's shading rates, and whether it lets them be enabled.
 
 use super::types;
 use ash::vk::{self, TaggedStructure};
@@ -18,7 +18,7 @@ thread_local! {
 }
 
 /// From now on, devices on this thread have rate attachments, or not; creation with them is `refused`.
-pub fn offer(offered: bool, refused: bool) {
+pub fn capabilities(offered: bool, refused: bool) {
     OFFERED.set(offered);
     REFUSED.set(refused);
 }

@@ -1,4 +1,4 @@
-//! What a picture of an eye takes from earlier ones, and which of its tiles are compared with them.
+//! Tiles that a picture of an eye takes from earlier ones, and tiles that are compared with them.
 
 use super::Completing;
 use crate::planner::Watched;
@@ -6,7 +6,7 @@ use glam::Vec2;
 use parafovea_core::geometry::ImagePlane;
 use parafovea_core::reuse::{ComparedTiles, Picture, Reuse, TileLists};
 
-/// The tiles of the newest picture of an eye, by what is done with them.
+/// The tiles of the newest picture of an eye, by their treatment.
 #[derive(Debug, Default)]
 pub(super) struct EyeLists {
     /// By where they are taken from; empty where the picture is whole.

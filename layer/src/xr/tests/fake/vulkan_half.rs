@@ -2,8 +2,8 @@
 
 use crate::config::Arming;
 use crate::link::{
-    AwaitedPlan, BACKEND_RATE_ATTACHMENT, DecisionRecord, DeviceEnds, DeviceRecord, FrameReportRecord,
-    FrameStart, FrameTimeRecord, LINK_VERSION, LinkTable, MOST_FRAME_TIMES, OfferRecord, PictureRecord,
+    AwaitedPlan, BACKEND_RATE_ATTACHMENT, CapabilitiesRecord, DecisionRecord, DeviceEnds, DeviceRecord,
+    FrameReportRecord, FrameStart, FrameTimeRecord, LINK_VERSION, LinkTable, MOST_FRAME_TIMES, PictureRecord,
     PlanRecord, RatesCopyRecord, SettingsRecord, ShownRecord, ShownViewRecord, StaleRecord, SwapchainRecord,
 };
 use ash::vk;
@@ -82,7 +82,7 @@ pub fn table() -> LinkTable {
         device,
         set_active,
         runtime_section,
-        offer,
+        capabilities,
         swapchain,
         begin_frame,
         picture,
@@ -161,13 +161,13 @@ unsafe extern "C" fn when_it_ends(_: vk::Device, _: DeviceEnds) -> u32 {
     0
 }
 
-unsafe extern "C" fn offer(_: vk::Device, record: *mut OfferRecord) -> u32 {
-    note("offer");
+unsafe extern "C" fn capabilities(_: vk::Device, record: *mut CapabilitiesRecord) -> u32 {
+    note("capabilities");
     let mut rates = [0; 16];
     for (to, rate) in rates.iter_mut().zip(VULKAN_RATES) {
         *to = rate.texel();
     }
-    let offer = OfferRecord {
+    let capabilities = CapabilitiesRecord {
         backend: BACKEND_RATE_ATTACHMENT,
         texel: [16, 16],
         rate_count: VULKAN_RATES.len() as u32,
@@ -175,7 +175,7 @@ unsafe extern "C" fn offer(_: vk::Device, record: *mut OfferRecord) -> u32 {
         is_cpu: u32::from(GPU_NS.get().is_none()),
     };
     // SAFETY: the other half passes a place for the record.
-    unsafe { *record = offer };
+    unsafe { *record = capabilities };
     1
 }
 

@@ -1,4 +1,4 @@
-//! What is shown changes over time, or is shown only now and then.
+//! Submissions that change over time, or occur only now and then.
 
 use super::super::application::*;
 use super::dynamic;

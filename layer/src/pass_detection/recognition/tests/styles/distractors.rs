@@ -1,4 +1,4 @@
-//! Beside the scene there is what only looks like it.
+//! Beside the scene there are passes that only look like it.
 
 use super::super::application::*;
 use crate::pass_detection::*;

@@ -1,4 +1,4 @@
-//! What the application's profile says, and the list of passes.
+//! Rules of the application's profile, and the list of passes.
 
 use super::super::application::*;
 use super::{BOTH_LAYERS, HALVES, array_shown};

@@ -1,18 +1,18 @@
-//! What a device offers, as the planner takes it.
+//! The capabilities of a device, as the planner takes them.
 
-use crate::link::{BACKEND_NONE, OfferRecord};
+use crate::link::{BACKEND_NONE, CapabilitiesRecord};
 use parafovea_core::rate::ShadingRate;
 use smallvec::SmallVec;
 
 /// Coarser rates than 1x1, and the size of a tile.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Offer {
+pub struct Capabilities {
     rates: SmallVec<[ShadingRate; 16]>,
     texel: [u32; 2],
     is_cpu: bool,
 }
 
-impl Offer {
+impl Capabilities {
     /// The rates besides 1x1; none where nothing can be made coarser.
     pub fn rates(&self) -> &[ShadingRate] {
         &self.rates
@@ -29,9 +29,9 @@ impl Offer {
     }
 }
 
-impl From<&OfferRecord> for Offer {
-    /// What is no rate, or larger than 4 pixels, is left out.
-    fn from(record: &OfferRecord) -> Self {
+impl From<&CapabilitiesRecord> for Capabilities {
+    /// Invalid rates, and rates larger than 4 pixels, are left out.
+    fn from(record: &CapabilitiesRecord) -> Self {
         let count = if record.backend == BACKEND_NONE { 0 } else { record.rate_count as usize };
         let rates = record.rates.iter().take(count).filter_map(|texel| ShadingRate::from_texel(*texel));
         Self {
@@ -49,19 +49,26 @@ mod tests {
 
     #[test]
     fn has_the_coarser_rates_of_the_record() {
-        let mut record =
-            OfferRecord { backend: BACKEND_MASK, texel: [8, 16], rate_count: 4, rates: [0; 16], is_cpu: 0 };
+        let mut record = CapabilitiesRecord {
+            backend: BACKEND_MASK,
+            texel: [8, 16],
+            rate_count: 4,
+            rates: [0; 16],
+            is_cpu: 0,
+        };
         let (coarse, fine) = (ShadingRate::R2X2.texel(), ShadingRate::R1X1.texel());
         record.rates[..5].copy_from_slice(&[coarse, fine, 0xff, coarse, ShadingRate::R4X4.texel()]);
-        let offer = Offer::from(&record);
+        let capabilities = Capabilities::from(&record);
         assert_eq!(
-            offer.rates(),
+            capabilities.rates(),
             [ShadingRate::R2X2, ShadingRate::R2X2],
             "as many as it says, and no nonsense"
         );
-        assert_eq!((offer.texel(), offer.is_cpu()), ([8, 16], false));
-        assert!(Offer::from(&OfferRecord { is_cpu: 1, ..record }).is_cpu());
-        assert!(Offer::from(&OfferRecord { rate_count: u32::MAX, ..record }).rates().len() == 3);
-        assert_eq!(Offer::from(&OfferRecord { backend: BACKEND_NONE, ..record }).rates(), []);
+        assert_eq!((capabilities.texel(), capabilities.is_cpu()), ([8, 16], false));
+        assert!(Capabilities::from(&CapabilitiesRecord { is_cpu: 1, ..record }).is_cpu());
+        assert!(
+            Capabilities::from(&CapabilitiesRecord { rate_count: u32::MAX, ..record }).rates().len() == 3
+        );
+        assert_eq!(Capabilities::from(&CapabilitiesRecord { backend: BACKEND_NONE, ..record }).rates(), []);
     }
 }

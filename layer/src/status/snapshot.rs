@@ -3,7 +3,7 @@
 use super::SignalQuality;
 use crate::config::{AudioSource, DebugView, GazeSource};
 use crate::inputs::gaze::auto::Holder;
-use crate::inputs::gaze::osc::OscTold;
+use crate::inputs::gaze::osc::OscStatus;
 use crate::link::{BACKEND_MASK, BACKEND_RATE_ATTACHMENT};
 use parafovea_core::gate::{Gate, GateMode};
 use parafovea_core::mask::Pattern;
@@ -15,7 +15,7 @@ const TEXELS: usize = 16;
 
 /// Status at the end of a frame: plain numbers, so that taking them allocates nothing.
 #[derive(Clone, Copy, Debug)]
-pub struct Moment {
+pub struct StatusSnapshot {
     /// Frames that ended in the session.
     pub frames: u64,
     /// Frames a second, Hz; 0: not known.
@@ -29,7 +29,7 @@ pub struct Moment {
     /// Where it comes from.
     pub gaze_holder: Holder,
     /// Status of its packets.
-    pub osc: OscTold,
+    pub osc: OscStatus,
     /// Whether there was one in this frame.
     pub gaze_is_valid: bool,
     /// How old the last one is, milliseconds.
@@ -49,9 +49,9 @@ pub struct Moment {
     /// Share of the pixels that is shaded, by the plan.
     pub shaded: f32,
     /// The gate of rates.
-    pub rates: GateMoment,
+    pub rates: GateStatus,
     /// The gate of re-use.
-    pub reuse: GateMoment,
+    pub reuse: GateStatus,
     /// Whether colour is removed.
     pub attenuates_colour: bool,
     /// The requested debug view.
@@ -62,7 +62,7 @@ pub struct Moment {
     pub debug_view_is_drawn: bool,
 }
 
-impl Default for Moment {
+impl Default for StatusSnapshot {
     fn default() -> Self {
         Self {
             frames: 0,
@@ -71,7 +71,7 @@ impl Default for Moment {
             passes_matched: 0,
             gaze_source: GazeSource::Auto,
             gaze_holder: Holder::Centre,
-            osc: OscTold::default(),
+            osc: OscStatus::default(),
             gaze_is_valid: false,
             gaze_age_ms: None,
             signal: SignalQuality::default(),
@@ -81,8 +81,8 @@ impl Default for Moment {
             gpu_decides: false,
             tiles_due: 0,
             shaded: 1.0,
-            rates: GateMoment::default(),
-            reuse: GateMoment::default(),
+            rates: GateStatus::default(),
+            reuse: GateStatus::default(),
             attenuates_colour: false,
             debug_view: DebugView::None,
             debug_view_is_asked: false,
@@ -93,21 +93,21 @@ impl Default for Moment {
 
 /// Status of a gate.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct GateMoment {
+pub struct GateStatus {
     mode: GateMode,
     is_kept: bool,
     is_on_trial: bool,
     ratio: Option<[f32; 3]>,
 }
 
-impl GateMoment {
+impl GateStatus {
     /// Whether the technique was dropped, because it does not pay or because the configuration says so.
     pub fn is_dropped(&self) -> bool {
         self.mode == GateMode::Off || !self.is_kept
     }
 }
 
-impl From<&Gate> for GateMoment {
+impl From<&Gate> for GateStatus {
     fn from(gate: &Gate) -> Self {
         let ratio = gate.evidence().ratio();
         let ratio = ratio.map(|(ratio, [low, high])| [ratio, low, high].map(|value| value as f32));
@@ -115,7 +115,7 @@ impl From<&Gate> for GateMoment {
     }
 }
 
-impl Moment {
+impl StatusSnapshot {
     /// Counts the tiles of an eye's map.
     pub fn count(&mut self, texels: &[u8]) {
         for texel in texels {
@@ -137,11 +137,11 @@ impl Moment {
         }
         .to_owned();
         status.passes_matched = self.passes_matched;
-        status.gaze = self.gaze_told();
+        status.gaze = self.gaze_status();
         status.sound = status::Sound { source: self.audio_source.name().to_owned(), is_heard: self.is_heard };
-        status.rates = self.rates_told();
-        status.rates_gate = self.rates.told();
-        status.reuse_gate = self.reuse.told();
+        status.rates = self.rates_status();
+        status.rates_gate = self.rates.status();
+        status.reuse_gate = self.reuse.status();
         status.attenuates_colour = self.attenuates_colour;
         status.debug_view = status::View {
             name: self.debug_view.name().to_owned(),
@@ -150,7 +150,7 @@ impl Moment {
         };
     }
 
-    fn gaze_told(&self) -> status::Gaze {
+    fn gaze_status(&self) -> status::Gaze {
         let SignalQuality { rate_hz, valid, noise_deg, blinks, saccades } = self.signal;
         let of_packets = self.gaze_holder == Holder::Osc && self.osc.rate_hz > 0.0;
         status::Gaze {
@@ -164,12 +164,12 @@ impl Moment {
             noise_deg: noise_deg.map(|noise| rounded(noise, 100.0)),
             blinks,
             saccades,
-            osc: self.osc_told(),
+            osc: self.osc_status(),
         }
     }
 
-    fn osc_told(&self) -> status::Osc {
-        let OscTold { address, failure, format, counts, .. } = self.osc;
+    fn osc_status(&self) -> status::Osc {
+        let OscStatus { address, failure, format, counts, .. } = self.osc;
         status::Osc {
             address: address.map(|address| address.to_string()).unwrap_or_default(),
             failure: failure.map(|kind| kind.to_string()).unwrap_or_default(),
@@ -185,7 +185,7 @@ impl Moment {
 
     /// The rates of the passes of the last frame: where none had any, everything was shaded; a mask knows shaded and skipped blocks alone, so many of a
     /// tile as its rate's pattern has ([`Pattern`]).
-    fn rates_told(&self) -> status::Rates {
+    fn rates_status(&self) -> status::Rates {
         let all: u32 = self.tiles.iter().sum();
         if all == 0 {
             return status::Rates { shaded: 1.0, rendered: 1.0, ..status::Rates::default() };
@@ -227,8 +227,8 @@ impl Moment {
 /// The name of the 4x4 blocks that a mask leaves out, and fills from shaded ones.
 const SKIPPED: &str = "skipped";
 
-impl GateMoment {
-    fn told(&self) -> status::Gate {
+impl GateStatus {
+    fn status(&self) -> status::Gate {
         let mode = match self.mode {
             GateMode::Auto => "auto",
             GateMode::On => "on",
@@ -251,12 +251,17 @@ mod tests {
     #[test]
     fn rates_are_told_as_passes_obeyed_them() {
         let told = |backend, passes_matched| {
-            let mut moment =
-                Moment { tiles_due: 3, shaded: 0.4, backend, passes_matched, ..Moment::default() };
+            let mut snapshot = StatusSnapshot {
+                tiles_due: 3,
+                shaded: 0.4,
+                backend,
+                passes_matched,
+                ..StatusSnapshot::default()
+            };
             let [fine, coarse] = [ShadingRate::R1X1, ShadingRate::R2X2].map(ShadingRate::texel);
-            moment.count(&[coarse, fine, coarse, coarse, 0xff]);
+            snapshot.count(&[coarse, fine, coarse, coarse, 0xff]);
             let mut status = Status::default();
-            moment.write_to(&mut status);
+            snapshot.write_to(&mut status);
             (status.backend, status.rates)
         };
         let named = |tiles: &[(&str, f32)]| -> Vec<(String, f32)> {
@@ -279,9 +284,9 @@ mod tests {
     }
 
     #[test]
-    fn without_maps_nothing_is_told() {
+    fn without_maps_nothing_is_status() {
         let mut status = Status::default();
-        Moment::default().write_to(&mut status);
+        StatusSnapshot::default().write_to(&mut status);
         assert_eq!(status.rates, status::Rates { shaded: 1.0, rendered: 1.0, ..status::Rates::default() });
     }
 }

@@ -23,10 +23,10 @@ fn rates(sizes: &[[u32; 2]]) -> Vec<vk::PhysicalDeviceFragmentShadingRateKHR<'st
     sizes.iter().map(rate).collect()
 }
 
-/// What a device with texels of that size offers.
-pub fn offered(texel: [u32; 2]) -> Offer {
+/// The capabilities of a device with texels of that size.
+pub fn offered(texel: [u32; 2]) -> RateCapabilities {
     let properties = texels(texel[0], texel[0]).fragment_shading_rate_non_trivial_combiner_ops(true);
-    Offer { texel, ..Offer::new(&properties, &rates(&UP_TO_4X4)).unwrap() }
+    RateCapabilities { texel, ..RateCapabilities::new(&properties, &rates(&UP_TO_4X4)).unwrap() }
 }
 
 const UP_TO_4X4: [[u32; 2]; 7] = [[4, 4], [4, 2], [2, 4], [2, 2], [2, 1], [1, 2], [1, 1]];
@@ -35,16 +35,17 @@ const UP_TO_2X2: [[u32; 2]; 4] = [[2, 2], [2, 1], [1, 2], [1, 1]];
 #[test]
 fn texels_are_16x16_where_the_device_has_them() {
     for (least, most, expected) in [(8, 8, 8), (16, 16, 16), (8, 32, 16), (4, 8, 8), (32, 64, 32)] {
-        let offer = Offer::new(&texels(least, most), &rates(&UP_TO_4X4)).unwrap();
-        assert_eq!(offer.texel, [expected; 2]);
-        assert_eq!(offer.texels([256, 250]), [256u32.div_ceil(expected), 250u32.div_ceil(expected)]);
+        let capabilities = RateCapabilities::new(&texels(least, most), &rates(&UP_TO_4X4)).unwrap();
+        assert_eq!(capabilities.texel, [expected; 2]);
+        assert_eq!(capabilities.texels([256, 250]), [256u32.div_ceil(expected), 250u32.div_ceil(expected)]);
     }
 }
 
 #[test]
 fn what_the_specification_does_not_allow_is_refused() {
-    let refused =
-        |properties: &Properties, sizes: &[[u32; 2]]| Offer::new(properties, &rates(sizes)).is_err();
+    let refused = |properties: &Properties, sizes: &[[u32; 2]]| {
+        RateCapabilities::new(properties, &rates(sizes)).is_err()
+    };
     assert!(refused(&texels(0, 0), &UP_TO_4X4), "no attachments");
     assert!(refused(&texels(12, 12), &UP_TO_4X4), "not a power of two");
     assert!(refused(&texels(16, 16), &[]) && refused(&texels(16, 16), &[[1, 1]]), "nothing to gain");
@@ -60,8 +61,8 @@ fn what_the_specification_does_not_allow_is_refused() {
 fn rates_without_one_sample_or_beyond_4_are_not_offered() {
     let mut listed = rates(&[[8, 8], [4, 4], [2, 2], [1, 1]]);
     listed[1].sample_counts = vk::SampleCountFlags::TYPE_4;
-    let offer = Offer::new(&texels(16, 16), &listed).unwrap();
-    assert_eq!(*offer.rates, [ShadingRate::R2X2, ShadingRate::R1X1]);
+    let capabilities = RateCapabilities::new(&texels(16, 16), &listed).unwrap();
+    assert_eq!(*capabilities.rates, [ShadingRate::R2X2, ShadingRate::R1X1]);
 }
 
 #[test]
@@ -71,6 +72,6 @@ fn without_non_trivial_combiners_the_attachment_replaces() {
         (with, vk::FragmentShadingRateCombinerOpKHR::MAX),
         (texels(16, 16), vk::FragmentShadingRateCombinerOpKHR::REPLACE),
     ] {
-        assert_eq!(Offer::new(&properties, &rates(&UP_TO_2X2)).unwrap().combiner(), expected);
+        assert_eq!(RateCapabilities::new(&properties, &rates(&UP_TO_2X2)).unwrap().combiner(), expected);
     }
 }

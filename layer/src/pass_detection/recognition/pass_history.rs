@@ -1,24 +1,23 @@
-//! The passes of the last frames in their order: what an image is that was made anew is seen from others of its shape.
+//! The passes of the last frames in their order: the use of a new image is seen from others of its signature.
 
 use super::merge;
 use crate::pass_detection::{Event, ImageDescription, ImageKey, Match, Pass, Target, Unmatched};
 use ash::vk;
 use std::fmt;
 
-/// Frames that are kept: what a pass was may be known one frame later, and places in the order count once two frames
-/// agree.
+/// Frames that are kept: the verdict on a pass may be known one frame later, and places in the order count once two frames agree.
 const KEPT: usize = 3;
 
 /// The passes of the last frames, the newest frame first. Frames without passes do not count.
 #[derive(Debug, Default)]
-pub(super) struct Cast {
-    frames: [Vec<Role>; KEPT],
+pub(super) struct PassHistory {
+    frames: [Vec<PassRecord>; KEPT],
 }
 
-/// One pass and what it was.
+/// One pass and its verdict.
 #[derive(Debug)]
-struct Role {
-    shape: Shape,
+struct PassRecord {
+    shape: PassSignature,
     pass: Pass,
     /// How many passes of its frame drew its first image before.
     ordinal: usize,
@@ -29,9 +28,9 @@ struct Role {
 
 type Outcome = Result<Match, Unmatched>;
 
-/// What passes of one kind have in common from frame to frame, if nothing else.
+/// Properties that passes of one kind share from frame to frame, if nothing else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Shape {
+pub(super) struct PassSignature {
     format: vk::Format,
     extent: [u32; 2],
     samples: u32,
@@ -44,7 +43,7 @@ pub(super) struct Shape {
     is_shown: bool,
 }
 
-impl Shape {
+impl PassSignature {
     /// The shape of a pass, by its first target: depth where there is no colour.
     pub(super) fn new(
         pass: &Pass,
@@ -75,7 +74,7 @@ impl Shape {
     }
 }
 
-impl fmt::Display for Shape {
+impl fmt::Display for PassSignature {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [width, height] = self.extent;
         write!(f, "{width}x{height} {:?}", self.format)?;
@@ -100,7 +99,7 @@ fn first_target(pass: &Pass) -> Option<&Target> {
     pass.colors.first().or(pass.depth.as_ref())
 }
 
-impl Cast {
+impl PassHistory {
     /// Takes the passes of a frame.
     pub(super) fn take(
         &mut self,
@@ -118,33 +117,34 @@ impl Cast {
         self.frames.rotate_right(1);
         self.frames[0].clear();
         for pass in passes {
-            if let Some(shape) = Shape::new(pass, description) {
+            if let Some(shape) = PassSignature::new(pass, description) {
                 let image = pass.colors.first().map(|target| target.image);
-                let is_before = |role: &&Role| role.pass.colors.first().map(|target| target.image) == image;
+                let is_before =
+                    |role: &&PassRecord| role.pass.colors.first().map(|target| target.image) == image;
                 let ordinal = self.frames[0].iter().filter(is_before).count();
                 let is_young = image.is_some_and(&is_young);
                 let outcome = Err(Unmatched::New);
-                self.frames[0].push(Role { shape, pass: pass.clone(), ordinal, is_young, outcome });
+                self.frames[0].push(PassRecord { shape, pass: pass.clone(), ordinal, is_young, outcome });
             }
         }
     }
 
-    /// Judges all passes with what is known now.
+    /// Judges all passes with the knowledge of now.
     pub(super) fn judge(&mut self, judge: impl Fn(&Pass, usize) -> Outcome) {
         for role in self.frames.iter_mut().flatten() {
             role.outcome = judge(&role.pass, role.ordinal);
         }
     }
 
-    /// What a pass of this shape was in the last frames, after the passes of `earlier`; nothing where there was none.
+    /// The verdict on a pass of this signature in the last frames, after the passes of `earlier`; `None` where there was none.
     pub(super) fn like(
         &self,
-        shape: &Shape,
+        shape: &PassSignature,
         earlier: &[Event],
         description: impl Fn(ImageKey) -> Option<ImageDescription> + Copy,
     ) -> Option<Outcome> {
         let before = || {
-            let is_same = |event: &&Event| matches!(event, Event::Pass(pass) if Shape::new(pass, description) == Some(*shape));
+            let is_same = |event: &&Event| matches!(event, Event::Pass(pass) if PassSignature::new(pass, description) == Some(*shape));
             earlier.iter().filter(is_same).count()
         };
         self.agreed(|other| other == shape, before)
@@ -152,12 +152,16 @@ impl Cast {
             .or_else(|| self.agreed(|other| shape.is_resized(other), before).filter(Result::is_ok))
     }
 
-    /// What the passes of some shape were, in the newest frame that leaves no doubt.
-    fn agreed(&self, is_like: impl Fn(&Shape) -> bool, before: impl Fn() -> usize) -> Option<Outcome> {
+    /// The verdict on the passes of some signature, in the newest frame that leaves no doubt.
+    fn agreed(
+        &self,
+        is_like: impl Fn(&PassSignature) -> bool,
+        before: impl Fn() -> usize,
+    ) -> Option<Outcome> {
         let outcomes = |frame: usize| {
             let roles = self.frames.get(frame).map_or(&[][..], Vec::as_slice);
             // What lasts says nothing of a new image: that may be a mirror's, which was not there before.
-            let counts = |role: &&Role| role.is_young || role.shape.is_shown;
+            let counts = |role: &&PassRecord| role.is_young || role.shape.is_shown;
             roles.iter().filter(|role| is_like(&role.shape)).filter(counts).map(|role| &role.outcome)
         };
         let mut doubtful = None;
@@ -183,14 +187,14 @@ impl Cast {
         doubtful
     }
 
-    /// What the pass with this depth attachment was, in the newest frame with one that was the scene.
+    /// The match of the pass with this depth attachment, in the newest frame with one that was the scene.
     pub(super) fn scene_with_depth(&self, depth: Target) -> Option<&Match> {
-        let is_like = |role: &&Role| role.pass.depth == Some(depth);
+        let is_like = |role: &&PassRecord| role.pass.depth == Some(depth);
         self.frames.iter().flatten().filter(is_like).find_map(|role| role.outcome.as_ref().ok())
     }
 
     /// The newest frame's passes.
-    pub(super) fn last(&self) -> impl Iterator<Item = (&Shape, &Outcome)> {
+    pub(super) fn last(&self) -> impl Iterator<Item = (&PassSignature, &Outcome)> {
         self.frames[0].iter().map(|role| (&role.shape, &role.outcome))
     }
 }

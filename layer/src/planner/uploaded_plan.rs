@@ -14,9 +14,9 @@ const LOOK_EVERY: u32 = 360;
 /// Coarseness that a tile can have, 64ths of an octave.
 const COARSEST: u32 = 128;
 
-/// A copy of what the Vulkan half has.
+/// A copy of the Vulkan half's plan.
 #[derive(Debug, Default)]
-pub struct Handed {
+pub struct UploadedPlan {
     eyes: [Map; 2],
     /// The map of an eye that is looked at.
     newest: Vec<u8>,
@@ -34,7 +34,7 @@ struct Map {
     unsettled: u32,
 }
 
-/// What the rates of the tiles are decided by on the GPU.
+/// The parameters of the GPU's decision on the rates of the tiles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Decision {
     fixed: DecideParams,
@@ -42,14 +42,14 @@ struct Decision {
     orientation: Quat,
 }
 
-impl Handed {
+impl UploadedPlan {
     /// The next maps are news, whatever they are.
     pub fn forget(&mut self) {
         self.is_known = false;
     }
 
-    /// Takes the maps of the plan of frame number `frame`, with what they shall have of it; and, where rates are to be decided on the GPU, how
-    /// the views are turned in the world. Whether they are news.
+    /// Takes the maps of the plan of frame number `frame`, with the techniques that they shall have; and, where rates are to be decided on
+    /// the GPU, how the views are turned in the world. Whether they are news.
     pub fn update(
         &mut self,
         eyes: &[EyePlan; 2],
@@ -93,8 +93,8 @@ impl Map {
         is_news
     }
 
-    /// Takes what decides the rates. Whether that can lead to other rates: where it is another, or tiles still become coarser after
-    /// it was another last.
+    /// Takes the parameters of the decision on rates. Whether that can lead to other rates: where it is another, or tiles still become
+    /// coarser after it was another last.
     fn decide(&mut self, decision: Option<Decision>) -> bool {
         let of = |decision: Option<Decision>| {
             decision.map(|decision| Decision {

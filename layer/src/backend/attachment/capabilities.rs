@@ -1,4 +1,4 @@
-//! What a device's `VK_KHR_fragment_shading_rate` can do.
+//! The capabilities of a device's `VK_KHR_fragment_shading_rate`.
 
 use crate::vk::instance::Instance;
 use crate::vk::shaders::Effects;
@@ -8,10 +8,10 @@ use parafovea_manifest::quirks::{Effect, Quirks};
 use smallvec::SmallVec;
 use std::ffi::CStr;
 
-/// What a plan may use, and what limits it.
+/// Rates and sizes for plans, and their limits.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Offer {
-    /// Width and height of what a texel of the attachment covers, pixels.
+pub struct RateCapabilities {
+    /// Width and height of the pixels under a texel of the attachment.
     pub texel: [u32; 2],
     /// Whether an attachment can have a layer for each layer or view of the picture.
     pub layered: bool,
@@ -57,10 +57,10 @@ pub enum NoRates {
     /// The instance answers no questions about extensions.
     #[error("the instance has no {0:?}")]
     Function(&'static CStr),
-    /// What the device says makes no sense to us.
+    /// The device reports impossible properties.
     #[error("the device reports impossible shading rates: {0}")]
     Properties(&'static str),
-    /// The device could not be created with what we add.
+    /// The device could not be created with our additions.
     #[error("the driver refuses to create the device with shading rates: {0:?}")]
     Refused(vk::Result),
 }
@@ -110,12 +110,12 @@ impl Questions {
         }
     }
 
-    /// What the device offers, with both features that rate attachments need.
+    /// The capabilities of the device, with both features that rate attachments need.
     ///
     /// # Safety
     ///
     /// `physical_device` is a live one of the instance, and has the extension.
-    pub unsafe fn ask(&self, physical_device: vk::PhysicalDevice) -> Result<Offer, NoRates> {
+    pub unsafe fn ask(&self, physical_device: vk::PhysicalDevice) -> Result<RateCapabilities, NoRates> {
         let mut features = vk::PhysicalDeviceFragmentShadingRateFeaturesKHR::default();
         let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut features);
         // SAFETY: the caller vouches for the handle; the chain is of structures to write to.
@@ -132,7 +132,7 @@ impl Questions {
         unsafe { (self.properties2)(physical_device, &mut all) };
         // SAFETY: the caller vouches for the handle.
         let rates = unsafe { self.rates(physical_device) };
-        Offer::new(&properties, &rates)
+        RateCapabilities::new(&properties, &rates)
     }
 
     /// `VkDriverId` of the device's driver.
@@ -169,10 +169,10 @@ impl Questions {
     }
 }
 
-/// What a texel covers at best, pixels: smaller ones make larger maps, and few devices have them.
+/// The best size of the pixels under a texel: smaller ones make larger maps, and few devices have them.
 const WANTED_TEXEL: u32 = 16;
 
-impl Offer {
+impl RateCapabilities {
     /// From the device's properties and its list of rates.
     ///
     /// # Errors

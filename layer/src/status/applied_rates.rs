@@ -1,21 +1,21 @@
-//! The log's lines about the rates that passes obeyed.
+//! The log's lines about the rates of passes.
 
 use parafovea_manifest::status::Status;
 use std::collections::HashSet;
 
-/// What was logged of one session.
+/// The logged rates of one session.
 #[derive(Default)]
-pub struct Obeyed {
+pub struct AppliedRates {
     /// Names of rates that were logged together.
     logged: HashSet<String>,
     /// Those of the status before.
     last: String,
 }
 
-impl Obeyed {
+impl AppliedRates {
     /// The line for the next status of the session; none if its rates were logged before, or are not those of the status before: they ramp
     /// after a start, and trials switch them.
-    pub fn news(&mut self, status: &Status) -> Option<String> {
+    pub fn line(&mut self, status: &Status) -> Option<String> {
         if status.passes_matched == 0 {
             self.last.clear();
             return None;
@@ -54,8 +54,8 @@ mod tests {
         let all = status(2, &[("1x1", 1.0)]);
         let masked = status(2, &[("skipped", 0.56), ("1x1", 0.44)]);
         let alone = status(0, &[("1x1", 1.0)]);
-        let mut obeyed = Obeyed::default();
-        let mut told = |status: &Status| obeyed.news(status);
+        let mut applied = AppliedRates::default();
+        let mut told = |status: &Status| applied.line(status);
         assert_eq!([told(&alone), told(&all), told(&masked)], [None, None, None]);
         let line = "rates in 2 passes (mask): skipped 56 %, 1x1 44 %; 40 % of the pixels shaded";
         assert_eq!(told(&masked).as_deref(), Some(line));

@@ -4,14 +4,14 @@ use smallvec::SmallVec;
 
 /// Images that were acquired and not released, and the one that was released last.
 #[derive(Debug, Default)]
-pub struct Turns {
+pub struct AcquiredImages {
     /// By index, in the order in which they are released: that in which they were acquired.
     acquired: SmallVec<[u32; 8]>,
     is_waited: bool,
     released: Option<u32>,
 }
 
-impl Turns {
+impl AcquiredImages {
     /// An image was acquired.
     pub fn acquired(&mut self, index: u32) {
         self.acquired.push(index);
@@ -47,7 +47,7 @@ mod tests {
 
     #[test]
     fn images_come_back_in_the_order_in_which_they_were_taken() {
-        let mut turns = Turns::default();
+        let mut turns = AcquiredImages::default();
         turns.released();
         assert_eq!(turns.newest(), None);
         for index in [2, 0, 1] {

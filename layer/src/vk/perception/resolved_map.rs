@@ -2,7 +2,7 @@
 
 use super::eye::EyeTiles;
 use super::{Perception, Tools};
-use crate::backend::Laying;
+use crate::backend::MapForm;
 use crate::backend::mask::mask_views;
 use crate::gpu::{AppCommands, GpuError};
 use crate::kernels::lay::LayTarget;
@@ -19,37 +19,37 @@ use std::sync::Arc;
 /// Of the plans of both eyes: size of the picture and of a tile, pixels, and columns and rows of tiles.
 type Shapes = [[[u32; 2]; 3]; 2];
 
-/// What a candidate's map is laid with, as long as its passes draw the same.
-pub struct Laid {
+/// The objects that resolve a candidate's map, as long as its passes draw the same.
+pub struct ResolvedMap {
     parts: SmallVec<[Part; 4]>,
     image: RateImage,
     shapes: Shapes,
     leaves_out: bool,
     eyes: [Arc<EyeTiles>; 2],
-    /// Nothing where it cannot be laid.
+    /// Nothing where it cannot be resolved.
     targets: Option<Targets>,
 }
 
-/// What is written for a map.
+/// The written buffers of a map.
 struct Targets {
     texels: Arc<LayTarget>,
-    /// Of a mask, what is made of those.
+    /// Of a mask, the target that is written from those.
     mask: Option<Arc<MaskTarget>>,
 }
 
-/// Where a map is to be laid.
-pub struct Place<'a> {
+/// Where a map is to be resolved.
+pub struct MapTarget<'a> {
     /// The queue that it is submitted to.
     pub queue: vk::Queue,
-    /// What the passes draw.
+    /// The parts that the passes draw.
     pub parts: &'a [Part],
     /// The map.
     pub image: &'a RateImage,
-    /// Whether what is stale is left out.
+    /// Whether stale tiles are left out.
     pub leaves_out: bool,
 }
 
-/// What was recorded.
+/// The recorded writes.
 pub enum Written {
     /// The texels are in this buffer, to be copied.
     Texels(vk::Buffer),
@@ -57,8 +57,8 @@ pub enum Written {
     Mask,
 }
 
-impl Laid {
-    fn is_for(&self, place: &Place, shapes: &Shapes, eyes: &[Arc<EyeTiles>; 2]) -> bool {
+impl ResolvedMap {
+    fn is_for(&self, place: &MapTarget, shapes: &Shapes, eyes: &[Arc<EyeTiles>; 2]) -> bool {
         self.parts.as_slice() == place.parts
             && self.image == *place.image
             && self.shapes == *shapes
@@ -69,13 +69,13 @@ impl Laid {
     fn new(
         (frame, rates): (&Frame, &DeviceRates),
         tools: &Tools,
-        place: &Place,
-        laying: &Laying,
+        place: &MapTarget,
+        form: &MapForm,
         shapes: Shapes,
         eyes: [Arc<EyeTiles>; 2],
     ) -> Self {
-        let targets = targets((frame, rates), tools, place, laying, &shapes, &eyes)
-            .inspect_err(|error| error.tell("a map comes from the plan alone"));
+        let targets = targets((frame, rates), tools, place, form, &shapes, &eyes)
+            .inspect_err(|error| error.log("a map comes from the plan alone"));
         Self {
             parts: place.parts.into(),
             image: *place.image,
@@ -87,12 +87,12 @@ impl Laid {
     }
 }
 
-/// What lays a map; nothing where an eye that it shows has tiles and none of them are decided.
+/// The targets that resolve a map; `None` where an eye that it shows has tiles and none of them are decided.
 fn targets(
     (frame, rates): (&Frame, &DeviceRates),
     tools: &Tools,
-    place: &Place,
-    laying: &Laying,
+    place: &MapTarget,
+    form: &MapForm,
     shapes: &Shapes,
     eyes: &[Arc<EyeTiles>; 2],
 ) -> Result<Option<Targets>, GpuError> {
@@ -104,9 +104,9 @@ fn targets(
     let Some(table) = table.filter(|_| eyes.iter().enumerate().all(is_own)) else { return Ok(None) };
     let views = eyes.each_ref().map(|eye| &eye.view);
     let texels = Arc::new(tools.lay.target(&table, views, rates.available(), place.leaves_out)?);
-    let mask = match laying {
-        Laying::Texels => None,
-        Laying::Mask(map) => {
+    let mask = match form {
+        MapForm::Texels => None,
+        MapForm::Mask(map) => {
             let RateImage { texel, tiles, layers, .. } = *place.image;
             let views = mask_views(place.parts, place.image);
             Some(Arc::new(tools.mask.target(Arc::clone(map), &texels, (texel, tiles, layers), &views)?))
@@ -116,20 +116,20 @@ fn targets(
 }
 
 impl Perception {
-    /// Records that a candidate's map is laid from what was decided last; nothing is recorded where the plan's own rates hold.
-    /// `laid` is what was made for it before, and is made anew where that is for something else.
+    /// Records the resolve of a candidate's map from the last decision; nothing is recorded where the plan's own rates hold. `laid` is what
+    /// was made for it before, and is made anew where that is for something else.
     ///
     /// # Safety
     ///
     /// The command buffer is being recorded, outside of a render pass, for that queue; what is added to `kept` lives until it has
     /// finished.
-    pub unsafe fn lay(
+    pub unsafe fn resolve(
         &self,
         (frame, rates): (&Frame, &DeviceRates),
         commands: vk::CommandBuffer,
-        place: &Place,
-        laying: &Laying,
-        laid: &mut Option<Laid>,
+        place: &MapTarget,
+        form: &MapForm,
+        resolved: &mut Option<ResolvedMap>,
         kept: &mut Kept,
     ) -> Option<Written> {
         if place.parts.is_empty() {
@@ -145,10 +145,10 @@ impl Perception {
             let plan = frame.plan();
             [plan.shape(0), plan.shape(1)]
         };
-        if !laid.as_ref().is_some_and(|laid| laid.is_for(place, &shapes, &eyes)) {
-            *laid = Some(Laid::new((frame, rates), &tools, place, laying, shapes, eyes));
+        if !resolved.as_ref().is_some_and(|known| known.is_for(place, &shapes, &eyes)) {
+            *resolved = Some(ResolvedMap::new((frame, rates), &tools, place, form, shapes, eyes));
         }
-        let Targets { texels, mask } = laid.as_ref()?.targets.as_ref()?;
+        let Targets { texels, mask } = resolved.as_ref()?.targets.as_ref()?;
         // SAFETY: the caller vouches for the command buffer.
         let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
         tools.lay.record(&commands, texels);
