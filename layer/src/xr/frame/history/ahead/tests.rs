@@ -45,13 +45,13 @@ fn stale(number: u64) -> impl Fn(&mut StaleTiles) {
     }
 }
 
-/// A frame's lists, as words: of tiles that are fresh and taken as a whole, in part and for borders, and of those that are compared.
+/// A frame's lists, as words: of tiles that are fresh, full, partial and at seams, and of those that are compared.
 fn lists(history: &History) -> Vec<Vec<u32>> {
     let region = history.region(0, Completing::TURNED);
     let changes = history.changes(0, Completing::TURNED, Quat::IDENTITY);
     let sorted = region.iter().flat_map(|region| {
-        let TileLists { fresh, whole, mixed, border, .. } = region.lists;
-        let of_ages = whole.iter().chain(mixed).chain(border.as_flattened());
+        let TileLists { fresh, full, partial, seam, .. } = region.lists;
+        let of_ages = full.iter().chain(partial).chain(seam.as_flattened());
         std::iter::once(fresh).chain(of_ages).map(|list| list.words().to_vec())
     });
     let compared = changes.iter().flat_map(|changes| (1..9).map(|age| changes.tiles.with_age(age).to_vec()));
