@@ -2,7 +2,8 @@
 //!
 //! `cargo dev engines` unpacks the [`System`]. An engine renders a scene of ours (`tests/engines`), heavy in fragment shading, with the head
 //! held still. Each [`Engine`] has timed turns (without the layer, with the gate deciding, and with it open, one after the other), counted runs,
-//! runs whose pictures are saved, and validated runs; a [`Finding`] has what came of them for one gate.
+//! runs whose pictures are saved, and validated runs; a [`Finding`] is their result for one gate. Some engines have a light scene, a flat one
+//! without anything to gain, an eye tracker or another preset.
 
 mod engine;
 mod finding;

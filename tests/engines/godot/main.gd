@@ -1,7 +1,7 @@
 extends Node3D
 ## Runs the scene in OpenXR and says what its frames cost.
 ##
-## Arguments behind `--`: `msaa=0|2|4`, `head=still|moving`, `warm=N` and `settle=S` (frames and seconds before the measurement), `frames=N` (of a
+## Arguments behind `--`: `msaa=0|2|4`, `head=still|moving`, `scene=full|light|flat`, `warm=N` and `settle=S` (frames and seconds before the measurement), `frames=N` (of a
 ## round), `rounds=N`. Where it cannot go on it says why and quits; `run.sh` ends it after an error of the script.
 ## Each round prints what a frame of it cost, and the CPU time of the process at its start and end, in milliseconds. Everything moves by the
 ## number of the frame, counted anew from the first round: two runs show the same pictures.
@@ -9,7 +9,7 @@ extends Node3D
 const Room = preload("res://room.gd")
 const MSAA := {"0": Viewport.MSAA_DISABLED, "2": Viewport.MSAA_2X, "4": Viewport.MSAA_4X}
 
-var arguments := {"msaa": "0", "head": "still", "warm": "30", "settle": "0", "frames": "10", "rounds": "2"}
+var arguments := {"msaa": "0", "head": "still", "scene": "full", "warm": "30", "settle": "0", "frames": "10", "rounds": "2"}
 var frame := 0
 var rounds := -1
 var room: Node3D
@@ -26,6 +26,8 @@ func _ready() -> void:
 		arguments[parts[0]] = parts[1]
 	if not arguments.msaa in MSAA or not arguments.head in ["still", "moving"]:
 		return fail("msaa is 0, 2 or 4, and head is still or moving, not %s" % arguments)
+	if not arguments.scene in ["full", "light", "flat"]:
+		return fail("scene is full, light or flat, not %s" % arguments.scene)
 	var xr := XRServer.find_interface("OpenXR")
 	if xr == null or not xr.is_initialized():
 		return fail("no OpenXR")
@@ -38,7 +40,7 @@ func _ready() -> void:
 	camera = XRCamera3D.new()
 	origin.add_child(camera)
 	add_child(origin)
-	room = Room.new()
+	room = Room.new(arguments.scene)
 	add_child(room)
 	var size := xr.get_render_target_size()
 	print("engine eye: %d %d" % [size.x, size.y])

@@ -1,8 +1,10 @@
 extends Node3D
 ## A lit room with a crowd, a mirror, a screen, glass and sparks. Surfaces are dear and few: fragments are most of a frame.
+## `light` has one light, and no shadow, mirror or screen; `flat` has surfaces of one colour besides, which cost next to nothing.
 
 const CROWD := 24
 
+var scene: String
 var crowd: Array[MeshInstance3D] = []
 var sun: DirectionalLight3D
 var lamp: OmniLight3D
@@ -10,15 +12,18 @@ var mirror: Camera3D
 var words: Label
 
 
-func _init() -> void:
+func _init(scene_: String) -> void:
+	scene = scene_
 	add_sky()
-	add_lights()
+	add_sun()
 	add_walls()
 	add_crowd()
 	add_glass()
 	add_sparks()
-	add_screen()
-	add_mirror()
+	if scene == "full":
+		add_lamps()
+		add_screen()
+		add_mirror()
 
 
 ## Moves everything to where it is in a frame.
@@ -26,6 +31,8 @@ func move(frame: int) -> void:
 	for index in crowd.size():
 		crowd[index].rotation.y = frame * 0.01 + index
 		crowd[index].position.y = 0.5 + 0.2 * sin(frame * 0.05 + index)
+	if scene != "full":
+		return
 	lamp.position = Vector3(2 * sin(frame * 0.02), 2.5, 2 * cos(frame * 0.02) - 1)
 	words.text = "frame %d" % (frame / 10 * 10)
 
@@ -34,7 +41,7 @@ func add_sky() -> void:
 	var sky := Sky.new()
 	sky.sky_material = ProceduralSkyMaterial.new()
 	var environment := Environment.new()
-	environment.background_mode = Environment.BG_SKY
+	environment.background_mode = Environment.BG_COLOR if scene == "flat" else Environment.BG_SKY
 	environment.sky = sky
 	environment.tonemap_mode = Environment.TONE_MAPPER_FILMIC
 	var node := WorldEnvironment.new()
@@ -42,13 +49,16 @@ func add_sky() -> void:
 	add_child(node)
 
 
-func add_lights() -> void:
+func add_sun() -> void:
 	sun = DirectionalLight3D.new()
 	sun.rotation = Vector3(-0.9, 0.6, 0)
-	sun.shadow_enabled = true
+	sun.shadow_enabled = scene == "full"
 	sun.directional_shadow_mode = DirectionalLight3D.SHADOW_ORTHOGONAL
 	sun.directional_shadow_max_distance = 20
 	add_child(sun)
+
+
+func add_lamps() -> void:
 	lamp = OmniLight3D.new()
 	lamp.omni_range = 8
 	lamp.light_color = Color(1, 0.7, 0.4)
@@ -70,6 +80,9 @@ func add_lights() -> void:
 func noisy(seed_: int, tint: Color) -> StandardMaterial3D:
 	var material := StandardMaterial3D.new()
 	material.albedo_color = tint
+	if scene == "flat":
+		material.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
+		return material
 	material.albedo_texture = noise(seed_, false)
 	material.normal_enabled = true
 	material.normal_texture = noise(seed_ + 1, true)
@@ -134,6 +147,8 @@ func add_crowd() -> void:
 func add_glass() -> void:
 	var material := StandardMaterial3D.new()
 	material.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA
+	if scene == "flat":
+		material.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
 	material.albedo_color = Color(0.5, 0.8, 1, 0.3)
 	material.roughness = 0.1
 	var pane := QuadMesh.new()

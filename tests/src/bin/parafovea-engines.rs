@@ -60,8 +60,14 @@ impl Request {
 }
 
 fn run(request: &Request) -> Result<(), String> {
-    let engines: Vec<Engine> =
-        Engine::ALL.into_iter().filter(|engine| engine.name().contains(&request.part)).collect();
+    let named = |is_meant: &dyn Fn(&str) -> bool| -> Vec<Engine> {
+        Engine::ALL.into_iter().filter(|engine| is_meant(&engine.name())).collect()
+    };
+    // Some engines' names begin with the whole name of another.
+    let engines = match named(&|name| name == request.part) {
+        exact if !exact.is_empty() => exact,
+        _ => named(&|name| name.contains(&request.part)),
+    };
     if engines.is_empty() {
         return Err(format!("no engine has `{}` in its name", request.part));
     }

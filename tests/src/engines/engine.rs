@@ -1,5 +1,7 @@
 //! Engines, and how they are run.
 
+use parafovea::config::Preset;
+
 /// An engine with one of its renderers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Engine {
@@ -9,11 +11,39 @@ pub struct Engine {
     pub samples: u32,
     /// Whether the head turns from frame to frame.
     pub moves: bool,
+    /// The rendered scene.
+    pub scene: Scene,
+    /// Whether an eye tracker is there: the gaze of a file ([`Engine::gaze`]). Otherwise the layer takes it to be straight ahead.
+    pub is_tracked: bool,
+    /// The layer's preset.
+    pub preset: Preset,
+}
+
+/// A scene of our Godot project (`tests/engines/godot/room.gd`).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Scene {
+    /// Ten lights, two with shadows, a mirror and a screen: heavy in fragment shading.
+    Full,
+    /// The same with one light and no shadow, mirror or screen: more frames a second.
+    Light,
+    /// The latter with surfaces of one colour: shading costs next to nothing, so that there is nothing to gain.
+    Flat,
+}
+
+impl Scene {
+    /// Its name in the engine's arguments.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Full => "full",
+            Self::Light => "light",
+            Self::Flat => "flat",
+        }
+    }
 }
 
 impl Engine {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 15] = [
         Self::still("mobile", 1),
         Self::still("mobile", 2),
         Self::still("mobile", 4),
@@ -22,17 +52,53 @@ impl Engine {
         Self::still("forward_plus", 4),
         Self { moves: true, ..Self::still("mobile", 1) },
         Self { moves: true, ..Self::still("forward_plus", 4) },
+        Self { preset: Preset::Quality, ..Self::still("mobile", 1) },
+        Self { preset: Preset::Quality, moves: true, ..Self::still("mobile", 1) },
+        Self { scene: Scene::Light, ..Self::still("mobile", 1) },
+        Self { scene: Scene::Light, is_tracked: true, ..Self::still("mobile", 1) },
+        Self { scene: Scene::Light, is_tracked: true, ..Self::still("forward_plus", 1) },
+        Self { scene: Scene::Flat, ..Self::still("mobile", 1) },
+        Self { scene: Scene::Flat, ..Self::still("forward_plus", 1) },
     ];
 
     const fn still(renderer: &'static str, samples: u32) -> Self {
-        Self { renderer, samples, moves: false }
+        Self {
+            renderer,
+            samples,
+            moves: false,
+            scene: Scene::Full,
+            is_tracked: false,
+            preset: Preset::Balanced,
+        }
     }
 
     /// Its name in tables.
     pub fn name(self) -> String {
         let renderer = self.renderer.replace("_plus", "+");
-        let moves = if self.moves { "-moving" } else { "" };
-        format!("godot-{renderer}-msaa{}{moves}", self.msaa())
+        let mut name = format!("godot-{renderer}-msaa{}", self.msaa());
+        let parts = [
+            (self.moves, "moving"),
+            (self.scene != Scene::Full, self.scene.name()),
+            (self.is_tracked, "tracked"),
+            (self.preset != Preset::Balanced, self.preset.name()),
+        ];
+        for (_, part) in parts.into_iter().filter(|(is_there, _)| *is_there) {
+            name.extend(["-", part]);
+        }
+        name
+    }
+
+    /// The gaze of its tracker, as `gaze.file` has it: a second at each of five points up to six degrees from straight ahead, over and over,
+    /// for ten minutes; None without a tracker.
+    pub fn gaze(self) -> Option<String> {
+        const POINTS: [[i32; 2]; 5] = [[0, 0], [6, 0], [0, 4], [-6, 0], [0, -4]];
+        const SACCADE_S: f32 = 0.04;
+        let seconds = (0..600).zip(POINTS.into_iter().cycle());
+        let lines = seconds.map(|(second, [left, up])| {
+            let end = (second + 1) as f32 - SACCADE_S;
+            format!("{second},{left},{up}\n{end},{left},{up}\n")
+        });
+        self.is_tracked.then(|| lines.collect())
     }
 
     /// Godot's number for the samples of a pixel: 0 for one.
@@ -49,6 +115,7 @@ impl Engine {
             "--".to_owned(),
             format!("msaa={}", self.msaa()),
             format!("head={}", if self.moves { "moving" } else { "still" }),
+            format!("scene={}", self.scene.name()),
             format!("warm={warm}"),
             format!("settle={settle_s}"),
             format!("frames={frames}"),
@@ -63,7 +130,7 @@ impl Engine {
 pub enum Mode {
     /// Not there.
     Off,
-    /// The preset `balanced`, gaze straight ahead, and the gate decides.
+    /// A preset, and the gate decides.
     Auto,
     /// The same with the gate open.
     On,
@@ -72,17 +139,22 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// Its configuration; None without the layer.
-    pub fn config(self) -> Option<&'static str> {
-        match self {
-            Self::Off => None,
-            Self::Auto => Some("preset = \"balanced\"\n[gaze]\nsource = \"centre\"\n"),
-            Self::On => Some("preset = \"balanced\"\n[gaze]\nsource = \"centre\"\n[rates]\ngate = \"on\"\n"),
-            Self::Everything => Some(
-                "[gaze]\nsource = \"centre\"\n[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
-                 [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n",
-            ),
-        }
+    /// Its configuration with a preset, and with the gaze of a file, if one is named, or else straight ahead; None without the layer.
+    pub fn config(self, preset: Preset, gaze: Option<&str>) -> Option<String> {
+        let techniques = match self {
+            Self::Off => return None,
+            Self::Auto => "",
+            Self::On => "[rates]\ngate = \"on\"\n",
+            Self::Everything => {
+                "[rates]\nmode = \"audio-visual\"\nsilence = \"contrast\"\ngate = \"on\"\n\
+                 [reuse]\nmode = \"on\"\n[chroma]\nmode = \"default\"\nmax_change_per_s = 100\n"
+            }
+        };
+        let gaze = match gaze {
+            Some(file) => format!("[gaze]\nsource = \"file\"\nfile = \"{file}\"\n"),
+            None => "[gaze]\nsource = \"centre\"\n".to_owned(),
+        };
+        Some(format!("preset = \"{}\"\n{gaze}{techniques}", preset.name()))
     }
 
     /// Its name in tables.
@@ -112,10 +184,11 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// A timed run.
-    pub fn timed(scale: u32, mode: Mode) -> Self {
+    /// A timed run. CPU time is counted in hundredths of a second, so that a round of short frames takes more of them.
+    pub fn timed(scale: u32, scene: Scene, mode: Mode) -> Self {
         let settle_s = if mode == Mode::Auto { 30 } else { 0 };
-        Self { scale, warm: 30, settle_s, frames: 10, rounds: 2 }
+        let frames = if scene == Scene::Full { 10 } else { 100 };
+        Self { scale, warm: 30, settle_s, frames, rounds: 2 }
     }
 
     /// A run whose samples are counted.
@@ -138,17 +211,41 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use parafovea::config::GazeSource;
+    use parafovea::inputs::gaze::script::GazeScript;
+    use parafovea_manifest::config::parse;
+    use std::path::Path;
 
     #[test]
     fn engines_have_names_and_arguments_of_their_own() {
-        let settings = Settings::timed(200, Mode::Auto);
+        let settings = Settings::timed(200, Scene::Full, Mode::Auto);
         let names: std::collections::BTreeSet<_> = Engine::ALL.map(Engine::name).into();
         assert_eq!(names.len(), Engine::ALL.len());
         assert!(names.contains("godot-mobile-msaa0") && names.contains("godot-forward+-msaa4"), "{names:?}");
         let command = Engine::still("mobile", 1).command(&settings).join(" ");
         assert!(
-            command.ends_with("mobile -- msaa=0 head=still warm=30 settle=30 frames=10 rounds=2"),
+            command.ends_with("mobile -- msaa=0 head=still scene=full warm=30 settle=30 frames=10 rounds=2"),
             "{command}"
         );
+    }
+
+    #[test]
+    fn configurations_and_gazes_are_as_the_layer_reads_them() {
+        for engine in Engine::ALL {
+            let gaze = engine.gaze().map(|gaze| gaze.parse::<GazeScript>());
+            assert!(
+                gaze.is_none_or(|gaze| gaze.is_ok_and(|gaze| gaze.at(300.5).is_some())),
+                "{}",
+                engine.name()
+            );
+        }
+        for mode in [Mode::Auto, Mode::On, Mode::Everything] {
+            for gaze in [None, Some("/opt/gaze.csv")] {
+                let text = mode.config(Preset::Balanced, gaze).unwrap();
+                let config = parse(Path::new("config.toml"), &text).unwrap();
+                assert_eq!(config.gaze.source == GazeSource::File, gaze.is_some());
+            }
+        }
+        assert_eq!(Mode::Off.config(Preset::Balanced, None), None);
     }
 }

@@ -8,8 +8,9 @@ use super::system::{System, Watch};
 use crate::HarnessError;
 use crate::demo::{Cost, Decision};
 use crate::measure::{Ratio, Samples};
-use parafovea_errors::RING_NAMES;
+use parafovea_errors::{Clip, RING_NAMES};
 use serde::Serialize;
+use std::fs;
 
 /// Cost of an engine's frames with and without the layer, for one gate.
 #[derive(Clone, Debug, Serialize)]
@@ -42,6 +43,13 @@ pub struct Finding {
     pub passes: Vec<String>,
     /// Reasons for which scene passes were left alone.
     pub refusals: Vec<String>,
+    /// Frames a second at the end, by the layer's status, Hz; 0 where that is not known.
+    pub frame_rate_hz: f32,
+    /// The safety limits in the text of `parafovea status`.
+    pub limits: Vec<String>,
+    /// Processes of the machine that ran or waited, on average from the first timed run to the last (proc(5), loadavg); None where that is not
+    /// known.
+    pub load: Option<f64>,
     /// How far the pictures of looks are from those without the layer.
     pub pictures: Vec<Errors>,
     /// Rules that validation found broken with the preset, or with everything on, in ways in which they are not without the layer; None where
@@ -96,15 +104,17 @@ pub fn judge(
     const MODES: [Mode; 3] = [Mode::Off, Mode::Auto, Mode::On];
     let mut samples: [Samples; 3] = Default::default();
     let mut last: [Seen; 3] = Default::default();
+    let mut loads = Vec::new();
     for turn in 0..turns {
         for (index, mode) in MODES.into_iter().enumerate() {
             eprintln!("{}: turn {} of {turns}, {}", engine.name(), turn + 1, mode.name());
-            let seen = system.run(engine, mode, &Settings::timed(scale, mode), Watch::Time)?;
+            let seen = system.run(engine, mode, &Settings::timed(scale, engine.scene, mode), Watch::Time)?;
             samples[index].push(seen.cpu_ms.clone());
             last[index] = seen;
+            loads.extend(load());
         }
     }
-    let small = Settings { scale: SMALL, ..Settings::timed(scale, Mode::Off) };
+    let small = Settings { scale: SMALL, ..Settings::timed(scale, engine.scene, Mode::Off) };
     eprintln!("{}: small pictures", engine.name());
     let small = system.run(engine, Mode::Off, &small, Watch::Time)?;
     let count = |mode: Mode| {
@@ -112,7 +122,9 @@ pub fn judge(
         system.run(engine, mode, &Settings::counted(scale), Watch::Samples).map(|seen| seen.samples)
     };
     let counted = if checks.samples { [count(Mode::Off)?, count(Mode::On)?] } else { [None; 2] };
-    let pictures = if checks.pictures { pictures(system, engine, scale)? } else { Vec::new() };
+    // Errors are judged around a gaze straight ahead.
+    let pictures =
+        if checks.pictures && !engine.is_tracked { pictures(system, engine, scale)? } else { Vec::new() };
     let messages = if checks.messages { Some(messages(system, engine)?) } else { None };
     let mut findings = Vec::new();
     for (index, mode) in [(1, Mode::Auto), (2, Mode::On)] {
@@ -124,7 +136,7 @@ pub fn judge(
             app: engine.name(),
             gate: mode.name(),
             eye: seen.eye,
-            frames: samples[index].len() * Settings::timed(scale, mode).frames as usize,
+            frames: samples[index].len() * Settings::timed(scale, engine.scene, mode).frames as usize,
             off: Cost { cpu_ms: off_ms, samples: counted[0] },
             on: Cost {
                 cpu_ms: samples[index].median(),
@@ -138,6 +150,9 @@ pub fn judge(
             backend: seen.status.as_ref().map_or_else(String::new, |status| status.backend.clone()),
             passes: seen.scene_passes(),
             refusals: seen.refusals(),
+            frame_rate_hz: seen.status.as_ref().map_or(0.0, |status| status.frame_rate_hz),
+            limits: seen.limits(),
+            load: (!loads.is_empty()).then(|| mean(&loads)),
             pictures: pictures.clone(),
             messages: messages.clone(),
         });
@@ -145,11 +160,16 @@ pub fn judge(
     Ok(findings)
 }
 
+/// Processes that ran or waited in the last minute.
+fn load() -> Option<f64> {
+    fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
+}
+
 /// A scale at which hardly any time goes with pixels: 64x48.
 const SMALL: u32 = 20;
 
 /// Differences from images without the layer: of another run without it, which shows the variation between runs, of masks, and of a device
-/// with shading rates.
+/// with shading rates; and of masks from the last.
 fn pictures(system: &System, engine: Engine, scale: u32) -> Result<Vec<Errors>, HarnessError> {
     let settings = Settings::pictured(scale);
     let clip = |look: &str, mode: Mode| {
@@ -164,12 +184,14 @@ fn pictures(system: &System, engine: Engine, scale: u32) -> Result<Vec<Errors>, 
         output: String::new(),
     };
     let errors =
-        |(look, mode)| Errors::of(look, &reference, &clip(look, mode)?).map_err(|reason| wrong(look, reason));
-    let looks: Result<Vec<Errors>, HarnessError> =
-        [("off again", Mode::Off), ("mask", Mode::On)].into_iter().map(errors).collect();
-    let mut looks = looks?;
-    if let Some(shown) = shown_at_rates(&reference) {
-        looks.push(Errors::of("rates", &reference, &shown).map_err(|reason| wrong("rates", reason))?);
+        |look, from: &Clip, shown: &Clip| Errors::of(look, from, shown).map_err(|reason| wrong(look, reason));
+    let again = clip("off again", Mode::Off)?;
+    let mut looks = vec![errors("off again", &reference, &again)?];
+    let mask = clip("mask", Mode::On)?;
+    looks.push(errors("mask", &reference, &mask)?);
+    if let Some(rates) = shown_at_rates(&reference, engine.preset) {
+        looks.push(errors("rates", &reference, &rates)?);
+        looks.push(errors("mask from rates", &rates, &mask)?);
     }
     Ok(looks)
 }
@@ -196,13 +218,13 @@ fn mean(values: &[f64]) -> f64 {
 /// Prints a table in Markdown, and the decisions below it.
 pub fn print_table(findings: &[Finding]) {
     println!(
-        "| engine | gate | eye | pixels' share | CPU ms off | on | ratio | samples off | on | engaged | messages |"
+        "| engine | gate | eye | pixels' share | CPU ms off | on | ratio | Hz | load | samples off | on | engaged | messages |"
     );
-    println!("|---|---|---|---:|---:|---:|---:|---:|---:|---|---:|");
+    println!("|---|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---|---:|");
     let count = |samples: Option<u64>| samples.map_or("–".to_owned(), |samples| samples.to_string());
     for finding in findings {
         println!(
-            "| {} | {} | {}x{} | {:.2} | {:.0} | {:.0} | {:.2} ± {:.2} | {} | {} | {} | {} |",
+            "| {} | {} | {}x{} | {:.2} | {:.0} | {:.0} | {:.2} ± {:.2} | {:.0} | {} | {} | {} | {} | {} |",
             finding.app,
             finding.gate,
             finding.eye[0],
@@ -212,6 +234,8 @@ pub fn print_table(findings: &[Finding]) {
             finding.on.cpu_ms,
             finding.ratio,
             finding.spread,
+            finding.frame_rate_hz,
+            finding.load.map_or("–".to_owned(), |load| format!("{load:.0}")),
             count(finding.off.samples),
             count(finding.on.samples),
             if finding.engaged { "yes" } else { "no" },
@@ -223,6 +247,7 @@ pub fn print_table(findings: &[Finding]) {
         println!("\n{}, gate {}: {}", finding.app, finding.gate, finding.reason);
         finding.passes.iter().for_each(|pass| println!("    recognised: {pass}"));
         finding.refusals.iter().for_each(|reason| println!("    left alone: {reason}"));
+        finding.limits.iter().for_each(|limit| println!("    safety limit: {limit}"));
         finding.messages.iter().flatten().for_each(|message| println!("    validation: {message}"));
     }
 }

@@ -13,11 +13,11 @@ use parafovea_errors::{Clip, Eye};
 /// Size of a tile, pixels: that of most devices.
 const TEXEL: u32 = 16;
 
-/// The same clip as such a device would show it: preset `balanced`, gaze straight ahead, every frame with the map of the first one. None
+/// The same clip as such a device would show it with a preset: gaze straight ahead, every frame with the map of the first one. None
 /// where that has not both eyes, or nothing is planned for them.
-pub fn shown_at_rates(reference: &Clip) -> Option<Clip> {
+pub fn shown_at_rates(reference: &Clip, preset: Preset) -> Option<Clip> {
     let [left, right] = &reference.frames.first()?.eyes;
-    let maps = maps([left.as_ref()?, right.as_ref()?])?;
+    let maps = maps([left.as_ref()?, right.as_ref()?], preset)?;
     let mut clip = reference.clone();
     for frame in &mut clip.frames {
         for (eye, map) in frame.eyes.iter_mut().zip(&maps) {
@@ -45,8 +45,8 @@ impl Map {
     }
 }
 
-fn maps(eyes: [&Eye; 2]) -> Option<[Map; 2]> {
-    let mut config = Config::of_preset(Preset::Balanced);
+fn maps(eyes: [&Eye; 2], preset: Preset) -> Option<[Map; 2]> {
+    let mut config = Config::of_preset(preset);
     config.gaze.source = GazeSource::Centre;
     let mut offer = CapabilitiesRecord {
         backend: BACKEND_RATE_ATTACHMENT,
@@ -96,11 +96,11 @@ mod tests {
         let eye = Eye { picture, fov, gaze: Vec3::NEG_Z, age: None };
         let frame = Frame { time_s: 0.0, eyes: [Some(eye.clone()), Some(eye)] };
         let clip = Clip { frames: vec![frame] };
-        let shown = shown_at_rates(&clip).unwrap();
+        let shown = shown_at_rates(&clip, Preset::Balanced).unwrap();
         let picture = &shown.frames[0].eyes[0].as_ref().unwrap().picture;
         let at = |x: usize, y: usize| picture.codes()[y * 256 + x];
         assert_ne!(at(128, 128), at(129, 128), "1x1 ahead");
         assert_eq!(at(0, 128), at(1, 128), "coarse at the edge");
-        assert!(shown_at_rates(&Clip::default()).is_none());
+        assert!(shown_at_rates(&Clip::default(), Preset::Balanced).is_none());
     }
 }

@@ -19,6 +19,8 @@ pub struct Seen {
     pub log: String,
     /// The last of the layer's status; None without the layer.
     pub status: Option<Status>,
+    /// The last text of `parafovea status`; empty without the layer.
+    pub told: String,
 }
 
 impl Seen {
@@ -49,6 +51,7 @@ impl Seen {
             broken: broken(output),
             log: log.to_owned(),
             status,
+            told: String::new(),
         })
     }
 
@@ -62,6 +65,17 @@ impl Seen {
     pub fn scene_passes(&self) -> Vec<String> {
         let decisions = self.status.iter().flat_map(|status| status.decided(Topic::Scene));
         decisions.map(|decision| decision.line.clone()).collect()
+    }
+
+    /// The safety limits in the text of `parafovea status`.
+    pub fn limits(&self) -> Vec<String> {
+        const NAMED: &str = "safety limit: ";
+        self.told
+            .lines()
+            .flat_map(|line| line.split("; "))
+            .filter_map(|part| part.strip_prefix(NAMED))
+            .map(str::to_owned)
+            .collect()
     }
 
     /// Reasons for which scene passes were left alone.
@@ -84,6 +98,9 @@ fn counted(text: &str, from_ms: f64, to_ms: f64) -> Option<u64> {
     Some(submits.filter(|submit| within(submit.process_cpu_ns)).map(|submit| submit.value).sum())
 }
 
+/// The beginning of a line ahead of a rule's text where the rule was reported as often as it will be, with or without other texts.
+const LAST_REPORT: &str = "(Warning - This VUID has now been reported";
+
 /// Rules in brackets, such as `[ VUID-vkCmdDraw-None-09600 ]`, with the line below, in which handles and counts differ in every run.
 fn broken(output: &str) -> BTreeMap<String, usize> {
     let mut rules = BTreeMap::new();
@@ -96,7 +113,7 @@ fn broken(output: &str) -> BTreeMap<String, usize> {
         let words = line.split(|character| !is_part(character));
         let mut named = words.filter(|word| word.starts_with("VUID-") || word.starts_with("SYNC-HAZARD"));
         let rule = named.next().unwrap_or(line);
-        let text = lines.next().unwrap_or_default().split_whitespace();
+        let text = lines.find(|line| !line.starts_with(LAST_REPORT)).unwrap_or_default().split_whitespace();
         let text = text.filter(|word| !word.contains(|character: char| character.is_ascii_digit()));
         *rules.entry(format!("{rule}: {}", text.collect::<Vec<_>>().join(" "))).or_default() += 1;
     }
@@ -131,6 +148,8 @@ mod tests {
         let without = seen(hazard);
         let again = hazard.replace("17", "18").repeat(2);
         assert_eq!(seen(&again).broken_beyond(&without), Vec::<String>::new());
+        let last = hazard.replace("hazard", &format!("{LAST_REPORT} 10 times, which is the limit).\nhazard"));
+        assert_eq!(seen(&last).broken_beyond(&without), Vec::<String>::new());
         let other = hazard.replace("draw", "copy");
         let new = seen(&format!("{hazard}{other}{layout}{layout}")).broken_beyond(&without);
         assert_eq!(
@@ -160,7 +179,11 @@ mod tests {
         let seen = Seen::of(OUTPUT, "", "", Some(status)).unwrap();
         assert_eq!(seen.scene_passes(), ["pass 320x240 A"]);
         assert_eq!(seen.refusals(), [refused]);
+        let told = "  gaze      file: valid; safety limit: below 7 a\n  re-use    on; safety limit: below 60 b\n  rates     on\n";
+        let told = Seen { told: told.to_owned(), ..seen };
+        assert_eq!(told.limits(), ["below 7 a", "below 60 b"]);
         let without = Seen::of(OUTPUT, "", "", None).unwrap();
+        assert!(without.limits().is_empty());
         assert!(without.scene_passes().is_empty() && without.refusals().is_empty());
     }
 }

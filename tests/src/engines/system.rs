@@ -40,6 +40,12 @@ pub enum Watch {
 /// The folder of saved pictures in the system.
 const PICTURES: &str = "tmp/pictures";
 
+/// The gaze of an eye tracker in the system.
+const GAZE: &str = "opt/engines/gaze.csv";
+
+/// How many of the times at which the layer's status is read go by from one `parafovea status` to the next.
+const POLLS_PER_TEXT: u32 = 10;
+
 /// Enters the system with the kernel's folders for as long as a program runs: its folder, the program, its arguments.
 const ENTER: &str = r#"mount --bind /proc "$0/proc" && mount --bind /dev "$0/dev" && exec chroot "$0" "$@""#;
 
@@ -99,7 +105,10 @@ impl System {
         watch: Watch,
     ) -> Result<Seen, HarnessError> {
         let config = self.root.join("root/.config/parafovea/config.toml");
-        write(&config, mode.config().unwrap_or_default())?;
+        let gaze = engine.gaze();
+        write(&self.root.join(GAZE), gaze.as_deref().unwrap_or_default())?;
+        let file = format!("/{GAZE}");
+        write(&config, &mode.config(engine.preset, gaze.is_some().then_some(&file)).unwrap_or_default())?;
         let mut command = self.inside();
         command.args(["bash", "/opt/engines/run.sh", &LIMIT_S.to_string(), "env"]);
         command.arg(format!("OXR_VIEWPORT_SCALE_PERCENTAGE={}", settings.scale));
@@ -130,10 +139,14 @@ impl System {
         command.args(engine.command(settings));
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         let mut child = command.spawn().map_err(start_error(&command))?;
-        let mut status = None;
+        let (mut status, mut told, mut polls) = (None, None, 0_u32);
         let ended = loop {
             if let Some(found) = self.status() {
                 status = Some(found);
+                polls += 1;
+                if polls.is_multiple_of(POLLS_PER_TEXT) {
+                    told = self.status_text();
+                }
             }
             match child.try_wait() {
                 Ok(Some(ended)) => break ended,
@@ -152,7 +165,8 @@ impl System {
         }
         let log = self.log();
         let samples = self.read("tmp/samples.jsonl");
-        Seen::of(&output, &log, &samples, status).map_err(failed)
+        let seen = Seen::of(&output, &log, &samples, status).map_err(failed)?;
+        Ok(Seen { told: told.unwrap_or_default(), ..seen })
     }
 
     /// Pictures of the last run that saved any, of so many frames.
@@ -181,6 +195,21 @@ impl System {
             Environment::new(false, |name| (name == "XDG_RUNTIME_DIR").then(|| folder.clone().into()));
         let (found, _) = read_all(&environment, SystemTime::now()).ok()?;
         found.into_iter().next().map(|found| found.status)
+    }
+
+    /// The text of `parafovea status`; None where it fails.
+    fn status_text(&self) -> Option<String> {
+        let mut command = self.inside();
+        command.args([
+            "env",
+            "HOME=/root",
+            "XDG_RUNTIME_DIR=/run/monado",
+            "/opt/parafovea/parafovea",
+            "status",
+            "--once",
+        ]);
+        let output = command.stdin(Stdio::null()).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
     }
 
     fn log(&self) -> String {
