@@ -1,23 +1,34 @@
-//! All tests of the workspace, each as a process of its own with a time limit.
+//! All tests of the workspace, in processes with a time limit: unit tests share some, every other test has its own.
 
 mod binaries;
+mod group;
 mod summary;
+mod times;
+mod workers;
 
+use crate::steps::profile_folder;
 use crate::tasks::{in_root, workspace};
 use binaries::{Binary, binaries, names};
-use parafovea_trial::{Ending, Trial, watch};
+use group::{Ended, Group};
+use parafovea_trial::{Ending, watch};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::sync::Mutex;
 use std::time::{Duration, Instant};
 use summary::Done;
 pub use summary::Summary;
+use times::Times;
 
-/// The longest that a test may take: far above the slowest, since machines are shared.
+/// The longest that a test, or a process with several, may take: far above the slowest, since machines are shared.
 const LIMIT: Duration = Duration::from_secs(600);
 
 /// The longest that a test binary may take to list its tests.
 const LIST_LIMIT: Duration = Duration::from_secs(120);
+
+/// Unit tests that share a process at most: few enough that processors share the work.
+const GROUP: usize = 64;
+
+/// Processes at a time for each processor: some tests wait for servers, and for frames in real time.
+const PER_PROCESSOR: usize = 2;
 
 /// Selection of tests, and the meaning of a failure.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -54,50 +65,44 @@ impl Options {
     }
 }
 
-/// A test, and the name under which it is reported.
+/// Tests that share a process, and the names under which they are reported.
 struct Named {
-    name: String,
-    trial: Trial,
+    names: Vec<String>,
+    group: Group,
 }
 
-/// Runs the tests, as many at once as there are processors, and prints each.
+/// Runs the tests, twice as many at once as there are processors, and prints each.
 ///
 /// # Errors
 /// There is no test, or cargo cannot build them.
 pub fn run(options: &Options) -> Result<Summary, String> {
-    let named = all(options)?;
+    let file = profile_folder()?.join("dev-test-times");
+    let mut times = Times::load(&file);
+    let mut named = all(options)?;
     if named.is_empty() {
         return Err("no test has this in its name".to_owned());
     }
-    let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    eprintln!("cargo dev: {} tests, {workers} at a time", named.len());
-    let (queue, done) = (Mutex::new(named.into_iter()), Mutex::new(Vec::new()));
+    let time = |named: &Named| times.of(named.names.iter().map(String::as_str));
+    named.sort_by_key(|named| std::cmp::Reverse(time(named)));
+    let workers = PER_PROCESSOR * std::thread::available_parallelism().map_or(1, usize::from);
+    let count: usize = named.iter().map(|named| named.names.len()).sum();
+    eprintln!("cargo dev: {count} tests, {workers} processes at a time");
     let start = Instant::now();
-    std::thread::scope(|scope| {
-        for _ in 0..workers {
-            scope.spawn(|| {
-                while let Some(test) = lock(&queue).next() {
-                    let test = run_one(test, options.is_strict);
-                    lock(&done).push(test);
-                }
-            });
-        }
-    });
-    let tests = std::mem::take(&mut *lock(&done));
-    Ok(Summary { tests, time: start.elapsed(), is_strict: options.is_strict })
+    let tests = workers::run(workers, named, |named| run_group(named, options.is_strict));
+    let tests: Vec<Done> = tests.into_iter().flatten().collect();
+    let time = start.elapsed();
+    tests.iter().for_each(|test| times.set(&test.name, test.time));
+    times.save(&file).map_err(|error| format!("cannot write {}: {error}", file.display()))?;
+    Ok(Summary { tests, time, is_strict: options.is_strict })
 }
 
-/// A worker that panics ends the scope with a panic: its locks are of no interest any more.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+fn run_group(named: Named, is_strict: bool) -> Vec<Done> {
+    let ended = named.group.run(LIMIT);
+    named.names.into_iter().zip(ended).map(|(name, ended)| report(name, ended, is_strict)).collect()
 }
 
-fn run_one(test: Named, is_strict: bool) -> Done {
-    let Named { name, trial } = test;
-    let (ending, time, output) = match trial.run(LIMIT) {
-        Ok((ending, watched)) => (ending, watched.time, watched.output),
-        Err(error) => (Ending::Failed(format!("cannot be started: {error}")), Duration::ZERO, String::new()),
-    };
+fn report(name: String, ended: Ended, is_strict: bool) -> Done {
+    let Ended { ending, time, output } = ended;
     let done = Done { name, ending, time, limit: LIMIT };
     let seconds = done.time.as_secs_f64();
     match (&done.ending, done.failure(is_strict)) {
@@ -117,15 +122,22 @@ fn all(options: &Options) -> Result<Vec<Named>, String> {
     let mut tests = Vec::new();
     for binary in built(&root)? {
         let names = if binary.has_harness { listed(&binary)? } else { vec![None] };
-        let named = names.into_iter().map(|name| {
-            let label = &binary.label;
-            let full = name.as_ref().map_or_else(|| label.clone(), |name| format!("{label} {name}"));
-            let (path, folder) = (binary.path.clone(), Some(binary.folder.clone()));
-            Named { name: full, trial: Trial { binary: path, name, even_ignored: false, folder } }
-        });
-        tests.extend(named.filter(|test| options.wants(&test.name)));
+        tests.extend(groups(&binary, names, options));
     }
     Ok(tests)
+}
+
+/// The wanted tests of a binary, by the processes that they share.
+fn groups(binary: &Binary, names: Vec<Option<String>>, options: &Options) -> Vec<Named> {
+    let label = &binary.label;
+    let full =
+        |name: &Option<String>| name.as_ref().map_or_else(|| label.clone(), |name| format!("{label} {name}"));
+    let wanted: Vec<Option<String>> = names.into_iter().filter(|name| options.wants(&full(name))).collect();
+    let group = |names: &[Option<String>]| Named {
+        names: names.iter().map(full).collect(),
+        group: Group { binary: binary.path.clone(), folder: binary.folder.clone(), names: names.to_vec() },
+    };
+    wanted.chunks(if binary.is_unit { GROUP } else { 1 }).map(group).collect()
 }
 
 fn built(root: &Path) -> Result<Vec<Binary>, String> {
@@ -157,6 +169,27 @@ mod tests {
 
     fn parse(arguments: &[&str], is_ci: bool) -> Result<Options, String> {
         Options::parse(&arguments.iter().map(|text| (*text).to_owned()).collect::<Vec<_>>(), is_ci)
+    }
+
+    #[test]
+    fn unit_tests_share_processes_and_other_tests_do_not() {
+        let options = parse(&["wanted"], false).unwrap();
+        let names: Vec<_> = (0..200).map(|number| Some(format!("wanted_{number}"))).collect();
+        let names = [names, vec![Some("other".to_owned())]].concat();
+        let binary = |is_unit| Binary {
+            label: "core parafovea_core".to_owned(),
+            path: "/r/target/a".into(),
+            folder: "/r/core".into(),
+            has_harness: true,
+            is_unit,
+        };
+        let counts = |is_unit| {
+            let groups = groups(&binary(is_unit), names.clone(), &options);
+            assert_eq!(groups[0].names[0], "core parafovea_core wanted_0");
+            groups.iter().map(|named| named.names.len()).collect::<Vec<_>>()
+        };
+        assert_eq!(counts(true), [64, 64, 64, 8]);
+        assert_eq!(counts(false), [1; 200]);
     }
 
     #[test]

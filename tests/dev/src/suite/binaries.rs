@@ -12,6 +12,8 @@ pub struct Binary {
     pub folder: PathBuf,
     /// Whether it takes the options of the standard test harness. A bench does not: it is run as one test.
     pub has_harness: bool,
+    /// Whether its tests are unit tests, of a library or of a program.
+    pub is_unit: bool,
 }
 
 /// The test binaries in the messages of `cargo test --no-run --message-format=json-render-diagnostics`, one JSON object a line.
@@ -31,7 +33,8 @@ fn binary(line: &str, root: &Path) -> Option<Binary> {
     let label =
         format!("{} {}", folder.strip_prefix(root).unwrap_or(&folder).display(), text(target, "name")?);
     let has_harness = !target.starts_with("\"kind\":[\"bench\"]");
-    Some(Binary { label, path, folder, has_harness })
+    let is_unit = has_harness && !target.starts_with("\"kind\":[\"test\"]");
+    Some(Binary { label, path, folder, has_harness, is_unit })
 }
 
 /// The first value of that key; None if it is no string.
@@ -68,10 +71,16 @@ mod tests {
             path: "/r/target/a \"b\"".into(),
             folder: "/r/tests/ears".into(),
             has_harness: true,
+            is_unit: false,
         };
         assert_eq!(found, [expected]);
         let bench = EARS.replace("[\"test\"]", "[\"bench\"]");
         assert!(!binaries(&bench, Path::new("/r"))[0].has_harness);
+        for kind in ["lib", "bin", "cdylib\",\"rlib"] {
+            let unit = EARS.replace("[\"test\"]", &format!("[\"{kind}\"]"));
+            let unit = &binaries(&unit, Path::new("/r"))[0];
+            assert!(unit.is_unit && unit.has_harness, "{kind}");
+        }
     }
 
     #[test]
