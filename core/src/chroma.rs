@@ -3,7 +3,7 @@
 //!
 //! [`Curves`] say how much of each chroma channel is kept at an eccentricity, as [`Polynomials`] where that is asked for
 //! each pixel, [`attenuate()`] applies that to a colour, and [`ChromaTemporalFilter`] lets the gains of a place fall slowly once the gaze
-//! has left it. [`report`] adds up what is kept.
+//! has left it.
 //!
 //! It saves bits of an encoder and power of a display, never GPU time.
 
@@ -11,7 +11,6 @@ mod attenuate;
 mod curves;
 mod floor;
 mod polynomials;
-pub mod report;
 mod temporal_filter;
 
 pub use crate::color::Matrix;

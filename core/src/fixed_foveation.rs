@@ -2,9 +2,8 @@
 //! 2016 and Guenter et al. 2012).
 
 mod mean;
-pub mod openxr_toolkit;
 
-pub use mean::{MeanRateError, eccentricities_deg};
+pub use mean::eccentricities_deg;
 
 use crate::rate::ShadingRate;
 

@@ -1,22 +1,9 @@
-//! How much of a picture fixed foveation shades, and which radii shade a given share (paper A's FR').
+//! The share of an image that fixed foveation shades.
 
 use super::FixedFoveation;
 use crate::geometry::{ImagePlane, PixelRect, eccentricity, tile_eccentricity};
 use crate::rate::ShadingRate;
 use glam::{Vec2, Vec3};
-use thiserror::Error;
-
-/// A share of the pixels that no scaling of the radii shades.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("no radii shade {wanted} of the image; possible: {least} to {greatest}")]
-pub struct MeanRateError {
-    /// The requested value.
-    pub wanted: f32,
-    /// The mean rate with radii of 0.
-    pub least: f32,
-    /// The mean rate with the widest radii.
-    pub greatest: f32,
-}
 
 /// Eccentricities of the tiles of an image of `extent` pixels, degrees, row by row: those of each tile's point nearest to
 /// the gaze, as the rate of a tile is chosen, or, for tiles of 1 x 1, of each pixel's centre.
@@ -48,51 +35,6 @@ impl FixedFoveation {
     pub fn mean_shading_rate(&self, eccentricities_deg: &[f32], rates: &[ShadingRate]) -> f32 {
         mean(eccentricities_deg, |eccentricity| self.shading_rate_of(eccentricity, rates).fraction())
     }
-
-    /// FR': both radii scaled alike so that `mean`, which must not fall as they grow ([`Self::mean_rate`] or
-    /// [`Self::mean_shading_rate`]), is `wanted`: paper A's fixed foveation at the cost of the audio-visual one.
-    ///
-    /// Where `mean` moves in steps, the radii are the widest found whose mean is at most `wanted`. Radii reach up
-    /// to 180 degrees. One that is not above 0, or NaN, is not scaled.
-    ///
-    /// # Errors
-    /// Where `wanted` is NaN or outside of what radii of 0 and the widest ones shade.
-    pub fn with_mean_rate(&self, wanted: f32, mean: impl Fn(&Self) -> f32) -> Result<Self, MeanRateError> {
-        let scaled = |scale: f32| Self {
-            foveal_deg: scale_radius(self.foveal_deg, scale),
-            transitional_deg: scale_radius(self.transitional_deg, scale),
-            ..*self
-        };
-        // The scale at which both are at their widest; without any radius above 0 there is nothing to scale.
-        let smallest = [self.foveal_deg, self.transitional_deg]
-            .into_iter()
-            .filter(|&radius| radius > 0.0)
-            .fold(f32::INFINITY, f32::min);
-        let (mut low, mut high) = (0.0, (WIDEST_DEG / smallest).min(f32::MAX));
-        let (least, greatest) = (mean(&scaled(low)), mean(&scaled(high)));
-        if !(least..=greatest).contains(&wanted) {
-            return Err(MeanRateError { wanted, least, greatest });
-        }
-        if wanted == greatest {
-            return Ok(scaled(high));
-        }
-        // Until the two scales are neighbours, or nearly so.
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low + high);
-            if mean(&scaled(middle)) <= wanted { low = middle } else { high = middle }
-        }
-        Ok(scaled(low))
-    }
-}
-
-/// No direction is farther from the gaze than this.
-const WIDEST_DEG: f32 = 180.0;
-
-/// Halvings after which the radii are known to 180 / 2^30 degrees.
-const BISECTIONS: u32 = 30;
-
-fn scale_radius(radius_deg: f32, scale: f32) -> f32 {
-    if radius_deg > 0.0 { (radius_deg * scale).min(WIDEST_DEG) } else { radius_deg }
 }
 
 fn mean(eccentricities_deg: &[f32], rate: impl Fn(f32) -> f32) -> f32 {

@@ -121,27 +121,6 @@ fn eccentricities_are_those_of_the_nearest_point() {
     assert_eq!(eccentricities_deg(&plane, [3, 2], [1, 1], Vec3::ZERO), [0.0; 6]);
 }
 
-#[test]
-fn a_share_that_no_radii_shade_is_an_error_that_says_what_is_possible() {
-    let tiles = tiles();
-    let map = FixedFoveation::L1_C1;
-    let mean = |map: &FixedFoveation| map.mean_rate(&tiles);
-    for wanted in [0.05, 1.1, f32::NAN] {
-        let error = map.with_mean_rate(wanted, mean).unwrap_err();
-        assert!(error.least > 0.0625 && error.least < 0.063, "{error}");
-        assert_eq!(error.greatest, 1.0);
-    }
-    assert_eq!(mean(&map.with_mean_rate(1.0, mean).unwrap()), 1.0);
-    // Steps: the widest radii that do not shade more than was asked for.
-    let stepped = |map: &FixedFoveation| map.mean_shading_rate(&tiles, &PAPER_RATES);
-    let found = map.with_mean_rate(0.13, stepped).unwrap();
-    assert!(stepped(&found) <= 0.13 && stepped(&found) > 0.129, "{}", stepped(&found));
-    // Nothing to scale: only the share that it has is possible.
-    let none = FixedFoveation { foveal_deg: 0.0, transitional_deg: f32::NAN, ..map };
-    assert_eq!(none.with_mean_rate(0.5, mean).unwrap_err().least, 1.0);
-    assert_eq!(none.mean_rate(&[]), 1.0);
-}
-
 fn map() -> impl Strategy<Value = FixedFoveation> {
     let peripheral = prop::sample::select(VULKAN_RATES.to_vec());
     (0.0f32..90.0, 0.0f32..90.0, peripheral).prop_map(|(foveal_deg, transitional_deg, peripheral)| {
@@ -190,14 +169,5 @@ proptest! {
         let map = FixedFoveation { foveal_deg, transitional_deg, peripheral: ShadingRate::R4X4 };
         prop_assert!((0.0625..=1.0).contains(&map.rate_at(at)));
         prop_assert!(!map.reaches_deg(fraction).is_nan());
-    }
-
-    #[test]
-    fn scaled_radii_shade_what_was_asked_for(wanted in 0.08f32..0.9) {
-        let tiles = eccentricities_deg(&pico_4(), EXTENT, [48, 48], Vec3::NEG_Z);
-        let found = FixedFoveation::L1_C1.with_mean_rate(wanted, |map| map.mean_rate(&tiles)).unwrap();
-        prop_assert!((found.mean_rate(&tiles) - wanted).abs() < 1e-4);
-        let ratio = found.transitional_deg / found.foveal_deg;
-        prop_assert!(found.transitional_deg == 180.0 || (ratio / (27.08 / 14.34) - 1.0).abs() < 1e-5);
     }
 }

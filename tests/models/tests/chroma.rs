@@ -1,13 +1,13 @@
 //! Chroma attenuation: paper C's numbers, the floor against castleCSF, gamut and luminance against formulas.
 
 use glam::Vec3;
-use parafovea_core::chroma::report::Report;
 use parafovea_core::chroma::{
     ChromaSettings, Curves, FLOOR_FREQUENCY_CPD, Gains, Gamut, Matrix, Mode, attenuate, cb_gain, cr_gain,
     floor,
 };
 use parafovea_core::perception::csf::{Stimulus, VisualField, castle};
 use parafovea_models::checks::checks;
+use parafovea_models::chroma_report::Report;
 use parafovea_models::reference::chroma as reference;
 use proptest::prelude::*;
 

@@ -5,8 +5,8 @@
 
 use crate::points::{Extent, Sweep};
 use parafovea_core::fixed_foveation::FixedFoveation;
-use parafovea_core::fixed_foveation::openxr_toolkit::ScreenEllipses;
 use parafovea_core::rate::ShadingRate;
+use parafovea_scene::openxr_toolkit::ScreenEllipses;
 use parafovea_tests::measure::Technique;
 
 /// One technique whose map is known.

@@ -4,6 +4,7 @@
 
 pub mod camera;
 pub mod offscreen;
+pub mod openxr_toolkit;
 pub mod options;
 pub mod renderer;
 pub mod scene;

@@ -2,10 +2,10 @@
 
 use clap::{Parser, ValueEnum};
 
+use crate::openxr_toolkit::ScreenEllipses;
 use crate::renderer::{Foveation, Radii};
 use crate::scene::generated::Kind;
 use crate::scene::{SceneName, lights};
-use parafovea_core::fixed_foveation::openxr_toolkit::ScreenEllipses;
 
 /// Scenes in virtual reality: an OpenXR application with costly per-pixel lighting.
 #[derive(Clone, Debug, Parser)]

@@ -3,9 +3,9 @@
 #![expect(clippy::unwrap_used, reason = "a test says where it failed")]
 
 use glam::{Quat, Vec3, vec3};
-use parafovea_core::fixed_foveation::openxr_toolkit::ScreenEllipses;
 use parafovea_scene::camera::Camera;
 use parafovea_scene::offscreen::Offscreen;
+use parafovea_scene::openxr_toolkit::ScreenEllipses;
 use parafovea_scene::renderer::{Foveation, Radii};
 use parafovea_scene::scene::SceneName;
 

@@ -5,11 +5,11 @@ use crate::hardware::{HardwarePoint, Rates};
 use crate::points::Sweep;
 use crate::results::{Cost, PointResults, SceneResults, mean};
 use glam::{Quat, Vec2, Vec3};
-use parafovea_core::fixed_foveation::openxr_toolkit::ScreenEllipses;
 use parafovea_core::gaze::{GazePhase, GazeState};
 use parafovea_core::image::Plane;
 use parafovea_core::plan::{EyeInput, PlanInput, PlanSettings, Planner, RateSettings, SafetySettings};
 use parafovea_core::rate::ShadingRate;
+use parafovea_scene::openxr_toolkit::ScreenEllipses;
 use parafovea_test_layers::{
     SHADING_RATE_GPU_VARIABLE, SHADING_RATE_TEXELS_VARIABLE, ShadingRateLine, ShadingRatePass,
     ShadingRateProfile,

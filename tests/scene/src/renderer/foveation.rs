@@ -4,9 +4,9 @@
 use std::cell::Cell;
 use std::mem::size_of;
 
+use crate::openxr_toolkit::ScreenEllipses;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use parafovea_core::fixed_foveation::openxr_toolkit::ScreenEllipses;
 
 use super::{DEPTH_FORMAT, MAX_CAMERAS, Rect};
 use crate::camera::Camera;

@@ -1,11 +1,11 @@
-//! The fixed foveation that OpenXR Toolkit's users know: two ellipses on the screen, as a baseline beside FR.
+//! Fixed foveation of OpenXR Toolkit: two ellipses on the screen, as a baseline beside FR.
 //!
 //! After its 2023-11 state (`vrs.cpp`, and `setOptionsDefaults` of `layer.cpp`); radii are parts of the image's half
 //! sides, so that their angles differ from headset to headset. It also moves the centre sideways by 4 %, which is the
 //! caller's to do.
 
-use crate::rate::ShadingRate;
 use glam::Vec2;
+use parafovea_core::rate::ShadingRate;
 
 /// Rates by position on the screen: 1x1 inside of one ellipse, one rate up to a second, one beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,26 +55,11 @@ impl ScreenEllipses {
             ShadingRate::R1X1
         }
     }
-
-    /// Mean fraction over an image of `tiles` tiles, each with the rate of its centre and the gaze ahead. 1 without tiles.
-    pub fn mean_shading_rate(&self, tiles: [u32; 2]) -> f32 {
-        let count = u64::from(tiles[0]) * u64::from(tiles[1]);
-        if count == 0 {
-            return 1.0;
-        }
-        let offset = |index: u32, count: u32| (2.0 * index as f32 + 1.0) / count as f32 - 1.0;
-        let row = |y: u32| -> f64 {
-            let at = |x: u32| self.shading_rate(Vec2::new(offset(x, tiles[0]), offset(y, tiles[1])));
-            (0..tiles[0]).map(|x| f64::from(at(x).fraction())).sum()
-        };
-        ((0..tiles[1]).map(row).sum::<f64>() / count as f64) as f32
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f32::consts::PI;
 
     #[test]
     fn rates_follow_the_ellipses() {
@@ -99,18 +84,5 @@ mod tests {
         ] {
             assert_eq!(broken.shading_rate([0.9, 0.9].into()), ShadingRate::R1X1);
         }
-    }
-
-    #[test]
-    fn mean_rates_are_those_of_the_ellipses_areas() {
-        let [wide, balanced, narrow] =
-            [ScreenEllipses::WIDE, ScreenEllipses::BALANCED, ScreenEllipses::NARROW]
-                .map(|map| map.mean_shading_rate([540, 540]));
-        // .245 of the image at 1, .108 at 1/4, the rest at 1/16.
-        let area = |radius: f32| PI * 1.25 * radius * radius / 4.0;
-        let expected = area(0.5) + (area(0.6) - area(0.5)) / 4.0 + (1.0 - area(0.6)) / 16.0;
-        assert!((balanced - expected).abs() < 1e-3 && (expected - 0.3128).abs() < 1e-4, "{balanced}");
-        assert!(wide > balanced && balanced > narrow, "{wide} {narrow}");
-        assert_eq!(ScreenEllipses::WIDE.mean_shading_rate([0, 9]), 1.0);
     }
 }

@@ -1,12 +1,12 @@
-//! How much chroma is kept, by every definition that the paper's "31-37 %" may mean.
+//! The share of chroma that is kept, by each possible definition of paper C's "31-37 %".
 //!
 //! Paper C gives one range and no definition. The mean over a disc of what is *kept*, averaged over both channels,
 //! spans 31.28 % to 37.22 % over its bounds; the saving of the whole signal along a line spans 31.5 % to 36.5 %. Both
 //! are reported, and so are the plain ones.
 
-use super::{Curves, Gains};
-use crate::geometry::{ImagePlane, eccentricity};
 use glam::{Vec2, Vec3};
+use parafovea_core::chroma::{Curves, Gains};
+use parafovea_core::geometry::{ImagePlane, eccentricity};
 
 /// Steps of an integral: (1 - E^2)^.7 is then right to 1e-6.
 const STEPS: u32 = 4096;
@@ -51,7 +51,7 @@ impl Report {
 }
 
 /// Mean gains over a rectangle of `sides`, with E the distance from its middle over `normaliser`, all in one
-/// unit. With a normaliser of 0 or NaN, E is NaN or infinite, and `gains` says what that means.
+/// unit. With a normaliser of 0 or NaN, E is NaN or infinite.
 pub fn rectangle_mean(sides: [f32; 2], normaliser: f32, gains: impl Fn(f32) -> Gains) -> Gains {
     let sides = Vec2::from(sides);
     weighted_mean(unit_square().map(|at| (1.0, gains(((at - 0.5) * sides).length() / normaliser))))

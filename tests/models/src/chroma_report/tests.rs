@@ -1,5 +1,5 @@
-use super::super::{ChromaSettings, Mode, cb_gain, cr_gain};
 use super::*;
+use parafovea_core::chroma::{ChromaSettings, Mode, cb_gain, cr_gain};
 
 /// The bounds of paper C that belong together, and the two that give the extremes: Z of Cb and of Cr.
 const BOUNDS: [(f32, f32); 4] = [(0.70, 0.35), (0.85, 0.55), (0.70, 0.55), (0.85, 0.35)];
