@@ -47,7 +47,7 @@ fn fixed() -> PlanSettings {
     PlanSettings { rates: RateSettings::Fixed(FixedFoveation::L1_C1), ..PlanSettings::default() }
 }
 
-fn without_rails(settings: PlanSettings) -> PlanSettings {
+fn without_safety_limits(settings: PlanSettings) -> PlanSettings {
     PlanSettings { safety: SafetySettings::PAPER, ..settings }
 }
 
@@ -74,7 +74,7 @@ fn is_full(eye: &EyePlan) -> bool {
 
 #[test]
 fn a_gaze_that_stays_is_measured_anew_in_another_view() {
-    let mut planner = Planner::new(without_rails(fixed()));
+    let mut planner = Planner::new(without_safety_limits(fixed()));
     let wide = input();
     planner.plan(&wide);
     let mut narrow = input();
@@ -83,9 +83,12 @@ fn a_gaze_that_stays_is_measured_anew_in_another_view() {
         eye.fov = Fov { left: -0.3, right: 1.2, ..eye.fov };
     }
     let same_gaze = planner.plan(&PlanInput { frame: 1, time_ns: FRAME_NS, ..narrow }).clone();
-    let fresh = Planner::new(without_rails(fixed())).plan(&narrow).clone();
+    let fresh = Planner::new(without_safety_limits(fixed())).plan(&narrow).clone();
     assert_eq!(same_gaze.eyes[0].rates, fresh.eyes[0].rates);
-    assert_ne!(same_gaze.eyes[0].rates, Planner::new(without_rails(fixed())).plan(&wide).eyes[0].rates);
+    assert_ne!(
+        same_gaze.eyes[0].rates,
+        Planner::new(without_safety_limits(fixed())).plan(&wide).eyes[0].rates
+    );
 }
 
 fn middle_of(eye: &EyePlan, x: u32, y: u32) -> Vec3 {
@@ -194,7 +197,7 @@ fn garbage_is_full_rate() {
     ];
     for (case, unknown) in unknown {
         let mut planner =
-            Planner::new(without_rails(with_schedule(UpdateConfiguration::F12345, Phase::Staggered)));
+            Planner::new(without_safety_limits(with_schedule(UpdateConfiguration::F12345, Phase::Staggered)));
         let plan = settled(&mut planner, unknown);
         assert!(plan.eyes.iter().all(is_full), "{case}");
     }
@@ -207,7 +210,7 @@ fn garbage_is_full_rate() {
         let mut malformed = input();
         change(&mut malformed.eyes[0]);
         let mut planner =
-            Planner::new(without_rails(with_schedule(UpdateConfiguration::F12345, Phase::Staggered)));
+            Planner::new(without_safety_limits(with_schedule(UpdateConfiguration::F12345, Phase::Staggered)));
         let plan = settled(&mut planner, malformed);
         assert!(is_full(&plan.eyes[0]), "{case}");
         assert!(!is_full(&plan.eyes[1]), "{case}: the other eye is not concerned");

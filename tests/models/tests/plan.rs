@@ -71,7 +71,7 @@ fn map() -> impl Strategy<Value = FixedFoveation> {
     })
 }
 
-fn without_rails(rates: RateSettings) -> PlanSettings {
+fn without_safety_limits(rates: RateSettings) -> PlanSettings {
     PlanSettings { rates, safety: SafetySettings::PAPER, ..PlanSettings::default() }
 }
 
@@ -113,7 +113,7 @@ fn is_between(rate: ShadingRate, fine: ShadingRate, coarse: ShadingRate) -> bool
 fn rates_change_where_the_rings_of_the_pilot_study_do() {
     for map in FixedFoveation::PILOT {
         let input = input([eye(), eye()], [Vec3::NEG_Z, Vec3::new(0.05, 0.0, -1.0)]);
-        let mut planner = Planner::new(without_rails(RateSettings::Fixed(map)));
+        let mut planner = Planner::new(without_safety_limits(RateSettings::Fixed(map)));
         for (index, tile, angle, rate) in tiles(planner.plan(&input), &input) {
             let expected = fixed_rate(&map, angle, &PAPER_RATES);
             assert_eq!(rate, expected, "tile {tile:?} of eye {index} at {angle} degrees");
@@ -164,7 +164,7 @@ proptest! {
     #[test]
     fn rings_are_those_of_the_reference(eyes in [any_eye(), any_eye()], gazes in [gaze(), gaze()], map in map()) {
         let input = input(eyes, gazes);
-        let mut planner = Planner::new(without_rails(RateSettings::Fixed(map)));
+        let mut planner = Planner::new(without_safety_limits(RateSettings::Fixed(map)));
         let (mut count, mut ties) = (0, 0);
         for (index, tile, angle, rate) in tiles(planner.plan(&input), &input) {
             let fine = fixed_rate(&map, angle - TIE_DEG, &PAPER_RATES);
@@ -230,7 +230,7 @@ proptest! {
         let eye = EyeInput { contrast: Some(&contrast), ..eye() };
         let audio = AudioFeatures { loudness_lufs: gamma_ld - 35.0, gamma_ld, gamma_fq_kilomel, silent: false };
         let input = PlanInput { audio: Some(audio), ..input([eye, eye], gazes) };
-        let mut planner = Planner::new(without_rails(RateSettings::AudioVisual(model)));
+        let mut planner = Planner::new(without_safety_limits(RateSettings::AudioVisual(model)));
         let plan = planner.plan(&input);
         let budget = f64::from(plan.budget.expect("it is loud"));
         let view = reference(&eye);

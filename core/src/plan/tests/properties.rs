@@ -29,7 +29,7 @@ proptest! {
     #[test]
     fn rate_does_not_rise_with_eccentricity(map in any_map(), left in ahead(), right in ahead()) {
         let rates = RateSettings::Fixed(map);
-        let mut planner = Planner::new(without_rails(PlanSettings { rates, ..PlanSettings::default() }));
+        let mut planner = Planner::new(without_safety_limits(PlanSettings { rates, ..PlanSettings::default() }));
         let plan = planner.plan(&PlanInput { gaze: gaze(left, right), ..input() });
         for eye in &plan.eyes {
             let mut tiles: Vec<(f32, f32)> = (0..40)
@@ -50,7 +50,7 @@ proptest! {
     #[test]
     fn both_eyes_give_one_direction_the_same_rate(map in any_map(), left in ahead(), right in ahead(), seen in ahead()) {
         let settings = PlanSettings { rates: RateSettings::Fixed(map), ..PlanSettings::default() };
-        let mut planner = Planner::new(without_rails(settings));
+        let mut planner = Planner::new(without_safety_limits(settings));
         let input = PlanInput { gaze: gaze(left, right), ..input() };
         let plan = planner.plan(&input);
         prop_assert_eq!(plan.eyes[0].rings, plan.eyes[1].rings);
@@ -73,7 +73,7 @@ proptest! {
 
     #[test]
     fn joint_rotation_changes_nothing(map in any_map(), left in ahead(), right in ahead(), turn in any_quat()) {
-        let settings = without_rails(PlanSettings { rates: RateSettings::Fixed(map), ..PlanSettings::default() });
+        let settings = without_safety_limits(PlanSettings { rates: RateSettings::Fixed(map), ..PlanSettings::default() });
         let before = PlanInput { gaze: gaze(left, right), ..input() };
         let mut after = PlanInput { gaze: gaze(turn * left, turn * right), ..before };
         after.eyes.iter_mut().for_each(|eye| eye.orientation = turn * eye.orientation);
