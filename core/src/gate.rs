@@ -203,7 +203,7 @@ impl Gate {
         }
         let now = frame.time_ns;
         for last in [&mut self.last_trial_ns, &mut self.last_full_ns, &mut self.last_hidden_ns] {
-            // A clock that starts anew starts the rest anew.
+            // A clock that restarts also restarts the rest.
             *last = last.map(|last| last.min(now));
         }
         if is_hidden(frame.phase) {
@@ -239,7 +239,7 @@ impl Gate {
     /// Adds the frame's cost to the running trial or to the recent costs.
     fn record_cost(&mut self, frame: &GateFrame) {
         self.same = if frame.was_on == self.last_was_on { self.same.saturating_add(1) } else { 0 };
-        // A clock that starts anew starts the ramp anew.
+        // A clock that restarts also restarts the ramp.
         let came_on = frame.was_on && (!self.last_was_on || frame.time_ns < self.on_since_ns);
         if came_on {
             self.on_since_ns = frame.time_ns;

@@ -128,7 +128,7 @@ impl FeatureExtractor {
             Mode::Default => self.loudness.momentary().min(self.loudness.short_term()),
             Mode::Paper => self.loudness.gated(),
         };
-        // The gated loudness is the mean of what is above; only what has no gate can be below.
+        // The gated loudness is the mean of blocks above the gate; only ungated values can be below.
         if loudness < ABSOLUTE_GATE_LUFS {
             return AudioFeatures::SILENT;
         }

@@ -24,7 +24,7 @@ fn curves_match_the_paper() {
         }
         for (z, expected) in [(0.35, cr35), (0.45, cr45), (0.55, cr55)] {
             let gain = f64::from(cr_gain(e32, z));
-            // 1e-4: at E = .99 the rounding of E itself to f32 is 5e-6 of what is left of 1 - E.
+            // 1e-4: at E = .99 the rounding of E itself to f32 is 5e-6 of 1 - E.
             assert!((gain / expected - 1.0).abs() < 1e-4, "Cr({e}; {z}) = {gain}, not {expected}");
         }
     }

@@ -152,7 +152,7 @@ proptest! {
         let radius = map.reaches_deg(rate.fraction());
         if radius.is_finite() {
             prop_assert!(map.rate_at(radius + 1e-3) <= rate.fraction() + 1e-4);
-            // Where the fall is steeper than rounding in the radius allows for, what is before it may be anything.
+            // Where the fall is steeper than rounding in the radius allows for, the rate before it is arbitrary.
             prop_assert!(radius < 1e-3 || map.rate_at(radius - 1e-3) >= rate.fraction() - 1e-4);
         } else {
             prop_assert!(map.rate_at(180.0) > rate.fraction());

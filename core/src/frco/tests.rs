@@ -52,7 +52,7 @@ fn at_a_price_a_tile_stops_where_a_sample_is_worth_more_than_what_it_shows() {
     {
         assert_eq!(half_octaves_at([8.0, 4.0, 2.0, 1.0], price), half_octaves, "{price}");
     }
-    // Nothing in the second octave: whoever gives up all of the first gives up both.
+    // Nothing in the second octave: the loss of all of the first includes both.
     assert_eq!([0.9, 1.1, 1.2].map(|price| half_octaves_at([1.0, 0.0, 0.0, 0.0], price)), [0, 1, 4]);
     assert_eq!(half_octaves_at([0.0, 0.0, 3.0, 3.0], 0.0), 4, "nothing to see");
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {

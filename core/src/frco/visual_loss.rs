@@ -45,6 +45,6 @@ fn average(blocks: impl IntoIterator<Item = Block>, value: impl Fn(&Block) -> f6
             pixels += weight;
         }
     }
-    // What overflows f32 is held at its end.
+    // Values beyond f32 are clamped.
     if pixels > 0.0 { (sum / pixels).min(f64::from(f32::MAX)) as f32 } else { 0.0 }
 }

@@ -175,9 +175,9 @@ impl GazeTracker {
         let motion = if looks_along { &seen.from_head } else { &seen.motion };
         let (directions, prediction_error_deg) =
             motion.directions(&self.settings, (ahead as f64 * 1e-9) as f32);
-        // Where nothing becomes coarser, nothing is lost by what becomes finer at a place that may be wrong.
+        // Without coarsening, refinement at a place that may be wrong loses nothing.
         let doubted = seen.motion.in_doubt().filter(|_| visible);
-        // What is held stays where it was seen from the head: there it is within the reach of the eyes.
+        // A held gaze stays at its direction from the head, within the reach of the eyes.
         let head = if visible { self.head.at(now_ns) } else { seen.head };
         let head = head.filter(|_| !looks_along);
         GazeState {
@@ -253,7 +253,7 @@ impl GazeTracker {
                     if gap >= -nanoseconds(settings.hold_ms) {
                         return Err(Rejection::OutOfOrder);
                     }
-                    // The clock began anew.
+                    // The clock restarted.
                     *seen = found([sample, from_head].map(Motion::new), 0.0);
                 } else if self.ended
                     || seen.interrupted

@@ -29,7 +29,7 @@ impl Cap {
     /// is left.
     pub fn contracted_to(self, direction: Vec3, angle: f32) -> Self {
         let away = eccentricity(self.centre, direction);
-        // The radius shrinks by what the move of the centre leaves of `angle`, and the direction stays inside.
+        // The radius shrinks by `angle` less the move of the centre, and the direction stays inside.
         let towards = ((angle - (self.radius - away)) / 2.0).clamp(0.0, away.min(angle));
         let radius = (self.radius - (angle - towards)).max(away - towards).max(0.0);
         Self { centre: turned(self.centre, direction, towards), radius }

@@ -198,7 +198,7 @@ impl Planner {
         let orientation = rotation(input.eyes[index].orientation);
         // While trust ramps down, colour is back already.
         let known = rules.has_gaze() && input.gaze.phase != GazePhase::Lost && orientation.is_some();
-        // Around the ray where nobody knows the distance: it is off by 4.5 degrees at 0.4 m, and the plateau of full colour
+        // Around the ray if the distance is unknown: it is off by 4.5 degrees at 0.4 m, and the plateau of full colour
         // is wider than that.
         let direction = input.gaze.ray.and_then(unit_direction).unwrap_or(rules.centres[index]);
         let gaze = known.then(|| head * direction);

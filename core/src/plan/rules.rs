@@ -182,7 +182,7 @@ fn contrast_limit(
     reasons: &mut Reasons,
 ) -> Option<RateLimit> {
     reasons.insert_if(audio.is_none(), Reason::NothingMeasured);
-    // Where nobody listens, nothing is heard: the ablation of the paper without both features of sound.
+    // No sound capture counts as silence: the ablation of the paper without both features of sound.
     let audio = audio.unwrap_or(&AudioFeatures::SILENT);
     reasons.insert_if(audio.silent, Reason::Silence);
     let Budget::Alpha(budget) = model.budget.budget(audio.gamma_ld, audio.gamma_fq_kilomel, audio.silent)
@@ -210,7 +210,7 @@ fn schedule(
     reasons.insert_if(capped != followed, Reason::LeastFrequency);
     let configuration = match updates.unit {
         UpdateUnit::Directions => capped.limited(limits.unseen(&updates.schedule.regions)),
-        // What stays where it is in the picture is out of place by every turn of the head too.
+        // Without reprojection every turn of the head displaces tiles, too.
         UpdateUnit::Tiles => capped,
     };
     reasons.insert_if(configuration != capped, Reason::HeadMoves);

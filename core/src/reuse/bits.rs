@@ -22,7 +22,7 @@ pub(super) fn range(word: usize, [begin, end]: [u32; 2]) -> u64 {
 /// 64 bits of a row from a column on, which may lie before its first one; 0 for columns that the row does not have.
 #[inline]
 pub(super) fn read(row: &[u64], column: i32) -> u64 {
-    // What lies before the first word has an index beyond the last one.
+    // A word before the first one has an index beyond the last one.
     let word = |index: i32| row.get(index as usize).copied().unwrap_or(0);
     let (index, skipped) = (column >> u64::BITS.trailing_zeros(), column as u32 % u64::BITS);
     // Shifted twice, as a shift by all bits is none.

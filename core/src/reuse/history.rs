@@ -319,7 +319,7 @@ fn move_between(now: &Picture, then: &Picture, matrix: &Mat3) -> Option<Parallax
     let has_moved = [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].into_iter().any(|corner| {
         let far = *matrix * (corner * now.size()).extend(1.0);
         let near = far + shift / NEAREST_ASSUMED_M;
-        // Not `>`: what is behind the view has no place.
+        // Not `>`: points behind the view have no place.
         let is_there = near.z > 0.0 && far.z > 0.0;
         !(is_there && (near.truncate() / near.z).distance(far.truncate() / far.z) <= UNMOVED_PIXELS)
     });

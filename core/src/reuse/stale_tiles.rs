@@ -188,7 +188,7 @@ impl StaleTiles {
     pub fn tile_at(&self, share: Vec2) -> [u32; 2] {
         [0, 1].map(|axis| {
             let tile = share[axis] * self.tiles_across()[axis];
-            // Of what is negative or not a number, 0.
+            // 0 for negative values and NaN.
             (tile as u32).min(self.tiles[axis].saturating_sub(1))
         })
     }

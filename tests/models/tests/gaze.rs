@@ -76,7 +76,11 @@ fn the_area_is_smaller_than_one_euro_s_and_the_unfiltered_at_the_same_hits() {
             let soon = |score: &Score| score.area_deg2(score.radius_from_landing(0.98, Radius::Inflated));
             assert!(soon(&ours) < soon(&theirs), "{}", what("area from landing on"));
             let safety = Radius::Inflated(base);
-            assert!(ours.area_deg2(safety limits) < 0.9 * theirs.area_deg2(safety limits), "{}", what("safety limits' area"));
+            assert!(
+                ours.area_deg2(safety) < 0.9 * theirs.area_deg2(safety),
+                "{}",
+                what("safety limits' area")
+            );
         }
     }
 }

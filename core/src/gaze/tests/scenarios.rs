@@ -337,7 +337,7 @@ fn samples_in_the_wrong_order_are_dropped_with_a_reason() {
 
 #[test]
 fn the_eyes_are_awaited_where_a_saccade_will_land() {
-    // Of 12 to 28 degrees at 120 Hz: half-way, the landing is known within a third of what is left.
+    // Of 12 to 28 degrees at 120 Hz: half-way, the landing is known within a third of the remaining way.
     for amplitude_deg in [12.0, 20.0, 28.0f32] {
         let (mut tracker, time) = late(-10.0, 8);
         let lasts_ms = 21.0 + 2.2 * amplitude_deg;
@@ -386,7 +386,7 @@ fn a_smoothed_saccade_is_one_and_is_followed_to_its_end() {
 
 #[test]
 fn a_noisy_tracker_is_in_no_saccade_and_follows_nothing_at_rest() {
-    // 0.6 degrees of jitter; what is learnt of it takes a second.
+    // 0.6 degrees of jitter, which is measured within a second.
     let mut tracker = GazeTracker::new(GazeSettings::default());
     let mut false_alarms = 0;
     let mut bits = 1u32;

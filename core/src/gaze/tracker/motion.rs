@@ -111,7 +111,7 @@ impl Motion {
             Some(_) => sample.angle_deg(newest.directions),
             None => sample.angle_deg(self.line.at(sample.time_ns)),
         };
-        // After a sample in doubt, the next one confirms that or what was before it.
+        // After a sample in doubt, the next one confirms it or the one before.
         if missed_deg > limit_deg && (self.suspect.is_some() || missed_deg > FASTEST_DEG_S * seconds) {
             return self.doubt(sample, limit_deg);
         }
@@ -178,7 +178,7 @@ impl Motion {
         match &self.saccade {
             Some(saccade) => (saccade.landing.directions, Some(saccade.landing.error_deg)),
             None if self.turning => {
-                // What they follow may have stopped anywhere on this way: the standard deviation of an even distribution.
+                // The pursued object may have stopped anywhere on this way: the standard deviation of an even distribution.
                 let way_deg = self.line.speed_deg_s() * ahead_s.max(settings.latency_ms * 1e-3);
                 (self.line.ahead(ahead_s), Some(way_deg / 12f32.sqrt()))
             }

@@ -75,7 +75,7 @@ fn a_natural_picture_comes_back() {
         [(ShadingRate::R2X2, 1), (ShadingRate::R4X2, 2), (ShadingRate::R2X4, 2), (ShadingRate::R4X4, 2)]
     {
         let [width, height] = [rate.width(), rate.height()];
-        // Each block shows what its middle would.
+        // Each block has the value of its middle.
         let coarse = Plane::from_fn(160, 160, |x, y| {
             picture.at(x / width * width + width / 2, y / height * height + height / 2)
         });

@@ -101,7 +101,7 @@ fn small_motion_does_not_change_rates() {
             let input = PlanInput { frame, time_ns: frame as i64 * FRAME_NS, gaze, ..input() };
             planner.plan(&input).eyes[0].rates.clone()
         };
-        // Tiles grow to what both directions permit.
+        // Tiles become as coarse as both directions permit.
         let settled = (0..300).map(&mut plan_of).last();
         let changed = (300..400).any(|frame| Some(plan_of(frame)) != settled);
         assert_eq!(changed, changes, "{hysteresis_deg} degrees");

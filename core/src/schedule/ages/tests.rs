@@ -164,7 +164,7 @@ fn the_same_frame_again_keeps_what_is_due() {
         ages.advance(&slow(Phase::Staggered), frame, [Vec3::NEG_Z; 2]);
         assert_eq!((due, grown), (ages.due.clone(), ages.ages.clone()));
     }
-    // Backwards: nobody knows how old anything is.
+    // Backwards: all ages are unknown.
     ages.advance(&slow(Phase::Staggered), 3, [Vec3::NEG_Z; 2]);
     assert!(ages.due.iter().all(|&due| due == BOTH));
 }
