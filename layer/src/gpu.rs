@@ -146,7 +146,7 @@ impl Gpu {
         (queue_family, queue_index): (u32, u32),
         shared: Arc<Shared>,
     ) -> Result<Arc<Self>, GpuError> {
-        // SAFETY: the caller vouches for the record.
+        // SAFETY: the record is of a live device, as `# Safety` demands.
         let mut gpu = unsafe { Self::load(record) }?;
         // SAFETY: the physical device is one of this instance, both live; this only fills structures.
         let families =
@@ -181,14 +181,14 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::Missing`].
     pub unsafe fn without_queue(record: &DeviceRecord) -> Result<Arc<Self>, GpuError> {
-        // SAFETY: the caller vouches for the record.
+        // SAFETY: the record is of a live device, as `# Safety` demands.
         unsafe { Self::load(record) }.map(Arc::new)
     }
 
     /// # Safety
     /// As for [`Gpu::without_queue`].
     unsafe fn load(record: &DeviceRecord) -> Result<Self, GpuError> {
-        // SAFETY: the caller vouches for the record.
+        // SAFETY: the record is of a live device, as `# Safety` demands.
         let Functions { instance, device } = unsafe { Functions::load(record) }?;
         let physical_device = record.physical_device;
         // SAFETY: the physical device is one of this instance, both live; these only fill structures.

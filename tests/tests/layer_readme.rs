@@ -101,7 +101,7 @@ fn a_wrong_picture_is_found() {
     let wrong = [
         (" end xr/frame.rs\n  frame_started xr/plan.rs\n", 2),
         (" deliver xr/frame.rs\n  complete xr/frame/complete.rs\n  process xr/frame.rs\n", 1),
-        (" deliver xr/frame.rs\n  hear inputs/audio.rs\n", 1),
+        (" deliver xr/frame.rs\n  poll inputs/audio.rs\n", 1),
     ];
     for (picture, count) in wrong {
         assert_eq!(complaints(&calls(picture)).len(), count, "{picture}");

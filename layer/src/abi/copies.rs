@@ -78,7 +78,7 @@ impl<'a> Copies<'a> {
         first: *const c_void,
         amend: impl FnOnce(&mut T),
     ) -> *const c_void {
-        // SAFETY: the caller vouches for the chain.
+        // SAFETY: the chain is valid, as `# Safety` demands.
         let Some((before, found)) = (unsafe { split_at::<T>(first) }) else { return first };
         if before.iter().any(|structure| size_of_structure(structure.s_type).is_none()) {
             let structure = found.cast_mut();
@@ -173,7 +173,7 @@ pub unsafe fn words<'c>(code: *const c_void, size: usize) -> Cow<'c, [u32]> {
         return Cow::Borrowed(&[]);
     }
     let (first, count) = (code.cast::<u32>(), size / size_of::<u32>());
-    // SAFETY: the caller vouches for the bytes; words are borrowed only where they are aligned.
+    // SAFETY: the bytes are there, as `# Safety` demands; words are borrowed only where they are aligned.
     unsafe {
         if first.is_aligned() {
             return Cow::Borrowed(std::slice::from_raw_parts(first, count));

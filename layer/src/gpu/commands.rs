@@ -80,6 +80,11 @@ impl CommandRing {
         }
     }
 
+    /// Makes a command buffer and a fence for each slot.
+    ///
+    /// # Safety
+    ///
+    /// The device is live, and the pool is of it.
     unsafe fn fill(&mut self, device: &ash::Device) -> Result<(), GpuError> {
         for slot in &mut self.slots {
             // SAFETY: the pool is one of this live device.
@@ -304,7 +309,7 @@ pub(crate) unsafe fn wait_device(device: &ash::Device) -> bool {
 /// # Safety
 /// The fence is a live one of the device.
 pub(crate) unsafe fn wait_fence(device: &ash::Device, fence: vk::Fence) -> Result<(), GpuError> {
-    // SAFETY: the caller vouches for the fence.
+    // SAFETY: the fence is live, as `# Safety` demands.
     match unsafe { device.wait_for_fences(&[fence], true, FENCE_TIMEOUT.as_nanos() as u64) } {
         Ok(()) => Ok(()),
         Err(vk::Result::TIMEOUT) => Err(GpuError::Timeout),
@@ -324,7 +329,7 @@ pub(crate) unsafe fn wait_fence(device: &ash::Device, fence: vk::Fence) -> Resul
 unsafe fn watch_fence(device: &ash::Device, fence: vk::Fence) -> Result<(), GpuError> {
     let start = Instant::now();
     loop {
-        // SAFETY: the caller vouches for the fence.
+        // SAFETY: the fence is live, as `# Safety` demands.
         match unsafe { device.get_fence_status(fence) } {
             Ok(true) => return Ok(()),
             Ok(false) if start.elapsed() < FENCE_TIMEOUT => std::thread::sleep(BETWEEN_LOOKS),

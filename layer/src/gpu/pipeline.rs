@@ -104,7 +104,7 @@ pub(super) unsafe fn graphics_pipeline(
     info: &vk::GraphicsPipelineCreateInfo<'_>,
 ) -> Result<Owned<vk::Pipeline>, GpuError> {
     let cache = gpu.pipeline_cache()?;
-    // SAFETY: the caller vouches for the structure; the device is live, and so is the cache until its compiler ends.
+    // SAFETY: the structure is valid, by the valid usage of vkCreateGraphicsPipelines; the device is live, and so is the cache until its compiler ends.
     unsafe {
         let handles = gpu
             .device

@@ -50,7 +50,7 @@ impl Shared {
     /// # Errors
     /// [`GpuError::Missing`].
     pub unsafe fn new(record: &DeviceRecord) -> Result<Arc<Self>, GpuError> {
-        // SAFETY: the caller vouches for the record; `end` ends the compiler, too.
+        // SAFETY: the record is of a live device, as `# Safety` demands; `end` ends the compiler, too.
         unsafe { Self::made_by(record, Compiler::of(record)) }
     }
 
@@ -69,7 +69,7 @@ impl Shared {
     /// # Safety
     /// As for [`Self::new`].
     unsafe fn made_by(record: &DeviceRecord, compiler: Arc<Compiler>) -> Result<Arc<Self>, GpuError> {
-        // SAFETY: the caller vouches for the record.
+        // SAFETY: the record is of a live device, as `# Safety` demands.
         let gpu = unsafe { Gpu::without_queue(record) }?;
         Ok(Arc::new(Self {
             gpu,

@@ -67,7 +67,7 @@ impl SubmitTimes {
             let count = 2 * SUBMITS_IN_FLIGHT as u32;
             let info =
                 vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(count);
-            // SAFETY: the caller vouches for the device.
+            // SAFETY: the device is live, as `# Safety` demands.
             match unsafe { device.create_query_pool(&info, None) } {
                 Ok(pool) => self.pool = pool,
                 Err(result) => {
@@ -79,7 +79,7 @@ impl SubmitTimes {
             }
         }
         let first = 2 * index as u32;
-        // SAFETY: the caller vouches for the command buffer; the pool has as many queries.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; the pool has as many queries.
         unsafe {
             device.cmd_reset_query_pool(commands, self.pool, first, 2);
             device.cmd_write_timestamp(commands, DONE, self.pool, first);
@@ -138,7 +138,7 @@ impl SubmitTimes {
     /// # Safety
     /// The device is live, and nothing that was timed is under way on it.
     pub(super) unsafe fn destroy(&self, device: &ash::Device) {
-        // SAFETY: the caller vouches for the device.
+        // SAFETY: the device is live, as `# Safety` demands.
         unsafe { device.destroy_query_pool(self.pool, None) };
     }
 }

@@ -4,7 +4,7 @@
 
 mod content;
 
-pub use content::{Content, Need};
+pub use content::{Content, Need, Parts};
 
 use super::frame::MapContent;
 use super::objects::Objects;

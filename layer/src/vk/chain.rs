@@ -188,7 +188,7 @@ pub unsafe fn advance_device(info: *const vk::DeviceCreateInfo<'_>) -> Option<Ne
 ///
 /// `p_next` is null or starts a valid pNext chain, unchanged for `'a`.
 pub unsafe fn extension<'a, T: vk::TaggedStructure>(p_next: *const c_void) -> Option<&'a T> {
-    // SAFETY: the caller vouches for the chain; a structure of that type is a T.
+    // SAFETY: the chain is valid, as `# Safety` demands; a structure of that type is a T.
     unsafe {
         let mut chain = pnext::chain(p_next);
         let found = Iterator::find(&mut chain, |header| header.ty == T::STRUCTURE_TYPE.as_raw())?;

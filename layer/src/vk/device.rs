@@ -67,7 +67,7 @@ static DEVICES: Registry<DispatchKey, Device> = Registry::new();
 ///
 /// `object` is null, or a live object of one of these kinds.
 pub unsafe fn of<H: vk::Handle>(object: H) -> Option<Arc<Device>> {
-    // SAFETY: the caller vouches for the handle.
+    // SAFETY: the object is null or live, as `# Safety` demands.
     DEVICES.get(unsafe { DispatchKey::of(object) }?)
 }
 
@@ -81,7 +81,7 @@ pub unsafe fn with<H: vk::Handle, F>(
     object: H,
     choose: impl FnOnce(&ArmedTable) -> Option<F>,
 ) -> Option<(Arc<Device>, F)> {
-    // SAFETY: the caller vouches for the handle.
+    // SAFETY: the handle is live, as `# Safety` demands.
     let device = unsafe { of(object) }?;
     let function = choose(&device.hooked)?;
     Some((device, function))

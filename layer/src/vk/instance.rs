@@ -29,7 +29,7 @@ static INSTANCES: Registry<DispatchKey, Instance> = Registry::new();
 ///
 /// `object` is null, or a live instance or physical device.
 pub unsafe fn of<H: vk::Handle>(object: H) -> Option<Arc<Instance>> {
-    // SAFETY: the caller vouches for the handle.
+    // SAFETY: the object is null or live, as `# Safety` demands.
     INSTANCES.get(unsafe { DispatchKey::of(object) }?)
 }
 

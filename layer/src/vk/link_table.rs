@@ -207,7 +207,7 @@ unsafe fn write_report(armed: &Armed, report: &mut FrameReportRecord) {
         report.passes_with_rates = log.with_rates();
         report.eye_passes = log.eye_passes();
         for (eye, stale) in report.stale.iter_mut().enumerate() {
-            // SAFETY: the caller vouches for the room.
+            // SAFETY: there is room for the words, as `# Safety` demands.
             unsafe { write_stale(&log, eye, stale) };
         }
         log.frame()
@@ -235,7 +235,7 @@ unsafe fn write_stale(log: &Log, eye: usize, record: &mut StaleRecord) {
     record.texel = stale.texel();
     record.count = words.len() as u32;
     if record.count <= record.capacity && !record.words.is_null() {
-        // SAFETY: the caller vouches for the room; the other half's words are not ours.
+        // SAFETY: there is room for the words, as `# Safety` demands; the other half's words are not ours.
         unsafe { record.words.copy_from_nonoverlapping(words.as_ptr(), words.len()) };
     }
 }
@@ -331,6 +331,6 @@ unsafe fn slice<'a, T>(first: *const T, count: usize) -> &'a [T] {
     if first.is_null() || count == 0 {
         return &[];
     }
-    // SAFETY: the caller vouches for the values.
+    // SAFETY: the values are there, as `# Safety` demands.
     unsafe { std::slice::from_raw_parts(first, count) }
 }

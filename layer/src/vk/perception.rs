@@ -108,7 +108,7 @@ impl Perception {
             tools.analyze.record(&commands, &target, layout, same_view);
             Ok(())
         };
-        // SAFETY: the caller vouches for the queue.
+        // SAFETY: this thread may use the live queue, as `# Safety` demands.
         if unsafe { ring.run(own, queue, kept, record_commands) } {
             self.measured(eye, measured);
         }
@@ -159,7 +159,7 @@ impl Perception {
         kept: &mut Kept,
     ) {
         let Some(tools) = self.made() else { return };
-        // SAFETY: the caller vouches for the command buffer.
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
         let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
         for (tiles, params) in &deciding.eyes {
             words.clear();

@@ -75,7 +75,7 @@ impl PreSubmitRing {
         kept: Kept,
         record: impl FnOnce(vk::CommandBuffer) -> Result<(), GpuError>,
     ) -> bool {
-        // SAFETY: the caller vouches for the queue; the slot is not pending.
+        // SAFETY: this thread may use the live queue, as `# Safety` demands; the slot is not pending.
         self.with_slot(own, false, |slot| unsafe {
             slot.begin(own, Work::Analysis, 0)?;
             record(slot.commands())?;

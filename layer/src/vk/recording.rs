@@ -283,7 +283,7 @@ pub unsafe fn with_buffer<F>(
         let next = choose(&known.armed.next)?;
         return Some((Some(known), next));
     }
-    // SAFETY: the caller vouches for the handle.
+    // SAFETY: the handle is live, as `# Safety` demands.
     let (_, next) = unsafe { device::with(handle, choose) }?;
     Some((None, next))
 }

@@ -94,7 +94,7 @@ unsafe fn prepare_or_leave(
     queue: vk::Queue,
     buffers: impl Iterator<Item = vk::CommandBuffer>,
 ) {
-    // SAFETY: the caller vouches for the queue.
+    // SAFETY: this thread may use the live queue, as `# Safety` demands.
     guard("the maps of a submission", || (), |_| unsafe { prepare(armed, is_active, queue, buffers) });
 }
 
@@ -133,7 +133,7 @@ unsafe fn prepare(
             add(&mut touched, candidate);
         }
     }
-    // SAFETY: the caller vouches for the queue.
+    // SAFETY: this thread may use the live queue, as `# Safety` demands.
     unsafe { update(armed, is_followed, queue, touched) };
     if obeyed.iter().any(|candidate| candidate.content().leaves_out()) {
         let mut log = armed.frame.log();
@@ -180,7 +180,7 @@ unsafe fn update(armed: &Armed, is_followed: bool, queue: vk::Queue, mut touched
             None => return,
         },
     };
-    // SAFETY: the caller vouches for the queue.
+    // SAFETY: this thread may use the live queue, as `# Safety` demands.
     unsafe { maps::submit(&ring, armed, own, queue, touched, deciding.as_ref()) };
 }
 
@@ -236,6 +236,6 @@ unsafe fn array<'a, T>(first: *const T, count: u32) -> &'a [T] {
     if first.is_null() || count == 0 {
         return &[];
     }
-    // SAFETY: the caller vouches for the values.
+    // SAFETY: the values are there, as `# Safety` demands.
     unsafe { slice::from_raw_parts(first, count as usize) }
 }

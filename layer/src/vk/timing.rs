@@ -282,7 +282,7 @@ impl Timer {
             }
         }
         if let Some(queries) = &self.queries {
-            // SAFETY: the caller vouches for the command buffer.
+            // SAFETY: the command buffer is recording, as `# Safety` demands.
             unsafe { queries.begin(commands) };
             self.state = State::Open;
         }
@@ -295,7 +295,7 @@ impl Timer {
     /// As for [`Self::begin`].
     pub unsafe fn end(&mut self, commands: vk::CommandBuffer) {
         if let Some(queries) = self.queries.as_ref().filter(|_| self.state == State::Open) {
-            // SAFETY: the caller vouches for the command buffer; the first timestamp is there.
+            // SAFETY: the command buffer is recording, as `# Safety` demands; the first timestamp is there.
             unsafe { queries.end(commands) };
             self.state = State::Whole;
         }

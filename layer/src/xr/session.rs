@@ -151,7 +151,7 @@ pub(super) unsafe fn track(
         tracing::info!("session inert: {inert}");
     }
     let config = instance.config.snapshot();
-    // SAFETY: the caller vouches for the device.
+    // SAFETY: the device is live, as `# Safety` demands.
     let active = device.ok().map(|device| unsafe { Active::new(device, Arc::clone(&config)) });
     let actions = SessionActions::new(active.is_some() && instance.reports_eye_gaze(system));
     let spaces = active.as_ref().and_then(|_| Spaces::create(&instance.next, handle));

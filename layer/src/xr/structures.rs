@@ -39,6 +39,6 @@ structures! {
 ///
 /// `next` is a valid chain, as the specification demands of every structure that is passed, for `'a`.
 pub unsafe fn extending<'a>(next: *const c_void) -> Chain<'a> {
-    // SAFETY: the caller vouches for the chain; OpenXR structures begin with a type and a pointer.
+    // SAFETY: the chain is valid, as `# Safety` demands; OpenXR structures begin with a type and a pointer.
     unsafe { chain(next) }
 }

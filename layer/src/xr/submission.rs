@@ -219,7 +219,7 @@ impl ProjectionView {
     unsafe fn read(view: &xr::CompositionLayerProjectionView) -> Self {
         let xr::Quaternionf { x, y, z, w } = view.pose.orientation;
         let xr::Vector3f { x: right, y: up, z: back } = view.pose.position;
-        // SAFETY: the caller vouches for the chain.
+        // SAFETY: the chain is valid, as `# Safety` demands.
         let depth = unsafe { extending(view.next) }.find::<xr::CompositionLayerDepthInfoKHR>();
         Self {
             orientation: rotation(x, y, z, w),

@@ -273,7 +273,7 @@ unsafe fn text(first: *const u8, len: u32) -> String {
     if first.is_null() {
         return String::new();
     }
-    // SAFETY: the caller vouches for the bytes.
+    // SAFETY: the bytes are there, as `# Safety` demands.
     String::from_utf8_lossy(unsafe { std::slice::from_raw_parts(first, len as usize) }).into_owned()
 }
 

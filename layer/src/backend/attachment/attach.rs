@@ -66,7 +66,7 @@ impl Rates {
     ///
     /// The record is of a live device, which has what is enabled.
     pub unsafe fn on(record: &DeviceRecord, enabled: Enabled, is_cpu: bool) -> Option<Self> {
-        // SAFETY: the caller vouches for the record.
+        // SAFETY: the record is of a live device, as `# Safety` demands.
         let images = unsafe { RateImages::of_device(record, &enabled) };
         let images = images.inspect_err(|reason| tracing::info!("no rate attachments: {reason}")).ok()?;
         let Enabled { capabilities, quirks, application_sets_rates, links_pipelines, .. } = enabled;
@@ -109,7 +109,7 @@ impl Rates {
         next: vk::PFN_vkCreateRenderPass,
         next2: Option<vk::PFN_vkCreateRenderPass2>,
     ) -> vk::Result {
-        // SAFETY: the caller vouches for the arguments.
+        // SAFETY: the arguments are valid, as `# Safety` demands.
         unsafe {
             let mut room = room::<256>();
             let mut copies = Copies::new(&mut room);
@@ -142,7 +142,7 @@ impl Rates {
         (device, info, allocator, pass): CreateRenderPass<'_, vk::RenderPassCreateInfo2<'_>>,
         next: vk::PFN_vkCreateRenderPass2,
     ) -> vk::Result {
-        // SAFETY: the caller vouches for the arguments.
+        // SAFETY: the arguments are valid, as `# Safety` demands.
         unsafe {
             let mut room = room::<256>();
             let mut copies = Copies::new(&mut room);
@@ -199,7 +199,7 @@ impl Rates {
         target: FirstColour,
         next: vk::PFN_vkCreateFramebuffer,
     ) -> vk::Result {
-        // SAFETY: the caller vouches for the arguments.
+        // SAFETY: the arguments are valid, as `# Safety` demands.
         unsafe {
             let Some(added) = self.passes.get((*info).render_pass) else {
                 return next(device, info, allocator, made);
@@ -272,7 +272,7 @@ impl Rates {
         target: FirstColour,
         begin: impl FnOnce(*const vk::RenderPassBeginInfo<'_>),
     ) -> Option<Arc<RateImage>> {
-        // SAFETY: the caller vouches for the structure.
+        // SAFETY: the structure is valid, by the valid usage of vkCmdBeginRenderPass.
         unsafe {
             match self.framebuffers.get((*info).framebuffer) {
                 None => {
@@ -308,7 +308,7 @@ impl Rates {
         target: FirstColour,
         begin: impl FnOnce(*const vk::RenderingInfo<'_>),
     ) -> Option<Arc<RateImage>> {
-        // SAFETY: the caller vouches for the structure.
+        // SAFETY: the structure is valid, by the valid usage of vkCmdBeginRendering.
         unsafe {
             let wants = self.attaches_to_rendering() && rendering::wants_rates(&*info).is_ok();
             let key = self.key(target).filter(|_| wants);

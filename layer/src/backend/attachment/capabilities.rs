@@ -118,7 +118,7 @@ impl Questions {
     pub unsafe fn ask(&self, physical_device: vk::PhysicalDevice) -> Result<RateCapabilities, NoRates> {
         let mut features = vk::PhysicalDeviceFragmentShadingRateFeaturesKHR::default();
         let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut features);
-        // SAFETY: the caller vouches for the handle; the chain is of structures to write to.
+        // SAFETY: the handle is live, as `# Safety` demands; the chain is of structures to write to.
         unsafe { (self.features2)(physical_device, &mut all) };
         if features.pipeline_fragment_shading_rate == vk::FALSE {
             return Err(NoRates::Feature("pipelineFragmentShadingRate"));
@@ -130,7 +130,7 @@ impl Questions {
         let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut properties);
         // SAFETY: as above.
         unsafe { (self.properties2)(physical_device, &mut all) };
-        // SAFETY: the caller vouches for the handle.
+        // SAFETY: the handle is live, as `# Safety` demands.
         let rates = unsafe { self.rates(physical_device) };
         RateCapabilities::new(&properties, &rates)
     }
@@ -143,7 +143,7 @@ impl Questions {
     pub unsafe fn driver_id(&self, physical_device: vk::PhysicalDevice) -> vk::DriverId {
         let mut driver = vk::PhysicalDeviceDriverProperties::default();
         let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
-        // SAFETY: the caller vouches for the handle; the chain is of structures to write to.
+        // SAFETY: the handle is live, as `# Safety` demands; the chain is of structures to write to.
         unsafe { (self.properties2)(physical_device, &mut all) };
         driver.driver_id
     }
@@ -156,7 +156,7 @@ impl Questions {
         physical_device: vk::PhysicalDevice,
     ) -> Vec<vk::PhysicalDeviceFragmentShadingRateKHR<'static>> {
         let mut count = 0;
-        // SAFETY: the caller vouches for the handle; without an array only the count is written.
+        // SAFETY: the handle is live, as `# Safety` demands; without an array only the count is written.
         let result = unsafe { (self.rates)(physical_device, &mut count, std::ptr::null_mut()) };
         if result != vk::Result::SUCCESS {
             return Vec::new();
@@ -292,7 +292,7 @@ pub unsafe fn extensions_of(
 ) -> Vec<vk::ExtensionProperties> {
     let next = instance.next.enumerate_device_extensions;
     let mut count = 0;
-    // SAFETY: the caller vouches for the handle; without an array only the count is written.
+    // SAFETY: the handle is live, as `# Safety` demands; without an array only the count is written.
     let result = unsafe { next(physical_device, std::ptr::null(), &mut count, std::ptr::null_mut()) };
     if result != vk::Result::SUCCESS {
         return Vec::new();

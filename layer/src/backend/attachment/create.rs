@@ -20,7 +20,7 @@ pub unsafe fn instance<'c>(
     copies: &mut Copies<'_>,
 ) -> Option<vk::InstanceCreateInfo<'c>> {
     let name = vk::KHR_GET_PHYSICAL_DEVICE_PROPERTIES2_NAME;
-    // SAFETY: the caller vouches for the names.
+    // SAFETY: the names are valid, by the valid usage of vkCreateInstance.
     let names = unsafe { Names::new(info.pp_enabled_extension_names, info.enabled_extension_count) };
     if api_version >= vk::API_VERSION_1_1 || names.has(name) {
         return None;
@@ -136,7 +136,7 @@ const NEEDED: [(&CStr, u32); 4] = [
 ///
 /// The chain is valid.
 unsafe fn excluding(info: &vk::DeviceCreateInfo<'_>) -> Option<&'static str> {
-    // SAFETY: the caller vouches for the chain.
+    // SAFETY: the chain is valid, as `# Safety` demands.
     unsafe {
         let density = find::<vk::PhysicalDeviceFragmentDensityMapFeaturesEXT<'_>>(info.p_next);
         let image = find::<vk::PhysicalDeviceShadingRateImageFeaturesNV<'_>>(info.p_next);
@@ -161,7 +161,7 @@ unsafe fn with_features(p_next: *const std::ffi::c_void, copies: &mut Copies<'_>
         features.pipeline_fragment_shading_rate = vk::TRUE;
         features.attachment_fragment_shading_rate = vk::TRUE;
     };
-    // SAFETY: the caller vouches for the chain.
+    // SAFETY: the chain is valid, as `# Safety` demands.
     unsafe {
         if find::<Features<'_>>(p_next).is_some() {
             return copies.amend::<Features<'_>>(p_next, enable);

@@ -26,7 +26,7 @@ pub fn is_imageless(info: &vk::FramebufferCreateInfo<'_>) -> bool {
 ///
 /// `info` is valid (valid usage of vkCreateFramebuffer).
 pub unsafe fn promised_size(info: &vk::FramebufferCreateInfo<'_>, attachment: u32) -> [u32; 3] {
-    // SAFETY: the caller vouches for the chain.
+    // SAFETY: the chain is valid, by the valid usage of vkCreateFramebuffer.
     let image = unsafe {
         find::<vk::FramebufferAttachmentsCreateInfo<'_>>(info.p_next).and_then(|attachments| {
             slice(attachments.p_attachment_image_infos, attachments.attachment_image_info_count)
@@ -65,7 +65,7 @@ pub unsafe fn with_promise<'c>(
     copies: &mut Copies<'_>,
 ) -> vk::FramebufferCreateInfo<'c> {
     type Attachments<'a> = vk::FramebufferAttachmentsCreateInfo<'a>;
-    // SAFETY: the caller vouches for the chain.
+    // SAFETY: the chain is valid, as `# Safety` demands.
     let Some(attachments) = (unsafe { find::<Attachments<'_>>(info.p_next) }) else { return *info };
     // SAFETY: as above.
     let images =
@@ -103,7 +103,7 @@ pub unsafe fn begin_with_view<'c>(
     copies: &mut Copies<'_>,
 ) -> vk::RenderPassBeginInfo<'c> {
     type Begin<'a> = vk::RenderPassAttachmentBeginInfo<'a>;
-    // SAFETY: the caller vouches for the chain.
+    // SAFETY: the chain is valid, as `# Safety` demands.
     unsafe {
         let Some(begin) = find::<Begin<'_>>(info.p_next) else { return *info };
         let (first, count) = appended(slice(begin.p_attachments, begin.attachment_count), view, copies);

@@ -99,7 +99,7 @@ impl RateImage {
             ..Default::default()
         };
         let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
-        // SAFETY: the caller vouches for the command buffer, the image and the buffer.
+        // SAFETY: the command buffer is recording, and image and buffer live until it has finished, as `# Safety` demands.
         unsafe {
             self.record_writable(device, buffer);
             device.cmd_copy_buffer_to_image(buffer, from, self.image, layout, &[region]);
@@ -108,6 +108,10 @@ impl RateImage {
     }
 
     /// After its readers its content can be replaced.
+    ///
+    /// # Safety
+    ///
+    /// The command buffer is recording, outside of passes, for a queue that draws, and the image lives until it has finished.
     unsafe fn record_writable(&self, device: &ash::Device, buffer: vk::CommandBuffer) {
         let barrier = vk::ImageMemoryBarrier::default()
             .image(self.image)
@@ -119,10 +123,15 @@ impl RateImage {
             .new_layout(vk::ImageLayout::TRANSFER_DST_OPTIMAL);
         // A map that was uploaded and never read is written again too.
         let before = READ.0 | vk::PipelineStageFlags::TRANSFER;
-        // SAFETY: the caller vouches for the command buffer and the image.
+        // SAFETY: the command buffer is recording, and the image lives until it has finished, as `# Safety` demands.
         unsafe { record_barrier(device, buffer, before, vk::PipelineStageFlags::TRANSFER, barrier) }
     }
 
+    /// After the copy to it its content can be read.
+    ///
+    /// # Safety
+    ///
+    /// The command buffer is recording, outside of passes, for a queue that draws, and the image lives until it has finished.
     unsafe fn record_readable(&self, device: &ash::Device, buffer: vk::CommandBuffer) {
         let barrier = vk::ImageMemoryBarrier::default()
             .image(self.image)
@@ -133,7 +142,7 @@ impl RateImage {
             .dst_access_mask(READ.1)
             .old_layout(vk::ImageLayout::TRANSFER_DST_OPTIMAL)
             .new_layout(vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR);
-        // SAFETY: the caller vouches for the command buffer and the image.
+        // SAFETY: the command buffer is recording, and the image lives until it has finished, as `# Safety` demands.
         unsafe { record_barrier(device, buffer, vk::PipelineStageFlags::TRANSFER, READ.0, barrier) }
     }
 
@@ -148,6 +157,11 @@ impl RateImage {
     }
 }
 
+/// Records the barrier of an image between two stages.
+///
+/// # Safety
+///
+/// As for [`RateImage::record_upload`].
 unsafe fn record_barrier(
     device: &ash::Device,
     buffer: vk::CommandBuffer,
@@ -156,7 +170,7 @@ unsafe fn record_barrier(
     barrier: vk::ImageMemoryBarrier<'_>,
 ) {
     let none = vk::DependencyFlags::empty();
-    // SAFETY: the caller vouches for the command buffer and the image.
+    // SAFETY: the command buffer is recording, and the image lives until it has finished, as `# Safety` demands.
     unsafe { device.cmd_pipeline_barrier(buffer, before, after, none, &[], &[], &[barrier]) }
 }
 
@@ -189,7 +203,7 @@ impl RateMap for Arc<RateImage> {
     }
 
     unsafe fn record_upload(&self, upload: Upload) {
-        // SAFETY: the caller vouches for the command buffer and the buffer.
+        // SAFETY: as `RateMap::record_upload` demands, the command buffer is recording, and the buffer lives until it has finished.
         unsafe { RateImage::record_upload(self, upload.commands, upload.staging, upload.offset) }
     }
 }
@@ -236,7 +250,7 @@ impl RateImages {
     ///
     /// The record is of a live device, which has what is enabled.
     pub unsafe fn of_device(record: &DeviceRecord, enabled: &Enabled) -> Result<Self, GpuError> {
-        // SAFETY: the caller vouches for the record.
+        // SAFETY: the record is of a live device, as `# Safety` demands.
         let (functions, memory_types, limits) = unsafe {
             let functions = Functions::load(record)?;
             let types = functions.instance.get_physical_device_memory_properties(record.physical_device);

@@ -102,7 +102,7 @@ unsafe fn with_flag(
 ) -> (vk::PipelineCreateFlags, *const std::ffi::c_void) {
     type Flags2<'a> = vk::PipelineCreateFlags2CreateInfoKHR<'a>;
     let flag = vk::PipelineCreateFlags::RENDERING_FRAGMENT_SHADING_RATE_ATTACHMENT_KHR;
-    // SAFETY: the caller vouches for the chain.
+    // SAFETY: the chain is valid, as `# Safety` demands.
     unsafe {
         if find::<Flags2<'_>>(info.p_next).is_some() {
             let wide = vk::PipelineCreateFlags2KHR::from_raw(flag.as_raw().into());
@@ -123,7 +123,7 @@ unsafe fn with_combiner(
     copies: &mut Copies<'_>,
 ) -> *const std::ffi::c_void {
     type Rate<'a> = vk::PipelineFragmentShadingRateStateCreateInfoKHR<'a>;
-    // SAFETY: the caller vouches for the chain.
+    // SAFETY: the chain is valid, as `# Safety` demands.
     unsafe {
         if find::<Rate<'_>>(p_next).is_some() {
             return copies.amend::<Rate<'_>>(p_next, |rate| rate.combiner_ops[1] = combiner);
@@ -147,7 +147,7 @@ unsafe fn with_dynamic_rate<'c>(
     info: &vk::GraphicsPipelineCreateInfo<'c>,
     copies: &mut Copies<'_>,
 ) -> *const vk::PipelineDynamicStateCreateInfo<'c> {
-    // SAFETY: the caller vouches for the structure.
+    // SAFETY: the structure is valid, as `# Safety` demands.
     unsafe {
         let was = info.p_dynamic_state.as_ref().copied().unwrap_or_default();
         let states = slice(was.p_dynamic_states, was.dynamic_state_count).iter().copied();
@@ -231,7 +231,7 @@ unsafe fn is_too_fine(
     limits: &super::capabilities::Limits,
 ) -> bool {
     let samples = state.rasterization_samples.as_raw();
-    // SAFETY: the caller vouches for the structure; a mask has a bit for each sample, in words of 32.
+    // SAFETY: the structure is valid, as `# Safety` demands; a mask has a bit for each sample, in words of 32.
     unsafe {
         let mask = slice(state.p_sample_mask, samples.div_ceil(32));
         let all = if samples >= 32 { u32::MAX } else { (1 << samples) - 1 };

@@ -35,7 +35,7 @@ impl Rates {
         made: *mut vk::Pipeline,
         (next, destroy): (vk::PFN_vkCreateGraphicsPipelines, Option<vk::PFN_vkDestroyPipeline>),
     ) -> vk::Result {
-        // SAFETY: the caller vouches for the arguments; handles are written also where some are null.
+        // SAFETY: the arguments are valid, as `# Safety` demands; handles are written also where some are null.
         unsafe {
             let mut room = room::<128>();
             let mut copies = Copies::new(&mut room);

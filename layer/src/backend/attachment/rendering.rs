@@ -57,7 +57,7 @@ pub unsafe fn with_view<'c>(
         rates.image_layout = vk::ImageLayout::FRAGMENT_SHADING_RATE_ATTACHMENT_OPTIMAL_KHR;
         rates.shading_rate_attachment_texel_size = capabilities.texel_size();
     };
-    // SAFETY: the caller vouches for the chain.
+    // SAFETY: the chain is valid, as `# Safety` demands.
     let p_next = unsafe {
         if find::<Rates<'_>>(info.p_next).is_some() {
             copies.amend::<Rates<'_>>(info.p_next, fill)

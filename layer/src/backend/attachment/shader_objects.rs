@@ -33,7 +33,7 @@ impl Rates {
         made: *mut vk::ShaderEXT,
         (next, destroy): (vk::PFN_vkCreateShadersEXT, Option<vk::PFN_vkDestroyShaderEXT>),
     ) -> vk::Result {
-        // SAFETY: the caller vouches for the arguments; what could not be made is null.
+        // SAFETY: the arguments are valid, as `# Safety` demands; what could not be made is null.
         unsafe {
             let asked = slice(infos, count);
             let amended: Vec<_> = asked.iter().map(flagged).collect();

@@ -27,7 +27,7 @@ impl SetFacts {
     /// Valid usage of vkCreateDescriptorSetLayout.
     unsafe fn of(info: &vk::DescriptorSetLayoutCreateInfo<'_>) -> Self {
         use vk::DescriptorType as Kind;
-        // SAFETY: the caller vouches for the array.
+        // SAFETY: the array has that many valid elements, by the valid usage of vkCreateDescriptorSetLayout.
         let bindings = unsafe { slice(info.p_bindings, info.binding_count) };
         let is_seen = |binding: &&vk::DescriptorSetLayoutBinding<'_>| {
             binding.stage_flags.contains(vk::ShaderStageFlags::FRAGMENT)
@@ -76,7 +76,7 @@ impl Masks {
         {
             return None;
         }
-        // SAFETY: the caller vouches for the array.
+        // SAFETY: the array has that many valid elements, by the valid usage of vkCreatePipelineLayout.
         let sets = unsafe { slice(info.p_set_layouts, info.set_layout_count) };
         let mut buffers = [ReturnLayout::BUFFERS; 2];
         let mut seen = 2 * ReturnLayout::BUFFERS + MOST_ATTACHMENTS;
@@ -89,7 +89,7 @@ impl Masks {
         if !gpu.takes_sets(info.set_layout_count + 1, buffers, seen) {
             return None;
         }
-        // SAFETY: the caller vouches for the structure; the device takes it.
+        // SAFETY: the structure is valid, by the valid usage of vkCreatePipelineLayout; the device takes it.
         let made = unsafe { AppendedLayout::new(gpu, info, &*self.return_layout()?) };
         made.inspect_err(|error| error.log("fragment shaders of a layout do not return early"))
             .ok()

@@ -63,7 +63,7 @@ impl Masks {
         settle(open.as_ref().ok().and_then(|(_, open, _)| open.template()));
         match open {
             Ok((gpu, open, loading)) => {
-                // SAFETY: the caller vouches for the command buffer; the map is kept by the candidate, which the command
+                // SAFETY: the command buffer is recording, as `# Safety` demands; the map is kept by the candidate, which the command
                 // buffer keeps.
                 let commands = unsafe { AppCommands::new(gpu, commands) };
                 pass.facts.is_unfilled = open.is_unfilled;

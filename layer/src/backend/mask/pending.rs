@@ -81,7 +81,7 @@ impl Masks {
     /// `commands` is recording, outside of a render pass, on this thread; the image is live until it has run.
     pub unsafe fn fill(&self, pending: &Pending, commands: vk::CommandBuffer) {
         let Some(gpu) = self.gpu() else { return };
-        // SAFETY: the caller vouches for the command buffer; the map is kept by its candidate, which the command buffer keeps.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; the map is kept by its candidate, which the command buffer keeps.
         let commands = unsafe { AppCommands::new(gpu, commands) };
         let Pending { map, part, format, layout, fill, .. } = pending;
         map.fill_samples(&commands, fill, (*part, *format), *layout);

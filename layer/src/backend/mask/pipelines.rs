@@ -18,7 +18,7 @@ impl Masks {
     ///
     /// `info` is valid (valid usage of vkCreateShaderModule).
     pub unsafe fn add_shader_module(&self, module: vk::ShaderModule, info: &vk::ShaderModuleCreateInfo<'_>) {
-        // SAFETY: the caller vouches for the code.
+        // SAFETY: the code is valid, by the valid usage of vkCreateShaderModule.
         unsafe {
             self.modules.add(module, info);
             self.codes.add(module, info);
@@ -103,7 +103,7 @@ impl Masks {
         if facts.have_side_effects {
             return None;
         }
-        // SAFETY: the caller vouches for the structure; what belongs to a whole pipeline is valid.
+        // SAFETY: the structure is valid, by the valid usage of vkCreateGraphicsPipelines; what belongs to a whole pipeline is valid.
         unsafe {
             if own_parts(info) != whole || !libraries(info).is_empty() || is_discarded(info, whole) {
                 return None;

@@ -281,7 +281,7 @@ unsafe fn chain_of(
     memory: &mut Arena,
 ) -> Option<(u32, *const c_void)> {
     type Flags2<'a> = vk::PipelineCreateFlags2CreateInfoKHR<'a>;
-    // SAFETY: the caller vouches for the chain.
+    // SAFETY: the chain is valid, by the valid usage of vkCreateGraphicsPipelines.
     unsafe {
         let mut next: *const c_void = std::ptr::null();
         let mut views = ingredients.render_pass.as_ref().map_or(0, |pass| pass.views);

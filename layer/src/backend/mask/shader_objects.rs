@@ -21,7 +21,7 @@ impl Masks {
         for (info, &shader) in infos.iter().zip(shaders) {
             if info.stage == vk::ShaderStageFlags::FRAGMENT && shader != vk::ShaderEXT::null() {
                 let facts = match info.code_type {
-                    // SAFETY: the caller vouches for the structure.
+                    // SAFETY: the structure is valid, by the valid usage of vkCreateShadersEXT.
                     vk::ShaderCodeTypeEXT::SPIRV => facts(unsafe { effects(info) }),
                     _ => PipelineFacts::UNKNOWN,
                 };

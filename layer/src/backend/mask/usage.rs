@@ -21,7 +21,7 @@ impl Masks {
         if added.is_empty() {
             return None;
         }
-        // SAFETY: the caller vouches for the chain.
+        // SAFETY: the chain is valid, by the valid usage of vkCreateImage.
         let mut extending = unsafe { chain(info.p_next) };
         if extending.any(|found| !HARMLESS.contains(&vk::StructureType::from_raw(found.ty))) {
             return None;

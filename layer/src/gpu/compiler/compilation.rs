@@ -35,7 +35,7 @@ impl Compilation {
             return;
         }
         let Some(folder) = cache_file::folder() else { return };
-        // SAFETY: the caller vouches for the record.
+        // SAFETY: the record is of a live device, as `# Safety` demands.
         let Ok(Functions { instance, device }) = (unsafe { Functions::load(record) }) else { return };
         // SAFETY: the physical device is one of this live instance.
         let properties = unsafe { instance.get_physical_device_properties(record.physical_device) };

@@ -9,7 +9,7 @@ use smallvec::SmallVec;
 const MOST_USES: usize = 8;
 
 /// Parts of the target that show an eye, as fractions of `area`.
-type Parts = SmallVec<[Part; 4]>;
+pub type Parts = SmallVec<[Part; 4]>;
 
 /// The content of a map.
 #[derive(Debug, Default)]

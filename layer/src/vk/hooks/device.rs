@@ -118,7 +118,7 @@ impl Below<'_> {
     /// The arguments of vkCreateDevice, with which the next layer's may be called.
     unsafe fn create(&self, arming: Arming) -> (vk::Result, Option<Enabled>) {
         if arming == Arming::Rates {
-            // SAFETY: the caller vouches for the arguments.
+            // SAFETY: the arguments are valid, as `# Safety` demands.
             match unsafe { self.create_with_rates() } {
                 Ok(enabled) => {
                     tracing::info!("rate attachments: {:?}", enabled.capabilities);
@@ -137,7 +137,7 @@ impl Below<'_> {
     ///
     /// As for [`Self::create`].
     unsafe fn create_with_rates(&self) -> Result<Enabled, NoRates> {
-        // SAFETY: the caller vouches for the arguments. The loader below reads its own pointers out of `device` and
+        // SAFETY: the arguments are valid, as `# Safety` demands. The loader below reads its own pointers out of `device` and
         // of its structure in the chain, which this attempt may change: a second one needs them as they were.
         unsafe {
             let mut room = room::<128>();

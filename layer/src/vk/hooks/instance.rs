@@ -95,7 +95,7 @@ unsafe fn create_below(
     instance: *mut vk::Instance,
     enabled: bool,
 ) -> vk::Result {
-    // SAFETY: the caller vouches for the arguments. The loader below reads its own pointers out of `instance` and
+    // SAFETY: the arguments are valid, as `# Safety` demands. The loader below reads its own pointers out of `instance` and
     // of its structure in the chain, which the first attempt may have changed.
     unsafe {
         let mut room = room::<64>();

@@ -16,7 +16,7 @@ unsafe fn asked_usage(armed: &Armed, info: &vk::ImageViewCreateInfo<'_>) -> Opti
     if armed.masks.is_none() || armed.record.api_version < vk::API_VERSION_1_1 {
         return None;
     }
-    // SAFETY: the caller vouches for the chain.
+    // SAFETY: the chain is valid, by the valid usage of vkCreateImageView.
     if unsafe { extension::<vk::ImageViewUsageCreateInfo<'_>>(info.p_next) }.is_some() {
         return None;
     }

@@ -169,7 +169,7 @@ pub fn reads_image(kind: vk::DescriptorType) -> bool {
 /// Valid usage of vkCreateDescriptorSetLayout.
 pub unsafe fn is_open(info: &vk::DescriptorSetLayoutCreateInfo<'_>) -> bool {
     use vk::DescriptorSetLayoutCreateFlags as Flags;
-    // SAFETY: the caller vouches for the array.
+    // SAFETY: the array has that many valid elements, by the valid usage of vkCreateDescriptorSetLayout.
     let bindings = unsafe { slice(info.p_bindings, info.binding_count) };
     let is_long = |binding: &vk::DescriptorSetLayoutBinding<'_>| {
         let is_mutable = binding.descriptor_type == vk::DescriptorType::MUTABLE_EXT;

@@ -55,7 +55,7 @@ impl Perception {
             commands.copy_buffer((rates, 0), (record.buffer, record.offset), size);
             Ok(())
         };
-        // SAFETY: the caller vouches for the queue.
+        // SAFETY: this thread may use the live queue, as `# Safety` demands.
         let is_submitted = unsafe { ring.run(own, queue, kept, copy) };
         if is_submitted { RATES_COPIED } else { RATES_COPY_LEFT_OUT }
     }

@@ -149,7 +149,7 @@ impl Perception {
             *resolved = Some(ResolvedMap::new((frame, rates), &tools, place, form, shapes, eyes));
         }
         let Targets { texels, mask } = resolved.as_ref()?.targets.as_ref()?;
-        // SAFETY: the caller vouches for the command buffer.
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
         let commands = unsafe { AppCommands::new(&tools.gpu, commands) };
         tools.lay.record(&commands, texels);
         kept.push(Arc::clone(texels) as Arc<dyn Any + Send + Sync>);

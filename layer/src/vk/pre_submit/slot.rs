@@ -49,7 +49,7 @@ impl Slot {
         let info = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::TRANSIENT)
             .queue_family_index(family);
-        // SAFETY: the caller vouches for the device; what is made is destroyed where a later step fails.
+        // SAFETY: the device is live, as `# Safety` demands; what is made is destroyed where a later step fails.
         unsafe {
             let memory =
                 own.functions.instance.get_physical_device_memory_properties(own.record.physical_device);
@@ -192,7 +192,7 @@ impl Slot {
         let device = &own.functions.device;
         let commands = [self.commands];
         let info = vk::SubmitInfo::default().command_buffers(&commands);
-        // SAFETY: the caller vouches for the queue; the fence is not in use, as the slot is not pending.
+        // SAFETY: this thread may use the live queue, as `# Safety` demands; the fence is not in use, as the slot is not pending.
         unsafe {
             self.timer.end(self.commands);
             device.end_command_buffer(self.commands).map_err(GpuError::from_call("vkEndCommandBuffer"))?;

@@ -60,7 +60,7 @@ impl Bound {
     /// `commands` is recording, and this is what it had bound.
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
         let point = vk::PipelineBindPoint::COMPUTE;
-        // SAFETY: the caller vouches for the command buffer; what was bound stays valid as long as that does.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; what was bound stays valid as long as that does.
         unsafe {
             if let Some(bind) = next.cmd_bind_pipeline
                 && self.pipeline != vk::Pipeline::null()
@@ -198,7 +198,7 @@ unsafe fn note_sets(
         }
         vk::PipelineBindPoint::GRAPHICS => {
             known.recorded().drawing.bind_sets(layout, first, sets, offsets);
-            // SAFETY: the caller vouches for the command buffer.
+            // SAFETY: the command buffer is recording, as `# Safety` demands.
             unsafe { drawing::bind_ours_again(known, handle) };
         }
         _ => {}

@@ -93,7 +93,7 @@ impl BufferOffsets {
     /// `commands` is recording, these calls were recorded in it, and its descriptor buffers are still bound.
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
         for Call { point, layout, first, what } in &self.calls {
-            // SAFETY: the caller vouches for the command buffer; layouts and offsets of its earlier calls stay valid while it records.
+            // SAFETY: the command buffer is recording, as `# Safety` demands; layouts and offsets of its earlier calls stay valid while it records.
             unsafe {
                 match what {
                     What::Offsets(indices, offsets) => {
@@ -156,7 +156,7 @@ unsafe fn note(
         keep(&mut recorded.offsets);
     }
     if draws {
-        // SAFETY: the caller vouches for the command buffer.
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
         unsafe { drawing::bind_ours_again(known, handle) };
     }
 }

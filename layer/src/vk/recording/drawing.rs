@@ -111,7 +111,7 @@ impl Bound {
     ///
     /// `commands` is recording, outside of a render pass, and this is what it had bound.
     pub unsafe fn restore(&self, next: &ArmedTable, commands: vk::CommandBuffer) {
-        // SAFETY: the caller vouches for the command buffer; what was bound stays valid as long as that does.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; what was bound stays valid as long as that does.
         unsafe {
             if let (Some(viewport), Some(set)) = (&self.viewport, next.cmd_set_viewport) {
                 set(commands, 0, 1, viewport);
@@ -230,7 +230,7 @@ pub unsafe fn bind(
         bind(pipeline);
     }
     if steps.restores_sets {
-        // SAFETY: the caller vouches for the command buffer.
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
         unsafe { restore_sets(buffer, handle) };
     }
     if let Some(place) = in_place {
@@ -277,7 +277,7 @@ impl InPlace {
     unsafe fn bind_set(&self, buffer: &Buffer, handle: vk::CommandBuffer) {
         let Some(bind) = buffer.armed.next.cmd_bind_descriptor_sets else { return };
         let layout = self.returning.layout();
-        // SAFETY: the caller vouches for the command buffer; set and layout belong together, and the map and the pipeline,
+        // SAFETY: the command buffer is recording, as `# Safety` demands; set and layout belong together, and the map and the pipeline,
         // whose they are, live as long as it.
         unsafe {
             bind(handle, GRAPHICS, layout.handle(), layout.set(), 1, &self.set, 0, std::ptr::null());
@@ -290,7 +290,7 @@ impl InPlace {
 /// As for [`bind`].
 unsafe fn restore_sets(buffer: &Buffer, handle: vk::CommandBuffer) {
     let sets = buffer.recorded().drawing.sets.clone();
-    // SAFETY: the caller vouches for the command buffer.
+    // SAFETY: the command buffer is recording, as `# Safety` demands.
     unsafe { sets.restore(&buffer.armed.next, handle, GRAPHICS) };
 }
 
@@ -302,7 +302,7 @@ unsafe fn restore_sets(buffer: &Buffer, handle: vk::CommandBuffer) {
 pub unsafe fn bind_ours_again(buffer: &Buffer, handle: vk::CommandBuffer) {
     let in_place = buffer.recorded().drawing.in_place.clone();
     if let Some(place) = in_place {
-        // SAFETY: the caller vouches for the command buffer.
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
         unsafe { place.bind_set(buffer, handle) };
     }
 }
@@ -325,7 +325,7 @@ pub unsafe fn pass_begins(buffer: &Buffer, handle: vk::CommandBuffer) {
         && pipeline != vk::Pipeline::null()
         && buffer.armed.masks.as_ref().is_some_and(|masks| masks.can_return(pipeline))
     {
-        // SAFETY: the caller vouches for the command buffer; the pipeline is bound, or what has its place.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; the pipeline is bound, or what has its place.
         unsafe { bind(buffer, handle, pipeline, |pipeline| next(handle, GRAPHICS, pipeline)) };
     }
 }
@@ -341,7 +341,7 @@ pub unsafe fn leave(buffer: &Buffer, handle: vk::CommandBuffer) {
         (recorded.drawing.in_place.take(), recorded.drawing.pipeline)
     };
     if let (Some(_), Some(next)) = (was, buffer.armed.next.cmd_bind_pipeline) {
-        // SAFETY: the caller vouches for the command buffer; the pipeline was bound by the application.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; the pipeline was bound by the application.
         unsafe {
             next(handle, GRAPHICS, pipeline);
             restore_sets(buffer, handle);

@@ -197,7 +197,7 @@ pub fn recording_begins(handle: vk::CommandBuffer) {
 /// `handle` is a live command buffer.
 #[inline]
 pub unsafe fn bind(handle: vk::CommandBuffer, first: u32, sets: &[vk::DescriptorSet]) {
-    // SAFETY: the caller vouches for the handle.
+    // SAFETY: the handle is live, as `# Safety` demands.
     let Some(armed) = (unsafe { quick(handle) }) else { return };
     let descriptors = &armed.objects.descriptors;
     let raw = handle.as_raw();

@@ -144,7 +144,7 @@ unsafe fn begin_tracked(
     begin: impl FnOnce(*const vk::RenderPassBeginInfo<'_>),
 ) {
     let armed = &buffer.armed;
-    // SAFETY: the caller vouches for the structure.
+    // SAFETY: the structure is valid, by the valid usage of vkCmdBeginRenderPass.
     let instance = unsafe { Instance::of(&armed.objects, &*info) };
     let mut pass = instance.as_ref().filter(|_| armed.follows_passes()).map(Instance::pass);
     // SAFETY: the command buffer is recording outside of render passes, as one begins.
@@ -214,7 +214,7 @@ unsafe fn begin_tracked(
 ///
 /// The command buffer is recording, outside of render passes.
 pub unsafe fn end_tracked(buffer: &Buffer, handle: vk::CommandBuffer) {
-    // SAFETY: the caller vouches for the command buffer.
+    // SAFETY: the command buffer is recording, as `# Safety` demands.
     unsafe { drawing::leave(buffer, handle) };
     stencil::changes(buffer, handle);
     draws::settle(buffer, handle);
@@ -228,7 +228,7 @@ pub unsafe fn end_tracked(buffer: &Buffer, handle: vk::CommandBuffer) {
         (mask, bound)
     };
     if let (Some(masks), Some(mask), Some((compute, offsets))) = (&buffer.armed.masks, mask, bound) {
-        // SAFETY: the caller vouches for the command buffer; what the pass drew to is live, as it is in use.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; what the pass drew to is live, as it is in use.
         unsafe {
             masks.end_pass(&mask, handle);
             compute.restore(&buffer.armed.next, handle);
@@ -332,7 +332,7 @@ impl Instance {
     ///
     /// Valid usage of vkCmdBeginRenderPass.
     unsafe fn attachments(&self, masks: &Masks, info: &vk::RenderPassBeginInfo<'_>) -> Attachments {
-        // SAFETY: the caller vouches for the array.
+        // SAFETY: the array has that many valid elements, by the valid usage of vkCmdBeginRenderPass.
         let clears = unsafe {
             match info.clear_value_count {
                 0 => &[][..],

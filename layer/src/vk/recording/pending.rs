@@ -35,7 +35,7 @@ impl Buffer {
             (recorded.compute.clone(), recorded.drawing.bound(), recorded.offsets.clone())
         };
         let Some(masks) = &self.armed.masks else { return };
-        // SAFETY: the caller vouches for the command buffer; an image of which something waits is live, as it is in use.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; an image of which something waits is live, as it is in use.
         unsafe {
             for pending in &ended {
                 masks.fill(pending, handle);
@@ -70,7 +70,7 @@ impl Buffer {
         let ends = |pending: &Pending| {
             barriers.clone().any(|(image, layout, families)| pending.ends_with(image, layout, families))
         };
-        // SAFETY: the caller vouches for the command buffer. Within render passes, barriers change no layout (Vulkan specification,
+        // SAFETY: the command buffer is recording, as `# Safety` demands. Within render passes, barriers change no layout (Vulkan specification,
         // VUID-vkCmdPipelineBarrier-oldLayout-01181).
         unsafe { self.fill_where(handle, ends) };
     }
@@ -98,7 +98,7 @@ impl Buffer {
         };
         let is_own = |pending: &Pending| mask.is_some_and(|mask| Arc::ptr_eq(mask, &pending.map));
         self.recorded().pending.retain(|pending| !is_void(pending));
-        // SAFETY: the caller vouches for the command buffer.
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
         unsafe {
             self.fill_where(handle, |pending| attachments.have(pending.target.image) && !is_own(pending));
         }

@@ -37,7 +37,7 @@ pub unsafe extern "system" fn begin(
 /// The command buffer is recording.
 unsafe fn fill_before(known: Option<&Buffer>, handle: vk::CommandBuffer) {
     if let Some(known) = known.filter(|known| !known.recorded().is_within_pass()) {
-        // SAFETY: the caller vouches for the command buffer; before a pass that is not known nothing waits.
+        // SAFETY: the command buffer is recording, as `# Safety` demands; before a pass that is not known nothing waits.
         unsafe { known.fill_all(handle) };
     }
 }

@@ -159,7 +159,7 @@ unsafe fn instance(objects: &Objects, info: &vk::RenderingInfo<'_>) -> Pass {
 ///
 /// Valid usage of vkCmdBeginRendering.
 unsafe fn loading<'a>(info: &vk::RenderingInfo<'a>) -> Result<vk::RenderingAttachmentInfo<'a>, Unmasked> {
-    // SAFETY: the caller vouches for the structure: the pointer is null or valid.
+    // SAFETY: the structure is valid, by the valid usage of vkCmdBeginRendering: the pointer is null or valid.
     let depth = unsafe { info.p_depth_attachment.as_ref() }.ok_or(Unmasked::NoDepth)?;
     Ok(vk::RenderingAttachmentInfo { load_op: vk::AttachmentLoadOp::LOAD, ..*depth })
 }

@@ -13,7 +13,7 @@ use ash::vk;
 pub unsafe fn pass_begins(buffer: &Buffer, handle: vk::CommandBuffer, pass: Option<&Pass>) {
     // Between the parts of a suspended pass nothing may be recorded, and this may be a later part.
     if pass.is_none_or(|pass| !pass.facts.is_suspended) {
-        // SAFETY: the caller vouches for the command buffer.
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
         unsafe { work_begins(buffer, handle) };
     }
 }
@@ -33,7 +33,7 @@ pub unsafe fn work_begins(buffer: &Buffer, handle: vk::CommandBuffer) {
         recorded.timer.may_begin() && !recorded.is_within_pass()
     };
     if may_begin {
-        // SAFETY: the caller vouches for the command buffer. A pass that is not known has begun the time already.
+        // SAFETY: the command buffer is recording, as `# Safety` demands. A pass that is not known has begun the time already.
         buffer.with_timer(|timer| unsafe { timer.begin(|| armed.functions(), handle) });
     }
 }
@@ -49,7 +49,7 @@ pub unsafe fn buffer_ends(buffer: &Buffer, handle: vk::CommandBuffer) {
         recorded.timer.is_open() && !recorded.may_be_suspended()
     };
     if is_open {
-        // SAFETY: the caller vouches for the command buffer.
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
         buffer.with_timer(|timer| unsafe { timer.end(handle) });
     }
 }

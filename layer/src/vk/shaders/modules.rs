@@ -20,7 +20,7 @@ impl ShaderModules {
     ///
     /// `info` is valid (valid usage of vkCreateShaderModule).
     pub unsafe fn add(&self, module: vk::ShaderModule, info: &vk::ShaderModuleCreateInfo<'_>) {
-        // SAFETY: the caller vouches for the code.
+        // SAFETY: the code is valid, by the valid usage of vkCreateShaderModule.
         if let Some(shaders) = unsafe { read(info) } {
             self.0.insert(module, Arc::new(shaders));
         }

@@ -50,7 +50,7 @@ impl Queries {
     /// The device is live, and outlives the result.
     pub unsafe fn new(device: &ash::Device, mask: u64) -> Result<Self, GpuError> {
         let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2);
-        // SAFETY: the caller vouches for the device.
+        // SAFETY: the device is live, as `# Safety` demands.
         let pool = unsafe { device.create_query_pool(&info, None) };
         let pool = pool.map_err(GpuError::from_call("vkCreateQueryPool"))?;
         Ok(Self { device: device.clone(), pool, mask, latest: Mutex::default() })
@@ -62,7 +62,7 @@ impl Queries {
     ///
     /// The command buffer is recording, outside of a render pass, for queues that have timestamps and may reset queries.
     pub unsafe fn begin(&self, commands: vk::CommandBuffer) {
-        // SAFETY: the caller vouches for the command buffer.
+        // SAFETY: the command buffer is recording, as `# Safety` demands.
         unsafe {
             self.device.cmd_reset_query_pool(commands, self.pool, 0, 2);
             self.device.cmd_write_timestamp(commands, DONE, self.pool, 0);

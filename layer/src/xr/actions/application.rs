@@ -45,7 +45,7 @@ impl Suggested {
     ///
     /// `suggestion` is valid.
     pub unsafe fn read(instance: &Instance, suggestion: &xr::InteractionProfileSuggestedBinding) -> Self {
-        // SAFETY: the caller vouches for the structure: an array of that many bindings.
+        // SAFETY: the structure is valid, as `# Safety` demands: an array of that many bindings.
         let bindings = unsafe {
             std::slice::from_raw_parts(
                 suggestion.suggested_bindings,

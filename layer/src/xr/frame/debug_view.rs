@@ -104,7 +104,7 @@ pub unsafe fn draw(frame: &FrameEnd, works: &[Work]) {
         let (runtime, runtime_index, rect) = work.written(&shown.sub_image)?;
         Some(EyePicture { eye, shown, runtime, runtime_index, rect })
     });
-    // SAFETY: the caller vouches for the queue.
+    // SAFETY: this thread may use the live queue, as `# Safety` demands.
     unsafe { draw_over(active, config, pictures.collect()) };
 }
 
@@ -162,7 +162,7 @@ unsafe fn draw_over(
         let planning = active.plan.planning();
         [0, 1].map(|eye| planning.seen(config, eye, view, &mut maps[eye]))
     };
-    // SAFETY: the caller vouches for the queue.
+    // SAFETY: this thread may use the live queue, as `# Safety` demands.
     match unsafe { draw_eyes(active, pass, view, &pictures, seen, maps) } {
         Ok(true) => *drawn = Some((view, *frame)),
         // The device is behind: this frame goes without.
@@ -213,7 +213,7 @@ unsafe fn draw_eyes(
             offset,
         };
         let is_decided = view == DebugView::Rates && seen.is_decided_on_gpu;
-        // SAFETY: the caller vouches for the queue; the buffer has room for the map, and is kept until work that is submitted below
+        // SAFETY: this thread may use the live queue, as `# Safety` demands; the buffer has room for the map, and is kept until work that is submitted below
         // has finished.
         let made = if is_decided { unsafe { active.device.copy_rates(&copy) } } else { RatesCopy::OfPlan };
         let map = match made {

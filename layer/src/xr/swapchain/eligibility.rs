@@ -68,7 +68,7 @@ pub unsafe fn shape(
     if !supports(format) || info.usage_flags.contains(xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT) {
         return Err(NotSubstituted::Format(format));
     }
-    // SAFETY: the caller vouches for the chain.
+    // SAFETY: the chain is valid, as `# Safety` demands.
     let view_formats = unsafe { view_formats(info) }?;
     Ok(SwapchainShape {
         format,
@@ -87,7 +87,7 @@ pub unsafe fn shape(
 /// `info` is valid, and its chain is.
 unsafe fn view_formats(info: &xr::SwapchainCreateInfo) -> Result<Vec<vk::Format>, NotSubstituted> {
     type FormatList = xr::VulkanSwapchainFormatListCreateInfoKHR;
-    // SAFETY: the caller vouches for the chain.
+    // SAFETY: the chain is valid, as `# Safety` demands.
     let chain = || unsafe { extending(info.next) };
     let unknown = chain().find_map(|header| (header.ty != FormatList::number()).then_some(header.ty));
     if let Some(ty) = unknown.or((chain().count() == MAX_LENGTH).then_some(0)) {

@@ -74,7 +74,7 @@ impl<'c> Extensions<'c> {
     unsafe fn of(info: &vk::RenderPassCreateInfo<'c>) -> Result<Self, LeftAlone> {
         type Multiview<'a> = vk::RenderPassMultiviewCreateInfo<'a>;
         type Aspects<'a> = vk::RenderPassInputAttachmentAspectCreateInfo<'a>;
-        // SAFETY: the caller vouches for the chain.
+        // SAFETY: the chain is valid, as `# Safety` demands.
         unsafe {
             let mut at: *const vk::BaseInStructure<'_> = info.p_next.cast();
             while let Some(structure) = at.as_ref() {

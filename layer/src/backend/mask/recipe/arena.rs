@@ -84,7 +84,7 @@ impl Arena {
     /// As for [`chain`].
     unsafe fn chain(&mut self, first: *const c_void) -> Option<*const c_void> {
         let mut next: *const c_void = ptr::null();
-        // SAFETY: the caller vouches for the chain; a structure of a type has the size of that type, and the copy begins with
+        // SAFETY: the chain is valid, as `# Safety` demands; a structure of a type has the size of that type, and the copy begins with
         // type and chain, as it does.
         unsafe {
             for found in chain(first) {

@@ -53,7 +53,7 @@ impl Codes {
     /// `info` is valid (valid usage of vkCreateShaderModule).
     pub unsafe fn add(&self, module: vk::ShaderModule, info: &vk::ShaderModuleCreateInfo<'_>) {
         self.modules.remove(module);
-        // SAFETY: the caller vouches for the code.
+        // SAFETY: the code is valid, by the valid usage of vkCreateShaderModule.
         let words = unsafe { words(info.p_code.cast(), info.code_size) };
         let size = size_of_val(&*words);
         if self.bytes.load(Ordering::Relaxed).saturating_add(size) > MOST_CODE {

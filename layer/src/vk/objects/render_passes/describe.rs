@@ -128,7 +128,7 @@ pub fn has_stencil(format: vk::Format) -> bool {
 ///
 /// A valid subpass.
 unsafe fn has_rates(subpass: &vk::SubpassDescription2<'_>) -> bool {
-    // SAFETY: the caller vouches for the chain; the reference is null or valid.
+    // SAFETY: the chain is valid, as `# Safety` demands; the reference is null or valid.
     unsafe {
         extension::<vk::FragmentShadingRateAttachmentInfoKHR<'_>>(subpass.p_next)
             .and_then(|rates| rates.p_fragment_shading_rate_attachment.as_ref())
@@ -140,7 +140,7 @@ unsafe fn has_rates(subpass: &vk::SubpassDescription2<'_>) -> bool {
 ///
 /// A valid subpass.
 unsafe fn resolves_depth(subpass: &vk::SubpassDescription2<'_>) -> bool {
-    // SAFETY: the caller vouches for the chain; the reference is null or valid.
+    // SAFETY: the chain is valid, as `# Safety` demands; the reference is null or valid.
     unsafe {
         extension::<vk::SubpassDescriptionDepthStencilResolve<'_>>(subpass.p_next)
             .and_then(|resolve| resolve.p_depth_stencil_resolve_attachment.as_ref())
@@ -204,6 +204,6 @@ unsafe fn array<'a, T>(first: *const T, count: u32) -> &'a [T] {
     if first.is_null() || count == 0 {
         return &[];
     }
-    // SAFETY: the caller vouches for the values.
+    // SAFETY: the values are there, as `# Safety` demands.
     unsafe { slice::from_raw_parts(first, count as usize) }
 }

@@ -42,7 +42,7 @@ pub fn device_ends(key: DispatchKey) {
 /// `handle` is a live command buffer.
 #[inline]
 pub unsafe fn quick<'a>(handle: vk::CommandBuffer) -> Option<&'a Armed> {
-    // SAFETY: the caller vouches for the handle.
+    // SAFETY: the handle is live, as `# Safety` demands.
     let key = unsafe { DispatchKey::of(handle) }?;
     if QUICK.key.load(Ordering::Acquire) != key.address() {
         return None;

@@ -273,7 +273,7 @@ unsafe fn write_stale(eye: u32, record: &mut StaleRecord) {
         record.texel = [16, 16];
         record.count = if eye == 1 { words.len() as u32 } else { 0 };
         if record.count <= record.capacity {
-            // SAFETY: the caller vouches for the room.
+            // SAFETY: there is room for the words, as `# Safety` demands.
             unsafe { record.words.copy_from_nonoverlapping(words.as_ptr(), record.count as usize) };
         }
     });
