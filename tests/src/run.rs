@@ -301,7 +301,8 @@ impl Run {
     /// # Errors
     /// As for [`Self::finish`].
     pub fn start(self) -> Result<Running, HarnessError> {
-        let folder = Folder::new(&artifacts::target_folder()?.join("tmp"))?;
+        let kept = artifacts::target_folder()?.join("tmp");
+        let folder = Folder::new(&kept)?;
         let installation = Installation::new(folder.path(), &self.halves(folder.path())?)?;
         if let Some(config) = self.layer.config() {
             write(&installation.config_file(), config)?;
@@ -314,6 +315,8 @@ impl Run {
         command.args(&self.application.arguments).current_dir(folder.path()).env_clear();
         command.envs(installation.private_environment(self.driver)?).env("PARAFOVEA_MOCK_SCENARIO", scenario);
         command.envs(self.layer.config().map(|_| ("PARAFOVEA", "1")));
+        // Shared by all runs: to compile an application's shaders takes lavapipe as long as the rest of a short run.
+        command.env("MESA_SHADER_CACHE_DIR", kept.join("shaders"));
         let mut vulkan_layers: Vec<String> = self.test_layers.iter().map(|layer| layer.name()).collect();
         if self.validation {
             vulkan_layers.push(VALIDATION_LAYER.to_owned());

@@ -32,9 +32,10 @@ Usage: cargo dev TASK, in any folder of the repository
                         decisions of the layer; pictures in target/demo/. Installs and builds only its own dependencies
   test [--strict] [PART]
                         run the checks of CI: formatting, clippy, build, documentation and all tests; with PART, only the build, and tests
-                        with PART in their names. Processes of tests have a time limit of 10 minutes; unit tests share some, every
-                        other test has its own. The longest tests of the last run come first. Tests whose requirements are missing are skipped, and listed with the reason; with --strict, or if the variable CI is set,
-                        they fail if `setup` should have installed the requirement
+                        with PART in their names. Each test runs in its own process, with a time limit of 10 minutes; unit tests share
+                        processes. The longest tests of the last run come first. Tests whose requirements are missing are skipped, and
+                        listed with the reason; with --strict, or if the variable CI is set, they fail if `setup` should have installed
+                        the requirement
   drivers [--json] [PART] | --profiles
                         run programs on Mesa's hardware drivers (RADV, NVK, Turnip) with no-op kernel shims, without a GPU: all combinations of
                         programs, other layers and configurations, or those with PART in `DEVICE PROGRAM`. --profiles writes the

@@ -66,34 +66,30 @@ impl Options {
 }
 
 /// Tests that share a process, and the names under which they are reported.
-struct Named {
+pub struct Named {
     names: Vec<String>,
     group: Group,
 }
 
-/// Runs the tests, twice as many at once as there are processors, and prints each.
+/// Runs the tests, twice as many processes at once as there are processors, and prints each.
 ///
 /// # Errors
-/// There is no test, or cargo cannot build them.
-pub fn run(options: &Options) -> Result<Summary, String> {
+/// The file with the times of the last run cannot be written.
+pub fn run(mut named: Vec<Named>, is_strict: bool) -> Result<Summary, String> {
     let file = profile_folder()?.join("dev-test-times");
     let mut times = Times::load(&file);
-    let mut named = all(options)?;
-    if named.is_empty() {
-        return Err("no test has this in its name".to_owned());
-    }
     let time = |named: &Named| times.of(named.names.iter().map(String::as_str));
     named.sort_by_key(|named| std::cmp::Reverse(time(named)));
     let workers = PER_PROCESSOR * std::thread::available_parallelism().map_or(1, usize::from);
     let count: usize = named.iter().map(|named| named.names.len()).sum();
     eprintln!("cargo dev: {count} tests, {workers} processes at a time");
     let start = Instant::now();
-    let tests = workers::run(workers, named, |named| run_group(named, options.is_strict));
+    let tests = workers::run(workers, named, |named| run_group(named, is_strict));
     let tests: Vec<Done> = tests.into_iter().flatten().collect();
     let time = start.elapsed();
     tests.iter().for_each(|test| times.set(&test.name, test.time));
     times.save(&file).map_err(|error| format!("cannot write {}: {error}", file.display()))?;
-    Ok(Summary { tests, time, is_strict: options.is_strict })
+    Ok(Summary { tests, time, is_strict })
 }
 
 fn run_group(named: Named, is_strict: bool) -> Vec<Done> {
@@ -115,8 +111,11 @@ fn report(name: String, ended: Ended, is_strict: bool) -> Done {
     done
 }
 
-/// All tests that are wanted. Binaries are built, and say what they have.
-fn all(options: &Options) -> Result<Vec<Named>, String> {
+/// Builds all test binaries, and returns the wanted tests.
+///
+/// # Errors
+/// Cargo cannot build them, a binary does not list its tests, or none is wanted.
+pub fn build(options: &Options) -> Result<Vec<Named>, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let root = root.canonicalize().map_err(|error| format!("{}: {error}", root.display()))?;
     let mut tests = Vec::new();
@@ -124,7 +123,7 @@ fn all(options: &Options) -> Result<Vec<Named>, String> {
         let names = if binary.has_harness { listed(&binary)? } else { vec![None] };
         tests.extend(groups(&binary, names, options));
     }
-    Ok(tests)
+    if tests.is_empty() { Err("no test has this in its name".to_owned()) } else { Ok(tests) }
 }
 
 /// The wanted tests of a binary, by the processes that they share.

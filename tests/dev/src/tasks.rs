@@ -77,7 +77,8 @@ fn checks(steps: &mut Steps, options: &Options) -> Result<Summary, String> {
         let flags = "-D warnings -A rustdoc::private-intra-doc-links";
         steps.run("cargo doc", in_root(workspace("doc").args(doc)).env("RUSTDOCFLAGS", flags))?;
     }
-    steps.time("tests", || suite::run(options))
+    let tests = steps.time("cargo test --no-run", || suite::build(options))?;
+    steps.time("tests", || suite::run(tests, options.is_strict))
 }
 
 /// Any OpenXR program with the layer.
