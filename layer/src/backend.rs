@@ -39,7 +39,7 @@ pub trait RateMap: Any + Send + Sync {
     }
 
     /// A pass that draws to its target is submitted in a frame of this number, which is the scene for this reason, or is not.
-    fn noted(&self, _scene: Option<How>, _frame: u64) {}
+    fn submitted(&self, _scene: Option<How>, _frame: u64) {}
 
     /// Whether its passes leave out stale tiles; else they shade them as coarsely as can be.
     fn leaves_out(&self) -> bool {

@@ -14,7 +14,7 @@ pub struct Capture(Arc<Shared>);
 
 /// Features of the captured sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heard {
+pub struct CapturedFeatures {
     /// Counts sets of features, from 1.
     pub serial: u64,
     /// How long ago the last sample that counts was heard, nanoseconds.
@@ -39,15 +39,20 @@ impl Capture {
     }
 
     /// The newest features; nothing before the first. Neither waits nor allocates.
-    pub fn heard(&self) -> Option<Heard> {
+    pub fn heard(&self) -> Option<CapturedFeatures> {
         let set = self.0.published.newest()?;
         let age_ns = self.0.now_ns().saturating_sub(set.heard_ns);
-        Some(Heard { serial: set.serial, age_ns, features: set.features, confidence: set.confidence })
+        Some(CapturedFeatures {
+            serial: set.serial,
+            age_ns,
+            features: set.features,
+            confidence: set.confidence,
+        })
     }
 
     /// The oldest line for the log that was not taken yet.
     pub fn news(&self) -> Option<String> {
-        self.0.news.next()
+        self.0.messages.next()
     }
 
     fn spawn(&self, name: &str, run: fn(&Shared)) -> io::Result<()> {
@@ -56,7 +61,7 @@ impl Capture {
             // Unwind safety: what is shared is atomic or behind a mutex. A panic is said below, by the hook of whoever
             // has one; sound then is no more, and ages out of the plans.
             if catch_unwind(AssertUnwindSafe(|| run(&shared))).is_err() {
-                shared.news.say("capture ended: internal error".to_owned());
+                shared.messages.say("capture ended: internal error".to_owned());
                 shared.stop();
             }
         };

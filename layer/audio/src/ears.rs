@@ -18,7 +18,7 @@ pub fn run(shared: &Shared) {
             stream = match Stream::new(begun, shared) {
                 Ok(stream) => Some(stream),
                 Err(error) => {
-                    shared.news.say(format!("not captured: {error}"));
+                    shared.messages.say(format!("not captured: {error}"));
                     None
                 }
             };

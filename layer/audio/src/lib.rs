@@ -16,7 +16,7 @@
 mod abi;
 pub mod capture;
 mod ears;
-mod news;
+mod messages;
 mod published;
 pub mod ring;
 mod settings;
@@ -24,5 +24,5 @@ mod shared;
 mod sources;
 pub mod wav;
 
-pub use capture::{Capture, Heard};
+pub use capture::{Capture, CapturedFeatures};
 pub use settings::{Settings, Source};

@@ -1,6 +1,6 @@
 //! State shared by the threads of a capture.
 
-use crate::news::News;
+use crate::messages::PendingMessages;
 use crate::published::Published;
 use crate::ring::{Format, Reader, Writer, ring};
 use crate::settings::Settings;
@@ -18,7 +18,7 @@ pub struct Shared {
     /// The captured sound.
     pub published: Published,
     /// Messages for people.
-    pub news: News,
+    pub messages: PendingMessages,
     start: Instant,
     is_stopped: AtomicBool,
     is_muted: AtomicBool,
@@ -37,7 +37,7 @@ impl Shared {
         Self {
             settings,
             published: Published::default(),
-            news: News::default(),
+            messages: PendingMessages::default(),
             start: Instant::now(),
             is_stopped: AtomicBool::new(false),
             is_muted: AtomicBool::new(false),

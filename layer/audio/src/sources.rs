@@ -34,7 +34,7 @@ fn listen(shared: &Shared) {
             Err(error) => error.to_string(),
         };
         shared.set_muted(false);
-        shared.news.say(format!("not captured: {why}; retrying"));
+        shared.messages.say(format!("not captured: {why}; retrying"));
         shared.sleep(AGAIN);
     }
 }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::config::{ChromaMode, Preset, RatesBackend, RatesGate, RatesMode, ReuseMode, SilenceRule};
 use crate::inputs::gaze::auto::SampleTimes;
-use crate::inputs::gaze::osc::{Heard, OscGaze, read};
+use crate::inputs::gaze::osc::{NewestGaze, OscGaze, read};
 use crate::link::{BACKEND_RATE_ATTACHMENT, CapabilitiesRecord, EyeMapRecord};
 use parafovea_core::geometry::Fov;
 use parafovea_core::rate::{ShadingRate, VULKAN_RATES};
@@ -145,7 +145,7 @@ fn a_gaze_in_packets_is_in_the_map_of_the_next_frame() {
             let packets = if frame < 60 { here } else { &there };
             packets.iter().for_each(|bytes| gaze.take(sender, read(bytes), came_ns));
             session.begin();
-            let heard = Heard { look: gaze.look(), age: Some(std::time::Duration::from_millis(2)) };
+            let heard = NewestGaze { look: gaze.look(), age: Some(std::time::Duration::from_millis(2)) };
             session.plan(heard.look(&mut times, session.time_ns, 50_000_000));
             let [is_here, is_there] = [from, to].map(crate::inputs::gaze::direction).map(|direction| {
                 [0, 1].map(|eye| rate_at(&session, eye, direction) == ShadingRate::R1X1.texel())

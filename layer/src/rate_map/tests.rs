@@ -24,7 +24,7 @@ fn image(area: [u32; 4], texel: [u32; 2], layers: u32) -> RateImage {
     RateImage { area, texel, tiles, layers }
 }
 
-fn laid(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage, rates: &DeviceRates) -> Vec<u8> {
+fn resolved(eyes: [&EyeMap; 2], parts: &[Part], image: &RateImage, rates: &DeviceRates) -> Vec<u8> {
     let mut out = vec![0xff; image.len()];
     resolve(eyes, parts, image, rates, &mut Scratch::default(), &mut out);
     out
@@ -142,7 +142,7 @@ proptest! {
         image in any_image(),
     ) {
         let eyes = [&left, &right];
-        prop_assert_eq!(laid(eyes, &parts, &image, &all_rates()), expected(eyes, &parts, &image));
+        prop_assert_eq!(resolved(eyes, &parts, &image, &all_rates()), expected(eyes, &parts, &image));
     }
 
     /// With the rates that there are: never coarser, and 1x1 where that is asked for.
@@ -154,7 +154,7 @@ proptest! {
         let eyes = [&left, &right];
         let rates = DeviceRates::new(offered.iter().copied());
         let permitted = expected(eyes, &[part], &image);
-        for (texel, permitted) in laid(eyes, &[part], &image, &rates).into_iter().zip(permitted) {
+        for (texel, permitted) in resolved(eyes, &[part], &image, &rates).into_iter().zip(permitted) {
             let rate = ShadingRate::from_texel(texel).unwrap();
             let permitted = ShadingRate::from_texel(permitted).unwrap();
             prop_assert!(rate == ShadingRate::R1X1 || offered.contains(&rate));
@@ -183,7 +183,7 @@ proptest! {
             with.set(map.extent(), map.texel(), map.tiles(), &texels);
             only.set(map.extent(), map.texel(), map.tiles(), &others);
         }
-        let of = |maps: &[EyeMap; 2]| laid(maps.each_ref(), &parts, &image, &all_rates());
+        let of = |maps: &[EyeMap; 2]| resolved(maps.each_ref(), &parts, &image, &all_rates());
         let (with, plain, only) = (of(&with_stale), of(&maps), of(&only_stale));
         for ((with, plain), only) in with.iter().zip(plain).zip(only) {
             let stale = if only == ShadingRate::R4X4.texel() { STALE } else { 0 };
@@ -209,7 +209,7 @@ proptest! {
             marked
         });
         let rates = DeviceRates::new(offered.iter().copied());
-        let mut expected = laid(maps.each_ref(), &parts, &image, &rates);
+        let mut expected = resolved(maps.each_ref(), &parts, &image, &rates);
         if !leaves_out {
             rates.coarsen_stale(&mut expected);
         }
@@ -246,7 +246,7 @@ fn a_plan_of_the_same_size_is_copied() {
     let map = map([100, 70], [16, 16], |_, _| rates.next().unwrap());
     let image = image([0, 0, 100, 70], [16, 16], 1);
     let part = whole(Eyes::Right, Orientation::Upright);
-    assert_eq!(laid([&EyeMap::default(), &map], &[part], &image, &all_rates()), map.texels());
+    assert_eq!(resolved([&EyeMap::default(), &map], &[part], &image, &all_rates()), map.texels());
 }
 
 #[test]
@@ -262,9 +262,9 @@ fn an_eye_without_a_plan_is_at_full_rate() {
     let coarse = map([64, 64], [16, 16], |_, _| ShadingRate::R4X4);
     let image = image([0, 0, 64, 64], [16, 16], 1);
     let part = whole(Eyes::Finer, Orientation::Upright);
-    assert_eq!(laid([&coarse, &EyeMap::default()], &[part], &image, &all_rates()), [0; 16]);
-    assert_eq!(laid([&coarse, &coarse], &[part], &image, &all_rates()), [10; 16]);
-    assert_eq!(laid([&coarse, &coarse], &[], &image, &all_rates()), [0; 16]);
+    assert_eq!(resolved([&coarse, &EyeMap::default()], &[part], &image, &all_rates()), [0; 16]);
+    assert_eq!(resolved([&coarse, &coarse], &[part], &image, &all_rates()), [10; 16]);
+    assert_eq!(resolved([&coarse, &coarse], &[], &image, &all_rates()), [0; 16]);
     assert_eq!(rate_map_table([&coarse, &EyeMap::default()], &[part], &image), None, "nothing to look up");
 }
 
@@ -277,9 +277,9 @@ fn a_layer_each_or_the_finer_of_both() {
         Part { layer: 1, ..whole(Eyes::Right, Orientation::Upright) },
     ];
     let two = image([0, 0, 32, 16], [16, 16], 2);
-    assert_eq!(laid([&left, &right], &parts, &two, &all_rates()), [10, 0, 6, 5]);
+    assert_eq!(resolved([&left, &right], &parts, &two, &all_rates()), [10, 0, 6, 5]);
     let one = RateImage { layers: 1, ..two };
-    assert_eq!(laid([&left, &right], &parts, &one, &all_rates()), [6, 0]);
+    assert_eq!(resolved([&left, &right], &parts, &one, &all_rates()), [6, 0]);
 }
 
 /// Two eyes side by side whose border cuts a column of texels: that column is the finer of both.
@@ -290,7 +290,7 @@ fn texels_on_the_border_of_two_eyes_are_the_finer_of_both() {
     let half = |eyes, x| Part { rect: [x, 0.0, 0.5, 1.0], ..whole(eyes, Orientation::Upright) };
     let parts = [half(Eyes::Left, 0.0), half(Eyes::Right, 0.5)];
     let image = image([0, 0, 48, 16], [16, 16], 1);
-    assert_eq!(laid([&left, &right], &parts, &image, &all_rates()), [10, 5, 5]);
+    assert_eq!(resolved([&left, &right], &parts, &image, &all_rates()), [10, 5, 5]);
 }
 
 #[test]

@@ -118,7 +118,7 @@ unsafe fn prepare(
         armed.frame.awaited.finish();
     }
     let mut touched = Outdated::new();
-    let mut obeyed = Outdated::new();
+    let mut followed = Outdated::new();
     for buffer in buffers.filter_map(recording::buffer) {
         let recorded = buffer.recorded();
         if is_followed {
@@ -126,7 +126,7 @@ unsafe fn prepare(
                 armed.layouts.set(*image, *layout);
             }
             if armed.follows_passes() {
-                note(armed, queue, &recorded, &mut obeyed);
+                recognise_passes(armed, queue, &recorded, &mut followed);
             }
         }
         for candidate in &recorded.candidates {
@@ -135,9 +135,9 @@ unsafe fn prepare(
     }
     // SAFETY: this thread may use the live queue, as `# Safety` demands.
     unsafe { update(armed, is_followed, queue, touched) };
-    if obeyed.iter().any(|candidate| candidate.content().leaves_out()) {
+    if followed.iter().any(|candidate| candidate.content().leaves_out()) {
         let mut log = armed.frame.log();
-        for candidate in &obeyed {
+        for candidate in &followed {
             log.leave_out(candidate.content().stale());
         }
     }
@@ -184,9 +184,14 @@ unsafe fn update(armed: &Armed, is_followed: bool, queue: vk::Queue, mut touched
     unsafe { maps::submit(&ring, armed, own, queue, touched, deciding.as_ref()) };
 }
 
-/// Takes the events of a command buffer of the application, and recognises its passes; adds to `obeyed` the candidates with maps that its
+/// Takes the events of a command buffer of the application, and recognises its passes; adds to `followed` the candidates with maps that its
 /// passes obey.
-fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed: &mut Outdated) {
+fn recognise_passes(
+    armed: &Armed,
+    queue: vk::Queue,
+    recorded: &recording::Recorded,
+    followed: &mut Outdated,
+) {
     let mut log = armed.frame.log();
     let is_on = armed.frame.is_on();
     // A map that is still coarse becomes 1x1, whether or not the frame is followed.
@@ -200,18 +205,18 @@ fn note(armed: &Armed, queue: vk::Queue, recorded: &recording::Recorded, obeyed:
         let candidate = drawn.and_then(|(target, pass)| {
             Some((recorded.candidates.iter().find(|known| known.target == *target)?, pass))
         });
-        let judged = log.push(&armed.objects, event, candidate.map(|(candidate, _)| candidate));
+        let verdict = log.push(&armed.objects, event, candidate.map(|(candidate, _)| candidate));
         if let Some((candidate, pass)) = candidate {
-            let matched = judged.and_then(Result::ok);
+            let matched = verdict.and_then(Result::ok);
             if matched.as_ref().is_some_and(|found| !found.parts.is_empty()) {
                 log.has_eye_pass(&armed.objects, pass);
             }
-            candidate.map.noted(matched.as_ref().map(|found| found.how), log.frame());
+            candidate.map.submitted(matched.as_ref().map(|found| found.how), log.frame());
             // A pass without a mask obeys no map, and so says nothing of what that shall hold.
             if pass.unmasked.is_some_and(|reason| reason != Unmasked::Undrawn) {
                 continue;
             }
-            add(obeyed, candidate);
+            add(followed, candidate);
             let matched = matched.filter(|_| is_on);
             let parts: &[Part] = matched.as_ref().map_or(&[], |found| &found.parts);
             if !parts.is_empty() {

@@ -16,7 +16,7 @@ const CARDS: &str = "/proc/asound/cards";
 
 /// Why nothing is heard from a loop-back card.
 #[derive(Debug, Error)]
-pub enum NotHeard {
+pub enum LoopbackError {
     /// There is none.
     #[error("no ALSA loopback card (snd-aloop)")]
     NoCard,
@@ -32,11 +32,11 @@ pub enum NotHeard {
 ///
 /// # Errors
 /// There is no such card, or it cannot be listened to.
-pub fn listen(shared: &Shared, is_better: impl Fn() -> bool) -> Result<(), NotHeard> {
+pub fn listen(shared: &Shared, is_better: impl Fn() -> bool) -> Result<(), LoopbackError> {
     let cards = std::fs::read_to_string(CARDS).unwrap_or_default();
-    let card = loopback_card(&cards).ok_or(NotHeard::NoCard)?;
+    let card = loopback_card(&cards).ok_or(LoopbackError::NoCard)?;
     let host = cpal::host_from_id(HostId::Alsa)?;
-    let device = host.devices()?.find(|device| is_monitor(device, card)).ok_or(NotHeard::NoCard)?;
+    let device = host.devices()?.find(|device| is_monitor(device, card)).ok_or(LoopbackError::NoCard)?;
     let config = device.default_input_config()?;
     let format = Format {
         sample_rate_hz: config.sample_rate().clamp(*SAMPLE_RATES_HZ.start(), *SAMPLE_RATES_HZ.end()),
@@ -48,7 +48,7 @@ pub fn listen(shared: &Shared, is_better: impl Fn() -> bool) -> Result<(), NotHe
         buffer_size: BufferSize::Default,
     };
     let sample_format = config.sample_format();
-    let write = writer_of(sample_format).ok_or(NotHeard::Samples(sample_format))?;
+    let write = writer_of(sample_format).ok_or(LoopbackError::Samples(sample_format))?;
     let mut writer = shared.begin(format);
     let has_failed = Arc::new(AtomicBool::new(false));
     let failed = has_failed.clone();
@@ -61,7 +61,9 @@ pub fn listen(shared: &Shared, is_better: impl Fn() -> bool) -> Result<(), NotHe
     )?;
     stream.play()?;
     let Format { sample_rate_hz, channels } = format;
-    shared.news.say(format!("capturing the ALSA loopback card ({sample_rate_hz} Hz, {channels} channels)"));
+    shared
+        .messages
+        .say(format!("capturing the ALSA loopback card ({sample_rate_hz} Hz, {channels} channels)"));
     while !(shared.is_stopped() || is_better() || has_failed.load(Ordering::Relaxed)) {
         shared.sleep(Duration::from_millis(250));
     }

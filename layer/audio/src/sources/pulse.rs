@@ -87,7 +87,7 @@ struct Stream {
 }
 
 /// The meaning of a message, apart from samples, which are written at once.
-enum News {
+enum ServerMessage {
     Server(ServerInfo),
     Output(Box<SinkInfo>),
     Recording(Output, Box<CreateRecordStreamReply>),
@@ -101,11 +101,11 @@ impl Listener<'_> {
         self.ask()?;
         match self.receive()? {
             None => Ok(()),
-            Some(News::Happened(Event::Changed)) => {
+            Some(ServerMessage::Happened(Event::Changed)) => {
                 self.is_stale = true;
                 Ok(())
             }
-            Some(News::Happened(Event::Ended(channel))) => {
+            Some(ServerMessage::Happened(Event::Ended(channel))) => {
                 self.is_stale = true;
                 match &self.stream {
                     Some(stream) if stream.channel == channel => {
@@ -114,29 +114,29 @@ impl Listener<'_> {
                     _ => Ok(()),
                 }
             }
-            Some(News::Happened(Event::Moved)) => {
+            Some(ServerMessage::Happened(Event::Moved)) => {
                 self.is_stale = true;
                 self.nothing_to_hear("the server moved the stream to another device")
             }
-            Some(News::Server(info)) => match info.default_sink_name {
+            Some(ServerMessage::Server(info)) => match info.default_sink_name {
                 Some(name) => {
                     let question = GetSinkInfo { index: None, name: Some(name) };
                     self.send(&Command::GetSinkInfo(question), Question::Output)
                 }
                 None => self.nothing_to_hear("the server has no output"),
             },
-            Some(News::Output(info)) => self.listen_to(&info),
-            Some(News::Recording(output, reply)) => {
-                self.shared.news.say(format!("capturing {output}"));
+            Some(ServerMessage::Output(info)) => self.listen_to(&info),
+            Some(ServerMessage::Recording(output, reply)) => {
+                self.shared.messages.say(format!("capturing {output}"));
                 let writer = self.shared.begin(output.format);
                 self.stream = Some(Stream { channel: reply.channel, output, writer });
                 Ok(())
             }
             // It went away between two questions: the next look tells.
-            Some(News::Refused(_, PulseError::NoEntity)) => {
+            Some(ServerMessage::Refused(_, PulseError::NoEntity)) => {
                 self.nothing_to_hear("the output device was removed")
             }
-            Some(News::Refused(question, error)) => {
+            Some(ServerMessage::Refused(question, error)) => {
                 let what = match question {
                     Question::Server | Question::Output => "does not name its output",
                     Question::Record(_) => "refuses to record its output",
@@ -172,7 +172,7 @@ impl Listener<'_> {
     }
 
     /// The next message, if there is one within a moment. Samples are written.
-    fn receive(&mut self) -> Result<Option<News>, Fault> {
+    fn receive(&mut self) -> Result<Option<ServerMessage>, Fault> {
         match self.connection.receive()? {
             None => Ok(None),
             Some(Message::Samples { channel, bytes }) => {
@@ -181,20 +181,20 @@ impl Listener<'_> {
                 }
                 Ok(None)
             }
-            Some(Message::Event(event)) => Ok(Some(News::Happened(event))),
+            Some(Message::Event(event)) => Ok(Some(ServerMessage::Happened(event))),
             Some(Message::Reply { sequence, body }) => {
                 let Some(asked) = self.asked.take_if(|asked| asked.sequence == sequence) else {
                     return Ok(None);
                 };
                 Ok(Some(match asked.question {
-                    Question::Server => News::Server(body.read()?),
-                    Question::Output => News::Output(Box::new(body.read()?)),
-                    Question::Record(output) => News::Recording(output, Box::new(body.read()?)),
+                    Question::Server => ServerMessage::Server(body.read()?),
+                    Question::Output => ServerMessage::Output(Box::new(body.read()?)),
+                    Question::Record(output) => ServerMessage::Recording(output, Box::new(body.read()?)),
                 }))
             }
             Some(Message::Refused { sequence, error }) => {
                 let asked = self.asked.take_if(|asked| asked.sequence == sequence);
-                Ok(asked.map(|asked| News::Refused(asked.question, error)))
+                Ok(asked.map(|asked| ServerMessage::Refused(asked.question, error)))
             }
         }
     }
@@ -215,7 +215,7 @@ impl Listener<'_> {
 
     fn nothing_to_hear(&mut self, why: &str) -> Result<(), Fault> {
         self.leave()?;
-        self.shared.news.say(format!("not captured: {why}"));
+        self.shared.messages.say(format!("not captured: {why}"));
         Ok(())
     }
 

@@ -17,14 +17,14 @@ const LATEST: Duration = Duration::from_millis(200);
 /// Plays a file over and over into the ring, as fast as it would be played, until the capture ends.
 pub fn play(path: &Path, shared: &Shared) {
     if let Err(error) = play_on(path, shared) {
-        shared.news.say(format!("not captured: {}: {error}", path.display()));
+        shared.messages.say(format!("not captured: {}: {error}", path.display()));
     }
 }
 
 fn play_on(path: &Path, shared: &Shared) -> Result<(), WavError> {
     let mut file = Wav::new(BufReader::new(File::open(path).map_err(hound::Error::from)?))?;
     let format @ Format { sample_rate_hz, channels } = file.format();
-    shared.news.say(format!("capturing {} ({sample_rate_hz} Hz, {channels} channels)", path.display()));
+    shared.messages.say(format!("capturing {} ({sample_rate_hz} Hz, {channels} channels)", path.display()));
     let mut writer = shared.begin(format);
     let mut piece = Vec::new();
     let (mut start, mut played) = (Instant::now(), 0u64);

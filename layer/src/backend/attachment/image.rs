@@ -194,7 +194,7 @@ impl RateMap for Arc<RateImage> {
         MapSize { texel: self.maker.texel, tiles: self.key.texels, layers: self.key.layers }
     }
 
-    fn noted(&self, scene: Option<How>, _frame: u64) {
+    fn submitted(&self, scene: Option<How>, _frame: u64) {
         self.is_matched.store(scene.is_some(), Ordering::Relaxed);
     }
 

@@ -69,7 +69,7 @@ impl Masks {
         }
         let target = target.ok_or(Unmasked::New)?;
         if attachments.colors.is_empty() {
-            return self.judged(target, pass, attachments, context);
+            return self.decided(target, pass, attachments, context);
         }
         if let Some(depth) = attachments.loaded_samples(context.objects)
             && context.covered_by.is_none()
@@ -84,7 +84,7 @@ impl Masks {
                 return Err(Unmasked::New);
             }
         }
-        let outcome = match self.judged(target, pass, attachments, context) {
+        let outcome = match self.decided(target, pass, attachments, context) {
             Err(Unmasked::DepthLoaded) => Err(target.prepass_refusal().unwrap_or(Unmasked::DepthLoaded)),
             outcome => outcome,
         };
@@ -93,7 +93,7 @@ impl Masks {
     }
 
     /// The mask of a pass, by evidence of earlier passes to its target.
-    fn judged(
+    fn decided(
         &self,
         target: &TargetMask,
         pass: &Pass,

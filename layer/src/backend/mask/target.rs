@@ -299,7 +299,7 @@ impl RateMap for TargetMask {
         true
     }
 
-    fn noted(&self, scene: Option<How>, frame: u64) {
+    fn submitted(&self, scene: Option<How>, frame: u64) {
         let mut seen = self.seen();
         if frame != seen.frame {
             seen.frames_since = frame.saturating_sub(seen.frame);

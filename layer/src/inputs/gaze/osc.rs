@@ -24,6 +24,6 @@ mod message;
 mod source;
 
 pub use assembly::{OscCounts, OscGaze, OscLook};
-pub use listener::{Heard, Listener};
+pub use listener::{Listener, NewestGaze};
 pub use message::{Axis, EyeMessage, EyeValue, Eyes, Format, MOST_BYTES, OscPacketError, Packet, read};
 pub use source::{OscSource, OscStatus};

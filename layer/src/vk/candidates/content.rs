@@ -22,7 +22,7 @@ pub struct Content {
     is_coarse: bool,
     /// Whether `uses` changed since the last upload.
     is_changed: bool,
-    /// The plan that the map was last laid from.
+    /// The plan that the map was last resolved from.
     plan: u64,
     /// The stale tiles that it left out of each eye's picture.
     stale: [StaleTiles; 2],
@@ -32,10 +32,10 @@ pub struct Content {
     is_shared: bool,
     /// The last frame with a pass, and whether nothing fills coarse tiles after one of that frame.
     unfilled: (u64, bool),
-    /// Whether `laid` is on the GPU, or on its way.
-    is_laid: bool,
+    /// Whether `source` is on the GPU, or on its way.
+    is_uploaded: bool,
     /// The source of the last map on the GPU.
-    laid: MapSource,
+    source: MapSource,
 }
 
 /// The source of a map.
@@ -162,24 +162,24 @@ impl Content {
     /// Takes the source of the next map on the GPU: these texels, resolved over `parts` of `area`, in exchange for others. Whether that is
     /// news: else the map is so already.
     pub fn resolve(&mut self, area: [u32; 4], parts: &[Part], texels: &mut Vec<u8>) -> bool {
-        let laid = &mut self.laid;
-        let is_same = laid.area == area && laid.parts.as_slice() == parts && laid.texels == *texels;
+        let source = &mut self.source;
+        let is_same = source.area == area && source.parts.as_slice() == parts && source.texels == *texels;
         if !is_same {
-            laid.area = area;
-            laid.parts = parts.into();
-            std::mem::swap(&mut laid.texels, texels);
+            source.area = area;
+            source.parts = parts.into();
+            std::mem::swap(&mut source.texels, texels);
         }
-        !(std::mem::replace(&mut self.is_laid, true) && is_same)
+        !(std::mem::replace(&mut self.is_uploaded, true) && is_same)
     }
 
     /// The resolved texels did not get to the GPU.
     pub fn lose(&mut self) {
-        self.is_laid = false;
+        self.is_uploaded = false;
     }
 
     /// The texels that the map on the GPU was made of.
     pub fn texels(&self) -> &[u8] {
-        &self.laid.texels
+        &self.source.texels
     }
 
     /// All uses as one: the area around all render areas, and the parts as fractions of it. Where a pass draws that shows

@@ -94,17 +94,17 @@ impl Log {
         candidate: Option<&Arc<C>>,
     ) -> Option<Result<Match, Unmatched>> {
         let is_told = self.notes.is_wanted();
-        let judged = match event {
+        let verdict = match event {
             Event::Pass(pass) if candidate.is_some() || is_told => Some(self.recognise(objects, pass)),
             _ => None,
         };
         if self.events.len() < MOST_EVENTS {
             self.events.push(event.clone());
             if is_told {
-                self.notes.push(judged.as_ref(), candidate);
+                self.notes.push(verdict.as_ref(), candidate);
             }
         }
-        judged
+        verdict
     }
 
     /// The verdict on a pass that is about to be submitted.

@@ -36,7 +36,7 @@ static FILE: LazyLock<Option<Mutex<BufWriter<File>>>> = LazyLock::new(|| {
 });
 
 /// The verdict on a pass.
-struct Judged {
+struct PassVerdict {
     /// Its picture, or why it makes none.
     outcome: Result<Match, Unmatched>,
     /// Its target; this keeps nothing alive.
@@ -46,7 +46,7 @@ struct Judged {
 /// Verdicts on the events of a frame, in their order.
 #[derive(Default)]
 pub struct Notes {
-    judged: Vec<Option<Judged>>,
+    verdicts: Vec<Option<PassVerdict>>,
 }
 
 impl Notes {
@@ -62,32 +62,36 @@ impl Notes {
         candidate: Option<&Arc<C>>,
     ) {
         let candidate = candidate.map(|candidate| Arc::downgrade(candidate) as Weak<dyn MapContent>);
-        self.judged.push(outcome.cloned().map(|outcome| Judged { outcome, candidate }));
+        self.verdicts.push(outcome.cloned().map(|outcome| PassVerdict { outcome, candidate }));
     }
 
     /// Writes the passes of a frame with their verdicts, and forgets these.
     pub fn end_frame(&mut self, objects: &Objects, frame: u64, events: &[Event]) {
-        write(objects, frame, events.iter().zip(&self.judged));
-        self.judged.clear();
+        write(objects, frame, events.iter().zip(&self.verdicts));
+        self.verdicts.clear();
     }
 }
 
-fn write<'a>(objects: &Objects, frame: u64, passes: impl Iterator<Item = (&'a Event, &'a Option<Judged>)>) {
+fn write<'a>(
+    objects: &Objects,
+    frame: u64,
+    passes: impl Iterator<Item = (&'a Event, &'a Option<PassVerdict>)>,
+) {
     let Some(file) = &*FILE else { return };
     let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
-    let judged = passes.filter_map(|(event, judged)| match event {
-        Event::Pass(pass) => Some((pass, judged.as_ref()?)),
+    let verdicts = passes.filter_map(|(event, verdict)| match event {
+        Event::Pass(pass) => Some((pass, verdict.as_ref()?)),
         Event::Transfer(_) => None,
     });
-    let written = judged
+    let written = verdicts
         .enumerate()
-        .try_for_each(|(index, (pass, judged))| {
-            let map = judged.candidate.as_ref().and_then(Weak::upgrade).map_or(String::new(), |candidate| {
+        .try_for_each(|(index, (pass, verdict))| {
+            let map = verdict.candidate.as_ref().and_then(Weak::upgrade).map_or(String::new(), |candidate| {
                 let mut line = String::new();
                 candidate.read(&mut |size, texels| line = map(size, texels));
                 line
             });
-            file.write_all(line(objects, [frame, index as u64], pass, &judged.outcome, &map).as_bytes())
+            file.write_all(line(objects, [frame, index as u64], pass, &verdict.outcome, &map).as_bytes())
         })
         .and_then(|()| file.flush());
     if let Err(error) = written {

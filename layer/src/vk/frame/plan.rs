@@ -160,19 +160,19 @@ mod tests {
         let [r2, r4] = [ShadingRate::R2X2.texel(), ShadingRate::R4X4.texel()];
         let mut plan = Plan::default();
         let mut texels = vec![9; 7];
-        let mut laid = |plan: &mut Plan, parts: &[Part]| {
+        let mut resolved = |plan: &mut Plan, parts: &[Part]| {
             plan.resolve(parts, &image, &rates, &mut texels);
             texels.clone()
         };
-        assert_eq!(laid(&mut plan, &[part(Eyes::Left)]), [0, 0], "before the first");
+        assert_eq!(resolved(&mut plan, &[part(Eyes::Left)]), [0, 0], "before the first");
         plan.take(&record(2), [&[r2, r4], &[r4, r4]]);
         for serial in [1, 2] {
             plan.take(&record(serial), [&[0, 0], &[0, 0]]);
         }
-        assert_eq!(laid(&mut plan, &[part(Eyes::Left)]), [r2, r4]);
-        assert_eq!(laid(&mut plan, &[part(Eyes::Right)]), [r4, r4]);
-        assert_eq!(laid(&mut plan, &[]), [0, 0]);
+        assert_eq!(resolved(&mut plan, &[part(Eyes::Left)]), [r2, r4]);
+        assert_eq!(resolved(&mut plan, &[part(Eyes::Right)]), [r4, r4]);
+        assert_eq!(resolved(&mut plan, &[]), [0, 0]);
         plan.take(&record(3), [&[r4], &[r4, r4]]);
-        assert_eq!(laid(&mut plan, &[part(Eyes::Left)]), [0, 0], "a plan that makes no sense is 1x1");
+        assert_eq!(resolved(&mut plan, &[part(Eyes::Left)]), [0, 0], "a plan that makes no sense is 1x1");
     }
 }

@@ -36,7 +36,7 @@ struct Shared {
 
 /// State of the listener.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heard {
+pub struct NewestGaze {
     /// The gaze.
     pub look: OscLook,
     /// How long ago something was said about the eyes; `None`: never.
@@ -72,11 +72,11 @@ impl Listener {
     }
 
     /// The state now. `None` in the rare case that the thread is just writing it: waiting for it is never worth a frame.
-    pub fn heard(&self) -> Option<Heard> {
+    pub fn heard(&self) -> Option<NewestGaze> {
         let look = *self.shared.look.try_lock().ok()?;
         let age_ns = |heard_ns: i64| nanoseconds(self.begun.elapsed()).saturating_sub(heard_ns).max(0);
         let age = (look.serial > 0).then(|| Duration::from_nanos(age_ns(look.heard_ns) as u64));
-        Some(Heard { look, age })
+        Some(NewestGaze { look, age })
     }
 }
 

@@ -1,7 +1,7 @@
 //! The listener of a session, as its configuration wants it.
 
 use super::assembly::OscCounts;
-use super::listener::{Heard, Listener};
+use super::listener::{Listener, NewestGaze};
 use super::message::Format;
 use crate::inputs::gaze::Look;
 use crate::inputs::gaze::auto::SampleTimes;
@@ -23,7 +23,7 @@ pub struct OscSource {
     listener: Option<Listener>,
     /// Why there is no listener, and since when.
     failure: Option<(ErrorKind, Instant)>,
-    heard: Option<Heard>,
+    heard: Option<NewestGaze>,
     times: SampleTimes,
 }
 
@@ -117,7 +117,7 @@ impl OscSource {
     }
 }
 
-impl Heard {
+impl NewestGaze {
     /// Where the eyes look by it, for a frame that is shown at `time_ns`; `latency_ns` as for [`SampleTimes::of`].
     pub fn look(self, times: &mut SampleTimes, time_ns: i64, latency_ns: i64) -> Look {
         let Some(age) = self.age.filter(|age| *age < ENDED) else { return Look::NoTracker };

@@ -21,7 +21,7 @@ fn yaw(right: f32) -> Vec<u8> {
 }
 
 /// Once `is_so`; panics where it never is.
-fn heard(listener: &Listener, mut send: impl FnMut(), is_so: impl Fn(&Heard) -> bool) -> Heard {
+fn heard(listener: &Listener, mut send: impl FnMut(), is_so: impl Fn(&NewestGaze) -> bool) -> NewestGaze {
     let begin = Instant::now();
     loop {
         send();

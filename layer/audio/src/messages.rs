@@ -8,7 +8,7 @@ const MOST: usize = 16;
 
 /// Lines in their order.
 #[derive(Debug, Default)]
-pub struct News(Mutex<Lines>);
+pub struct PendingMessages(Mutex<Lines>);
 
 #[derive(Debug, Default)]
 struct Lines {
@@ -16,7 +16,7 @@ struct Lines {
     last: String,
 }
 
-impl News {
+impl PendingMessages {
     /// Adds a line, unless it repeats the last one.
     pub fn say(&self, line: String) {
         let mut lines = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -38,13 +38,13 @@ mod tests {
 
     #[test]
     fn what_was_said_is_not_said_again() {
-        let news = News::default();
+        let messages = PendingMessages::default();
         for line in ["deaf", "deaf", "listens", "deaf"] {
-            news.say(line.to_owned());
+            messages.say(line.to_owned());
         }
-        let lines: Vec<String> = std::iter::from_fn(|| news.next()).collect();
+        let lines: Vec<String> = std::iter::from_fn(|| messages.next()).collect();
         assert_eq!(lines, ["deaf", "listens", "deaf"]);
-        (0..100).for_each(|number| news.say(number.to_string()));
-        assert_eq!(std::iter::from_fn(|| news.next()).count(), MOST);
+        (0..100).for_each(|number| messages.say(number.to_string()));
+        assert_eq!(std::iter::from_fn(|| messages.next()).count(), MOST);
     }
 }
