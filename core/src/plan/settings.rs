@@ -152,8 +152,8 @@ pub struct SafetySettings {
     /// Times the budget that a tile may lose for [`STEADY_MS`](crate::kernels::decide::STEADY_MS) after its rate has changed, 1..=16: noise
     /// that lasts for a frame does not take a change back at once.
     pub holding_budget: f32,
-    /// Fastest that a tile becomes coarser, octaves of [`ShadingRate::octaves`] a second; infinite: at once, in blinks and with a
-    /// gaze that was just found again too.
+    /// Fastest that a tile becomes coarser, octaves a second ([`octaves`](crate::rate::ShadingRate::octaves)); infinite: at once, in blinks
+    /// and with a gaze that was just found again too.
     pub coarsening_octaves_per_s: f32,
     /// The same where contrast decides, which noise in the pictures changes too.
     pub contrast_octaves_per_s: f32,
