@@ -215,17 +215,27 @@ fn a_scene_cut_is_one_change() {
     assert!((after - fresh).abs() < 0.03 * fresh, "{after}, and {fresh} without what was before the cut");
 }
 
+/// A look at full rate finds detail just after a tile has become coarser: the tile is refined at once, and stays so.
+#[test]
+fn a_look_refines_tiles_that_have_just_become_coarser() {
+    let scene = Scene { noise: 0.0, fine: 18.918987, coarse: 0.0, looks: 60, cut: u64::MAX };
+    let heard = |_| AudioFeatures { gamma_ld: 0.0, ..loud() };
+    let frames = scene.frames(160, heard, ahead);
+    assert!(least_between(&frames, |coarser| !coarser) < LEAST_FRAMES, "no look comes so soon");
+    assert!(least_between(&frames, |coarser| coarser) >= LEAST_FRAMES);
+}
+
 proptest::proptest! {
     #![proptest_config(proptest::prelude::ProptestConfig::with_cases(16))]
 
-    /// Whatever is drawn.
+    /// Refinement is immediate; only coarsening waits.
     #[test]
-    fn a_tile_changes_once_in_100_ms(
+    fn a_tile_becomes_coarser_once_in_100_ms(
         noise in 0.0f32..8.0, fine in 0.0f32..30.0, coarse in 0.0f32..30.0, looks in 60u32..200, gamma_ld in 0.0f32..25.0,
     ) {
         let heard = |_| AudioFeatures { gamma_ld, ..loud() };
         let frames = Scene { noise, fine, coarse, looks, cut: u64::MAX }.frames(160, heard, ahead);
-        let least = least_between(&frames, |_| true);
+        let least = least_between(&frames, |coarser| coarser);
         proptest::prop_assert!(least >= LEAST_FRAMES, "{least} frames");
     }
 }
