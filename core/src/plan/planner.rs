@@ -60,7 +60,7 @@ impl Planner {
     }
 
     /// Sets the displacement of re-used content for each frame of its age, after correction of the head's rotation: arc minutes, by the
-    /// head's translation and the distance of near content. Holds until it is said anew; 0 at first. What is no number counts as infinite,
+    /// head's translation and the distance of near content. Holds until it is said anew; 0 at first. NaN counts as infinite,
     /// and then nothing is re-used.
     pub fn set_drift(&mut self, arcmin: f32) {
         self.drift_arcmin = if arcmin.is_nan() { f32::INFINITY } else { arcmin.abs() };

@@ -136,7 +136,7 @@ impl From<Schedule> for UpdateSettings {
     }
 }
 
-/// Safety limits of a plan, independent of the other settings. What is not a number counts as the default's, what is negative as 0.
+/// Safety limits of a plan, independent of the other settings. NaN counts as the default, a negative value as 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SafetySettings {
     /// Least radius of the area at full rate, before anything widens it, degrees.
@@ -165,7 +165,7 @@ pub struct SafetySettings {
 }
 
 impl SafetySettings {
-    /// No safety limit but those that keep the plan finite, to reproduce the papers.
+    /// Only the limits of a finite plan, to reproduce the papers.
     pub const PAPER: Self = Self {
         least_foveal_deg: 0.0,
         tracker_error_deg: 0.0,

@@ -10,9 +10,9 @@ pub struct Cores {
 }
 
 impl Cores {
-    /// Those of the calling thread.
+    /// The allowed cores of the calling thread.
     pub fn of_this_thread() -> Self {
-        // SAFETY: a set of bits, of which all values are valid.
+        // SAFETY: all bit patterns of a core set are valid.
         let mut allowed: libc::cpu_set_t = unsafe { std::mem::zeroed() };
         // SAFETY: the set is valid to write to, and 0 is the calling thread.
         let result = unsafe { libc::sched_getaffinity(0, size_of::<libc::cpu_set_t>(), &mut allowed) };

@@ -1,6 +1,7 @@
 //! A test as a process of its own: its time limit, how it ended, and why it was skipped.
 //!
-//! `cargo dev test` runs every test this way. A test that hangs is killed at its limit together with every process that it
+//! `cargo dev test` runs tests this way; unit tests share processes, and run again alone if they do not pass.
+//! A test that hangs is killed at its limit together with every process that it
 //! started, so that it fails with its name and the others go on. A test that needs something that this machine lacks calls
 //! [`skip()`]; it never passes by returning early.
 //!

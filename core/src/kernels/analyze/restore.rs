@@ -38,7 +38,7 @@ pub struct Shown {
 
 /// Restores contrast that `map` lacks because tiles were shaded at `rates` ([`ShadingRate::texel`]; tiles with [`STALE`] were not shaded,
 /// and keep their known contrast), from `previous`, the known contrast of the last frame, and `shown`, the contrast measured then. All four
-/// are of the same tiles; what is missing in one counts as 1x1, and as not known. `shown` takes the size of `map`.
+/// are of the same tiles; a tile missing in one counts as 1x1 and unknown. `shown` takes the size of `map`.
 ///
 /// A map that judged coarse tiles by what they show would find nothing in them and keep them coarse for ever. One that
 /// only guessed would refine where the guess is too high, measure, coarsen, and guess again: hence the memory.

@@ -1,7 +1,7 @@
 //! For tests, in builds with debug assertions alone: panics in every hook of one name.
 //!
 //! `PARAFOVEA_PANIC` is the name that the hook gives [`super::guard`], with `:after` where the layer below is to have answered
-//! before. `reached` injects none: the log then names each hook once, as it is reached.
+//! before. `reached` injects no fault: the log names each hook at its first call.
 
 use std::sync::{LazyLock, Mutex, PoisonError};
 

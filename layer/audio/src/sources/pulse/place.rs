@@ -12,7 +12,7 @@ pub fn socket() -> Option<PathBuf> {
 /// Length of a cookie, bytes; a server does not talk to who sends another one.
 const COOKIE_BYTES: usize = 256;
 
-/// The cookie that lets this user in where the kernel's credentials are not enough: in containers. Zeros where there is none.
+/// The cookie that lets this user in where the kernel's credentials are not enough: in containers. Zeros without a cookie.
 pub fn cookie() -> Vec<u8> {
     let named = var_os("PULSE_COOKIE").map(PathBuf::from);
     let home = var_os("HOME").map(PathBuf::from);
