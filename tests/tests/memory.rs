@@ -54,13 +54,15 @@ fn allocations(config: &str, frames: u64) -> f64 {
     let run = Run::new(&application, &scenario(frames)).on(config);
     let run = run.env("LD_PRELOAD", counter).env("PARAFOVEA_TEST_ALLOCATIONS_OF", "libparafovea.so");
     let run = run.env("PARAFOVEA_TEST_ALLOCATIONS_FILE", file.path());
+    // The thread of the status allocates once a second, whatever the number of frames.
+    let run = run.env("PARAFOVEA_TEST_ALLOCATIONS_EXCEPT", "parafovea-tell");
     run.finish().unwrap().expect_frames(frames).unwrap();
     let count: f64 = std::fs::read_to_string(file.path()).unwrap().parse().unwrap();
     assert!(count > 100.0, "only {count}: the layer was not found");
     count
 }
 
-/// From hook to hook, in the calling process. A thread of the status asks for some memory once a second, which a frame is none of.
+/// On all threads of the layer but the one of the status.
 #[test]
 #[cfg(target_arch = "x86_64")]
 fn a_steady_frame_asks_for_none() {
@@ -70,6 +72,6 @@ fn a_steady_frame_asks_for_none() {
         );
         let [short, long] = [120, 360].map(|frames| allocations(&config, frames));
         let each = (long - short) / 240.0;
-        assert!(each < 0.5, "{each} a frame with {rates}");
+        assert!(each < 0.25, "{each} a frame with {rates}");
     }
 }

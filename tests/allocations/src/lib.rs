@@ -1,6 +1,7 @@
 //! Counts how often one library of a process asks for memory, by who calls glibc's allocator. `LD_PRELOAD` names this library,
 //! `PARAFOVEA_TEST_ALLOCATIONS_OF` the other one by a part of its path, and `PARAFOVEA_TEST_ALLOCATIONS_FILE` where the number is written when the
-//! process exits. What it asks for before it was found, and its frees, are not counted.
+//! process exits. `PARAFOVEA_TEST_ALLOCATIONS_EXCEPT` names a thread whose calls are not counted. Calls before the library was found, and frees,
+//! are not counted either.
 
 #![cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 
@@ -89,9 +90,21 @@ fn note(caller: usize) {
             // SAFETY: the callback has the type that is asked for, and keeps nothing.
             unsafe { libc::dl_iterate_phdr(Some(look), null_mut()) };
         }
-    } else if (FIRST.load(Relaxed)..END.load(Relaxed)).contains(&caller) {
+    } else if (FIRST.load(Relaxed)..END.load(Relaxed)).contains(&caller) && !on_the_exempt_thread() {
         COUNT.fetch_add(1, Relaxed);
     }
+}
+
+/// Whether the calling thread has the name of the thread that is not counted.
+fn on_the_exempt_thread() -> bool {
+    let Some(exempt) = variable(c"PARAFOVEA_TEST_ALLOCATIONS_EXCEPT") else { return false };
+    // The kernel keeps 15 characters of a thread's name, and a null.
+    let mut name = [0u8; 16];
+    // SAFETY: PR_GET_NAME writes 16 bytes with their null to the given address, and asks for no memory.
+    if unsafe { libc::prctl(libc::PR_GET_NAME, name.as_mut_ptr()) } != 0 {
+        return false;
+    }
+    CStr::from_bytes_until_nul(&name).is_ok_and(|name| name == exempt)
 }
 
 /// The value of a variable of the environment.
