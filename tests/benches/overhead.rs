@@ -32,6 +32,11 @@ fn measure(arguments: &[String]) -> Result<(), String> {
         let place = arguments.iter().position(|argument| argument == name)?;
         arguments.get(place + 1)
     };
+    const OPTIONS: [&str; 4] = ["--json", "--instructions", "--driver", "--library"];
+    let is_unknown = |argument: &&String| argument.starts_with('-') && !OPTIONS.contains(&argument.as_str());
+    if let Some(unknown) = arguments.iter().find(is_unknown) {
+        return Err(format!("unknown option `{unknown}`; allowed: {}", OPTIONS.join(", ")));
+    }
     let json = is_given("--json");
     if let Some(device) = value("--driver") {
         let library = value("--library").map(PathBuf::from);
