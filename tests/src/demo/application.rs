@@ -37,7 +37,7 @@ impl Exhibit {
 /// Our scene, one style of the zoo, and hello_xr where it is installed.
 pub fn exhibits() -> Vec<Exhibit> {
     let counted = Effort { turns: 1, run_up: SETTLING, frames: JUDGED, size: 512 };
-    let timed = Effort { turns: 1, run_up: SETTLING, frames: 40, size: 512 };
+    let timed = Effort { turns: 1, run_up: SETTLING, frames: 30, size: 512 };
     let scene =
         Subject::before_a_saccade(SceneName::Courtyard, Tracker::GOOD, counted.run_up + JUDGED * 2 / 3);
     let exhibit =

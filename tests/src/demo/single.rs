@@ -96,13 +96,14 @@ pub fn work_of(exhibit: &Exhibit) -> u64 {
     timed + 3 * work::rendering(exhibit, counted)
 }
 
-/// The same frames after a shorter run-up.
+/// The same frames after a shorter run-up, half as many of them timed: no spread is shown.
 fn later(exhibit: &Exhibit) -> Exhibit {
     let shorter = |effort: Effort| Effort { run_up: effort.run_up.min(RUN_UP), ..effort };
+    let timed = shorter(exhibit.timed);
     let skipped = exhibit.counted.run_up.saturating_sub(RUN_UP);
     Exhibit {
         subject: exhibit.subject.later(skipped),
-        timed: shorter(exhibit.timed),
+        timed: Effort { frames: timed.frames / 2, ..timed },
         counted: shorter(exhibit.counted),
         weight: exhibit.weight,
     }
