@@ -15,8 +15,8 @@ pub use parafovea_manifest::options::{
 };
 pub use parafovea_manifest::paths::Environment;
 pub use plan::{
-    gate_modes, gaze_settings, images_for_reuse, longest_period, plan_settings, wants_contrast, wants_maps,
-    wants_reuse,
+    PlannedDevice, gate_modes, gaze_settings, images_for_reuse, longest_period, plan_settings,
+    wants_contrast, wants_maps, wants_reuse,
 };
 
 use crate::abi::executable;

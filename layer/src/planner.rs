@@ -19,7 +19,9 @@ pub use seen::DebugOverlay;
 pub use views::{ShownView, View, Views, head_of};
 pub use watched::Watched;
 
-use crate::config::{Config, GazeSource, debug_view, gate_modes, gaze_settings, plan_settings, wants_maps};
+use crate::config::{
+    Config, GazeSource, PlannedDevice, debug_view, gate_modes, gaze_settings, plan_settings, wants_maps,
+};
 use crate::inputs::gaze::Look;
 use crate::link::PlanRecord;
 use frame_rate::FrameRate;
@@ -347,7 +349,13 @@ impl Planning {
             [0, 1].map(|axis: usize| left.extent[axis].max(right.extent[axis]))
         });
         let tile = tile_of(self.capabilities.texel(), extent);
-        let settings = plan_settings(config, self.capabilities.rates(), tile, self.capabilities.is_cpu());
+        let device = PlannedDevice {
+            rates: self.capabilities.rates(),
+            texel: tile,
+            is_cpu: self.capabilities.is_cpu(),
+            has_mask: self.capabilities.has_mask(),
+        };
+        let settings = plan_settings(config, &device);
         let safety = match config.gaze.source {
             GazeSource::Auto | GazeSource::Eyes | GazeSource::Osc | GazeSource::File => settings.safety,
             // Nothing moves: there is no change that could be seen, and every frame has the same rings.

@@ -114,6 +114,8 @@ choice! {
 choice! {
     /// Pixels for each shader invocation.
     PeripheralRate {
+        /// "4x4" on devices with shading rates; "4x2" with a mask, which loses more contrast at the same rate
+        Auto = "auto",
         /// two pixels per shader invocation
         R2x1 = "2x1",
         /// four pixels per shader invocation
@@ -226,11 +228,12 @@ presets! {
             rates.peripheral = PeripheralRate::R2x2;
             rates.greatest_loss = 4.0;
         }
-        /// on a GPU, coarse where that loses little contrast; on a CPU device, a sixteenth of the shading from 27 degrees on
+        /// on a GPU, coarse where that loses little contrast; on a CPU device, an eighth of the shading from 27 degrees on
         Balanced = "balanced" {}
         /// one and a half times the contrast loss of balanced on a GPU; on a CPU device, a sixteenth of the shading from 18 degrees on; users notice it at times
         Performance = "performance" {
             rates.transitional_deg = 18.39;
+            rates.peripheral = PeripheralRate::R4x4;
             rates.greatest_loss = 12.0;
             reuse.periods = Periods::of([1, 1, 2, 3, 3]);
         }
@@ -248,6 +251,7 @@ presets! {
         Paper = "paper" {
             audio.mode = AudioMode::Paper;
             rates.mode = RatesMode::Paper;
+            rates.peripheral = PeripheralRate::R4x4;
             rates.gate = RatesGate::On;
             reuse.mode = ReuseMode::Paper;
             chroma.mode = ChromaMode::Paper;
@@ -323,7 +327,7 @@ options! {
         /// Angle from the gaze at which the peripheral rate begins; between foveal_deg and this angle, rates become coarser step by step.
         transitional_deg: f32 = 27.08, 5.0..=110.0 "degrees";
         /// Coarsest shading rate, in pixels; a device without it uses the next finer one.
-        peripheral: PeripheralRate = PeripheralRate::R4x4;
+        peripheral: PeripheralRate = PeripheralRate::Auto;
         /// Greatest contrast loss of a tile for mode = "auto" and "audio-visual", in just-noticeable differences, with the loudest sound; up to 1.8 less with other sound and in silence. Tiles lose it only where that saves most.
         greatest_loss: f32 = 8.0, 0.0..=16.0 "";
         /// Shading rates in silence, for mode = "auto" and "audio-visual".

@@ -1,6 +1,6 @@
 //! Every number among the options of rates and chroma acts one way, over all of its allowed range.
 
-use super::{Config, chroma_settings, plan_settings};
+use super::{Config, PlannedDevice, chroma_settings, plan_settings};
 use glam::{Quat, Vec3};
 use parafovea_core::audio::AudioFeatures;
 use parafovea_core::chroma::{ChromaTemporalFilter, Curves};
@@ -30,7 +30,8 @@ fn config(settings: &str) -> Config {
 
 /// Shading of a view whose contrast rises from left to right, with a sound that hides as much as any, once nothing moves.
 fn shaded(config: &Config) -> f32 {
-    let settings = plan_settings(config, &VULKAN_RATES, [16; 2], true);
+    let device = PlannedDevice { rates: &VULKAN_RATES, texel: [16; 2], is_cpu: true, has_mask: false };
+    let settings = plan_settings(config, &device);
     let at_once = f32::INFINITY;
     let safety = SafetySettings {
         coarsening_octaves_per_s: at_once,

@@ -42,18 +42,26 @@ impl RatesSource {
     }
 }
 
-/// The settings of the planner, on a device that offers these rates, in any order, for tiles of `texel` pixels; `on_cpu` if a CPU renders.
-pub fn plan_settings(
-    config: &Config,
-    offered: &[ShadingRate],
-    texel: [u32; 2],
-    on_cpu: bool,
-) -> PlanSettings {
-    let fixed = fixed_foveation(config);
-    let rates = match RatesSource::of(config, on_cpu) {
+/// A device, as far as settings depend on it.
+#[derive(Clone, Copy, Debug)]
+pub struct PlannedDevice<'a> {
+    /// Its rates besides 1x1, in any order.
+    pub rates: &'a [ShadingRate],
+    /// Size of a tile, pixels.
+    pub texel: [u32; 2],
+    /// Whether it is a CPU.
+    pub is_cpu: bool,
+    /// Whether its rates are those of a mask.
+    pub has_mask: bool,
+}
+
+/// The settings of the planner, on a device.
+pub fn plan_settings(config: &Config, device: &PlannedDevice<'_>) -> PlanSettings {
+    let fixed = fixed_foveation(config, device.has_mask);
+    let rates = match RatesSource::of(config, device.is_cpu) {
         RatesSource::Nothing => RateSettings::Off,
         RatesSource::Rings => RateSettings::Fixed(fixed),
-        RatesSource::Contrast => RateSettings::AudioVisual(audio_visual(config)),
+        RatesSource::Contrast => RateSettings::AudioVisual(audio_visual(config, fixed)),
         RatesSource::Paper => RateSettings::AudioVisual(AudioVisual { fixed, ..AudioVisual::PAPER }),
     };
     // All seven rates of Vulkan follow the radii more closely than the paper's four, and never shade more.
@@ -64,8 +72,8 @@ pub fn plan_settings(
         schedule: update_settings(config),
         chroma: chroma_settings(config),
         safety: if is_paper { SafetySettings::PAPER } else { SafetySettings::default() },
-        device: DeviceRates { available: AvailableRates::among(wanted, offered), texel },
-        contrast_on_gpu: wants_contrast(config, on_cpu),
+        device: DeviceRates { available: AvailableRates::among(wanted, device.rates), texel: device.texel },
+        contrast_on_gpu: wants_contrast(config, device.is_cpu),
     }
 }
 
@@ -75,8 +83,7 @@ pub fn wants_contrast(config: &Config, on_cpu: bool) -> bool {
 }
 
 /// How sound and contrast lead to rates: by castleCSF, within the configured limits.
-fn audio_visual(config: &Config) -> AudioVisual {
-    let fixed = fixed_foveation(config);
+fn audio_visual(config: &Config, fixed: FixedFoveation) -> AudioVisual {
     let usual = AudioVisual::default();
     let silence = match config.rates.silence {
         SilenceRule::Fixed => avpm::SilenceRule::FixedFoveation,
@@ -162,11 +169,15 @@ fn update_settings(config: &Config) -> Option<UpdateSettings> {
     })
 }
 
-fn fixed_foveation(config: &Config) -> FixedFoveation {
+fn fixed_foveation(config: &Config, has_mask: bool) -> FixedFoveation {
     FixedFoveation {
         foveal_deg: config.rates.foveal_deg,
         transitional_deg: config.rates.transitional_deg,
         peripheral: match config.rates.peripheral {
+            // Blocks of a sixteenth are 16 pixels apart, and lose twice the contrast of the rate 4x4; an eighth costs 0.05 of the pixels and
+            // takes a quarter of that loss away (tests/baselines/fill.md, "Visible loss").
+            PeripheralRate::Auto if has_mask => ShadingRate::R4X2,
+            PeripheralRate::Auto => ShadingRate::R4X4,
             PeripheralRate::R2x1 => ShadingRate::R2X1,
             PeripheralRate::R2x2 => ShadingRate::R2X2,
             PeripheralRate::R4x2 => ShadingRate::R4X2,

@@ -1,6 +1,6 @@
 //! The capabilities of a device, as the planner takes them.
 
-use crate::link::{BACKEND_NONE, CapabilitiesRecord};
+use crate::link::{BACKEND_MASK, BACKEND_NONE, CapabilitiesRecord};
 use parafovea_core::rate::ShadingRate;
 use smallvec::SmallVec;
 
@@ -10,6 +10,7 @@ pub struct Capabilities {
     rates: SmallVec<[ShadingRate; 16]>,
     texel: [u32; 2],
     is_cpu: bool,
+    has_mask: bool,
 }
 
 impl Capabilities {
@@ -27,6 +28,11 @@ impl Capabilities {
     pub fn is_cpu(&self) -> bool {
         self.is_cpu
     }
+
+    /// Whether the rates are those of a mask.
+    pub fn has_mask(&self) -> bool {
+        self.has_mask
+    }
 }
 
 impl From<&CapabilitiesRecord> for Capabilities {
@@ -38,6 +44,7 @@ impl From<&CapabilitiesRecord> for Capabilities {
             rates: rates.filter(|rate| *rate != ShadingRate::R1X1).collect(),
             texel: record.texel,
             is_cpu: record.is_cpu == 1,
+            has_mask: record.backend == BACKEND_MASK,
         }
     }
 }
@@ -45,7 +52,7 @@ impl From<&CapabilitiesRecord> for Capabilities {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::BACKEND_MASK;
+    use crate::link::BACKEND_RATE_ATTACHMENT;
 
     #[test]
     fn has_the_coarser_rates_of_the_record() {
@@ -65,6 +72,9 @@ mod tests {
             "as many as it says, and no nonsense"
         );
         assert_eq!((capabilities.texel(), capabilities.is_cpu()), ([8, 16], false));
+        assert!(capabilities.has_mask());
+        let attachment = CapabilitiesRecord { backend: BACKEND_RATE_ATTACHMENT, ..record };
+        assert!(!Capabilities::from(&attachment).has_mask());
         assert!(Capabilities::from(&CapabilitiesRecord { is_cpu: 1, ..record }).is_cpu());
         assert!(
             Capabilities::from(&CapabilitiesRecord { rate_count: u32::MAX, ..record }).rates().len() == 3

@@ -63,7 +63,8 @@ mod tests {
                 Preset::Quality => "`rates.peripheral = \"2x2\"`, `rates.greatest_loss = 4.0`",
                 Preset::Balanced => "every default",
                 Preset::Performance => {
-                    "`rates.transitional_deg = 18.39`, `rates.greatest_loss = 12.0`, `reuse.periods = \"11233\"`"
+                    "`rates.transitional_deg = 18.39`, `rates.peripheral = \"4x4\"`, `rates.greatest_loss = 12.0`, \
+                     `reuse.periods = \"11233\"`"
                 }
                 Preset::Streaming => "`chroma.mode = \"default\"`",
                 Preset::Fixed => {
@@ -71,7 +72,7 @@ mod tests {
                      `rates.peripheral = \"2x2\"`"
                 }
                 Preset::Paper => {
-                    "`audio.mode = \"paper\"`, `rates.mode = \"paper\"`, `rates.gate = \"on\"`, \
+                    "`audio.mode = \"paper\"`, `rates.mode = \"paper\"`, `rates.gate = \"on\"`, `rates.peripheral = \"4x4\"`, \
                      `reuse.mode = \"paper\"`, `chroma.mode = \"paper\"`"
                 }
             };

@@ -4,17 +4,20 @@ use parafovea_core::chroma::{self, ChromaSettings};
 use parafovea_core::fixed_foveation::eccentricities_deg;
 use parafovea_core::geometry::Fov;
 
+const GPU: PlannedDevice<'_> =
+    PlannedDevice { rates: &VULKAN_RATES, texel: [16, 16], is_cpu: false, has_mask: false };
+
 fn settings(config: &Config) -> PlanSettings {
-    plan_settings(config, &VULKAN_RATES, [16, 16], false)
+    plan_settings(config, &GPU)
 }
 
-/// Presets with rings, and the share of a PICO 4's pixels that their rings shade: the table of manifest/GUIDE.md.
-const RINGS: [(Preset, f32); 5] = [
-    (Preset::Quality, 0.325),
-    (Preset::Balanced, 0.148),
-    (Preset::Performance, 0.107),
-    (Preset::Streaming, 0.148),
-    (Preset::Fixed, 0.466),
+/// Presets with rings, and the share of a PICO 4's pixels that their rings shade, without a mask and with one: the table of manifest/GUIDE.md.
+const RINGS: [(Preset, [f32; 2]); 5] = [
+    (Preset::Quality, [0.325; 2]),
+    (Preset::Balanced, [0.148, 0.206]),
+    (Preset::Performance, [0.107; 2]),
+    (Preset::Streaming, [0.148, 0.206]),
+    (Preset::Fixed, [0.466; 2]),
 ];
 
 /// 2160 x 2160 pixels at 105 degrees in tiles of 16 x 16, gaze ahead, without safety margins.
@@ -23,9 +26,31 @@ fn rings_of_presets_shade_the_documented_share() {
     let half = 52.5f32.to_radians();
     let plane = Fov { left: -half, right: half, up: half, down: -half }.tangents().plane([2160; 2]);
     let tiles = eccentricities_deg(&plane, [2160; 2], [16, 16], Vec3::NEG_Z);
-    for (preset, share) in RINGS {
-        let found = fixed_foveation(&Config::of_preset(preset)).mean_shading_rate(&tiles, &VULKAN_RATES);
-        assert!((found - share).abs() < 6e-4, "{preset:?}: {found}");
+    for (preset, shares) in RINGS {
+        for (has_mask, share) in [false, true].into_iter().zip(shares) {
+            let rings = fixed_foveation(&Config::of_preset(preset), has_mask);
+            let found = rings.mean_shading_rate(&tiles, &VULKAN_RATES);
+            assert!((found - share).abs() < 6e-4, "{preset:?}, mask {has_mask}: {found}");
+        }
+    }
+}
+
+#[test]
+fn a_mask_shades_at_least_an_eighth_unless_configured_otherwise() {
+    let peripheral = |config: &Config, has_mask| {
+        let device = PlannedDevice { is_cpu: true, has_mask, ..GPU };
+        match plan_settings(config, &device).rates {
+            RateSettings::Fixed(rings) => rings.peripheral,
+            other => panic!("{other:?}"),
+        }
+    };
+    let mut config = Config::default();
+    assert_eq!([false, true].map(|mask| peripheral(&config, mask)), [ShadingRate::R4X4, ShadingRate::R4X2]);
+    for (option, rate) in
+        [(PeripheralRate::R4x4, ShadingRate::R4X4), (PeripheralRate::R2x2, ShadingRate::R2X2)]
+    {
+        config.rates.peripheral = option;
+        assert_eq!([false, true].map(|mask| peripheral(&config, mask)), [rate; 2]);
     }
 }
 
@@ -33,10 +58,11 @@ fn rings_of_presets_shade_the_documented_share() {
 fn cheaper_presets_are_nowhere_finer() {
     let [quality, balanced, performance] =
         [Preset::Quality, Preset::Balanced, Preset::Performance].map(Config::of_preset);
-    for (finer, coarser) in [(&quality, &balanced), (&balanced, &performance)] {
+    let pairs = [(&quality, &balanced), (&balanced, &performance)];
+    for ((finer, coarser), has_mask) in pairs.into_iter().flat_map(|pair| [(pair, false), (pair, true)]) {
         for eccentricity in (0..1800).map(|tenth| tenth as f32 * 0.1) {
             let rate = |config: &Config| {
-                fixed_foveation(config).shading_rate_of(eccentricity, &VULKAN_RATES).fraction()
+                fixed_foveation(config, has_mask).shading_rate_of(eccentricity, &VULKAN_RATES).fraction()
             };
             assert!(rate(coarser) <= rate(finer), "at {eccentricity} degrees");
         }
@@ -51,7 +77,7 @@ fn cheaper_presets_are_nowhere_finer() {
 fn rings_of_presets_begin_outside_of_the_fovea() {
     let SafetySettings { least_foveal_deg, tracker_error_deg, .. } = SafetySettings::default();
     for (preset, _) in RINGS {
-        let rings = fixed_foveation(&Config::of_preset(preset));
+        let rings = fixed_foveation(&Config::of_preset(preset), false);
         assert_eq!(rings.rate_at(least_foveal_deg + tracker_error_deg), 1.0, "{preset:?}");
     }
 }
@@ -105,7 +131,7 @@ fn the_paper_preset_has_the_papers_rates_schedule_and_curves_and_no_safety_limit
 
 #[test]
 fn reuse_is_one_step_faster_in_pursuit_but_in_the_paper_preset() {
-    for (preset, _) in RINGS.into_iter().chain([(Preset::Paper, 0.0)]) {
+    for (preset, _) in RINGS.into_iter().chain([(Preset::Paper, [0.0; 2])]) {
         let mut config = Config::of_preset(preset);
         config.reuse.mode = ReuseMode::On;
         let updates = settings(&config).schedule.unwrap();
@@ -121,9 +147,11 @@ fn presets_measure_contrast_on_gpus_alone() {
         let config = Config::of_preset(preset);
         let found = [true, false].map(|on_cpu| wants_contrast(&config, on_cpu));
         assert_eq!(found, [false, true], "{preset:?}");
-        let on_cpu = plan_settings(&config, &VULKAN_RATES, [16, 16], true);
-        assert_eq!(on_cpu.rates, RateSettings::Fixed(fixed_foveation(&config)), "{preset:?}");
-        assert!(!on_cpu.contrast_on_gpu, "{preset:?}");
+        for has_mask in [false, true] {
+            let on_cpu = plan_settings(&config, &PlannedDevice { is_cpu: true, has_mask, ..GPU });
+            assert_eq!(on_cpu.rates, RateSettings::Fixed(fixed_foveation(&config, has_mask)), "{preset:?}");
+            assert!(!on_cpu.contrast_on_gpu, "{preset:?}");
+        }
     }
     let mut config = Config::of_preset(Preset::Fixed);
     assert_eq!([true, false].map(|on_cpu| wants_contrast(&config, on_cpu)), [false; 2]);
